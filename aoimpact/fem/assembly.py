@@ -1,8 +1,8 @@
 """Stiffness and consistent mass of a mesh of solid elements.
 
 Both matrices are blocks of 3 x 3 between pairs of nodes that share an element. Where each element's
-entries go is worked out once, for nodes; then every one of the six different blocks (xx … zz) is
-an array of sums, and no entry is ever stored twice.
+entries go is worked out once, for pairs of nodes; then they are added up where the matrices over
+dofs have them, and no entry is ever stored twice.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, bar, interruptible
+from ..base import FloatArray, IntArray, bar, interruptible
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
 from .composition import AnyMaterial, Piece, pieces
 from .material import Material
@@ -24,8 +24,9 @@ from .orthotropic import Orthotropic
 __all__ = ["stiffness_mass"]
 
 
-# Elements are taken so many at a time that the largest temporary stays in this size, bytes.
-_BATCH = 16e6
+# Elements are taken so many at a time that the largest temporary stays in this size, bytes: in the
+# caches.
+_BATCH = 4e6
 
 # The blocks of the upper triangle; the others are their transposes.
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -41,18 +42,21 @@ class _Pattern:
         Compressed rows: row a holds the nodes b that share an element with a, ascending.
     place : tuple of int32 arrays, shape (n_elements, n_local, n_local)
         Which of the pairs each entry of each element's matrix belongs to; for each block.
-    transposed : int32 array
-        For pair (a, b), which one is (b, a).
     """
 
     indptr: npt.NDArray[np.int32]
     indices: npt.NDArray[np.int32]
     place: tuple[npt.NDArray[np.int32], ...]
-    transposed: npt.NDArray[np.int32]
 
     @property
     def n_pairs(self) -> int:
         return len(self.indices)
+
+    def entries(self, place: Any, cells: IntArray) -> tuple[IntArray, IntArray]:
+        """Return where K has entry xx of pairs, and how far on that of the next row is."""
+        start = self.indptr[cells].astype(np.int64)[:, :, None]
+        length = self.indptr[cells + 1][:, :, None] - start
+        return 3 * place + 6 * start, 3 * length
 
 
 def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
@@ -73,22 +77,29 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
         N/m and kg. Exactly symmetric, column indices sorted.
     """
     pattern = interruptible(lambda: _pattern(mesh))
-    stiffness = np.zeros((len(_PAIRS), pattern.n_pairs))
-    mass = np.zeros(pattern.n_pairs)
+    stiffness, mass = np.zeros(9 * pattern.n_pairs), np.zeros(pattern.n_pairs)
     with bar("assembly", mesh.n_cells, unit="element") as progress:
         for piece in pieces(mesh, material):
-            place = pattern.place[mesh.blocks.index(piece.block)]
             for batch in piece.batches(_batch(piece.element)):
-                places = place[batch.rows].reshape(-1)
                 nodes = mesh.nodes[batch.cells]
-                for block, values in zip(stiffness, _stiffness(batch, nodes), strict=True):
-                    np.add.at(block, places, values.reshape(-1))
+                place = pattern.place[mesh.blocks.index(piece.block)][batch.rows]
+                _add_stiffness(stiffness, pattern, place, batch, nodes)
                 values = piece.material.rho * _mass(piece.element, nodes)
-                np.add.at(mass, places, values.reshape(-1))
+                np.add.at(mass, place.reshape(-1), values.reshape(-1))
                 progress.update(len(nodes))
-    return interruptible(
-        lambda: (_expand_stiffness(pattern, stiffness), _expand_mass(pattern, mass))
-    )
+    return interruptible(lambda: _over_dofs(pattern, stiffness, mass))
+
+
+def _add_stiffness(
+    K: FloatArray, pattern: _Pattern, place: Any, batch: Piece, nodes: FloatArray
+) -> None:
+    """Add the elements' stiffness to the entries of K, both triangles."""
+    first, row = pattern.entries(place, batch.cells)
+    for (i, j), block in zip(_PAIRS, _stiffness(batch, nodes), strict=True):
+        np.add.at(K, (first + i * row + j).reshape(-1), block.reshape(-1))
+        if i != j:
+            transposed = block.transpose(0, 2, 1)
+            np.add.at(K, (first + j * row + i).reshape(-1), transposed.reshape(-1))
 
 
 def _batch(element: ReferenceElement) -> int:
@@ -178,45 +189,35 @@ def _pattern(mesh: Mesh) -> _Pattern:
     place[by_row.data] = number
     indices = by_row.indices[first].astype(np.int32)
     indptr = np.concatenate([[0], number[by_row.indptr[1:] - 1] + 1]).astype(np.int32)
-    numbered = sp.csr_array(
-        (np.arange(len(indices), dtype=np.int32), indices, indptr), shape=by_row.shape
-    )
     ends = np.cumsum([block.size * block.shape[1] for block in blocks])
     places = tuple(
         part.reshape(*block.shape, block.shape[1])
         for part, block in zip(np.split(place, ends[:-1]), blocks, strict=True)
     )
-    return _Pattern(indptr, indices, places, numbered.tocsc().data)
+    return _Pattern(indptr, indices, places)
 
 
-def _expand_stiffness(pattern: _Pattern, upper: FloatArray) -> sp.csr_array:
-    """Make the CSR matrix over dofs of the blocks `_PAIRS`, each (n_pairs,)."""
-    blocks = np.empty((pattern.n_pairs, 3, 3))
-    for (i, j), block in zip(_PAIRS, upper, strict=True):
-        blocks[:, i, j] = block
-        if i != j:
-            blocks[:, j, i] = block[pattern.transposed]
-    n = 3 * (len(pattern.indptr) - 1)
-    bsr = sp.bsr_array((blocks, pattern.indices, pattern.indptr), shape=(n, n))
-    return _with_int32(bsr.tocsr())
-
-
-def _expand_mass(pattern: _Pattern, mass: FloatArray) -> sp.csr_array:
-    """Make the CSR matrix over dofs of a scalar matrix: M ⊗ I₃."""
-    n_nodes = len(pattern.indptr) - 1
-    lengths = np.diff(pattern.indptr)
-    row = np.repeat(np.arange(n_nodes), lengths)
-    # Row 3a starts where three copies of the rows before it end; its pairs keep their order.
-    target = np.arange(pattern.n_pairs) + 2 * pattern.indptr[row].astype(np.int64)
-    data = np.empty(3 * pattern.n_pairs)
-    indices = np.empty(3 * pattern.n_pairs, dtype=np.int32)
-    for component in range(3):
-        data[target] = mass
-        indices[target] = 3 * pattern.indices + component
-        target += lengths[row]
-    indptr = np.concatenate([[0], np.cumsum(np.repeat(lengths, 3))])
-    n = 3 * n_nodes
-    return _with_int32(sp.csr_array((data, indices, indptr), shape=(n, n)))
+def _over_dofs(
+    pattern: _Pattern, stiffness: FloatArray, mass: FloatArray
+) -> tuple[sp.csr_array, sp.csr_array]:
+    """Return K with these entries, and M ⊗ I₃ of a mass by pairs of nodes."""
+    whole: Any = np.int32 if len(stiffness) < 2**31 else np.int64
+    start, lengths = pattern.indptr[:-1, None].astype(whole), np.diff(pattern.indptr).astype(whole)
+    n, component = 3 * len(lengths), np.arange(3, dtype=whole)
+    indptr = np.zeros(n + 1, dtype=whole)
+    np.cumsum(np.repeat(lengths, 3), out=indptr[1:])
+    # Which pair each block of a row belongs to: node a's pairs once for each of its three rows.
+    before = (2 * start + lengths[:, None] * component).reshape(-1)
+    pair = np.arange(3 * pattern.n_pairs, dtype=whole)
+    pair -= np.repeat(before, np.diff(indptr))
+    masses, column = mass[pair], pattern.indices[pair].astype(whole, copy=False)
+    del pair
+    column *= 3
+    columns = (column[:, None] + component).reshape(-1)
+    K = sp.csr_array((stiffness, columns, 3 * indptr), shape=(n, n))
+    column += np.repeat(np.tile(component, n // 3), np.diff(indptr))
+    M = sp.csr_array((masses, column, indptr), shape=(n, n))
+    return _with_int32(K), _with_int32(M)
 
 
 def _with_int32(matrix: Any) -> sp.csr_array:

@@ -18,6 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError, MeshError
+from aoimpact.fem import model as model_module
 from aoimpact.fem.material import Material
 from aoimpact.fem.model import FEModel
 from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
@@ -623,3 +624,15 @@ def test_a_pickle_carries_the_mesh_and_not_what_is_assembled_from_it(fixed: Any)
     assert copy.copy(body).K is body.K
     with pytest.raises(AttributeError, match="has no attribute 'stiffness'"):
         body.stiffness  # noqa: B018
+
+
+@pytest.mark.parametrize("at_once", [100, 2**22])
+def test_supports_take_out_rows_and_columns(at_once: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the matrix's own arrays, some rows at a time: against SciPy's selection."""
+    monkeypatch.setattr(model_module, "_ENTRIES_AT_ONCE", at_once)
+    random = np.random.default_rng(4)
+    whole = sp.random_array((90, 90), density=0.2, rng=random, format="csr")
+    for free in (np.arange(0, 90, 2), np.arange(30, 60), np.array([0, 3, 88, 89]), np.arange(0)):
+        found = model_module._restrict(whole.copy(), free)
+        assert np.array_equal(found.toarray(), whole.toarray()[np.ix_(free, free)])
+        assert found.has_sorted_indices
