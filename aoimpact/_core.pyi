@@ -11,8 +11,10 @@ import numpy.typing as npt
 
 _F = npt.NDArray[np.float64]
 _I = npt.NDArray[np.int32]
+_Pattern = object
 _S = npt.NDArray[np.float32]
-_Blocks = tuple[_I, _I, _S, _S]
+_Blocks = tuple[_Pattern, _S, _S]
+_Part = tuple[int, int]
 _Sparse = tuple[_I, _I, _F]
 _Factors = tuple[_I, _I, _F, _F, _I, _I]
 _Law = tuple[Any, ...]
@@ -66,10 +68,25 @@ def star_to_modal(
     m0: float, k0: float, m: _F, k: _F, omega2: _F, participation: _F, work: _F, /
 ) -> int: ...
 def star_from_modal(omega2: _F, weight: _F, m: _F, k: _F, /) -> tuple[float, float]: ...
-def blocks_multiply(matrix: _Sparse, x: _F, y: _F, work: _F, /) -> None: ...
-def blocks_subtract(matrix: _Blocks, x: _S, r: _S, work: _S, /) -> None: ...
+def blocks_pattern(order: _I, start: _I, indices: _I, size: int, /) -> _Pattern: ...
+def blocks_multiply(
+    matrix: tuple[_Pattern, _F], part: _Part, stage: int, x: _F, y: _F, work: _F, /
+) -> None: ...
+def blocks_subtract(
+    matrix: _Blocks, part: _Part, stage: int, x: _S, r: _S, work: _S, /
+) -> None: ...
 def blocks_smooth(
-    matrix: _Blocks, steps: int, low: float, high: float, finish: bool, x: _S, r: _S, work: _S, /
+    matrix: _Blocks,
+    part: _Part,
+    stage: int,
+    steps: int,
+    low: float,
+    high: float,
+    finish: bool,
+    x: _S,
+    r: _S,
+    work: _S,
+    /,
 ) -> None: ...
 def graph_aggregate(start: _I, indices: _I, aggregate: _I, /) -> int: ...
 def factors_find_panels(start: _I, rows: _I, panel: _I, /) -> int: ...

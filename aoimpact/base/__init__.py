@@ -60,6 +60,7 @@ from .style import (
     new_axes,
     styled,
 )
+from .threads import at_once
 from .units import Scale, scale_for, with_unit
 
 __all__ = [
@@ -89,6 +90,7 @@ __all__ = [
     "WorkerError",
     "advance",
     "aligned",
+    "at_once",
     "available",
     "bar",
     "boolean",

@@ -5,6 +5,7 @@ matrices and where their rows lie in space, no bodies. For `fem`, `reduction` an
 with K and M.
 """
 
+from .cg import conjugate_gradients
 from .dense import dense_modes
 from .matrices import (
     LARGEST,
@@ -52,6 +53,7 @@ __all__ = [
     "check_mass",
     "check_stiffness",
     "checked_solver",
+    "conjugate_gradients",
     "core_rows",
     "dense_modes",
     "factorize",

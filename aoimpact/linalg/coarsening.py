@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from .. import _core
 from ..base import FloatArray, IntArray
 from ..mesh import Mesh
-from .smoother import diagonal_blocks
+from .blocks import diagonal_blocks
 
 __all__ = ["aggregated", "corner_interpolation"]
 

@@ -7,23 +7,25 @@ motions of no stiffness. The preconditioner works in single precision, the itera
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from .. import _core
-from ..base import ConvergenceError, FloatArray, SingularError, bar, interruptible
+from ..base import ConvergenceError, FloatArray, bar, interruptible
 from ..mesh import rigid_motions
+from .blocks import Blocks, slabs
+from .cg import conjugate_gradients
 from .coarsening import aggregated, corner_interpolation
 from .matrices import check_entries
 from .method import ROUGH, Inverse, Method
 from .pencil import Pencil
-from .smoother import Smoother, upper_blocks, work_length
+from .rows import congruent, rows_of
+from .smoother import Smoother
 from .superlu import estimated_entries, factorize
 
 __all__ = ["MULTIGRID", "Multigrid"]
@@ -53,6 +55,9 @@ _SHRINKS = 0.7
 # Three times what the worst bodies measured take: a cube takes 13, a sheet 150 times as long as
 # thick 142, a cube of ν = .499 169.
 _MOST_ITERATIONS = 500
+
+# Of M, while it is added to K: 50 MB.
+_ENTRIES_AT_ONCE = 2**22
 
 # Bytes that the set-up takes at most, per entry of K, beside K, M and the coarsest level's factors:
 # measured; and per entry of those.
@@ -120,26 +125,30 @@ class Multigrid:
         self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
         self._levels: list[_Level] = []
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
-            A, candidates, self._place = interruptible(lambda: _finest(pencil))
-            finest = A
+            A, candidates, places, self._place = interruptible(lambda: _finest(pencil))
             self._scale = float(A.diagonal().max())
             self._length = A.shape[0]
             self.sizes = [self._length]
+            # In blocks one matrix is read in a sixth of the time that K and M take.
+            self._blocks = interruptible(lambda: _in_parts(A, places))
+            self._work = np.empty(self._blocks.work_length)
             if pencil.mesh is not None and pencil.mesh.quadratic:
-                A, candidates = interruptible(partial(self._to_corners, A))
+                A, candidates, places = interruptible(partial(self._to_corners, A))
                 progress.update()
             affordable = _most_in_coarsest(pencil)
             while A.shape[0] > _DENSE and estimated_entries(A) > affordable:
-                A, candidates = interruptible(partial(self._to_aggregates, A, candidates))
+                A, candidates = interruptible(partial(self._to_aggregates, A, candidates, places))
+                places = None
                 progress.update()
             self._coarsest = factorize(A / self._scale, what=pencil.what)
-            # In blocks one matrix is read in a sixth of the time that K and M take.
-            self._blocks = interruptible(lambda: upper_blocks(finest))
-            self._work = np.empty(work_length(finest))
 
-    def _to_corners(self, A: Any) -> tuple[Any, FloatArray]:
+    def _smoother(self, A: Any, places: FloatArray | None, band: float) -> Smoother:
+        blocks = self._blocks if not self._levels else _in_parts(A, places)
+        return Smoother(A, blocks, scale=self._scale, band=band, what=self.pencil.what)
+
+    def _to_corners(self, A: Any) -> tuple[Any, FloatArray, FloatArray]:
         pencil = self.pencil
-        smoother = Smoother(A, scale=self._scale, band=_BAND_MESH, what=pencil.what)
+        smoother = self._smoother(A, None, _BAND_MESH)
         assert pencil.nodes is not None  # a body with a mesh has nodes
         assert pencil.free is not None
         nodes = np.unique(pencil.free // 3)
@@ -148,12 +157,13 @@ class Multigrid:
         weights = weights[nodes][:, kept]
         self._add(smoother, weights, width=3)
         motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[corners[kept]]
-        prolongation = sp.kron(weights, np.eye(3), format="bsr")
-        return self._coarse_matrix(A, prolongation, 3), motions
+        prolongation = sp.kron(weights, np.eye(3)).tobsr((3, 3))
+        return self._coarse_matrix(A, prolongation, 3), motions, pencil.nodes[corners[kept]]
 
-    def _to_aggregates(self, A: Any, candidates: FloatArray) -> tuple[Any, FloatArray]:
-        band = _BAND_AGGREGATES if self._levels else _BAND_MESH
-        smoother = Smoother(A, scale=self._scale, band=band, what=self.pencil.what)
+    def _to_aggregates(
+        self, A: Any, candidates: FloatArray, places: FloatArray | None
+    ) -> tuple[Any, FloatArray]:
+        smoother = self._smoother(A, places, _BAND_AGGREGATES if self._levels else _BAND_MESH)
         prolongation, coarse = aggregated(A, candidates, smoother.highest)
         if prolongation.shape[1] > _SHRINKS * prolongation.shape[0]:
             raise ConvergenceError(
@@ -171,7 +181,7 @@ class Multigrid:
 
     def _coarse_matrix(self, A: Any, prolongation: Any, size: int) -> Any:
         """Return Pᵀ A P, with something on the diagonal where candidates were dependent."""
-        coarse = _in_order((prolongation.T @ (A @ prolongation)).tobsr((size, size)))
+        coarse = _in_order(congruent(A, prolongation).tobsr((size, size)))
         empty = coarse.diagonal() == 0.0
         if empty.any():
             _add_to_diagonal(coarse, np.where(empty, self._scale, 0.0))
@@ -182,16 +192,31 @@ class Multigrid:
         """Return (K + s²M)⁻¹ `rhs` for one right-hand side (n,) or several (n, m)."""
         if rhs.ndim == 2:
             return np.column_stack([self.solve(column, tolerance) for column in rhs.T])
-        found, self.iterations = _conjugate_gradients(self, rhs, tolerance or self.tolerance)
-        return found
+        pencil, tolerance = self.pencil, tolerance or self.tolerance
+        found = conjugate_gradients(
+            self.product,
+            self.precondition,
+            rhs,
+            tolerance=tolerance,
+            most=_MOST_ITERATIONS,
+            what=pencil.what,
+            label=f"multigrid, {pencil.n} dofs",
+        )
+        if not found.left <= tolerance:
+            raise ConvergenceError(
+                f"solver 'multigrid' of {pencil.what} ({pencil.n} dofs) reached {found.left:.2g} "
+                f"of the right-hand side in {_MOST_ITERATIONS} iterations, {tolerance:g} was asked "
+                "for: the matrix is nearly singular (a mechanism, missing supports, ν near .5); "
+                "take another solver"
+            )
+        self.iterations = found.iterations
+        return found.x
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x."""
         padded = np.zeros(self._length)
         padded[self._place] = x
-        product = np.empty_like(padded)
-        _core.blocks_multiply(self._blocks, padded, product, self._work)
-        return product[self._place]
+        return self._blocks.multiply(padded, self._work)[self._place]
 
     def precondition(self, r: FloatArray) -> FloatArray:
         """Return one V-cycle applied to `r`."""
@@ -217,43 +242,48 @@ class Multigrid:
         return x
 
 
-def _finest(pencil: Pencil) -> tuple[Any, FloatArray, npt.NDArray[np.int64] | slice]:
-    """Return K + s²M in blocks, its motions of little stiffness, and where its dofs are in it."""
+def _in_parts(A: Any, places: FloatArray | None) -> Blocks:
+    return Blocks(A, None if places is None else slabs(places, A.blocksize[0]))
+
+
+_Finest = tuple[Any, FloatArray, FloatArray | None, npt.NDArray[np.int64] | slice]
+
+
+def _finest(pencil: Pencil) -> _Finest:
+    """Return K + s²M in blocks, its motions of little stiffness, and where nodes and dofs are."""
     if pencil.nodes is None or pencil.free is None:
         return _without_nodes(pencil)
     nodes, number = np.unique(pencil.free // 3, return_inverse=True)
     place = 3 * number + pencil.free % 3
     n = 3 * len(nodes)
-    A = _in_blocks(pencil.K, place, n)
+    A = _in_blocks(_placed(pencil.K, place, n))
     if pencil.s2:
-        M = _in_blocks(pencil.M, place, n)
-        if np.array_equal(A.indices, M.indices) and np.array_equal(A.indptr, M.indptr):
-            M.data *= pencil.s2
-            A.data += M.data
-        else:
-            A = A + pencil.s2 * M
+        A = _sum(A, pencil.s2, _placed(pencil.M, place, n))
     if len(place) < n:  # partly constrained nodes: their other dofs stay uncoupled
         fixed = np.ones(n)
         fixed[place] = 0.0
         _add_to_diagonal(A, float(A.diagonal().max()) * fixed)
     motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[nodes]
-    return A, motions, slice(None) if np.array_equal(place, np.arange(n)) else place
+    whole = np.array_equal(place, np.arange(n))
+    return A, motions, pencil.nodes[nodes], slice(None) if whole else place
 
 
-def _without_nodes(pencil: Pencil) -> tuple[Any, FloatArray, slice]:
+def _without_nodes(pencil: Pencil) -> tuple[Any, FloatArray, None, slice]:
     """Dofs of which nothing is known: three translations if K does not resist these, else one."""
     A = pencil.matrix()
     check_entries(A)
     moves = np.tile(np.eye(3), (A.shape[0] // 3 + 1, 1))[: A.shape[0]]
     inner = np.abs(pencil.K @ moves) <= _UNRESISTED * pencil.K.diagonal()[:, None]
     if A.shape[0] % 3 == 0 and inner.mean() > 0.5:  # the others are on nodes beside supports
-        return _in_order(A.tobsr((3, 3))), moves.reshape(-1, 3, 3), slice(None)
-    return _in_order(A.tobsr((1, 1))), np.ones((A.shape[0], 1, 1)), slice(None)
+        return _in_order(A.tobsr((3, 3))), moves.reshape(-1, 3, 3), None, slice(None)
+    return _in_order(A.tobsr((1, 1))), np.ones((A.shape[0], 1, 1)), None, slice(None)
 
 
-def _in_blocks(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:
-    """Return a CSR matrix with row i moved to row place[i] of n, in blocks of 3 x 3."""
+def _placed(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:
+    """Return a CSR matrix with row and column i moved to place[i] of n."""
     check_entries(matrix)
+    if np.array_equal(place, np.arange(n)):
+        return matrix
     if (np.diff(place) < 0).any():
         order = np.argsort(place)
         matrix, place = matrix[order][:, order], place[order]
@@ -261,7 +291,28 @@ def _in_blocks(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:
     indptr[place + 1] = np.diff(matrix.indptr)
     np.cumsum(indptr, out=indptr)
     indices = place.astype(np.int32)[matrix.indices]
-    return _in_order(sp.csr_array((matrix.data, indices, indptr), shape=(n, n)).tobsr((3, 3)))
+    return sp.csr_array((matrix.data, indices, indptr), shape=(n, n))
+
+
+def _in_blocks(matrix: Any) -> Any:
+    return _in_order(matrix.tobsr((3, 3)))
+
+
+def _sum(A: Any, factor: float, M: Any) -> Any:
+    """Return A + factor M of A in blocks, some rows at a time: M in blocks takes three times M."""
+    n = len(A.indptr) - 1
+    cuts = np.linspace(0, n, 2 + M.nnz // _ENTRIES_AT_ONCE, dtype=int).tolist()
+    for begin, end in pairwise(cuts):
+        some, own = _in_blocks(rows_of(M, 3 * begin, 3 * end)), slice(*A.indptr[[begin, end]])
+        starts = A.indptr[begin : end + 1] - A.indptr[begin]
+        alike = np.array_equal(some.indptr, starts)
+        if not (alike and np.array_equal(some.indices, A.indices[own])):
+            rest = M.copy()  # couples other nodes than A
+            rest.data[: M.indptr[3 * begin]] = 0.0
+            return _in_order(A + factor * _in_blocks(rest))
+        some.data *= factor
+        A.data[own] += some.data
+    return A
 
 
 def _in_order(A: Any) -> Any:
@@ -278,50 +329,6 @@ def _add_to_diagonal(A: Any, values: FloatArray) -> None:
     blocks = np.flatnonzero(A.indices == row)
     local = np.arange(size)
     A.data[blocks[:, None], local, local] += values.reshape(-1, size)
-
-
-def _conjugate_gradients(
-    multigrid: Multigrid, rhs: FloatArray, tolerance: float
-) -> tuple[FloatArray, int]:
-    """Return the solution to the tolerance, and how many iterations it took.
-
-    With β after Polak and Ribière, which forgives a preconditioner its rounding.
-    """
-    pencil = multigrid.pencil
-    x, r = np.zeros_like(rhs), rhs.copy()
-    load = float(np.linalg.norm(rhs))
-    if load == 0.0:
-        return x, 0
-    z = multigrid.precondition(r)
-    p, rz, reached = z, float(r @ z), 0.0
-    with bar(f"multigrid, {pencil.n} dofs", -math.log10(tolerance), unit="digit") as progress:
-        for iteration in range(1, _MOST_ITERATIONS + 1):
-            along = multigrid.product(p)
-            curvature = float(p @ along)
-            if not (curvature > 0.0 and rz > 0.0):
-                raise SingularError(
-                    f"{pencil.what} is singular or not positive definite: a motion has a stiffness "
-                    f"of {curvature:.2g}"
-                )
-            step = rz / curvature
-            x += step * p
-            before = r
-            r = r - step * along
-            size = float(np.linalg.norm(r)) / load
-            if size <= tolerance:
-                return x, iteration
-            digits = max(reached, -math.log10(size))
-            progress.update(digits - reached)
-            reached = digits
-            z = multigrid.precondition(r)
-            rz_next = float(r @ z)
-            p = z + (rz_next - float(before @ z)) / rz * p
-            rz = rz_next
-    raise ConvergenceError(
-        f"solver 'multigrid' of {pencil.what} ({pencil.n} dofs) reached {size:.2g} of the "
-        f"right-hand side in {_MOST_ITERATIONS} iterations, {tolerance:g} was asked for: the "
-        "matrix is nearly singular (a mechanism, missing supports, ν near .5); take another solver"
-    )
 
 
 def _set_up(pencil: Pencil) -> Inverse:

@@ -12,6 +12,7 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, interruptible
 from .fill import graph_width
+from .rows import Rows
 
 __all__ = ["Pencil"]
 
@@ -89,8 +90,17 @@ class Pencil:
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x without that matrix."""
-        y: FloatArray = self.K @ x
-        return y + self.s2 * (self.M @ x) if self.s2 else y
+        kx, mx = self.products(x)
+        return kx + self.s2 * mx
+
+    def products(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return K x and M x."""
+        K, M = self._rows
+        return K @ x, M @ x
+
+    @cached_property
+    def _rows(self) -> tuple[Rows, Rows]:
+        return Rows(self.K), Rows(self.M)
 
     @cached_property
     def scale(self) -> float:

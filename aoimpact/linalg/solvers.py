@@ -133,7 +133,7 @@ class LinearSolver:
         x, before = self._unchecked(rhs, inverse), np.inf
         for _ in range(_REFINEMENTS + 1):
             with np.errstate(over="ignore", invalid="ignore"):
-                kx, mx = self.pencil.K @ x, self.pencil.M @ x
+                kx, mx = self.pencil.products(x)
                 residual = rhs - (kx + self.s2 * mx)
                 excess = self._excess(residual, rhs, x, tolerance)
             if excess <= 1.0:

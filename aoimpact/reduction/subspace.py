@@ -23,6 +23,7 @@ from ..linalg import (
     Solver,
     SolverBook,
     checked_solver,
+    conjugate_gradients,
     core_rows,
     stays_quickest,
 )
@@ -280,9 +281,9 @@ class Subspace:
         ]
 
     def _within(self) -> Callable[[FloatArray], FloatArray] | None:
-        """f, shape (m, n_dofs), ↦ K⁻¹ f in the span of the vectors so far, their coordinates."""
+        """Vᵀf, of the vectors V so far, ↦ the coordinates of K⁻¹ f in their span."""
         new = slice(self._given, self._count)
-        vectors, stiffness = self._basis[new], self._stiffness[new, new]
+        stiffness = self._stiffness[new, new]
         if not (stiffness.diagonal() > 0.0).all():  # rounding of K, or a mechanism
             return None
         scale = 1.0 / np.sqrt(stiffness.diagonal())
@@ -291,10 +292,8 @@ class Subspace:
         except np.linalg.LinAlgError:
             return None
 
-        def solve(loads: FloatArray) -> FloatArray:
-            found: FloatArray = (
-                scale * scipy.linalg.cho_solve(factors, (loads @ vectors.T * scale).T).T
-            )
+        def solve(load: FloatArray) -> FloatArray:
+            found: FloatArray = scale * scipy.linalg.cho_solve(factors, scale * load)
             return found
 
         return solve
@@ -305,7 +304,7 @@ class Subspace:
         if solve is None:
             return found, np.inf
         new = slice(self._given, self._count)
-        found[:, new] = solve(loads)
+        found[:, new] = [solve(self._basis[new] @ load) for load in loads]
         rest = loads - (self.body.K @ (found[:, new] @ self._basis[new]).T).T
         sizes = np.linalg.norm(loads, axis=1)
         return found, float((np.linalg.norm(rest, axis=1) / np.where(sizes > 0, sizes, 1.0)).max())
@@ -321,20 +320,26 @@ class Subspace:
             return None
         vectors = self._basis[self._given : self._count]
 
-        def both(r: FloatArray) -> FloatArray:
-            coarse: FloatArray = solve(r[None])[0] @ vectors
-            return precondition(r) + coarse
+        def within(r: FloatArray) -> FloatArray:
+            # No BLAS here, whose threads keep the cores busy after a product.
+            loads = np.einsum("ij,j->i", vectors, r)
+            found: FloatArray = np.einsum("i,ij->j", solve(loads), vectors)
+            return found
 
-        x: FloatArray
-        x, failed = scipy.sparse.linalg.cg(
-            self.body.K,
-            load,
-            x0=solve(load[None])[0] @ vectors,
-            rtol=_ITERATED,
-            maxiter=_MOST_ITERATIONS,
-            M=scipy.sparse.linalg.LinearOperator(self.body.K.shape, matvec=both, dtype=float),
-        )
-        return None if failed else x
+        try:
+            found = conjugate_gradients(
+                lambda x: dynamic.pencil.products(x)[0],
+                lambda r: precondition(r) + within(r),
+                load,
+                tolerance=_ITERATED,
+                most=_MOST_ITERATIONS,
+                what="the stiffness matrix",
+                label=f"static mode, {self.body.n_dofs} dofs",
+                start=within(load),
+            )
+        except SingularError:
+            return None
+        return found.x if found.left <= _ITERATED else None
 
     def _outside(self, place: int, x: FloatArray) -> FloatArray:
         """Put what is new of a static mode found by other means in its place in the basis."""

@@ -1,6 +1,6 @@
-/* r -= A x for a symmetric matrix of blocks of which one triangle is stored. Included once for each
- * precision: REAL is its type and OF(x) a name of its own. Vectors have aoi_four_width numbers a node
- * but where they are spread and gathered. */
+/* r -= A x for some rows of a symmetric matrix of blocks. Included once for each precision: REAL is its
+ * type and OF(x) a name of its own. Vectors have aoi_four_width numbers a node but where they are spread
+ * and gathered. */
 #include "linear/four.h"
 #include "linear/multigrid.h"
 
@@ -9,41 +9,43 @@
 #define OF(x) aoi_single_##x
 #endif
 
-static inline void OF(widen)(size_t n, size_t b, const REAL *x, REAL *wide)
+static inline void OF(widen)(const aoi_blocks *matrix, size_t b, aoi_part part, const REAL *x, REAL *wide)
 {
     const size_t width = aoi_four_width(b);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t row = part.begin; row < part.end; row++) {
+        const size_t i = (size_t)matrix->order[row];
         for (size_t k = 0; k < width; k++) {
             wide[width * i + k] = k < b ? x[b * i + k] : 0;
         }
     }
 }
 
-static inline void OF(narrow)(size_t n, size_t b, const REAL *wide, REAL *x)
+static inline void OF(narrow)(const aoi_blocks *matrix, size_t b, aoi_part part, const REAL *wide, REAL *x)
 {
     const size_t width = aoi_four_width(b);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t row = part.begin; row < part.end; row++) {
+        const size_t i = (size_t)matrix->order[row];
         for (size_t k = 0; k < b; k++) {
             x[b * i + k] = wide[width * i + k];
         }
     }
 }
 
-static void OF(spread)(const aoi_blocks *matrix, const REAL *x, REAL *wide)
+static void OF(spread)(const aoi_blocks *matrix, aoi_part part, const REAL *x, REAL *wide)
 {
     if (matrix->size == 3) {
-        OF(widen)(matrix->n, 3, x, wide);
+        OF(widen)(matrix, 3, part, x, wide);
     } else {
-        OF(widen)(matrix->n, matrix->size, x, wide);
+        OF(widen)(matrix, matrix->size, part, x, wide);
     }
 }
 
-static void OF(gather)(const aoi_blocks *matrix, const REAL *wide, REAL *x)
+static void OF(gather)(const aoi_blocks *matrix, aoi_part part, const REAL *wide, REAL *x)
 {
     if (matrix->size == 3) {
-        OF(narrow)(matrix->n, 3, wide, x);
+        OF(narrow)(matrix, 3, part, wide, x);
     } else {
-        OF(narrow)(matrix->n, matrix->size, wide, x);
+        OF(narrow)(matrix, matrix->size, part, wide, x);
     }
 }
 
@@ -69,14 +71,22 @@ static inline void OF(across)(size_t b, const REAL *block, const REAL *x, REAL *
     }
 }
 
-/* The blocks of 3 x 3 right of the diagonal in row i, and their transposes in column i. A row of a
- * block is read with the number that follows it: after the last one there is the last diagonal. */
-static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, size_t i, const REAL *x,
-                                REAL *r)
+/* The blocks of 3 x 3 of a row but the diagonal one, at p = diagonal: those before it serve row i alone,
+ * those behind it column i as well. A row of a block is read with the number that follows it: the last
+ * block of all is a diagonal one. */
+static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, size_t row, size_t diagonal,
+                                const REAL *x, REAL *r)
 {
+    const size_t i = (size_t)matrix->order[row];
     const OF(four) x0 = OF(fill)(x[4 * i]), x1 = OF(fill)(x[4 * i + 1]), x2 = OF(fill)(x[4 * i + 2]);
     OF(four) sum[3] = {OF(fill)(0), OF(fill)(0), OF(fill)(0)};
-    for (size_t p = (size_t)matrix->start[i] + 1; p < (size_t)matrix->start[i + 1]; p++) {
+    for (size_t p = (size_t)matrix->start[row]; p < diagonal; p++) {
+        const OF(four) part = OF(load)(x + 4 * (size_t)matrix->indices[p]);
+        for (size_t k = 0; k < 3; k++) {
+            sum[k] = OF(plus)(sum[k], OF(load)(values + 9 * p + 3 * k), part);
+        }
+    }
+    for (size_t p = diagonal + 1; p < (size_t)matrix->start[row + 1]; p++) {
         const size_t j = 4 * (size_t)matrix->indices[p];
         const OF(four) part = OF(load)(x + j), other = OF(load)(r + j);
         const OF(four) b0 = OF(load)(values + 9 * p), b1 = OF(load)(values + 9 * p + 3),
@@ -93,36 +103,44 @@ static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, si
     }
 }
 
-/* r_i -= A_ij x_j and r_j -= A_ji x_i for all j that row i stores: r_i is complete then, since the rows
- * before it have left their part. b is the size of a block: a constant wherever speed matters. */
-static inline void OF(row)(const aoi_blocks *matrix, const REAL *values, size_t b, size_t i,
+/* r_i -= A_ij x_j for all j that the row stores, and r_j -= A_ji x_i for those behind the diagonal: r_i is
+ * complete then, since the rows before it have left their part. b is the size of a block: a constant
+ * wherever speed matters. */
+static inline void OF(row)(const aoi_blocks *matrix, const REAL *values, size_t b, size_t row,
                            const REAL *x, REAL *r)
 {
-    const size_t width = aoi_four_width(b), diagonal = (size_t)matrix->start[i];
+    const size_t i = (size_t)matrix->order[row], width = aoi_four_width(b);
+    size_t diagonal = (size_t)matrix->start[row];
+    while ((size_t)matrix->indices[diagonal] != i) {
+        diagonal++;
+    }
     OF(along)(b, values + b * b * diagonal, x + width * i, r + width * i);
     if (b == 3) {
-        OF(others_3)(matrix, values, i, x, r);
+        OF(others_3)(matrix, values, row, diagonal, x, r);
         return;
     }
-    for (size_t p = diagonal + 1; p < (size_t)matrix->start[i + 1]; p++) {
+    for (size_t p = (size_t)matrix->start[row]; p < diagonal; p++) {
+        OF(along)(b, values + b * b * p, x + width * (size_t)matrix->indices[p], r + width * i);
+    }
+    for (size_t p = diagonal + 1; p < (size_t)matrix->start[row + 1]; p++) {
         const size_t j = (size_t)matrix->indices[p];
         OF(along)(b, values + b * b * p, x + width * j, r + width * i);
         OF(across)(b, values + b * b * p, x + width * i, r + width * j);
     }
 }
 
-static void OF(rows)(const aoi_blocks *matrix, const REAL *values, const REAL *x, REAL *r)
+static void OF(rows)(const aoi_blocks *matrix, aoi_part part, const REAL *values, const REAL *x, REAL *r)
 {
-    for (size_t i = 0; i < matrix->n; i++) {
+    for (size_t row = part.begin; row < part.end; row++) {
         switch (matrix->size) {
         case 3:
-            OF(row)(matrix, values, 3, i, x, r);
+            OF(row)(matrix, values, 3, row, x, r);
             break;
         case 6:
-            OF(row)(matrix, values, 6, i, x, r);
+            OF(row)(matrix, values, 6, row, x, r);
             break;
         default:
-            OF(row)(matrix, values, matrix->size, i, x, r);
+            OF(row)(matrix, values, matrix->size, row, x, r);
         }
     }
 }

@@ -1,7 +1,7 @@
 /* Smoothing in multigrid: Chebyshev steps on a matrix of small blocks, preconditioned by its
  * diagonal blocks (Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., algorithm 12.1;
  * Adams, Brezina, Hu and Tuminaro, J. Comput. Phys. 188, 2003). What takes the time is to read the
- * matrix from memory: hence single precision, and only one of its triangles. */
+ * matrix from memory: hence single precision, of most of it only one triangle, and several threads. */
 #include "linear/four.h"
 #include "linear/multigrid.h"
 #include "linear/sparse.h"
@@ -18,47 +18,79 @@
 #define OF(x) aoi_exact_##x
 #include "linear/block_rows.h"
 
-int aoi_blocks_check(const aoi_blocks *matrix, size_t stored_count)
+/* The block of the diagonal, or stored_count where the row is not sound. */
+static size_t find_diagonal(const aoi_blocks *matrix, size_t row, size_t stored_count)
 {
-    const aoi_sparse pattern = {matrix->n, matrix->start, matrix->indices, NULL};
-    if (matrix->size < 1 || matrix->size > AOI_BLOCKS_WIDEST ||
-        aoi_sparse_check(&pattern, stored_count) != AOI_OK) {
+    const int32_t i = matrix->order[row], n = (int32_t)matrix->n, *indices = matrix->indices;
+    int32_t p = matrix->start[row];
+    const int32_t end = matrix->start[row + 1];
+    int wrong = i < 0 || i >= n || p < 0 || (size_t)end > stored_count;
+    for (; !wrong && p < end && indices[p] != i; p++) {
+        wrong = indices[p] < 0 || indices[p] >= n;
+    }
+    if (wrong || p >= end) {
+        return stored_count;
+    }
+    for (int32_t q = p + 1; q < end; q++) {
+        wrong |= (indices[q] <= i) | (indices[q] >= n);
+    }
+    return wrong ? stored_count : (size_t)p;
+}
+
+int aoi_blocks_check(const aoi_blocks *matrix, aoi_part part, size_t stored_count)
+{
+    if (matrix->size < 1 || matrix->size > AOI_BLOCKS_WIDEST || part.begin > part.end ||
+        part.end > matrix->n) {
         return AOI_ERROR_ARGUMENT;
     }
-    for (size_t i = 0; i < matrix->n; i++) {
-        const int32_t diagonal = matrix->start[i], end = matrix->start[i + 1];
-        if (diagonal == end || (size_t)matrix->indices[diagonal] != i) {
+    for (size_t row = part.begin; row < part.end; row++) {
+        const size_t diagonal = find_diagonal(matrix, row, stored_count);
+        if (diagonal == stored_count || (row + 1 == matrix->n && diagonal + 1 != stored_count)) {
             return AOI_ERROR_ARGUMENT;
-        }
-        for (int32_t p = diagonal + 1; p < end; p++) {
-            if ((size_t)matrix->indices[p] <= i) {
-                return AOI_ERROR_ARGUMENT;
-            }
         }
     }
     return AOI_OK;
 }
 
-void aoi_blocks_subtract(const aoi_blocks *matrix, const float *x, float *r, float *work)
+void aoi_blocks_subtract(const aoi_blocks *matrix, aoi_part part, int stage, const float *x, float *r,
+                         float *work)
 {
     float *wide = work + aoi_four_width(matrix->size) * matrix->n;
-    aoi_single_spread(matrix, r, work);
-    aoi_single_spread(matrix, x, wide);
-    aoi_single_rows(matrix, matrix->values, wide, work);
-    aoi_single_gather(matrix, work, r);
+    if (stage == 0) {
+        aoi_single_spread(matrix, part, r, work);
+        aoi_single_spread(matrix, part, x, wide);
+    } else {
+        aoi_single_rows(matrix, part, matrix->values, wide, work);
+        aoi_single_gather(matrix, part, work, r);
+    }
 }
 
-void aoi_blocks_multiply(const aoi_blocks *matrix, const double *values, const double *x, double *y,
-                         double *work)
+/* y = -y of a part. */
+static void negate(const aoi_blocks *matrix, aoi_part part, double *y)
 {
-    const size_t length = aoi_four_width(matrix->size) * matrix->n;
-    memset(work, 0, length * sizeof *work);
-    aoi_exact_spread(matrix, x, work + length);
-    aoi_exact_rows(matrix, values, work + length, work);
-    aoi_exact_gather(matrix, work, y);
-    for (size_t k = 0; k < matrix->size * matrix->n; k++) {
-        y[k] = -y[k];
+    for (size_t row = part.begin; row < part.end; row++) {
+        double *of = y + matrix->size * (size_t)matrix->order[row];
+        for (size_t k = 0; k < matrix->size; k++) {
+            of[k] = -of[k];
+        }
     }
+}
+
+void aoi_blocks_multiply(const aoi_blocks *matrix, aoi_part part, int stage, const double *values,
+                         const double *x, double *y, double *work)
+{
+    double *wide = work + aoi_four_width(matrix->size) * matrix->n;
+    if (stage == 0) {
+        aoi_exact_spread(matrix, part, x, wide);
+        return;
+    }
+    for (size_t row = part.begin; row < part.end; row++) {
+        const size_t width = aoi_four_width(matrix->size);
+        memset(work + width * (size_t)matrix->order[row], 0, width * sizeof *work);
+    }
+    aoi_exact_rows(matrix, part, values, wide, work);
+    aoi_exact_gather(matrix, part, work, y);
+    negate(matrix, part, y);
 }
 
 /* One step: next = keep d + add D^-1 (r - A d), with r - A d left in r, and x += next. d of other
@@ -81,10 +113,10 @@ static inline float by_inverse(const aoi_blocks *matrix, size_t b, size_t i, siz
     return sum;
 }
 
-static inline void step_row(const aoi_blocks *matrix, size_t b, size_t i, const chebyshev *step)
+static inline void step_row(const aoi_blocks *matrix, size_t b, size_t row, const chebyshev *step)
 {
-    const size_t at = aoi_four_width(b) * i;
-    aoi_single_row(matrix, matrix->values, b, i, step->d, step->r);
+    const size_t i = (size_t)matrix->order[row], at = aoi_four_width(b) * i;
+    aoi_single_row(matrix, matrix->values, b, row, step->d, step->r);
     for (size_t k = 0; k < b; k++) {
         const float change =
             step->keep * step->d[at + k] + step->add * by_inverse(matrix, b, i, k, step->r);
@@ -93,69 +125,87 @@ static inline void step_row(const aoi_blocks *matrix, size_t b, size_t i, const 
     }
 }
 
-static void take_step(const aoi_blocks *matrix, const chebyshev *step)
+static void take_step(const aoi_blocks *matrix, aoi_part part, const chebyshev *step)
 {
-    for (size_t i = 0; i < matrix->n; i++) {
+    for (size_t row = part.begin; row < part.end; row++) {
         switch (matrix->size) {
         case 3:
-            step_row(matrix, 3, i, step);
+            step_row(matrix, 3, row, step);
             break;
         case 6:
-            step_row(matrix, 6, i, step);
+            step_row(matrix, 6, row, step);
             break;
         default:
-            step_row(matrix, matrix->size, i, step);
+            step_row(matrix, matrix->size, row, step);
         }
     }
 }
 
-/* d = add D^-1 r, x += d. */
+/* d = add D^-1 r, x += d. The fourth floats of d and next will be read. */
 static inline void start_row(const aoi_blocks *matrix, size_t b, size_t i, float add, float *d,
-                             float *x, const float *r)
+                             float *next, float *x, const float *r)
 {
-    for (size_t k = 0; k < b; k++) {
-        const float change = add * by_inverse(matrix, b, i, k, r);
-        d[aoi_four_width(b) * i + k] = change;
-        x[b * i + k] += change;
-    }
-}
-
-static void first_step(const aoi_blocks *matrix, float add, float *d, float *x, const float *r)
-{
-    for (size_t i = 0; i < matrix->n; i++) {
-        if (matrix->size == 3) {
-            start_row(matrix, 3, i, add, d, x, r);
-        } else {
-            start_row(matrix, matrix->size, i, add, d, x, r);
+    const size_t width = aoi_four_width(b);
+    for (size_t k = 0; k < width; k++) {
+        const float change = k < b ? add * by_inverse(matrix, b, i, k, r) : 0.0f;
+        d[width * i + k] = next[width * i + k] = change;
+        if (k < b) {
+            x[b * i + k] += change;
         }
     }
 }
 
-int aoi_blocks_smooth(const aoi_blocks *matrix, size_t steps, double low, double high, int finish,
-                      float *x, float *r, float *work)
+static void first_step(const aoi_blocks *matrix, aoi_part part, float add, float *d, float *next, float *x,
+                       const float *r)
+{
+    for (size_t row = part.begin; row < part.end; row++) {
+        const size_t i = (size_t)matrix->order[row];
+        if (matrix->size == 3) {
+            start_row(matrix, 3, i, add, d, next, x, r);
+        } else {
+            start_row(matrix, matrix->size, i, add, d, next, x, r);
+        }
+    }
+}
+
+/* The step of that number, from 1 on, with rho of Chebyshev's recurrence. */
+static chebyshev step_of(size_t stage, double low, double high)
+{
+    const double middle = 0.5 * (high + low), half = 0.5 * (high - low);
+    double rho = half / middle, before = rho;
+    for (size_t k = 1; k <= stage; k++) {
+        before = rho;
+        rho = 1.0 / (2.0 * middle / half - before);
+    }
+    return (chebyshev){.keep = (float)(rho * before), .add = (float)(2.0 * rho / half)};
+}
+
+int aoi_blocks_smooth(const aoi_blocks *matrix, aoi_part part, size_t stage, size_t steps, double low,
+                      double high, int finish, float *x, float *r, float *work)
 {
     const size_t length = aoi_four_width(matrix->size) * matrix->n;
-    const double middle = 0.5 * (high + low), half = 0.5 * (high - low);
-    float *wide = work, *d = work + length, *next = work + 2 * length;
-    double rho = half / middle;
-    if (!(low > 0.0 && high > low && high < HUGE_VAL) || steps < 1) {
+    float *wide = work, *changes[2] = {work + length, work + 2 * length};
+    if (!(low > 0.0 && high > low && high < HUGE_VAL) || steps < 1 || stage > steps) {
         return AOI_ERROR_ARGUMENT;
     }
-    aoi_single_spread(matrix, r, wide);
-    memset(d, 0, 2 * length * sizeof *d); /* the fourth floats are read */
-    first_step(matrix, (float)(1.0 / middle), d, x, wide);
-    for (size_t k = 1; k < steps; k++) {
-        const double rho_next = 1.0 / (2.0 * middle / half - rho);
-        const float keep = (float)(rho_next * rho), add = (float)(2.0 * rho_next / half);
-        take_step(matrix, &(chebyshev){keep, add, d, next, x, wide});
-        float *swapped = d;
-        d = next;
-        next = swapped;
-        rho = rho_next;
+    if (stage == 0) {
+        const float add = (float)(2.0 / (high + low));
+        aoi_single_spread(matrix, part, r, wide);
+        first_step(matrix, part, add, changes[0], changes[1], x, wide);
+        return AOI_OK;
+    }
+    chebyshev step = step_of(stage, low, high);
+    step.d = changes[(stage - 1) % 2];
+    step.next = changes[stage % 2];
+    step.x = x;
+    step.r = wide;
+    if (stage < steps) {
+        take_step(matrix, part, &step);
+        return AOI_OK;
     }
     if (finish) {
-        aoi_single_rows(matrix, matrix->values, d, wide);
+        aoi_single_rows(matrix, part, matrix->values, step.d, wide);
     }
-    aoi_single_gather(matrix, wide, r);
+    aoi_single_gather(matrix, part, wide, r);
     return AOI_OK;
 }

@@ -5,34 +5,46 @@
 #include "aoimpact.h"
 
 /* A symmetric matrix of n x n blocks of size x size, in single precision: it only ever helps a solver
- * that checks in double. Row i has the blocks indices[p], values[size^2 p ...] (by rows) for
- * start[i] <= p < start[i+1]: the diagonal one first, then those right of it; those left of it are
- * not stored. inverse: of each diagonal block, n size^2 values. As work the functions below want
- * AOI_BLOCKS_WORK n (size + 1) numbers. */
+ * that checks in double. Its rows come in parts, which threads share out; order has each row once, part
+ * by part, ascending in each. Row order[k] has the blocks indices[p], values[size^2 p ...] (by rows)
+ * for start[k] <= p < start[k+1]: those in columns of other parts, the diagonal one, then those right
+ * of it in its own part. Of its own part those left of the diagonal are not stored. The last block of
+ * all is a diagonal one. inverse: of the diagonal block of each row, n size^2 values. As work the
+ * functions below want AOI_BLOCKS_WORK n (size + 1) numbers. */
 enum { AOI_BLOCKS_WIDEST = 6, AOI_BLOCKS_WORK = 3 };
 typedef struct aoi_blocks {
     size_t n, size;
-    const int32_t *start, *indices;
+    const int32_t *order, *start, *indices;
     const float *values, *inverse;
 } aoi_blocks;
 
-/* Checks that an aoi_blocks of stored_count blocks can be read safely, has the diagonal first in
- * each row, and is of a size that is dealt with (1 ... AOI_BLOCKS_WIDEST). */
-int aoi_blocks_check(const aoi_blocks *matrix, size_t stored_count);
+/* Rows order[begin] ... order[end-1]. The functions below work on one part, in stages: every part must
+ * have ended a stage before any begins the next, and has the same arguments in all. Parts of a stage
+ * may go on at the same time; the result is the same, bit for bit. */
+typedef struct aoi_part {
+    size_t begin, end;
+} aoi_part;
 
-/* r -= A x; x and r of n size floats, not overlapping. work: floats. */
-void aoi_blocks_subtract(const aoi_blocks *matrix, const float *x, float *r, float *work);
+/* Checks that a part of an aoi_blocks of stored_count blocks can be read safely, has a diagonal block in
+ * each row and none left of it behind, and is of a size that is dealt with (1 ... AOI_BLOCKS_WIDEST).
+ * Where parts begin is not checked: blocks in the wrong place give wrong numbers. */
+int aoi_blocks_check(const aoi_blocks *matrix, aoi_part part, size_t stored_count);
 
-/* y = A x in double precision, with A's entries by `values`, stored as the matrix's own; x and y of n
- * size doubles, not overlapping. The matrix's values and inverse are not looked at. work: doubles. */
-void aoi_blocks_multiply(const aoi_blocks *matrix, const double *values, const double *x, double *y,
-                         double *work);
+/* r -= A x, in stages 0 and 1; x and r of n size floats, not overlapping. work: floats. */
+void aoi_blocks_subtract(const aoi_blocks *matrix, aoi_part part, int stage, const float *x, float *r,
+                         float *work);
+
+/* y = A x in double precision, in stages 0 and 1, with A's entries by `values`, stored as the matrix's
+ * own; x and y of n size doubles, not overlapping. The matrix's values and inverse are not looked at.
+ * work: doubles. */
+void aoi_blocks_multiply(const aoi_blocks *matrix, aoi_part part, int stage, const double *values,
+                         const double *x, double *y, double *work);
 
 /* Improves x, for which r = f - A x, by Chebyshev steps that damp the eigenvalues of D^-1 A from low
- * to high, 0 < low < high < inf, with D the diagonal blocks. With finish, r is f - A x again on return;
- * without, it is one product with A behind. work: floats. */
-int aoi_blocks_smooth(const aoi_blocks *matrix, size_t steps, double low, double high, int finish,
-                      float *x, float *r, float *work);
+ * to high, 0 < low < high < inf, with D the diagonal blocks; in stages 0 ... steps. With finish, r is f
+ * - A x again after the last; without, it is one product with A behind. work: floats. */
+int aoi_blocks_smooth(const aoi_blocks *matrix, aoi_part part, size_t stage, size_t steps, double low,
+                      double high, int finish, float *x, float *r, float *work);
 
 /* Puts neighbouring nodes of a graph together (Vanek, Mandel and Brezina, Computing 56, 1996): nodes
  * whose neighbours are all still free make an aggregate with them, those left over join one beside

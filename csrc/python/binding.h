@@ -135,6 +135,7 @@ PyObject *factors_find_panels(PyObject *self, PyObject *args);
 PyObject *factors_solve(PyObject *self, PyObject *args);
 
 /* multigrid.c */
+PyObject *blocks_pattern(PyObject *self, PyObject *args);
 PyObject *blocks_multiply(PyObject *self, PyObject *args);
 PyObject *blocks_subtract(PyObject *self, PyObject *args);
 PyObject *blocks_smooth(PyObject *self, PyObject *args);

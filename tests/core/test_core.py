@@ -72,11 +72,20 @@ def factors(n: int = 6) -> list[Any]:
     return [np.array(part) for part in inverted(n, 0.0, 1.0)]
 
 
+def upper() -> tuple[Any, ...]:
+    """Rows, columns and entries of a chain of 6 on and right of the diagonal."""
+    return rows(sp.triu(chain(6)[0], format="csr"))
+
+
+def pattern_arguments() -> list[Any]:
+    return [np.arange(6, dtype=np.int32), *upper()[:2], 2]
+
+
 def blocks() -> tuple[Any, ...]:
     """A chain of 6 nodes with two dofs each, as blocks on and right of the diagonal."""
-    start, indices, values = rows(sp.triu(chain(6)[0], format="csr"))
-    wide = np.kron(values.astype(S), np.eye(2, dtype=S).reshape(-1))
-    return start, indices, wide, np.tile(np.eye(2, dtype=S).reshape(-1) / S(2e6), 6)
+    wide = np.kron(upper()[2].astype(S), np.eye(2, dtype=S).reshape(-1))
+    pattern = _core.blocks_pattern(*pattern_arguments())
+    return pattern, wide, np.tile(np.eye(2, dtype=S).reshape(-1) / S(2e6), 6)
 
 
 def rows(matrix: Any) -> tuple[Any, ...]:
@@ -211,24 +220,30 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     ),
     "star_from_modal": (lambda: [np.arange(4.0), np.ones(4), np.zeros(3), np.zeros(3)], {2, 3}),
     "factors_solve": (lambda: [tuple(factors()), np.zeros(6), np.ones(6)], {1, 2}),
+    "blocks_pattern": (pattern_arguments, set()),
     "blocks_multiply": (
         lambda: [
-            (*blocks()[:2], blocks()[2].astype(float)),
+            (blocks()[0], blocks()[1].astype(float)),
+            (0, 6),
+            1,
             np.ones(12),
             np.zeros(12),
             np.zeros(54),
         ],
-        {2, 3},
+        {4, 5},
     ),
     "blocks_subtract": (
-        lambda: [blocks(), np.ones(12, S), np.zeros(12, S), np.zeros(54, S)],
-        {2, 3},
+        lambda: [blocks(), (0, 6), 1, np.ones(12, S), np.zeros(12, S), np.zeros(54, S)],
+        {4, 5},
     ),
     "blocks_smooth": (
-        lambda: [blocks(), 3, 0.2, 2.0, True, np.zeros(12, S), np.ones(12, S), np.zeros(54, S)],
-        {5, 6, 7},
+        lambda: [
+            *(blocks(), (0, 6), 1, 3, 0.2, 2.0, True),
+            *(np.zeros(12, S), np.ones(12, S), np.zeros(54, S)),
+        ],
+        {7, 8, 9},
     ),
-    "graph_aggregate": (lambda: [*blocks()[:2], np.zeros(6, np.int32)], {2}),
+    "graph_aggregate": (lambda: [*upper()[:2], np.zeros(6, np.int32)], {2}),
     "factors_find_panels": (lambda: [*factors()[:2], np.zeros(7, np.int32)], {2}),
     "adaptive": (adaptive_arguments, set()),
     "track_sample": (sample_arguments, {5}),

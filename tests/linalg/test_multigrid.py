@@ -1,6 +1,8 @@
 """Multigrid: few iterations at every size, the residual asked for, and honest failures."""
 
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,6 +10,10 @@ import scipy.sparse as sp
 from bodies import ball_of_octants, distorted_box, mixed_box
 
 import aoimpact as ao
+from aoimpact.base import threads
+from aoimpact.linalg import blocks as blocks_module
+from aoimpact.linalg import multigrid as multigrid_module
+from aoimpact.linalg.blocks import Blocks, slabs
 from aoimpact.linalg.coarsening import aggregated, corner_interpolation
 from aoimpact.linalg.multigrid import Multigrid
 from aoimpact.linalg.pencil import Pencil
@@ -199,7 +205,7 @@ def test_aggregates_reproduce_the_rigid_motions():
     A = body.K.tobsr((3, 3))
     A.indices, A.indptr = A.indices.astype(np.int32), A.indptr.astype(np.int32)
     motions = rigid_motions(body.nodes)
-    smoother = Smoother(A, scale=float(A.diagonal().max()), band=20.0, what="K")
+    smoother = Smoother(A, Blocks(A), scale=float(A.diagonal().max()), band=20.0, what="K")
     prolongation, coarse = aggregated(A, motions.reshape(-1, 3, 6), smoother.highest)
     np.testing.assert_allclose(prolongation @ coarse.reshape(-1, 6), motions, atol=1e-9)
 
@@ -208,7 +214,7 @@ def test_the_bound_of_the_smoother_is_just_above_the_largest_eigenvalue():
     K, _ = rod(300, fixed=[0])
     A = K.tobsr((1, 1))
     A.indices, A.indptr = A.indices.astype(np.int32), A.indptr.astype(np.int32)
-    smoother = Smoother(A, scale=float(A.diagonal().max()), band=20.0, what="K")
+    smoother = Smoother(A, Blocks(A), scale=float(A.diagonal().max()), band=20.0, what="K")
     scaled = K.toarray() / K.diagonal()[:, None]
     largest = np.linalg.eigvals(scaled).real.max()
     assert 1.0 <= smoother.highest / largest <= 1.11
@@ -220,6 +226,60 @@ def test_the_preconditioner_is_symmetric_to_single_precision():
     x, y = np.random.default_rng(0).standard_normal((2, body.n_dofs))
     assert x @ solver.precondition(y) == pytest.approx(y @ solver.precondition(x), rel=1e-4)
     assert x @ solver.precondition(x) > 0.0
+
+
+@pytest.mark.parametrize("size", [1, 3, 6])
+def test_products_are_those_of_the_matrix_in_any_parts(size):
+    """Parts of rows far from each other: most blocks couple two of them."""
+    random = np.random.default_rng(size)
+    half = sp.random_array((40, 40), density=0.2, rng=random) + sp.eye_array(40)
+    dense = np.kron(half.toarray(), random.standard_normal((size, size)))
+    dense += dense.T
+    A = sp.bsr_array(dense, blocksize=(size, size))
+    x = random.standard_normal(40 * size)
+    for part in (None, np.arange(40) // 10, np.arange(40) % 4):
+        blocks = Blocks(A, part)
+        assert len(blocks.parts) == (1 if part is None else 4)
+        product = blocks.multiply(x, np.empty(blocks.work_length))
+        np.testing.assert_allclose(product, dense @ x, rtol=1e-12, atol=1e-12)
+
+
+def test_a_large_body_is_cut_into_slabs_across_its_longest_side():
+    places = np.random.default_rng(1).random((50_000, 3)) * (1.0, 3.0, 2.0)
+    part = slabs(places, 3)
+    ends = [(places[part == k, 1].min(), places[part == k, 1].max()) for k in range(4)]
+    assert part.max() == 3
+    assert all(high <= low for (_, high), (low, _) in pairwise(ends))
+    assert np.bincount(part) == pytest.approx(12_500, abs=1)
+    assert not slabs(places[:1000], 3).any()
+
+
+def test_the_number_of_threads_changes_no_bit(monkeypatch):
+    monkeypatch.setattr(blocks_module, "_LEAST", 500)
+    body = held_bar((30, 2, 2))
+    solver = Multigrid(pencil_of(body, SHIFT), 1e-8)
+    assert len(solver._blocks.parts) == 4
+    one = solver.solve(load_on(body))
+    for count in (1, 2, 3):
+        pool = ThreadPoolExecutor(max(1, count - 1)), count
+        monkeypatch.setattr(threads, "_pool", lambda process, pool=pool: pool)
+        assert np.array_equal(solver.solve(load_on(body)), one)
+
+
+@pytest.mark.parametrize("at_once", [500, 2**22])
+def test_masses_between_nodes_without_stiffness_between_them_count(at_once, monkeypatch):
+    """M is added to K some rows at a time, as long as both couple the same nodes."""
+    monkeypatch.setattr(multigrid_module, "_ENTRIES_AT_ONCE", at_once)
+    body = held_bar((30, 2, 2))
+    places = [500, body.n_dofs - 1]
+    far = sp.csr_array(([1e-4, 1e-4], (places, places[::-1])), shape=body.M.shape)
+    M = (body.M + far).tocsr()
+    M.sort_indices()
+    pencil = Pencil(body.K, M, SHIFT, body.nodes, body.free, body.mesh)
+    x = np.random.default_rng(5).standard_normal(body.n_dofs)
+    np.testing.assert_allclose(
+        Multigrid(pencil, 1e-8).product(x), body.K @ x + SHIFT * (M @ x), rtol=1e-9, atol=1.0
+    )
 
 
 def test_units_do_not_matter():

@@ -110,14 +110,35 @@ static float *take_floats(input *in, size_t count)
     return of;
 }
 
-/* The diagonal first in each row, and then what is right of it. */
-static void order_rows(size_t n, const int32_t *start, size_t stored, int32_t *indices)
+/* In each row a block of any column, the diagonal one, and then what is right of it. */
+static void order_rows(size_t n, const int32_t *start, size_t stored, int32_t *order, int32_t *indices)
 {
     for (size_t i = 0; i < n; i++) {
+        order[i] = (int32_t)i;
         for (int32_t p = start[i]; p >= 0 && (size_t)p < stored && p < start[i + 1]; p++) {
+            const int32_t from = p - start[i], last = start[i + 1] - start[i] == 1;
             const int32_t right = (int32_t)i + 1 + (indices[p] & 1);
-            indices[p] = p == start[i] ? (int32_t)i : right;
+            indices[p] = from == 1 || last ? (int32_t)i : from == 0 ? indices[p] : right;
         }
+    }
+}
+
+static void use_blocks(input *in, const aoi_blocks *matrix, size_t stored)
+{
+    const size_t n = matrix->n, size = matrix->size, room = AOI_BLOCKS_WORK * n * (size + 1);
+    const size_t steps = take_below(in, 5), cut = take_below(in, (unsigned)n + 1);
+    const aoi_part parts[] = {{0, cut}, {cut, n}};
+    double *values = take_room(in, size * size * stored), *exact = take_array(in, n * size, take_any);
+    double *product = take_room(in, n * size), *wide = take_room(in, room);
+    float *x = take_floats(in, n * size), *r = take_floats(in, n * size), *work = take_floats(in, room);
+    const double low = take_byte(in) % 8 ? 0.1 : take_any(in), high = take_byte(in) % 8 ? 2.0 : take_any(in);
+    const int finish = take_byte(in) & 1;
+    for (size_t call = 0; call < 2 * (steps + 1); call++) {
+        const aoi_part part = parts[call % 2];
+        const int stage = call / 2 > 0;
+        aoi_blocks_multiply(matrix, part, stage, values, exact, product, wide);
+        aoi_blocks_subtract(matrix, part, stage, x, r, work);
+        (void)aoi_blocks_smooth(matrix, part, call / 2, steps, low, high, finish, x, r, work);
     }
 }
 
@@ -126,24 +147,17 @@ static void of_blocks(input *in)
     size_t stored;
     const size_t n = take_below(in, 4), size = take_between(in, 1, AOI_BLOCKS_WIDEST);
     aoi_blocks matrix = {.n = n, .size = size, .start = take_starts(in, n, &stored)};
-    int32_t *indices = take_indices(in, stored, n);
+    int32_t *indices = take_indices(in, stored, n), *order = take_indices(in, n, n);
     if (take_byte(in) % 8) {
-        order_rows(n, matrix.start, stored, indices);
+        order_rows(n, matrix.start, stored, order, indices);
     }
+    matrix.order = order;
     matrix.indices = indices;
     matrix.values = take_floats(in, size * size * stored);
     matrix.inverse = take_floats(in, size * size * n);
-    double *values = take_room(in, size * size * stored), *exact = take_array(in, n * size, take_any);
-    const size_t room = AOI_BLOCKS_WORK * n * (size + 1);
-    double *product = take_room(in, n * size), *wide = take_room(in, room);
-    float *x = take_floats(in, n * size), *r = take_floats(in, n * size), *work = take_floats(in, room);
-    if (aoi_blocks_check(&matrix, stored) != AOI_OK) {
-        return;
+    if (aoi_blocks_check(&matrix, (aoi_part){0, n}, stored) == AOI_OK) {
+        use_blocks(in, &matrix, stored);
     }
-    const double low = take_byte(in) % 8 ? 0.1 : take_any(in), high = take_byte(in) % 8 ? 2.0 : take_any(in);
-    aoi_blocks_multiply(&matrix, values, exact, product, wide);
-    aoi_blocks_subtract(&matrix, x, r, work);
-    (void)aoi_blocks_smooth(&matrix, take_below(in, 5), low, high, take_byte(in) & 1, x, r, work);
 }
 
 /* Edges in both directions: every node is in an aggregate, and its number below their count. */

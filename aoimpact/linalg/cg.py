@@ -1,0 +1,99 @@
+"""Preconditioned conjugate gradients for a symmetric positive definite matrix."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..base import FloatArray, SingularError, bar
+
+__all__ = ["Found", "conjugate_gradients"]
+
+_Map = Callable[[FloatArray], FloatArray]
+
+
+class Found(NamedTuple):
+    """What conjugate gradients found.
+
+    Attributes
+    ----------
+    x : ndarray, shape (n,)
+    iterations : int
+    left : float
+        ‖f - A x‖ / ‖f‖, as the iteration has it.
+    """
+
+    x: FloatArray
+    iterations: int
+    left: float
+
+
+def conjugate_gradients(
+    product: _Map,
+    precondition: _Map,
+    load: FloatArray,
+    *,
+    tolerance: float,
+    most: int,
+    what: str,
+    label: str,
+    start: FloatArray | None = None,
+) -> Found:
+    """Solve A x = f to ‖f - A x‖ ≤ `tolerance` ‖f‖, or as far as `most` iterations get.
+
+    With β after Polak and Ribière, which forgives a preconditioner its rounding.
+
+    Parameters
+    ----------
+    product, precondition : callable
+        x ↦ A x and r ↦ about A⁻¹ r, symmetric.
+    load : ndarray, shape (n,)
+    what, label : str
+        The matrix in messages, and the work in progress bars.
+    start : ndarray, shape (n,), optional
+        Where to begin; at zero if left out.
+
+    Raises
+    ------
+    SingularError
+        If a motion turns out to have no positive stiffness.
+    """
+    x = np.zeros_like(load) if start is None else start.copy()
+    r = load.copy() if start is None else load - product(x)
+    size = math.sqrt(_inner(load, load))
+    left = math.sqrt(_inner(r, r)) / size if size else 0.0
+    if left <= tolerance:
+        return Found(x, 0, left)
+    z = precondition(r)
+    p, rz, reached, digits = z, _inner(r, z), 0.0, -math.log10(tolerance)
+    with bar(label, digits, unit="digit") as progress:
+        for iteration in range(1, most + 1):
+            along = product(p)
+            curvature = _inner(p, along)
+            if not (curvature > 0.0 and rz > 0.0):
+                raise SingularError(
+                    f"{what} is singular or not positive definite: a motion has a stiffness "
+                    f"of {curvature:.2g}"
+                )
+            step = rz / curvature
+            x += step * p
+            before = r
+            r = r - step * along
+            left = math.sqrt(_inner(r, r)) / size
+            if left <= tolerance or iteration == most:
+                return Found(x, iteration, left)
+            progress.update(max(0.0, -math.log10(left) - reached))
+            reached = max(reached, -math.log10(left))
+            z = precondition(r)
+            rz_next = _inner(r, z)
+            p = z + (rz_next - _inner(before, z)) / rz * p
+            rz = rz_next
+    raise ValueError(f"at least one iteration is needed, got {most}")
+
+
+def _inner(a: FloatArray, b: FloatArray) -> float:
+    """Return aᵀb without BLAS, whose threads keep cores busy for a while after a product."""
+    return float(np.einsum("i,i->", a, b))
