@@ -90,8 +90,9 @@ class Pencil:
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x without that matrix."""
-        kx, mx = self.products(x)
-        return kx + self.s2 * mx
+        K, M = self._rows
+        kx: FloatArray = K @ x
+        return kx + self.s2 * (M @ x) if self.s2 else kx
 
     def products(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return K x and M x."""

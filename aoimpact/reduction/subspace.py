@@ -328,7 +328,7 @@ class Subspace:
 
         try:
             found = conjugate_gradients(
-                lambda x: dynamic.pencil.products(x)[0],
+                dynamic.pencil.at(0.0).product,
                 lambda r: precondition(r) + within(r),
                 load,
                 tolerance=_ITERATED,
