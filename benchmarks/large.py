@@ -1,4 +1,4 @@
-"""The default call on bodies of 700 000 dofs and more: seconds and memory, from the mesh to the answer.
+"""The default call on bodies of 700 000 dofs and more: seconds and memory, from mesh to answer.
 
     python benchmarks/large.py [plate block ...] [--share 1.0]
 
@@ -53,13 +53,17 @@ def measure(name: str, share: float) -> str:
     body, tip, radius = BODIES[name](share)
     made = time.perf_counter() - start
     hit = ao.simulate(
-        projectile=ao.ball(radius, STEEL), target=tip, velocity=1.0, quantity="peak_force", rtol=1e-2
+        projectile=ao.ball(radius, STEEL),
+        target=tip,
+        velocity=1.0,
+        quantity="peak_force",
+        rtol=1e-2,
     )
     seconds = time.perf_counter() - start
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     return (
-        f"{name:8}{body.n_dofs:9} dofs  body {made:5.1f} s  all {seconds:5.1f} s  {memory:4.1f} GiB  "
-        f"{hit.peak_force:.5g} N by {hit.target.label.split(',')[0]}"
+        f"{name:8}{body.n_dofs:9} dofs  body {made:5.1f} s  all {seconds:5.1f} s"
+        f"  {memory:4.1f} GiB  {hit.peak_force:.5g} N by {hit.target.label.split(',')[0]}"
     )
 
 
