@@ -16,7 +16,7 @@ reciprocity, with the same g₁ for both. So R(r) = g₀ + 0.8 g₁ r². On circ
 hardly depends on how well the mesh resolves the patch. (A second solution, with another radius, is
 no better: its difference is mostly the mesh's error. Measured on plates, balls and blocks.)
 
-A rough x is enough: on plates, blocks and a bar it changes G by 5e-8 and the estimates by .002.
+A rough x is enough: on plates, blocks and a bar it changes G by 5e-8 and the estimates by .2 %.
 
 The indentation by a point load at a node, or a point, grows without bound as the mesh is refined,
 and the law contains all of the real one. On circles some elements away w is known for such points,

@@ -3,42 +3,77 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
-from functools import cache
+from concurrent.futures import Future, wait
+from functools import cache, partial
 from typing import Any
 
 __all__ = ["at_once"]
 
+_Calls = Sequence[Callable[[], Any]]
 
-@cache
-def _pool(process: int) -> tuple[ThreadPoolExecutor | None, int]:
-    """Threads beside the caller's, and how many there are with it.
+# What threads of a pool are told by: they have none to wait for.
+_of_pool = threading.local()
 
-    Of one process: a forked one has none of its parent's threads, and would wait for ever.
+
+def at_once(calls: _Calls) -> None:
+    """Make all calls, and return when all have ended.
+
+    After an error, which is raised, some may not have been made; none goes on, not even where the
+    caller's thread is interrupted. Calls from within one of them are made one by one.
     """
-    whose = getattr(os, "sched_getaffinity", None)
-    count = len(whose(0)) if whose is not None else os.cpu_count() or 1
-    if count == 1:
-        return None, 1
-    return ThreadPoolExecutor(count - 1, thread_name_prefix="aoimpact"), count
-
-
-def at_once(calls: Sequence[Callable[[], Any]]) -> None:
-    """Make all calls, and return when all have ended, whatever happens."""
-    pool, count = _pool(os.getpid())
-    if pool is None or len(calls) == 1:
-        _one_by_one(calls)
-        return
-    others = [pool.submit(_one_by_one, calls[k::count]) for k in range(1, min(count, len(calls)))]
+    others: list[Future[None]] = []
     try:
-        _one_by_one(calls[::count])
+        _one_by_one(_hand_over(calls, others))
     finally:
-        wait(others)
+        _wait_for(others)
     for other in others:
         other.result()
 
 
-def _one_by_one(calls: Sequence[Callable[[], Any]]) -> None:
+def _hand_over(calls: _Calls, others: list[Future[None]]) -> _Calls:
+    """Start other threads on their shares, and return the caller's own."""
+    count = 1 if getattr(_of_pool, "is_one", False) else min(_cores(), len(calls))
+    own = list(calls[::count]) if count else []
+    for share in (calls[k::count] for k in range(1, count)):
+        try:
+            others.append(_pool(os.getpid(), _cores()).submit(_one_by_one, share))
+        except RuntimeError:  # the interpreter is ending, and starts no threads any more
+            own += share
+    return own
+
+
+def _one_by_one(calls: _Calls) -> None:
     for call in calls:
         call()
+
+
+def _wait_for(others: list[Future[None]]) -> None:
+    """Wait, through any interrupt: what the others write to is the caller's again afterwards."""
+    interrupt: BaseException | None = None
+    while not all(other.done() for other in others):
+        try:
+            wait(others)
+        except BaseException as error:
+            interrupt = error
+    if interrupt is not None:
+        raise interrupt
+
+
+def _cores() -> int:
+    """Return how many cores this process may use now."""
+    whose = getattr(os, "sched_getaffinity", None)
+    return len(whose(0)) if whose is not None else os.cpu_count() or 1
+
+
+@cache
+def _pool(process: int, cores: int) -> Any:
+    """Return the threads beside the caller's.
+
+    A forked process has none of its parent's threads, and would wait for them for ever.
+    """
+    from concurrent.futures import ThreadPoolExecutor  # not while the interpreter ends
+
+    mark = partial(setattr, _of_pool, "is_one", True)
+    return ThreadPoolExecutor(cores - 1, thread_name_prefix="aoimpact", initializer=mark)

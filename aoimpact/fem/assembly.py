@@ -56,7 +56,7 @@ class _Pattern:
         """Return where K has entry xx of pairs, and how far on that of the next row is."""
         start = self.indptr[cells].astype(np.int64)[:, :, None]
         length = self.indptr[cells + 1][:, :, None] - start
-        return 3 * place + 6 * start, 3 * length
+        return 3 * place.astype(np.int64) + 6 * start, 3 * length
 
 
 def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
@@ -151,7 +151,8 @@ def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:
     det, _ = cofactors(jacobians(nodes, element.gradient(rule.points)))
     shape = element.shape(rule.points)
     row, column = np.triu_indices(element.n_nodes)
-    upper = det @ (rule.weights[:, None] * shape[:, row] * shape[:, column])
+    products = rule.weights[:, None] * shape[:, row] * shape[:, column]
+    upper = np.einsum("eq,qp->ep", det, products)  # the threads of BLAS change the last bits
     full = np.empty((len(nodes), element.n_nodes, element.n_nodes))
     full[:, row, column] = upper
     full[:, column, row] = upper

@@ -76,6 +76,9 @@ _ROUNDING = 1e-6
 # Of a matrix, while supports are taken out: 50 MB.
 _ENTRIES_AT_ONCE = 2**22
 
+# Share of a matrix's arrays below which what supports leave of it is copied, to free the rest.
+_WORTH_KEEPING = 0.9
+
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class FEModel(Frozen):
@@ -649,6 +652,8 @@ def _restrict(matrix: Any, free: IntArray) -> Any:
         data[end : end + upto[-1]] = data[begin:stop][kept]
         indices[end : end + upto[-1]] = columns[kept]
         end += int(upto[-1])
+    if end < _WORTH_KEEPING * len(data):  # else they would hold the memory of the whole matrix
+        data, indices = data[:end].copy(), indices[:end].copy()
     return sp.csr_array((data[:end], indices[:end], indptr), shape=(len(free), len(free)))
 
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from .. import _core
 from ..base import FloatArray, IntArray, at_once
 
-__all__ = ["Blocks", "Part", "diagonal_blocks", "slabs"]
+__all__ = ["Blocks", "Part", "diagonal_blocks", "in_stages", "slabs"]
 
 Part = tuple[int, int]
 
@@ -27,6 +27,8 @@ _LEAST, _MOST_PARTS = 30_000, 4
 
 class Blocks:
     """A symmetric matrix; of most of it one triangle is stored, so that it is read once.
+
+    Whoever uses it gives the core work space of its own: one product at a time.
 
     Parameters
     ----------
@@ -67,11 +69,6 @@ class Blocks:
         self.parts: list[Part] = list(zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True))
         self.work_length = _WORK * n * (size + 1)
 
-    def in_stages(self, count: int, call: Callable[[Part, int], None]) -> None:
-        """Make a call for each part: none begins a stage before all have ended the last one."""
-        for stage in range(count):
-            at_once([partial(call, part, stage) for part in self.parts])
-
     def multiply(self, x: FloatArray, work: FloatArray) -> FloatArray:
         """Return A x."""
         matrix, product = (self.pattern, self.values), np.empty_like(x)
@@ -79,8 +76,14 @@ class Blocks:
         def call(part: Part, stage: int) -> None:
             _core.blocks_multiply(matrix, part, stage, x, product, work)
 
-        self.in_stages(2, call)
+        in_stages(2, self.parts, call)
         return product
+
+
+def in_stages(count: int, parts: list[Part], call: Callable[[Part, int], None]) -> None:
+    """Make a call for each part: none begins a stage before all have ended the last one."""
+    for stage in range(count):
+        at_once([partial(call, part, stage) for part in parts])
 
 
 def slabs(places: FloatArray, size: int) -> npt.NDArray[np.int64]:

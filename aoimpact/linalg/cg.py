@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base import FloatArray, SingularError, bar
 
-__all__ = ["Found", "conjugate_gradients"]
+__all__ = ["Found", "conjugate_gradients", "inner"]
 
 _Map = Callable[[FloatArray], FloatArray]
 
@@ -61,18 +61,20 @@ def conjugate_gradients(
     SingularError
         If a motion turns out to have no positive stiffness.
     """
+    size = math.sqrt(inner(load, load))
+    if size == 0.0:
+        return Found(np.zeros_like(load), 0, 0.0)
     x = np.zeros_like(load) if start is None else start.copy()
     r = load.copy() if start is None else load - product(x)
-    size = math.sqrt(_inner(load, load))
-    left = math.sqrt(_inner(r, r)) / size if size else 0.0
+    left = math.sqrt(inner(r, r)) / size
     if left <= tolerance:
         return Found(x, 0, left)
     z = precondition(r)
-    p, rz, reached, digits = z, _inner(r, z), 0.0, -math.log10(tolerance)
+    p, rz, reached, digits = z, inner(r, z), 0.0, -math.log10(tolerance)
     with bar(label, digits, unit="digit") as progress:
         for iteration in range(1, most + 1):
             along = product(p)
-            curvature = _inner(p, along)
+            curvature = inner(p, along)
             if not (curvature > 0.0 and rz > 0.0):
                 raise SingularError(
                     f"{what} is singular or not positive definite: a motion has a stiffness "
@@ -82,18 +84,18 @@ def conjugate_gradients(
             x += step * p
             before = r
             r = r - step * along
-            left = math.sqrt(_inner(r, r)) / size
+            left = math.sqrt(inner(r, r)) / size
             if left <= tolerance or iteration == most:
                 return Found(x, iteration, left)
             progress.update(max(0.0, -math.log10(left) - reached))
             reached = max(reached, -math.log10(left))
             z = precondition(r)
-            rz_next = _inner(r, z)
-            p = z + (rz_next - _inner(before, z)) / rz * p
+            rz_next = inner(r, z)
+            p = z + (rz_next - inner(before, z)) / rz * p
             rz = rz_next
     raise ValueError(f"at least one iteration is needed, got {most}")
 
 
-def _inner(a: FloatArray, b: FloatArray) -> float:
-    """Return aᵀb without BLAS, whose threads keep cores busy for a while after a product."""
+def inner(a: FloatArray, b: FloatArray) -> float:
+    """Return aᵀb without BLAS, whose threads keep cores busy after it and change the last bits."""
     return float(np.einsum("i,i->", a, b))

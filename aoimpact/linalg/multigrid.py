@@ -7,6 +7,7 @@ motions of no stiffness. The preconditioner works in single precision, the itera
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -16,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import ConvergenceError, FloatArray, bar, interruptible
+from ..base import ConvergenceError, FloatArray, SingularError, bar, interruptible
 from ..mesh import rigid_motions
 from .blocks import Blocks, slabs
 from .cg import conjugate_gradients
@@ -103,6 +104,8 @@ class _Level:
 class Multigrid:
     """(K + s²M)⁻¹ by conjugate gradients.
 
+    Threads that share one wait for each other: it has one work space.
+
     Parameters
     ----------
     pencil : Pencil
@@ -125,6 +128,7 @@ class Multigrid:
     def __init__(self, pencil: Pencil, tolerance: float) -> None:
         self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
         self._levels: list[_Level] = []
+        self._in_use = threading.RLock()
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
             A, candidates, places, self._place = interruptible(lambda: _finest(pencil))
             self._scale = float(A.diagonal().max())
@@ -194,15 +198,16 @@ class Multigrid:
         if rhs.ndim == 2:
             return np.column_stack([self.solve(column, tolerance) for column in rhs.T])
         pencil, tolerance = self.pencil, tolerance or self.tolerance
-        found = conjugate_gradients(
-            self.product,
-            self.precondition,
-            rhs,
-            tolerance=tolerance,
-            most=_MOST_ITERATIONS,
-            what=pencil.what,
-            label=f"multigrid, {pencil.n} dofs",
-        )
+        with self._in_use:
+            found = conjugate_gradients(
+                self.product,
+                self.precondition,
+                rhs,
+                tolerance=tolerance,
+                most=_MOST_ITERATIONS,
+                what=pencil.what,
+                label=f"multigrid, {pencil.n} dofs",
+            )
         if not found.left <= tolerance:
             raise ConvergenceError(
                 f"solver 'multigrid' of {pencil.what} ({pencil.n} dofs) reached {found.left:.2g} "
@@ -226,7 +231,8 @@ class Multigrid:
             return np.zeros_like(r)
         padded = np.zeros(self._length, dtype=np.float32)
         padded[self._place] = r / size
-        x = self._cycle(0, padded)[self._place]
+        with self._in_use:
+            x = self._cycle(0, padded)[self._place]
         return x.astype(np.float64) * (size / self._scale)
 
     def _cycle(self, depth: int, r: Single) -> Single:
@@ -260,6 +266,7 @@ def _finest(pencil: Pencil) -> _Finest:
     A = _in_blocks(_placed(pencil.K, place, n))
     if pencil.s2:
         A = _sum(A, pencil.s2, _placed(pencil.M, place, n))
+    _check_diagonal(A, pencil)
     if len(place) < n:  # partly constrained nodes: their other dofs stay uncoupled
         fixed = np.ones(n)
         fixed[place] = 0.0
@@ -276,8 +283,18 @@ def _without_nodes(pencil: Pencil) -> tuple[Any, FloatArray, None, slice]:
     moves = np.tile(np.eye(3), (A.shape[0] // 3 + 1, 1))[: A.shape[0]]
     inner = np.abs(pencil.K @ moves) <= _UNRESISTED * pencil.K.diagonal()[:, None]
     if A.shape[0] % 3 == 0 and inner.mean() > 0.5:  # the others are on nodes beside supports
-        return _in_order(A.tobsr((3, 3))), moves.reshape(-1, 3, 3), None, slice(None)
-    return _in_order(A.tobsr((1, 1))), np.ones((A.shape[0], 1, 1)), None, slice(None)
+        A, motions = A.tobsr((3, 3)), moves.reshape(-1, 3, 3)
+    else:
+        A, motions = A.tobsr((1, 1)), np.ones((A.shape[0], 1, 1))
+    _check_diagonal(A, pencil)
+    return _in_order(A), motions, None, slice(None)
+
+
+def _check_diagonal(A: Any, pencil: Pencil) -> None:
+    """Refuse a BSR matrix that does not store every block of its diagonal."""
+    row = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
+    if np.count_nonzero(A.indices == row) < len(A.indptr) - 1:
+        raise SingularError(f"{pencil.what} is singular: some dofs have no stiffness")
 
 
 def _placed(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:

@@ -17,7 +17,7 @@ _MOST_PARTS, _LEAST = 4, 1_000_000
 
 
 class Rows:
-    """A x by parts of A's rows, the same bits as at once.
+    """A x by parts of A's rows, with the bits of the product that is not divided.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def rows_of(A: Any, begin: int, end: int) -> Any:
         some: Any = sp.bsr_array(shape, blocksize=A.blocksize, dtype=A.dtype)
     else:
         some = sp.csr_array((end - begin, A.shape[1]), dtype=A.dtype)
-    # Their constructors copy what is less than half of an array.
+    # Set afterwards: SciPy's constructors copy what is less than half of an array.
     some.data, some.indices = A.data[first:last], A.indices[first:last]
     some.indptr = A.indptr[begin : end + 1] - first
     return some

@@ -10,7 +10,8 @@ import scipy
 
 from .. import _core
 from ..base import FloatArray, SingularError
-from .blocks import Blocks, Part, diagonal_blocks
+from .blocks import Blocks, Part, diagonal_blocks, in_stages
+from .cg import inner
 
 __all__ = ["Smoother"]
 
@@ -55,7 +56,7 @@ class Smoother:
         single = np.empty(len(blocks.values), dtype=np.float32)
         np.divide(blocks.values, scale, out=single, casting="same_kind")
         self._matrix = blocks.pattern, single, inverse.astype(np.float32).reshape(-1)
-        self._n, self._in_stages = A.shape[0], blocks.in_stages
+        self._n, self._parts = A.shape[0], blocks.parts
         self._work = np.empty(blocks.work_length, dtype=np.float32)
         self.highest = _MARGIN * self._largest_eigenvalue(inverse, what)
         self._lowest = self.highest / band
@@ -66,7 +67,7 @@ class Smoother:
         def call(part: Part, stage: int) -> None:
             _core.blocks_subtract(self._matrix, part, stage, x, r, self._work)
 
-        self._in_stages(2, call)
+        in_stages(2, self._parts, call)
 
     def smooth(self, x: Single, r: Single, *, finish: bool) -> None:
         """Improve `x` in place, r = f - A x; with `finish` that holds for `r` afterwards too."""
@@ -75,7 +76,7 @@ class Smoother:
         def call(part: Part, stage: int) -> None:
             _core.blocks_smooth(self._matrix, part, stage, _STEPS, *band, finish, x, r, self._work)
 
-        self._in_stages(_STEPS + 1, call)
+        in_stages(_STEPS + 1, self._parts, call)
 
     def _largest_eigenvalue(self, inverse: FloatArray, what: str) -> float:
         """λ_max of D⁻¹A by Lanczos' method, written as conjugate gradients."""
@@ -86,14 +87,14 @@ class Smoother:
         ratio = step = 0.0
         for k in range(min(_LANCZOS_STEPS, n)):
             z = np.matmul(inverse, r.reshape(-1, size, 1)).reshape(-1)
-            rz = float(r @ z)
+            rz = inner(r, z)
             if rz == 0.0:
                 break  # the space is used up: what was found is exact
             ratio = rz / rz_before if k else 0.0
             p = z + ratio * p
             product = np.zeros(n, dtype=np.float32)
             self.subtract(p.astype(np.float32), product)
-            curvature = -float(p @ product)
+            curvature = -inner(p, product.astype(np.float64))
             if rz < 0.0 or not curvature > 0.0:
                 raise SingularError(f"{what} is singular or not positive definite")
             if k:

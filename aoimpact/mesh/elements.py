@@ -424,8 +424,10 @@ def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:
     """
     n_points, n_nodes, _ = gradient.shape
     x = corners.transpose(2, 0, 1).reshape(-1, n_nodes)
-    j = x @ gradient.transpose(1, 2, 0).reshape(n_nodes, 3 * n_points)
-    return j.reshape(3, len(corners), 3, n_points).transpose(0, 2, 1, 3)
+    slopes = gradient.transpose(1, 2, 0).reshape(n_nodes, 3 * n_points)
+    j = np.einsum("xn,nq->xq", x, slopes)  # the threads of BLAS change the last bits
+    found: FloatArray = j.reshape(3, len(corners), 3, n_points).transpose(0, 2, 1, 3)
+    return found
 
 
 def cofactors(j: FloatArray) -> tuple[FloatArray, FloatArray]:

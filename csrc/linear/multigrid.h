@@ -27,7 +27,8 @@ typedef struct aoi_part {
 
 /* Checks that a part of an aoi_blocks of stored_count blocks can be read safely, has a diagonal block in
  * each row and none left of it behind, and is of a size that is dealt with (1 ... AOI_BLOCKS_WIDEST).
- * Where parts begin is not checked: blocks in the wrong place give wrong numbers. */
+ * Where parts begin is not checked: with other parts than those that the order was made for, blocks are
+ * in the wrong place and threads write to the same rows, and numbers are wrong. */
 int aoi_blocks_check(const aoi_blocks *matrix, aoi_part part, size_t stored_count);
 
 /* r -= A x, in stages 0 and 1; x and r of n size floats, not overlapping. work: floats. */

@@ -107,6 +107,15 @@ static void take_blocks(part_call *call, PyObject *tuple)
     }
 }
 
+/* Of a product, which has two. */
+static void need_stage(part_call *call)
+{
+    if (!call->buffers.failed && call->stage != 0 && call->stage != 1) {
+        PyErr_SetString(PyExc_ValueError, "a stage of a product must be 0 or 1");
+        call->buffers.failed = 1;
+    }
+}
+
 static void *take_work(part_call *call, PyObject *work_out, char type)
 {
     size_t length = AOI_BLOCKS_WORK * call->matrix.n * (call->matrix.size + 1);
@@ -140,6 +149,7 @@ PyObject *blocks_multiply(PyObject *self, PyObject *args)
         return NULL;
     }
     take_pattern(&call, matrix_in, 2);
+    need_stage(&call);
     if (!call.buffers.failed) {
         values = doubles(&call.buffers, PyTuple_GetItem(matrix_in, 1), "values", &call.entries);
     }
@@ -164,6 +174,7 @@ PyObject *blocks_subtract(PyObject *self, PyObject *args)
         return NULL;
     }
     take_blocks(&call, matrix_in);
+    need_stage(&call);
     const float *x = buffers_take(&call.buffers, x_in, "x", 'f', 0, &call.length);
     float *r = buffers_take(&call.buffers, r_out, "r", 'f', 1, &call.length);
     float *work = take_work(&call, work_out, 'f');

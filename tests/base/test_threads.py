@@ -2,33 +2,110 @@
 
 import multiprocessing
 import os
+import subprocess
+import sys
+import threading
+import time
+from functools import partial
 
 import pytest
 
 from aoimpact.base import at_once, threads
 
 
-def test_calls_at_once_all_end_and_the_first_error_is_raised():
+def test_calls_at_once_are_all_made(monkeypatch):
+    monkeypatch.setattr(threads, "_cores", lambda: 3)
+    for count in (0, 1, 2, 7):
+        made: list[int] = []
+        at_once([partial(made.append, number) for number in range(count)])
+        assert sorted(made) == list(range(count))
+
+
+@pytest.mark.parametrize("wrong", [0, 1, 2])
+def test_an_error_is_raised_when_no_call_goes_on(wrong, monkeypatch):
+    monkeypatch.setattr(threads, "_cores", lambda: 3)
     ended = []
 
     def call(number):
-        ended.append(number)
-        if number % 2:
+        if number == wrong:
             raise ValueError(f"call {number}")
+        time.sleep(0.05)
+        ended.append(number)
 
-    with pytest.raises(ValueError, match="call"):
-        at_once([lambda number=number: call(number) for number in (0, 1, 2)])
-    assert 0 in ended
-    at_once([lambda: ended.append("alone")])
-    assert ended[-1] == "alone"
+    with pytest.raises(ValueError, match=f"call {wrong}"):
+        at_once([lambda number=number: call(number) for number in range(3)])
+    assert sorted(ended) == sorted({0, 1, 2} - {wrong})
+
+
+def test_calls_within_calls_do_not_wait_for_themselves(monkeypatch):
+    monkeypatch.setattr(threads, "_cores", lambda: 2)
+    made = []
+    inner = [lambda: made.append(threading.current_thread().name)] * 3
+    at_once([lambda: at_once(inner)] * 4)
+    assert len(made) == 12
+
+
+def test_no_call_goes_on_after_an_interrupt(monkeypatch):
+    """The first wait is interrupted, as by Ctrl-C."""
+    monkeypatch.setattr(threads, "_cores", lambda: 2)
+    waits, ended, wait = [], [], threads.wait
+
+    def interrupted(others):
+        waits.append(others)
+        if len(waits) == 1:
+            raise KeyboardInterrupt
+        return wait(others)
+
+    def slow():
+        time.sleep(0.05)
+        ended.append(True)
+
+    monkeypatch.setattr(threads, "wait", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        at_once([lambda: None, slow])
+    assert ended
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
-def test_a_forked_process_has_threads_of_its_own():
+def test_a_forked_process_has_threads_of_its_own(monkeypatch):
+    monkeypatch.setattr(threads, "_cores", lambda: 2)
     at_once([lambda: None] * 4)
     child = multiprocessing.get_context("fork").Process(target=at_once, args=([int] * 4,))
     child.start()
     child.join(20.0)
     assert child.exitcode == 0
-    assert threads._pool(os.getpid())[1] >= 1
+
+
+AT_THE_END = """
+import atexit
+import threading
+import time
+
+from aoimpact.base import at_once, threads
+
+threads._cores = lambda: 2
+made = []
+
+
+def calls():
+    at_once([lambda: made.append(1)] * 4)
+
+
+def late():
+    calls()
+    print(len(made))
+
+
+{before}
+atexit.register(late)
+"""
+
+
+@pytest.mark.parametrize("before", ["", "calls()"])
+def test_calls_are_made_while_the_interpreter_ends(before):
+    script = AT_THE_END.format(before=before)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.split() == ["8" if before else "4"]

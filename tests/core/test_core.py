@@ -553,6 +553,15 @@ def test_matrices_that_point_outside_are_refused(
         _core.newmark_scene(*scene_arguments(full() | {which: tuple(matrix)}, star()))
 
 
+@pytest.mark.parametrize("name", ["blocks_multiply", "blocks_subtract", "blocks_smooth"])
+@pytest.mark.parametrize("stage", [-1, 4])
+def test_stages_that_there_are_not_are_refused(name: str, stage: int) -> None:
+    arguments = CALLS[name][0]()
+    arguments[2] = stage
+    with pytest.raises(ValueError, match=r"stage|range"):
+        getattr(_core, name)(*arguments)
+
+
 def test_factors_solve_is_the_inverse() -> None:
     K, _ = chain(40)
     x = np.sin(np.arange(40.0))

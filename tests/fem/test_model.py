@@ -636,3 +636,4 @@ def test_supports_take_out_rows_and_columns(at_once: int, monkeypatch: pytest.Mo
         found = model_module._restrict(whole.copy(), free)
         assert np.array_equal(found.toarray(), whole.toarray()[np.ix_(free, free)])
         assert found.has_sorted_indices
+        assert found.data.base is None or found.data.base.size < found.nnz / 0.9 + 1  # rest is free

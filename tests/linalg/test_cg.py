@@ -33,6 +33,13 @@ def test_a_good_start_takes_no_iteration_and_a_bad_one_ends_there_too():
         np.testing.assert_allclose(found.x, load / diagonal, rtol=1e-7)
 
 
+def test_no_load_moves_nothing_whatever_the_start():
+    found = conjugate_gradients(
+        identity, identity, np.zeros(4), tolerance=1e-9, most=9, start=np.ones(4), **WORDS
+    )
+    np.testing.assert_array_equal(found.x, 0.0)
+
+
 def test_what_is_left_after_too_few_iterations_is_told():
     diagonal, load = np.geomspace(1.0, 1e6, 50), np.ones(50)
     found = conjugate_gradients(

@@ -1,5 +1,8 @@
 """Multigrid: few iterations at every size, the residual asked for, and honest failures."""
 
+import os
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import pairwise
@@ -254,6 +257,41 @@ def test_a_large_body_is_cut_into_slabs_across_its_longest_side():
     assert not slabs(places[:1000], 3).any()
 
 
+ON_SOME_CORES = """
+import hashlib
+import os
+import sys
+
+os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: int(sys.argv[1])])
+import aoimpact as ao
+
+mesh = ao.box_mesh((0.1, 0.1, 0.02), (38, 38, 3), kind="hexahedron20")
+body = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700), fixed=[("xmin", "xyz")])
+assert body.n_dofs > 60_000
+load = body.K @ body.free.astype(float)
+x = body.inverse((2e5) ** 2, solver="multigrid").solve(load)
+for numbers in (body.K.data, body.M.data, x):
+    print(hashlib.md5(numbers.tobytes()).hexdigest())
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no way to hold a process")
+def test_the_number_of_cores_changes_no_bit():
+    """Neither of the matrices nor of a solution, all made anew."""
+    found = [
+        subprocess.run(
+            [sys.executable, "-c", ON_SOME_CORES, cores],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=120,
+        ).stdout
+        for cores in ("1", "2")
+    ]
+    assert found[0] == found[1]
+    assert len(found[0].split()) == 3
+
+
 def test_the_number_of_threads_changes_no_bit(monkeypatch):
     monkeypatch.setattr(blocks_module, "_LEAST", 500)
     body = held_bar((30, 2, 2))
@@ -261,9 +299,17 @@ def test_the_number_of_threads_changes_no_bit(monkeypatch):
     assert len(solver._blocks.parts) == 4
     one = solver.solve(load_on(body))
     for count in (1, 2, 3):
-        pool = ThreadPoolExecutor(max(1, count - 1)), count
-        monkeypatch.setattr(threads, "_pool", lambda process, pool=pool: pool)
+        monkeypatch.setattr(threads, "_cores", lambda count=count: count)
         assert np.array_equal(solver.solve(load_on(body)), one)
+
+
+def test_threads_may_share_a_solver():
+    body = held_bar((30, 2, 2))
+    solver, load = body.inverse(SHIFT, solver="multigrid"), load_on(body)
+    alone = solver.solve(load)
+    with ThreadPoolExecutor(3) as pool:
+        for x in pool.map(solver.solve, [load] * 6):
+            assert np.array_equal(x, alone)
 
 
 @pytest.mark.parametrize("at_once", [500, 2**22])
@@ -313,6 +359,22 @@ def test_a_bar_on_one_hinge_is_a_mechanism():
     load = load_on(body)
     with pytest.raises((ao.SingularError, ao.ConvergenceError), match=r"singular"):
         body.inverse(0.0, solver="multigrid").solve(load)
+
+
+@pytest.mark.parametrize("place", ["with a mesh", "partly held", "without nodes"])
+def test_a_node_without_stiffness_is_singular(place):
+    body = BODIES["bar, coarse"]()
+    last = body.n_dofs - 3
+    K = body.K.tolil()
+    K[last:], K[:, last:] = 0.0, 0.0
+    free = body.free
+    if place == "partly held":  # one of the dofs of that node is not there
+        K, free = K[:-1, :-1], free[:-1]
+    K = K.tocsr()
+    where = (None, None) if place == "without nodes" else (body.nodes, free)
+    pencil = Pencil(K, sp.eye_array(K.shape[0], format="csr"), 0.0, *where, None)
+    with pytest.raises(ao.SingularError, match="some dofs have no stiffness"):
+        Multigrid(pencil, 1e-8)
 
 
 def test_indefinite_matrices_are_refused():
