@@ -28,6 +28,9 @@ __all__ = ["stiffness_mass"]
 # caches.
 _BATCH = 4e6
 
+# Of a matrix, while its indices are made: 2 MB, in the caches, and no large memory for a moment.
+_ENTRIES_AT_ONCE = 2**18
+
 # The blocks of the upper triangle; the others are their transposes.
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
@@ -185,7 +188,8 @@ def _pattern(mesh: Mesh) -> _Pattern:
     starts_row = np.zeros(size, dtype=bool)
     starts_row[by_row.indptr[:-1]] = True
     first = starts_row | np.concatenate([[True], np.diff(by_row.indices) != 0])
-    number = np.cumsum(first, dtype=np.int64) - 1
+    number = np.cumsum(first, dtype=np.int32 if size < 2**31 else np.int64)
+    number -= 1
     place = np.empty(size, dtype=np.int32)
     place[by_row.data] = number
     indices = by_row.indices[first].astype(np.int32)
@@ -203,20 +207,25 @@ def _over_dofs(
 ) -> tuple[sp.csr_array, sp.csr_array]:
     """Return K with these entries, and M ⊗ I₃ of a mass by pairs of nodes."""
     whole: Any = np.int32 if len(stiffness) < 2**31 else np.int64
-    start, lengths = pattern.indptr[:-1, None].astype(whole), np.diff(pattern.indptr).astype(whole)
-    n, component = 3 * len(lengths), np.arange(3, dtype=whole)
+    lengths, component = np.repeat(np.diff(pattern.indptr), 3), np.arange(3, dtype=whole)
+    n, pairs = len(lengths), 3 * pattern.n_pairs
     indptr = np.zeros(n + 1, dtype=whole)
-    np.cumsum(np.repeat(lengths, 3), out=indptr[1:])
-    # Which pair each block of a row belongs to: node a's pairs once for each of its three rows.
-    before = (2 * start + lengths[:, None] * component).reshape(-1)
-    pair = np.arange(3 * pattern.n_pairs, dtype=whole)
-    pair -= np.repeat(before, np.diff(indptr))
-    masses, column = mass[pair], pattern.indices[pair].astype(whole, copy=False)
-    del pair
-    column *= 3
-    columns = (column[:, None] + component).reshape(-1)
-    K = sp.csr_array((stiffness, columns, 3 * indptr), shape=(n, n))
-    column += np.repeat(np.tile(component, n // 3), np.diff(indptr))
+    np.cumsum(lengths, out=indptr[1:])
+    masses, column = np.empty(pairs), np.empty(pairs, dtype=whole)
+    columns = np.empty((pairs, 3), dtype=whole)
+    for nodes in np.array_split(np.arange(n // 3), 1 + pairs // _ENTRIES_AT_ONCE):
+        if not len(nodes):
+            continue
+        rows = slice(3 * nodes[0], 3 * nodes[-1] + 3)
+        some = slice(indptr[rows.start], indptr[rows.stop])
+        # Which pair each entry of M belongs to: a node's pairs once for each of its three rows.
+        before = indptr[rows] - np.repeat(pattern.indptr[nodes], 3)
+        pair = np.arange(some.start, some.stop) - np.repeat(before, lengths[rows])
+        masses[some] = mass[pair]
+        first = 3 * pattern.indices[pair].astype(whole, copy=False)
+        np.add(first[:, None], component, out=columns[some])
+        np.add(first, np.repeat(np.tile(component, len(nodes)), lengths[rows]), out=column[some])
+    K = sp.csr_array((stiffness, columns.reshape(-1), 3 * indptr), shape=(n, n))
     M = sp.csr_array((masses, column, indptr), shape=(n, n))
     return _with_int32(K), _with_int32(M)
 

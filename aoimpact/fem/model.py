@@ -73,8 +73,8 @@ _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 # leaves.
 _ROUNDING = 1e-6
 
-# Of a matrix, while supports are taken out: 50 MB.
-_ENTRIES_AT_ONCE = 2**22
+# Of a matrix, while supports are taken out: 2 MB, in the caches.
+_ENTRIES_AT_ONCE = 2**18
 
 # Share of a matrix's arrays below which what supports leave of it is copied, to free the rest.
 _WORTH_KEEPING = 0.9
@@ -733,7 +733,7 @@ def _checked_total(total: FloatArray) -> float:
 
 def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: AnyMaterial) -> None:
     """Refuse what leaves the range of doubles, so that no nan or zero mass is computed with."""
-    stiffest = float(np.abs(K.data).max())  # nan and infinity fail the comparisons
+    stiffest = float(max(K.data.max(), -K.data.min()))  # nan and infinity fail the comparisons
     lightest = float(M.diagonal().min())
     if not (lightest > LEAST and mass < LARGEST and LEAST < stiffest < LARGEST):
         raise InputError(

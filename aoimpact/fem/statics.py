@@ -208,9 +208,9 @@ def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatAr
 
 def translates(tip: ContactPoint) -> bool:
     """Whether the body may translate along the direction of travel: no support forbids it."""
-    if tip.direction is None:
-        return False
     body = tip.body
+    if tip.direction is None or not body.rigid_modes.shape[1]:
+        return False
     along = body.translation(tip.direction)
     rest = along - body.rigid_modes @ (body.rigid_modes.T @ (body.M @ along))
     return float(rest @ (body.M @ rest)) <= _OF_ANOTHER_MOTION * float(along @ (body.M @ along))

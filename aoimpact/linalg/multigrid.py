@@ -57,8 +57,8 @@ _SHRINKS = 0.7
 # thick 142, a cube of ν = .499 169.
 _MOST_ITERATIONS = 500
 
-# Of M, while it is added to K: 50 MB.
-_ENTRIES_AT_ONCE = 2**22
+# Of M, while it is added to K: 2 MB, in the caches.
+_ENTRIES_AT_ONCE = 2**18
 
 # Bytes that the set-up takes at most, per entry of K, beside K, M and the coarsest level's factors,
 # with a mesh of second order and without: 22 and 39 were measured, the most of linear tetrahedra.
