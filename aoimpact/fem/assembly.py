@@ -188,7 +188,7 @@ def _pattern(mesh: Mesh) -> _Pattern:
     starts_row = np.zeros(size, dtype=bool)
     starts_row[by_row.indptr[:-1]] = True
     first = starts_row | np.concatenate([[True], np.diff(by_row.indices) != 0])
-    number = np.cumsum(first, dtype=np.int32 if size < 2**31 else np.int64)
+    number: Any = np.cumsum(first, dtype=np.int32 if size < 2**31 else np.int64)
     number -= 1
     place = np.empty(size, dtype=np.int32)
     place[by_row.data] = number

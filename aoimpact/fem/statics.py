@@ -131,6 +131,8 @@ def displacement(
     body: Body,
     b: FloatArray,
     invert: Callable[[float], LinearSolver],
+    *,
+    tolerance: float | None = None,
 ) -> FloatArray:
     """Return K⁻¹ b; with rigid modes that b does not move, the one M-orthogonal to them.
 
@@ -140,11 +142,14 @@ def displacement(
     b : ndarray, shape (n_dofs,)
     invert : callable
         s² ↦ the solver of K + s²M.
+    tolerance : float, optional
+        ‖b - K x‖ / ‖b‖ that will do, of a body without rigid modes: see `LinearSolver`.
     """
     K, M, rigid = body.K, body.M, body.rigid_modes
     if rigid.shape[1] == 0:
         try:
-            return invert(0.0).solve(b)
+            solver = invert(0.0)
+            return solver.solve(b) if tolerance is None else solver.solve_roughly(b, tolerance)[0]
         except SingularError as error:
             raise SingularError(
                 f"{error}, though the body has no rigid motion left: part of it is a mechanism "

@@ -5,7 +5,6 @@ matrices and where their rows lie in space, no bodies. For `fem`, `reduction` an
 with K and M.
 """
 
-from .cg import conjugate_gradients
 from .dense import dense_modes
 from .matrices import (
     LARGEST,
@@ -53,7 +52,6 @@ __all__ = [
     "check_mass",
     "check_stiffness",
     "checked_solver",
-    "conjugate_gradients",
     "core_rows",
     "dense_modes",
     "factorize",

@@ -39,19 +39,19 @@ class Inverse:
     solve : callable
         f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f.
     roughly : callable or None
-        f, shape (n,), ↦ (K + s²M)⁻¹ f to `ROUGH`, of a method that iterates.
+        f, shape (n,), and ‖f - A x‖ / ‖f‖ ↦ (K + s²M)⁻¹ f, of a method that iterates.
     precondition : callable or None
         About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates.
     at : callable or None
-        s² ↦ the inverse at another shift, for less than setting up another one. There are factors
-        for one shift at a time: do not alternate.
+        s² ↦ the inverse at another shift, for less than setting up another one. Of factors there
+        are those of one shift at a time: do not alternate.
     pace : callable
         How many times as long as `Method.seconds` estimates a solution takes, by the last one; 1
         before the first.
     """
 
     solve: Solve
-    roughly: Solve | None = None
+    roughly: Callable[[FloatArray, float], FloatArray] | None = None
     precondition: Solve | None = None
     at: Callable[[float], Inverse] | None = None
     pace: Callable[[], float] = _as_estimated

@@ -7,6 +7,7 @@ motions of no stiffness. The preconditioner works in single precision, the itera
 
 from __future__ import annotations
 
+import copy
 import threading
 from dataclasses import dataclass
 from functools import partial
@@ -23,7 +24,7 @@ from .blocks import Blocks, slabs
 from .cg import conjugate_gradients
 from .coarsening import aggregated, corner_interpolation
 from .matrices import check_entries
-from .method import ROUGH, Inverse, Method
+from .method import Inverse, Method
 from .pencil import Pencil
 from .rows import congruent, rows_of
 from .smoother import Smoother
@@ -66,8 +67,8 @@ _ENTRIES_AT_ONCE = 2**18
 _BYTES_QUADRATIC, _BYTES_OTHERS, _BYTES_PER_FACTOR = 24.0, 40.0, 16.0
 
 # ‖f - A x‖ / ‖f‖ to iterate to: half of what `LinearSolver` asks for, since the residual that is
-# computed afresh comes out slightly larger. And of a rough one.
-_TOLERANCE, _ROUGHLY = 5e-11, 0.5 * ROUGH
+# computed afresh comes out slightly larger.
+_TOLERANCE, _OF_WHAT_IS_ASKED = 5e-11, 0.5
 
 # Seconds of a solution per dof in so many iterations, as compact bodies take, and where nodes are
 # not known; the set-up is about one more. A rough one takes .4 to .6 of that in compact bodies,
@@ -128,7 +129,7 @@ class Multigrid:
     def __init__(self, pencil: Pencil, tolerance: float) -> None:
         self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
         self._levels: list[_Level] = []
-        self._in_use = threading.RLock()
+        self._in_use, self._stored = threading.RLock(), pencil.s2
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
             A, candidates, places, self._place = interruptible(lambda: _finest(pencil))
             self._scale = float(A.diagonal().max())
@@ -140,12 +141,44 @@ class Multigrid:
             if pencil.mesh is not None and pencil.mesh.quadratic:
                 A, candidates, places = interruptible(partial(self._to_corners, A))
                 progress.update()
-            affordable = _most_in_coarsest(pencil)
-            while A.shape[0] > _DENSE and estimated_entries(A) > affordable:
-                A, candidates = interruptible(partial(self._to_aggregates, A, candidates, places))
-                places = None
-                progress.update()
-            self._coarsest = factorize(A / self._scale, what=pencil.what)
+            self._coarsen(A, candidates, places, progress)
+
+    def _coarsen(self, A: Any, candidates: FloatArray, places: Any, progress: Any) -> None:
+        """Make the levels from that of A on."""
+        affordable = _most_in_coarsest(self.pencil)
+        while True:
+            if len(self._levels) == 1:
+                self._second = A, candidates, places
+            if A.shape[0] <= _DENSE or estimated_entries(A) <= affordable:
+                break
+            A, candidates = interruptible(partial(self._to_aggregates, A, candidates, places))
+            places = None
+            progress.update()
+        self._coarsest = factorize(A / self._scale, what=self.pencil.what)
+
+    def at(self, s2: float) -> Multigrid:
+        """Return (K + s²M)⁻¹ at another shift, with this one's smoother on the finest level.
+
+        It damps as well there, since what is to be damped are motions that stiffness governs.
+        """
+        if not self._levels:
+            return Multigrid(self.pencil.at(s2), self.tolerance)
+        other = copy.copy(self)
+        other.pencil, other.iterations = self.pencil.at(s2), 0
+        other._levels, other.sizes = self._levels[:1], self.sizes[:2]
+        A, candidates, places = self._second
+        with bar(f"multigrid, {self.pencil.n} dofs", unit="level") as progress:
+            masses = interruptible(self._coarse_masses).tobsr(A.blocksize)
+            A = _in_order(A + (s2 - self.pencil.s2) * masses)
+            other._coarsen(A, candidates, places, progress)
+        return other
+
+    def _coarse_masses(self) -> Any:
+        """Return Pᵀ M P on the second level."""
+        level, place = self._levels[0], np.arange(self._length)[self._place]
+        P = level.prolongation.astype(np.float64)
+        P = sp.kron(P, np.eye(3), format="csr") if level.width == 3 else P.tocsr()
+        return congruent(_placed(self.pencil.M, place, self._length), P)
 
     def _smoother(self, A: Any, places: FloatArray | None, band: float) -> Smoother:
         blocks = self._blocks if not self._levels else _in_parts(A, places)
@@ -222,7 +255,9 @@ class Multigrid:
         """Return (K + s²M) x."""
         padded = np.zeros(self._length)
         padded[self._place] = x
-        return self._blocks.multiply(padded, self._work)[self._place]
+        found = self._blocks.multiply(padded, self._work)[self._place]
+        change = self.pencil.s2 - self._stored
+        return found + change * self.pencil.momentum(x) if change else found
 
     def precondition(self, r: FloatArray) -> FloatArray:
         """Return one V-cycle applied to `r`."""
@@ -242,11 +277,23 @@ class Multigrid:
         level = self._levels[depth]
         x = np.zeros_like(r)
         level.smoother.smooth(x, r, finish=True)
+        self._shift(depth, x, r)
         correction = level.fine(self._cycle(depth + 1, level.coarse(r)))
         x += correction
         level.smoother.subtract(correction, r)
+        self._shift(depth, correction, r)
         level.smoother.smooth(x, r, finish=False)
         return x
+
+    def _shift(self, depth: int, x: Single, r: Single) -> None:
+        """Make `r`, the residual after `x` at the shift of the finest smoother, that at ours.
+
+        Else corrections of slow motions, which s²M governs, are taken for far too large or small.
+        """
+        change = (self.pencil.s2 - self._stored) / self._scale
+        if change and depth == 0:
+            momentum = self.pencil.momentum(x[self._place].astype(np.float64))
+            r[self._place] -= (change * momentum).astype(np.float32)
 
 
 def _in_parts(A: Any, places: FloatArray | None) -> Blocks:
@@ -350,15 +397,22 @@ def _add_to_diagonal(A: Any, values: FloatArray) -> None:
 
 
 def _set_up(pencil: Pencil) -> Inverse:
-    multigrid = Multigrid(pencil, _TOLERANCE)
+    return _inverse(Multigrid(pencil, _TOLERANCE))
 
+
+def _inverse(multigrid: Multigrid) -> Inverse:
     def pace() -> float:
         """By iterations, not by a clock: the same choice at every run."""
-        known = multigrid.iterations > 0 and pencil.nodes is not None
+        known = multigrid.iterations > 0 and multigrid.pencil.nodes is not None
         return multigrid.iterations / _ITERATIONS if known else 1.0
 
-    roughly = partial(multigrid.solve, tolerance=_ROUGHLY)
-    return Inverse(multigrid.solve, roughly, multigrid.precondition, pace=pace)
+    def at(s2: float) -> Inverse:
+        return _inverse(multigrid.at(s2))
+
+    def roughly(rhs: FloatArray, tolerance: float) -> FloatArray:
+        return multigrid.solve(rhs, _OF_WHAT_IS_ASKED * tolerance)
+
+    return Inverse(multigrid.solve, roughly, multigrid.precondition, at, pace)
 
 
 def _memory(pencil: Pencil) -> float:

@@ -99,6 +99,10 @@ class Pencil:
         K, M = self._rows
         return K @ x, M @ x
 
+    def momentum(self, x: FloatArray) -> FloatArray:
+        """Return M x."""
+        return self._rows[1] @ x
+
     @cached_property
     def _rows(self) -> tuple[Rows, Rows]:
         return Rows(self.K), Rows(self.M)

@@ -113,8 +113,10 @@ class LinearSolver:
         """
         return self._solve(rhs, self.inverse.solve, _TOLERANCE)[0]
 
-    def solve_roughly(self, rhs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return x, K x and M x, each (n,), for a subspace; see `ROUGH`.
+    def solve_roughly(
+        self, rhs: FloatArray, tolerance: float = ROUGH
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return x, K x and M x, each (n,), for a subspace, with ‖f - A x‖ ≤ `tolerance` ‖f‖.
 
         For one `rhs` of shape (n,), as `solve` does where the method does not iterate.
 
@@ -124,7 +126,8 @@ class LinearSolver:
         """
         if self.inverse.roughly is None:
             return self._solve(rhs, self.inverse.solve, _TOLERANCE)
-        return self._solve(rhs, self.inverse.roughly, ROUGH)
+        roughly = self.inverse.roughly
+        return self._solve(rhs, lambda f: roughly(f, tolerance), tolerance)
 
     def _solve(
         self, rhs: FloatArray, inverse: Solve, tolerance: float

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -23,7 +23,6 @@ from ..linalg import (
     Solver,
     SolverBook,
     checked_solver,
-    conjugate_gradients,
     core_rows,
     stays_quickest,
 )
@@ -61,15 +60,9 @@ _NOTHING_NEW = 1e-11
 # 2.1 times as fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
-# |b - K x|/|b| to which a static mode is iterated. The error of bᵀx goes with the square of that:
-# 1e-11 on a clamped plate of 414 000 dofs, where 1e-3 leaves 1e-8 and 1e-7 takes half as long
-# again. Factors give the same to 1e-9 on blocks, and to 8e-7 on sheets a hundred times as wide as
-# thick, where rounding of K has its share.
-_ITERATED = 1e-4
-
-# Iterations for a static mode after which a preconditioner of K itself is set up for it. That takes
-# as long as some 40 of them, which a clamped plate of 193 000 dofs needs.
-_MOST_ITERATIONS = 60
+# What may be left where solutions are rough: 1e-9 of bᵀx is missing then in a block, 1e-11 in a
+# plate of 414 000 dofs.
+_REACHED_ROUGHLY = 1e-4
 
 # ω² of a vector, of the largest K_ii/M_ii, beyond which it is a motion without mass, whose rounding
 # spoils the others: up to 3 on bodies of full mass; from 2000 on modes are lost, M being singular.
@@ -255,7 +248,7 @@ class Subspace:
         wanted -= int(np.linalg.matrix_rank(loads))
         places = int(np.linalg.matrix_rank(self._b))
         dynamic = self._inverse(min(self.shifts))
-        # An iterative method solves for K itself at the cost of few solves.
+        # An iterative method solves for K itself at the cost of few solves, as well as for vectors.
         direct = dynamic.precondition is None
         if direct:
             wanted = max(wanted, _FIRST * places)
@@ -266,80 +259,33 @@ class Subspace:
                 break
             self._solve_to(self._count - self._given + places)
             within, left = self._galerkin(loads)
-        if left <= _REACHED:
+        if left <= (_REACHED if direct else _REACHED_ROUGHLY):
             return list(within)
-        if not direct and not self.rigid_count:
-            found = [self._iterated(load, dynamic) for load in loads]
-            if all(x is not None for x in found):
-                return [self._outside(place, x) for place, x in enumerate(found) if x is not None]
         invert = SolverBook(
             dynamic.at or partial(self.body.inverse, solver=self._solver, solutions=len(loads))
         )
         return [
-            self._outside(place, displacement(self.body, load, invert))
+            self._outside(place, displacement(self.body, load, invert, tolerance=_REACHED_ROUGHLY))
             for place, load in enumerate(loads)
         ]
 
-    def _within(self) -> Callable[[FloatArray], FloatArray] | None:
-        """Vᵀf, of the vectors V so far, ↦ the coordinates of K⁻¹ f in their span."""
+    def _galerkin(self, loads: FloatArray) -> tuple[FloatArray, float]:
+        """K⁻¹ of each load in the span of the vectors so far, and the largest |b - K x|/|b|."""
+        found = np.zeros((len(loads), self._count))
         new = slice(self._given, self._count)
         stiffness = self._stiffness[new, new]
         if not (stiffness.diagonal() > 0.0).all():  # rounding of K, or a mechanism
-            return None
+            return found, np.inf
         scale = 1.0 / np.sqrt(stiffness.diagonal())
         try:
             factors = scipy.linalg.cho_factor(scale[:, None] * stiffness * scale)
         except np.linalg.LinAlgError:
-            return None
-
-        def solve(load: FloatArray) -> FloatArray:
-            found: FloatArray = scale * scipy.linalg.cho_solve(factors, scale * load)
-            return found
-
-        return solve
-
-    def _galerkin(self, loads: FloatArray) -> tuple[FloatArray, float]:
-        """K⁻¹ of each load in the span of the vectors so far, and the largest |b - K x|/|b|."""
-        found, solve = np.zeros((len(loads), self._count)), self._within()
-        if solve is None:
             return found, np.inf
-        new = slice(self._given, self._count)
-        found[:, new] = [solve(self._basis[new] @ load) for load in loads]
+        for row, load in zip(found, loads, strict=True):
+            row[new] = scale * scipy.linalg.cho_solve(factors, scale * (self._basis[new] @ load))
         rest = loads - (self.body.K @ (found[:, new] @ self._basis[new]).T).T
         sizes = np.linalg.norm(loads, axis=1)
         return found, float((np.linalg.norm(rest, axis=1) / np.where(sizes > 0, sizes, 1.0)).max())
-
-    def _iterated(self, load: FloatArray, dynamic: LinearSolver) -> FloatArray | None:
-        """Return K⁻¹ `load` by conjugate gradients; None where they do not get there.
-
-        The preconditioner of K + s²M does for K once the slow motions are taken out of the
-        residual, and those that the load excites lie in the span of the vectors so far.
-        """
-        solve, precondition = self._within(), dynamic.precondition
-        if solve is None or precondition is None:
-            return None
-        vectors = self._basis[self._given : self._count]
-
-        def within(r: FloatArray) -> FloatArray:
-            # No BLAS here, whose threads keep the cores busy after a product.
-            loads = np.einsum("ij,j->i", vectors, r)
-            found: FloatArray = np.einsum("i,ij->j", solve(loads), vectors)
-            return found
-
-        try:
-            found = conjugate_gradients(
-                dynamic.pencil.at(0.0).product,
-                lambda r: precondition(r) + within(r),
-                load,
-                tolerance=_ITERATED,
-                most=_MOST_ITERATIONS,
-                what="the stiffness matrix",
-                label=f"static mode, {self.body.n_dofs} dofs",
-                start=within(load),
-            )
-        except SingularError:
-            return None
-        return found.x if found.left <= _ITERATED else None
 
     def _outside(self, place: int, x: FloatArray) -> FloatArray:
         """Put what is new of a static mode found by other means in its place in the basis."""

@@ -303,6 +303,34 @@ def test_the_number_of_threads_changes_no_bit(monkeypatch):
         assert np.array_equal(solver.solve(load_on(body)), one)
 
 
+@pytest.mark.parametrize("name", ["bar", "hexahedron", "partly held", "few dofs"])
+def test_another_shift_has_the_finest_level_of_the_first(name):
+    """Solutions at each are those of a multigrid of its own, also where the two alternate."""
+    if name == "partly held":
+        mesh = box_mesh((0.2, 0.02, 0.02), (30, 3, 3), kind="tetra10")
+        body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz"), ("zmin", "y")])
+    else:
+        body = BODIES["tetra" if name == "few dofs" else name]()
+    load = load_on(body)
+    first = Multigrid(pencil_of(body, SHIFT), 1e-10)
+    others = [first.at(0.0), first.at(4.0 * SHIFT), first.at(0.0).at(SHIFT), first]
+    shifts = (0.0, 4.0 * SHIFT, SHIFT, SHIFT)
+    for _ in range(2):
+        for other, s2 in zip(others, shifts, strict=True):
+            own = Multigrid(pencil_of(body, s2), 1e-10)
+            x = own.solve(load)
+            np.testing.assert_allclose(other.solve(load), x, atol=1e-7 * np.abs(x).max())
+            assert other.sizes == own.sizes
+            assert other.iterations <= own.iterations + 3
+    if name != "few dofs":
+        assert first._levels[0] is others[0]._levels[0]
+
+
+def test_a_free_body_has_no_shift_of_zero():
+    with pytest.raises(ao.SingularError, match="the stiffness matrix is singular"):
+        Multigrid(pencil_of(ball(3e-3), SHIFT), 1e-8).at(0.0)
+
+
 def test_threads_may_share_a_solver():
     body = held_bar((30, 2, 2))
     solver, load = body.inverse(SHIFT, solver="multigrid"), load_on(body)
