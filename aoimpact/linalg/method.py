@@ -43,8 +43,11 @@ class Inverse:
     precondition : callable or None
         About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates.
     at : callable or None
-        s² ↦ the inverse at another shift, for less than setting up another one. Of factors there
-        are those of one shift at a time: do not alternate.
+        s² ↦ the inverse at another shift, for less than setting up another one. There are factors
+        for one shift at a time: do not alternate.
+    below : callable or None
+        s² ↦ the inverse at a smaller shift, for much less than setting up another one. Both serve
+        from then on.
     pace : callable
         How many times as long as `Method.seconds` estimates a solution takes, by the last one; 1
         before the first.
@@ -54,6 +57,7 @@ class Inverse:
     roughly: Callable[[FloatArray, float], FloatArray] | None = None
     precondition: Solve | None = None
     at: Callable[[float], Inverse] | None = None
+    below: Callable[[float], Inverse] | None = None
     pace: Callable[[], float] = _as_estimated
 
 

@@ -156,12 +156,12 @@ class Multigrid:
             progress.update()
         self._coarsest = factorize(A / self._scale, what=self.pencil.what)
 
-    def at(self, s2: float) -> Multigrid:
-        """Return (K + s²M)⁻¹ at another shift, with this one's smoother on the finest level.
+    def below(self, s2: float) -> Multigrid:
+        """Return (K + s²M)⁻¹ at a smaller shift, with this one's smoother on the finest level.
 
-        It damps as well there, since what is to be damped are motions that stiffness governs.
+        It damps as well there. At a larger one, where its matrix is too small, it does not.
         """
-        if not self._levels:
+        if not self._levels or s2 > self._stored:
             return Multigrid(self.pencil.at(s2), self.tolerance)
         other = copy.copy(self)
         other.pencil, other.iterations = self.pencil.at(s2), 0
@@ -406,13 +406,13 @@ def _inverse(multigrid: Multigrid) -> Inverse:
         known = multigrid.iterations > 0 and multigrid.pencil.nodes is not None
         return multigrid.iterations / _ITERATIONS if known else 1.0
 
-    def at(s2: float) -> Inverse:
-        return _inverse(multigrid.at(s2))
+    def below(s2: float) -> Inverse:
+        return _inverse(multigrid.below(s2))
 
     def roughly(rhs: FloatArray, tolerance: float) -> FloatArray:
         return multigrid.solve(rhs, _OF_WHAT_IS_ASKED * tolerance)
 
-    return Inverse(multigrid.solve, roughly, multigrid.precondition, at, pace)
+    return Inverse(multigrid.solve, roughly, multigrid.precondition, None, below, pace)
 
 
 def _memory(pencil: Pencil) -> float:

@@ -261,9 +261,8 @@ class Subspace:
             within, left = self._galerkin(loads)
         if left <= (_REACHED if direct else _REACHED_ROUGHLY):
             return list(within)
-        invert = SolverBook(
-            dynamic.at or partial(self.body.inverse, solver=self._solver, solutions=len(loads))
-        )
+        anew = partial(self.body.inverse, solver=self._solver, solutions=len(loads))
+        invert = SolverBook(dynamic.below or dynamic.at or anew)
         return [
             self._outside(place, displacement(self.body, load, invert, tolerance=_REACHED_ROUGHLY))
             for place, load in enumerate(loads)

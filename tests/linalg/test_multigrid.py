@@ -304,7 +304,7 @@ def test_the_number_of_threads_changes_no_bit(monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["bar", "hexahedron", "partly held", "few dofs"])
-def test_another_shift_has_the_finest_level_of_the_first(name):
+def test_a_smaller_shift_has_the_finest_level_of_the_first(name):
     """Solutions at each are those of a multigrid of its own, also where the two alternate."""
     if name == "partly held":
         mesh = box_mesh((0.2, 0.02, 0.02), (30, 3, 3), kind="tetra10")
@@ -313,8 +313,9 @@ def test_another_shift_has_the_finest_level_of_the_first(name):
         body = BODIES["tetra" if name == "few dofs" else name]()
     load = load_on(body)
     first = Multigrid(pencil_of(body, SHIFT), 1e-10)
-    others = [first.at(0.0), first.at(4.0 * SHIFT), first.at(0.0).at(SHIFT), first]
-    shifts = (0.0, 4.0 * SHIFT, SHIFT, SHIFT)
+    shifts = (0.0, 0.25 * SHIFT, 0.0, 2000.0 * SHIFT, SHIFT)  # one is larger, and has its own
+    half = first.below(shifts[1])
+    others = (first.below(0.0), half, half.below(0.0), first.below(shifts[3]), first)
     for _ in range(2):
         for other, s2 in zip(others, shifts, strict=True):
             own = Multigrid(pencil_of(body, s2), 1e-10)
@@ -328,7 +329,7 @@ def test_another_shift_has_the_finest_level_of_the_first(name):
 
 def test_a_free_body_has_no_shift_of_zero():
     with pytest.raises(ao.SingularError, match="the stiffness matrix is singular"):
-        Multigrid(pencil_of(ball(3e-3), SHIFT), 1e-8).at(0.0)
+        Multigrid(pencil_of(ball(3e-3), SHIFT), 1e-8).below(0.0)
 
 
 def test_threads_may_share_a_solver():

@@ -492,6 +492,19 @@ def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monk
     assert 13 <= 10 + 4 * (slow - 1) <= 50  # each takes .4 to 1.5 of what was foreseen
 
 
+def test_many_oscillators_by_multigrid_are_those_of_factors():
+    """The shift rises on the way, by a factor of 20."""
+    mesh = box_mesh((0.2, 0.2, 0.01), (10, 10, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
+    tip = body.contact(point=(0.1, 0.1, 0.01), radius=0)
+    one, other = (
+        ao.KrylovSpace(tip, contact_time=9e-5, sharpened=True, solver=solver).antioscillators(70)
+        for solver in ("superlu", "multigrid")
+    )
+    assert other.k0 == pytest.approx(one.k0, rel=1e-8)
+    np.testing.assert_allclose(other.frequencies[:10], one.frequencies[:10], rtol=1e-5)
+
+
 def test_models_on_vectors_that_are_solved_roughly_are_as_exact():
     """At a node of a thin plate, the hardest for iterations; the truth is solved for directly."""
     mesh = box_mesh((0.1, 0.05, 0.005), (10, 5, 1), kind="hexahedron20")
