@@ -13,7 +13,7 @@ __all__ = ["at_once"]
 
 _Calls = Sequence[Callable[[], Any]]
 
-# What threads of a pool are told by: they have none to wait for.
+# Marks the threads of a pool: one that waited for others of it might wait for ever.
 _of_pool = threading.local()
 
 
