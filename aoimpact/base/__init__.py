@@ -60,7 +60,7 @@ from .style import (
     new_axes,
     styled,
 )
-from .threads import at_once
+from .threads import Turns, at_once
 from .units import Scale, scale_for, with_unit
 
 __all__ = [
@@ -87,6 +87,7 @@ __all__ = [
     "Scale",
     "SceneFileError",
     "SingularError",
+    "Turns",
     "WorkerError",
     "advance",
     "aligned",

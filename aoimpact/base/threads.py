@@ -9,7 +9,7 @@ from concurrent.futures import Future, wait
 from functools import cache, partial
 from typing import Any
 
-__all__ = ["at_once"]
+__all__ = ["Turns", "at_once"]
 
 _Calls = Sequence[Callable[[], Any]]
 
@@ -34,14 +34,28 @@ def at_once(calls: _Calls) -> None:
 
 def _hand_over(calls: _Calls, others: list[Future[None]]) -> _Calls:
     """Start other threads on their shares, and return the caller's own."""
-    count = 1 if getattr(_of_pool, "is_one", False) else min(_cores(), len(calls))
+    cores = 1 if getattr(_of_pool, "is_one", False) else _cores()
+    count = min(cores, len(calls))
     own = list(calls[::count]) if count else []
     for share in (calls[k::count] for k in range(1, count)):
         try:
-            others.append(_pool(os.getpid(), _cores()).submit(_one_by_one, share))
+            others.append(_pool(os.getpid(), cores).submit(_one_by_one, share))
         except RuntimeError:  # the interpreter is ending, and starts no threads any more
             own += share
     return own
+
+
+class Turns:
+    """A lock for one thread at a time; a forked process has another one, which nobody holds."""
+
+    def __init__(self) -> None:
+        self._locks: dict[int, threading.RLock] = {}
+
+    def __enter__(self) -> None:
+        self._locks.setdefault(os.getpid(), threading.RLock()).acquire()
+
+    def __exit__(self, *error: object) -> None:
+        self._locks[os.getpid()].release()
 
 
 def _one_by_one(calls: _Calls) -> None:
@@ -62,9 +76,11 @@ def _wait_for(others: list[Future[None]]) -> None:
 
 
 def _cores() -> int:
-    """Return how many cores this process may use now."""
+    """Return how many cores this process may use now; OMP_NUM_THREADS holds here as for BLAS."""
     whose = getattr(os, "sched_getaffinity", None)
-    return len(whose(0)) if whose is not None else os.cpu_count() or 1
+    cores = len(whose(0)) if whose is not None else os.cpu_count() or 1
+    wanted = os.environ.get("OMP_NUM_THREADS", "")
+    return min(cores, max(1, int(wanted))) if wanted.isdecimal() else cores
 
 
 @cache

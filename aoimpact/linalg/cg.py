@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..base import FloatArray, SingularError, bar
+from ..base import ConvergenceError, FloatArray, SingularError, bar
 
 __all__ = ["Found", "conjugate_gradients", "inner"]
 
@@ -60,6 +60,8 @@ def conjugate_gradients(
     ------
     SingularError
         If a motion turns out to have no positive stiffness.
+    ConvergenceError
+        If the preconditioner is not positive: of a matrix that is nearly singular, by its rounding.
     """
     size = math.sqrt(inner(load, load))
     if size == 0.0:
@@ -75,7 +77,12 @@ def conjugate_gradients(
         for iteration in range(1, most + 1):
             along = product(p)
             curvature = inner(p, along)
-            if not (curvature > 0.0 and rz > 0.0):
+            if not rz > 0.0:
+                raise ConvergenceError(
+                    f"iterations with {what} have to be given up: it is nearly singular, and the "
+                    "rounding of what speeds them up takes over; take another solver"
+                )
+            if not curvature > 0.0:
                 raise SingularError(
                     f"{what} is singular or not positive definite: a motion has a stiffness "
                     f"of {curvature:.2g}"

@@ -8,7 +8,6 @@ motions of no stiffness. The preconditioner works in single precision, the itera
 from __future__ import annotations
 
 import copy
-import threading
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -18,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import ConvergenceError, FloatArray, SingularError, bar, interruptible
+from ..base import ConvergenceError, FloatArray, SingularError, Turns, bar, interruptible
 from ..mesh import rigid_motions
 from .blocks import Blocks, slabs
 from .cg import conjugate_gradients
@@ -129,7 +128,7 @@ class Multigrid:
     def __init__(self, pencil: Pencil, tolerance: float) -> None:
         self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
         self._levels: list[_Level] = []
-        self._in_use, self._stored = threading.RLock(), pencil.s2
+        self._in_use, self._stored = Turns(), pencil.s2
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
             A, candidates, places, self._place = interruptible(lambda: _finest(pencil))
             self._scale = float(A.diagonal().max())
@@ -159,7 +158,8 @@ class Multigrid:
     def below(self, s2: float) -> Multigrid:
         """Return (K + s²M)⁻¹ at a smaller shift, with this one's smoother on the finest level.
 
-        It damps as well there. At a larger one, where its matrix is too small, it does not.
+        It damps as well there. At a larger one, where its matrix is too small, it does not. The
+        two share the work space, and wait for each other.
         """
         if not self._levels or s2 > self._stored:
             return Multigrid(self.pencil.at(s2), self.tolerance)
@@ -241,14 +241,14 @@ class Multigrid:
                 what=pencil.what,
                 label=f"multigrid, {pencil.n} dofs",
             )
+            self.iterations = found.iterations
         if not found.left <= tolerance:
             raise ConvergenceError(
                 f"solver 'multigrid' of {pencil.what} ({pencil.n} dofs) reached {found.left:.2g} "
                 f"of the right-hand side in {_MOST_ITERATIONS} iterations, {tolerance:g} was asked "
-                "for: the matrix is nearly singular (a mechanism, missing supports, ν near .5); "
-                "take another solver"
+                "for: the matrix is nearly singular (a sheet hundreds of times as wide as thick, a "
+                "mechanism, missing supports, ν near .5); take another solver"
             )
-        self.iterations = found.iterations
         return found.x
 
     def product(self, x: FloatArray) -> FloatArray:

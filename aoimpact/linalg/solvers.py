@@ -23,6 +23,7 @@ from ..base import (
     bar,
     choice,
     require,
+    warn,
 )
 from .method import ROUGH, Inverse, Method, Solve
 from .multigrid import MULTIGRID
@@ -249,7 +250,36 @@ def linear_solver(
     what = f"solver {method.name!r} of {pencil.what} ({pencil.n} dofs)"
     require(method.memory(pencil), what, _cure(pencil, method))
     with bar(f"{method.name}, {pencil.n} dofs"):
-        return LinearSolver(method.name, pencil, method.set_up(pencil))
+        inverse = method.set_up(pencil)
+    if name == "auto" and not method.direct:
+        inverse = _or_factors(pencil, inverse)
+    return LinearSolver(method.name, pencil, inverse)
+
+
+def _or_factors(pencil: Pencil, inverse: Inverse) -> Inverse:
+    """Return an inverse that factorises where iterations do not arrive, and from then on."""
+    factors: list[Inverse] = []
+    roughly, below = inverse.roughly, inverse.below
+
+    def first(iterate: Callable[[], FloatArray], rhs: FloatArray) -> FloatArray:
+        if not factors:
+            try:
+                return iterate()
+            except ConvergenceError as error:
+                direct = [method for method in _fitting(pencil) if method.direct]
+                if not direct:
+                    raise
+                method = min(direct, key=lambda method: method.seconds(pencil, FEW_SOLUTIONS))
+                warn(f"solver {method.name!r} takes over: {error}")
+                factors.append(method.set_up(pencil))
+        return factors[0].solve(rhs)
+
+    return replace(
+        inverse,
+        solve=lambda rhs: first(lambda: inverse.solve(rhs), rhs),
+        roughly=roughly and (lambda rhs, to: first(lambda: roughly(rhs, to), rhs)),
+        below=below and (lambda s2: _or_factors(pencil.at(s2), below(s2))),
+    )
 
 
 def stays_quickest(solver: LinearSolver, solutions: int) -> bool:

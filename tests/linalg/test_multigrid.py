@@ -1,5 +1,6 @@
 """Multigrid: few iterations at every size, the residual asked for, and honest failures."""
 
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -330,6 +331,33 @@ def test_a_smaller_shift_has_the_finest_level_of_the_first(name):
 def test_a_free_body_has_no_shift_of_zero():
     with pytest.raises(ao.SingularError, match="the stiffness matrix is singular"):
         Multigrid(pencil_of(ball(3e-3), SHIFT), 1e-8).below(0.0)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_process_forked_during_a_solution_may_solve(monkeypatch):
+    body = held_bar((30, 2, 2))
+    solver, load = Multigrid(pencil_of(body, SHIFT), 1e-8), load_on(body)
+    alone = solver.solve(load)
+
+    def same():
+        os._exit(0 if np.array_equal(solver.solve(load), alone) else 1)
+
+    children = []
+    fork = multiprocessing.get_context("fork")
+
+    def product(x, usual=solver.product):
+        if not children:
+            children.append(fork.Process(target=same))
+            monkeypatch.undo()
+            children[0].start()
+        return usual(x)
+
+    monkeypatch.setattr(solver, "product", product)
+    with ThreadPoolExecutor(1) as pool:
+        assert np.array_equal(pool.submit(solver.solve, load).result(), alone)
+    children[0].join(20.0)
+    assert children[0].exitcode == 0
 
 
 def test_threads_may_share_a_solver():

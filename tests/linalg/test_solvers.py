@@ -387,3 +387,29 @@ def test_iterations_are_given_up_for_factors_where_they_go_slowly():
     swift = replace(solver, inverse=replace(solver.inverse, pace=lambda: 1e-6))
     assert solvers.stays_quickest(swift, 1)
     assert solvers.stays_quickest(slow, 0)
+
+
+# ------------------------------------------------------------------ where iterations do not arrive
+
+
+def test_factors_take_over_where_iterations_do_not_arrive(monkeypatch):
+    """What nobody chose: a solver that is named stays, and its failure is told."""
+    mesh = box_mesh((0.1, 0.1, 0.01), (10, 10, 1), kind="hexahedron20")
+    plate = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
+    load = np.random.default_rng(0).standard_normal(plate.n_dofs)
+    expected = plate.inverse(1e6, solver="superlu").solve(load)
+    monkeypatch.setattr("aoimpact.linalg.multigrid._MOST_ITERATIONS", 2)
+    monkeypatch.setattr(solvers, "_quickest", lambda pencil, count: METHODS["multigrid"])
+    named, usual = plate.inverse(1e6, solver="multigrid"), plate.inverse(1e6)
+    with pytest.raises(ao.ConvergenceError, match="in 2 iterations"):
+        named.solve(load)
+    with pytest.warns(ao.AOImpactWarning, match="takes over: solver 'multigrid' of"):
+        x = usual.solve(load)
+    np.testing.assert_allclose(x, expected, rtol=1e-8, atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(usual.solve_roughly(load)[0], x, rtol=1e-8, atol=0)
+    with pytest.warns(ao.AOImpactWarning, match="takes over"):
+        static = usual.below(0.0).solve(load)
+    np.testing.assert_allclose(static, plate.inverse(0.0, solver="superlu").solve(load), rtol=1e-6)
+    monkeypatch.setattr(solvers, "_fitting", lambda pencil: [METHODS["multigrid"]])
+    with pytest.raises(ao.ConvergenceError, match="in 2 iterations"):
+        plate.inverse(2e6).solve(load)
