@@ -51,6 +51,12 @@ class Probe:
     displacement: FloatArray
     velocity: FloatArray
     _stress: Callable[[], FloatArray] = field(repr=False)
+    _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False)
+
+    @cached_property
+    def error(self) -> FloatArray | None:
+        """Estimated error of the whole field at these times, (n,); see `Field.error`."""
+        return self._error()
 
     @cached_property
     def stress(self) -> Stress:

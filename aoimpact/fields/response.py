@@ -99,7 +99,8 @@ class Response:
         shape = (len(wanted), *places.shape[:-1])
         rows = sp.csr_array(sp.kron(weights, axes))[:, self._free]
         u, v = (values.T.reshape(*shape, *along) for values in self._functionals(rows, wanted))
-        return Probe(wanted, places, u, v, partial(self._stress, weights, wanted, shape))
+        stress, error = partial(self._stress, weights, wanted, shape), partial(self._error, wanted)
+        return Probe(wanted, places, u, v, stress, error)
 
     def field(self, times: Any = None) -> Field:
         """See `BodyResult.field`."""

@@ -130,6 +130,11 @@ class BodyResult(Frozen):
     _respond: Callable[[], Response | None] | None = field(default=None, repr=False)
     _doubt: Callable[[], None] | None = field(default=None, repr=False)
 
+    def __repr__(self) -> str:
+        mass = "" if self.mass is None else f", {self.mass:.4g} kg"
+        way = "constrained" if self.constrained else "free"
+        return f"BodyResult({self.name}: {self.label}{mass}, {way})"
+
     @property
     def held(self) -> bool:
         """The former name of `constrained`.

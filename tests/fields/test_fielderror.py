@@ -142,6 +142,12 @@ def test_natural_modes_miss_what_was_left_out_at_the_blow() -> None:
     assert (said > true / 2.0).all()
 
 
+def test_a_probe_has_the_error_of_the_field_at_its_times() -> None:
+    target = struck(ao.modal(cantilever(), 30)).target
+    probe = target.probe(point=(0.0, 0.01, 0.02), times=TIMES)
+    assert probe.error == pytest.approx(target.field(TIMES).error, rel=1e-12)
+
+
 def test_the_whole_body_has_no_error() -> None:
     error = exact().target.field(TIMES).error
     assert error is not None

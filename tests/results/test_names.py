@@ -72,6 +72,7 @@ def test_an_impact_shows_the_names(tmp_path: Path) -> None:
     hit = strike()
     assert (hit.projectile.name, hit.target.name) == ("ball", "bar")
     assert "projectile         ball: rigid, 10 g\n" in repr(hit)
+    assert repr(hit.target) == "BodyResult(bar: AO(3), 0.108 kg, constrained)"
     assert "target             bar: AO(3), 108 g, constrained, node 23 at (0.1, " in repr(hit)
     labels = [text.get_text() for text in hit.plot_displacement().get_legend().get_texts()]
     assert labels == ["ball", "bar, contact point", "bar, centre of mass"]
