@@ -32,19 +32,6 @@ def at_once(calls: _Calls) -> None:
         other.result()
 
 
-def _hand_over(calls: _Calls, others: list[Future[None]]) -> _Calls:
-    """Start other threads on their shares, and return the caller's own."""
-    cores = 1 if getattr(_of_pool, "is_one", False) else _cores()
-    count = min(cores, len(calls))
-    own = list(calls[::count]) if count else []
-    for share in (calls[k::count] for k in range(1, count)):
-        try:
-            others.append(_pool(os.getpid(), cores).submit(_one_by_one, share))
-        except RuntimeError:  # the interpreter is ending, and starts no threads any more
-            own += share
-    return own
-
-
 class Turns:
     """A lock for one thread at a time; a forked process has another one, which nobody holds."""
 
@@ -56,6 +43,19 @@ class Turns:
 
     def __exit__(self, *error: object) -> None:
         self._locks[os.getpid()].release()
+
+
+def _hand_over(calls: _Calls, others: list[Future[None]]) -> _Calls:
+    """Start other threads on their shares, and return the caller's own."""
+    cores = 1 if getattr(_of_pool, "is_one", False) else _cores()
+    count = min(cores, len(calls))
+    own = list(calls[::count]) if count else []
+    for share in (calls[k::count] for k in range(1, count)):
+        try:
+            others.append(_pool(os.getpid(), cores).submit(_one_by_one, share))
+        except RuntimeError:  # the interpreter is ending, and starts no threads any more
+            own += share
+    return own
 
 
 def _one_by_one(calls: _Calls) -> None:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, bar, interruptible
+from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
 from .composition import AnyMaterial, Piece, pieces
 from .material import Material
@@ -27,9 +28,6 @@ __all__ = ["stiffness_mass"]
 # Elements are taken so many at a time that the largest temporary stays in this size, bytes: in the
 # caches.
 _BATCH = 4e6
-
-# Of a matrix, while its indices are made: 2 MB, in the caches, and no large memory for a moment.
-_ENTRIES_AT_ONCE = 2**18
 
 # The blocks of the upper triangle; the others are their transposes.
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -213,7 +211,7 @@ def _over_dofs(
     np.cumsum(lengths, out=indptr[1:])
     masses, column = np.empty(pairs), np.empty(pairs, dtype=whole)
     columns = np.empty((pairs, 3), dtype=whole)
-    for nodes in np.array_split(np.arange(n // 3), 1 + pairs // _ENTRIES_AT_ONCE):
+    for nodes in np.array_split(np.arange(n // 3), 1 + pairs // ENTRIES_AT_ONCE):
         if not len(nodes):
             continue
         rows = slice(3 * nodes[0], 3 * nodes[-1] + 3)

@@ -28,6 +28,7 @@ from ..base import (
     warn,
 )
 from ..linalg import (
+    ENTRIES_AT_ONCE,
     FEW_SOLUTIONS,
     LARGEST,
     LEAST,
@@ -73,10 +74,8 @@ _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 # leaves.
 _ROUNDING = 1e-6
 
-# Of a matrix, while supports are taken out: 2 MB, in the caches.
-_ENTRIES_AT_ONCE = 2**18
-
-# Share of a matrix's arrays below which what supports leave of it is copied, to free the rest.
+# Share of a matrix's arrays below which what supports leave of it is copied, so that no more than a
+# tenth of their memory is held for nothing.
 _WORTH_KEEPING = 0.9
 
 
@@ -638,7 +637,7 @@ def _restrict(matrix: Any, free: IntArray) -> Any:
     number[free] = np.arange(len(free))
     indptr = np.zeros(len(free) + 1, dtype=starts.dtype)
     end = 0
-    for rows in np.array_split(free, 1 + matrix.nnz // _ENTRIES_AT_ONCE):
+    for rows in np.array_split(free, 1 + matrix.nnz // ENTRIES_AT_ONCE):
         if not len(rows):
             continue
         first, after = rows[0], rows[-1] + 1

@@ -16,6 +16,7 @@ from .matrices import (
     symmetric_pair,
 )
 from .pencil import Pencil
+from .rows import ENTRIES_AT_ONCE
 from .solvers import (
     FEW_SOLUTIONS,
     SOLVERS,
@@ -39,6 +40,7 @@ from .superlu import Factorization, factorize
 
 __all__ = [
     "DENSE_DOFS",
+    "ENTRIES_AT_ONCE",
     "EQUAL",
     "FEW_SOLUTIONS",
     "LARGEST",

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from .. import _core
 from ..base import FloatArray, IntArray, at_once
 
-__all__ = ["Blocks", "Part", "diagonal_blocks", "in_stages", "slabs"]
+__all__ = ["Blocks", "Part", "diagonal_blocks", "diagonal_places", "in_stages", "slabs"]
 
 Part = tuple[int, int]
 
@@ -104,6 +104,11 @@ def slabs(places: FloatArray, size: int) -> npt.NDArray[np.int64]:
 
 def diagonal_blocks(A: Any) -> FloatArray:
     """Return the diagonal blocks of a BSR matrix that stores them all, shape (n, b, b)."""
-    row = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
-    found: FloatArray = A.data[A.indices == row]
+    found: FloatArray = A.data[diagonal_places(A)]
     return found
+
+
+def diagonal_places(A: Any) -> IntArray:
+    """Return which of the blocks of a BSR matrix lie on its diagonal, by rows."""
+    row = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
+    return np.flatnonzero(A.indices == row)

@@ -40,7 +40,6 @@ def conjugate_gradients(
     most: int,
     what: str,
     label: str,
-    start: FloatArray | None = None,
 ) -> Found:
     """Solve A x = f to ‖f - A x‖ ≤ `tolerance` ‖f‖, or as far as `most` iterations get.
 
@@ -53,8 +52,6 @@ def conjugate_gradients(
     load : ndarray, shape (n,)
     what, label : str
         The matrix in messages, and the work in progress bars.
-    start : ndarray, shape (n,), optional
-        Where to begin; at zero if left out.
 
     Raises
     ------
@@ -66,11 +63,7 @@ def conjugate_gradients(
     size = math.sqrt(inner(load, load))
     if size == 0.0:
         return Found(np.zeros_like(load), 0, 0.0)
-    x = np.zeros_like(load) if start is None else start.copy()
-    r = load.copy() if start is None else load - product(x)
-    left = math.sqrt(inner(r, r)) / size
-    if left <= tolerance:
-        return Found(x, 0, left)
+    x, r = np.zeros_like(load), load
     z = precondition(r)
     p, rz, reached, digits = z, inner(r, z), 0.0, -math.log10(tolerance)
     with bar(label, digits, unit="digit") as progress:

@@ -19,13 +19,13 @@ import scipy.sparse as sp
 
 from ..base import ConvergenceError, FloatArray, SingularError, Turns, bar, interruptible
 from ..mesh import rigid_motions
-from .blocks import Blocks, slabs
+from .blocks import Blocks, diagonal_places, slabs
 from .cg import conjugate_gradients
 from .coarsening import aggregated, corner_interpolation
 from .matrices import check_entries
 from .method import Inverse, Method
 from .pencil import Pencil
-from .rows import congruent, rows_of
+from .rows import ENTRIES_AT_ONCE, congruent, rows_of
 from .smoother import Smoother
 from .superlu import estimated_entries, factorize
 
@@ -56,9 +56,6 @@ _SHRINKS = 0.7
 # Three times what the worst bodies measured take: a cube takes 13, a sheet 150 times as long as
 # thick 142, a cube of ν = .499 169.
 _MOST_ITERATIONS = 500
-
-# Of M, while it is added to K: 2 MB, in the caches.
-_ENTRIES_AT_ONCE = 2**18
 
 # Bytes that the set-up takes at most, per entry of K, beside K, M and the coarsest level's factors,
 # with a mesh of second order and without: 22 and 39 were measured, the most of linear tetrahedra.
@@ -339,8 +336,7 @@ def _without_nodes(pencil: Pencil) -> tuple[Any, FloatArray, None, slice]:
 
 def _check_diagonal(A: Any, pencil: Pencil) -> None:
     """Refuse a BSR matrix that does not store every block of its diagonal."""
-    row = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
-    if np.count_nonzero(A.indices == row) < len(A.indptr) - 1:
+    if len(diagonal_places(A)) < len(A.indptr) - 1:
         raise SingularError(f"{pencil.what} is singular: some dofs have no stiffness")
 
 
@@ -366,7 +362,7 @@ def _in_blocks(matrix: Any) -> Any:
 def _sum(A: Any, factor: float, M: Any) -> Any:
     """Return A + factor M of A in blocks, some rows at a time: M in blocks takes three times M."""
     n = len(A.indptr) - 1
-    cuts = np.linspace(0, n, 2 + M.nnz // _ENTRIES_AT_ONCE, dtype=int).tolist()
+    cuts = np.linspace(0, n, 2 + M.nnz // ENTRIES_AT_ONCE, dtype=int).tolist()
     for begin, end in pairwise(cuts):
         some, own = _in_blocks(rows_of(M, 3 * begin, 3 * end)), slice(*A.indptr[[begin, end]])
         starts = A.indptr[begin : end + 1] - A.indptr[begin]
@@ -390,10 +386,8 @@ def _in_order(A: Any) -> Any:
 def _add_to_diagonal(A: Any, values: FloatArray) -> None:
     """Add to the diagonal of a BSR matrix that stores all its diagonal blocks."""
     size = A.blocksize[0]
-    row = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
-    blocks = np.flatnonzero(A.indices == row)
     local = np.arange(size)
-    A.data[blocks[:, None], local, local] += values.reshape(-1, size)
+    A.data[diagonal_places(A)[:, None], local, local] += values.reshape(-1, size)
 
 
 def _set_up(pencil: Pencil) -> Inverse:

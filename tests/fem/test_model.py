@@ -629,7 +629,7 @@ def test_a_pickle_carries_the_mesh_and_not_what_is_assembled_from_it(fixed: Any)
 @pytest.mark.parametrize("at_once", [100, 2**22])
 def test_supports_take_out_rows_and_columns(at_once: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """In the matrix's own arrays, some rows at a time: against SciPy's selection."""
-    monkeypatch.setattr(model_module, "_ENTRIES_AT_ONCE", at_once)
+    monkeypatch.setattr(model_module, "ENTRIES_AT_ONCE", at_once)
     random = np.random.default_rng(4)
     whole = sp.random_array((90, 90), density=0.2, rng=random, format="csr")
     for free in (np.arange(0, 90, 2), np.arange(30, 60), np.array([0, 3, 88, 89]), np.arange(0)):
