@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, bar, interruptible
+from ..base import FloatArray, IntArray, at_once, bar, interruptible
 from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
 from .composition import AnyMaterial, Piece, pieces
@@ -80,15 +82,27 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
     pattern = interruptible(lambda: _pattern(mesh))
     stiffness, mass = np.zeros(9 * pattern.n_pairs), np.zeros(pattern.n_pairs)
     with bar("assembly", mesh.n_cells, unit="element") as progress:
-        for piece in pieces(mesh, material):
-            for batch in piece.batches(_batch(piece.element)):
-                nodes = mesh.nodes[batch.cells]
-                place = pattern.place[mesh.blocks.index(piece.block)][batch.rows]
-                _add_stiffness(stiffness, pattern, place, batch, nodes)
-                values = piece.material.rho * _mass(piece.element, nodes)
+
+        def add_stiffness() -> None:
+            for batch, place in _batches(mesh, material, pattern):
+                _add_stiffness(stiffness, pattern, place, batch, mesh.nodes[batch.cells])
+                progress.update(len(place))
+
+        def add_mass() -> None:
+            for batch, place in _batches(mesh, material, pattern):
+                values = batch.material.rho * _mass(batch.element, mesh.nodes[batch.cells])
                 np.add.at(mass, place.reshape(-1), values.reshape(-1))
-                progress.update(len(nodes))
+
+        at_once([add_stiffness, add_mass])
     return interruptible(lambda: _over_dofs(pattern, stiffness, mass))
+
+
+def _batches(mesh: Mesh, material: AnyMaterial, pattern: _Pattern) -> Iterator[tuple[Piece, Any]]:
+    """Yield elements alike, some at a time, and which pairs their entries belong to."""
+    for piece in pieces(mesh, material):
+        place = pattern.place[mesh.blocks.index(piece.block)]
+        for batch in piece.batches(_batch(piece.element)):
+            yield batch, place[batch.rows]
 
 
 def _add_stiffness(
@@ -211,18 +225,21 @@ def _over_dofs(
     np.cumsum(lengths, out=indptr[1:])
     masses, column = np.empty(pairs), np.empty(pairs, dtype=whole)
     columns = np.empty((pairs, 3), dtype=whole)
-    for nodes in np.array_split(np.arange(n // 3), 1 + pairs // ENTRIES_AT_ONCE):
-        if not len(nodes):
-            continue
-        rows = slice(3 * nodes[0], 3 * nodes[-1] + 3)
+
+    def fill(first: int, last: int) -> None:
+        nodes, rows = slice(first, last), slice(3 * first, 3 * last)
         some = slice(indptr[rows.start], indptr[rows.stop])
         # Which pair each entry of M belongs to: a node's pairs once for each of its three rows.
         before = indptr[rows] - np.repeat(pattern.indptr[nodes], 3)
         pair = np.arange(some.start, some.stop) - np.repeat(before, lengths[rows])
         masses[some] = mass[pair]
-        first = 3 * pattern.indices[pair].astype(whole, copy=False)
-        np.add(first[:, None], component, out=columns[some])
-        np.add(first, np.repeat(np.tile(component, len(nodes)), lengths[rows]), out=column[some])
+        first_column = 3 * pattern.indices[pair].astype(whole, copy=False)
+        np.add(first_column[:, None], component, out=columns[some])
+        of_row = np.repeat(np.tile(component, last - first), lengths[rows])
+        np.add(first_column, of_row, out=column[some])
+
+    cuts = np.linspace(0, n // 3, 2 + pairs // ENTRIES_AT_ONCE, dtype=int).tolist()
+    at_once([partial(fill, *piece) for piece in pairwise(cuts)])
     K = sp.csr_array((stiffness, columns.reshape(-1), 3 * indptr), shape=(n, n))
     M = sp.csr_array((masses, column, indptr), shape=(n, n))
     return _with_int32(K), _with_int32(M)

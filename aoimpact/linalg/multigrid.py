@@ -10,22 +10,21 @@ from __future__ import annotations
 import copy
 from dataclasses import dataclass
 from functools import partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import ConvergenceError, FloatArray, SingularError, Turns, bar, interruptible
+from ..base import ConvergenceError, FloatArray, Turns, bar, interruptible
 from ..mesh import rigid_motions
-from .blocks import Blocks, diagonal_places, slabs
+from .blocks import Blocks, diagonal_blocks, slabs
 from .cg import conjugate_gradients
 from .coarsening import aggregated, corner_interpolation
-from .matrices import check_entries
+from .finest import Finest, add, add_to_diagonal, finest_level, in_order, reduced
 from .method import Inverse, Method
 from .pencil import Pencil
-from .rows import ENTRIES_AT_ONCE, congruent, rows_of
+from .rows import congruent
 from .smoother import Smoother
 from .superlu import estimated_entries, factorize
 
@@ -47,9 +46,6 @@ _FEWEST_ENTRIES, _COARSEST_SHARE = 1e6, 0.1
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 1e7, 2.0, 1.6
 _DENSE = 300
 
-# Force of a translation on a dof, of its stiffness, that the rounding of K leaves.
-_UNRESISTED = 1e-9
-
 # A level that has not less than this share of the dofs above it is no progress: K does not couple.
 _SHRINKS = 0.7
 
@@ -58,9 +54,9 @@ _SHRINKS = 0.7
 _MOST_ITERATIONS = 500
 
 # Bytes that the set-up takes at most, per entry of K, beside K, M and the coarsest level's factors,
-# with a mesh of second order and without: 22 and 39 were measured, the most of linear tetrahedra.
+# with a mesh of second order and without: 19 and 41 were measured, the most of linear tetrahedra.
 # And per entry of those factors.
-_BYTES_QUADRATIC, _BYTES_OTHERS, _BYTES_PER_FACTOR = 24.0, 40.0, 16.0
+_BYTES_QUADRATIC, _BYTES_OTHERS, _BYTES_PER_FACTOR = 20.0, 42.0, 16.0
 
 # ‖f - A x‖ / ‖f‖ to iterate to: half of what `LinearSolver` asks for, since the residual that is
 # computed afresh comes out slightly larger.
@@ -126,18 +122,19 @@ class Multigrid:
         self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
         self._levels: list[_Level] = []
         self._in_use, self._stored = Turns(), pencil.s2
+        # One matrix in blocks is read in a sixth of the time that K and M take.
+        self._blocks: Blocks
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
-            A, candidates, places, self._place = interruptible(lambda: _finest(pencil))
-            self._scale = float(A.diagonal().max())
-            self._length = A.shape[0]
+            level = interruptible(lambda: finest_level(pencil))
+            self._place, self._scale = level.place, pencil.scale
+            self._length = level.motions.shape[0] * level.motions.shape[1]
             self.sizes = [self._length]
-            # In blocks one matrix is read in a sixth of the time that K and M take.
-            self._blocks = interruptible(lambda: _in_parts(A, places))
+            quadratic = pencil.mesh is not None and pencil.mesh.quadratic
+            below = interruptible(
+                partial(self._to_corners if quadratic else self._to_blocks, level)
+            )
             self._work = np.empty(self._blocks.work_length)
-            if pencil.mesh is not None and pencil.mesh.quadratic:
-                A, candidates, places = interruptible(partial(self._to_corners, A))
-                progress.update()
-            self._coarsen(A, candidates, places, progress)
+            self._coarsen(*below, progress)
 
     def _coarsen(self, A: Any, candidates: FloatArray, places: Any, progress: Any) -> None:
         """Make the levels from that of A on."""
@@ -165,40 +162,47 @@ class Multigrid:
         other._levels, other.sizes = self._levels[:1], self.sizes[:2]
         A, candidates, places = self._second
         with bar(f"multigrid, {self.pencil.n} dofs", unit="level") as progress:
-            masses = interruptible(self._coarse_masses).tobsr(A.blocksize)
-            A = _in_order(A + (s2 - self.pencil.s2) * masses)
+            masses = interruptible(self._coarse_masses)
+            A = add(A.copy(), s2 - self.pencil.s2, masses)
             other._coarsen(A, candidates, places, progress)
         return other
 
     def _coarse_masses(self) -> Any:
         """Return Pᵀ M P on the second level."""
-        level, place = self._levels[0], np.arange(self._length)[self._place]
+        level = self._levels[0]
         P = level.prolongation.astype(np.float64)
         P = sp.kron(P, np.eye(3), format="csr") if level.width == 3 else P.tocsr()
-        return congruent(_placed(self.pencil.M, place, self._length), P)
+        return congruent(self.pencil.M, P[self._place])
 
-    def _smoother(self, A: Any, places: FloatArray | None, band: float) -> Smoother:
-        blocks = self._blocks if not self._levels else _in_parts(A, places)
-        return Smoother(A, blocks, scale=self._scale, band=band, what=self.pencil.what)
+    def _to_blocks(self, level: Finest) -> tuple[Any, FloatArray, FloatArray | None]:
+        """Return the finest level's matrix, its motions of little stiffness and its nodes."""
+        A = level.whole()
+        self._blocks = _in_parts(A, level.nodes)
+        return A, level.motions, level.nodes
 
-    def _to_corners(self, A: Any) -> tuple[Any, FloatArray, FloatArray]:
+    def _to_corners(self, level: Finest) -> tuple[Any, FloatArray, FloatArray]:
+        """Make the finest level of a quadratic mesh, and return the same of its corners."""
         pencil = self.pencil
-        smoother = self._smoother(A, None, _BAND_MESH)
-        assert pencil.nodes is not None  # a body with a mesh has nodes
+        assert level.nodes is not None  # a body with a mesh has nodes
+        assert pencil.nodes is not None
         assert pencil.free is not None
         nodes = np.unique(pencil.free // 3)
         weights, corners = corner_interpolation(pencil.mesh)
         kept = np.isin(corners, nodes, assume_unique=True)  # constrained corners do not move
         weights = weights[nodes][:, kept]
-        self._add(smoother, weights, width=3)
-        motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[corners[kept]]
         prolongation = sp.kron(weights, np.eye(3)).tobsr((3, 3))
-        return self._coarse_matrix(A, prolongation, 3), motions, pencil.nodes[corners[kept]]
+        part = slabs(level.nodes, 3)
+        self._blocks, diagonal, coarse = reduced(level, part, prolongation)
+        self._add(self._smoother(self._blocks, diagonal, _BAND_MESH), weights, width=3)
+        motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[corners[kept]]
+        return self._coarse_matrix(coarse, 3), motions, pencil.nodes[corners[kept]]
 
     def _to_aggregates(
         self, A: Any, candidates: FloatArray, places: FloatArray | None
     ) -> tuple[Any, FloatArray]:
-        smoother = self._smoother(A, places, _BAND_AGGREGATES if self._levels else _BAND_MESH)
+        band = _BAND_AGGREGATES if self._levels else _BAND_MESH
+        blocks = _in_parts(A, places) if self._levels else self._blocks
+        smoother = self._smoother(blocks, diagonal_blocks(A), band)
         prolongation, coarse = aggregated(A, candidates, smoother.highest)
         if prolongation.shape[1] > _SHRINKS * prolongation.shape[0]:
             raise ConvergenceError(
@@ -207,19 +211,22 @@ class Multigrid:
                 "another one by solver="
             )
         self._add(smoother, prolongation, width=1)
-        return self._coarse_matrix(A, prolongation, coarse.shape[1]), coarse
+        return self._coarse_matrix(congruent(A, prolongation), coarse.shape[1]), coarse
+
+    def _smoother(self, blocks: Blocks, diagonal: FloatArray, band: float) -> Smoother:
+        return Smoother(blocks, diagonal, scale=self._scale, band=band, what=self.pencil.what)
 
     def _add(self, smoother: Smoother, prolongation: Any, width: int) -> None:
         single = prolongation.astype(np.float32)
         restriction = single.T.tocsr() if single.format == "csr" else single.T
         self._levels.append(_Level(smoother, single, restriction, width))
 
-    def _coarse_matrix(self, A: Any, prolongation: Any, size: int) -> Any:
-        """Return Pᵀ A P, with something on the diagonal where candidates were dependent."""
-        coarse = _in_order(congruent(A, prolongation).tobsr((size, size)))
+    def _coarse_matrix(self, coarse: Any, size: int) -> Any:
+        """Return Pᵀ A P with something on the diagonal where candidates were dependent."""
+        coarse = in_order(coarse.tobsr((size, size)))
         empty = coarse.diagonal() == 0.0
         if empty.any():
-            _add_to_diagonal(coarse, np.where(empty, self._scale, 0.0))
+            add_to_diagonal(coarse, np.where(empty, self._scale, 0.0))
         self.sizes.append(coarse.shape[0])
         return coarse
 
@@ -294,100 +301,7 @@ class Multigrid:
 
 
 def _in_parts(A: Any, places: FloatArray | None) -> Blocks:
-    return Blocks(A, None if places is None else slabs(places, A.blocksize[0]))
-
-
-_Finest = tuple[Any, FloatArray, FloatArray | None, npt.NDArray[np.int64] | slice]
-
-
-def _finest(pencil: Pencil) -> _Finest:
-    """Return K + s²M in blocks, its motions of little stiffness, and where nodes and dofs are."""
-    if pencil.nodes is None or pencil.free is None:
-        return _without_nodes(pencil)
-    nodes, number = np.unique(pencil.free // 3, return_inverse=True)
-    place = 3 * number + pencil.free % 3
-    n = 3 * len(nodes)
-    A = _in_blocks(_placed(pencil.K, place, n))
-    if pencil.s2:
-        A = _sum(A, pencil.s2, _placed(pencil.M, place, n))
-    _check_diagonal(A, pencil)
-    if len(place) < n:  # partly constrained nodes: their other dofs stay uncoupled
-        fixed = np.ones(n)
-        fixed[place] = 0.0
-        _add_to_diagonal(A, float(A.diagonal().max()) * fixed)
-    motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[nodes]
-    whole = np.array_equal(place, np.arange(n))
-    return A, motions, pencil.nodes[nodes], slice(None) if whole else place
-
-
-def _without_nodes(pencil: Pencil) -> tuple[Any, FloatArray, None, slice]:
-    """Dofs of which nothing is known: three translations if K does not resist these, else one."""
-    A = pencil.matrix()
-    check_entries(A)
-    moves = np.tile(np.eye(3), (A.shape[0] // 3 + 1, 1))[: A.shape[0]]
-    inner = np.abs(pencil.K @ moves) <= _UNRESISTED * pencil.K.diagonal()[:, None]
-    if A.shape[0] % 3 == 0 and inner.mean() > 0.5:  # the others are on nodes beside supports
-        A, motions = A.tobsr((3, 3)), moves.reshape(-1, 3, 3)
-    else:
-        A, motions = A.tobsr((1, 1)), np.ones((A.shape[0], 1, 1))
-    _check_diagonal(A, pencil)
-    return _in_order(A), motions, None, slice(None)
-
-
-def _check_diagonal(A: Any, pencil: Pencil) -> None:
-    """Refuse a BSR matrix that does not store every block of its diagonal."""
-    if len(diagonal_places(A)) < len(A.indptr) - 1:
-        raise SingularError(f"{pencil.what} is singular: some dofs have no stiffness")
-
-
-def _placed(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:
-    """Return a CSR matrix with row and column i moved to place[i] of n."""
-    check_entries(matrix)
-    if np.array_equal(place, np.arange(n)):
-        return matrix
-    if (np.diff(place) < 0).any():
-        order = np.argsort(place)
-        matrix, place = matrix[order][:, order], place[order]
-    indptr = np.zeros(n + 1, dtype=np.int32)
-    indptr[place + 1] = np.diff(matrix.indptr)
-    np.cumsum(indptr, out=indptr)
-    indices = place.astype(np.int32)[matrix.indices]
-    return sp.csr_array((matrix.data, indices, indptr), shape=(n, n))
-
-
-def _in_blocks(matrix: Any) -> Any:
-    return _in_order(matrix.tobsr((3, 3)))
-
-
-def _sum(A: Any, factor: float, M: Any) -> Any:
-    """Return A + factor M of A in blocks, some rows at a time: M in blocks takes three times M."""
-    n = len(A.indptr) - 1
-    cuts = np.linspace(0, n, 2 + M.nnz // ENTRIES_AT_ONCE, dtype=int).tolist()
-    for begin, end in pairwise(cuts):
-        some, own = _in_blocks(rows_of(M, 3 * begin, 3 * end)), slice(*A.indptr[[begin, end]])
-        starts = A.indptr[begin : end + 1] - A.indptr[begin]
-        alike = np.array_equal(some.indptr, starts)
-        if not (alike and np.array_equal(some.indices, A.indices[own])):
-            rest = M.copy()  # couples other nodes than A
-            rest.data[: M.indptr[3 * begin]] = 0.0
-            return _in_order(A + factor * _in_blocks(rest))
-        some.data *= factor
-        A.data[own] += some.data
-    return A
-
-
-def _in_order(A: Any) -> Any:
-    """Return a BSR matrix with its blocks sorted and its indices int32, as the core wants them."""
-    A.sort_indices()
-    A.indices, A.indptr = A.indices.astype(np.int32), A.indptr.astype(np.int32)
-    return A
-
-
-def _add_to_diagonal(A: Any, values: FloatArray) -> None:
-    """Add to the diagonal of a BSR matrix that stores all its diagonal blocks."""
-    size = A.blocksize[0]
-    local = np.arange(size)
-    A.data[diagonal_places(A)[:, None], local, local] += values.reshape(-1, size)
+    return Blocks.of(A, None if places is None else slabs(places, A.blocksize[0]))
 
 
 def _set_up(pencil: Pencil) -> Inverse:

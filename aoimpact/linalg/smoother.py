@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 import scipy
 
 from .. import _core
 from ..base import FloatArray, SingularError
-from .blocks import Blocks, Part, diagonal_blocks, in_stages
+from .blocks import Blocks, Part, in_stages
 from .cg import inner
 
 __all__ = ["Smoother"]
@@ -31,10 +29,10 @@ class Smoother:
 
     Parameters
     ----------
-    A : scipy.sparse.bsr_array
-        Symmetric positive definite, blocks b x b, with every diagonal block stored.
     blocks : Blocks
-        The same.
+        A, symmetric positive definite.
+    diagonal : ndarray, shape (n, b, b)
+        Its diagonal blocks.
     scale : float
         What the matrix is divided by, so that single precision holds it.
     band : float
@@ -48,15 +46,17 @@ class Smoother:
         λ_max of D⁻¹A, with a margin.
     """
 
-    def __init__(self, A: Any, blocks: Blocks, *, scale: float, band: float, what: str) -> None:
+    def __init__(
+        self, blocks: Blocks, diagonal: FloatArray, *, scale: float, band: float, what: str
+    ) -> None:
         try:
-            inverse = np.linalg.inv(diagonal_blocks(A) / scale).astype(np.float64, copy=False)
+            inverse = np.linalg.inv(diagonal / scale).astype(np.float64, copy=False)
         except np.linalg.LinAlgError:
             raise SingularError(f"{what} is singular: some dofs have no stiffness") from None
         single = np.empty(len(blocks.values), dtype=np.float32)
         np.divide(blocks.values, scale, out=single, casting="same_kind")
         self._matrix = blocks.pattern, single, inverse.astype(np.float32).reshape(-1)
-        self._n, self._parts = A.shape[0], blocks.parts
+        self._n, self._parts = diagonal.shape[0] * diagonal.shape[1], blocks.parts
         self._work = np.empty(blocks.work_length, dtype=np.float32)
         self.highest = _MARGIN * self._largest_eigenvalue(inverse, what)
         self._lowest = self.highest / band

@@ -16,8 +16,8 @@ from bodies import ball_of_octants, distorted_box, mixed_box
 import aoimpact as ao
 from aoimpact.base import threads
 from aoimpact.linalg import blocks as blocks_module
-from aoimpact.linalg import multigrid as multigrid_module
-from aoimpact.linalg.blocks import Blocks, slabs
+from aoimpact.linalg import finest as finest_module
+from aoimpact.linalg.blocks import Blocks, diagonal_blocks, slabs
 from aoimpact.linalg.coarsening import aggregated, corner_interpolation
 from aoimpact.linalg.multigrid import Multigrid
 from aoimpact.linalg.pencil import Pencil
@@ -209,7 +209,9 @@ def test_aggregates_reproduce_the_rigid_motions():
     A = body.K.tobsr((3, 3))
     A.indices, A.indptr = A.indices.astype(np.int32), A.indptr.astype(np.int32)
     motions = rigid_motions(body.nodes)
-    smoother = Smoother(A, Blocks(A), scale=float(A.diagonal().max()), band=20.0, what="K")
+    smoother = Smoother(
+        Blocks.of(A), diagonal_blocks(A), scale=float(A.diagonal().max()), band=20.0, what="K"
+    )
     prolongation, coarse = aggregated(A, motions.reshape(-1, 3, 6), smoother.highest)
     np.testing.assert_allclose(prolongation @ coarse.reshape(-1, 6), motions, atol=1e-9)
 
@@ -218,7 +220,9 @@ def test_the_bound_of_the_smoother_is_just_above_the_largest_eigenvalue():
     K, _ = rod(300, fixed=[0])
     A = K.tobsr((1, 1))
     A.indices, A.indptr = A.indices.astype(np.int32), A.indptr.astype(np.int32)
-    smoother = Smoother(A, Blocks(A), scale=float(A.diagonal().max()), band=20.0, what="K")
+    smoother = Smoother(
+        Blocks.of(A), diagonal_blocks(A), scale=float(A.diagonal().max()), band=20.0, what="K"
+    )
     scaled = K.toarray() / K.diagonal()[:, None]
     largest = np.linalg.eigvals(scaled).real.max()
     assert 1.0 <= smoother.highest / largest <= 1.11
@@ -242,7 +246,7 @@ def test_products_are_those_of_the_matrix_in_any_parts(size):
     A = sp.bsr_array(dense, blocksize=(size, size))
     x = random.standard_normal(40 * size)
     for part in (None, np.arange(40) // 10, np.arange(40) % 4):
-        blocks = Blocks(A, part)
+        blocks = Blocks.of(A, part)
         assert len(blocks.parts) == (1 if part is None else 4)
         product = blocks.multiply(x, np.empty(blocks.work_length))
         np.testing.assert_allclose(product, dense @ x, rtol=1e-12, atol=1e-12)
@@ -372,7 +376,7 @@ def test_threads_may_share_a_solver():
 @pytest.mark.parametrize("at_once", [500, 2**22])
 def test_masses_between_nodes_without_stiffness_between_them_count(at_once, monkeypatch):
     """M is added to K some rows at a time, as long as both couple the same nodes."""
-    monkeypatch.setattr(multigrid_module, "ENTRIES_AT_ONCE", at_once)
+    monkeypatch.setattr(finest_module, "ENTRIES_AT_ONCE", at_once)
     body = held_bar((30, 2, 2))
     places = [500, body.n_dofs - 1]
     far = sp.csr_array(([1e-4, 1e-4], (places, places[::-1])), shape=body.M.shape)
@@ -383,6 +387,20 @@ def test_masses_between_nodes_without_stiffness_between_them_count(at_once, monk
     np.testing.assert_allclose(
         Multigrid(pencil, 1e-8).product(x), body.K @ x + SHIFT * (M @ x), rtol=1e-9, atol=1.0
     )
+
+
+def test_the_finest_level_may_be_made_in_pieces(monkeypatch):
+    """Of a body with partly held nodes; sums of the pieces are rounded in another order."""
+    mesh = box_mesh((0.2, 0.02, 0.02), (30, 3, 3), kind="tetra10")
+    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz"), ("zmin", "y")])
+    whole = Multigrid(pencil_of(body, SHIFT), 1e-10)
+    monkeypatch.setattr(finest_module, "ENTRIES_AT_ONCE", 5000)
+    pieces = Multigrid(pencil_of(body, SHIFT), 1e-10)
+    assert np.array_equal(pieces._blocks.values, whole._blocks.values)
+    load = load_on(body)
+    x = whole.solve(load)
+    np.testing.assert_allclose(pieces.solve(load), x, atol=1e-8 * np.abs(x).max())
+    assert (pieces.sizes, pieces.iterations) == (whole.sizes, whole.iterations)
 
 
 def test_units_do_not_matter():
