@@ -48,6 +48,9 @@ class Inverse:
     below : callable or None
         s² ↦ the inverse at a smaller shift, for much less than setting up another one. Both serve
         from then on.
+    within : callable or None
+        Seconds ↦ the inverse that gives a solution up by ConvergenceError once it has taken so
+        many, as `Method.seconds` estimates them: in so many iterations, the same at every run.
     pace : callable
         How many times as long as `Method.seconds` estimates a solution takes, by the last one; 1
         before the first.
@@ -58,6 +61,7 @@ class Inverse:
     precondition: Solve | None = None
     at: Callable[[float], Inverse] | None = None
     below: Callable[[float], Inverse] | None = None
+    within: Callable[[float], Inverse] | None = None
     pace: Callable[[], float] = _as_estimated
 
 

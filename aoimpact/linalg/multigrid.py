@@ -107,6 +107,8 @@ class Multigrid:
 
     Attributes
     ----------
+    most : int
+        Iterations after which a solution is given up.
     sizes : list of int
         Dofs of the levels, the finest first.
     iterations : int
@@ -120,6 +122,7 @@ class Multigrid:
 
     def __init__(self, pencil: Pencil, tolerance: float) -> None:
         self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
+        self.most = _MOST_ITERATIONS
         self._levels: list[_Level] = []
         self._in_use, self._stored = Turns(), pencil.s2
         # One matrix in blocks is read in a sixth of the time that K and M take.
@@ -156,7 +159,7 @@ class Multigrid:
         two share the work space, and wait for each other.
         """
         if not self._levels or s2 > self._stored:
-            return Multigrid(self.pencil.at(s2), self.tolerance)
+            return Multigrid(self.pencil.at(s2), self.tolerance).within(self.most)
         other = copy.copy(self)
         other.pencil, other.iterations = self.pencil.at(s2), 0
         other._levels, other.sizes = self._levels[:1], self.sizes[:2]
@@ -165,6 +168,12 @@ class Multigrid:
             masses = interruptible(self._coarse_masses)
             A = add(A.copy(), s2 - self.pencil.s2, masses)
             other._coarsen(A, candidates, places, progress)
+        return other
+
+    def within(self, most: int) -> Multigrid:
+        """Return the same that gives up after so many iterations, with its work space."""
+        other = copy.copy(self)
+        other.most = most
         return other
 
     def _coarse_masses(self) -> Any:
@@ -241,7 +250,7 @@ class Multigrid:
                 self.precondition,
                 rhs,
                 tolerance=tolerance,
-                most=_MOST_ITERATIONS,
+                most=self.most,
                 what=pencil.what,
                 label=f"multigrid, {pencil.n} dofs",
             )
@@ -249,7 +258,7 @@ class Multigrid:
         if not found.left <= tolerance:
             raise ConvergenceError(
                 f"solver 'multigrid' of {pencil.what} ({pencil.n} dofs) reached {found.left:.2g} "
-                f"of the right-hand side in {_MOST_ITERATIONS} iterations, {tolerance:g} was asked "
+                f"of the right-hand side in {self.most} iterations, {tolerance:g} was asked "
                 "for: the matrix is nearly singular (a sheet hundreds of times as wide as thick, a "
                 "mechanism, missing supports, ν near .5); take another solver"
             )
@@ -320,7 +329,18 @@ def _inverse(multigrid: Multigrid) -> Inverse:
     def roughly(rhs: FloatArray, tolerance: float) -> FloatArray:
         return multigrid.solve(rhs, _OF_WHAT_IS_ASKED * tolerance)
 
-    return Inverse(multigrid.solve, roughly, multigrid.precondition, None, below, pace)
+    def within(seconds: float) -> Inverse:
+        count = _ITERATIONS * seconds / _seconds_each(multigrid.pencil)
+        return _inverse(multigrid.within(int(min(max(_ITERATIONS, count), _MOST_ITERATIONS))))
+
+    return Inverse(
+        multigrid.solve,
+        roughly,
+        multigrid.precondition,
+        below=below,
+        within=within,
+        pace=pace,
+    )
 
 
 def _memory(pencil: Pencil) -> float:
@@ -330,8 +350,11 @@ def _memory(pencil: Pencil) -> float:
 
 
 def _seconds(pencil: Pencil, solutions: int) -> float:
-    each = _SECONDS_WITHOUT_NODES if pencil.nodes is None else _SECONDS
-    return each * pencil.n * (solutions + 1)
+    return _seconds_each(pencil) * (solutions + 1)
+
+
+def _seconds_each(pencil: Pencil) -> float:
+    return (_SECONDS_WITHOUT_NODES if pencil.nodes is None else _SECONDS) * pencil.n
 
 
 MULTIGRID = Method("multigrid", _set_up, _memory, _seconds, direct=False)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -257,8 +258,15 @@ def linear_solver(
 
 
 def _or_factors(pencil: Pencil, inverse: Inverse) -> Inverse:
-    """Return an inverse that factorises where iterations do not arrive, and from then on."""
+    """Return an inverse that factorises where iterations do not arrive, and from then on.
+
+    They are given up once a single solution has taken as long as factors would: both together take
+    at most twice that.
+    """
     factors: list[Inverse] = []
+    limit = _direct(pencil)
+    if limit is not None and inverse.within is not None:
+        inverse = inverse.within(limit.seconds(pencil, FEW_SOLUTIONS))
     roughly, below = inverse.roughly, inverse.below
 
     def first(iterate: Callable[[], FloatArray], rhs: FloatArray) -> FloatArray:
@@ -266,20 +274,30 @@ def _or_factors(pencil: Pencil, inverse: Inverse) -> Inverse:
             try:
                 return iterate()
             except ConvergenceError as error:
-                direct = [method for method in _fitting(pencil) if method.direct]
-                if not direct:
+                method = _direct(pencil)
+                if method is None:
                     raise
-                method = min(direct, key=lambda method: method.seconds(pencil, FEW_SOLUTIONS))
                 warn(f"solver {method.name!r} takes over: {error}")
                 factors.append(method.set_up(pencil))
         return factors[0].solve(rhs)
+
+    def smaller(iterate: Callable[[float], Inverse], s2: float) -> Inverse:
+        there = pencil.at(s2)
+        method = _direct(there) if factors else None
+        return method.set_up(there) if method else _or_factors(there, iterate(s2))
 
     return replace(
         inverse,
         solve=lambda rhs: first(lambda: inverse.solve(rhs), rhs),
         roughly=roughly and (lambda rhs, to: first(lambda: roughly(rhs, to), rhs)),
-        below=below and (lambda s2: _or_factors(pencil.at(s2), below(s2))),
+        below=below and partial(smaller, below),
     )
+
+
+def _direct(pencil: Pencil) -> Method | None:
+    """The method that factorises quickest, of those that fit into memory."""
+    fitting = [method for method in _fitting(pencil) if method.direct]
+    return min(fitting, key=lambda m: m.seconds(pencil, FEW_SOLUTIONS), default=None)
 
 
 def stays_quickest(solver: LinearSolver, solutions: int) -> bool:

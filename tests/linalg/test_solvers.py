@@ -392,6 +392,20 @@ def test_iterations_are_given_up_for_factors_where_they_go_slowly():
 # ------------------------------------------------------------------ where iterations do not arrive
 
 
+def test_iterations_end_once_factors_would_have_been_quicker():
+    """Of a sheet 100 times as wide as thick, also at the smaller shift that is taken from it."""
+    mesh = box_mesh((0.1, 0.1, 0.001), (10, 10, 1), kind="hexahedron20")
+    sheet = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
+    pencil = Pencil(sheet.K, sheet.M, 1e6, sheet.nodes, sheet.free, sheet.mesh)
+    load = np.random.default_rng(0).standard_normal(sheet.n_dofs)
+    inverse = METHODS["multigrid"].set_up(pencil)
+    limited = inverse.within(1e-3)
+    for one in (limited, limited.below(0.0)):
+        with pytest.raises(ao.ConvergenceError, match="in 12 iterations"):
+            one.solve(load)
+    assert np.isfinite(inverse.within(1e3).solve(load)).all()
+
+
 def test_factors_take_over_where_iterations_do_not_arrive(monkeypatch):
     """What nobody chose: a solver that is named stays, and its failure is told."""
     mesh = box_mesh((0.1, 0.1, 0.01), (10, 10, 1), kind="hexahedron20")
@@ -407,9 +421,11 @@ def test_factors_take_over_where_iterations_do_not_arrive(monkeypatch):
         x = usual.solve(load)
     np.testing.assert_allclose(x, expected, rtol=1e-8, atol=1e-12 * np.abs(expected).max())
     np.testing.assert_allclose(usual.solve_roughly(load)[0], x, rtol=1e-8, atol=0)
+    static = plate.inverse(0.0, solver="superlu").solve(load)
+    np.testing.assert_allclose(usual.below(0.0).solve(load), static, rtol=1e-6)
+    other = plate.inverse(1e6).below(0.0)
     with pytest.warns(ao.AOImpactWarning, match="takes over"):
-        static = usual.below(0.0).solve(load)
-    np.testing.assert_allclose(static, plate.inverse(0.0, solver="superlu").solve(load), rtol=1e-6)
+        np.testing.assert_allclose(other.solve(load), static, rtol=1e-6)
     monkeypatch.setattr(solvers, "_fitting", lambda pencil: [METHODS["multigrid"]])
     with pytest.raises(ao.ConvergenceError, match="in 2 iterations"):
         plate.inverse(2e6).solve(load)
