@@ -1,7 +1,7 @@
-"""The matrix of multigrid's finest level: K + s²M in blocks, of some rows at a time.
+"""The matrix A of multigrid's finest level: K + s²M in blocks, some rows at a time.
 
-In blocks it takes more than half the memory of K and M. Where only a triangle of it is kept, and
-its product with a prolongation, it is never there as a whole.
+As a whole it takes half the memory of K and M. On quadratic meshes it is never there as a whole:
+only what `Blocks` stores of it, about one triangle, and Pᵀ A P are kept.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ __all__ = ["Finest", "add", "add_to_diagonal", "finest_level", "in_order", "redu
 
 Place = npt.NDArray[np.int64]
 
-# Whose products with a prolongation are there at the same time.
+# Threads take the rows in so many shares. What comes of them is added up in their order, so that
+# the number of threads changes no bit.
 _SHARES = 4
 
 # Force of a translation on a dof, of its stiffness, that the rounding of K leaves.
@@ -44,13 +45,13 @@ class Finest:
         rows(begin, end) returns those rows of blocks as a BSR matrix, in order, with every diagonal
         block; it raises SingularError where one is missing.
     cuts : list of int
-        Where to divide them: what lies between two cuts stays in the caches.
+        Where to divide the rows: those between two cuts stay in the caches.
     motions : ndarray, shape (n, b, m)
-        Motions that it resists little.
+        Motions that A resists little: rigid ones.
     nodes : ndarray, shape (n, 3), optional
         Where the nodes are, if the blocks are of nodes.
     place : ndarray of int or slice
-        Where the pencil's dofs are.
+        Rows of the pencil's dofs; those of constrained dofs are between them.
     """
 
     rows: Callable[[int, int], Any]

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from bodies import ball_of_octants, distorted_box, mixed_box
+from bodies import ball_of_octants, distorted_box, mixed_box, sparse_random
 
 import aoimpact as ao
 from aoimpact.base import threads
@@ -240,8 +240,8 @@ def test_the_preconditioner_is_symmetric_to_single_precision():
 def test_products_are_those_of_the_matrix_in_any_parts(size):
     """Parts of rows far from each other: most blocks couple two of them."""
     random = np.random.default_rng(size)
-    half = sp.random_array((40, 40), density=0.2, rng=random) + sp.eye_array(40)
-    dense = np.kron(half.toarray(), random.standard_normal((size, size)))
+    half = sparse_random(40, seed=size) + np.eye(40)
+    dense = np.kron(half, random.standard_normal((size, size)))
     dense += dense.T
     A = sp.bsr_array(dense, blocksize=(size, size))
     x = random.standard_normal(40 * size)

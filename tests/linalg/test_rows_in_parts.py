@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from bodies import sparse_random
 
 from aoimpact.linalg import rows as rows_module
 from aoimpact.linalg.rows import Rows, congruent, rows_of
 
 
 def some_matrix(form):
-    random = np.random.default_rng(2)
-    return form(sp.random_array((60, 60), density=0.2, rng=random) + sp.eye_array(60))
+    return form(sparse_random(60, seed=2) + np.eye(60))
 
 
 @pytest.fixture
