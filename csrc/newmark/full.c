@@ -226,14 +226,15 @@ static int full_prepare_ports(const aoi_body *body, double *compliance, double *
         }
         for (size_t q = 0; q < ports; q++) {
             const double reached = aoi_vector_dot(n, full->b + q * n, unit_a);
-            if (!isfinite(reached)) {
+            const double far = body->step.reach * reached, fast = body->step.correct_v * reached;
+            if (!isfinite(far) || !isfinite(fast)) {
                 return AOI_ERROR_NOT_FINITE;
             }
             if (q == p && !(reached > 0.0)) {
                 return AOI_ERROR_NOT_POSITIVE;
             }
-            compliance[p * ports + q] = body->step.reach * reached;
-            rate_compliance[p * ports + q] = body->step.correct_v * reached;
+            compliance[p * ports + q] = far;
+            rate_compliance[p * ports + q] = fast;
         }
     }
     return AOI_OK;

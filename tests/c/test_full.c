@@ -403,6 +403,9 @@ static void bad_bodies_and_solvers(void)
           "a body that comes towards the force");
     factor = (double)NAN;
     CHECK(chain_body_start(&c, rule) == AOI_ERROR_NOT_FINITE, "a solver that returns NaN");
+    const aoi_rule far = {1e60, 0.25, 0.5};
+    factor = 1e200;
+    CHECK(chain_body_start(&c, far) == AOI_ERROR_NOT_FINITE, "a step of infinite reach");
     factor = 1.0;
     c.b[0] = 0.0;
     CHECK(chain_body_start(&c, rule) == AOI_ERROR_NOT_POSITIVE, "a contact that touches nothing");
