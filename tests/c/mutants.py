@@ -548,7 +548,7 @@ MUTANTS = [
     ("track/brief.c", "brief->touches > 0 ? brief->end", "0 ? brief->end"),
     ("model/system.c", "AOI_PORT_ROWS * system->first_port[body]", "0"),
     ("adaptive/run.c", "run->time < run->end ? AOI_ERROR_TOO_LONG", "0 ? AOI_ERROR_TOO_LONG"),
-    ("adaptive/balance.c", "SUDDEN = 1e-13", "SUDDEN = 1e-4"),
+    ("adaptive/balance.c", "SUDDEN = 1e-22", "SUDDEN = 1e-4"),
     ("adaptive/balance.c", "i / 2 == i % 2 ? 1.0 : -1.0", "1.0"),
     ("adaptive/step_open.c", "x[j] -= here;", ""),
     ("adaptive/step_open.c", "rate * response->impulse[at + i]", "0.0 * response->impulse[at + i]"),
