@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, wait
 from functools import cache, partial
 from typing import Any
 
 __all__ = ["Turns", "at_once"]
 
 _Calls = Sequence[Callable[[], Any]]
+
+# s, after which whoever waits for a thread looks whether it has ended.
+_LOOK_AGAIN = 1.0
 
 # Marks the threads of a pool: one that waited for others of it might wait for ever.
 _of_pool = threading.local()
@@ -23,13 +25,51 @@ def at_once(calls: _Calls) -> None:
     After an error, which is raised, some may not have been made; none goes on, not even where the
     caller's thread is interrupted. Calls from within one of them are made one by one.
     """
-    others: list[Future[None]] = []
+    cores = 1 if getattr(_of_pool, "is_one", False) else _cores()
+    count = min(cores, len(calls))
+    others = [_Share(calls[k::count]) for k in range(1, count)]
     try:
-        _one_by_one(_hand_over(calls, others))
+        for share in others:
+            _hand_over(share.make, cores)
+        _one_by_one(calls[:: max(count, 1)])
+        for share in others:  # where no thread has begun, as none could be started
+            if share.is_own():
+                _one_by_one(share.calls)
     finally:
-        _wait_for(others)
-    for other in others:
-        other.result()
+        try:
+            _wait_for(others)
+        finally:  # an interrupt may have come before the first of these waited
+            _wait_for(others)
+    for share in others:
+        if share.error is not None:
+            raise share.error
+
+
+class _Share:
+    """Calls that belong to the first thread that asks: a pool keeps what it could not start."""
+
+    def __init__(self, calls: _Calls) -> None:
+        self.calls, self.is_over = calls, False
+        self.error: BaseException | None = None
+        self.end = threading.Lock()
+        self.end.acquire()
+        self._owner: dict[str, int] = {}
+
+    def is_own(self) -> bool:
+        """Whether it is this thread's; from the first answer on it is nobody else's."""
+        me = threading.get_ident()
+        return self._owner.setdefault("thread", me) == me  # at once, in one call of C
+
+    def make(self) -> None:
+        """Make the calls in a thread of a pool, unless they belong to the caller."""
+        if self.is_own():
+            try:
+                _one_by_one(self.calls)
+            except BaseException as error:
+                self.error = error
+            finally:
+                self.is_over = True
+                self.end.release()
 
 
 class Turns:
@@ -45,17 +85,11 @@ class Turns:
         self._locks[os.getpid()].release()
 
 
-def _hand_over(calls: _Calls, others: list[Future[None]]) -> _Calls:
-    """Start other threads on their shares, and return the caller's own."""
-    cores = 1 if getattr(_of_pool, "is_one", False) else _cores()
-    count = min(cores, len(calls))
-    own = list(calls[::count]) if count else []
-    for share in (calls[k::count] for k in range(1, count)):
-        try:
-            others.append(_pool(os.getpid(), cores).submit(_one_by_one, share))
-        except RuntimeError:  # the interpreter is ending, and starts no threads any more
-            own += share
-    return own
+def _hand_over(call: Callable[[], None], cores: int) -> None:
+    try:
+        _pool(os.getpid(), cores).submit(call)
+    except RuntimeError:  # no thread can be started, for want of any or as the interpreter ends
+        return
 
 
 def _one_by_one(calls: _Calls) -> None:
@@ -63,14 +97,19 @@ def _one_by_one(calls: _Calls) -> None:
         call()
 
 
-def _wait_for(others: list[Future[None]]) -> None:
-    """Wait, through any interrupt: what the others write to is the caller's again afterwards."""
+def _wait_for(shares: list[_Share]) -> None:
+    """Wait, through any interrupt: what other threads write to is the caller's again afterwards.
+
+    What they have not begun they never will. Locks of `threading` alone are not broken by an
+    interrupt; those of `concurrent.futures` may stay locked for ever.
+    """
     interrupt: BaseException | None = None
-    while not all(other.done() for other in others):
-        try:
-            wait(others)
-        except BaseException as error:
-            interrupt = error
+    for share in shares:
+        while not share.is_own() and not share.is_over:
+            try:
+                share.end.acquire(timeout=_LOOK_AGAIN)
+            except BaseException as error:
+                interrupt = error
     if interrupt is not None:
         raise interrupt
 
@@ -79,7 +118,7 @@ def _cores() -> int:
     """Return how many cores this process may use now; OMP_NUM_THREADS holds here as for BLAS."""
     whose = getattr(os, "sched_getaffinity", None)
     cores = len(whose(0)) if whose is not None else os.cpu_count() or 1
-    wanted = os.environ.get("OMP_NUM_THREADS", "")
+    wanted = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()  # "4,2": nested levels
     return min(cores, max(1, int(wanted))) if wanted.isdecimal() else cores
 
 

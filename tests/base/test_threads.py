@@ -2,8 +2,10 @@
 
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
+import threading
 import time
 from functools import partial
 
@@ -33,7 +35,10 @@ def test_an_error_is_raised_when_no_call_goes_on(wrong, monkeypatch):
 
     with pytest.raises(ValueError, match=f"call {wrong}"):
         at_once([lambda number=number: call(number) for number in range(3)])
-    assert sorted(ended) == sorted({0, 1, 2} - {wrong})
+    after = sorted(ended)
+    assert set(after) <= {0, 1, 2} - {wrong}
+    time.sleep(0.1)
+    assert sorted(ended) == after
 
 
 def test_calls_within_calls_do_not_wait_for_themselves(monkeypatch):
@@ -45,24 +50,53 @@ def test_calls_within_calls_do_not_wait_for_themselves(monkeypatch):
 
 
 def test_no_call_goes_on_after_an_interrupt(monkeypatch):
-    """The first wait is interrupted, as by Ctrl-C."""
+    """The caller's own call is interrupted, as by Ctrl-C, and so is its wait for the other."""
     monkeypatch.setattr(threads, "_cores", lambda: 2)
-    waits, ended, wait = [], [], threads.wait
-
-    def interrupted(others):
-        waits.append(others)
-        if len(waits) == 1:
-            raise KeyboardInterrupt
-        return wait(others)
+    begun, ended = threading.Event(), []
 
     def slow():
-        time.sleep(0.05)
+        begun.set()
+        time.sleep(0.3)
         ended.append(True)
 
-    monkeypatch.setattr(threads, "wait", interrupted)
+    def interrupted():
+        begun.wait()
+        threading.Timer(0.1, signal.raise_signal, [signal.SIGINT]).start()
+        raise KeyboardInterrupt
+
     with pytest.raises(KeyboardInterrupt):
-        at_once([lambda: None, slow])
+        at_once([interrupted, slow])
     assert ended
+
+
+def test_a_call_whose_thread_does_not_start_is_made_once(monkeypatch):
+    """The pool has it in its queue, and makes it when it starts a thread for another one."""
+    monkeypatch.setattr(threads, "_cores", lambda: 2)
+    threads._pool.cache_clear()
+    start, failures = threading.Thread.start, [1]
+
+    def cannot(thread):
+        if failures:
+            failures.pop()
+            raise RuntimeError("can't start new thread")
+        start(thread)
+
+    monkeypatch.setattr(threading.Thread, "start", cannot)
+    made: list[int] = []
+    for number in range(0, 40, 2):
+        at_once([partial(made.append, number), partial(made.append, number + 1)])
+    threads._pool(os.getpid(), 2).submit(int).result()  # what was queued before is done
+    assert not failures
+    assert sorted(made) == list(range(40))
+
+
+@pytest.mark.parametrize(
+    ("wanted", "used"), [("1", 1), ("1,1", 1), (" 1", 1), ("", 2), ("many", 2)]
+)
+def test_a_limit_of_threads_is_read_as_openmp_reads_it(wanted, used, monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
+    monkeypatch.setenv("OMP_NUM_THREADS", wanted)
+    assert threads._cores() == used
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
