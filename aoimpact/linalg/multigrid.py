@@ -189,7 +189,7 @@ class Multigrid:
         self._blocks = _in_parts(A, level.nodes)
         return A, level.motions, level.nodes
 
-    def _to_corners(self, level: Finest) -> tuple[Any, FloatArray, FloatArray]:
+    def _to_corners(self, level: Finest) -> tuple[Any, FloatArray, FloatArray | None]:
         """Make the finest level of a quadratic mesh, and return the same of its corners."""
         pencil = self.pencil
         assert level.nodes is not None  # a body with a mesh has nodes
@@ -198,6 +198,8 @@ class Multigrid:
         nodes = np.unique(pencil.free // 3)
         weights, corners = corner_interpolation(pencil.mesh)
         kept = np.isin(corners, nodes, assume_unique=True)  # constrained corners do not move
+        if not kept.any():
+            return self._to_blocks(level)
         weights = weights[nodes][:, kept]
         prolongation = sp.kron(weights, np.eye(3)).tobsr((3, 3))
         part = slabs(level.nodes, 3)

@@ -291,6 +291,7 @@ def _or_factors(pencil: Pencil, inverse: Inverse) -> Inverse:
         solve=lambda rhs: first(lambda: inverse.solve(rhs), rhs),
         roughly=roughly and (lambda rhs, to: first(lambda: roughly(rhs, to), rhs)),
         below=below and partial(smaller, below),
+        pace=lambda: 0.0 if factors else inverse.pace(),  # with factors there, no others are made
     )
 
 

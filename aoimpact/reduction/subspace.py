@@ -261,7 +261,11 @@ class Subspace:
             within, left = self._galerkin(loads)
         if left <= (_REACHED if direct else _REACHED_ROUGHLY):
             return list(within)
-        anew = partial(self.body.inverse, solver=self._solver, solutions=len(loads))
+        # Where iterations were given up for factors, they would be in vain here, too.
+        dynamic = next((one for one in self._solvers.values() if one.precondition is None), dynamic)
+        given_up = not direct and dynamic.precondition is None
+        solver = dynamic.name if given_up else self._solver
+        anew = partial(self.body.inverse, solver=solver, solutions=len(loads))
         invert = SolverBook(dynamic.below or dynamic.at or anew)
         return [
             self._outside(place, displacement(self.body, load, invert, tolerance=_REACHED_ROUGHLY))

@@ -389,6 +389,16 @@ def test_masses_between_nodes_without_stiffness_between_them_count(at_once, monk
     )
 
 
+def test_all_corners_of_a_quadratic_mesh_may_be_held():
+    mesh = box_mesh((0.04, 0.02, 0.02), (10, 5, 5), kind="hexahedron20")
+    corners = corner_interpolation(mesh)[1]
+    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[(corners, "xyz")])
+    load = load_on(body)
+    x = Multigrid(pencil_of(body, SHIFT), 1e-10).solve(load)
+    left = load - pencil_of(body, SHIFT).product(x)
+    assert np.linalg.norm(left) <= 1e-9 * np.linalg.norm(load)
+
+
 def test_the_finest_level_may_be_made_in_pieces(monkeypatch):
     """Of a body with partly held nodes; sums of the pieces are rounded in another order."""
     mesh = box_mesh((0.2, 0.02, 0.02), (30, 3, 3), kind="tetra10")

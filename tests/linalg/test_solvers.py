@@ -421,6 +421,7 @@ def test_factors_take_over_where_iterations_do_not_arrive(monkeypatch):
         x = usual.solve(load)
     np.testing.assert_allclose(x, expected, rtol=1e-8, atol=1e-12 * np.abs(expected).max())
     np.testing.assert_allclose(usual.solve_roughly(load)[0], x, rtol=1e-8, atol=0)
+    assert solvers.stays_quickest(usual, 1000)  # the factors are there
     static = plate.inverse(0.0, solver="superlu").solve(load)
     np.testing.assert_allclose(usual.below(0.0).solve(load), static, rtol=1e-6)
     other = plate.inverse(1e6).below(0.0)
