@@ -12,7 +12,8 @@ __all__ = ["Turns", "at_once"]
 
 _Calls = Sequence[Callable[[], Any]]
 
-# s, after which whoever waits for a thread looks whether it has ended.
+# s, after which whoever waits for a thread looks whether it has ended: an interrupt may have come
+# between the lock, which is released once, and the look.
 _LOOK_AGAIN = 1.0
 
 # Marks the threads of a pool: one that waited for others of it might wait for ever.

@@ -26,6 +26,7 @@ from .rows import ENTRIES_AT_ONCE, rows_of
 __all__ = ["Finest", "add", "add_to_diagonal", "finest_level", "in_order", "reduced"]
 
 Place = npt.NDArray[np.int64]
+Column = npt.NDArray[np.int32]
 
 # Threads take the rows in so many shares. What comes of them is added up in their order, so that
 # the number of threads changes no bit.
@@ -69,7 +70,8 @@ def finest_level(pencil: Pencil) -> Finest:
     """Return K + s²M by blocks of nodes, or of what little is known of the dofs."""
     if pencil.nodes is None or pencil.free is None:
         return _without_nodes(pencil)
-    check_entries(pencil.K)
+    for matrix in (pencil.K, pencil.M):
+        check_entries(matrix)
     nodes, number = np.unique(pencil.free // 3, return_inverse=True)
     place = 3 * number + pencil.free % 3
     whole = np.array_equal(place, np.arange(3 * len(nodes)))
@@ -78,7 +80,7 @@ def finest_level(pencil: Pencil) -> Finest:
         order = np.argsort(place)
         ascending, K, M = place[order], K[order][:, order], M[order][:, order]
     return Finest(
-        partial(_rows, pencil, K, M, ascending, 3 * len(nodes)),
+        partial(_rows, pencil, K, M, ascending.astype(np.int32), 3 * len(nodes)),
         _cuts(len(nodes), K),
         rigid_motions(pencil.nodes).reshape(-1, 3, 6)[nodes],
         pencil.nodes[nodes],
@@ -130,7 +132,7 @@ def _stacked(pieces: list[Any]) -> Any:
     return sp.bsr_array((data, indices, indptr), shape=shape)
 
 
-def _rows(pencil: Pencil, K: Any, M: Any, place: Place, n: int, begin: int, end: int) -> Any:
+def _rows(pencil: Pencil, K: Any, M: Any, place: Column, n: int, begin: int, end: int) -> Any:
     """Return some rows of nodes of K + s²M, whose dofs have ascending places in n."""
     own = slice(*np.searchsorted(place, (3 * begin, 3 * end)))
 
@@ -157,13 +159,12 @@ def _cuts(n: int, matrix: Any) -> list[int]:
     return cuts
 
 
-def _spread(some: Any, rows: Place, size: int, columns: Place, n: int) -> Any:
+def _spread(some: Any, rows: Column, size: int, columns: Column, n: int) -> Any:
     """Return a CSR matrix with row i moved to rows[i] of size, and column j to columns[j] of n."""
     indptr = np.zeros(size + 1, dtype=np.int32)
     indptr[rows + 1] = np.diff(some.indptr)
     np.cumsum(indptr, out=indptr)
-    indices = columns[some.indices].astype(np.int32)
-    return sp.csr_array((some.data, indices, indptr), shape=(size, n))
+    return sp.csr_array((some.data, columns[some.indices], indptr), shape=(size, n))
 
 
 def _without_nodes(pencil: Pencil) -> Finest:
@@ -188,9 +189,10 @@ def _check_diagonal(A: Any, pencil: Pencil, first: int = 0) -> None:
 
 
 def add(A: Any, factor: float, M: Any) -> Any:
-    """Return A + factor M in A's place, of a BSR matrix in order and a CSR matrix.
+    """Return A + factor M, of a BSR matrix in order and a CSR matrix; A is used up.
 
-    Some rows at a time: M in blocks takes three times M.
+    Some rows at a time, in A's arrays: M in blocks takes three times M. Where M has blocks that A
+    has not, the sum has arrays of its own.
     """
     size = A.blocksize[0]
     for begin, end in pairwise(_cuts(len(A.indptr) - 1, M)):

@@ -23,9 +23,9 @@
  * time, with errors of PART_RELAXED squared, but from LEAST_AFTER to MOST_AFTER, with errors of rounding over these. A
  * dashpot with a shorter relaxation time is neglected. The contact time counts as at most MOST_STEPS steps of the run.
  *
- * Measured by the jump of the sum of the forces on a place that a ball strikes, the worst of 1200 scenes at rtol from
- * 1e-9 to 1e-5: 2 rtol. PART_RELAXED = 1e-4 gives 11, LEAST_AFTER = 1e-7 gives 87, MOST_AFTER = 1e-4 gives 7e4,
- * MOST_STEPS = 1000 gives 7; a tenth of any of them gives 2 or less. */
+ * Measured, with SUDDEN = 1e-13, by the jump of the sum of the forces on a place that a ball strikes, the worst of 1200
+ * scenes at rtol from 1e-9 to 1e-5: 2 rtol. PART_RELAXED = 1e-4 gives 11, LEAST_AFTER = 1e-7 gives 87,
+ * MOST_AFTER = 1e-4 gives 7e4, MOST_STEPS = 1000 gives 7; a tenth of any of them gives 2 or less. */
 static const double SUDDEN = 1e-22, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_RELAXED = 1e-5,
                     MOST_STEPS = 100.0;
 
