@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, at_once, bar, interruptible
+from ..base import FloatArray, IntArray, at_once, bar, interruptible, require
 from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
 from .composition import AnyMaterial, Piece, pieces
@@ -30,6 +30,10 @@ __all__ = ["stiffness_mass"]
 # Elements are taken so many at a time that the largest temporary stays in this size, bytes: in the
 # caches.
 _BATCH = 4e6
+
+# Bytes per pair of nodes that share an element: nine entries of K and three of M, each with its
+# column, and M's before they are spread over the dofs.
+_BYTES_PER_PAIR = 9 * 12 + 3 * 12 + 8
 
 # The blocks of the upper triangle; the others are their transposes.
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -80,6 +84,11 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
         N/m and kg. Exactly symmetric, column indices sorted.
     """
     pattern = interruptible(lambda: _pattern(mesh))
+    require(
+        _BYTES_PER_PAIR * float(pattern.n_pairs),
+        f"stiffness and mass of {mesh.n_nodes} nodes",
+        "coarsen the mesh away from the contact",
+    )
     stiffness, mass = np.zeros(9 * pattern.n_pairs), np.zeros(pattern.n_pairs)
     with bar("assembly", mesh.n_cells, unit="element") as progress:
 

@@ -23,7 +23,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy
 
 from ..base import FloatArray
 from ..linalg import LinearSolver
@@ -121,14 +120,11 @@ class Recovery:
         r, parts = self._unbalanced
         size = np.linalg.norm(parts / scale, axis=0)
         size[size == 0.0] = 1.0
-        q, upper, order = scipy.linalg.qr(r / (scale * size), mode="economic", pivoting=True)
-        k = int(np.count_nonzero(np.abs(np.diag(upper)) > _BALANCED))
-        weights = np.empty((k, len(size)))
-        weights[:, order] = upper[:k]
-        if k == 0:
-            return np.zeros((len(r), 0)), weights
-        solver = self.inverse(s2) if self.inverse else body.inverse(s2, solutions=k)
-        return solver.solve(np.ascontiguousarray(scale * q[:, :k])), weights * size
+        directions, weights = _directions(r / (scale * size))
+        if not directions.size:
+            return directions, weights
+        solver = self.inverse(s2) if self.inverse else body.inverse(s2, solutions=len(weights))
+        return solver.solve(scale * directions), weights * size
 
     @property
     def _unbalanced(self) -> tuple[FloatArray, FloatArray]:
@@ -142,3 +138,19 @@ class Recovery:
         of_forces -= body.M @ (rigid @ (rigid.T @ of_forces))
         parts = np.hstack([strained + self.s**2 * inertia, reduced.loads])
         return np.hstack([-strained - inertia @ springs, of_forces]), parts
+
+
+def _directions(columns: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The few directions that columns have, orthonormal, (n, k), and the columns on them, (k, m).
+
+    By Gram and Schmidt, the largest of what is left of the columns first, as in a QR factorisation
+    with pivoting, but only as far as anything is left.
+    """
+    directions, weights = [], []
+    while (sizes := np.linalg.norm(columns, axis=0)).max(initial=0.0) > _BALANCED:
+        direction = columns[:, sizes.argmax()] / sizes.max()
+        directions.append(direction)
+        weights.append(direction @ columns)
+        columns = columns - np.outer(direction, weights[-1])
+    n, m = columns.shape
+    return np.array(directions).reshape(-1, n).T.copy(), np.array(weights).reshape(-1, m)

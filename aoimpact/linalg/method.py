@@ -30,6 +30,10 @@ def _as_estimated() -> float:
     return 1.0
 
 
+def _none() -> str:
+    return ""
+
+
 @dataclass(frozen=True)
 class Inverse:
     """(K + s²M)⁻¹ as a method has set it up.
@@ -54,6 +58,8 @@ class Inverse:
     pace : callable
         How many times as long as `Method.seconds` estimates a solution takes, by the last one; 1
         before the first.
+    successor : callable
+        The name of the method that has taken over from the one that was set up; empty before.
     """
 
     solve: Solve
@@ -63,6 +69,7 @@ class Inverse:
     below: Callable[[float], Inverse] | None = None
     within: Callable[[float], Inverse] | None = None
     pace: Callable[[], float] = _as_estimated
+    successor: Callable[[], str] = _none
 
 
 @dataclass(frozen=True)

@@ -62,9 +62,9 @@ _REFINEMENTS = 5
 # ‖f - A x‖ / (max A_ii ‖x‖) that rounding leaves in any solution: some hundred roundings.
 _ROUNDING = 2e-14
 
-# Estimated seconds up to which factors are taken though iterations may be as quick: they serve any
+# Estimated seconds up to which factors are taken though iterations may be quicker: they serve any
 # number of solutions, and cannot fail to converge.
-_PROMPT = 2.0
+_PROMPT = 0.2
 
 # The default number of solutions: those of a model of some oscillators.
 FEW_SOLUTIONS = 10
@@ -76,16 +76,21 @@ class LinearSolver:
 
     Attributes
     ----------
-    name : str
-        Of the method, or of the user's own function.
+    method : str
+        Which was set up, or the name of the user's own function.
     pencil : Pencil
     inverse : Inverse
         What the method has set up.
     """
 
-    name: str
+    method: str
     pencil: Pencil
     inverse: Inverse
+
+    @property
+    def name(self) -> str:
+        """Of what solves: the method, or the one that has taken over from it."""
+        return self.inverse.successor() or self.method
 
     @property
     def s2(self) -> float:
@@ -196,12 +201,9 @@ class SolverBook:
     ----------
     make : callable
         s² ↦ LinearSolver, e.g. `FEModel.inverse`.
-    name : str
-        The solver that was used; empty as long as none was.
     """
 
     make: Callable[[float], LinearSolver]
-    name: str = ""
     _last: LinearSolver | None = None
 
     def __call__(self, s2: float) -> LinearSolver:
@@ -209,8 +211,12 @@ class SolverBook:
         if self._last is None or self._last.s2 != s2:
             self._last = None  # its memory is free before the next one is made
             self._last = self.make(s2)
-            self.name = self._last.name
         return self._last
+
+    @property
+    def name(self) -> str:
+        """The solver that was used last; empty as long as none was."""
+        return self._last.name if self._last is not None else ""
 
 
 def checked_solver(solver: Solver, *, name: str = "solver") -> Solver:
@@ -251,18 +257,23 @@ def linear_solver(
     what = f"solver {method.name!r} of {pencil.what} ({pencil.n} dofs)"
     require(method.memory(pencil), what, _cure(pencil, method))
     with bar(f"{method.name}, {pencil.n} dofs"):
-        inverse = method.set_up(pencil)
-    if name == "auto" and not method.direct:
-        inverse = _or_factors(pencil, inverse)
+        if name == "auto" and not method.direct:
+            inverse = _or_factors(pencil, lambda: method.set_up(pencil))
+        else:
+            inverse = method.set_up(pencil)
     return LinearSolver(method.name, pencil, inverse)
 
 
-def _or_factors(pencil: Pencil, inverse: Inverse) -> Inverse:
+def _or_factors(pencil: Pencil, iterations: Callable[[], Inverse]) -> Inverse:
     """Return an inverse that factorises where iterations do not arrive, and from then on.
 
     They are given up once a single solution has taken as long as factors would: both together take
     at most twice that.
     """
+    try:
+        inverse = iterations()
+    except ConvergenceError as error:
+        return _instead(pencil, error)
     factors: list[Inverse] = []
     limit = _direct(pencil)
     if limit is not None and inverse.within is not None:
@@ -274,17 +285,13 @@ def _or_factors(pencil: Pencil, inverse: Inverse) -> Inverse:
             try:
                 return iterate()
             except ConvergenceError as error:
-                method = _direct(pencil)
-                if method is None:
-                    raise
-                warn(f"solver {method.name!r} takes over: {error}")
-                factors.append(method.set_up(pencil))
+                factors.append(_instead(pencil, error))
         return factors[0].solve(rhs)
 
     def smaller(iterate: Callable[[float], Inverse], s2: float) -> Inverse:
         there = pencil.at(s2)
         method = _direct(there) if factors else None
-        return method.set_up(there) if method else _or_factors(there, iterate(s2))
+        return _named(method, there) if method else _or_factors(there, lambda: iterate(s2))
 
     return replace(
         inverse,
@@ -292,7 +299,21 @@ def _or_factors(pencil: Pencil, inverse: Inverse) -> Inverse:
         roughly=roughly and (lambda rhs, to: first(lambda: roughly(rhs, to), rhs)),
         below=below and partial(smaller, below),
         pace=lambda: 0.0 if factors else inverse.pace(),  # with factors there, no others are made
+        successor=lambda: factors[0].successor() if factors else "",
     )
+
+
+def _instead(pencil: Pencil, error: ConvergenceError) -> Inverse:
+    """Factors where iterations have failed; raises their error where no factors fit."""
+    method = _direct(pencil)
+    if method is None:
+        raise error
+    warn(f"solver {method.name!r} takes over: {error}")
+    return _named(method, pencil)
+
+
+def _named(method: Method, pencil: Pencil) -> Inverse:
+    return replace(method.set_up(pencil), successor=lambda: method.name)
 
 
 def _direct(pencil: Pencil) -> Method | None:

@@ -45,9 +45,10 @@ CHECKED_DOFS = 10_000
 # of tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs, growing slowly.
 _PER_ROOT_WIDTH = 40.0
 
-# Seconds of the elimination over n w^(3/2), measured on balls and a lens of tetra10 of up to 18 000
-# dofs; from 50 000 on it takes many times as much.
-_PER_OPERATION = 1e-9
+# Seconds of the elimination over n w^(3/2): this gives .35 … 2.2 times the time of 21 factorisations
+# measured, of balls, boxes, plates and bars of tetra10, hexahedra 8 and 20 of 3 700 … 218 000 dofs
+# (a bar of 51 000 dofs 2.8 s for 7.9 s, a plate of one layer 19.6 s for 8.9 s).
+_PER_OPERATION = 2.5e-9
 
 # Bytes per entry of L and U, each stored with an index.
 _BYTES = 16.0

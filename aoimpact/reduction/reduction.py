@@ -298,24 +298,24 @@ def antioscillators(
             raise InputError("n=None: method='krylov' makes a given number of oscillators; give n")
         space = KrylovSpace(tip, contact_time=contact_time, duration=duration, solver=solver)
         return space.antioscillators(n)
-    refuse_mechanism([tip])
-    dofs = tip.body.n_dofs
-    wanted = None if n is None else integer("n", n, low=0, high=dofs - 1)
-    solutions = _SOLUTIONS_EACH * (FEW_SOLUTIONS if wanted is None else wanted)
-    solvers = SolverBook(
-        partial(tip.body.inverse, solver=checked_solver(solver), solutions=solutions)
-    )
-    static = static_mode(tip, invert=solvers)
     by = choice("order", "mass" if order is None else order, ("mass", "frequency"))
     if contact_time is not None or duration is not None:
         raise InputError(
             "contact_time and duration are for method='krylov'; method='eigen' fits no scene"
         )
+    dofs = tip.body.n_dofs
+    wanted = None if n is None else integer("n", n, low=0, high=dofs - 1)
     if wanted is None and dofs > _DENSE_MOST:
         raise InputError(
             f"n=None asks for all {dofs - 1} anti-oscillators of a body of {dofs} dofs, which "
             f"needs dense matrices; give n (all are computed up to {_DENSE_MOST} dofs)"
         )
+    refuse_mechanism([tip])
+    solutions = _SOLUTIONS_EACH * (FEW_SOLUTIONS if wanted is None else wanted)
+    solvers = SolverBook(
+        partial(tip.body.inverse, solver=checked_solver(solver), solutions=solutions)
+    )
+    static = static_mode(tip, invert=solvers)
     if wanted is None:
         found = _ordered(_all_oscillators(tip, static), by)
     else:

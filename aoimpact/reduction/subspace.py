@@ -377,6 +377,7 @@ class Subspace:
             self._progress,
             wanted,
         )
+        self.solver_name = inverse.name  # factors may have taken over
 
     def _inverse(self, shift: float) -> LinearSolver:
         self._foresee(_AS_MANY_AGAIN * self._solves)
