@@ -80,21 +80,35 @@ class Recovery:
         found += self.shapes @ self.amounts(coordinates, forces)
         return found
 
-    def functionals(self, rows: Any) -> tuple[FloatArray, FloatArray]:
+    def functionals(
+        self, rows: Any, dual: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Return how linear functions of X depend on coordinates and forces.
 
         Parameters
         ----------
         rows : scipy.sparse matrix, shape (m, n_dofs)
+        dual : ndarray, shape (m, n_dofs), optional
+            rows (K + s²M)⁻¹, the same for all models of a body: with it nothing is solved.
 
         Returns
         -------
         of_coordinates, of_forces : ndarrays, shapes (m, n), (m, p)
             rows @ X = of_coordinates @ q + of_forces @ f.
         """
-        n, (shapes, weights) = self.reduced.n, self._correction
-        added = (rows @ shapes) @ weights
-        return rows @ self.reduced.basis + added[:, :n], added[:, n:]
+        n, basis, body = self.reduced.n, self.reduced.basis, self.reduced.body
+        if dual is None:
+            shapes, weights = self._correction
+            added = (rows @ shapes) @ weights
+        else:
+            inertia = (body.M @ dual.T).T
+            added = self._unbalanced(
+                (body.K @ dual.T).T @ basis,
+                inertia @ basis,
+                dual @ self.reduced.loads,
+                inertia @ body.rigid_modes,
+            )
+        return rows @ basis + added[:, :n], added[:, n:]
 
     @property
     def shapes(self) -> FloatArray:
@@ -115,9 +129,11 @@ class Recovery:
         leave only one direction of it for each force, however many they are: K times their space
         lies in M times it and the loads. So one solution for each force serves all.
         """
-        body, s2 = self.reduced.body, self.s**2
+        body, loads, s2 = self.reduced.body, self.reduced.loads, self.s**2
         scale = np.sqrt(body.K.diagonal() + s2 * body.M.diagonal())[:, None]
-        r, parts = self._unbalanced
+        strained, inertia = body.K @ self.reduced.basis, body.M @ self.reduced.basis
+        r = self._unbalanced(strained, inertia, loads, body.M @ body.rigid_modes)
+        parts = np.hstack([strained + s2 * inertia, loads])
         size = np.linalg.norm(parts / scale, axis=0)
         size[size == 0.0] = 1.0
         directions, weights = _directions(r / (scale * size))
@@ -126,18 +142,25 @@ class Recovery:
         solver = self.inverse(s2) if self.inverse else body.inverse(s2, solutions=len(weights))
         return solver.solve(scale * directions), weights * size
 
-    @property
-    def _unbalanced(self) -> tuple[FloatArray, FloatArray]:
-        """r per coordinate and force, shape (n_dofs, n + p), and the forces it is small beside."""
-        body, reduced = self.reduced.body, self.reduced
+    def _unbalanced(
+        self, strained: FloatArray, inertia: FloatArray, loads: FloatArray, rigid: FloatArray
+    ) -> FloatArray:
+        """r per coordinate and force, (n_dofs, n + p), or what a matrix makes of it from the left.
+
+        Parameters
+        ----------
+        strained, inertia : ndarrays, shape (n_dofs, n)
+            K and M times the basis, or what the matrix makes of these,
+        loads, rigid : ndarrays, shapes (n_dofs, p), (n_dofs, 0 … 6)
+            and so of the loads, and of M times the rigid modes.
+        """
+        reduced, modes = self.reduced, self.reduced.body.rigid_modes
         springs, push = reduced.accelerations
-        strained, inertia = body.K @ reduced.basis, body.M @ reduced.basis
-        of_forces = reduced.loads - inertia @ push
         # Weight on rigid modes that the model does not contain: their motion is `OmittedMotion`.
-        rigid = body.rigid_modes
-        of_forces -= body.M @ (rigid @ (rigid.T @ of_forces))
-        parts = np.hstack([strained + self.s**2 * inertia, reduced.loads])
-        return np.hstack([-strained - inertia @ springs, of_forces]), parts
+        omitted = modes.T @ reduced.loads
+        omitted -= ((reduced.body.M @ modes).T @ reduced.basis) @ push
+        of_forces = loads - inertia @ push - rigid @ omitted
+        return np.hstack([-strained - inertia @ springs, of_forces])
 
 
 def _directions(columns: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -21,6 +22,9 @@ from .stress import stress_rows
 
 __all__ = ["OmittedMotion", "Response", "stress_rows_at"]
 
+
+# s ↦ rows (K + s²M)⁻¹, of the rows that are asked for.
+Dual = Callable[[float], FloatArray]
 
 # Times in a contact at which the error of a model is looked for.
 _IN_CONTACT = 24
@@ -172,16 +176,20 @@ class Response:
         warn_if_wrong(times, self._error(times))
         return self._functionals(rows, times)[0].T.reshape(*shape, 6)
 
-    def functionals(self, rows: Any, times: FloatArray) -> FloatArray:
+    def functionals(self, rows: Any, times: FloatArray, dual: Dual | None = None) -> FloatArray:
         """Return rows @ X for `rows` of shape (p, n_dofs), shape (p, times)."""
-        return self._functionals(rows, times)[0]
+        return self._functionals(rows, times, dual)[0]
 
-    def _functionals(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _functionals(
+        self, rows: Any, times: FloatArray, dual: Dual | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """rows @ X and its rate, each shape (p, times)."""
         if self.recovery is None:
             u, v = self.motion.observed(rows, times)
         else:
-            of_coordinates, of_forces = self.recovery.functionals(rows)
+            of_coordinates, of_forces = self.recovery.functionals(
+                rows, None if dual is None else dual(self.recovery.s)
+            )
             u, v = self.motion.observed(of_coordinates, times)
             u = u + of_forces @ self.motion.force(times)
             v = v + of_forces @ self.motion.force_rate(times)
