@@ -200,16 +200,13 @@ def ratio_text(ratio: float) -> str:
 
 
 def print_fixed_cost() -> None:
-    """What a call costs when nothing happens."""
-    scene = rigid_pair() | {"duration": 1e-5, "gap": 1.0}
-    whole = best_time(lambda: ao.simulate(**scene).peak_force)
-    drawn = best_time(lambda: ao.simulate(**scene).force)
-    verdict = "reached" if whole <= 30e-6 else "short"
-    print("\nA call without contact (two rigid bodies, a gap too wide)")
-    print(
-        f"  {with_unit(whole, 's', 3)}, with its curves {with_unit(drawn, 's', 3)}; "
-        f"aim: 30 µs, {verdict}"
-    )
+    """What a call costs beside its integration."""
+    scene, solver = rigid_pair(), ao.Adaptive(rtol=1e-6)
+    plan = plan_of(scene)
+    whole = best_time(lambda: ao.simulate(**scene, solver=solver).peak_force)
+    run = best_time(lambda: adaptive_run(plan, rtol=solver.rtol))
+    print("\nA call for two rigid bodies, beside its run")
+    print(f"  {with_unit(whole - run, 's', 3)} of {with_unit(whole, 's', 3)}; aim: 30 µs")
 
 
 def print_parts(case: Case) -> None:

@@ -45,7 +45,7 @@ CHECKED_DOFS = 10_000
 # of tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs, growing slowly.
 _PER_ROOT_WIDTH = 40.0
 
-# Seconds of the elimination over n w^(3/2): this gives .35 … 2.2 times the time of 21 factorisations
+# Seconds of the elimination over n w^(3/2): this gives .35 … 2.2 times the time of factorisations
 # measured, of balls, boxes, plates and bars of tetra10, hexahedra 8 and 20 of 3 700 … 218 000 dofs
 # (a bar of 51 000 dofs 2.8 s for 7.9 s, a plate of one layer 19.6 s for 8.9 s).
 _PER_OPERATION = 2.5e-9
