@@ -161,7 +161,7 @@ class FEModel(Frozen):
         whole = nodes is not None and K.shape[0] == 3 * len(nodes)
         if along is not None and (whole or (nodes is None and _translates(K, along))):
             momentum = M @ along
-            mass = _checked_total(momentum.T @ along)
+            mass = _checked_total(np.einsum("ni,nj->ij", momentum, along))
         damping = damping_or_none(self.damping)
         self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, _momentum=momentum)
         self._set(labels=labels)
@@ -260,9 +260,10 @@ class FEModel(Frozen):
         translations = _translations(np.arange(3 * solid.n_nodes))
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             K, M = stiffness_mass(solid, made_of)
-            own = float((M @ translations[:, 0]) @ translations[:, 0])
-            momentum = M @ translations if heavier is None else (M + heavier) @ translations
-            mass = float(momentum[:, 0] @ translations[:, 0])
+            momentum = M @ translations
+            own = float(momentum[::3, 0].sum())
+            momentum = momentum if heavier is None else (M + heavier) @ translations
+            mass = float(momentum[::3, 0].sum())
         _check_reach(mass, K, M, solid, made_of)
         _warn_of_units(mass, solid.size, own / _density(made_of) / solid.n_cells)
         attached = _attached(heavier, stiffer)

@@ -10,10 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from ..base import InputError, IntArray, positive
+from ..base import FloatArray, InputError, IntArray, positive
 from ..fem import (
     AnyMaterial,
     ContactPoint,
@@ -52,17 +53,18 @@ def contact_stiffness(tip: ContactPoint) -> float:
     """
     body, b = tip.body, tip.b
     share = float(b @ b)
+    of_elements = _quadratic(body.K, b) / share**2
     if body.mesh is None or body.material is None:
-        return float(b @ (body.K @ b)) / share**2
+        return of_elements
     material = body.material
     if not any(isinstance(of, Material) and of.nu > _COMPRESSIBLE for of in each_of(material)):
-        return float(b @ (body.K @ b)) / share**2
+        return of_elements
     assert body.free is not None  # a body with a mesh has nodes
     force = np.zeros(3 * body.mesh.n_nodes)
     force[body.free] = b
     moved = force.reshape(-1, 3)
-    touched = np.abs(moved).max(axis=1) > 0.0
-    cells = np.flatnonzero(touched[body.mesh.cells].any(axis=1))
+    moves = np.abs(moved).max(axis=1) > 0.0
+    cells = np.flatnonzero(moves[body.mesh.cells].any(axis=1))
     there = moved[np.unique(body.mesh.cells[cells])].ravel()
     K, _ = stiffness_mass(taken(body.mesh, cells), _softer(material, cells))
     return float(there @ (K @ there)) / share**2
@@ -124,7 +126,13 @@ def shortest_contact_time(tip: ContactPoint) -> float:
 def highest_shift(tip: ContactPoint) -> float:
     """The frequency of the elements at the contact, rad/s: it bounds from below the highest."""
     body, b = tip.body, tip.b
-    return math.sqrt(max(0.0, float(b @ (body.K @ b)) / float(b @ (body.M @ b))))
+    return math.sqrt(max(0.0, _quadratic(body.K, b) / _quadratic(body.M, b)))
+
+
+def _quadratic(A: Any, b: FloatArray) -> float:
+    """bᵀAb, of the few dofs at a contact."""
+    there = np.flatnonzero(b)
+    return float(b[there] @ (A[there] @ b))
 
 
 def _check_resolved(tip: ContactPoint, contact_time: float) -> None:

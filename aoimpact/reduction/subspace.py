@@ -10,6 +10,7 @@ import math
 import sys
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 import scipy
@@ -285,8 +286,11 @@ class Subspace:
         except np.linalg.LinAlgError:
             return found, np.inf
         for row, load in zip(found, loads, strict=True):
-            row[new] = scale * scipy.linalg.cho_solve(factors, scale * (self._basis[new] @ load))
-        rest = loads - (self.body.K @ (found[:, new] @ self._basis[new]).T).T
+            row[new] = scale * scipy.linalg.cho_solve(
+                factors, scale * _products(self._basis[new], load)
+            )
+        spanned = _combinations(found[:, new], self._basis[new])
+        rest = loads - (self.body.K @ spanned.T).T
         sizes = np.linalg.norm(loads, axis=1)
         return found, float((np.linalg.norm(rest, axis=1) / np.where(sizes > 0, sizes, 1.0)).max())
 
@@ -296,16 +300,16 @@ class Subspace:
         K, M, slot = self.body.K, self.body.M, self.rigid_count + place
         coordinates = np.zeros(self._count)
         vectors = self._basis[: self._count]
-        size = math.sqrt(x @ (M @ x))
+        size = _norm(x, M)
         for _ in range(2):
-            parts = vectors @ (M @ x)
-            x = x - parts @ vectors
+            parts = _products(vectors, M @ x)
+            x = x - _combinations(parts[None], vectors)[0]
             coordinates += parts
-        length = math.sqrt(x @ (M @ x))
+        length = _norm(x, M)
         if length > _NOTHING_NEW * size:
             coordinates[slot] = length
             vectors[slot] = x / length
-            row = vectors @ (K @ vectors[slot])
+            row = _products(vectors, K @ vectors[slot])
             row[: self.rigid_count] = 0.0
             self._stiffness[slot, : self._count] = self._stiffness[: self._count, slot] = row
         return coordinates
@@ -405,3 +409,21 @@ class Subspace:
             self._solvers = {
                 shift: one for shift, one in self._solvers.items() if one.precondition is None
             }
+
+
+# Products over all dofs without BLAS, whose threads change the last bits with the number of cores:
+# what is left of a static mode across the other vectors may be as small as these are large.
+
+
+def _products(vectors: FloatArray, x: FloatArray) -> FloatArray:
+    found: FloatArray = np.einsum("kn,n->k", vectors, x)
+    return found
+
+
+def _combinations(parts: FloatArray, vectors: FloatArray) -> FloatArray:
+    found: FloatArray = np.einsum("mk,kn->mn", parts, vectors)
+    return found
+
+
+def _norm(x: FloatArray, M: Any) -> float:
+    return math.sqrt(np.einsum("n,n->", x, M @ x))

@@ -1,5 +1,8 @@
 """Scene-fitted anti-oscillators: few give the full model's force, and what a subspace keeps."""
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -592,3 +595,29 @@ def test_one_factorisation_and_a_solve_a_vector_by_the_users_own_solver(block, o
     star = ao.antioscillators(tip, 14, **settings)
     assert (len(own_solver.calls), own_solver.solutions - before) == (3, 15)
     assert star.k0 == pytest.approx(ao.antioscillators(tip, 0).k0, rel=1e-9)
+
+
+# Prints the numbers of a model as text that has all their bits.
+MODEL = """
+import aoimpact as ao
+mesh = ao.box_mesh((0.3, 0.2, 0.01), (30, 20, 2), kind="hexahedron20")
+plate = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700), fixed=[("xmin", "xyz")])
+tip = plate.contact(point=(0.2, 0.1, 0.01), direction=(0, 0, -1), radius=0)
+star = ao.antioscillators(tip, 5, method="krylov", contact_time=1e-4, solver="multigrid")
+print(*(value.hex() for value in (star.m0, star.k0, *star.m, *star.k)))
+"""
+
+
+@pytest.mark.slow
+def test_a_model_has_the_same_bits_on_any_number_of_cores() -> None:
+    found = {
+        subprocess.run(
+            [sys.executable, "-W", "ignore", "-c", MODEL],
+            env=os.environ | {"OMP_NUM_THREADS": cores, "OPENBLAS_NUM_THREADS": cores},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for cores in "123"
+    }
+    assert len(found) == 1
