@@ -15,6 +15,7 @@ from .matrices import (
     motion_without_force,
     symmetric_pair,
 )
+from .method import ROUGH
 from .pencil import Pencil
 from .rows import ENTRIES_AT_ONCE
 from .solvers import (
@@ -45,6 +46,7 @@ __all__ = [
     "FEW_SOLUTIONS",
     "LARGEST",
     "LEAST",
+    "ROUGH",
     "SOLVERS",
     "Factorization",
     "LinearSolver",

@@ -21,7 +21,11 @@ from aoimpact.fem.model import FEModel
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
 from aoimpact.mesh.mesh import Mesh
 
-pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:radius=")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:radius="),
+    pytest.mark.filterwarnings("ignore:solver 'pardiso' takes over"),  # of the graded meshes
+]
 
 FloatArray = npt.NDArray[np.float64]
 Map = Callable[[FloatArray], FloatArray]

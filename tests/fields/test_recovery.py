@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -143,6 +143,21 @@ def test_functionals_are_those_of_the_displacement(fixed: Any, count: int) -> No
         of_coordinates, of_forces = recovery.functionals(sp.csr_array(rows), dual)
         found = of_coordinates @ coordinates + of_forces @ force
         np.testing.assert_allclose(found, exact, atol=1e-9 * np.abs(exact).max())
+
+
+def test_vectors_of_rough_solutions_are_corrected_as_well() -> None:
+    mesh = ao.box_mesh((0.1, 0.1, 0.02), (8, 8, 2), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, MATERIAL, fixed=(("xmin", "xyz"),))
+    tip = body.contact(point=(0.05, 0.05, 0.02), direction=(0, 0, -1), radius=0)
+    space = ao.KrylovSpace(tip, contact_time=1e-4, solver="multigrid")
+    star, force = space.antioscillators(5), np.array([[1e3, -2e3]])
+    found, exact = (
+        Recovery(star.coordinates(), 1e5, partial(body.inverse, solver=solver)).displacement(
+            some_motion(star), force
+        )
+        for solver in ("multigrid", "superlu")
+    )
+    np.testing.assert_allclose(found, exact, atol=1e-6 * np.abs(exact).max())
 
 
 def test_many_times_go_the_same_way_as_few() -> None:
