@@ -137,6 +137,26 @@ def test_a_solution_is_refined_until_its_residual_passes(bar):
     assert np.linalg.norm(residual) <= 1e-10 * np.linalg.norm(f)
 
 
+@pytest.mark.parametrize("returned", ["right-hand side", "one array"])
+def test_a_users_solver_may_overwrite_what_it_got_or_gave(bar, returned):
+    def overwriting(matrix):
+        factors, kept = spla.splu(matrix), np.empty(bar.n_dofs)
+
+        def solve(f):
+            x = f if returned == "right-hand side" else kept
+            x[:] = factors.solve(f)
+            return x
+
+        return solve
+
+    loads = np.random.default_rng(1).standard_normal((bar.n_dofs, 3))
+    expected = bar.inverse(1e10, solver="superlu").solve(loads)
+    own = bar.inverse(1e10, solver=overwriting)
+    one_by_one = np.transpose([own.solve(load) for load in loads.T])
+    for found in one_by_one, own.solve(loads):
+        np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-20)
+
+
 # --------------------------------------------------------------------------- the choice of one
 
 
