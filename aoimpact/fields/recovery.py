@@ -39,10 +39,10 @@ PACE = 10.0
 # and a flange, 20 mm from where they are struck, are off by 4e-8 at most (2e-7 with 1e-4).
 SOLVED = 1e-6
 
-# What is unbalanced, over its parts, and not corrected: what rough solutions leave each vector, in
-# a direction of its own. Those stresses, and a beam's, are off by 9e-5 at most, of models of 9 … 67
-# oscillators (3e-5 with a third of it), for a fifth of the time. Else one direction for each force
-# stands out, and 1e-12 at most is left by rounding.
+# What is unbalanced, over its parts, up to which it is not corrected. Rough solutions leave each
+# vector that much, in a direction of its own; without them one direction for each force stands out,
+# and rounding leaves 1e-12. Those stresses, and a beam's, are off by 9e-5 at most for it (models of
+# 9 … 67 oscillators; 3e-5 with a third of it), and a probe takes a fifth of the time.
 _BALANCED = ROUGH
 
 
