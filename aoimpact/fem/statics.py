@@ -184,7 +184,7 @@ def _by_grounding(body: Body, b: FloatArray, solver: LinearSolver) -> FloatArray
     springs = np.zeros(len(b))
     springs[places] = K.diagonal()[places]
     pencil = replace(solver.pencil, K=(K + sp.diags_array(springs)).tocsr(), s2=0.0, diagonals=None)
-    grounded = linear_solver(pencil, solver.name if solver.name in SOLVERS else "auto", solutions=1)
+    grounded = linear_solver(pencil, solver.name if solver.name in SOLVERS else "auto")
     x = grounded.solve(b - M @ (rigid @ (rigid.T @ b)))
     found: FloatArray = x - rigid @ (rigid.T @ (M @ x))
     return found

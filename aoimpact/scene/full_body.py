@@ -93,7 +93,7 @@ class FullBody(SceneBody):
         loads = [tip.b for tip in self.model.tips]
         weight = self.weight(1.0) if weighed else None
         forces = np.column_stack(loads if weight is None else [*loads, weight])
-        moved = self.tip.body.inverse(slowest**2, solutions=forces.shape[1]).solve(forces)
+        moved = self.tip.body.inverse(slowest**2).solve(forces)
         root = np.sqrt(2.0 * (forces * moved).sum(axis=0))
         ports = root[: self.ports]
         by_weight = np.zeros(self.ports) if weight is None else ports * root[-1]

@@ -178,7 +178,8 @@ def solved_by(name, seconds, *, memory=0.0, direct=True, installed=True):
         (10, [("a", lambda n: 3.0), ("b", lambda n: 4.0)], "a"),
         (10, [("a", lambda n: 5.0 + n), ("b", lambda n: 14.0 + 0.01 * n)], "b"),
         (1, [("a", lambda n: 5.0 + n), ("b", lambda n: 14.0 + 0.01 * n)], "a"),
-        (10, [("a", lambda n: 0.2), ("iterates", lambda n: 0.1)], "a"),  # soon enough
+        (10, [("a", lambda n: 1.0), ("iterates", lambda n: 0.1)], "a"),  # soon enough
+        (1, [("a", lambda n: 1.0), ("iterates", lambda n: 0.1)], "iterates"),
         (10, [("a", lambda n: 9.0), ("iterates", lambda n: 8.0)], "iterates"),
         (10, [("absent", lambda n: 1.0), ("a", lambda n: 9.0)], "a"),
         (10, [("huge", lambda n: 1.0), ("a", lambda n: 9.0)], "a"),
