@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import StressAt, scene_quantity
+from ..accuracy import StressAt, checked_linear_solver, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
@@ -350,6 +350,8 @@ class Scene:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
+        options = RunOptions(quantity, rtol, solver, energies, linear_solver)
+        checked_linear_solver(linear_solver, chosen=options.chooses(self._bodies))
         record = self._record(length)
         around = self._turns()
         factors: dict[Any, LinearSolver] = {}
@@ -367,7 +369,7 @@ class Scene:
         return run_models(
             plan_of,
             bodies,
-            RunOptions(quantity, rtol, solver, energies, linear_solver),
+            options,
             record=record,
             names=[self._called(body) for body in range(len(self._bodies))],
             interest=partial(self._interest, quantity, fitted),

@@ -8,7 +8,7 @@ from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from ..accuracy import StressAt, checked_rtol, impact_quantity
+from ..accuracy import StressAt, checked_linear_solver, checked_rtol, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
@@ -124,7 +124,9 @@ def simulate(
     pair = _pair(*bodies, numbers.velocity)
     warn_of_exchange(*pair)
     interest = partial(impact_quantity, quantity, *bodies)
-    if options.controlled:  # bad input is refused before any work is done
+    # Bad input is refused before any work is done.
+    checked_linear_solver(linear_solver, chosen=options.chooses(bodies))
+    if options.controlled:
         checked_rtol(rtol)
         interest()
     impact = _complete(*bodies, law, numbers)

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import SIGNAL_INTERVAL, FloatArray, SingularError, interruptible
+from ..base import SIGNAL_INTERVAL, FloatArray, MemoryLimitError, SingularError, interruptible
 from .fill import direct_seconds, factor_entries, graph_width
 from .method import Inverse, Method
 from .pencil import Pencil
@@ -119,6 +119,11 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
     csc = sp.csc_matrix(matrix)
     try:
         factors = _owned(csc) if csc.nnz > _SHORT else Factorization(csc, [_factors(csc)])
+    except MemoryError as error:
+        raise MemoryLimitError(
+            f"solver 'superlu' of {what} ({csc.shape[0]} dofs) ran out of memory: "
+            "solver='multigrid' takes less"
+        ) from error
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         raise SingularError(f"{what} is singular ({error})") from None
     if not checked:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -206,6 +207,23 @@ def test_a_projectile_that_flies_away_is_refused_before_any_model_is_made(own_so
     with pytest.raises(ao.InputError, match="velocity=-1 m/s: the projectile flies away"):
         ao.simulate(ball, target, -1.0, linear_solver=own_solver)
     assert own_solver.calls == []
+
+
+@pytest.mark.parametrize("call", ["simulate", "scene"])
+def test_a_linear_solver_that_does_not_exist_is_refused_before_any_work(
+    monkeypatch: pytest.MonkeyPatch, call: str
+) -> None:
+    ball, target = ao.ball(0.01, STEEL), plate().contact(point=MIDDLE)
+    scene = ao.Scene()
+    scene.connect(scene.add(ball, velocity=1.0), scene.add(target))
+    run = scene.simulate if call == "scene" else partial(ao.simulate, ball, target, 1.0)
+
+    def solved(*_: Any, **__: Any) -> None:
+        raise AssertionError("something was solved")
+
+    monkeypatch.setattr(ao.FEModel, "inverse", solved)
+    with pytest.raises(ao.InputError, match=r"linear_solver must be one of .* got 'pardis'"):
+        run(linear_solver="pardis")
 
 
 def test_a_patch_too_small_for_the_contact_is_refused_by_small_models(own_solver: Any) -> None:

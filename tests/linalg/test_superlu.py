@@ -26,6 +26,15 @@ def test_solution_of_a_static_problem():
     np.testing.assert_allclose(factorize(K).solve(load), 3.0 * np.arange(1, 1001) / 1000, rtol=1e-9)
 
 
+def test_factors_that_run_out_of_memory_name_what_takes_less(monkeypatch):
+    def splu(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr(sp.linalg, "splu", splu)
+    with pytest.raises(ao.MemoryLimitError, match=r"the matrix \(100 dofs\) ran out of memory: "):
+        factorize(rod(100, fixed=[0])[0])
+
+
 def test_the_cores_sweeps_solve_the_same_system():
     K, M = beam(500, fixed=[0, 1])
     factors = factorize(K + 1e4 * M)
