@@ -19,7 +19,7 @@ Solve = Callable[[FloatArray], FloatArray]
 # errors are those on vectors solved to 1e-9, even with 1e-2: 3 to 64 vectors of plates, a disc, a
 # sphere, bars and a sheet, in .35 to .45 of the iterations. Of a held body they must be across its
 # static mode: else displacements and stresses elsewhere stagnate at 3e-4 and 7e-3 on a thick plate,
-# which 180 vectors across it give to 5e-5 and 2e-3, as exact ones do. Where multigrid is slow errors
+# which 180 vectors across it give to 5e-5 and 2e-3, as exact ones do. Where multigrid is slow they
 # may be larger: of a block of ν = .499 by 1.6 with 60 vectors, so that more vectors are taken.
 ROUGH = 1e-3
 
