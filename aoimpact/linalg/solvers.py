@@ -62,9 +62,9 @@ _REFINEMENTS = 5
 # ‖f - A x‖ / (max A_ii ‖x‖) that rounding leaves in any solution: some hundred roundings.
 _ROUNDING = 2e-14
 
-# Estimated seconds up to which factors are taken though iterations may be as quick: they serve any
-# number of solutions, and cannot fail to converge. Not for fewer than `FEW_SOLUTIONS`.
-_PROMPT = 2.0
+# Estimated seconds for each solution, of `FEW_SOLUTIONS` at most, up to which factors are taken
+# though iterations may be as quick: they serve any number, and cannot fail to converge.
+_PROMPT = 0.2
 
 # The default number of solutions: those of a model of some oscillators. Fewer are for a shift far
 # above what is slow in the body, for which iterations arrive.
@@ -341,8 +341,8 @@ def _quickest(pencil: Pencil, solutions: int) -> Method:
     if not fitting:
         return _LAST_RESORT
     seconds = {method.name: method.seconds(pencil, count) for method in fitting}
-    many = count >= FEW_SOLUTIONS
-    prompt = [m for m in fitting if many and m.direct and seconds[m.name] <= _PROMPT]
+    soon = _PROMPT * min(count, FEW_SOLUTIONS)
+    prompt = [m for m in fitting if m.direct and seconds[m.name] <= soon]
     return min(prompt or fitting, key=lambda method: seconds[method.name])
 
 
