@@ -6,12 +6,13 @@ their nodes and corners for multigrid, `fields` their elements for stresses and 
 
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
-from .files import meshio_of_all_kinds
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from .locate import AT_NODE, node_at, weights_at
-from .mesh import Block, Mesh, group, read_mesh, taken
+from .mesh import Block, Mesh, group, taken
+from .read import read_mesh
 from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of
+from .viameshio import meshio_of_all_kinds
 
 __all__ = [
     "AT_NODE",

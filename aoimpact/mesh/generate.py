@@ -21,7 +21,8 @@ from ..base import (
     sequence,
 )
 from .elements import KINDS, TETRAHEDRON_EDGES, ReferenceElement, reference_element
-from .mesh import Mesh, read_mesh
+from .mesh import Mesh
+from .read import read_mesh
 
 __all__ = ["box_mesh", "paper_sphere_mesh", "sphere_mesh"]
 

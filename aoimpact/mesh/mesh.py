@@ -1,17 +1,13 @@
-"""Meshes of solid elements: from any file that meshio reads, put in order and checked."""
+"""Meshes of solid elements, checked."""
 
 from __future__ import annotations
 
-import os
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy
-import scipy.sparse as sp
 
 from ..base import (
     FloatArray,
@@ -24,29 +20,30 @@ from ..base import (
     finite_array,
     nearest,
     node_ids,
-    positive,
     sequence,
     text,
-    warn,
 )
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
-from .files import load, named_cells, named_nodes
 
-__all__ = ["Block", "Mesh", "group", "read_mesh", "taken"]
+__all__ = [
+    "SMALLEST",
+    "Block",
+    "Mesh",
+    "check_reach",
+    "checked_cells",
+    "group",
+    "jacobian_range",
+    "replace_nodes",
+    "select",
+    "taken",
+]
 
 
 # det J below this fraction of the cube of the element's size: no volume to speak of.
 _FLAT = 1e-12
 
 # Coordinates and sizes, m, whose cubes and fourth powers stay far from what doubles can hold.
-_LARGEST, _SMALLEST = 1e50, 1e-50
-
-# Nodes closer than this fraction of the mesh's size are at the same place.
-_COINCIDENT = 1e-9
-
-
-# Kinds of elements and their cells.
-_Blocks = list[tuple[str, IntArray]]
+_LARGEST, SMALLEST = 1e50, 1e-50
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +94,11 @@ class Mesh(Frozen):
     cell_sets : mapping of str to array of int, optional
         Named groups of elements by their numbers, e.g. for materials. Kinds are numbered through,
         one after the other.
+    node_labels : array_like of int, shape (n_nodes,), optional
+        Numbers that the file gives to the nodes. A number that occurs twice, as in two instances of
+        an Abaqus part, names no single node.
+    cell_labels : array_like of int, shape (n_cells,), optional
+        Numbers that the file gives to the elements.
 
     Attributes
     ----------
@@ -123,6 +125,8 @@ class Mesh(Frozen):
     kind: str = "mixed"
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)
     cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    node_labels: IntArray | None = None
+    cell_labels: IntArray | None = None
     blocks: tuple[Block, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -130,9 +134,9 @@ class Mesh(Frozen):
         nodes = np.array(finite_array("nodes", self.nodes, shape=(None, 3), unit="m"))
         blocks, first = [], 0
         for kind, cells in given:
-            checked_cells = _checked_cells(cells, reference_element(kind), len(nodes))
-            blocks.append(Block(kind, checked_cells, first))
-            first += len(checked_cells)
+            own = checked_cells(cells, reference_element(kind), len(nodes))
+            blocks.append(Block(kind, own, first))
+            first += len(own)
         used = np.zeros(len(nodes), dtype=bool)
         for block in blocks:
             used[block.cells] = True
@@ -142,10 +146,12 @@ class Mesh(Frozen):
                 f"nodes: {len(unused)} of {len(nodes)} belong to no element, the first is "
                 f"{unused[0]}; leave them out, or let read_mesh do so"
             )
-        _check_reach(nodes)
+        check_reach(nodes)
+        for name, count in (("node_labels", len(nodes)), ("cell_labels", first)):
+            object.__setattr__(self, name, _labels(name, getattr(self, name), count))
         for block in blocks:
-            _check_duplicates(block)
-            _check_elements(nodes, block)
+            _check_duplicates(block, self.node_labels, self.cell_labels)
+            _check_elements(nodes, block, self.node_labels, self.cell_labels)
         object.__setattr__(self, "node_sets", _sets("node_sets", self.node_sets, len(nodes)))
         object.__setattr__(self, "cell_sets", _sets("cell_sets", self.cell_sets, first))
         object.__setattr__(self, "nodes", nodes)
@@ -206,10 +212,11 @@ class Mesh(Frozen):
         >>> two.part("tup")
         Mesh(8 nodes, 1 hexahedron, sets: xmin, ymin, ymax, zmin, zmax, groups: tup)
         """
-        return _part(self, "names", names)
+        return select(self, "names", names)
 
 
-def _part(mesh: Mesh, name: str, given: Any) -> Mesh:
+def select(mesh: Mesh, name: str, given: Any) -> Mesh:
+    """Return `mesh.part(given)`; `name` is the argument's."""
     wanted = [given] if isinstance(given, str) else sequence(name, given)
     if not wanted:
         raise InputError(f"{name}: give the name of a group of elements")
@@ -242,80 +249,22 @@ def taken(mesh: Mesh, cells: IntArray) -> Mesh:
     ]
     nodes = {name: number[ids[used[ids]]] for name, ids in mesh.node_sets.items()}
     groups = {name: place[ids[chosen[ids]]] for name, ids in mesh.cell_sets.items()}
-    kept = [{name: ids for name, ids in of.items() if len(ids)} for of in (nodes, groups)]
-    return Mesh(mesh.nodes[used], blocks, "mixed", *kept)
-
-
-def read_mesh(
-    source: str | os.PathLike[str] | Any,
-    *,
-    scale: float = 1.0,
-    part: str | Sequence[str] | None = None,
-) -> Mesh:
-    """Return a mesh of solid elements from any file that meshio reads.
-
-    Cells of lower dimension are not part of the body; their groups become named node sets. Groups
-    of volume cells become both sets of nodes and groups of elements. What meshio readers leave in
-    disorder is put right: midside nodes that come in another order than meshio's own, elements
-    numbered left-handed throughout, and nodes of no element.
-
-    Parameters
-    ----------
-    source : path, meshio.Mesh or Mesh
-    scale : float, optional
-        Factor on the coordinates, to metres: 1e-3 for a file in millimetres.
-    part : str or sequence of str, optional
-        Groups of elements that make up the body; all elements if left out. See `Mesh.part`.
-
-    Raises
-    ------
-    MeshError
-        If the file cannot be read (`MissingFileError` if it is not there), has no volume cells or
-        some of an unsupported kind, or elements that are inverted or flat.
-    InputError
-        If there is no group of the name given as `part`.
-
-    Warns
-    -----
-    AOImpactWarning
-        If nodes were dropped or elements renumbered, or if the mesh falls into pieces.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> import meshio
-    >>> with tempfile.NamedTemporaryFile(suffix=".vtk") as file:
-    ...     box = ao.box_mesh((20, 10, 10), (2, 1, 1))  # mm
-    ...     meshio.Mesh(box.nodes, [("hexahedron", box.cells)]).write(file.name, file_format="vtk")
-    ...     mesh = ao.read_mesh(file.name, scale=1e-3)
-    >>> mesh.nodes.max(axis=0)  # m
-    array([0.02, 0.01, 0.01])
-    """
-    factor = positive("scale", scale)
-    if isinstance(source, Mesh):
-        mesh = source if factor == 1.0 else replace_nodes(source, _scaled(source.nodes, factor))
-        return mesh if part is None else _part(mesh, "part", part)
-    if isinstance(source, (str, os.PathLike)):
-        raw = load(source)
-        try:
-            mesh = _ordered(raw, factor)
-        except (MeshError, InputError, InputTypeError) as error:
-            raise MeshError(f"mesh file {os.fspath(source)!r}: {error}") from None
-    elif all(hasattr(source, name) for name in ("points", "cells", "point_sets", "cell_sets")):
-        mesh = _ordered(source, factor)
-    else:
-        raise InputTypeError(
-            f"mesh must be a path, a meshio.Mesh or a Mesh, got {type(source).__name__}"
-        )
-    mesh = mesh if part is None else _part(mesh, "part", part)
-    _warn_of_pieces(mesh)
-    return mesh
+    return Mesh(
+        mesh.nodes[used],
+        blocks,
+        "mixed",
+        {name: ids for name, ids in nodes.items() if len(ids)},
+        {name: ids for name, ids in groups.items() if len(ids)},
+        None if mesh.node_labels is None else mesh.node_labels[used],
+        None if mesh.cell_labels is None else mesh.cell_labels[chosen],
+    )
 
 
 def replace_nodes(mesh: Mesh, nodes: FloatArray) -> Mesh:
     """Return the same mesh with its nodes elsewhere."""
     blocks: Any = [(block.kind, block.cells) for block in mesh.blocks]
-    return Mesh(nodes, blocks, "mixed", mesh.node_sets, mesh.cell_sets)
+    named = (mesh.node_sets, mesh.cell_sets, mesh.node_labels, mesh.cell_labels)
+    return Mesh(nodes, blocks, "mixed", *named)
 
 
 def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
@@ -358,32 +307,18 @@ def _sets(name: str, sets: Any, count: int) -> dict[str, IntArray]:
     }
 
 
-def _ordered(raw: Any, factor: float) -> Mesh:
-    """Return a `meshio.Mesh` put in order and checked."""
-    if np.ndim(raw.points) != 2:
-        raise MeshError(
-            f"coordinates of the mesh must have shape (any, 3), got {np.shape(raw.points)}"
-        )
-    blocks, first = _volume_cells(raw)
-    blocks = [
-        (kind, _checked_cells(cells, reference_element(kind), len(raw.points)))
-        for kind, cells in blocks
-    ]
-    nodes = _scaled(_coordinates(raw.points, blocks), factor)
-    nodes, blocks, sets = _drop_unused(nodes, blocks, named_nodes(raw))
-    blocks = [(kind, _order_midside_nodes(nodes, cells, kind)) for kind, cells in blocks]
-    blocks = [(kind, _make_right_handed(nodes, cells, kind)) for kind, cells in blocks]
-    return Mesh(nodes, blocks, "mixed", sets, named_cells(raw, first))  # type: ignore[arg-type]
+def _labels(name: str, labels: Any, count: int) -> IntArray | None:
+    if labels is None:
+        return None
+    array = np.array(labels)
+    if array.dtype.kind not in "iu":
+        raise InputTypeError(f"{name} must be integers, got dtype {array.dtype}")
+    if array.shape != (count,):
+        raise InputError(f"{name} must have shape ({count},), got {array.shape}")
+    return array.astype(np.int64)
 
 
-def _scaled(nodes: FloatArray, factor: float) -> FloatArray:
-    with np.errstate(over="ignore", under="ignore"):  # what overflows is out of reach
-        scaled = nodes * factor
-    _check_reach(scaled)
-    return scaled
-
-
-def _check_reach(nodes: FloatArray) -> None:
+def check_reach(nodes: FloatArray) -> None:
     """Refuse sizes that no body has: volumes would overflow, or vanish."""
     farthest = float(np.abs(nodes).max())
     if farthest > _LARGEST:
@@ -392,65 +327,14 @@ def _check_reach(nodes: FloatArray) -> None:
             "give coordinates in metres (is scale right?)"
         )
     size = float(np.ptp(nodes, axis=0).max())
-    if 0.0 < size < _SMALLEST or farthest == 0.0:
+    if 0.0 < size < SMALLEST or farthest == 0.0:
         raise MeshError(
             f"the mesh is {size:.3g} m long, and volumes of that size cannot be computed; "
             "give coordinates in metres (is scale right?)"
         )
 
 
-def _coordinates(points: Any, blocks: _Blocks) -> FloatArray:
-    """Return checked coordinates; those of nodes that no cell uses may be anything."""
-    array = np.asarray(points)
-    if array.ndim == 2 and array.shape[1] == 2:
-        raise MeshError("the mesh is two-dimensional (x, y); a solid needs x, y and z")
-    unused = np.ones(len(array), dtype=bool)
-    for _, cells in blocks:
-        unused[cells] = False
-    if unused.any() and array.dtype.kind == "f":
-        points = np.array(points, subok=True)  # a masked array stays one, and is refused
-        points[unused] = 0.0
-    return finite_array("coordinates of the mesh", points, shape=(None, 3), unit="m")
-
-
-def _volume_cells(raw: Any) -> tuple[list[tuple[str, Any]], dict[int, int]]:
-    """Return the volume cells by kind, in the order of the file, and each block's first number."""
-    counts: Counter[str] = Counter()
-    for block in raw.cells:
-        counts[block.type] += len(block.data)
-    counts = +counts
-    supported = f"supported are {', '.join(KINDS)}"
-    listed = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "no cells at all"
-    # A block of unknown dimension is of a kind that is not supported either.
-    volume = {
-        block.type for block in raw.cells if len(block.data) and getattr(block, "dim", 3) == 3
-    }
-    if not volume:
-        raise MeshError(f"the mesh has no volume cells: it has {listed}; {supported}")
-    unknown = sorted(volume.difference(KINDS))
-    if unknown:
-        what = ", ".join(f"{counts[kind]} {kind}" for kind in unknown)
-        raise MeshError(f"the mesh has volume cells of an unsupported kind: {what}; {supported}")
-    found: list[tuple[str, Any]] = []
-    first: dict[int, int] = {}
-    count = 0
-    for kind in (kind for kind in KINDS if kind in volume):
-        # Empty blocks, as of a header without elements, may have any shape.
-        parts = [(i, of.data) for i, of in enumerate(raw.cells) if of.type == kind and len(of.data)]
-        for i, cells in parts:
-            first[i] = count
-            count += len(cells)
-        try:
-            found.append((kind, np.concatenate([cells for _, cells in parts])))
-        except ValueError:
-            shapes = ", ".join(sorted({str(np.shape(cells)) for _, cells in parts}))
-            raise MeshError(
-                f"blocks of cells of kind {kind} have different shapes: {shapes}"
-            ) from None
-    return found, first
-
-
-def _checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
+def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
     try:
         array = np.array(cells)
     except ValueError as error:
@@ -472,60 +356,9 @@ def _checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntAr
     return np.ascontiguousarray(array, dtype=np.int64)
 
 
-def _drop_unused(
-    nodes: FloatArray, blocks: _Blocks, sets: dict[str, IntArray]
-) -> tuple[FloatArray, _Blocks, dict[str, IntArray]]:
-    used = np.zeros(len(nodes), dtype=bool)
-    for _, cells in blocks:
-        used[cells] = True
-    if used.all():
-        return nodes, blocks, sets
-    first = int(np.flatnonzero(~used)[0])
-    warn(
-        f"{int((~used).sum())} of {len(nodes)} nodes belong to no volume element and were dropped; "
-        f"nodes after {first} have new numbers (named sets keep their members)",
-    )
-    number = np.cumsum(used) - 1
-    kept = {name: number[members[used[members]]] for name, members in sets.items()}
-    moved = [(kind, number[cells]) for kind, cells in blocks]
-    return nodes[used], moved, {name: ids for name, ids in kept.items() if len(ids)}
-
-
-def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
-    """Put midside nodes in meshio's order by where they lie, if they are in another throughout."""
-    element = reference_element(kind)
-    n = element.n_corners
-    if not element.quadratic:
-        return cells
-    sample = cells[np.linspace(0, len(cells) - 1, min(len(cells), 2000)).astype(int)]
-    between = element.linear.shape(element.nodes[n:])
-    corners = nodes[sample[:, :n]]
-    expected = between @ corners
-    size = np.ptp(corners, axis=1).max(axis=1)
-    gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
-    size = np.where(size > _SMALLEST, size, 1.0)
-    misfit = np.einsum("eabi,e->ab", gaps**2, size**-2.0)
-    _, order = scipy.optimize.linear_sum_assignment(misfit)
-    if np.array_equal(order, np.arange(len(order))):
-        return cells
-    warn(
-        f"the midside nodes of the {len(cells)} {kind} elements come in another order than "
-        f"meshio's; they were put in order by their places ({(order + n).tolist()})",
-    )
-    return np.ascontiguousarray(np.concatenate([cells[:, :n], cells[:, n:][:, order]], axis=1))
-
-
-def _make_right_handed(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
-    """Renumber the elements if every one of them is the mirror image of a good one."""
-    element = reference_element(kind)
-    _, highest = _jacobian_range(nodes, cells, element)
-    if (highest >= 0.0).any():
-        return cells
-    warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
-    return np.ascontiguousarray(cells[:, element.mirror])
-
-
-def _check_duplicates(block: Block) -> None:
+def _check_duplicates(
+    block: Block, node_labels: IntArray | None, cell_labels: IntArray | None
+) -> None:
     """Refuse elements on the same corners: their stiffness and mass would count twice."""
     cells = block.cells
     corners = np.sort(cells[:, : block.element.n_corners], axis=1)
@@ -533,18 +366,31 @@ def _check_duplicates(block: Block) -> None:
     same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
     if same.any():
         first = int(np.flatnonzero(same)[0])
-        earlier, later = int(order[first]), int(order[first + 1])
+        earlier, later = (
+            _number(block.first + int(order[i]), cell_labels) for i in (first, first + 1)
+        )
+        nodes = _numbers(cells[order[first]], node_labels)
         raise MeshError(
             f"{int(same.sum())} of {len(cells)} elements are there twice, on the same corners in "
-            f"whatever order: element {block.first + later} repeats element "
-            f"{block.first + earlier}, with nodes {cells[earlier].tolist()}; remove duplicate "
-            "elements in the mesher (a volume in two groups, or copied)"
+            f"whatever order: element {later} repeats element {earlier}, with nodes {nodes}; "
+            "remove duplicate elements in the mesher (a volume in two groups, or copied)"
         )
 
 
-def _check_elements(nodes: FloatArray, block: Block) -> None:
+def _number(index: int, labels: IntArray | None) -> int:
+    """The number by which a user knows a node or an element."""
+    return index if labels is None else int(labels[index])
+
+
+def _numbers(indices: IntArray, labels: IntArray | None) -> list[int]:
+    return [_number(int(i), labels) for i in indices]
+
+
+def _check_elements(
+    nodes: FloatArray, block: Block, node_labels: IntArray | None, cell_labels: IntArray | None
+) -> None:
     cells = block.cells
-    lowest, highest = _jacobian_range(nodes, cells, block.element)
+    lowest, highest = jacobian_range(nodes, cells, block.element)
     flat = np.maximum(np.abs(lowest), np.abs(highest)) <= _FLAT
     inverted = (lowest <= _FLAT) & ~flat
     for bad, what in ((flat, "flat (no volume)"), (inverted, "inverted (Jacobian not positive)")):
@@ -553,12 +399,13 @@ def _check_elements(nodes: FloatArray, block: Block) -> None:
             centre = ", ".join(f"{x:.4g}" for x in nodes[cells[first]].mean(axis=0))
             raise MeshError(
                 f"{int(bad.sum())} of {len(cells)} elements are {what}; the first is element "
-                f"{block.first + first} near ({centre}) m with nodes {cells[first].tolist()}; "
+                f"{_number(block.first + first, cell_labels)} near ({centre}) m with nodes "
+                f"{_numbers(cells[first], node_labels)}; "
                 "repair or improve the mesh there"
             )
 
 
-def _jacobian_range(
+def jacobian_range(
     nodes: FloatArray, cells: IntArray, element: ReferenceElement
 ) -> tuple[FloatArray, FloatArray]:
     """Smallest and largest det J of each element at its points of quadrature, over its size³."""
@@ -569,27 +416,6 @@ def _jacobian_range(
         corners = nodes[cells[part]]
         det, _ = cofactors(jacobians(corners, gradient))
         size = np.ptp(corners, axis=1).max(axis=1)
-        det /= np.where(size > _SMALLEST, size, 1.0)[:, None] ** 3
+        det /= np.where(size > SMALLEST, size, 1.0)[:, None] ** 3
         lowest[part], highest[part] = det.min(axis=1), det.max(axis=1)
     return lowest, highest
-
-
-def _warn_of_pieces(mesh: Mesh) -> None:
-    n_local = mesh.cells.shape[1]
-    first = np.repeat(mesh.cells[:, 0], n_local - 1)
-    others = mesh.cells[:, 1:].reshape(-1)
-    links = sp.coo_array((np.ones(len(first), bool), (first, others)), shape=(mesh.n_nodes,) * 2)
-    n_pieces, _ = sp.csgraph.connected_components(links, directed=False)
-    if n_pieces == 1:
-        return
-    pairs = scipy.spatial.KDTree(mesh.nodes).query_pairs(
-        _COINCIDENT * mesh.size, output_type="ndarray"
-    )
-    hint = (
-        f"{len(pairs)} pairs of nodes lie at the same place: merge coincident nodes in the mesher"
-        if len(pairs)
-        else "no nodes lie at the same place: check that this is one body"
-    )
-    warn(
-        f"the mesh falls into {n_pieces} pieces that share no nodes; {hint}",
-    )

@@ -34,7 +34,7 @@ class RawBlock:
     def dim(self) -> int:
         """Dimension of the cells: 0 for points to 3 for solids."""
         shape = self.kind.rstrip("0123456789")
-        return {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}.get(shape, 3)
+        return {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "polygon": 2}.get(shape, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,8 @@ class RawMesh:
     cell_sets : mapping of str to ndarray of int
         Cell numbers, counted through all blocks from 0, of any dimension.
     node_labels : ndarray of int, shape (n_nodes,), or None
-        Numbers that the file gives to the nodes; None for formats without numbers.
+        Numbers that the file gives to the nodes; None for formats without numbers. A number may
+        occur twice, as in two instances of an Abaqus part.
     """
 
     nodes: FloatArray
@@ -65,3 +66,9 @@ class RawMesh:
         """Number of the first cell of each block, shape (n_blocks + 1,); the last is the count."""
         counts = [len(block.cells) for block in self.blocks]
         return np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
+
+    @property
+    def cell_labels(self) -> IntArray | None:
+        """Numbers that the file gives to the cells, through all blocks; None if one has none."""
+        labels = [block.labels for block in self.blocks if block.labels is not None]
+        return np.concatenate(labels) if 0 < len(labels) == len(self.blocks) else None

@@ -20,10 +20,10 @@ from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 from aoimpact.fem.assembly import stiffness_mass
 from aoimpact.fem.material import Material
+from aoimpact.mesh import meshio_of_all_kinds, read_mesh
 from aoimpact.mesh.elements import KINDS, reference_element
-from aoimpact.mesh.files import meshio_of_all_kinds
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
-from aoimpact.mesh.mesh import Mesh, read_mesh
+from aoimpact.mesh.mesh import Mesh
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -24,10 +24,10 @@ from aoimpact.base.errors import (
     MeshError,
 )
 from aoimpact.fem.assembly import stiffness_mass
+from aoimpact.mesh import meshio_of_all_kinds, read_mesh
 from aoimpact.mesh.elements import KINDS, reference_element
-from aoimpact.mesh.files import meshio_of_all_kinds
 from aoimpact.mesh.generate import box_mesh
-from aoimpact.mesh.mesh import Mesh, read_mesh
+from aoimpact.mesh.mesh import Mesh
 
 MESHES = Path(__file__).parents[1] / "meshes"
 UNIT = no_solid()
@@ -550,3 +550,43 @@ def test_reading_leaves_meshio_as_it_was(tmp_path: Path) -> None:
     with pytest.raises(MeshError):
         read_mesh(tmp_path / "two.msh")
     assert before == {name: of for name, of in seen().items() if name in before}
+
+
+# ------------------------------------------------------------------------------- numbers of files
+
+
+def labelled() -> Mesh:
+    return Mesh(
+        TWO,
+        TWO_CELLS,
+        "hexahedron",
+        cell_sets={"far": [1]},
+        node_labels=10 * np.arange(1, 13),
+        cell_labels=[7, 5],
+    )
+
+
+def test_numbers_of_a_file_stay_with_their_nodes_and_elements() -> None:
+    far = labelled().part("far")
+    assert far.cell_labels is not None
+    assert far.cell_labels.tolist() == [5]
+    assert far.node_labels is not None
+    assert far.node_labels.tolist() == (10 * np.unique(TWO_CELLS[1]) + 10).tolist()
+    scaled = read_mesh(labelled(), scale=1e-3)
+    assert np.array_equal(scaled.node_labels, labelled().node_labels)
+    assert np.array_equal(scaled.cell_labels, labelled().cell_labels)
+
+
+def test_errors_name_elements_by_the_numbers_of_the_file() -> None:
+    cells = [TWO_CELLS[0], TWO_CELLS[1][[4, 5, 6, 7, 0, 1, 2, 3]]]
+    numbers = {"node_labels": np.arange(100, 112), "cell_labels": [30, 31]}
+    with pytest.raises(MeshError, match=r"first is element 31 near .* nodes \[105, 110, 111, 106,"):
+        Mesh(TWO, cells, "hexahedron", **numbers)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("labels", "error"), [([1, 2], InputError), (np.arange(12) / 2, InputTypeError)]
+)
+def test_numbers_of_a_file_must_fit_the_mesh(labels: object, error: type[Exception]) -> None:
+    with pytest.raises(error, match="node_labels must"):
+        Mesh(TWO, TWO_CELLS, "hexahedron", node_labels=labels)  # type: ignore[arg-type]

@@ -1,0 +1,270 @@
+"""Meshes from files of other programs, put in order: kinds joined, stray nodes dropped."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy
+import scipy.sparse as sp
+
+from ..base import (
+    FloatArray,
+    InputError,
+    InputTypeError,
+    IntArray,
+    MeshError,
+    finite_array,
+    positive,
+    warn,
+)
+from .elements import KINDS, reference_element
+from .files import load
+from .mesh import SMALLEST, Mesh, check_reach, checked_cells, jacobian_range, replace_nodes, select
+from .rawmesh import RawMesh
+from .viameshio import from_meshio, is_meshio
+
+__all__ = ["read_mesh"]
+
+# Nodes closer than this fraction of the mesh's size are at the same place.
+_COINCIDENT = 1e-9
+
+
+def read_mesh(
+    source: str | os.PathLike[str] | Any,
+    *,
+    scale: float = 1.0,
+    part: str | Sequence[str] | None = None,
+) -> Mesh:
+    """Return a mesh of solid elements from any file that meshio reads.
+
+    Cells of lower dimension are not part of the body; their groups become named node sets. Groups
+    of volume cells become both sets of nodes and groups of elements. What meshio readers leave in
+    disorder is put right: midside nodes that come in another order than meshio's own, elements
+    numbered left-handed throughout, and nodes of no element.
+
+    Parameters
+    ----------
+    source : path, meshio.Mesh or Mesh
+    scale : float, optional
+        Factor on the coordinates, to metres: 1e-3 for a file in millimetres.
+    part : str or sequence of str, optional
+        Groups of elements that make up the body; all elements if left out. See `Mesh.part`.
+
+    Raises
+    ------
+    MeshError
+        If the file cannot be read (`MissingFileError` if it is not there), has no volume cells or
+        some of an unsupported kind, or elements that are inverted or flat.
+    InputError
+        If there is no group of the name given as `part`.
+
+    Warns
+    -----
+    AOImpactWarning
+        If nodes were dropped or elements renumbered, or if the mesh falls into pieces.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import meshio
+    >>> with tempfile.NamedTemporaryFile(suffix=".vtk") as file:
+    ...     box = ao.box_mesh((20, 10, 10), (2, 1, 1))  # mm
+    ...     meshio.Mesh(box.nodes, [("hexahedron", box.cells)]).write(file.name, file_format="vtk")
+    ...     mesh = ao.read_mesh(file.name, scale=1e-3)
+    >>> mesh.nodes.max(axis=0)  # m
+    array([0.02, 0.01, 0.01])
+    """
+    factor = positive("scale", scale)
+    if isinstance(source, Mesh):
+        mesh = source if factor == 1.0 else replace_nodes(source, _scaled(source.nodes, factor))
+        return mesh if part is None else select(mesh, "part", part)
+    if isinstance(source, (str, os.PathLike)):
+        raw = load(source)
+        try:
+            mesh = _ordered(raw, factor)
+        except (MeshError, InputError, InputTypeError) as error:
+            raise MeshError(f"mesh file {os.fspath(source)!r}: {error}") from None
+    elif is_meshio(source):
+        mesh = _ordered(from_meshio(source), factor)
+    else:
+        raise InputTypeError(
+            f"mesh must be a path, a meshio.Mesh or a Mesh, got {type(source).__name__}"
+        )
+    mesh = mesh if part is None else select(mesh, "part", part)
+    _warn_of_pieces(mesh)
+    return mesh
+
+
+def _ordered(raw: RawMesh, factor: float) -> Mesh:
+    """Return the solid elements of a file, put in order and checked."""
+    if np.ndim(raw.nodes) != 2:
+        raise MeshError(
+            f"coordinates of the mesh must have shape (any, 3), got {np.shape(raw.nodes)}"
+        )
+    solids = [
+        (kind, checked_cells(cells, reference_element(kind), len(raw.nodes)), numbers)
+        for kind, cells, numbers in _solids(raw)
+    ]
+    used = np.zeros(len(raw.nodes), dtype=bool)
+    for _, cells, _ in solids:
+        used[cells] = True
+    nodes = _scaled(_coordinates(raw.nodes, used), factor)[used]
+    if not used.all():
+        _warn_of_unused(used, raw.node_labels)
+    number = np.cumsum(used) - 1
+    blocks: Any = []
+    for kind, cells, _ in solids:
+        in_order = _order_midside_nodes(nodes, number[cells], kind)
+        blocks.append((kind, _make_right_handed(nodes, in_order, kind)))
+    order = np.concatenate([numbers for _, _, numbers in solids])
+    place = np.full(raw.first[-1], -1)
+    place[order] = np.arange(len(order))
+    cell_sets = {name: place[members] for name, members in raw.cell_sets.items()}
+    return Mesh(
+        nodes,
+        blocks,
+        "mixed",
+        _filled({name: number[ids[used[ids]]] for name, ids in _node_sets(raw).items()}),
+        _filled({name: ids[ids >= 0] for name, ids in cell_sets.items()}),
+        None if raw.node_labels is None else raw.node_labels[used],
+        None if raw.cell_labels is None else raw.cell_labels[order],
+    )
+
+
+def _filled(sets: dict[str, IntArray]) -> dict[str, IntArray]:
+    return {name: ids for name, ids in sets.items() if len(ids)}
+
+
+def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
+    """Return the sets of nodes, joined with the nodes of the groups of cells of any dimension."""
+    found = {name: [np.asarray(ids)] for name, ids in raw.node_sets.items()}
+    for name, members in raw.cell_sets.items():
+        for start, block in zip(raw.first[:-1], raw.blocks, strict=True):
+            own = members[(members >= start) & (members < start + len(block.cells))] - start
+            found.setdefault(name, []).append(np.unique(block.cells[own]))
+    sets = {name: np.unique(np.concatenate(parts)) for name, parts in found.items()}
+    for name, ids in sets.items():
+        if len(ids) and not 0 <= ids[0] <= ids[-1] < len(raw.nodes):
+            raise MeshError(f"the group {name!r} of the mesh has nodes that are not there")
+    return {name: ids.astype(np.int64) for name, ids in sets.items()}
+
+
+def _scaled(nodes: FloatArray, factor: float) -> FloatArray:
+    with np.errstate(over="ignore", under="ignore"):  # what overflows is out of reach
+        scaled = nodes * factor
+    check_reach(scaled)
+    return scaled
+
+
+def _coordinates(points: Any, used: npt.NDArray[np.bool_]) -> FloatArray:
+    """Return checked coordinates; those of nodes that no solid uses may be anything."""
+    array = np.asarray(points)
+    if array.ndim == 2 and array.shape[1] == 2:
+        raise MeshError("the mesh is two-dimensional (x, y); a solid needs x, y and z")
+    if not used.all() and array.dtype.kind == "f":
+        points = np.array(points, subok=True)  # a masked array stays one, and is refused
+        points[~used] = 0.0
+    return finite_array("coordinates of the mesh", points, shape=(None, 3), unit="m")
+
+
+def _solids(raw: RawMesh) -> list[tuple[str, Any, IntArray]]:
+    """Return the solid cells kind by kind, with the numbers that they have in `raw`."""
+    blocks = [
+        (block, np.arange(first, first + len(block.cells)))
+        for block, first in zip(raw.blocks, raw.first[:-1], strict=True)
+        if len(block.cells)  # empty blocks, as of a header without elements, may have any shape
+    ]
+    counts: Counter[str] = Counter()
+    for block, numbers in blocks:
+        counts[block.kind] += len(numbers)
+    supported = f"supported are {', '.join(KINDS)}"
+    listed = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "no cells at all"
+    volume = {block.kind for block, _ in blocks if block.dim == 3}
+    if not volume:
+        raise MeshError(f"the mesh has no volume cells: it has {listed}; {supported}")
+    unknown = sorted(volume.difference(KINDS))
+    if unknown:
+        what = ", ".join(f"{counts[kind]} {kind}" for kind in unknown)
+        raise MeshError(f"the mesh has volume cells of an unsupported kind: {what}; {supported}")
+    found = []
+    for kind in (kind for kind in KINDS if kind in volume):
+        parts = [(block.cells, numbers) for block, numbers in blocks if block.kind == kind]
+        try:
+            cells = np.concatenate([part for part, _ in parts])
+        except ValueError:
+            shapes = ", ".join(sorted({str(np.shape(part)) for part, _ in parts}))
+            raise MeshError(
+                f"blocks of cells of kind {kind} have different shapes: {shapes}"
+            ) from None
+        found.append((kind, cells, np.concatenate([numbers for _, numbers in parts])))
+    return found
+
+
+def _warn_of_unused(used: npt.NDArray[np.bool_], labels: IntArray | None) -> None:
+    """Say that nodes are dropped, and what becomes of the others' numbers."""
+    first = int(np.flatnonzero(~used)[0])
+    numbers = f"nodes after {first} have new numbers (named sets keep their members)"
+    warn(
+        f"{int((~used).sum())} of {len(used)} nodes belong to no volume element and were dropped; "
+        + (numbers if labels is None else f"the first is node {labels[first]}")
+    )
+
+
+def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
+    """Put midside nodes in meshio's order by where they lie, if they are in another throughout."""
+    element = reference_element(kind)
+    n = element.n_corners
+    if not element.quadratic:
+        return cells
+    sample = cells[np.linspace(0, len(cells) - 1, min(len(cells), 2000)).astype(int)]
+    between = element.linear.shape(element.nodes[n:])
+    corners = nodes[sample[:, :n]]
+    expected = between @ corners
+    size = np.ptp(corners, axis=1).max(axis=1)
+    gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
+    size = np.where(size > SMALLEST, size, 1.0)
+    misfit = np.einsum("eabi,e->ab", gaps**2, size**-2.0)
+    _, order = scipy.optimize.linear_sum_assignment(misfit)
+    if np.array_equal(order, np.arange(len(order))):
+        return cells
+    warn(
+        f"the midside nodes of the {len(cells)} {kind} elements come in another order than "
+        f"meshio's; they were put in order by their places ({(order + n).tolist()})",
+    )
+    return np.ascontiguousarray(np.concatenate([cells[:, :n], cells[:, n:][:, order]], axis=1))
+
+
+def _make_right_handed(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
+    """Renumber the elements if every one of them is the mirror image of a good one."""
+    element = reference_element(kind)
+    _, highest = jacobian_range(nodes, cells, element)
+    if (highest >= 0.0).any():
+        return cells
+    warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
+    return np.ascontiguousarray(cells[:, element.mirror])
+
+
+def _warn_of_pieces(mesh: Mesh) -> None:
+    n_local = mesh.cells.shape[1]
+    first = np.repeat(mesh.cells[:, 0], n_local - 1)
+    others = mesh.cells[:, 1:].reshape(-1)
+    links = sp.coo_array((np.ones(len(first), bool), (first, others)), shape=(mesh.n_nodes,) * 2)
+    n_pieces, _ = sp.csgraph.connected_components(links, directed=False)
+    if n_pieces == 1:
+        return
+    pairs = scipy.spatial.KDTree(mesh.nodes).query_pairs(
+        _COINCIDENT * mesh.size, output_type="ndarray"
+    )
+    hint = (
+        f"{len(pairs)} pairs of nodes lie at the same place: merge coincident nodes in the mesher"
+        if len(pairs)
+        else "no nodes lie at the same place: check that this is one body"
+    )
+    warn(
+        f"the mesh falls into {n_pieces} pieces that share no nodes; {hint}",
+    )
