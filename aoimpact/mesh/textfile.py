@@ -1,0 +1,90 @@
+"""Text of decks: encodings, numbers as Fortran programs write them, errors by line."""
+
+from __future__ import annotations
+
+import codecs
+import math
+import re
+from pathlib import Path
+
+from ..base import MeshError, MissingFileError
+
+__all__ = ["number", "read_lines", "refused"]
+
+# Encodings by what a file begins with; UTF-32 before UTF-16, with which it begins as well.
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+
+# Fortran's numbers: 1, -1.5, .5E3, 1.D0, and 1.0+3 for 1.0E+3.
+_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EDed]([+-]?\d+)|([+-]\d+))?")
+
+
+def read_lines(file: Path) -> list[str]:
+    """Return the lines of a text file, without their ends.
+
+    The encoding is that of the byte order mark; else UTF-8, or Latin-1 if the file is not UTF-8.
+
+    Raises
+    ------
+    MissingFileError
+        If there is no such file.
+    MeshError
+        If it cannot be opened, or is binary.
+    """
+    try:
+        if not file.is_file():
+            state = "is a directory or device" if file.exists() else "does not exist"
+            raise MissingFileError(f"mesh file {str(file)!r} {state}")
+        content = file.read_bytes()
+    except OSError as error:
+        if isinstance(error, MissingFileError):
+            raise
+        raise MeshError(f"mesh file {str(file)!r} cannot be opened: {error}") from None
+    encodings = [name for mark, name in _MARKS if content.startswith(mark)][:1]
+    for encoding in encodings or ["utf-8", "latin-1"]:
+        try:
+            text = content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if "\0" in text:
+            break
+        return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    raise MeshError(f"mesh file {str(file)!r} is binary; a text file is needed")
+
+
+def number(text: str) -> float:
+    """Return a number as Fortran programs write it, such as 1.5, 1.D0 or 1.0+3.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or too large for a double.
+    """
+    found = _NUMBER.fullmatch(text.strip())
+    if found is None:
+        raise ValueError(f"{text.strip()!r} is no number")
+    value = float(f"{found[1]}e{found[2] or found[3] or 0}")
+    if not math.isfinite(value):
+        raise ValueError(f"{text.strip()!r} is too large")
+    return value
+
+
+def refused(file: Path, line: int, what: str, why: str) -> MeshError:
+    """Return the error for what a reader does not understand.
+
+    Parameters
+    ----------
+    file : Path
+    line : int
+        Counted from 1.
+    what : str
+        The keyword or entry, as in "*NODE".
+    why : str
+        The reason, and the cure if there is one.
+    """
+    return MeshError(f"mesh file {str(file)!r}, line {line}, {what}: {why}")
