@@ -353,7 +353,7 @@ def measure(
             f"{case:8s} {target.body.n_dofs:7d} dofs  rtol {rtol:.0e}  n = {orders}  "
             f"{seconds:6.2f} s ({', '.join(taken)}) = {seconds / times[quickest]:4.2f} x building "
             f"2 n + 8 ({quickest})  error {error / rtol:.2g} rtol, "
-            f"estimated {hit.error.reduction / rtol:.2g}",
+            f"estimated {hit.error.model / rtol:.2g}",
             flush=True,
         )
         if full:

@@ -341,7 +341,7 @@ def compared(setup: Setup, kind: str, size: float, known: dict[str, Any]) -> dic
         warnings.simplefilter("always")
         hit = setup.strike(body)
         error = hit.error
-        estimate = error.parts("peak_force")
+        estimate = error["peak_force"]
     seconds = time.perf_counter() - start
     times = known["t"][known["t"] <= min(hit.duration, known["t"][-1])]
     differs = hit.at(times).force - known["force"][: len(times)]
@@ -357,11 +357,11 @@ def compared(setup: Setup, kind: str, size: float, known: dict[str, Any]) -> dic
         "total": error.total,
         "mesh": error.mesh,
         "contact": error.contact,
-        "reduction": error.reduction,
+        "reduction": error.model,
         "true_peak": abs(hit.peak_force / peak - 1.0),
-        "peak_mesh": estimate["mesh"],
-        "peak_contact": estimate["contact"],
-        "peak_model": estimate["model"],
+        "peak_mesh": estimate.mesh,
+        "peak_contact": estimate.contact,
+        "peak_model": estimate.model,
         "truth": peak,
         "truth_total": float(known["total"]),
         "warnings": len(caught),

@@ -137,7 +137,7 @@ def choose_models(
 
     def looser(run: Run) -> float:
         """The models' tolerance where the error by the mesh is much larger."""
-        return min(_SHARE_OF_MESH * (finder(run).mesh or 0.0), _LOOSEST) - in_time
+        return min(_SHARE_OF_MESH * (finder(run).mesh.get(quantity.name, 0.0)), _LOOSEST) - in_time
 
     if models := only_models(bodies):
         run = record.run(plan_of(models, energies), timed)
@@ -189,11 +189,9 @@ def _trial(
 def _chosen(run: Run, found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
     """The record of the chosen models, and the errors of the run's numbers by them."""
     models = tuple(body.model for body in run.plan.bodies)
-    numbers = number_errors(found.run, found.larger, found.safety)
-    if not quantity.is_history:
-        numbers[quantity.name] = found.error
+    numbers = number_errors(found.run, found.larger, found.safety) | {quantity.name: found.error}
     largest = _largest(quantity, found.run)
-    return Chosen(models, quantity.name, quantity.lasting, tolerance, found.error, numbers, largest)
+    return Chosen(models, quantity.name, quantity.lasting, tolerance, numbers, largest)
 
 
 def _largest(quantity: Quantity, run: Run) -> str:

@@ -30,15 +30,17 @@ class Named:
     def __call__(self, result: Any) -> dict[str, float]:
         """Return them; where models were chosen, with their errors and what was controlled.
 
-        These are called name + "_error", by all that is known (`ErrorEstimate.of`), and name +
-        "_controlled": 1 if the error by the models is below the tolerance, else 0.
+        These are called name + "_error", which is `ErrorParts.total`, and name + "_controlled":
+        1 if the error by the models is below the tolerance, else 0.
         """
         kept = {}
+        run = result.run if isinstance(result, Result) else result
+        error = result.error if isinstance(run, Run) and run.chosen is not None else None
         for name in self.names:
             kept[name] = _number(name, _look_up(result, name))
-            if name in result.error.numbers:
-                kept[f"{name}_error"] = result.error.of(name)
-                kept[f"{name}{CONTROLLED}"] = float(result.error.controls(name))
+            if error is not None and name in error:
+                kept[f"{name}_error"] = error[name].total
+                kept[f"{name}{CONTROLLED}"] = float(error[name].model <= error.rtol)
         return kept
 
 

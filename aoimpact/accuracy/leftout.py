@@ -86,41 +86,35 @@ class LeftOutFinder:
             softening[end.body] = max(end.softening, softening.get(end.body, 0.0))
         contact = [math.fsum(end.contact for end in ends or ()) for ends in found]
         quantity = self.interest()
-        in_mesh, mesh_numbers, when = self._changes(quantity, run, _softer(run, softening))
-        by_mesh = in_mesh
-        if quantity.local is not None:
-            in_mesh += quantity.local(run)
-        changes = self._changes(quantity, run, _in_series(run, contact))
-        in_contact, contact_numbers, then = changes
+        in_mesh, when = self._changes(quantity, run, _softer(run, softening))
+        in_contact, then = self._changes(quantity, run, _in_series(run, contact))
         if any(self.law_errors):
-            in_law, law_numbers, _ = self._changes(quantity, run, _stiffer(run, self.law_errors))
-            in_contact += in_law
-            contact_numbers = {
-                name: error + law_numbers[name] for name, error in contact_numbers.items()
-            }
-        worst = when if by_mesh >= in_contact else then
-        return LeftOut(in_mesh, in_contact, mesh_numbers, contact_numbers, worst)
+            in_law, _ = self._changes(quantity, run, _stiffer(run, self.law_errors))
+            in_contact = {name: error + in_law[name] for name, error in in_contact.items()}
+        worst = when if in_mesh[quantity.name] >= in_contact[quantity.name] else then
+        if quantity.local is not None:
+            in_mesh[quantity.name] += quantity.local(run)
+        return LeftOut(in_mesh, in_contact, worst)
 
     def _changes(
         self, quantity: Quantity, run: Run, altered: _Altered
-    ) -> tuple[float, Mapping[str, float], float | None]:
+    ) -> tuple[dict[str, float], float | None]:
         """The change of the quantity and of each number, and the time of a history's largest."""
-        names = [*number_errors(run, [run]), *(() if quantity.is_history else (quantity.name,))]
+        names = [*number_errors(run, ()), quantity.name]
         if altered.plan is None:
-            return 0.0, dict.fromkeys(names, 0.0), None
+            return dict.fromkeys(names, 0.0), None
         try:
             with held_warnings():
                 other = solve(altered.plan, self.solver)
         except AOImpactError:  # a contact beyond the range of its law
-            return math.inf, dict.fromkeys(names, math.inf), None
+            return dict.fromkeys(names, math.inf), None
         changes = np.abs(quantity.deviation(run, other))
         change = altered.scale * float(changes.max(initial=0.0))
         when = None
         if quantity.is_history and change:
             when = float(other.t[changes.argmax() % len(other.t)])
-        numbers = number_errors(run, [other])
-        errors = {name: altered.scale * error for name, error in numbers.items()}
-        return change, {name: errors.get(name, change) for name in names}, when
+        numbers = number_errors(run, [other], altered.scale)
+        return numbers | {quantity.name: change}, when
 
 
 def _with_models(run: Run) -> Run:

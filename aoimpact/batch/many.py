@@ -60,7 +60,7 @@ def simulate_many(
     keep : names or function, optional
         What to keep of each case instead of its result, which holds whole histories: names of
         numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, each with
-        its error, such as "impulse_error" (`ErrorEstimate.numbers`), and "impulse_controlled",
+        its error, such as "impulse_error" (`ErrorParts.total`), and "impulse_controlled",
         where models are chosen; or a function of the result, which other processes must be able
         to import. Impacts of two AO models of which only named numbers are kept run many in one
         call of the core.

@@ -89,7 +89,7 @@ def _saved(axes: Any, file: Path) -> Path:
     return file
 
 
-_ERRORS = "total", "mesh", "contact", "reduction", "time", "energy"
+_ERRORS = "total", "mesh", "contact", "model", "time", "energy"
 
 
 def numbers(result: Result | Run, quantities: Sequence[str]) -> dict[str, Any]:

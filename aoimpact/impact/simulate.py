@@ -82,7 +82,7 @@ def simulate(
         displacement over the record, or a `StressAt`, for its stress. Contact points are reduced as
         far as the tolerance allows, and AO models truncated if this or `rtol` is given;
         `Result.models` are those taken. Only this quantity is right to `rtol`:
-        `Result.error.numbers` estimates the errors of the others.
+        `Result.error` estimates the errors of the others by name.
     rtol : float, optional
         Its relative error by reduction and time integration. If left out, 1e-2, or a fifth of what
         the mesh leaves out of it where that is more, up to 0.1. That of a history is its largest

@@ -6,6 +6,7 @@ a `Result` the same of two bodies; quantities.py is the table of the numbers tha
 them.
 """
 
+from .errors import ErrorEstimate, ErrorParts, LeftOut
 from .misfit import warn_of_lag, warn_of_misfit
 from .motion import (
     BodyEnergy,
@@ -13,8 +14,6 @@ from .motion import (
     ContactResult,
     Cost,
     Energy,
-    ErrorEstimate,
-    LeftOut,
 )
 from .plausibility import warn_of_run, warning_limits
 from .quantities import (
@@ -47,6 +46,7 @@ __all__ = [
     "Cost",
     "Energy",
     "ErrorEstimate",
+    "ErrorParts",
     "Handle",
     "LeftOut",
     "Quantity",

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError, text, with_unit
+from ..base import FloatArray, Frozen, InputError, with_unit
 from ..fields import Field, Probe, Response
 from ..integrate import Eventful, Events
 
@@ -24,13 +23,7 @@ __all__ = [
     "ContactResult",
     "Cost",
     "Energy",
-    "ErrorEstimate",
-    "LeftOut",
 ]
-
-
-# Errors below this share are rounding.
-_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,31 +298,6 @@ class ContactResult(Frozen, Eventful):
 
 
 @dataclass(frozen=True)
-class LeftOut:
-    """What meshes and contact laws leave out of a run, relative; None where that is not known.
-
-    Attributes
-    ----------
-    mesh : float or None
-        Of the quantity of interest, the force if none was given, from the finite elements at
-        the contacts.
-    contact : float or None
-        Of that quantity, from taking the bodies about the contacts for half-spaces, from the
-        curvatures where a law was found from them, and from a single node in place of a patch.
-    mesh_numbers, contact_numbers : mapping of str to float
-        Of each number that sums up the run.
-    worst_time : float or None
-        When a history is off by the larger of both, s.
-    """
-
-    mesh: float | None = None
-    contact: float | None = None
-    mesh_numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
-    contact_numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
-    worst_time: float | None = None
-
-
-@dataclass(frozen=True)
 class Cost:
     """What a result cost, s.
 
@@ -356,172 +324,3 @@ class Cost:
     def __str__(self) -> str:
         made = f"model {with_unit(self.model, 's', 2)}, " if self.model else ""
         return f"{made}run {with_unit(self.run, 's', 2)}"
-
-
-@dataclass(frozen=True, repr=False)
-class ErrorEstimate:
-    """What is known of the error, relative; None where nothing is.
-
-    Of a rebound velocity below a tenth of the initial one, and of a restitution below 0.1, relative
-    to that tenth.
-
-    Attributes
-    ----------
-    reduction : float or None
-        Of the quantity of interest, from representing the bodies by fewer degrees of
-        freedom.
-    time : float or None
-        Of peak force and impulse, and for `Adaptive` of all that it bounds, from integrating in
-        time: an estimate, or the tolerance that was kept.
-    energy : float or None
-        Range of the total energy over the record, relative to the largest kinetic and elastic
-        energy in it: an independent check on the run, since no solver uses it.
-    quantity : str or None
-        The quantity of interest.
-    rtol : float or None
-        The tolerance that was requested for it.
-    numbers : mapping of str to float
-        Where models were chosen, the estimated error of each number that sums up the result, by its
-        name ("restitution", of a scene "contacts.0.impulse"), from these models: only the
-        quantity of interest is controlled, errors of other numbers are as they are. Infinite of
-        "contacts" where it is not certain how many there are.
-    left_out : LeftOut
-        What meshes and contact laws leave out: of the quantity, and of each number.
-    """
-
-    reduction: float | None = None
-    time: float | None = None
-    energy: float | None = None
-    quantity: str | None = None
-    rtol: float | None = None
-    numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
-    left_out: LeftOut = field(default_factory=LeftOut)
-
-    @property
-    def mesh(self) -> float | None:
-        """Of the quantity of interest, by default the force, from the elements."""
-        return self.left_out.mesh
-
-    @property
-    def contact(self) -> float | None:
-        """Of that quantity, from the contact: body about it, curvatures, node for a patch."""
-        return self.left_out.contact
-
-    @property
-    def total(self) -> float | None:
-        """The sum of mesh, contact, reduction and time; None where one of them is not known."""
-        parts = self._of_quantity.values()
-        known = [part for part in parts if part is not None]
-        return sum(known) if len(known) == len(parts) else None
-
-    def parts(self, name: str) -> dict[str, float | None]:
-        """Return what is known of a number's error, by where it comes from.
-
-        Examples
-        --------
-        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
-        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
-        >>> sorted(hit.error.parts("peak_force"))
-        ['contact', 'mesh', 'model', 'time']
-        """
-        text("name", name)
-        return {
-            "mesh": self.left_out.mesh_numbers.get(name),
-            "contact": self.left_out.contact_numbers.get(name),
-            "model": self.numbers.get(name, 0.0 if self.reduction == 0.0 else None),
-            "time": self.time,
-        }
-
-    def of(self, name: str) -> float | None:
-        """Return how wrong a number may be by all that is known; None where no model was chosen.
-
-        Parameters
-        ----------
-        name : str
-            Such as "peak_force", of a scene "contacts.0.peak_force".
-
-        Returns
-        -------
-        float or None
-            Relative: the sum of the known `parts`; NaN of a number that there is not.
-
-        Examples
-        --------
-        >>> error = ErrorEstimate(time=0.01, numbers={"impulse": 0.02})
-        >>> round(error.of("impulse"), 3)
-        0.03
-        """
-        parts = self.parts(name)
-        if parts["model"] is None:
-            return None
-        return math.fsum(part for part in parts.values() if part is not None)
-
-    def controls(self, name: str) -> bool:
-        """Whether a number's error by the models is known to be within the tolerance.
-
-        Examples
-        --------
-        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
-        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
-        >>> hit.error.controls("restitution")  # models were chosen for the force
-        True
-        """
-        return self.rtol is not None and self.numbers.get(text("name", name), math.nan) <= self.rtol
-
-    def within(self, name: str, *, listed: bool = False) -> str:
-        """Return a number's error in words, for summaries; empty where it is not known.
-
-        listed: with what it comes from, known as soon as that of the mesh is.
-
-        :meta private:
-        """
-        parts = self.parts(name)
-        if listed and self.mesh is not None:
-            error = math.fsum(part for part in parts.values() if part is not None)
-        elif (of := self.of(name)) is not None:
-            error = of
-        else:
-            return ""
-        if math.isnan(error) or error < _ROUNDING:
-            return ""
-        if math.isinf(error):
-            return " (error not bounded: by what mesh and contact leave out it outgrows its law)"
-        return f" ± {percent(error)} %" + (f" ({in_words(parts)})" if listed else "")
-
-    def __repr__(self) -> str:
-        parts = {"total": self.total, **self._of_quantity, "energy": self.energy}
-        shown = ", ".join(
-            f"{name}={'None' if part is None else f'{part:.3g}'}" for name, part in parts.items()
-        )
-        of = f" of {self.quantity}" if self.quantity else ""
-        return f"ErrorEstimate({shown}){of}; .numbers, .parts(name) and .of(name) of each number"
-
-    @property
-    def _of_quantity(self) -> dict[str, float | None]:
-        return {
-            "mesh": self.mesh,
-            "contact": self.contact,
-            "reduction": self.reduction,
-            "time": self.time,
-        }
-
-
-def percent(share: float) -> str:
-    """Return a relative error in percent, by two digits."""
-    digits = f"{100.0 * share:.2g}" if share >= _ROUNDING else "0"
-    return f"{float(digits):.0f}" if 1.0 <= share < 1e3 else digits  # 120, not 1.2e+02
-
-
-def in_words(parts: Mapping[str, float | None]) -> str:
-    """Return errors by where they come from, in percent."""
-    return ", ".join(f"{cause} {_share(part)}" for cause, part in parts.items())
-
-
-def _share(part: float | None) -> str:
-    if part is None:
-        return "not known"
-    return percent(part) if math.isfinite(part) else "not bounded"

@@ -285,14 +285,15 @@ def like_number(run: Run, name: str) -> str:
 
 
 def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[str, float]:
-    """Return by how much each number that sums up a run may be wrong, relative.
+    """Return by how much the force, and each number that sums up a run, may be wrong, relative.
 
     The largest of its changes to more exact runs, times `safety`, by the names by which the numbers
     are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of a number that
     there is not. "contacts" ("contacts.0.intervals") is infinite where the runs have not as many of
     them.
     """
-    errors: dict[str, float] = {}
+    forces = (QUANTITIES["force"].difference(run, other) for other in larger)
+    errors = {"force": safety * max(forces, default=0.0)}
     for quantity in QUANTITIES.values():
         if quantity.is_history:
             continue

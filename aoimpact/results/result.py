@@ -16,8 +16,9 @@ import numpy.typing as npt
 from ..base import FloatArray
 from ..integrate import Eventful, Events
 from . import plot
+from .errors import ErrorEstimate
 from .export import as_dataframe, result_dataset
-from .motion import BodyResult, Cost, Energy, ErrorEstimate
+from .motion import BodyResult, Cost, Energy
 from .movie import write_impact_movie
 from .plot import During
 from .run import Run
@@ -105,7 +106,7 @@ class Result(Eventful):
 
     @property
     def error(self) -> ErrorEstimate:
-        """What is known of the errors; ``error.numbers`` of each number by its name."""
+        """Errors of the quantity of interest; ``error["restitution"]`` is that of a number."""
         return self.run.error
 
     @property

@@ -28,12 +28,13 @@ from ..integrate import Events, Recorder
 from ..reduction import FullModel
 from ..scene import Plan, RecordLayout, SceneBody
 from . import plot
+from .errors import ErrorEstimate, ErrorParts, LeftOut
 from .export import as_dataframe, as_dataset
 from .misfit import warn_of_later_motion
-from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, ErrorEstimate, LeftOut
+from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy
 from .plot import During
-from .quantities import named_number
-from .summary import SHOWN, error_row, place_words, support_words
+from .quantities import named_number, number_errors
+from .summary import SHOWN, error_row, place_words, support_words, within
 from .table import ROLES, body_names, different, run_columns, write_csv
 
 if TYPE_CHECKING:
@@ -110,10 +111,9 @@ class Chosen:
         Whether the motion after the last contact is part of it.
     rtol : float
         The tolerance that was requested for it, relative.
-    error : float
-        Its estimated error from these models.
     numbers : mapping of str to float
-        The estimated error of each number that sums up the run.
+        The estimated error from these models of the quantity, and of each number that sums up the
+        run.
     largest : str
         Of a history, its largest value over the record, with its unit.
     """
@@ -122,7 +122,6 @@ class Chosen:
     quantity: str
     lasting: bool
     rtol: float
-    error: float
     numbers: Mapping[str, float]
     largest: str = ""
 
@@ -427,7 +426,7 @@ class Run:
         ----------
         name : str
             "restitution", of a scene of one contact, "contacts.0.peak_force" or any other number
-            of a contact, "bodies.0.rebound_velocity": the names of `ErrorEstimate.numbers`.
+            of a contact, "bodies.0.rebound_velocity": the names of `ErrorEstimate`.
 
         Returns
         -------
@@ -476,25 +475,26 @@ class Run:
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """What is known of the error."""
+        """Errors of the quantity of interest; ``error["restitution"]`` is that of a number."""
         energy = None
         if self.energies and not self._wall_moves:
             ledger = replace(self, asked=self.recorder.marks) if self.recorder.dense else self
             energy = energy_range(ledger.energy)
             if self.recorder.dense and energy is not None:
                 _warn_of_ledger(energy, self.time_error)
-        if (of := self.chosen) is None:
-            nothing = 0.0 if self._whole else None
-            return ErrorEstimate(nothing, self.time_error, energy, left_out=self._left_out)
-        return ErrorEstimate(
-            of.error,
-            self.time_error,
-            energy,
-            of.quantity,
-            of.rtol,
-            dict(of.numbers),
-            self._left_out,
-        )
+        names = number_errors(self, ())
+        quantity = rtol = None
+        models: Mapping[str, float] = dict.fromkeys(names, 0.0) if self._whole else {}
+        if self.chosen is not None:
+            quantity, rtol, models = self.chosen.quantity, self.chosen.rtol, self.chosen.numbers
+        out = self._left_out
+        parts = {
+            name: ErrorParts(
+                out.mesh.get(name), out.contact.get(name), models.get(name), self.time_error
+            )
+            for name in {**names, **models}
+        }
+        return ErrorEstimate(parts, energy, quantity, rtol, out.worst_time)
 
     # ---------------------------------------------------------------------- output
 
@@ -633,13 +633,14 @@ class Run:
             (self.names[i], f"{body.label}{support_words(body)}{_places(body)}")
             for i, body in enumerate(self.plan.bodies[:SHOWN])
         ]
-        within_of = self.error.within
+        error = self.error
         for i, events in enumerate(self.events[:SHOWN]):
-            within = within_of(f"contacts.{i}.peak_force", listed=True)
-            peak = f"{with_unit(events.peak_force, 'N', 5)}{within}"
-            peak += f" at {with_unit(events.peak_time, 's')}{within_of(f'contacts.{i}.peak_time')}"
+            peak = with_unit(events.peak_force, "N", 5)
+            peak += within(error[f"contacts.{i}.peak_force"], listed=True)
+            peak += f" at {with_unit(events.peak_time, 's')}"
+            peak += within(error[f"contacts.{i}.peak_time"])
             count = len(events.contacts)
-            uncertain = self.error.of(f"contacts.{i}.intervals") == math.inf
+            uncertain = error[f"contacts.{i}.intervals"].total == math.inf
             times = f"{count} contact{'s' if count > 1 else ''}"
             times += ", more or less" if uncertain else ""
             lines.append((self.contact_names[i], f"{peak}, {times}" if count else "none"))

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..base import with_unit
 from ..fem import ContactPoint
-from .motion import in_words, percent
+from .errors import ROUNDING, ErrorParts, percent
 from .quantities import QUANTITIES, Quantity
 
 if TYPE_CHECKING:
@@ -44,7 +43,7 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
         rows += [
             ("peak force", _force(result)),
             ("contact", _contact(result)),
-            ("impulse", with_unit(result.impulse, "N s") + result.error.within("impulse")),
+            ("impulse", with_unit(result.impulse, "N s") + within(result.error["impulse"])),
         ]
     rows += [
         ("rebound velocity", _rebound(result, "rebound_velocity")),
@@ -110,11 +109,11 @@ def place_words(tip: ContactPoint | None, *, rigid: bool = False) -> str:
 
 
 def _rebound(result: Result, name: str) -> str:
-    interest, value, error = QUANTITIES[name], result.value(name), result.error
+    interest, value, error = QUANTITIES[name], result.value(name), result.error[name]
     if math.isnan(value):
         return "none" if result.in_contact_at_end or not result.contacts else "not known"
-    absolute = _absolute(result.run, interest, value, error.of(name))
-    return f"{_number(interest, value)}{absolute or error.within(name)}"
+    absolute = _absolute(result.run, interest, value, error.total)
+    return f"{_number(interest, value)}{absolute or within(error)}"
 
 
 def _gap(result: Result) -> str:
@@ -122,17 +121,17 @@ def _gap(result: Result) -> str:
 
 
 def _force(result: Result) -> str:
-    within_of = result.error.within
-    force = f"{with_unit(result.peak_force, 'N', 5)}{within_of('peak_force', listed=True)}"
-    return f"{force} at {with_unit(result.peak_time, 's')}{within_of('peak_time')}"
+    error = result.error
+    force = f"{with_unit(result.peak_force, 'N', 5)}{within(error['peak_force'], listed=True)}"
+    return f"{force} at {with_unit(result.peak_time, 's')}{within(error['peak_time'])}"
 
 
 def _contact(result: Result) -> str:
     start = result.contacts[0][0]
-    within_of = result.error.within
-    text = f"{with_unit(result.contact_duration, 's')}{within_of('contact_duration')}"
+    error = result.error
+    text = f"{with_unit(result.contact_duration, 's')}{within(error['contact_duration'])}"
     text += f" from {with_unit(start, 's')}"
-    uncertain = result.error.of("contacts") == math.inf
+    uncertain = error["contacts"].total == math.inf
     if len(result.contacts) > 1 or uncertain:
         number = f"{len(result.contacts)}, more or less" if uncertain else len(result.contacts)
         text += f", the first of {number}"
@@ -147,44 +146,52 @@ def error_row(run: Run) -> tuple[str, str]:
     Of a history, at any time, relative to its largest value.
     """
     error = run.error
-    parts = {
-        "mesh": error.mesh,
-        "contact": error.contact,
-        "model": error.reduction,
-        "time": error.time,
-    }
-    if error.mesh is None and not any(body.model.contact_points for body in run.plan.bodies):
-        del parts["mesh"], parts["contact"]  # there is none
-    listed = in_words(parts)
-    if error.quantity is None and error.mesh is None:
+    parts = error[error.quantity or "force"]
+    listed = parts.listed()
+    if parts.mesh is None and not any(body.model.contact_points for body in run.plan.bodies):
+        listed = listed[listed.index("model") :]  # there are no meshes
+    if error.quantity is None and parts.mesh is None:
         return "error of the peak", f"{listed} %"
     text = f"{_interest(run, parts)} ({listed})"
     if error.quantity is None:
         return "error", text
     aim = f"{100.0 * (error.rtol or 0.0):.2g} %"
-    missed = (error.reduction or 0.0) > (error.rtol or 0.0)
+    missed = (parts.model or 0.0) > (error.rtol or 0.0)
     chosen = f"no models tried meet {aim}" if missed else f"models and steps chosen for {aim}"
     return "error", f"{text}; {chosen}"
 
 
-def _interest(run: Run, parts: Mapping[str, float | None]) -> str:
+def within(error: ErrorParts, *, listed: bool = False) -> str:
+    """Return a number's error in words, with its parts if `listed`; empty where not known."""
+    total = error.total
+    if total is None:
+        return f" (error: {error.listed()} %)" if listed and error.mesh is not None else ""
+    if math.isnan(total) or total < ROUNDING:
+        return ""
+    if math.isinf(total):
+        return " (error not bounded: by what mesh and contact leave out it outgrows its law)"
+    return f" ± {error if listed else percent(total) + ' %'}"
+
+
+def _interest(run: Run, parts: ErrorParts) -> str:
     """The quantity of interest, its value and all of its error."""
     name = run.error.quantity or "force"
     words, interest = name.replace("_", " "), QUANTITIES.get(name)
-    total = math.fsum(part for part in parts.values() if part is not None)
-    within = f" ± {percent(total)} %" if math.isfinite(total) else " not bounded"
+    total, bound, scale = parts.total, "", ""
+    if total is not None:
+        bound = f" ± {percent(total)} %" if math.isfinite(total) else " not bounded"
     if interest is None or interest.is_history:
         largest = f", {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
-        scale = f" of its largest value{largest}" if math.isfinite(total) else ""
-        return f"{words} at any time{_when(run)}{within}{scale}"
+        scale = f" of its largest value{largest}" if "±" in bound else ""
+        return f"{words} at any time{_when(run)}{bound}{scale}"
     values = interest.named(run)
     if interest.count:  # a share of a number of contacts is none
-        sure = not any(part for cause, part in parts.items() if cause != "time")
-        within = f", {'certain' if sure else 'more or less'}"
+        sure = not any((parts.mesh, parts.contact, parts.model))
+        bound = f", {'certain' if sure else 'more or less'}"
     if len(values) == 1:
         [value] = values.values()
         absolute = _absolute(run, interest, value, total)
-        return f"{words} {_number(interest, value)}{absolute or within}"
+        return f"{words} {_number(interest, value)}{absolute or bound}"
     called = run.contact_names if interest.each == "contacts" else run.names
     each = [
         f"{_number(interest, value)} of {of}"
@@ -192,7 +199,7 @@ def _interest(run: Run, parts: Mapping[str, float | None]) -> str:
         if not math.isnan(value)
     ]
     more = ["…"] if len(each) > SHOWN else []
-    return f"{words} {', '.join(each[:SHOWN] + more)}{within}"
+    return f"{words} {', '.join(each[:SHOWN] + more)}{bound}"
 
 
 def _number(interest: Quantity, value: float) -> str:
@@ -214,7 +221,7 @@ def _absolute(run: Run, interest: Quantity, value: float, error: float | None) -
 
 def _when(run: Run) -> str:
     """In which contact the force is off most, where there are several: mostly by when it begins."""
-    when = run.error.left_out.worst_time
+    when = run.error.worst_time
     several = len(run.events) == 1 and len(run.events[0].contacts) > 1
     if when is None or not several or (run.error.quantity or "force") != "force":
         return ""

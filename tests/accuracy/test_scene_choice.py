@@ -60,7 +60,7 @@ def test_forces_of_a_body_touched_in_three_places(three, rtol):
     within, _, struck, full = three
     run = within(rtol)
     assert relative(forces(run.at(full.t)), forces(full)) <= rtol
-    assert run.error.reduction <= rtol
+    assert run.error.model <= rtol
     assert run.models[struck.body].n < 60 < full[struck.body].coordinates.size
     assert run[struck].port_displacements.shape[0] == 3
 
@@ -133,7 +133,7 @@ def test_the_scene_of_two_is_an_impact():
     run = scene.simulate(duration=DURATION, rtol=1e-2)
     assert [model.label for model in run.models] == [model.label for model in hit.models]
     assert run.contacts[0].peak_force == hit.peak_force
-    assert run.error.reduction == pytest.approx(hit.error.reduction, rel=1e-9)
+    assert run.error.model == pytest.approx(hit.error.model, rel=1e-9)
 
 
 def test_what_is_there_twice_is_reduced_alike():
@@ -221,8 +221,8 @@ def test_a_scene_of_two_has_what_an_impact_has(name):
         assert run.models[1].n == hit.models[1].n
         ours, theirs = run.parting - train
         assert theirs - ours == pytest.approx(hit.restitution, rel=1e-3)
-        assert run.error.reduction <= 1e-2
-        assert run.error.of(name) == pytest.approx(run.error.total)
+        assert run.error.model <= 1e-2
+        assert run.error[name].total == pytest.approx(run.error.total)
         assert run.error.total == pytest.approx(hit.error.total, rel=0.5)
 
 

@@ -47,7 +47,7 @@ def test_the_true_error_is_within_the_tolerance(plate: Any, component: str) -> N
     right = stress(full)
     assert np.abs(stress(hit) - right).max() <= 2e-2 * np.abs(right).max()
     assert hit.error.quantity == "stress"
-    assert hit.error.reduction <= 2e-2
+    assert hit.error.model <= 2e-2
     assert hit.models[1].n < whole.n / 3
 
 

@@ -202,7 +202,7 @@ def test_run_for_machines(scene: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert report["in_contact_at_end"] is True
     assert "ends in contact" in report["warnings"][0]
     assert "warning: the record" in captured.err
-    assert report["relative_errors"]["reduction"] is None
+    assert report["relative_errors"]["model"] is None
     assert report["files"] == []
 
 

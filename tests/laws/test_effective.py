@@ -165,8 +165,8 @@ def test_models_chosen_for_a_tolerance_meet_as_the_whole_bodies_do(
             projectile=projectile, target=struck, law=law, **SCENE, quantity=quantity, rtol=rtol
         )
         assert QUANTITIES[quantity].difference(hit, whole) <= rtol
-        assert hit.error.reduction is not None
-        assert hit.error.reduction <= rtol
+        assert hit.error.model is not None
+        assert hit.error.model <= rtol
         assert hit.models is not None
         for model, body in zip(hit.models, (projectile, struck), strict=True):
             assert model.patch is (None if model.label in ("rigid", "wall") else body.patch)

@@ -506,10 +506,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         FIELDS.movie,
         {"path": "movie.avi", "times": None, "frames": 3, "scale": None, "fps": 15.0},
     ),
-    **{
-        f"ErrorEstimate.{name}": (getattr(HIT.error, name), {"name": "peak_force"})
-        for name in ("parts", "of", "controls")
-    },
     "Run.to_dataframe": (HIT.run.to_dataframe, {"names": None}),
     "Run.to_xarray": (HIT.run.to_xarray, {"names": None}),
     "Signal": (

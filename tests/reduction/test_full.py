@@ -53,8 +53,8 @@ def test_a_contact_point_stands_for_a_model_that_gives_the_force_to_a_percent() 
     assert isinstance(model, ao.AOModel)
     assert model.n < BODY.n_dofs / 4
     assert QUANTITIES["force"].difference(by_point, whole) <= 1e-2
-    assert by_point.error.reduction is not None
-    assert by_point.error.reduction + by_point.error.time <= 1e-2
+    assert by_point.error.model is not None
+    assert by_point.error.model + by_point.error.time <= 1e-2
     asked = struck(TIP, quantity="force", rtol=1e-2)
     np.testing.assert_array_equal(asked.force, by_point.force)
 

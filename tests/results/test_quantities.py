@@ -176,7 +176,7 @@ def test_a_number_that_was_chosen_for_is_told_read_and_kept(name):
         kept = keeper([called])(result)
         assert kept[called] == result.value(called)
         assert kept[f"{called}_controlled"] == 1.0
-        assert kept[f"{called}_error"] == result.error.of(called) <= 1e-3
+        assert kept[f"{called}_error"] == result.error[called].total <= 1e-3
 
 
 def test_numbers_of_a_contact_s_events_are_attributes_too():

@@ -212,9 +212,9 @@ def test_a_rebound_that_is_all_but_none_has_its_error_in_its_own_unit() -> None:
         heavy, light, 1.0, law=ao.Linear(k=1e6), duration=0.01, quantity="peak_force", rtol=1e-2
     )
     assert abs(hit.rebound_velocity) < 0.1
-    absolute = 0.1 * hit.error.of("rebound_velocity")
+    absolute = 0.1 * hit.error["rebound_velocity"].total
     assert f"{hit.rebound_velocity:.5g} m/s ± {absolute:.2g} m/s" in repr(hit)
-    share = 100.0 * hit.error.of("restitution")
+    share = 100.0 * hit.error["restitution"].total
     assert f"{hit.restitution:.5g} ± {share:.2g} %" in repr(hit)
 
 

@@ -296,7 +296,7 @@ law = { type = "Linear", k = 1e6 }
         chosen = ao.read_scene(written(tmp_path, asked)).simulate()
         assert chosen.contacts[0].peak_force == pytest.approx(run.contacts[0].peak_force, rel=0.1)
         assert chosen.models[0].label.startswith("interface(")
-        assert chosen.error.reduction <= 0.05
+        assert chosen.error.model <= 0.05
     asked = free.replace("[scene]", '[scene]\nquantity = "bal"')
     with pytest.raises(ao.SceneFileError, match="did you mean 'ball'") as error:
         ao.read_scene(written(tmp_path, asked)).simulate()
@@ -325,7 +325,7 @@ def test_a_place_may_be_what_is_asked_for(tmp_path: Path) -> None:
     assert case["quantity"].body is case["target"].body
     np.testing.assert_allclose(case["quantity"].point, [0.05, 0.0, 0.0], atol=1e-12)
     hit = ao.read_scene(written(tmp_path, text)).simulate()
-    assert hit.error.reduction <= 0.05
+    assert hit.error.model <= 0.05
     for old, new, message in (
         ('"bar", point', '"baar", point', "did you mean 'bar'"),
         ("rtol = 0.05", "rtol = 5", "rtol must be from"),

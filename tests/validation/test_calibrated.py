@@ -70,7 +70,7 @@ def test_true_errors_of_peak_forces_are_within_their_estimates() -> None:
         right = truth(name)
         for kind, along in MESHES:
             hit = strike(name, kind, along)
-            estimate = sum(part or 0.0 for part in hit.error.parts("peak_force").values())
+            estimate = hit.error["peak_force"].total
             ratios.append(estimate / abs(hit.peak_force / right - 1.0))
     found = np.array(ratios)
     print(found.reshape(len(SETUPS), -1).round(2))

@@ -44,10 +44,11 @@ for quantity, result in (("force", hit), ("deflection", for_deflection)):
     print(f"{quantity:10s} ball: {ball_model.n} oscillators, beam: {beam_model.n}")
 
 # %%
-# Only the quantity of interest is right to the tolerance. The errors of the other numbers are estimated, too:
+# Only the quantity of interest is right to the tolerance. The errors of the other numbers are estimated, too,
+# each with its sources:
 
-for name, error in for_deflection.error.numbers.items():
-    print(f"{name:20s} {100 * error:8.3g} %")
+for name in for_deflection.error:
+    print(f"{name:20s} {for_deflection.error[name]}")
 
 # %%
 # Compare

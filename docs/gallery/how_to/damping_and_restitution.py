@@ -153,7 +153,7 @@ for style, (name, damping) in zip(styles, dampings.items()):
     )
     hit = hit.at(np.linspace(0, 6e-3, 1500))
     print(
-        f"{name}: restitution {hit.restitution:.3f} ± {hit.error.numbers['restitution']:.1%}, "
+        f"{name}: restitution {hit.restitution:.3f} ± {hit.error['restitution'].total:.1%}, "
         f"{1e6 * hit.energy.dissipated[-1]:.0f} µJ dissipated in the beam"
     )
     ax.plot(1e3 * hit.t, 1e6 * hit.target.displacement, linestyle=style, label=name)

@@ -104,7 +104,7 @@ plt.show()
 # Single numbers and histories are attributes.
 
 print(f"peak force         {hit.peak_force:.1f} N at {1e6 * hit.peak_time:.1f} µs")
-print(f"its error          {100 * hit.error.of('peak_force'):.1f} %")
+print(f"its error          {100 * hit.error['peak_force'].total:.1f} %")
 print(f"contact duration   {1e6 * hit.contact_duration:.1f} µs")
 print(f"largest deflection in this record {1e6 * abs(hit.target.displacement).max():.1f} µm")
 
@@ -117,7 +117,9 @@ print(f"largest deflection in this record {1e6 * abs(hit.target.displacement).ma
 
 for velocity in (0.2, 0.5, 1.0):
     other = ao.simulate(projectile=ball, target=plate.contact(point=struck), velocity=velocity)
-    print(f"{velocity} m/s: {other.peak_force:7.1f} N ± {100 * other.error.of('peak_force'):.1f} %")
+    print(
+        f"{velocity} m/s: {other.peak_force:7.1f} N ± {100 * other.error['peak_force'].total:.1f} %"
+    )
 
 # %%
 # Where to go from here

@@ -85,7 +85,7 @@ real = ao.simulate(
     duration=duration,
 )
 print(
-    f"{real.peak_force:.3f} N ± {100 * real.error.of('peak_force'):.1f} %, {100 * (real.peak_force / force.max() - 1):+.2f} %"
+    f"{real.peak_force:.3f} N ± {100 * real.error['peak_force'].total:.1f} %, {100 * (real.peak_force / force.max() - 1):+.2f} %"
 )
 
 times = np.linspace(0, duration, 1200)

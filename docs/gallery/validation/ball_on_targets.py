@@ -65,7 +65,7 @@ for ax, (name, (solid, height, lasts, finest, reach, labels)) in zip(axes, targe
         times = np.linspace(0, min(lasts, hit.duration), 400)
         style = {"quadratic": "C0--", "linear, coarse": "C1:"}[label]
         ax.plot(1e6 * times, hit.at(times).force, style, label=f"here, {label}")
-        estimate = sum(hit.error.parts("peak_force").values())
+        estimate = hit.error["peak_force"].total
         error = hit.peak_force / truth - 1
         print(
             f"{name:15s}  {label:15s}  {len(target.nodes):5d}  {truth:7.1f}       {hit.peak_force:7.1f} "

@@ -41,7 +41,7 @@ for size in (0.008, 0.005, 0.003):
     ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=0.01, size=size), steel)
     tip = ball.contact(point=(0.01, 0, 0))
     hit = ao.simulate(projectile=tip, target=tip, velocity=1.0)
-    estimate = sum(hit.error.parts("peak_force").values())
+    estimate = hit.error["peak_force"].total
     error = hit.peak_force / force - 1
     print(
         f"{len(ball.nodes):5d}   {hit.peak_force:7.1f}  {100 * error:+5.2f} %   {100 * estimate:4.2f} %"

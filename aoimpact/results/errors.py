@@ -1,0 +1,190 @@
+"""The error of each number that a run prints, by where it comes from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields
+
+from ..base import InputError, nearest, text
+
+__all__ = ["ErrorEstimate", "ErrorParts", "LeftOut", "percent"]
+
+# Smaller relative errors are rounding.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Errors of a run by its meshes and its contact laws, relative; empty where not known.
+
+    Attributes
+    ----------
+    mesh : mapping of str to float
+        By the name of the number or history: from the finite elements at the contacts.
+    contact : mapping of str to float
+        From taking the bodies about the contacts for half-spaces, from the curvatures where a law
+        was found from them, and from a single node in place of a patch.
+    worst_time : float or None
+        Time at which the history of interest is off by the larger of both, s.
+    """
+
+    mesh: Mapping[str, float] = field(default_factory=dict, hash=False)
+    contact: Mapping[str, float] = field(default_factory=dict, hash=False)
+    worst_time: float | None = None
+
+
+@dataclass(frozen=True)
+class ErrorParts:
+    """Relative error of one number or history by its sources; None where a source is not known.
+
+    A history is compared with its largest value. A rebound velocity below a tenth of the initial
+    velocity is compared with that tenth, and a restitution below 0.1 with 0.1.
+
+    Attributes
+    ----------
+    mesh : float or None
+        From the finite elements at the contacts.
+    contact : float or None
+        From the contact: the body around it is no half-space, the curvatures are not exact, or a
+        single node carries the force.
+    model : float or None
+        From representing the bodies by fewer degrees of freedom. Infinite for "contacts" where
+        their number is uncertain.
+    time : float or None
+        From the integration in time.
+
+    Examples
+    --------
+    >>> error = ErrorParts(mesh=0.004, contact=0.005, model=0.03, time=1e-5)
+    >>> round(error.total, 5)
+    0.03901
+    >>> print(error)
+    3.9 % (mesh 0.4, contact 0.5, model 3, time 0.001)
+    """
+
+    mesh: float | None = None
+    contact: float | None = None
+    model: float | None = None
+    time: float | None = None
+
+    @property
+    def total(self) -> float | None:
+        """Sum of the parts that are known; None where that of the model is not.
+
+        NaN for a number that does not exist, such as the restitution of bodies that have not
+        parted.
+        """
+        if self.model is None:
+            return None
+        return sum(part or 0.0 for part in (self.mesh, self.contact, self.model, self.time))
+
+    def listed(self) -> str:
+        """Return the parts in percent, in words.
+
+        :meta private:
+        """
+        return ", ".join(f"{one.name} {percent(getattr(self, one.name))}" for one in fields(self))
+
+    def __str__(self) -> str:
+        total = percent(self.total)
+        return f"{total}{' %' if total[0].isdigit() else ''} ({self.listed()})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ErrorEstimate:
+    """Errors of a run: ``error["restitution"].total`` of any number that the summary prints.
+
+    ``error.mesh``, ``.contact``, ``.model``, ``.time`` and ``.total`` are those of the quantity of
+    interest, or of the force if none was given. Only the model's part of that quantity is
+    controlled; the others are as they are. Iterating gives the names.
+
+    Attributes
+    ----------
+    parts : mapping of str to ErrorParts
+        By the name of the number, "restitution" or, in a scene, "contacts.0.impulse".
+    energy : float or None
+        Range of the total energy over the record, relative to the largest kinetic and elastic
+        energy in it. No solver uses it, so it checks the run independently.
+    quantity : str or None
+        The quantity of interest, if one was given.
+    rtol : float or None
+        The tolerance that was requested for it.
+    worst_time : float or None
+        Time at which the history of interest is off most by mesh and contact, s.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+    >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+    >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+    >>> hit.error.total == hit.error["force"].total > hit.error["force"].model > 0.0
+    True
+    >>> "restitution" in hit.error
+    True
+    """
+
+    parts: Mapping[str, ErrorParts]
+    energy: float | None = None
+    quantity: str | None = None
+    rtol: float | None = None
+    worst_time: float | None = None
+
+    def __getitem__(self, name: str) -> ErrorParts:
+        if (found := self.parts.get(text("name", name))) is None:
+            like = [one for one in self.parts if one.rpartition(".")[2] == name]
+            cure = f": take {like[0]!r}" if like else nearest(name, self.parts)
+            raise InputError(f"error: the run has no number {name!r}{cure}")
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.parts)
+
+    @property
+    def _of_interest(self) -> ErrorParts:
+        return self.parts[self.quantity or "force"]
+
+    @property
+    def mesh(self) -> float | None:
+        """Error from the finite elements; see `ErrorParts`."""
+        return self._of_interest.mesh
+
+    @property
+    def contact(self) -> float | None:
+        """Error from the contact; see `ErrorParts`."""
+        return self._of_interest.contact
+
+    @property
+    def model(self) -> float | None:
+        """Error from the reduced models; see `ErrorParts`."""
+        return self._of_interest.model
+
+    @property
+    def time(self) -> float | None:
+        """Error from the integration in time; see `ErrorParts`."""
+        return self._of_interest.time
+
+    @property
+    def total(self) -> float | None:
+        """Sum of the parts that are known; see `ErrorParts`."""
+        return self._of_interest.total
+
+    def __repr__(self) -> str:
+        energy = "None" if self.energy is None else f"{self.energy:.3g}"
+        return (
+            f"ErrorEstimate({self.quantity or 'force'}: {self._of_interest}, energy={energy}); "
+            "error[name] of each other number"
+        )
+
+
+def percent(share: float | None) -> str:
+    """Return a relative error in percent with two digits, without the sign."""
+    if share is None:
+        return "not known"
+    if math.isnan(share):
+        return "none"
+    if math.isinf(share):
+        return "not bounded"
+    digits = f"{100.0 * share:.2g}" if share >= ROUNDING else "0"
+    return f"{float(digits):.0f}" if 1.0 <= share < 1e3 else digits  # 120, not 1.2e+02
