@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import KW_ONLY, dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -79,7 +79,7 @@ _ROUNDING = 1e-6
 _WORTH_KEEPING = 0.9
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class FEModel(Frozen):
     """A linear elastic body: M ẍ + C ẋ + K x = f over its free degrees of freedom.
 
@@ -87,7 +87,8 @@ class FEModel(Frozen):
     ----------
     K, M : matrix, shape (n_dofs, n_dofs)
         Stiffness, N/m, and mass, kg: symmetric, positive semidefinite, and no motion without both.
-        Sparse or dense, of any real type; supports taken out already.
+        Sparse or dense, of any real type; supports taken out already. Dofs without mass, such as
+        the rotations of lumped matrices, follow the others at once, as if condensed statically.
     nodes : array_like, shape (n_nodes, 3), optional
         Coordinates, m. Without them contacts are given by `dof`.
     free : array_like of int, shape (n_dofs,), optional
@@ -128,6 +129,7 @@ class FEModel(Frozen):
 
     K: Any
     M: Any
+    _: KW_ONLY
     nodes: FloatArray | None = None
     free: IntArray | None = None
     damping: Damping | None = None

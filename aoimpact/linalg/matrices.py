@@ -81,12 +81,9 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
         raise InputError(
             f"K and M must be of the same shape, got {stiffness.shape} and {mass.shape}"
         )
-    # Before a few entries in a shape of 10⁹ rows are given as many row pointers.
-    if sp.issparse(mass) and mass.nnz < mass.shape[0]:
-        raise InputError(
-            f"M must have mass on every dof: it has {mass.nnz} entries in {mass.shape[0]} rows; "
-            "condense dofs without mass out, or give them mass"
-        )
+    # Checked before a few entries in a shape of 10⁹ rows are given as many row pointers.
+    if sp.issparse(stiffness) and sp.issparse(mass):
+        _check_rows(stiffness.nnz + mass.nnz, mass.shape[0])
     pair = _symmetric_csr("K", stiffness), _symmetric_csr("M", mass)
     for name, matrix, unit in (("K", pair[0], "N/m"), ("M", pair[1], "kg")):
         largest = float(np.abs(matrix.data).max(initial=0.0))
@@ -96,6 +93,15 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
                 f"computed; give it in {unit}"
             )
     return pair
+
+
+def _check_rows(entries: int, rows: int) -> None:
+    """Refuse a shape with more rows than K and M have entries."""
+    if entries < rows:
+        raise InputError(
+            f"every dof must have stiffness or mass: K and M have {entries} entries in {rows} "
+            "rows; leave out dofs that have neither"
+        )
 
 
 def _symmetric_csr(name: str, checked: Any) -> sp.csr_array:
@@ -214,22 +220,34 @@ def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> Floa
 def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
     """Refuse an M that is not positive semidefinite, or leaves motions to neither K nor M.
 
-    Elements that integrate their mass at few points (CalculiX' C3D10, C3D4, C3D8R) leave motions
-    without mass. These follow K at once: they are compliance, and no vibration.
+    Lumped matrices have rotations without mass, and elements that integrate their mass at few
+    points (CalculiX' C3D10, C3D4, C3D8R) have motions without mass. These follow K at once: they
+    are compliance, and no vibration.
 
     Raises
     ------
     InputError
-        If a diagonal entry is not positive (a dof without mass), a principal minor of order 2 is
-        negative, or (up to 10 000 dofs) an eigenvalue is, or K + s²M is not positive definite.
+        If a diagonal entry or a principal minor of order 2 is negative, or (up to 10 000 dofs) an
+        eigenvalue is, or K + s²M is not positive definite.
     """
-    _check_masses(M.diagonal())
+    diagonal = M.diagonal()
+    _check_masses(diagonal)
     _check_minors("M", M, 1.0 + _NEGATIVE)
+    massless = np.flatnonzero(diagonal == 0.0)  # the second-order minors made these rows zero
+    bare = massless[K.diagonal()[massless] == 0.0]
+    if len(bare):
+        raise InputError(
+            f"every dof must have stiffness or mass: {len(bare)} have neither, the first is row "
+            f"{bare[0]}; leave them out of K and M"
+        )
     n = M.shape[0]
-    if n > CHECKED_DOFS or _dominated(M, 1.0 - 1e-12) or _is_definite(M):
+    if n > CHECKED_DOFS:
         return
-    diagonal = sp.diags_array(M.diagonal(), format="csr")
-    if not _is_definite(M + _NEGATIVE * diagonal):
+    heavy = M + sp.diags_array(np.where(diagonal == 0.0, 1.0, 0.0), format="csr")
+    definite = _dominated(heavy, 1.0 - 1e-12) or _is_definite(heavy)
+    if definite and not len(massless):
+        return
+    if not (definite or _is_definite(heavy + _NEGATIVE * sp.diags_array(diagonal, format="csr"))):
         lowest = float(scipy.linalg.eigvalsh(M.toarray())[0]) if n <= _SMALL else None
         which = "" if lowest is None else f": its lowest eigenvalue is {lowest:.4g} kg"
         raise InputError(
@@ -237,35 +255,35 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
             "look for signs lost or entries missing where M was exported, and give it with all its "
             "digits"
         )
-    shift = float(K.diagonal().sum() / M.diagonal().sum())
-    if not _is_definite(K + shift * M):
+    if not _is_definite(K + float(K.diagonal().sum() / diagonal.sum()) * M):
+        which = f" ({len(massless)} dofs have no mass)" if len(massless) else ""
         raise InputError(
-            "M is positive semidefinite only, and some motion has neither mass nor stiffness; take "
-            "elements that integrate their mass in full, or condense this motion out"
+            f"some motion has neither mass nor stiffness{which}; condense it out, or take elements "
+            "that integrate their mass in full"
         )
 
 
 def _check_masses(diagonal: FloatArray) -> None:
-    """Refuse dofs without mass, or with masses that cannot be computed with."""
-    bad = np.flatnonzero(diagonal <= 0.0)
-    if len(bad):
+    """Refuse masses that are negative or cannot be computed with."""
+    least, most = int(np.argmin(diagonal)), int(np.argmax(diagonal))
+    if diagonal[least] < 0.0:
         raise InputError(
-            f"M must have mass on every dof: {len(bad)} of {len(diagonal)} diagonal entries are "
-            f"zero or negative, the first is M[{bad[0]}, {bad[0]}] = {diagonal[bad[0]]:g} kg; "
-            "condense such dofs out, or give them mass"
+            f"M must have no negative entry on its diagonal, got M[{least}, {least}] = "
+            f"{diagonal[least]:g} kg"
         )
-    least = int(np.argmin(diagonal))
+    if diagonal[most] == 0.0:
+        raise InputError("M must have mass on some dof: its diagonal is zero")
+    least = int(np.argmin(np.where(diagonal > 0.0, diagonal, np.inf)))
     if diagonal[least] < LEAST:
         raise InputError(
-            f"M must have mass on every dof, and M[{least}, {least}] = {diagonal[least]:g} kg is "
-            "too little to be computed with; condense such dofs out, or give them mass"
+            f"M[{least}, {least}] = {diagonal[least]:g} kg is too little to be computed with; "
+            "make it 0: a dof without mass follows K"
         )
-    most = int(np.argmax(diagonal))
     if diagonal[most] > _APART * diagonal[least]:
         raise InputError(
             f"M has masses too far apart to be computed with: M[{least}, {least}] = "
             f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
-            "is too heavy to move, and condense out what has no mass"
+            "is too heavy to move, and give dofs that hardly have mass none"
         )
 
 

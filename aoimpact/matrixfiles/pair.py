@@ -20,7 +20,8 @@ _HOLDING = 1e30
 # A highest frequency below 1 rad/s is that of no body that is struck: K and M are exchanged.
 _LEAST_OMEGA2 = 1.0
 
-# Up to so many dofs with mass, those without are condensed: K becomes a full matrix.
+# Up to so many dofs with mass, those without are condensed, so that all rows are displacements of
+# nodes: K becomes a full matrix.
 _CONDENSED = 6000
 
 
@@ -133,19 +134,21 @@ def scaled(pair: Pair, length: float, mass: float) -> Pair:
 
 
 def condensed(pair: Pair) -> Pair:
-    """The pair without inner dofs that have no mass: K̂ = K_aa - K_ai K_ii⁻¹ K_ia, exact."""
+    """The pair without inner dofs that have no mass: K̂ = K_aa - K_ai K_ii⁻¹ K_ia, exact.
+
+    Larger models keep these dofs; then no coordinates are known of their rows.
+    """
     light = np.asarray(abs(pair.M).sum(axis=1)).ravel() == 0.0
-    if not light.any():
+    if not light.any() or (~light).sum() > _CONDENSED:
         return pair
     at, inner = _at(pair, int(np.flatnonzero(light)[0])), np.zeros_like(light)
     if pair.labels is not None:
         inner = (pair.labels[:, 0] <= 0) | (pair.labels[:, 1] > 3)
-    if (light & ~inner).any() or (~light).sum() > _CONDENSED:
+    if (light & ~inner).any():
         raise InputError(
             f"{pair.called}: {light.sum()} of {len(light)} dofs have no mass, the first is {at}: "
-            "is M cut short, or lumped? Write a consistent mass matrix, or condense these dofs "
-            "where the model is made (here only rotations and internal dofs are, beside up to "
-            f"{_CONDENSED} others)"
+            "is M cut short, or lumped? Write a consistent mass matrix, or give K and M as arrays "
+            "to FEModel"
         )
     K = pair.K
     across = K[light][:, ~light].toarray()

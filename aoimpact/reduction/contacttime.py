@@ -32,6 +32,7 @@ __all__ = [
     "fitted_shifts",
     "highest_shift",
     "own_contact_time",
+    "refuse_massless",
     "shortest_contact_time",
 ]
 
@@ -125,8 +126,26 @@ def shortest_contact_time(tip: ContactPoint) -> float:
 
 def highest_shift(tip: ContactPoint) -> float:
     """The frequency of the elements at the contact, rad/s: it bounds from below the highest."""
+    refuse_massless([tip])
     body, b = tip.body, tip.b
     return math.sqrt(max(0.0, _quadratic(body.K, b) / _quadratic(body.M, b)))
+
+
+def refuse_massless(tips: Sequence[ContactPoint]) -> None:
+    """Refuse contact on dofs without mass: no mode of a truncated model has their compliance.
+
+    Raises
+    ------
+    InputError
+    """
+    for tip in tips:
+        touched = np.flatnonzero((tip.b != 0.0) & (tip.body.M.diagonal() == 0.0))
+        if len(touched):
+            raise InputError(
+                f"the contact acts on {len(touched)} dofs without mass, the first is {touched[0]}, "
+                "and modes leave their compliance out; take antioscillators(tip, "
+                "method='eigen') or full(tip), or give the dofs mass"
+            )
 
 
 def _quadratic(A: Any, b: FloatArray) -> float:

@@ -24,6 +24,7 @@ from ..base import (
 from ..fem import ContactPoint, ContactSurface, Patch
 from ..linalg import EQUAL, Solver, checked_solver, lowest, warn_of_rounding
 from .bodymodel import FiniteElementModel
+from .contacttime import refuse_massless
 from .origin import origin_of
 from .star import AOModel, described
 
@@ -257,6 +258,7 @@ def modal(tip: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel:
     """
     if not isinstance(tip, ContactPoint):
         raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
+    refuse_massless([tip])
     wanted = integer("n", n, low=1, high=tip.body.n_dofs)
     invert = partial(tip.body.inverse, solver=checked_solver(solver))
     rigid = tip.body.rigid_modes.shape[1]

@@ -59,8 +59,8 @@ _NO_MASS = 1e-13
 # Guide, 4.10).
 _LOST = 10.0
 
-# A residual mass below 0 by no more than this share of the static mass is none: the rounding of
-# thousands of masses.
+# A residual mass of no more than this share of the static mass is none: the rounding of thousands
+# of masses. A contact on a dof without mass has none.
 _ROUNDING_OF_MASS = 1e-11
 
 
@@ -179,7 +179,7 @@ def _mass_of_all(tip: ContactPoint, static: StaticMode) -> float:
     massless motions leave bᵀM⁻¹b undefined, m_st is a bound.
     """
     M, b = tip.body.M, tip.b
-    diagonal = M.diagonal()
+    diagonal = np.where(M.diagonal() > 0.0, M.diagonal(), 1.0)
     jacobi = scipy.sparse.linalg.LinearOperator(
         M.shape, matvec=lambda x: x / diagonal, dtype=np.float64
     )
@@ -333,7 +333,7 @@ def _model(
 ) -> AOModel:
     """Put the star together; what its oscillators do not hold is the residual mass, eq. (10)."""
     residual = static.mass - math.fsum(found.m)
-    if residual < 0.0 and residual > -_ROUNDING_OF_MASS * static.mass:
+    if abs(residual) < _ROUNDING_OF_MASS * static.mass:
         residual = 0.0
     return AOModel(
         m0=residual,

@@ -27,7 +27,7 @@ from ..linalg import (
     core_rows,
     stays_quickest,
 )
-from .contacttime import SHIFT_TIMES_DURATION
+from .contacttime import SHIFT_TIMES_DURATION, refuse_massless
 
 __all__ = ["Subspace"]
 
@@ -108,6 +108,7 @@ class Subspace:
     ) -> None:
         body = tips[0].body
         refuse_mechanism(tips)
+        refuse_massless(tips)
         rigid = body.rigid_modes
         self.body = body
         self.rigid_count = rigid.shape[1]
@@ -137,7 +138,9 @@ class Subspace:
         self._statics, self._wanted = 0, 0
         self._K, self._M = core_rows(body.K), core_rows(body.M)
         self._load = np.empty(body.n_dofs)
-        self._fastest = _WITHOUT_MASS * float((body.K.diagonal() / body.M.diagonal()).max())
+        stiffness, mass = body.K.diagonal(), body.M.diagonal()
+        heavy = mass > 0.0
+        self._fastest = _WITHOUT_MASS * float((stiffness[heavy] / mass[heavy]).max())
         self._ended = False
 
     @property
