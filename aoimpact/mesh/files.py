@@ -7,14 +7,17 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from ..base import MeshError, MissingFileError, file_path
-from . import viameshio
+from ..base import MemoryLimitError, MeshError, MissingFileError, file_path
+from . import gmsh, viameshio
 from .rawmesh import RawMesh
 
 __all__ = ["load"]
 
-# Readers by the end of a file's name, in small letters; meshio takes the rest.
-_READERS: dict[str, Callable[[Path], RawMesh]] = {}
+_Reader = Callable[[Path], RawMesh]
+
+# Readers by the end of a file's name, in small letters; meshio takes the rest. A reader raises
+# ValueError with the reason, or MeshError if that names the file.
+_READERS: dict[str, _Reader] = {}
 
 
 def load(path: str | os.PathLike[str]) -> RawMesh:
@@ -30,7 +33,26 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
         If there is not enough memory for it.
     """
     file = _existing(path)
-    return _READERS.get(file.suffix.lower(), viameshio.read)(file)
+    reader = _reader(file)
+    try:
+        return reader(file)
+    except MeshError:
+        raise
+    except MemoryError:
+        raise MemoryLimitError(
+            f"mesh file {str(file)!r} ({file.stat().st_size} bytes) needs more memory than there "
+            "is: coarsen the mesh, or look for a count in the file that is wrong"
+        ) from None
+    except (ValueError, OverflowError) as error:
+        raise MeshError(f"mesh file {str(file)!r} cannot be read: {error}; write it anew") from None
+
+
+def _reader(file: Path) -> _Reader:
+    suffix = file.suffix.lower()
+    if suffix.startswith(".msh"):  # Gmsh's, or Fluent's
+        with file.open("rb") as stream:
+            return gmsh.read if stream.read(200).lstrip().startswith(b"$") else viameshio.read
+    return _READERS.get(suffix, viameshio.read)
 
 
 def _existing(path: str | os.PathLike[str]) -> Path:

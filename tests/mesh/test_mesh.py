@@ -295,7 +295,6 @@ def test_directory_is_no_mesh(tmp_path: Path) -> None:
         ("noextension", "1 2 3", "cannot be read"),
         ("a.inp", "*NODE\n1, 0, 0\n*ELEMENT, TYPE=NONE\n1, 1", "cannot be read"),
         ("a.inp", "*NODE\n1, 0, 0, 0\n2, 1, x, 0\n", "cannot be read, at line 3 or before"),
-        ("a.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 x\n", "at line 5 or before"),
         ("a.ugrid", "1 2 3\n", "cannot be read: .* write it anew"),
     ],
 )
@@ -438,7 +437,7 @@ def test_a_count_beyond_the_file_is_refused_before_it_is_made_room_for(
     content = written(file, "gmsh", binary=True)
     file.write_bytes(patched(content, section, skip, number))
     tracemalloc.start()
-    with pytest.raises(MeshError, match=r"a\.msh.* GiB, which is out of proportion to its size"):
+    with pytest.raises(MeshError, match=r"a\.msh.* are announced"):
         read_mesh(file)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
@@ -481,15 +480,6 @@ def test_a_packed_file_is_bounded_too(tmp_path: Path) -> None:
     assert read_mesh(sound).n_cells == 2
 
 
-def test_meshio_itself_stays_as_it_is(tmp_path: Path) -> None:
-    """Outside of a reading of ours its readers have no bounds, and its writers write."""
-    file = tmp_path / "a.msh"
-    written(file, "gmsh", binary=True)
-    read_mesh(file)
-    assert np.array_equal(meshio.read(file).points, read_mesh(file).nodes)
-    assert meshio.gmsh._gmsh41.np.empty((2**27, 2)).nbytes == 2**31  # never touched
-
-
 @pytest.mark.parametrize("name", ["a.stl", "a.wkt", "a.obj", "a.off", "a.ply"])
 def test_formats_of_surfaces_are_not_read(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_text("TIN (((" + 40 * "0.0 0.0 0.0, " + "x")  # minutes in a pattern
@@ -523,10 +513,10 @@ def test_groups_of_what_is_not_there_are_refused() -> None:
 def test_too_little_memory_is_said_with_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(path: object) -> None:
+    def full(path: object) -> bytes:
         raise MemoryError
 
-    monkeypatch.setattr(meshio, "read", full)
+    monkeypatch.setattr(Path, "read_bytes", full)
     file = tmp_path / "a.msh"
     file.write_text("$MeshFormat")
     with pytest.raises(MemoryLimitError, match=r"a\.msh.* more memory than there is"):

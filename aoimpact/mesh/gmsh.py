@@ -1,0 +1,438 @@
+"""Gmsh's mesh files of versions 2.2 and 4.1, text and binary, with all of their groups.
+
+The formats are those of the chapter "Gmsh file formats" of Gmsh's reference manual.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..base import FloatArray, IntArray, warn
+from .elements import KINDS, reference_element
+from .mesh import jacobian_range
+from .rawmesh import RawBlock, RawMesh
+from .tokens import numbers_of
+
+__all__ = ["read"]
+
+# Kinds of elements by Gmsh's numbers.
+_KINDS = {
+    1: ("line", 2),
+    2: ("triangle", 3),
+    3: ("quad", 4),
+    4: ("tetra", 4),
+    5: ("hexahedron", 8),
+    6: ("wedge", 6),
+    7: ("pyramid", 5),
+    8: ("line3", 3),
+    9: ("triangle6", 6),
+    10: ("quad9", 9),
+    11: ("tetra10", 10),
+    12: ("hexahedron27", 27),
+    13: ("wedge18", 18),
+    14: ("pyramid14", 14),
+    15: ("vertex", 1),
+    16: ("quad8", 8),
+    17: ("hexahedron20", 20),
+    18: ("wedge15", 15),
+    19: ("pyramid13", 13),
+}
+
+# Gmsh's numbers of the nodes within an element, in VTK's order; corners have the same numbers.
+_ORDERS = {
+    "tetra10": (*range(8), 9, 8),
+    "hexahedron20": (*range(9), 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15),
+    "hexahedron27": (
+        *(*range(9), 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15),
+        *(22, 23, 21, 24, 20, 25, 26),
+    ),
+    "wedge15": (*range(7), 9, 7, 12, 14, 13, 8, 10, 11),
+    "pyramid13": (*range(6), 8, 10, 6, 7, 9, 11, 12),
+}
+
+_PART = "it holds one part of a partitioned mesh; save the whole mesh in one file"
+
+_DIMENSIONS = ("point", "line", "surface", "volume")
+
+# An entity: its dimension and tag.
+_Entity = tuple[int, int]
+
+# Types of binary numbers by their names in the manual; None for a text file.
+_Types = dict[str, np.dtype[np.generic]] | None
+
+
+@dataclass
+class _Entities:
+    """What a file of version 4.1 says of its entities.
+
+    Attributes
+    ----------
+    groups : dict of _Entity to tuple of int
+        The physical groups that each entity is in.
+    parts : dict of _Entity to set of int
+        The parts of a partitioned mesh that each entity is in.
+    n_parts : int
+    """
+
+    groups: dict[_Entity, tuple[int, ...]] = field(default_factory=dict)
+    parts: dict[_Entity, set[int]] = field(default_factory=dict)
+    n_parts: int = 0
+
+
+@dataclass(frozen=True)
+class _Elements:
+    """Elements of one type in one entity.
+
+    Attributes
+    ----------
+    type : int
+        A key of `_KINDS`.
+    tags : ndarray of int, shape (n,)
+    nodes : ndarray of int, shape (n, nodes per element)
+        Tags in Gmsh's order.
+    groups : dict of int to ndarray of int
+        Rows of the elements in each physical group.
+    """
+
+    type: int
+    tags: IntArray
+    nodes: IntArray
+    groups: dict[int, IntArray]
+
+
+class _Numbers:
+    """The numbers of a section, taken one after the other."""
+
+    def __init__(self, content: bytes, types: _Types) -> None:
+        self.types, self.at = types, 0
+        self.content: Any = numbers_of(content) if types is None else content
+
+    def take(self, kind: str, count: int) -> FloatArray:
+        """Return the next `count` numbers; kind "i" is int, "P" size_t and "d" double."""
+        size = 1 if self.types is None else self.types[kind].itemsize
+        start, left = self.at, (len(self.content) - self.at) // size
+        if not 0 <= count <= left:
+            raise ValueError(f"{count} numbers are announced where {left} are left")
+        self.at += count * size
+        if self.types is None:
+            return np.asarray(self.content[start : self.at])
+        return np.frombuffer(self.content, self.types[kind], count, start).astype(np.float64)
+
+    def ints(self, kind: str, count: int) -> IntArray:
+        return self.take(kind, count).astype(np.int64)
+
+    def count(self) -> int:
+        return int(self.take("P", 1)[0])
+
+    def finish(self) -> None:
+        left = self.content[self.at :]
+        if len(left if self.types is None else left.strip()):
+            raise ValueError("there is more in it than it announces")
+
+
+def read(file: Path) -> RawMesh:
+    """Return the mesh in a file of Gmsh's.
+
+    Groups are its physical groups; one without a name is called after its dimension and tag, as in
+    "surface 3".
+
+    Raises
+    ------
+    ValueError
+        If the file is damaged, of another version, or one part of a partitioned mesh.
+    """
+    sections = _sections(file.read_bytes())
+    for name in ("MeshFormat", "Nodes", "Elements"):
+        if name not in sections:
+            raise ValueError(f"the section ${name} is missing")
+    with _named("MeshFormat"):
+        version, types = _format(sections["MeshFormat"])
+    entities = _Entities()
+    for name, parse in (("Entities", _entities), ("PartitionedEntities", _partitioned)):
+        if name in sections:
+            with _named(name):
+                numbers = _Numbers(sections[name], types)
+                entities = parse(numbers)
+                numbers.finish()
+    with _named("PhysicalNames"):
+        names = _names(sections.get("PhysicalNames", b"0"))
+    with _named("Nodes"):
+        tags, places = (_nodes_4 if version > 4.0 else _nodes_2)(sections["Nodes"], types)
+    with _named("Elements"):
+        if version > 4.0:
+            elements = _elements_4(_Numbers(sections["Elements"], types), entities)
+        else:
+            elements = _elements_2(sections["Elements"], types)
+    return _mesh(tags, places, elements, names)
+
+
+def _sections(content: bytes) -> dict[str, bytes]:
+    """Return what is between $Name and $EndName; names may be anything, and are mostly ignored."""
+    found: dict[str, bytes] = {}
+    header = re.compile(rb"\s*\$(\w+)[ \t\r]*\n")
+    at = 0
+    while content[at:].strip():
+        match = header.match(content, at)
+        if match is None:
+            raise ValueError(f"a section is expected at byte {at}, got {content[at : at + 20]!r}")
+        name = match[1].decode()
+        if name in ("NOD", "ELM"):
+            raise ValueError("files of version 1 are not read; save it as version 4.1")
+        if name in ("ParametricNodes", "Nodes", "Elements", "Entities") and name in found:
+            raise ValueError(f"the section ${name} is there twice")
+        ending = b"$End" + match[1]
+        end = content.find(ending, match.end())
+        if end < 0:
+            raise ValueError(f"the section ${name} has no end")
+        found[name] = content[match.end() : end]
+        at = end + len(ending)
+    if "ParametricNodes" in found:
+        raise ValueError("parametric nodes of version 2.2 are not read; save it as version 4.1")
+    return found
+
+
+@contextmanager
+def _named(section: str) -> Iterator[None]:
+    """Name the section in which something is wrong."""
+    try:
+        yield
+    except (ValueError, OverflowError) as error:
+        raise ValueError(f"section ${section}: {error}") from None
+
+
+def _format(text: bytes) -> tuple[float, _Types]:
+    line, _, rest = text.partition(b"\n")
+    words = line.decode("latin-1").split()
+    if len(words) != 3:
+        raise ValueError(f"{line.decode('latin-1')!r} is no version, file type and data size")
+    version, binary, size = float(words[0]), int(words[1]), int(words[2])
+    if version not in (2.0, 2.1, 2.2, 4.1):
+        raise ValueError(f"version {words[0]} is not read; save the mesh as version 4.1 or 2.2")
+    if not binary:
+        return version, None
+    orders = {(1).to_bytes(4, "little"): "<", (1).to_bytes(4, "big"): ">"}
+    if size not in (4, 8) or rest[:4] not in orders:
+        raise ValueError(f"a data size of {size} bytes, or the order of bytes, is not known")
+    order = orders[rest[:4]]
+    codes = {"i": f"{order}i4", "P": f"{order}u{size}", "d": f"{order}f8"}
+    return version, {kind: np.dtype(code) for kind, code in codes.items()}
+
+
+def _names(text: bytes) -> dict[tuple[int, int], str]:
+    count, *lines = text.decode("utf-8", "replace").strip().splitlines()
+    found = {}
+    for line in lines:
+        match = re.fullmatch(r'\s*(\d+)\s+(-?\d+)\s+"(.*)"\s*', line)
+        if match is None:
+            raise ValueError(f"{line!r} is no dimension, tag and name in quotes")
+        found[int(match[1]), abs(int(match[2]))] = match[3]
+    if len(found) != int(count):
+        raise ValueError(f"{int(count)} names are announced, but {len(found)} are there")
+    return found
+
+
+def _entities(numbers: _Numbers) -> _Entities:
+    found = _Entities()
+    for dim, count in enumerate(numbers.ints("P", 4)):
+        for _ in range(count):
+            (tag,) = numbers.ints("i", 1)
+            found.groups[dim, int(tag)] = _physical(numbers, dim)
+    return found
+
+
+def _physical(numbers: _Numbers, dim: int) -> tuple[int, ...]:
+    """Return the groups of an entity; a negative tag means that it is taken in reverse."""
+    numbers.take("d", 6 if dim else 3)  # the box around it
+    tags = np.unique(np.abs(numbers.ints("i", numbers.count())))
+    if dim:
+        numbers.take("i", numbers.count())  # the entities that bound it
+    return tuple(tags.tolist())
+
+
+def _partitioned(numbers: _Numbers) -> _Entities:
+    found = _Entities(n_parts=numbers.count())
+    numbers.take("i", 2 * numbers.count())  # entities of ghost elements
+    for dim, count in enumerate(numbers.ints("P", 4)):
+        for _ in range(count):
+            tag, _, _ = numbers.ints("i", 3)
+            entity = (dim, int(tag))
+            found.parts[entity] = set(numbers.ints("i", numbers.count()).tolist())
+            found.groups[entity] = _physical(numbers, dim)
+    return found
+
+
+def _nodes_4(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
+    numbers = _Numbers(content, types)
+    n_blocks, n_nodes, _, _ = numbers.ints("P", 4)
+    tags, places = [np.zeros(0, np.int64)], [np.zeros((0, 3))]
+    for _ in range(n_blocks):
+        dim, _, parametric = numbers.ints("i", 3)
+        count = numbers.count()
+        tags.append(numbers.ints("P", count))
+        width = 3 + (int(dim) if parametric else 0)
+        places.append(numbers.take("d", width * count).reshape(count, width)[:, :3])
+    numbers.finish()
+    _check_count("nodes", n_nodes, sum(map(len, tags)))
+    return np.concatenate(tags), np.concatenate(places)
+
+
+def _check_count(what: str, announced: int, there: int) -> None:
+    if there != announced:
+        raise ValueError(f"{announced} {what} are announced, but {there} are there")
+
+
+def _width(type_: int) -> int:
+    if type_ not in _KINDS:
+        raise ValueError(f"elements of Gmsh's type {type_} are not read: order 1 and 2 alone are")
+    return _KINDS[type_][1]
+
+
+def _elements_4(numbers: _Numbers, entities: _Entities) -> list[_Elements]:
+    n_blocks, n_elements, _, _ = numbers.ints("P", 4)
+    found = []
+    parts: set[int] = set()
+    for _ in range(n_blocks):
+        dim, tag, type_ = (int(number) for number in numbers.ints("i", 3))
+        count, width = numbers.count(), 1 + _width(type_)
+        rows = numbers.ints("P", width * count).reshape(count, width)
+        members = {group: np.arange(count) for group in entities.groups.get((dim, tag), ())}
+        parts |= entities.parts.get((dim, tag), set()) if dim == 3 else set()
+        found.append(_Elements(type_, rows[:, 0], rows[:, 1:], members))
+    numbers.finish()
+    _check_count("elements", n_elements, sum(len(block.tags) for block in found))
+    if len(parts) < entities.n_parts:
+        raise ValueError(_PART)
+    return found
+
+
+def _nodes_2(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
+    if types is None:
+        numbers = _Numbers(content, None)
+        count = numbers.count()
+        rows = numbers.take("d", 4 * count).reshape(count, 4)
+        numbers.finish()
+        return rows[:, 0].astype(np.int64), rows[:, 1:]
+    line, _, rest = content.partition(b"\n")
+    kind = np.dtype([("tag", types["i"]), ("place", types["d"], 3)])
+    _check_count("nodes", int(line), len(rest) // kind.itemsize)
+    found = np.frombuffer(rest, kind, int(line))
+    return found["tag"].astype(np.int64), found["place"].astype(np.float64)
+
+
+def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
+    """Return the elements by type and entity.
+
+    An element in several groups is in the file once for each of them, and in reverse for a group
+    that takes its entity in reverse; here it is there once.
+    """
+    line, _, rest = content.partition(b"\n")
+    rows: dict[tuple[int, int], list[IntArray]] = {}
+    numbers = _Numbers(rest, types)
+    total, n_elements = 0, int(line)
+    parts: set[int] = set()
+    while total < n_elements:
+        if types is None:
+            type_, n_tags, part = _alike(numbers)
+        else:
+            type_, count, n_tags = (int(number) for number in numbers.ints("i", 3))
+            width = 1 + n_tags + _width(type_)
+            part = numbers.ints("i", count * width).reshape(count, width)
+        if n_tags < 2 or not len(part):
+            raise ValueError("elements without physical and elementary tag, or an empty block")
+        # The number, the physical and the elementary tag, and the nodes.
+        columns = np.r_[0:3, 1 + n_tags : part.shape[1]]
+        for entity in np.unique(part[:, 2]):
+            rows.setdefault((type_, int(entity)), []).append(part[part[:, 2] == entity][:, columns])
+        parts |= set(np.unique(part[:, 4])) if n_tags > 3 else set()
+        total += len(part)
+    numbers.finish()
+    _check_count("elements", n_elements, total)
+    if len(parts) == 1:
+        raise ValueError(_PART)
+    return [_once(type_, np.concatenate(parts)) for (type_, _), parts in rows.items()]
+
+
+def _alike(numbers: _Numbers) -> tuple[int, int, IntArray]:
+    """Take the next elements of one type in a text: rows of as many numbers."""
+    start = numbers.at
+    _, type_, n_tags = numbers.ints("i", 3)
+    width = 3 + int(n_tags) + _width(int(type_))
+    most = (len(numbers.content) - start) // width
+    count, alike = 0, True
+    while alike and count < most:
+        more = min(most, 2 * count + 1)
+        rows = numbers.content[start + count * width : start + more * width].reshape(-1, width)
+        other = np.flatnonzero((rows[:, 1] != type_) | (rows[:, 2] != n_tags))
+        alike = not len(other)
+        count = more if alike else count + int(other[0])
+    if not count:
+        raise ValueError("it ends within an element")
+    numbers.at = start
+    found = numbers.ints("i", count * width).reshape(count, width)
+    return int(type_), int(n_tags), np.delete(found, [1, 2], axis=1)
+
+
+def _once(type_: int, rows: IntArray) -> _Elements:
+    """Join the copies of elements of an entity; rows are number, group, entity and nodes."""
+    nodes = rows[:, 3:]
+    _, first, element = np.unique(
+        np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True
+    )
+    order = np.argsort(first)  # as they come in the file
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    number = place[element.reshape(-1)]
+    tags = np.abs(rows[:, 1])
+    groups = {int(tag): np.unique(number[tags == tag]) for tag in np.unique(tags) if tag}
+    return _Elements(type_, rows[first[order], 0], nodes[first[order]], groups)
+
+
+def _mesh(
+    tags: IntArray, places: FloatArray, elements: list[_Elements], names: dict[tuple[int, int], str]
+) -> RawMesh:
+    order = np.argsort(tags, kind="stable")
+    ordered = tags[order]
+    if (ordered[1:] == ordered[:-1]).any():
+        raise ValueError(f"node {ordered[:-1][ordered[1:] == ordered[:-1]][0]} is there twice")
+    sets: dict[str, list[IntArray]] = {}
+    blocks, first = [], 0
+    for part in elements:
+        kind, _ = _KINDS[part.type]
+        at = np.searchsorted(ordered, part.nodes)
+        known = np.take(ordered, at, mode="clip") == part.nodes if len(tags) else at < 0
+        if not known.all():
+            row = int(np.flatnonzero(~known.all(axis=1))[0])
+            raise ValueError(
+                f"element {part.tags[row]} has node {part.nodes[row][~known[row]][0]}, which is "
+                "not there"
+            )
+        cells = order[at]
+        if kind in _ORDERS:
+            cells = cells[:, _ORDERS[kind]]
+        block = RawBlock(kind, _turned(kind, cells, places), part.tags)
+        for tag, members in part.groups.items():
+            name = names.get((block.dim, tag), f"{_DIMENSIONS[block.dim]} {tag}")
+            sets.setdefault(name, []).append(first + members)
+        blocks.append(block)
+        first += len(cells)
+    missing = [name for name in names.values() if name not in sets]
+    if missing:
+        warn(f"groups without elements in the file: {', '.join(map(repr, missing))}")
+    groups = {name: np.concatenate(parts) for name, parts in sets.items()}
+    return RawMesh(places, tuple(blocks), {}, groups, tags)
+
+
+def _turned(kind: str, cells: IntArray, places: FloatArray) -> IntArray:
+    """Return the elements of an entity right-handed, if it was taken in reverse."""
+    if kind not in KINDS or not len(cells) or not np.isfinite(places[cells]).all():
+        return cells
+    element = reference_element(kind)
+    _, highest = jacobian_range(places, cells, element)
+    return cells if (highest >= 0.0).any() else cells[:, element.mirror]
