@@ -25,6 +25,7 @@ from .checks import (
     writable_folder,
     written_file,
 )
+from .decoding import decoded
 from .errors import (
     AOImpactError,
     AOImpactWarning,
@@ -97,6 +98,7 @@ __all__ = [
     "boolean",
     "checked",
     "choice",
+    "decoded",
     "draw_curves",
     "error_axes",
     "file_path",

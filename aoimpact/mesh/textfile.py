@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-import codecs
 import math
 import re
 from pathlib import Path
 
-from ..base import MeshError, MissingFileError
+from ..base import MeshError, MissingFileError, decoded
 
 __all__ = ["number", "read_lines", "refused"]
-
-# Encodings by what a file begins with; UTF-32 before UTF-16, with which it begins as well.
-_MARKS = (
-    (codecs.BOM_UTF8, "utf-8-sig"),
-    (codecs.BOM_UTF32_LE, "utf-32"),
-    (codecs.BOM_UTF32_BE, "utf-32"),
-    (codecs.BOM_UTF16_LE, "utf-16"),
-    (codecs.BOM_UTF16_BE, "utf-16"),
-)
 
 # Fortran's numbers: 1, -1.5, .5E3, 1.D0, and 1.0+3 for 1.0E+3.
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EDed]([+-]?\d+)|([+-]\d+))?")
@@ -45,16 +35,10 @@ def read_lines(file: Path) -> list[str]:
         if isinstance(error, MissingFileError):
             raise
         raise MeshError(f"mesh file {str(file)!r} cannot be opened: {error}") from None
-    encodings = [name for mark, name in _MARKS if content.startswith(mark)][:1]
-    for encoding in encodings or ["utf-8", "latin-1"]:
-        try:
-            text = content.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        if "\0" in text:
-            break
-        return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    raise MeshError(f"mesh file {str(file)!r} is binary; a text file is needed")
+    text = decoded(content)
+    if text is None:
+        raise MeshError(f"mesh file {str(file)!r} is binary; a text file is needed")
+    return text.split("\n")
 
 
 def number(text: str) -> float:

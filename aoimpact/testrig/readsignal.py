@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import re
 from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import FloatArray, InputError, InputTypeError, choice, file_path, nearest, text
+from ..base import (
+    FloatArray,
+    InputError,
+    InputTypeError,
+    choice,
+    decoded,
+    file_path,
+    nearest,
+    text,
+)
 from .signal import Signal
 
 __all__ = ["STANDARD_GRAVITY", "read_signal"]
@@ -21,7 +31,52 @@ _BASES = {"N": "N", "s": "s", "m/s²": "m/s²", "m/s2": "m/s²", "m/s^2": "m/s²
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
 _OTHERS = {"g": (STANDARD_GRAVITY, "m/s²"), "lbf": (4.4482216152605, "N")}
 
-_SEPARATORS = (";", "\t", ",")
+# Separators of columns; None stands for spaces. No number has one of the first two in it.
+_SEPARATORS = (";", "\t", None, ",")
+
+# A number by its decimal mark: digits, also in groups of three between which stand the other mark,
+# apostrophes or spaces, then decimals and an exponent.
+_NUMBERS = {
+    mark: re.compile(
+        rf"[+-]?(?:(?:\d+|[1-9]\d{{0,2}}(?P<group>[{other}'’ \u00a0\u202f])\d{{3}}"
+        rf"(?:(?P=group)\d{{3}})*)(?:[{mark}]\d*)?|[{mark}]\d+)(?:[eE][+-]?\d+)?",
+        re.ASCII,
+    )
+    for mark, other in ((".", ","), (",", "."))
+}
+
+
+@dataclass(frozen=True, eq=False)
+class _Reading:
+    """A file under one separator and decimal mark.
+
+    Attributes
+    ----------
+    columns : tuple of int
+        Those of times and values.
+    lines : list of int
+        The line of each row, counted from 1.
+    numbers : ndarray, shape (rows, 2)
+        Times and values.
+    rows : list of list of str
+        All cells of each row.
+    """
+
+    columns: tuple[int, ...]
+    lines: list[int]
+    numbers: FloatArray
+    rows: list[list[str]]
+
+
+class _UnreadError(InputError):
+    """A file makes no sense under a separator and decimal mark.
+
+    `near` is how far it did: rows, then cells of a row.
+    """
+
+    def __init__(self, message: str, *near: int) -> None:
+        super().__init__(message)
+        self.near = near
 
 
 def read_signal(
@@ -31,12 +86,14 @@ def read_signal(
     values: int | str = 1,
     time_unit: str = "s",
     unit: str = "N",
+    decimal: str | None = None,
     name: str = "force",
 ) -> Signal:
     """Read a signal from a text file of columns, as data loggers write it.
 
-    Columns are separated by semicolons, tabs, commas or spaces; lines before the first one of
-    numbers are headings. With semicolons or tabs a comma may be the decimal point.
+    Columns are separated by semicolons, tabs, spaces or commas, and cells may be quoted. Lines
+    before the first one with numbers in both columns are headings; other columns may hold anything.
+    Thousands may be separated by commas (by points, beside decimal commas), spaces or apostrophes.
 
     Parameters
     ----------
@@ -47,6 +104,9 @@ def read_signal(
         Of the times in the file: "s", "ms", "µs" (or "us").
     unit : str, optional
         Of the values in the file: "N", "kN", "lbf", "m/s²", "g", "mm", ….
+    decimal : {".", ","}, optional
+        Decimal mark of the numbers. Found from the file if not given; a file that can be read in
+        both ways, as one in which all numbers are like 1,500, is refused.
     name : str, optional
         What axes and messages call it.
 
@@ -58,8 +118,9 @@ def read_signal(
     Raises
     ------
     InputError
-        If the file cannot be read, a line has too few columns or no numbers, or times do not rise;
-        the message has the line.
+        If the file cannot be read, or can be read in two ways; if a line after the first row has no
+        number in one of the columns, or more or fewer cells than that row; or if times do not rise.
+        The message has the line.
 
     Examples
     --------
@@ -77,18 +138,29 @@ def read_signal(
     if seconds != "s":
         raise InputError(f"time_unit must be a unit of time such as 'ms', got {time_unit!r}")
     factor, base = _unit("unit", unit)
+    marks = list(_NUMBERS) if decimal is None else [choice("decimal", decimal, list(_NUMBERS))]
+    for which, given in (("time", time), ("values", values)):
+        if isinstance(given, bool) or not isinstance(given, (int, np.integer, str)):
+            raise InputTypeError(f"{which} must be a column's number or heading, got {given!r}")
     file = file_path("path", path)
-    table, headings, first = _table(file)
-    i, j = _column("time", time, headings, table), _column("values", values, headings, table)
-    times = of_time * table[:, i]
+    try:
+        content = decoded(file.read_bytes())
+    except OSError as error:
+        raise InputError(f"cannot read {str(file)!r}: {error.strerror or error}") from None
+    if content is None:
+        raise InputError(f"{file} is binary; export it as text")
+    try:
+        found = _only_reading(content.split("\n"), marks, time=time, values=values)
+    except InputError as error:
+        raise InputError(f"{file}, {error}") from None
+    times = of_time * found.numbers[:, 0]
     still = np.flatnonzero(np.diff(times) <= 0.0)
     if len(still):
-        line = first + int(still[0]) + 1
         raise InputError(
-            f"{file}, line {line}: the time does not rise from the line before; is column {i} the "
-            "time, and is it written with digits enough?"
+            f"{file}, line {found.lines[still[0] + 1]}: the time does not rise from the line "
+            f"before; is column {found.columns[0]} the time, and is it written with digits enough?"
         )
-    return Signal(times, factor * table[:, j], unit=base, name=text("name", name))
+    return Signal(times, factor * found.numbers[:, 1], unit=base, name=text("name", name))
 
 
 def _unit(name: str, unit: str) -> tuple[float, str]:
@@ -105,62 +177,145 @@ def _unit(name: str, unit: str) -> tuple[float, str]:
     raise AssertionError
 
 
-def _table(file: Path) -> tuple[FloatArray, list[str], int]:
-    """Numbers by row and column, what stands over them, and the line of the first row."""
-    try:
-        lines = file.read_text(encoding="utf-8-sig", errors="replace").splitlines()
-    except OSError as error:
-        raise InputError(f"cannot read {str(file)!r}: {error.strerror or error}") from None
-    separator = next((s for s in _SEPARATORS if any(s in line for line in lines)), None)
-    if separator == "," and not any(_numbers(line, ",") for line in lines):
-        separator = None
-    rows: list[list[float]] = []
-    headings: list[str] = []
-    first = 0
-    for number, line in enumerate(lines, 1):
-        found = _numbers(line, separator)
-        if not rows and (found is None or len(found) < 2):
-            headings = [cell.strip().strip('"') for cell in line.split(separator)]
-            continue
-        if not line.strip():
-            continue
-        if found is None or len(found) != len(rows[0] if rows else found):
+def _only_reading(lines: list[str], marks: Sequence[str], **wanted: int | str) -> _Reading:
+    """Return the one way to read the wanted columns, or refuse them."""
+    found: list[_Reading] = []
+    unread: list[_UnreadError] = []
+    for separator in _SEPARATORS:
+        table = [(at, _cells(line, separator)) for at, line in enumerate(lines, 1) if line.strip()]
+        for mark in marks:
+            doubtful = separator == "," and len(marks) > 1
+            try:
+                found.append(_reading(table, mark, wanted, doubtful))
+            except _UnreadError as error:
+                unread.append(error)
+        if found and separator in _SEPARATORS[:2]:
+            break
+    if not found:
+        raise max(unread, key=lambda error: error.near)
+    # A later first row takes rows before it for headings. Else the decimal point comes first.
+    start = min(one.lines[0] for one in found)
+    first, *others = [one for one in found if one.lines[0] == start]
+    if others and not any(re.search(",[0-9]", cell) for row in first.rows for cell in row):
+        return first
+    for other in others:
+        apart = (first.numbers != other.numbers).any(axis=1)
+        if apart.any():
+            row = int(apart.argmax())
+            one, two = (" and ".join(f"{x:g}" for x in r.numbers[row]) for r in (first, other))
             raise InputError(
-                f"{file}, line {number}: {line.strip()[:60]!r} is no row of {len(rows[0])} numbers"
+                f"line {first.lines[row]}: time and value may be {one}, or {two}; give "
+                "decimal='.' or decimal=','"
             )
-        first = first or number
-        rows.append(found)
-    if len(rows) < 2:
-        raise InputError(f"{file}: there are no two lines of two numbers or more in it")
-    return np.array(rows), headings, first
+    return first
 
 
-def _numbers(line: str, separator: str | None) -> list[float] | None:
-    cells = [cell.strip().strip('"') for cell in line.split(separator)]
-    while cells and not cells[-1]:  # a separator at the end of the line
-        cells.pop()
-    if separator != ",":
-        cells = [cell.replace(",", ".") for cell in cells]
-    try:
-        return [float(cell) for cell in cells] or None
-    except ValueError:
-        return None
+def _cells(line: str, separator: str | None) -> list[str]:
+    if separator is None:
+        return line.replace('"', " ").split()
+    split = next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
+    return [cell.strip() for cell in split]
 
 
-def _column(name: str, given: int | str, headings: Sequence[str], table: FloatArray) -> int:
-    """The number of a column."""
-    count = table.shape[1]
-    if isinstance(given, str):
-        plain = [re.sub(r"\s*[\[(].*$", "", heading) for heading in headings]
-        for options in (headings, plain):
-            if given in options:
-                return list(options).index(given)
-        listed = ", ".join(repr(heading) for heading in headings)
-        raise InputError(
-            f"{name}: no column is called {given!r}{nearest(given, headings)}; there are {listed}"
+def _reading(
+    table: Sequence[tuple[int, list[str]]], mark: str, wanted: dict[str, int | str], doubtful: bool
+) -> _Reading:
+    """Read the wanted columns of lines that are split into cells.
+
+    Parameters
+    ----------
+    table : sequence of (int, list of str)
+        Lines' numbers and cells.
+    mark : str
+        The decimal mark.
+    wanted : dict of str to int or str
+        The columns by argument.
+    doubtful : bool
+        Whether decimal commas may have split cells in two.
+
+    Raises
+    ------
+    _UnreadError
+    """
+    is_number = _NUMBERS[mark].fullmatch
+    columns = tuple(_column(*one, [row for _, row in table]) for one in wanted.items())
+    lines: list[int] = []
+    numbers: list[list[float]] = []
+    first: list[str] = []
+    heading: list[str] = []
+    rows: list[list[str]] = []
+    for at, row in table:
+        cells = [row[column] if column < len(row) else "" for column in columns]
+        if not all(map(is_number, cells)):
+            if not lines:
+                heading = row
+                continue
+            bad = next(cell for cell in cells if not is_number(cell))
+            raise _UnreadError(f"line {at}: {bad!r} is no number", len(lines), len(first))
+        first = first or row
+        if len(row) != len(first) and _filled(row) != _filled(first):
+            raise _UnreadError(
+                f"line {at} has {len(row)} cells, line {lines[0]} has {len(first)}",
+                len(lines),
+                len(first),
+            )
+        lines.append(at)
+        numbers.append([_value(cell, mark) for cell in cells])
+        rows.append(row)
+    width = max((len(row) for _, row in table), default=0)
+    if len(lines) < 2:
+        for name, column in zip(wanted, columns, strict=True):
+            if 0 < width <= column:
+                raise _UnreadError(
+                    f"{name} must be a column from 0 to {width - 1}, got {column}", 0, width
+                )
+        raise _UnreadError(
+            f"columns {columns[0]} and {columns[1]}: there are no two lines with numbers in both",
+            len(lines),
+            width,
         )
-    if isinstance(given, bool) or not isinstance(given, (int, np.integer)):
-        raise InputTypeError(f"{name} must be a column's number or heading, got {given!r}")
-    if not 0 <= given < count:
-        raise InputError(f"{name} must be a column from 0 to {count - 1}, got {given}")
-    return int(given)
+    if doubtful and 1 < _filled(heading) < _filled(first) <= 2 * _filled(heading):
+        raise _UnreadError(
+            f"line {lines[0]}: {_filled(first)} cells are under {_filled(heading)} headings; if "
+            "commas within numbers are not quoted, give another separator, else decimal='.'",
+            len(lines),
+            width,
+        )
+    return _Reading(columns, lines, np.array(numbers), rows)
+
+
+def _filled(row: list[str]) -> int:
+    """Number of cells up to the last one that is not empty."""
+    return max((i for i, cell in enumerate(row, 1) if cell), default=0)
+
+
+def _value(cell: str, mark: str) -> float:
+    """Return a number that matches `_NUMBERS`."""
+    if mark == "," or "," in cell or not cell.isascii() or "'" in cell or " " in cell:
+        cell = re.sub(rf"[^0-9eE+{mark}-]", "", cell).replace(",", ".")
+    return float(cell)
+
+
+def _column(name: str, given: int | str, rows: Sequence[list[str]]) -> int:
+    """Return the number of a column."""
+    if not isinstance(given, str):
+        if given < 0:
+            raise InputError(f"{name} must be a column from 0 on, got {given}")
+        return int(given)
+    for row in rows:
+        for options in (row, [re.sub(r"\s*[\[(].*$", "", cell) for cell in row]):
+            if options.count(given) > 1:
+                raise InputError(f"{name}: {options.count(given)} columns are called {given!r}")
+            if given in options:
+                return options.index(given)
+    over: list[str] = []
+    for row in rows:
+        if sum(bool(_NUMBERS["."].fullmatch(cell)) for cell in row) > 1:
+            break
+        over = row
+    listed = ", ".join(repr(heading) for heading in over)
+    raise _UnreadError(
+        f"{name}: no column is called {given!r}{nearest(given, over)}; there are {listed}",
+        0,
+        len(over),
+    )

@@ -519,6 +519,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.read_signal,
         {
             **{"path": CHANNEL, "time": 0, "values": 1, "time_unit": "s", "unit": "N"},
+            "decimal": ".",
             "name": "force",
         },
     ),

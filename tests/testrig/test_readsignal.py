@@ -21,6 +21,25 @@ TIMES, FORCES = [0.0, 1e-4, 2e-4], [0.0, 1500.0, 300.0]
         ("time (ms);x;load (kN)\n0,0;9;0,0\n0,1;9;1,5\n0,2;9;0,3\n", {"values": "load (kN)"}),
         ("# rig 7\n# t F\n0 0\n0.1 1.5\n0.2 0.3\n", {"time_unit": "ms", "unit": "kN"}),
         ('"Time"\t"Load"\n0\t0\t\n0.1\t1500\t\n0.2\t300\t\n', {"time_unit": "ms"}),
+        ("t;F\n0,0000;0\n0,0001;1.500\n0,0002;300\n", {}),
+        ("t;F\n0.0000;0\n0.0001;1,500\n0.0002;300\n", {}),
+        ('t,F\n0.0000,0\n0.0001,"1,500"\n0.0002,300\n', {}),
+        ('t,F\n"0,0000","0"\n"0,0001","1500,0"\n"0,0002","300"\n', {}),
+        ("t;F\n0;0\n0,1;1 500\n0,2;300\n", {"time_unit": "ms"}),
+        ("t;F\n0;0\n0.1;1\u202f500.00\n0.2;3e2\n", {"time_unit": "ms"}),
+        ("t;F\n0;0\n.1;+1'500\n.2;300.\n", {"time_unit": "ms"}),
+        ("t;F\n0;0\n100;1,500\n200;300\n", {"time_unit": "us", "decimal": "."}),
+        ("t,F\n0,0,0\n100,1500,0\n200,300,0\n", {"time_unit": "us", "decimal": "."}),
+        ("t;F\n0,0;0,0\n0,1;1500,0\n0,2;300\n", {"time_unit": "ms"}),
+        ("t;F\n0,0;0,0\n100;1500\n200;300\n", {"time_unit": "us"}),
+        ("0 0\n0,1 1500,0\n0,2 300,0\n", {"time_unit": "ms"}),
+        (
+            "date;t;F\n01.02.2026;0;0\n01.02.2026;1e-4;1500\n01.02.2026;2e-4;300\n",
+            {"time": 1} | {"values": 2},
+        ),
+        ("t;F;status\n0;0;OK\n1e-4;1500;\n2e-4;300;too high, 1,2\n", {}),
+        ("t;;F\n0;;0\n1e-4;;1500\n2e-4;;300\n", {"values": "F"}),
+        ("Points,3,,0,0.0\nStep,1e-4,s,1e-4,1500\n,,,2e-4,300\n", {"time": 3, "values": 4}),
         ("\ufeffDate 2026-11-22, 10:00\n\nt,F\n0,0\n100,1500\n200,300\n", {"time_unit": "us"}),
     ],
 )
@@ -54,6 +73,20 @@ def test_units(tmp_path: Path, unit: str, factor: float, base: str) -> None:
     assert (signal.unit, signal.name) == (base, "channel")
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "latin-1"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_encodings(tmp_path: Path, encoding: str, end: str) -> None:
+    """Excel's Unicode text is UTF-16 with a mark; without one it is binary to others."""
+    content = end.join(["t [µs]\tF", "0\t0", "100\t1500", "200\t300"]).encode(encoding)
+    (tmp_path / "drop.txt").write_bytes(content)
+    if encoding == "utf-16-le":
+        with pytest.raises(ao.InputError, match="is binary"):
+            ao.read_signal(tmp_path / "drop.txt")
+        return
+    signal = ao.read_signal(tmp_path / "drop.txt", time="t", time_unit="µs")
+    np.testing.assert_allclose(signal.values, FORCES)
+
+
 def test_what_the_package_writes_is_read_back(tmp_path: Path) -> None:
     ball = ao.rigid(mass=0.03)
     hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
@@ -66,11 +99,23 @@ def test_what_the_package_writes_is_read_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "given", "words"),
     [
-        ("t,F\n0,0\n1,x\n", {}, "line 3: '1,x' is no row of 2 numbers"),
-        ("t,F\n0,0\n1,1,1\n", {}, "line 3: .* is no row of 2 numbers"),
+        ("t,F\n0,0\n1,x\n", {}, "line 3: 'x' is no number"),
+        ("t,F\n0,0\n1,1,1\n", {}, "line 3 has 3 cells, line 2 has 2"),
+        ("t,F\n0,950\n1,1,500\n", {}, "line 3 has 3 cells, line 2 has 2"),
+        ("t,F\n0,1,500\n1,2,590\n", {}, "line 2: 3 cells are under 2 headings"),
+        ("t,F\n1,0,2,5\n2,0,3,5\n", {}, "line 2: 4 cells are under 2 headings"),
+        ("t;F\n1;1,500\n2;2,590\n", {}, "line 2: time and value may be 1 and 1500, or 1 and 1.5"),
+        ("t;F;x\n1;1.500;0,5\n2;2.590;0,5\n", {}, "may be 1 and 1.5, or 1 and 1500; give decimal"),
+        ("t;F\n0.1;1,5\n0.2;2,5\n", {}, "no two lines with numbers"),
+        ("t;F\n0;1e999\n1;1\n", {}, "finite"),
+        ("t;F\n0;1\n1;nan\n", {}, "line 3: 'nan' is no number"),
+        ("t;F;F\n0;1;2\n1;2;3\n", {"values": "F"}, "2 columns are called 'F'"),
+        ("t;F\n0;1\n1;2\n", {"decimal": "comma"}, "decimal must be one of"),
+        ("t;F\n0;1\n1;2\n", {"time": -1}, "time must be a column from 0 on, got -1"),
+        ("\0\1;\2", {}, "is binary"),
         ("t,F\n0,0\n1,1\n1,2\n", {}, "line 4: the time does not rise"),
-        ("t,F\n", {}, "no two lines of two numbers"),
-        ("", {}, "no two lines of two numbers"),
+        ("t,F\n", {}, "no two lines with numbers"),
+        ("", {}, "no two lines with numbers"),
         ("t,F\n0,0\n1,1\n", {"values": "load"}, "no column is called 'load'; there are 't', 'F'"),
         ("t,F\n0,0\n1,1\n", {"values": 2}, "values must be a column from 0 to 1, got 2"),
         ("t,F\n0,0\n1,1\n", {"values": 1.0}, "column's number or heading"),
