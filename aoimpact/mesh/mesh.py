@@ -310,7 +310,10 @@ def _sets(name: str, sets: Any, count: int) -> dict[str, IntArray]:
 def _labels(name: str, labels: Any, count: int) -> IntArray | None:
     if labels is None:
         return None
-    array = np.array(labels)
+    try:
+        array = np.array(labels)
+    except ValueError as error:
+        raise InputTypeError(f"{name} must be integers: {error}") from None
     if array.dtype.kind not in "iu":
         raise InputTypeError(f"{name} must be integers, got dtype {array.dtype}")
     if array.shape != (count,):

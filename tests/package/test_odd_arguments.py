@@ -296,6 +296,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "kind": BOX.kind,
             "node_sets": BOX.node_sets,
             "cell_sets": {"all": [0]},
+            "node_labels": np.arange(1, BOX.n_nodes + 1),
+            "cell_labels": np.arange(1, BOX.n_cells + 1),
         },
     ),
     "Mesh.part": (
@@ -586,6 +588,7 @@ ALSO = {
     "source": ("mesh",),
     "path": ("1", "no such file", ".: cannot be read", "cannot read '.'"),
     "base": ("1:", "no such file:", ".: cannot be read", "path must"),
+    "cells": ("cell_labels must have shape",),
     "a": ("handle",),
     "b": ("handle",),
     # The law's own parameters, as they come out of these.
