@@ -588,7 +588,6 @@ ALSO = {
     "source": ("mesh",),
     "path": ("1", "no such file", ".: cannot be read", "cannot read '.'"),
     "base": ("1:", "no such file:", ".: cannot be read", "path must"),
-    "cells": ("cell_labels must have shape",),
     "a": ("handle",),
     "b": ("handle",),
     # The law's own parameters, as they come out of these.
@@ -606,7 +605,10 @@ ALSO = {
     "expected": ("share",),
     "nodes": ("coordinates reach", "the mesh is"),
     "lengths": ("coordinates reach", "the mesh is"),
-    "cells": ("refer to nodes", "elements are there twice", "belong to no element"),
+    "cells": (
+        *("refer to nodes", "elements are there twice", "belong to no element"),
+        "cell_labels must have shape",
+    ),
     "omega2": ("modes must have shape",),
     "omega": ("participation must have shape",),
     "data": ("is missing",),
