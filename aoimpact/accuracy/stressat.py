@@ -20,9 +20,10 @@ from ..base import (
     place,
 )
 from ..fem import ContactPoint, FEModel
-from ..fields import SOLVED, Response, Stress, response_of, stress_rows_at, stresses_around
+from ..fields import Response, Stress, response_of, stress_rows_at, stresses_around
 from ..linalg import SolverBook
 from ..mesh import weights_at
+from ..reduction import SOLVED
 from ..results import Quantity, Run
 
 __all__ = ["StressAt", "stress_quantity"]

@@ -34,6 +34,7 @@ from .statics import (
     centre_of,
     displacement,
     moves_rigidly,
+    near_static,
     static_mode,
     translates,
 )
@@ -77,6 +78,7 @@ __all__ = [
     "layout",
     "materials_of",
     "moves_rigidly",
+    "near_static",
     "pieces",
     "refuse_mechanism",
     "room",

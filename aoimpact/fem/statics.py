@@ -20,6 +20,7 @@ __all__ = [
     "displacement",
     "elastic_compliance",
     "moves_rigidly",
+    "near_static",
     "static_mode",
     "translates",
 ]
@@ -127,6 +128,11 @@ def elastic_compliance(
     return float(load @ displacement(tip.body, load, invert or tip.body.inverse))
 
 
+def near_static(body: Body) -> float:
+    """Return s² of a K + s²M that has factors and is as good as K, (rad/s)²."""
+    return _NEAR_K * float(body.K.diagonal().sum() / body.M.diagonal().sum())
+
+
 def displacement(
     body: Body,
     b: FloatArray,
@@ -156,9 +162,8 @@ def displacement(
                 "(a piece not connected, an element without stiffness), or K has too few digits; "
                 "see body.frequencies(10)"
             ) from None
-    # Each pass leaves s²/(ω₁² + s²) of the error, so s² lies far below most elastic ω².
-    s2 = _NEAR_K * float(K.diagonal().sum() / M.diagonal().sum())
-    near_k = invert(s2)
+    # Each pass leaves s²/(ω₁² + s²) of the error.
+    near_k = invert(near_static(body))
     x, before = np.zeros_like(b), np.inf
     while True:
         change = near_k.solve(b - K @ x)

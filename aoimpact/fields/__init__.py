@@ -6,14 +6,12 @@ attributes of a run's bodies, `accuracy` takes stresses and their errors; `testr
 
 from .fields import Field, Probe
 from .movie import MovingBody, movie_path, write_movie
-from .recovery import SOLVED
 from .replay import response_of
 from .response import Response, stress_rows_at
 from .stress import Stress
 from .stresserror import energy_error, missing_energy, stresses_around
 
 __all__ = [
-    "SOLVED",
     "Field",
     "MovingBody",
     "Probe",

@@ -1,6 +1,6 @@
 """How wrong the motion of a whole body may be that a few shapes give.
 
-There are two errors. The first is that of the correction (recovery.py): it is as uncertain as it is
+There are two errors. The first is that of the correction (`Recovery`): it is as uncertain as it is
 large, and its largest value persists as vibration. The second comes after the first contact, when
 the body vibrates at the model's frequencies. If a mode φ of the model leaves the residual r = K φ -
 λ M φ, a natural λ* lies within |(λ + s²)/(λ* + s²) - 1| ≤ |e|, e = (K + s²M)⁻¹ r in the norm of M,
@@ -21,7 +21,7 @@ import numpy as np
 import scipy
 
 from ..base import FloatArray
-from .recovery import Recovery
+from ..reduction import Recovery
 
 __all__ = ["FieldError", "History"]
 

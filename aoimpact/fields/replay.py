@@ -10,8 +10,8 @@ import numpy as np
 from ..base import FloatArray
 from ..integrate import Events, Motion, Recorder
 from ..linalg import LinearSolver
+from ..reduction import PACE, Recovery
 from ..scene import FreeMotion, FullBody, Plan
-from .recovery import PACE, Recovery
 from .response import OmittedMotion, Response
 
 __all__ = ["response_of"]

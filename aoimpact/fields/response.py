@@ -14,10 +14,10 @@ from ..base import HUGE, FloatArray, InputError, IntArray, finite_array, unit_ve
 from ..fem import Body, selected_nodes
 from ..integrate import Motion
 from ..mesh import node_at, weights_at
+from ..reduction import Recovery
 from ..scene import FreeMotion
 from .fielderror import FieldError, History
 from .fields import Field, Probe, solid, warn_if_wrong
-from .recovery import Recovery
 from .stress import stress_rows
 
 __all__ = ["OmittedMotion", "Response", "stress_rows_at"]

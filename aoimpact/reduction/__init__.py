@@ -14,13 +14,16 @@ from .interface import InterfaceModel, InterfaceSpace, interface, whole_interfac
 from .krylov import KrylovSpace
 from .modalbody import ModalBody, modal_body
 from .modes import ModalModel, modal
+from .recovery import PACE, SOLVED, Recovery
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid
 from .starmodes import StarModes, star_modes
 from .validity import fitted_times, is_valid_for, unbalanced
 
 __all__ = [
+    "PACE",
     "SHIFT_TIMES_DURATION",
+    "SOLVED",
     "AOModel",
     "BodyModel",
     "FullModel",
@@ -30,6 +33,7 @@ __all__ = [
     "KrylovSpace",
     "ModalBody",
     "ModalModel",
+    "Recovery",
     "ReducedModel",
     "StarModes",
     "antioscillators",

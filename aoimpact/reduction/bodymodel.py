@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Self
 
 from ..base import FloatArray
 from ..fem import Body, ContactPoint, ContactSurface, Damping
+from .band import Band, band_of
 from .coordinates import GeneralizedCoordinates
 
 __all__ = ["BodyModel", "FiniteElementModel", "ReducedModel"]
@@ -147,6 +149,25 @@ class ReducedModel(BodyModel):
 
         :meta private:
         """
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency, Hz, between which it has the receptance of its body.
+
+        There the receptance, averaged over neighbouring frequencies, is right to 1e-3. It takes a
+        static solution for each contact point. A model given by numbers is right everywhere.
+        """
+        return (0.0, math.inf) if self._band is None else self._band.limits
+
+    @cached_property
+    def _band(self) -> Band | None:
+        coordinates = self.coordinates()
+        return None if coordinates is None else band_of(coordinates, self.contact_points)
+
+    def _warn_outside_band(self, omega: FloatArray) -> None:
+        """Warn where a receptance is asked for at frequencies, rad/s, that it does not know."""
+        if self._band is not None:
+            self._band.warn_outside(omega, fitted=self.contact_time is not None)
 
     @property
     def omitted_translation(self) -> FloatArray | None:

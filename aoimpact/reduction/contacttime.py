@@ -22,6 +22,7 @@ from ..fem import (
     Materials,
     OneMaterial,
     each_of,
+    near_static,
     stiffness_mass,
 )
 from ..mesh import taken
@@ -34,6 +35,7 @@ __all__ = [
     "own_contact_time",
     "refuse_massless",
     "shortest_contact_time",
+    "slow_shift",
 ]
 
 
@@ -99,9 +101,16 @@ def fitted_shifts(
         times = [positive("contact_time", contact_time, unit="s")]
         for tip in tips:
             _check_resolved(tip, contact_time)
-    if duration is not None and positive("duration", duration, unit="s") > times[0]:
-        times.append(duration)
-    return [SHIFT_TIMES_DURATION / time for time in times]
+    shifts = [SHIFT_TIMES_DURATION / times[0]]
+    if duration is not None and (slow := slow_shift(tips[0], duration)) < shifts[0]:
+        shifts.append(slow)
+    return shifts
+
+
+def slow_shift(tip: ContactPoint, duration: float) -> float:
+    """Return the shift for motion of that duration, rad/s; of an infinite one a static shift."""
+    wanted = SHIFT_TIMES_DURATION / positive("duration", duration, unit="s", infinite=True)
+    return max(wanted, math.sqrt(near_static(tip.body)))
 
 
 def own_contact_time(tip: ContactPoint) -> float:

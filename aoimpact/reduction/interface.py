@@ -248,6 +248,11 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
         ndarray, shape (..., p, p)
             `[..., p, q]`: of port p for a force at port q; infinite at a resonance.
 
+        Warns
+        -----
+        AOImpactWarning
+            At frequencies outside the model's `band`.
+
         Examples
         --------
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
@@ -258,6 +263,7 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
         True
         """
         frequency = finite_array("omega", omega, unit="rad/s", most=HUGE)
+        self._warn_outside_band(frequency)
         stiffness: Any = self.omega**2 - frequency[..., None] ** 2
         if self.damping is not None:
             stiffness = stiffness + 2j * self.damping.decay(self.omega) * frequency[..., None]
@@ -308,7 +314,7 @@ def interface(
     n: int,
     *,
     contact_time: float | None = None,
-    duration: float | None = None,
+    duration: float = math.inf,
     solver: Solver = "auto",
 ) -> InterfaceModel:
     """Return the model of a body touched in several places.
@@ -322,9 +328,13 @@ def interface(
         Places on one and the same body, from `FEModel.contact`.
     n : int
         Number of modes, the body's rigid motions included and at least one more for each port.
-    contact_time, duration : float, optional
-        What the modes are fitted to, s; see `KrylovSpace`. Without a contact time, the shortest of
-        those that the ports have by themselves.
+    contact_time : float, optional
+        The shortest contact that the modes are fitted to, s; by default the shortest of those that
+        the ports have by themselves.
+    duration : float, optional
+        How long the body's motion is to be right, s. By default for ever: every other vector is
+        static, so that the lowest natural modes are right. ``duration=contact_time`` fits all
+        vectors to the contact, which spares a factorisation and is best for its force alone.
     solver : str or callable, optional
         See `FEModel.inverse`.
 

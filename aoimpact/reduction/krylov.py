@@ -22,12 +22,11 @@ from ..base import (
     boolean,
     instance,
     integer,
-    positive,
     warn,
 )
 from ..fem import ContactPoint, moves_rigidly
 from ..linalg import LinearSolver, Solver
-from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
+from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift, slow_shift
 from .modes import star_of_modes
 from .star import AOModel
 from .subspace import Subspace
@@ -61,10 +60,11 @@ class KrylovSpace:
         period of the body's mass on the stiffness of its contact coordinate, which is far too short
         for matrices without a mesh of nearly incompressible material.
     duration : float, optional
-        How long the body's motion is to be right, s, if that is much longer than the contact: every
-        other vector is then fitted to it, which takes a second factorisation. Without it the
-        motion is right for some contact times. Always right are the motion of a free body as a
-        whole and that of a constrained one under forces that change slowly.
+        How long the body's motion is to be right, s, if that is much longer than the contact:
+        ``math.inf`` for the lowest natural modes. Every other vector is then fitted to it, which
+        takes a second factorisation. Without it the motion is right for some contact times. Always
+        right are the motion of a free body as a whole and that of a constrained one under forces
+        that change slowly.
     sharpened : bool, optional
         Whether vectors beyond the 48th and the 192nd are fitted to models that large, which takes
         another factorisation for each.
@@ -199,7 +199,7 @@ class KrylovSpace:
 
         :meta private:
         """
-        slow = SHIFT_TIMES_DURATION / positive("duration", duration, unit="s")
+        slow = slow_shift(self.tip, duration)
         if slow < self.shift:
             self._space.shifts = (self.shift, slow)
 

@@ -153,7 +153,7 @@ class ModalModel(Frozen, FiniteElementModel):
 
 def ascending(name: str, value: Any) -> FloatArray:
     """Return `value`, of one mode at least, as frequencies or their squares that do not fall."""
-    values = finite_array(name, value, ndim=1)
+    values = finite_array(name, value, ndim=1, most=HUGE)
     if not len(values) or values[0] < 0.0 or (np.diff(values) < 0.0).any():
         raise InputError(f"{name} must be one number at least, none negative, in ascending order")
     return values

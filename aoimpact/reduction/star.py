@@ -346,6 +346,11 @@ class AOModel(Frozen, ReducedModel):
         float or ndarray
             m/N, of the shape of `omega`; complex where there is damping, real without.
 
+        Warns
+        -----
+        AOImpactWarning
+            At frequencies outside the model's `band`.
+
         Examples
         --------
         >>> model = ao.AOModel(m0=0.1, k0=1e5)
@@ -353,6 +358,7 @@ class AOModel(Frozen, ReducedModel):
         1e-05
         """
         frequency = finite_array("omega", omega, unit="rad/s")
+        self._warn_outside_band(frequency)
         if self.damping is not None and not math.isinf(self.m0):
             return self._damped_receptance(self.damping, frequency)
         result = np.empty(frequency.shape)

@@ -218,7 +218,7 @@ def test_a_body_struck_in_three_places_is_all_of_its_modes():
         motion, (0.0, duration), start, method="DOP853", rtol=1e-10, atol=1e-14
     ).y[3:6, -1]
     errors = []
-    for order in (12, 24, n):
+    for order in (24, n):
         scene = ao.Scene()
         beam = scene.add(ao.interface(tips, n=order))
         struck = [scene.add(ball, velocity=v) for ball, v in zip(balls, speeds, strict=True)]
@@ -228,8 +228,8 @@ def test_a_body_struck_in_three_places_is_all_of_its_modes():
         assert run[beam].port_velocities.shape[0] == 3
         assert run.error.energy < 1e-8
         errors.append(np.abs(velocities(run, struck) - full).max())
-    assert errors[1] < 1e-3
-    assert errors[2] < 1e-6
+    assert errors[0] < 1e-3
+    assert errors[1] < 1e-6
 
 
 # ---------------------------------------------------------------------- many contacts

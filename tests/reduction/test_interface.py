@@ -59,7 +59,7 @@ def test_receptance_between_the_ports_is_the_bodys(which, request):
 
 def test_one_port_is_the_star(free):
     """The star of the same subspace, seen through its natural modes."""
-    model = ao.interface(free[:1], 6 + 5, contact_time=T)
+    model = ao.interface(free[:1], 6 + 5, contact_time=T, duration=T)
     star = ao.antioscillators(free[0], 5, method="krylov", contact_time=T)
     omega = np.linspace(0.1, 5.0, 9) / T
     np.testing.assert_allclose(model.receptance(omega)[:, 0, 0], star.receptance(omega), rtol=1e-8)
@@ -101,8 +101,8 @@ def test_ports_that_move_alike_are_one():
     K, M = beam(20, fixed=[0, 40])
     body = ao.FEModel(K=K, M=M)
     middle = body.contact(dof=19)
-    twice = ao.interface([middle, middle], 8, contact_time=0.1)
-    once = ao.interface([middle], 8, contact_time=0.1)
+    twice = ao.interface([middle, middle], 8, contact_time=0.1, duration=0.1)
+    once = ao.interface([middle], 8, contact_time=0.1, duration=0.1)
     np.testing.assert_allclose(twice.omega, once.omega, rtol=1e-8)
     np.testing.assert_allclose(twice.participation[0], twice.participation[1])
 

@@ -18,6 +18,7 @@ def test_modes_of_a_clamped_rod():
 
 @pytest.mark.parametrize("fixed", [[], [0]], ids=["free", "held"])
 @pytest.mark.parametrize("n", [1, 2, 7, 31])
+@pytest.mark.filterwarnings("ignore:receptance:aoimpact.AOImpactWarning")
 def test_the_star_of_a_modal_model_has_its_receptance(fixed, n):
     K, M = rod(31, fixed=fixed)
     modes = ao.modal(ao.FEModel(K=K, M=M).contact(dof=30), n)

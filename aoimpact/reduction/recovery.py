@@ -26,7 +26,7 @@ import numpy as np
 
 from ..base import FloatArray
 from ..linalg import ROUGH, LinearSolver
-from ..reduction import GeneralizedCoordinates
+from .coordinates import GeneralizedCoordinates
 
 __all__ = ["PACE", "SOLVED", "Recovery"]
 

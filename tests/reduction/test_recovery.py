@@ -13,7 +13,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.fields.recovery import Recovery
+from aoimpact.reduction import Recovery
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -1,0 +1,101 @@
+"""The band of a reduced model: the frequencies at which it has the receptance of its body.
+
+At the frequency iω a model leaves the forces r = b - (K + ω²M) X_r unbalanced, and its receptance
+bᵀX_r is too small by rᵀ(K + ω²M)⁻¹ r, since r is orthogonal to its shapes (Galerkin). M is positive
+semidefinite, so this is at most rᵀK⁻¹ r at every ω. K⁻¹ exists for r even where the body is free:
+the model contains its rigid motions. r has about one direction for each force, so the bound takes
+a few static solutions. Receptances at iω are those at ω, averaged over frequencies about as far
+apart as ω itself.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import FloatArray, warn, with_unit
+from ..fem import ContactPoint, near_static
+from .contacttime import SHIFT_TIMES_DURATION, highest_shift
+from .coordinates import GeneralizedCoordinates
+from .recovery import Recovery
+
+__all__ = ["Band", "band_of"]
+
+# Error of the receptance at iω up to which a frequency is in the band. A mode that gives a tenth of
+# the receptance there is then right to 1 %.
+_RIGHT = 1e-3
+
+# Frequencies at which the error is computed, in each decade.
+_EACH_DECADE = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """The error of a model's receptance over frequency.
+
+    Attributes
+    ----------
+    omega : ndarray, shape (k,)
+        Ascending, rad/s.
+    error : ndarray, shape (k,)
+        Upper bound of the relative error of the receptance at iω, the largest of all ports.
+    """
+
+    omega: FloatArray
+    error: FloatArray
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest frequency, Hz, about the one of the least error; 0, 0 if none is."""
+        wrong, best = self.error > _RIGHT, int(self.error.argmin())
+        if wrong[best]:
+            return 0.0, 0.0
+        below, above = np.flatnonzero(wrong[:best]), np.flatnonzero(wrong[best:])
+        low = self.omega[below[-1] + 1] if len(below) else 0.0
+        high = self.omega[best + above[0] - 1] if len(above) else math.inf
+        return float(low) / (2.0 * math.pi), float(high) / (2.0 * math.pi)
+
+    def warn_outside(self, omega: FloatArray, *, fitted: bool) -> None:
+        """Warn where the model's receptance is asked for at frequencies that it does not know.
+
+        Parameters
+        ----------
+        omega : ndarray
+            rad/s, any shape.
+        fitted : bool
+            Whether the model was fitted to times.
+        """
+        asked = np.clip(np.abs(omega).ravel(), self.omega[0], self.omega[-1])
+        error = np.interp(np.log(asked), np.log(self.omega), self.error)
+        if not (error > _RIGHT).any():
+            return
+        worst = int(error.argmax())
+        low, high = self.limits
+        at, time = asked[worst] / (2.0 * math.pi), SHIFT_TIMES_DURATION / asked[worst]
+        fit = "duration=math.inf" if at < low else f"contact_time={time:.2g}"
+        warn(
+            f"receptance: the reduced model is right from {with_unit(low, 'Hz')} to "
+            f"{with_unit(high, 'Hz')} and may be off by {min(error[worst], 1.0):.0%} at "
+            f"{with_unit(at, 'Hz')}; make it with {f'{fit} or ' if fitted else ''}a larger n"
+        )
+
+
+def band_of(reduced: GeneralizedCoordinates, tips: tuple[ContactPoint, ...]) -> Band:
+    """Return the band of a model, from its coordinates and its ports."""
+    slow = math.sqrt(near_static(reduced.body))
+    fast = max(map(highest_shift, tips))
+    decades = math.log10(max(fast / slow, 10.0))
+    omega = np.geomspace(slow, fast, math.ceil(_EACH_DECADE * decades))
+    recovery = Recovery(reduced, slow)
+    shapes, body = recovery.shapes, reduced.body
+    energy = shapes.T @ (body.K @ shapes) + slow**2 * (shapes.T @ (body.M @ shapes))
+    forces, loads = np.eye(len(tips)), reduced.basis.T @ reduced.loads
+    error = np.empty(len(omega))
+    for i, s2 in enumerate(omega**2):
+        motion = np.linalg.solve(reduced.stiffness + s2 * np.diag(reduced.mass), loads)
+        left = recovery.amounts(motion, forces)
+        missing = np.einsum("ip,ij,jp->p", left, energy, left)
+        error[i] = (missing / np.einsum("ip,ip->p", loads, motion)).max()
+    return Band(omega, error)
