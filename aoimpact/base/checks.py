@@ -324,7 +324,7 @@ def plain(vector: FloatArray) -> str:
     return f"({', '.join(f'{x if abs(x) > noise else 0.0:.6g}' for x in vector)})"
 
 
-def node_ids(name: str, value: Any, count: int, what: str = "node") -> IntArray:
+def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> IntArray:
     """Return `value` as sorted unique numbers of nodes in [0, `count`); bools are refused.
 
     Parameters
@@ -332,8 +332,8 @@ def node_ids(name: str, value: Any, count: int, what: str = "node") -> IntArray:
     name : str
         Of the argument.
     value : array_like of int
-    count : int
-        How many there are.
+    count : int or None
+        How many there are; None where numbers are labels, which may be any.
     what : str, optional
         What is numbered.
 
@@ -355,7 +355,7 @@ def node_ids(name: str, value: Any, count: int, what: str = "node") -> IntArray:
     if array.ndim != 1:
         raise InputError(f"{name} must be a flat list of {what} numbers, got shape {array.shape}")
     low, high = int(array.min()), int(array.max())
-    if low < 0 or high >= count:
+    if count is not None and (low < 0 or high >= count):
         wrong = low if low < 0 else high
         raise InputError(f"{name} has {what} {wrong}, but {what}s run from 0 to {count - 1}")
     return np.unique(array).astype(np.int64)

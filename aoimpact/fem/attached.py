@@ -23,8 +23,9 @@ from ..base import (
     warn,
 )
 from ..linalg import LARGEST
-from ..mesh import motions_at
-from .supports import Selector, components, selected_nodes
+from ..mesh import Mesh, motions_at
+from .labels import label_of
+from .supports import Selector, components, nodes_of_mesh
 
 __all__ = ["Mounted", "RigidMass", "SpringSupport", "added_mass", "spring_stiffness"]
 
@@ -90,21 +91,14 @@ Mounted = tuple[Selector, float] | RigidMass
 SpringSupport = tuple[Selector, str, float]
 
 
-def added_mass(
-    nodes: FloatArray,
-    masses: Sequence[Mounted] | None,
-    node_sets: Mapping[str, IntArray],
-    free: IntArray,
-) -> sp.csr_array | None:
+def added_mass(mesh: Mesh, masses: Sequence[Mounted] | None, free: IntArray) -> sp.csr_array | None:
     """Return what is added to M over all dofs, shape (3 n_nodes, 3 n_nodes); None for nothing.
 
     Parameters
     ----------
-    nodes : ndarray, shape (n_nodes, 3)
-        m.
+    mesh : Mesh
     masses : sequence of (nodes, kg) or RigidMass
         A mass is shared equally by its nodes, in all three directions.
-    node_sets : mapping of str to array of int
     free : ndarray of int
         The dofs that no support holds.
 
@@ -118,11 +112,11 @@ def added_mass(
     for i, entry in enumerate(_listed("masses", masses, how)):
         name = f"masses[{i}]"
         if isinstance(entry, RigidMass):
-            one = _rigid(name, entry, nodes, node_sets)
+            one = _rigid(name, entry, mesh)
         else:
             selector, mass = _tuple(name, entry, 2, how)
-            ids = selected_nodes(name, selector, nodes, node_sets)
-            share = np.zeros((len(nodes), 3))
+            ids = nodes_of_mesh(name, selector, mesh)
+            share = np.zeros((mesh.n_nodes, 3))
             share[ids] = _mass(f"{name}: the mass", mass) / len(ids)
             one = sp.diags_array(share.reshape(-1), format="csr")
             one.eliminate_zeros()
@@ -137,11 +131,9 @@ def added_mass(
     return added
 
 
-def _rigid(
-    name: str, mount: RigidMass, nodes: FloatArray, node_sets: Mapping[str, IntArray]
-) -> sp.csr_array:
+def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     """WᵀJW with q = W u the rigid motion about its centre that fits its nodes best."""
-    ids = selected_nodes(name, mount.nodes, nodes, node_sets)
+    ids, nodes = nodes_of_mesh(name, mount.nodes, mesh), mesh.nodes
     if len(ids) > _MOST_NODES:
         raise InputError(
             f"{name}: the rigid mass is on {len(ids)} nodes, {_MOST_NODES} are the most: take some "
@@ -198,20 +190,15 @@ def _warn_of_millimetres(
 
 
 def spring_stiffness(
-    nodes: FloatArray,
-    springs: Sequence[SpringSupport] | None,
-    node_sets: Mapping[str, IntArray],
-    free: IntArray,
+    mesh: Mesh, springs: Sequence[SpringSupport] | None, free: IntArray
 ) -> FloatArray | None:
     """Return what is added to the diagonal of K over all dofs, shape (3 n_nodes,); None for none.
 
     Parameters
     ----------
-    nodes : ndarray, shape (n_nodes, 3)
-        m.
+    mesh : Mesh
     springs : sequence of (nodes, letters, N/m)
         The stiffness is that of all the nodes together, in each of the directions named.
-    node_sets : mapping of str to array of int
     free : ndarray of int
         The dofs that no support holds.
 
@@ -222,20 +209,21 @@ def spring_stiffness(
         holds a node against its spring.
     """
     how = 'give a list such as [("mounts", "z", 1e6)]: nodes, letters, N/m'
-    total = np.zeros((len(nodes), 3))
-    constrained = np.ones(len(nodes) * 3, dtype=bool)
+    total = np.zeros((mesh.n_nodes, 3))
+    constrained = np.ones(mesh.n_nodes * 3, dtype=bool)
     constrained[free] = False
     for i, entry in enumerate(_listed("springs", springs, how)):
         name = f"springs[{i}]"
         selector, letters, stiffness = _tuple(name, entry, 3, how)
-        ids = selected_nodes(name, selector, nodes, node_sets)
+        ids = nodes_of_mesh(name, selector, mesh)
         share = _bounded(f"{name}: the stiffness", stiffness, "N/m") / len(ids)
         for component in components(name, letters):
             on_support = constrained.reshape(-1, 3)[ids, component]
             if on_support.any():
+                first = label_of(int(ids[on_support][0]), mesh.node_labels)
                 raise InputError(
                     f"{name}: {int(on_support.sum())} of its {len(ids)} nodes, the first is "
-                    f"{ids[on_support][0]}, are constrained in {'xyz'[component]} by fixed, so "
+                    f"{first}, are constrained in {'xyz'[component]} by fixed, so "
                     "that the spring would not act there; release them, or take other nodes"
                 )
             total[ids, component] += share

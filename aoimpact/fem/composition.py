@@ -94,7 +94,7 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
             other = list(given)[int(owner[twice[0]])]
             raise InputError(
                 f"material: {len(twice)} elements are in both groups {other!r} and {name!r}, the "
-                f"first is element {twice[0]}; each element needs exactly one material"
+                f"first is element {_called(mesh, twice[0])}; each needs exactly one material"
             )
         owner[cells] = number
     if (owner < 0).any():
@@ -104,6 +104,11 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
     if len(distinct) == 1:
         return next(iter(distinct))
     return Materials(dict(given), tuple(distinct), np.array(number_of)[owner])
+
+
+def _called(mesh: Mesh, cell: int) -> int:
+    """The number by which a user knows an element."""
+    return int(cell if mesh.cell_labels is None else mesh.cell_labels[cell])
 
 
 def _left_over(mesh: Mesh, owner: IntArray, given: Mapping[str, Any]) -> str:
@@ -117,7 +122,7 @@ def _left_over(mesh: Mesh, owner: IntArray, given: Mapping[str, Any]) -> str:
     place = ", ".join(f"{x:.4g}" for x in mesh.nodes[mesh.cells[bare[0]]].mean(axis=0))
     return (
         f"material: {len(bare)} of {mesh.n_cells} elements have none, the first is element "
-        f"{bare[0]} near ({place}) m: give the material of their groups "
+        f"{_called(mesh, bare[0])} near ({place}) m: give the material of their groups "
         f"({where or 'no group has any of them; name them in the mesher'})"
     )
 

@@ -39,7 +39,7 @@ from ..mesh import AT_NODE, Mesh, Surface, surface_shape
 from .composition import AnyMaterial
 from .contactsurface import ContactSurface, contact_surface
 from .damping import Damping
-from .labels import labelled_rows, one_node
+from .labels import label_of, labelled_rows, nodes_by_number, one_node
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
@@ -94,6 +94,8 @@ class Body(Protocol):
     @property
     def labels(self) -> IntArray | None: ...
     @property
+    def node_labels(self) -> IntArray | None: ...
+    @property
     def mesh(self) -> Mesh | None: ...
     @property
     def material(self) -> AnyMaterial | None: ...
@@ -135,7 +137,8 @@ class ContactPoint(Frozen):
     point : ndarray, shape (3,), or None
         Where, m; on the surface of the mesh.
     node : int or None
-        The node touched; None where the contact is spread over several.
+        The node touched, its number in `body.nodes` from 0; None where the contact is spread over
+        several.
     patch : Patch or None
         The disc that carries the contact; None for a node or a point.
     normal : ndarray, shape (3,), or None
@@ -285,12 +288,15 @@ class ContactPoint(Frozen):
             return f"ContactPoint({where} of {body})"
         where = ", ".join(f"{x:.4g}" for x in self.point)
         along = ", ".join(f"{x:.4g}" for x in self.direction)
-        what = "point" if self.node is None else f"node {self.node}"
-        if self.node is not None and self.body.labels is not None:
-            what = f"node {one_node(self.body.labels, self.b)}"
+        what = "point" if self.node is None else f"node {self.node_label}"
         if self.patch is not None:
             what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
         return f"ContactPoint({what} at ({where}) m along ({along}) of {body})"
+
+    @property
+    def node_label(self) -> int | None:
+        """The label of `node`, where nodes have labels, or else `node` itself."""
+        return None if self.node is None else label_of(self.node, self.body.node_labels)
 
     @property
     def name(self) -> str:
@@ -436,7 +442,7 @@ def _without_faces(
         )
     if along is None:
         raise InputTypeError("contact needs direction: a body without a mesh has no normal")
-    return _at_node(body, _nearest_node(body.nodes, point), along)
+    return _at_node(body, _nearest_node(body, point), along)
 
 
 def _at_dof(body: Body, dof: int) -> ContactPoint:
@@ -519,11 +525,10 @@ def _with_patch(tip: ContactPoint, radius: float) -> ContactPoint:
 def _node_number(body: Body, node: Any) -> int:
     """The place in `nodes` of a node that is named by its label or, without labels, by that."""
     assert body.nodes is not None
-    if body.labels is None:
+    if body.node_labels is None:
         return integer("node", node, low=0, high=len(body.nodes) - 1)
-    assert body.free is not None
-    rows = labelled_rows(body.labels, integer("node", node))
-    return int(body.free[rows[0]]) // 3
+    wanted = integer("node", node)
+    return int(nodes_by_number("node", wanted, len(body.nodes), body.node_labels)[0])
 
 
 def _at_label(body: Body, node: Any, direction: Any, radius: float | str) -> ContactPoint:
@@ -558,7 +563,8 @@ def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
     b = b[body.free]
     if np.linalg.norm(b) < 1e-12:
         raise InputError(
-            f"point {plain(body.nodes[node])} m with direction {plain(along)}: node {node} is "
+            f"point {plain(body.nodes[node])} m with direction {plain(along)}: node "
+            f"{label_of(node, body.node_labels)} is "
             "constrained by the supports in that direction, so no impact there can move it; choose "
             "another node or direction, or release the node in fixed"
         )
@@ -578,7 +584,7 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
         away = np.linalg.norm(body.nodes[nodes] - touch.point, axis=1)
         reason = (
             f"the contact rests on nodes constrained by the supports in that direction, the "
-            f"first is {nodes[0]}"
+            f"first is {label_of(int(nodes[0]), body.node_labels)}"
         )
         raise RoomError(
             f"point {plain(touch.point)} m with direction {plain(touch.direction)}: {reason}; "
@@ -603,22 +609,25 @@ def _at_a_node(nodes: FloatArray, gap: float) -> bool:
     return gap <= AT_NODE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
 
 
-def _nearest_node(nodes: FloatArray, point: FloatArray) -> int:
+def _nearest_node(body: Body, point: FloatArray) -> int:
     """Return the node that is meant by a point of a body without faces."""
+    assert body.nodes is not None
+    nodes = body.nodes
     node, gap = _closest(nodes, point)
     if _at_a_node(nodes, gap):
         return node
+    called = label_of(node, body.node_labels)
     around = np.linalg.norm(nodes - nodes[node], axis=1)
     spacing = float(np.sort(around)[1]) if len(nodes) > 1 else 0.0
     if gap > 0.5 * spacing:
         raise InputError(
             f"point {plain(point)} m is {gap:.3g} m from the nearest "
-            f"node ({node}, at {plain(nodes[node])} m), where nodes are "
+            f"node ({called}, at {plain(nodes[node])} m), where nodes are "
             f"{spacing:.3g} m apart: give the coordinates of a node (are they in metres?)"
         )
     warn(
         f"point {plain(point)} m is no node; this body has no mesh, so a contact is at a node, and "
-        f"node {node} at {plain(nodes[node])} m, {gap:.3g} m off, is taken: give its "
+        f"node {called} at {plain(nodes[node])} m, {gap:.3g} m off, is taken: give its "
         "coordinates if it is meant, or make the body with FEModel.from_mesh(...)"
     )
     return node

@@ -7,9 +7,19 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, plain
+from ..base import FloatArray, InputError, InputTypeError, IntArray, node_ids, plain
 
-__all__ = ["axes_of", "checked_labels", "labelled_rows", "missing_node", "node_numbers", "one_node"]
+__all__ = [
+    "axes_of",
+    "checked_labels",
+    "label_of",
+    "labelled_nodes",
+    "labelled_rows",
+    "missing_node",
+    "node_numbers",
+    "nodes_by_number",
+    "one_node",
+]
 
 # Components: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
 _MOST = 6
@@ -64,6 +74,59 @@ def axes_of(free: IntArray | None, labels: IntArray | None) -> FloatArray | None
     return axes
 
 
+def labelled_nodes(labels: IntArray, free: IntArray, n_nodes: int) -> IntArray:
+    """Return the label of each node, shape (n_nodes,), from those of the rows of K; -1: no row."""
+    of_nodes = np.full(n_nodes, -1)
+    of_nodes[free // 3] = labels[:, 0]
+    return of_nodes
+
+
+def nodes_by_number(name: str, given: Any, count: int, labels: IntArray | None) -> IntArray:
+    """Return the nodes that a user names by numbers: by their labels, without these from 0.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    given : int or array_like of int
+    count : int
+        How many nodes there are.
+    labels : ndarray of int, shape (count,), or None
+        The nodes' labels.
+
+    Returns
+    -------
+    ndarray of int
+        Ascending, each once, counted from 0.
+
+    Raises
+    ------
+    InputTypeError, InputError
+        If a number names no node, or several.
+    """
+    if labels is None:
+        return node_ids(name, given, count)
+    wanted = node_ids(name, given, None)
+    order = np.argsort(labels, kind="stable")
+    first = np.searchsorted(labels, wanted, sorter=order)
+    after = np.searchsorted(labels, wanted, side="right", sorter=order)
+    if (first == after).any():
+        raise missing_node(name, labels, int(wanted[first == after][0]))
+    several = after - first > 1
+    if several.any():
+        at = int(np.flatnonzero(several)[0])
+        raise InputError(
+            f"{name}: {after[at] - first[at]} nodes of the mesh have the number {wanted[at]}; take "
+            "a node set, or a function of the coordinates"
+        )
+    return np.sort(order[first])
+
+
+def label_of(node: int, labels: IntArray | None) -> int:
+    """Return the number by which a user knows a node; see `nodes_by_number`."""
+    return node if labels is None or labels[node] < 0 else int(labels[node])
+
+
 def labelled_rows(labels: IntArray, node: int) -> IntArray:
     """Return the rows of K that belong to a node's displacements.
 
@@ -74,7 +137,7 @@ def labelled_rows(labels: IntArray, node: int) -> IntArray:
     """
     rows = np.flatnonzero((labels[:, 0] == node) & (labels[:, 1] >= 1) & (labels[:, 1] <= 3))
     if not len(rows):
-        raise missing_node(labels, node)
+        raise missing_node("node", np.append(labels[:, 0], -1), node)
     return rows
 
 
@@ -104,14 +167,15 @@ def one_node(labels: IntArray, b: FloatArray) -> int | None:
     return int(nodes[0]) if len(nodes) == 1 else None
 
 
-def missing_node(labels: IntArray, node: int) -> InputError:
-    """The error for a node of which no displacement is free."""
-    known = np.unique(labels[labels[:, 0] > 0, 0])
+def missing_node(name: str, labels: IntArray, node: int) -> InputError:
+    """The error for a label that no node has, or none with a row in K (other nodes: -1)."""
+    known = np.unique(labels[labels > 0])
     if not len(known):
-        return InputError(f"node {node}: no row of K has the label of a node")
+        return InputError(f"{name} {node}: no row of K has the label of a node")
     near = known[np.argsort(np.abs(known - node), kind="stable")[:3]]
     return InputError(
-        f"node {node} has no row in K: supports hold it, or there is none of that number; the "
-        f"{len(known)} labelled nodes run from {known[0]} to {known[-1]}, near are "
+        f"{name}: there is no node {node}"
+        + (" with a row in K, supports may hold it" if (labels < 0).any() else "")
+        + f"; the {len(known)} labelled nodes run from {known[0]} to {known[-1]}, near are "
         f"{', '.join(map(str, sorted(near.tolist())))}"
     )

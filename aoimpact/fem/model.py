@@ -59,7 +59,7 @@ from .audit import Audit, audited
 from .composition import AnyMaterial, Materials, OneMaterial, materials_of
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
-from .labels import axes_of, checked_labels, node_numbers
+from .labels import axes_of, checked_labels, labelled_nodes, node_numbers
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
 
@@ -202,7 +202,8 @@ class FEModel(Frozen):
         fixed : sequence of (nodes, letters), optional
             Supports: node numbers, the name of a node set of the mesh, or a function of the nodes'
             coordinates (n_nodes, 3) that returns one bool for each; and the components constrained
-            there, of "x", "y", "z". None leaves the body free.
+            there, of "x", "y", "z". Numbers are the file's, ``mesh.node_labels``; in a mesh without
+            these they count from 0. None leaves the body free.
         masses : sequence of (nodes, kg) or RigidMass, optional
             Added masses: nodes as in `fixed`, and what they carry together, in equal shares and in
             all three directions; of a face, shares by area would be uniform, and a mass on a face
@@ -256,9 +257,9 @@ class FEModel(Frozen):
         solid = read_mesh(mesh, part=part)
         made_of = materials_of(solid, material)
         surface = boundary(solid) if len(solid.blocks) > 1 else None  # which checks that they fit
-        free = free_dofs(solid.nodes, fixed, solid.node_sets)
-        heavier = added_mass(solid.nodes, masses, solid.node_sets, free)
-        stiffer = spring_stiffness(solid.nodes, springs, solid.node_sets, free)
+        free = free_dofs(solid, fixed)
+        heavier = added_mass(solid, masses, free)
+        stiffer = spring_stiffness(solid, springs, free)
         translations = _translations(np.arange(3 * solid.n_nodes))
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             K, M = stiffness_mass(solid, made_of)
@@ -449,6 +450,16 @@ class FEModel(Frozen):
         assert self.free is not None  # a body with a mesh has nodes
         return mechanism_of(self.surface, self.free, self.M, self.rigid_modes, self._springs)
 
+    @cached_property
+    def node_labels(self) -> IntArray | None:
+        """The number by which each node is called, shape (n_nodes,); None: they count from 0.
+
+        From `labels`, with -1 for a node without a row of K, or else those of the mesh.
+        """
+        if self.labels is not None and self.nodes is not None and self.free is not None:
+            return labelled_nodes(self.labels, self.free, len(self.nodes))
+        return None if self.mesh is None else self.mesh.node_labels
+
     def inverse(
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
     ) -> LinearSolver:
@@ -526,8 +537,8 @@ class FEModel(Frozen):
             but zero. By default the surface's inward normal, or, where the body turns out to be the
             projectile, the outward one.
         node : int, optional
-            In place of `point`: the node's label, of a body with `labels`; else its number in
-            `nodes`, from 0.
+            In place of `point`: the node's label in the matrices (`labels`) or in the mesh's file
+            (``mesh.node_labels``); without labels its number in `nodes`, from 0.
         dof : int, optional
             Row of K, in place of `point` and `direction`.
         b : array_like, shape (n_dofs,), optional

@@ -8,39 +8,37 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, nearest, node_ids
+from ..base import FloatArray, InputError, InputTypeError, IntArray, nearest
+from ..mesh import Mesh
+from .labels import nodes_by_number
 
-__all__ = ["Selector", "Support", "components", "free_dofs", "selected_nodes"]
+__all__ = ["Selector", "Support", "components", "free_dofs", "nodes_of_mesh", "selected_nodes"]
 
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
 Support = tuple[Selector, str]
 
 
-def free_dofs(
-    nodes: FloatArray, fixed: Sequence[Support] | None, node_sets: Mapping[str, IntArray]
-) -> IntArray:
+def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
     """Return the dofs 3·node + component that no support holds, ascending.
 
     Parameters
     ----------
-    nodes : ndarray, shape (n_nodes, 3)
-        m.
+    mesh : Mesh
     fixed : sequence of (nodes, letters)
         The nodes by number, by the name of a set, or by a function of all coordinates that returns
         one bool for each; the letters, of "x", "y" and "z", say which components are constrained.
-    node_sets : mapping of str to array of int
 
     Raises
     ------
     InputError, InputTypeError
         If an entry selects nothing, names an unknown set or letter, or nothing is left free.
     """
-    fixed_dofs = np.zeros((len(nodes), 3), dtype=bool)
+    fixed_dofs = np.zeros((mesh.n_nodes, 3), dtype=bool)
     for i, entry in enumerate(_entries(fixed)):
         selector, letters = entry
         wanted = components(f"fixed[{i}]", letters)
-        selected = selected_nodes(f"fixed[{i}]", selector, nodes, node_sets)
+        selected = nodes_of_mesh(f"fixed[{i}]", selector, mesh)
         for component in wanted:
             fixed_dofs[selected, component] = True
     if fixed_dofs.all():
@@ -69,8 +67,17 @@ def components(name: str, letters: Any) -> list[int]:
     return sorted({"xyz".index(letter) for letter in letters})
 
 
+def nodes_of_mesh(name: str, selector: Any, mesh: Mesh) -> IntArray:
+    """Return the nodes of a mesh that are selected; see `selected_nodes`."""
+    return selected_nodes(name, selector, mesh.nodes, mesh.node_sets, mesh.node_labels)
+
+
 def selected_nodes(
-    name: str, selector: Any, nodes: FloatArray, node_sets: Mapping[str, IntArray]
+    name: str,
+    selector: Any,
+    nodes: FloatArray,
+    node_sets: Mapping[str, IntArray],
+    labels: IntArray | None,
 ) -> IntArray:
     """Return the nodes that a set's name, a function of all coordinates, or numbers select.
 
@@ -83,6 +90,8 @@ def selected_nodes(
     nodes : ndarray, shape (n_nodes, 3)
         m.
     node_sets : mapping of str to array of int
+    labels : ndarray of int, shape (n_nodes,), or None
+        By which numbers name nodes; None: from 0.
 
     Returns
     -------
@@ -92,7 +101,7 @@ def selected_nodes(
     Raises
     ------
     InputError, InputTypeError
-        If it selects nothing, or names an unknown set.
+        If it selects nothing, or names an unknown set or number.
     """
     if isinstance(selector, str):
         if selector not in node_sets:
@@ -109,7 +118,7 @@ def selected_nodes(
     except ValueError as error:
         raise InputTypeError(f"{name}: nodes must be a flat list of numbers: {error}") from None
     if array.dtype != bool:
-        return node_ids(f"{name}: nodes", selector, len(nodes))
+        return nodes_by_number(f"{name}: nodes", selector, len(nodes), labels)
     return _from_mask(f"{name}: the mask of nodes", array, nodes)
 
 

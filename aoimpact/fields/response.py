@@ -225,7 +225,7 @@ class Response:
         assert coordinates is not None
         if nodes is not None:
             sets = {} if self.body.mesh is None else self.body.mesh.node_sets
-            chosen = selected_nodes("nodes", nodes, coordinates, sets)
+            chosen = selected_nodes("nodes", nodes, coordinates, sets, self.body.node_labels)
             return coordinates[chosen], sp.eye_array(len(coordinates), format="csr")[chosen]
         places = finite_array("point", point, unit="m", most=HUGE)
         if places.shape[-1:] != (3,) or places.ndim > 2 or places.size == 0:

@@ -95,8 +95,9 @@ class Mesh(Frozen):
         Named groups of elements by their numbers, e.g. for materials. Kinds are numbered through,
         one after the other.
     node_labels : array_like of int, shape (n_nodes,), optional
-        Numbers that the file gives to the nodes. A number that occurs twice, as in two instances of
-        an Abaqus part, names no single node.
+        Numbers that the file gives to the nodes, by which supports, masses, springs, contacts and
+        probes name them. A number that occurs twice, as in two instances of an Abaqus part, names
+        no single node.
     cell_labels : array_like of int, shape (n_cells,), optional
         Numbers that the file gives to the elements.
 

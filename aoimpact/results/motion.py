@@ -178,7 +178,7 @@ class BodyResult(Frozen):
             Along which to measure, any length but zero; all three components if left out.
         nodes : str, callable or array_like, optional
             In place of `point`: the name of a node set, a function of all coordinates that returns
-            one bool for each, or numbers.
+            one bool for each, or numbers: labels, where the body's nodes have labels, else from 0.
         times : array_like, optional
             Ascending, within the record, s; those of the result if left out.
 

@@ -96,7 +96,7 @@ def place_words(tip: ContactPoint | None, *, rigid: bool = False) -> str:
     """Return where and over what a body is touched, along which direction."""
     if tip is None or tip.point is None or tip.direction is None:
         return ""
-    what = "point" if tip.node is None else f"node {tip.node}"
+    what = "point" if tip.node is None else f"node {tip.node_label}"
     if tip.patch is not None:
         what = f"patch of {with_unit(tip.patch.radius, 'm', 3)}"
     if rigid:

@@ -406,7 +406,7 @@ def _nodes_of(entry: Mapping[str, Any], mesh: Mesh) -> Any:
         low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
         box = ", ".join(f"{c} {a:g} to {b:g}" for c, a, b in zip("xyz", low, high, strict=True))
         raise InputError(f"no node lies on {where}; the mesh spans {box} m")
-    return np.flatnonzero(on)
+    return on
 
 
 def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint:

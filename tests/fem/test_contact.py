@@ -377,7 +377,9 @@ def test_a_label_names_its_node_in_any_order_of_the_rows() -> None:
 
 
 def test_an_unknown_label_is_refused_with_those_near() -> None:
-    with pytest.raises(InputError, match=r"node 110 has no row in K: .* near are 10\d, 109, 111"):
+    with pytest.raises(
+        InputError, match=r"no node 110 with a row in K, .* near are 10\d, 109, 111"
+    ):
         labelled().contact(node=110, direction=DOWN)
 
 

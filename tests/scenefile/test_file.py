@@ -833,7 +833,7 @@ part = ["nose", "body"]
 material = { nose = "steel", body = "ply" }
 masses = [
     { z = 0.04, mass = 5.0 },
-    { nodes = [0, 7, 20, 30], mass = 1.0, centre = [0, 0, 0.1], inertia = [1e-3, 1e-3, 1e-3] },
+    { nodes = [1, 8, 21, 31], mass = 1.0, centre = [0, 0, 0.1], inertia = [1e-3, 1e-3, 1e-3] },
 ]
 springs = [{ nodes = "body", along = "z", stiffness = 1e4 }]
 contact = { point = [0.01, 0.01, 0.0], direction = [0, 0, -1], radius = 0.0 }
@@ -881,7 +881,7 @@ def test_a_body_of_groups_with_masses_and_springs(tmp_path: Path) -> None:
         {"nose": steel, "body": ply},
         masses=[
             (lambda x: np.abs(x[:, 2] - 0.04) < 1e-9, 5.0),
-            ao.RigidMass([0, 7, 20, 30], 1.0, (0, 0, 0.1), (1e-3, 1e-3, 1e-3)),
+            ao.RigidMass([1, 8, 21, 31], 1.0, (0, 0, 0.1), (1e-3, 1e-3, 1e-3)),
         ],
         springs=[("body", "z", 1e4)],
         part=["nose", "body"],
