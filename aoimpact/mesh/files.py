@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..base import MemoryLimitError, MeshError, MissingFileError, file_path
-from . import gmsh, viameshio
+from . import exodus, gmsh, kratos, med, viameshio, vtk
 from .rawmesh import RawMesh
 
 __all__ = ["load"]
@@ -17,7 +17,13 @@ _Reader = Callable[[Path], RawMesh]
 
 # Readers by the end of a file's name, in small letters; meshio takes the rest. A reader raises
 # ValueError with the reason, or MeshError if that names the file.
-_READERS: dict[str, _Reader] = {}
+_READERS: dict[str, _Reader] = {
+    **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), exodus.read),
+    ".mdpa": kratos.read,
+    ".med": med.read,
+    ".vtk": vtk.read_legacy,
+    ".vtu": vtk.read_xml,
+}
 
 
 def load(path: str | os.PathLike[str]) -> RawMesh:

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, IntArray, warn
-from .elements import KINDS, reference_element
-from .mesh import jacobian_range
+from .mesh import right_handed
 from .rawmesh import RawBlock, RawMesh
 from .tokens import numbers_of
 
@@ -416,7 +415,7 @@ def _mesh(
         cells = order[at]
         if kind in _ORDERS:
             cells = cells[:, _ORDERS[kind]]
-        block = RawBlock(kind, _turned(kind, cells, places), part.tags)
+        block = RawBlock(kind, right_handed(kind, places, cells), part.tags)
         for tag, members in part.groups.items():
             name = names.get((block.dim, tag), f"{_DIMENSIONS[block.dim]} {tag}")
             sets.setdefault(name, []).append(first + members)
@@ -427,12 +426,3 @@ def _mesh(
         warn(f"groups without elements in the file: {', '.join(map(repr, missing))}")
     groups = {name: np.concatenate(parts) for name, parts in sets.items()}
     return RawMesh(places, tuple(blocks), {}, groups, tags)
-
-
-def _turned(kind: str, cells: IntArray, places: FloatArray) -> IntArray:
-    """Return the elements of an entity right-handed, if it was taken in reverse."""
-    if kind not in KINDS or not len(cells) or not np.isfinite(places[cells]).all():
-        return cells
-    element = reference_element(kind)
-    _, highest = jacobian_range(places, cells, element)
-    return cells if (highest >= 0.0).any() else cells[:, element.mirror]

@@ -34,6 +34,7 @@ __all__ = [
     "group",
     "jacobian_range",
     "replace_nodes",
+    "right_handed",
     "select",
     "taken",
 ]
@@ -423,3 +424,12 @@ def jacobian_range(
         det /= np.where(size > SMALLEST, size, 1.0)[:, None] ** 3
         lowest[part], highest[part] = det.min(axis=1), det.max(axis=1)
     return lowest, highest
+
+
+def right_handed(kind: str, nodes: FloatArray, cells: IntArray) -> IntArray:
+    """Return elements renumbered if every one of them is the mirror image of a good one."""
+    if kind not in KINDS or not len(cells) or not np.isfinite(nodes[cells]).all():
+        return cells
+    element = reference_element(kind)
+    _, highest = jacobian_range(nodes, cells, element)
+    return cells if (highest >= 0.0).any() else np.ascontiguousarray(cells[:, element.mirror])

@@ -24,7 +24,7 @@ from ..base import (
 )
 from .elements import KINDS, reference_element
 from .files import load
-from .mesh import SMALLEST, Mesh, check_reach, checked_cells, jacobian_range, replace_nodes, select
+from .mesh import SMALLEST, Mesh, check_reach, checked_cells, replace_nodes, right_handed, select
 from .rawmesh import RawMesh
 from .viameshio import from_meshio, is_meshio
 
@@ -240,13 +240,10 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntAr
 
 
 def _make_right_handed(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
-    """Renumber the elements if every one of them is the mirror image of a good one."""
-    element = reference_element(kind)
-    _, highest = jacobian_range(nodes, cells, element)
-    if (highest >= 0.0).any():
-        return cells
-    warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
-    return np.ascontiguousarray(cells[:, element.mirror])
+    turned = right_handed(kind, nodes, cells)
+    if turned is not cells:
+        warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
+    return turned
 
 
 def _warn_of_pieces(mesh: Mesh) -> None:

@@ -6,17 +6,15 @@ import contextlib
 import gzip
 import io
 import re
-import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..base import IntArray, MemoryLimitError, MeshError
+from ..base import IntArray, MeshError, warn
 from .elements import KINDS
-from .guard import Reading, bounded, bounded_text
 from .rawmesh import RawBlock, RawMesh
 
 __all__ = ["from_meshio", "is_meshio", "meshio_of_all_kinds", "read"]
@@ -25,81 +23,119 @@ __all__ = ["from_meshio", "is_meshio", "meshio_of_all_kinds", "read"]
 # meshio's names of kinds of cells: a shape and its number of nodes.
 _KIND = re.compile(r"(vertex|line|triangle|quad|tetra|hexahedron|wedge|pyramid)\d*")
 
-# Formats that hold no volume cells: there is nothing to be read.
-_SURFACES = (".obj", ".off", ".ply", ".stl", ".svg", ".wkt")
+# Formats that are not read, by the end of a file's name, and why.
+_REFUSED = {
+    **dict.fromkeys(
+        (".obj", ".off", ".ply", ".stl", ".svg", ".wkt"),
+        "files {} hold surfaces, without volume cells; mesh the inside, and write .msh or .vtu",
+    ),
+    **dict.fromkeys((".ele", ".node"), "TetGen's files are not read; write .msh, .vtu or .vtk"),
+}
+
+# Formats that meshio reads from a stream, which is not read beyond its end for ever.
+_STREAMS = ("ansys", "netgen", "tecplot")
 
 # Groups of FLAC3D's files, of which meshio numbers the members through, not by blocks.
 _FLAC3D = re.compile("(zone|face):")
 
 _DIMENSION_NAMES = ("point", "line", "surface", "volume")
 
+# Integers of a text that may be counts or numbers of nodes, for which meshio's readers make arrays
+# and loops: as large as this, or as this times the bytes of the file.
+_LARGEST, _PER_BYTE = 10**6, 8
+
 
 def read(file: Path) -> RawMesh:
-    """Return what meshio reads of a file.
+    """Return what meshio reads of a file, with a warning of what was not checked.
 
     Raises
     ------
     MeshError
-        If meshio does not read its format, or it has cells of a kind that meshio cannot hold.
-    MemoryLimitError
-        If there is not enough memory for it.
+        If its format is not read, or it has cells of a kind that meshio cannot hold.
+    ValueError
+        If meshio cannot read the file, or numbers in it are out of proportion to its size.
     """
-    size = file.stat().st_size
-    if file.suffix.lower() in _SURFACES:
-        raise MeshError(
-            f"mesh file {str(file)!r}: files {file.suffix} hold surfaces, without volume cells; "
-            "mesh the inside, and write .msh, .vtu or .inp"
-        )
+    suffix = file.suffix.lower()
+    if suffix in _REFUSED:
+        raise MeshError(f"mesh file {str(file)!r}: {_REFUSED[suffix].format(suffix)}")
+    _check_numbers(file)
     said = io.StringIO()
-    reading = Reading(size)
     try:
-        mesh = _silently_read(file, reading, said)
-    except SystemExit:
-        reason = " ".join(said.getvalue().split())
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            name, mesh = _tried(file, said)
     except MemoryError:
-        raise MemoryLimitError(
-            f"mesh file {str(file)!r} ({size} bytes) needs more memory than there is: coarsen the "
-            "mesh, or look for a count in the file that is wrong"
-        ) from None
+        raise
     except ModuleNotFoundError as error:
         raise MeshError(
             f"mesh file {str(file)!r} needs the package {error.name}: pip install {error.name}"
         ) from None
-    except KeyError as error:
-        # Some readers know more kinds of cells, such as tetra4, than meshio's meshes can hold.
-        if _KIND.fullmatch(str(error.args[0] if error.args else "")):
-            raise MeshError(
-                f"mesh file {str(file)!r} has cells of an unsupported kind: {error.args[0]}; "
-                f"supported are {', '.join(KINDS)}"
-            ) from None
-        reason = f"KeyError: {error}"
     except Exception as error:
-        # Readers meet malformed files with whatever their parsing happens to raise.
-        reason = f"{type(error).__name__}: {error}"
-    else:
-        return from_meshio(mesh)
-    where = f", at {reading.place} or before" if reading.place else ""
-    raise MeshError(
-        f"mesh file {str(file)!r} cannot be read{where}: {reason or 'meshio gives no reason'}; "
-        "write it anew, or convert it to another of meshio's formats (.msh, .vtu, .inp, …)"
-    )
+        # Readers meet malformed files with whatever their parsing happens to raise; some know
+        # more kinds of cells, such as tetra4, than meshio's meshes can hold.
+        kind = str(error.args[0]) if isinstance(error, KeyError) and error.args else ""
+        if _KIND.fullmatch(kind):
+            raise MeshError(
+                f"mesh file {str(file)!r} has cells of an unsupported kind: {kind}; supported are "
+                f"{', '.join(KINDS)}"
+            ) from None
+        plain = type(error) is ValueError
+        raise ValueError(str(error) if plain else f"{type(error).__name__}: {error}") from None
+    if said.getvalue().strip():
+        warn(f"mesh file {file.name!r}: meshio says: {' '.join(said.getvalue().split())}")
+    if name == "tecplot":
+        _check_tecplot(file, mesh)
+    elif name not in ("abaqus", "nastran"):
+        warn(
+            f"mesh file {file.name!r}: files of the format {name} are read by meshio, which may "
+            "leave out what it does not know. Check the numbers of nodes, elements and groups: "
+            f"{len(mesh.points)} nodes, {sum(len(block.data) for block in mesh.cells)} cells"
+        )
+    return from_meshio(mesh)
 
 
-def _silently_read(file: Path, reading: Reading, said: io.StringIO) -> Any:
-    """What meshio reads, with bounds on what it takes, and what it prints in `said`.
+def _check_numbers(file: Path) -> None:
+    """Refuse a text with an integer that is out of proportion to its size."""
+    content = file.read_bytes()
+    if b"\0" in content or file.suffix.lower() in (".xml", ".xdmf", ".xmf"):
+        return
+    most = max(_LARGEST, _PER_BYTE * len(content))
+    for match in re.finditer(rb"(?<![\d.+\-eEdD])\d{7,}(?![\d.eEdD])", content):
+        if int(match[0][:40]) > most:
+            line = 1 + content.count(b"\n", 0, match.start())
+            raise ValueError(
+                f"the number {match[0][:40].decode()} in line {line} is out of proportion to the "
+                f"size of the file, {len(content)} bytes"
+            )
 
-    It tries one reader after the other, prints why each failed, and then exits.
-    """
-    meshio = meshio_of_all_kinds()  # before `bounded`, which puts bounds into its modules
-    with (
-        contextlib.redirect_stdout(said),
-        contextlib.redirect_stderr(said),
-        bounded(reading),
-        warnings.catch_warnings(),
-    ):
-        warnings.simplefilter("ignore")  # of deprecations, and of arithmetic on rubbish
-        warnings.filterwarnings("error", message="string or file could not be read")
-        return _read(file, meshio.read)
+
+def _tried(file: Path, said: io.StringIO) -> tuple[str, Any]:
+    """Return the mesh, and the name of the first format of this suffix that fits."""
+    meshio = meshio_of_all_kinds()
+    suffixes = [suffix.lower() for suffix in file.suffixes[-2:]]
+    known = meshio.extension_to_filetypes
+    formats = [name for i in range(len(suffixes)) for name in known.get("".join(suffixes[i:]), ())]
+    if not formats:
+        raise ValueError(f"no format of files {file.suffix or 'without a suffix'} is known")
+    errors = []
+    for name in formats:
+        try:
+            if name == "flac3d" and b"\0" in file.read_bytes():
+                raise ValueError("binary files of FLAC3D are not read; export it as text")
+            if name not in _STREAMS:
+                return name, meshio.read(file, name)
+            if name == "ansys":
+                with _Binary(io.FileIO(file)) as binary:
+                    return name, meshio.read(binary, name)
+            content = file.read_bytes()
+            packed = file.suffix.lower() == ".gz"
+            text = _Text(io.BytesIO(gzip.decompress(content) if packed else content))
+            return name, meshio.read(text, name)
+        except meshio.ReadError as error:
+            errors.append(f"{name}: {error}")
+        except SystemExit:  # after the reason was printed
+            errors.append(f"{name}: {' '.join(said.getvalue().split())}")
+            said.truncate(said.seek(0))
+    raise ValueError("; ".join(errors))
 
 
 def meshio_of_all_kinds() -> Any:
@@ -112,11 +148,50 @@ def meshio_of_all_kinds() -> Any:
     return meshio
 
 
-def _read(file: Path, read: Callable[..., Any]) -> Any:
-    if file.name.lower().endswith(".vol.gz"):  # unpacked by a reader of its own, without bounds
-        with bounded_text(gzip.open(file)) as text:
-            return read(text, "netgen")
-    return read(file)
+class _Binary(io.BufferedReader):
+    """A file that refuses to be read on and on beyond its end."""
+
+    _empty = 0
+
+    def read(self, size: Any = -1, /) -> bytes:
+        return bytes(self._checked(super().read(size)))
+
+    def readline(self, size: Any = -1, /) -> bytes:
+        return bytes(self._checked(super().readline(size)))
+
+    def _checked(self, got: Any) -> Any:
+        self._empty = 0 if got else self._empty + 1
+        if self._empty > 10:
+            raise EOFError("unexpected end of file")
+        return got
+
+
+class _Text(io.TextIOWrapper):
+    """The same of text."""
+
+    _empty = 0
+
+    def readline(self, size: Any = -1, /) -> str:  # type: ignore[override]
+        got = super().readline(size)
+        self._empty = 0 if got else self._empty + 1
+        if self._empty > 10:
+            raise EOFError("unexpected end of file")
+        return got
+
+
+def _check_tecplot(file: Path, mesh: Any) -> None:
+    """Compare the mesh with what the file's zones announce; meshio reads the first one."""
+    text = re.sub(r'"[^"]*"', "", file.read_text("latin-1")).upper()
+    zones = re.split(r"^\s*ZONE\b", text, flags=re.MULTILINE)[1:]
+    if len(zones) != 1:
+        raise ValueError(f"it has {len(zones)} zones; write the mesh as one")
+    for names, there in (
+        (("NODES", "N"), len(mesh.points)),
+        (("ELEMENTS", "E"), sum(len(block.data) for block in mesh.cells)),
+    ):
+        found = re.search(rf"\b({'|'.join(names)})\s*=\s*(\d+)", zones[0])
+        if found is None or int(found[2]) != there:
+            raise ValueError(f"{names[0].lower()}: {there} were read, not what the zone announces")
 
 
 def is_meshio(source: Any) -> bool:

@@ -1,0 +1,176 @@
+"""Kratos Multiphysics' model parts (.mdpa): elements, conditions and sub-model parts."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..base import IntArray
+from .rawmesh import RawBlock, RawMesh
+
+__all__ = ["read"]
+
+_SOLIDS = {
+    4: "tetra",
+    5: "pyramid",
+    6: "wedge",
+    8: "hexahedron",
+    10: "tetra10",
+    13: "pyramid13",
+    15: "wedge15",
+    20: "hexahedron20",
+    27: "hexahedron27",
+}
+_SURFACES = {
+    1: "vertex",
+    2: "line",
+    3: "triangle",
+    4: "quad",
+    6: "triangle6",
+    8: "quad8",
+    9: "quad9",
+}
+_LINES = {1: "vertex", 2: "line", 3: "line3"}
+
+# Elements in space that are no solids, by a part of their names.
+_SURFACE_NAMES = re.compile("shell|membrane|surface|plate|triangle|quadrilateral|2d", re.IGNORECASE)
+_LINE_NAMES = re.compile(
+    "beam|truss|cable|line|spring|damper|nodal|point|mass|rotation", re.IGNORECASE
+)
+
+# Kratos' numbers of the nodes within an element, in VTK's order: those of GiD.
+_ORDERS = {
+    "hexahedron20": (*range(12), *range(16, 20), *range(12, 16)),
+    "hexahedron27": (*range(12), *range(16, 20), *range(12, 16), 24, 22, 21, 23, 20, 25, 26),
+    "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
+}
+
+# What the parts of a sub-model part name, and blocks without influence on mesh and groups.
+_MEMBERS = {
+    f"SubModelPart{what}": what for what in ("Nodes", "Elements", "Conditions", "Geometries")
+}
+_IGNORED = re.compile(r"SubModelPart(Tables|Properties)?|Mesh\w*|Properties|Table|\w+Data")
+
+# Rows of numbers by what they are: nodes, elements, …, and the numbers before the nodes.
+_HEAD = {"Elements": 2, "Conditions": 2, "Geometries": 1}
+
+
+def read(file: Path) -> RawMesh:
+    """Return the mesh in a model part, with the sub-model parts as groups.
+
+    Raises
+    ------
+    ValueError
+        If the file is damaged or has a block that is not known; the line is named.
+    """
+    nodes: list[list[str]] = []
+    tables: list[tuple[str, str, list[list[str]]]] = []  # what, the name of the element, its rows
+    members: dict[str, list[tuple[str, list[list[str]]]]] = {}
+    stack: list[tuple[str, str]] = []
+    rows: list[list[str]] | None = None
+    for number, line in enumerate(file.read_bytes().decode("utf-8", "replace").splitlines(), 1):
+        words = line.partition("//")[0].split()
+        if not words:
+            continue
+        if words[0] == "Begin" and len(words) > 1:
+            what, name = words[1], " ".join(words[2:])
+            stack.append((what, name))
+            path = ".".join(part for kind, part in stack if kind == "SubModelPart")
+            rows = []
+            if what == "Nodes":
+                nodes = rows
+            elif what in _HEAD:
+                tables.append((what, name, rows))
+            elif what in _MEMBERS and path:
+                members.setdefault(path, []).append((_MEMBERS[what], rows))
+            elif not _IGNORED.fullmatch(what):
+                raise ValueError(f"line {number}: the block {what!r} is not known")
+        elif words[0] == "End":
+            if not stack or words[1:2] != [stack[-1][0]]:
+                raise ValueError(f"line {number}: {line.strip()!r} ends no block that is open")
+            stack.pop()
+            rows = None
+        elif not stack:
+            raise ValueError(f"line {number}: {line.strip()[:40]!r} is outside of any block")
+        elif rows is not None:
+            rows.append(words)
+    if stack:
+        raise ValueError(f"the block {stack[-1][0]!r} has no end")
+    return _mesh(nodes, tables, members)
+
+
+def _table(what: str, rows: list[list[str]], dtype: type) -> list[tuple[float, ...]]:
+    try:
+        return [tuple(dtype(word) for word in row) for row in rows]
+    except ValueError as error:
+        raise ValueError(f"{what}: {error}") from None
+
+
+def _mesh(
+    nodes: list[list[str]],
+    tables: list[tuple[str, str, list[list[str]]]],
+    members: dict[str, list[tuple[str, list[list[str]]]]],
+) -> RawMesh:
+    places = _table("Nodes", nodes, float)
+    if any(len(row) != 4 for row in places):
+        raise ValueError("Nodes: a row is not a number and x, y, z")
+    table = np.array(places, dtype=np.float64).reshape(-1, 4)
+    node_of = _index("node", table[:, 0].astype(np.int64))
+    blocks: list[RawBlock] = []
+    cell_of: dict[str, dict[int, int]] = {what: {} for what in _HEAD}
+    first = 0
+    for what, name, rows in tables:
+        for width in sorted({len(row) for row in rows}):
+            own = np.array(
+                _table(what, [row for row in rows if len(row) == width], int), dtype=np.int64
+            )
+            kind = _kind(what, name, width - _HEAD[what])
+            cells = _looked_up(node_of, own[:, _HEAD[what] :], f"{what} {name}")
+            if kind in _ORDERS:
+                cells = cells[:, _ORDERS[kind]]
+            if what == "Geometries":  # shapes that elements may be made of, but no elements
+                continue
+            blocks.append(RawBlock(kind, cells, own[:, 0]))
+            for place, label in enumerate(own[:, 0].tolist(), first):
+                if label in cell_of[what]:
+                    raise ValueError(f"{what}: number {label} is there twice")
+                cell_of[what][label] = place
+            first += len(own)
+    node_sets: dict[str, IntArray] = {}
+    cell_sets: dict[str, IntArray] = {}
+    for path, parts in members.items():
+        for what, rows in parts:
+            ids = np.array([int(word) for row in rows for word in row], dtype=np.int64)
+            if what == "Nodes":
+                node_sets[path] = _looked_up(node_of, ids, f"sub-model part {path!r}")
+            elif what != "Geometries":
+                found = _looked_up(cell_of[what], ids, f"sub-model part {path!r}")
+                cell_sets[path] = np.concatenate([cell_sets.get(path, found[:0]), found])
+    return RawMesh(table[:, 1:], tuple(blocks), node_sets, cell_sets, table[:, 0].astype(np.int64))
+
+
+def _kind(what: str, name: str, width: int) -> str:
+    if _LINE_NAMES.search(name):
+        kinds = _LINES
+    elif what == "Conditions" or _SURFACE_NAMES.search(name):
+        kinds = _SURFACES
+    else:
+        kinds = _SOLIDS
+    return kinds.get(width, f"{name} of {width} nodes")
+
+
+def _index(what: str, labels: IntArray) -> dict[int, int]:
+    found = {label: place for place, label in enumerate(labels.tolist())}
+    if len(found) < len(labels):
+        raise ValueError(f"a {what} is there twice")
+    return found
+
+
+def _looked_up(places: dict[int, int], labels: IntArray, what: str) -> IntArray:
+    try:
+        found = [places[label] for label in labels.reshape(-1).tolist()]
+    except KeyError as error:
+        raise ValueError(f"{what} names number {error}, which is not there") from None
+    return np.array(found, dtype=np.int64).reshape(labels.shape)

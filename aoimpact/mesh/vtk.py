@@ -1,0 +1,362 @@
+"""VTK's files of unstructured grids: legacy (.vtk) and XML (.vtu).
+
+The formats are those of "VTK File Formats" (docs.vtk.org). They have no groups and no numbers of
+nodes or elements.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import lzma
+import re
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray, IntArray
+from .mesh import right_handed
+from .rawmesh import RawBlock, RawMesh
+from .tokens import numbers_of
+
+__all__ = ["read_legacy", "read_xml"]
+
+# Kinds of cells by VTK's numbers; lines and surfaces of any number of nodes have none.
+_KINDS = {
+    1: ("vertex", 1),
+    3: ("line", 2),
+    5: ("triangle", 3),
+    8: ("quad", 4),
+    9: ("quad", 4),
+    10: ("tetra", 4),
+    11: ("hexahedron", 8),
+    12: ("hexahedron", 8),
+    13: ("wedge", 6),
+    14: ("pyramid", 5),
+    21: ("line3", 3),
+    22: ("triangle6", 6),
+    23: ("quad8", 8),
+    24: ("tetra10", 10),
+    25: ("hexahedron20", 20),
+    26: ("wedge15", 15),
+    27: ("pyramid13", 13),
+    28: ("quad9", 9),
+    29: ("hexahedron27", 27),
+}
+_WITHOUT_VOLUME = (0, 2, 4, 6, 7, 30, 34, 35, 36, 51, 60, 61, 62, 68, 69, 70, 75, 76, 77)
+
+# Pixels and voxels go along the axes, quadrilaterals and hexahedra around.
+_ORDERS = {8: (0, 1, 3, 2), 11: (0, 1, 3, 2, 4, 5, 7, 6)}
+
+_XML_TYPES = {
+    f"{name}{8 * size}": f"{code}{size}"
+    for name, code, sizes in (
+        ("Int", "i", (1, 2, 4, 8)),
+        ("UInt", "u", (1, 2, 4, 8)),
+        ("Float", "f", (4, 8)),
+    )
+    for size in sizes
+}
+_LEGACY_TYPES = {
+    "char": "i1",
+    "unsigned_char": "u1",
+    "short": "i2",
+    "unsigned_short": "u2",
+    "int": "i4",
+    "unsigned_int": "u4",
+    "long": "i8",
+    "unsigned_long": "u8",
+    "float": "f4",
+    "double": "f8",
+    "vtkidtype": "i4",
+    "vtktypeint64": "i8",
+}
+
+
+def _raw_mesh(points: FloatArray, types: IntArray, ends: IntArray, nodes: IntArray) -> RawMesh:
+    """Return the mesh of cells whose nodes end at `ends` in `nodes`."""
+    starts = np.concatenate([[0], ends])[:-1]
+    counts = ends - starts
+    if len(types) != len(ends) or counts.sum() != len(nodes) or (counts < 0).any():
+        raise ValueError("the numbers of cells, types and nodes do not fit each other")
+    blocks = []
+    for type_ in np.unique(types):
+        kind, width = _KINDS.get(int(type_), (f"VTK type {type_}", 0))
+        of = np.flatnonzero(types == type_)
+        if type_ in _WITHOUT_VOLUME:
+            continue
+        if type_ not in _KINDS:
+            blocks.append(RawBlock(kind, np.zeros((len(of), 1), np.int64)))
+            continue
+        if (counts[of] != width).any():
+            raise ValueError(
+                f"a {kind} has {width} nodes, not {counts[of][counts[of] != width][0]}"
+            )
+        cells = nodes[starts[of][:, None] + np.arange(width)]
+        cells = cells[:, _ORDERS.get(int(type_), slice(None))]
+        if (
+            kind in ("wedge", "wedge15")
+            and len(nodes)
+            and cells.max() < len(points)
+            and cells.min() >= 0
+        ):
+            cells = right_handed(kind, points, cells)  # VTK's own are not, those of others are
+        blocks.append(RawBlock(kind, cells))
+    return RawMesh(points, tuple(blocks))
+
+
+# --------------------------------------------------------------------------------------- legacy
+
+
+class _Legacy:
+    """A legacy file, read from its beginning on."""
+
+    def __init__(self, content: bytes) -> None:
+        self.content, self.at = content, 0
+        if not self.line().startswith("# vtk DataFile Version"):
+            raise ValueError("it does not begin with '# vtk DataFile Version'")
+        self.line()  # a title
+        kind = self.line().upper()
+        if kind not in ("ASCII", "BINARY"):
+            raise ValueError(f"{kind!r} is neither ASCII nor BINARY")
+        self.binary = kind == "BINARY"
+
+    def line(self) -> str:
+        end = self.content.find(b"\n", self.at)
+        end = len(self.content) if end < 0 else end
+        text = self.content[self.at : end].decode("latin-1").strip()
+        self.at = end + 1
+        return text
+
+    def words(self) -> list[str]:
+        """Return the words of the next line that is not blank; none at the end."""
+        while self.at < len(self.content):
+            if found := self.line().split():
+                return found
+        return []
+
+    def numbers(self, count: int, type_: str) -> FloatArray:
+        if type_.lower() not in _LEGACY_TYPES:
+            raise ValueError(f"data of type {type_!r} are not read")
+        dtype = np.dtype(">" + _LEGACY_TYPES[type_.lower()])
+        if self.binary:
+            start, self.at = self.at, self.at + count * dtype.itemsize
+            return _from_bytes(self.content[start:], dtype, count).astype(np.float64)
+        end = re.compile(rb"\n[ \t]*[A-Z]").search(self.content, self.at - 1)
+        stop = end.start() + 1 if end else len(self.content)
+        values = numbers_of(self.content[self.at : stop])
+        self.at = stop
+        if len(values) != count:
+            raise ValueError(f"{count} numbers are announced, but {len(values)} are there")
+        return values
+
+
+def _from_bytes(content: bytes, dtype: np.dtype[Any], count: int) -> npt.NDArray[Any]:
+    if not 0 <= count <= len(content) // dtype.itemsize:
+        raise ValueError(f"{count} numbers are announced, but there is room for fewer")
+    return np.frombuffer(content, dtype, count)
+
+
+def read_legacy(file: Path) -> RawMesh:
+    """Return the mesh in a legacy file of an unstructured grid.
+
+    Raises
+    ------
+    ValueError
+        If the file is damaged or has another kind of data set.
+    """
+    reader = _Legacy(file.read_bytes())
+    points: FloatArray | None = None
+    types = ends = nodes = np.zeros(0, np.int64)
+    while words := reader.words():
+        # CELL_DATA and POINT_DATA, after the mesh, are no part of it.
+        match [words[0].upper(), *words[1:]]:
+            case ["CELL_DATA" | "POINT_DATA", *_]:
+                break
+            case ["DATASET", "UNSTRUCTURED_GRID"]:
+                pass
+            case ["DATASET", *kind]:
+                raise ValueError(
+                    f"the data set is {' '.join(kind)}; save it as an unstructured grid"
+                )
+            case ["METADATA"]:
+                while reader.at < len(reader.content) and reader.line():
+                    pass
+            case ["FIELD", _, count]:
+                for _ in range(int(count)):
+                    _skip_field(reader)
+            case ["POINTS", count, type_]:
+                points = reader.numbers(3 * int(count), type_).reshape(-1, 3)
+            case ["CELLS", count, size]:
+                ends, nodes = _legacy_cells(reader, int(count), int(size))
+            case ["CELL_TYPES", count]:
+                types = reader.numbers(int(count), "int").astype(np.int64)
+            case _:
+                raise ValueError(f"{' '.join(words)[:40]!r} is not understood")
+    if points is None:
+        raise ValueError("it has no POINTS")
+    return _raw_mesh(points, types, ends, nodes)
+
+
+def _skip_field(reader: _Legacy) -> None:
+    words = reader.words()
+    if len(words) != 4:
+        raise ValueError(f"{' '.join(words)[:40]!r} is no name, width, length and type of a field")
+    reader.numbers(int(words[1]) * int(words[2]), words[3])
+
+
+def _legacy_cells(reader: _Legacy, count: int, size: int) -> tuple[IntArray, IntArray]:
+    """Return where the nodes of each cell end, and the nodes of all."""
+    start = reader.at
+    words = reader.words()
+    if words[:1] == ["OFFSETS"]:  # version 5: one offset more than cells
+        ends = reader.numbers(count, words[1]).astype(np.int64)[1:]
+        words = reader.words()
+        if words[:1] != ["CONNECTIVITY"]:
+            raise ValueError("CONNECTIVITY is expected after OFFSETS")
+        return ends, reader.numbers(size, words[1]).astype(np.int64)
+    reader.at = start
+    rows = reader.numbers(size, "int").astype(np.int64)
+    heads = np.zeros(count, np.int64)
+    at = 0
+    for i in range(count):
+        if not 0 <= at < size or rows[at] < 0:
+            raise ValueError("the cells do not fill the numbers announced for them")
+        heads[i] = at
+        at += 1 + int(rows[at])
+    if at != size:
+        raise ValueError("the cells do not fill the numbers announced for them")
+    return np.cumsum(rows[heads]), np.delete(rows, heads)
+
+
+# ------------------------------------------------------------------------------------------ XML
+
+
+def read_xml(file: Path) -> RawMesh:
+    """Return the mesh in an XML file of an unstructured grid, all of its pieces.
+
+    Raises
+    ------
+    ValueError
+        If the file is damaged, of another kind of data set, or has ghost cells.
+    """
+    content = file.read_bytes()
+    appended = re.search(rb"<AppendedData([^>]*)>\s*_", content)
+    text = content if appended is None else content[: appended.start()] + b"</VTKFile>"
+    if b"<!" in re.sub(rb"<!--.*?-->", b"", text, flags=re.DOTALL):
+        raise ValueError("declarations of XML are not read")
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise ValueError(f"XML: {error}") from None
+    if root.get("type") != "UnstructuredGrid":
+        raise ValueError(f"the data set is {root.get('type')}; save it as an unstructured grid")
+    pieces = root.findall("UnstructuredGrid/Piece")
+    if not pieces:
+        raise ValueError("it has no piece of an unstructured grid")
+    tail = b"" if appended is None else content[appended.end() :]
+    raw = appended is not None and b"base64" not in appended[1]
+    meshes = [_piece(piece, _Arrays(root, tail, raw)) for piece in pieces]
+    return meshes[0] if len(meshes) == 1 else _joined(meshes)
+
+
+def _joined(meshes: list[RawMesh]) -> RawMesh:
+    first = np.cumsum([0, *(len(mesh.nodes) for mesh in meshes)])
+    blocks = [
+        RawBlock(block.kind, block.cells + shift)
+        for mesh, shift in zip(meshes, first[:-1], strict=True)
+        for block in mesh.blocks
+    ]
+    return RawMesh(np.concatenate([mesh.nodes for mesh in meshes]), tuple(blocks))
+
+
+def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
+    counts = {}
+    for name in ("NumberOfPoints", "NumberOfCells"):
+        counts[name] = int(piece.get(name, ""))
+    for array in piece.findall("CellData/DataArray"):
+        if array.get("Name") in ("vtkGhostType", "vtkGhostLevels") and arrays.of(array).any():
+            raise ValueError("it has ghost cells of another part; save the whole mesh in one file")
+    places = piece.find("Points/DataArray")
+    cells = {array.get("Name"): array for array in piece.findall("Cells/DataArray")}
+    if places is None or not {"connectivity", "offsets", "types"} <= set(cells):
+        raise ValueError("points, connectivity, offsets or types are missing")
+    points = arrays.of(places).astype(np.float64)
+    if len(points) != 3 * counts["NumberOfPoints"]:
+        raise ValueError(
+            f"{counts['NumberOfPoints']} points are announced, but {len(points)} coordinates are "
+            "there"
+        )
+    nodes, ends, types = (
+        arrays.of(cells[name]).astype(np.int64) for name in ("connectivity", "offsets", "types")
+    )
+    if len(types) != counts["NumberOfCells"]:
+        raise ValueError(
+            f"{counts['NumberOfCells']} cells are announced, but {len(types)} are there"
+        )
+    return _raw_mesh(points.reshape(-1, 3), types, ends, nodes)
+
+
+class _Arrays:
+    """The arrays of a file, as text, in base64 or appended, compressed or not."""
+
+    def __init__(self, root: ElementTree.Element, appended: bytes, raw: bool) -> None:
+        self.order = ">" if root.get("byte_order") == "BigEndian" else "<"
+        header = _XML_TYPES.get(root.get("header_type", "UInt32"), "u4")
+        self.header = np.dtype(self.order + header)
+        self.appended, self.raw = appended, raw
+        compressor = root.get("compressor", "")
+        if compressor not in _COMPRESSORS:
+            raise ValueError(f"{compressor} is not read; save it with zlib")
+        self.decompress = _COMPRESSORS[compressor]
+
+    def of(self, array: ElementTree.Element) -> Any:
+        type_ = array.get("type", "")
+        if type_ not in _XML_TYPES:
+            raise ValueError(f"data of type {type_!r} are not read")
+        text = (array.text or "").encode("latin-1", "replace")
+        match array.get("format", "ascii"):
+            case "ascii":
+                return numbers_of(text)
+            case "binary":
+                content = _base64(text)
+            case "appended":
+                tail = self.appended[int(array.get("offset", "0")) :]
+                content = tail if self.raw else _base64(tail)
+            case other:
+                raise ValueError(f"data of format {other!r} are not read")
+        dtype = np.dtype(self.order + _XML_TYPES[type_])
+        size = self.header.itemsize
+        if self.decompress is None:
+            n_bytes = int(_from_bytes(content, self.header, 1)[0])
+            return _from_bytes(content[size:], dtype, n_bytes // dtype.itemsize)
+        n_blocks = int(_from_bytes(content, self.header, 1)[0])
+        sizes = _from_bytes(content, self.header, 3 + n_blocks)[3:]
+        ends = (3 + n_blocks) * size + np.cumsum(sizes, dtype=np.int64)
+        parts = [content[end - int(n) : end] for end, n in zip(ends, sizes, strict=True)]
+        try:
+            whole = b"".join(self.decompress(part) for part in parts)
+        except (zlib.error, lzma.LZMAError) as error:
+            raise ValueError(f"its compressed data are damaged: {error}") from None
+        return _from_bytes(whole, dtype, len(whole) // dtype.itemsize)
+
+
+_COMPRESSORS: dict[str, Callable[[bytes], bytes] | None] = {
+    "": None,
+    "vtkZLibDataCompressor": zlib.decompress,
+    "vtkLZMADataCompressor": lzma.decompress,
+}
+
+
+def _base64(text: bytes) -> bytes:
+    """Return what a text in base64 stands for; the header and the data may each end with "="."""
+    try:
+        parts = re.findall(rb"[A-Za-z0-9+/]+=*", b"".join(text.split()))
+        return b"".join(base64.b64decode(part) for part in parts)
+    except binascii.Error as error:
+        raise ValueError(f"its data in base64 are damaged: {error}") from None
