@@ -17,7 +17,7 @@ import numpy as np
 from ..base import FloatArray, IntArray, warn
 from .mesh import right_handed
 from .rawmesh import RawBlock, RawMesh
-from .tokens import numbers_of
+from .tokens import integers, numbers_of
 
 __all__ = ["read"]
 
@@ -125,10 +125,10 @@ class _Numbers:
         return np.frombuffer(self.content, self.types[kind], count, start).astype(np.float64)
 
     def ints(self, kind: str, count: int) -> IntArray:
-        return self.take(kind, count).astype(np.int64)
+        return integers(self.take(kind, count))
 
     def count(self) -> int:
-        return int(self.take("P", 1)[0])
+        return int(self.ints("P", 1)[0])
 
     def finish(self) -> None:
         left = self.content[self.at :]
@@ -317,7 +317,7 @@ def _nodes_2(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
         count = numbers.count()
         rows = numbers.take("d", 4 * count).reshape(count, 4)
         numbers.finish()
-        return rows[:, 0].astype(np.int64), rows[:, 1:]
+        return integers(rows[:, 0]), rows[:, 1:]
     line, _, rest = content.partition(b"\n")
     kind = np.dtype([("tag", types["i"]), ("place", types["d"], 3)])
     _check_count("nodes", int(line), len(rest) // kind.itemsize)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..base import IntArray
 from .rawmesh import RawBlock, RawMesh
+from .tokens import integers
 
 __all__ = ["read"]
 
@@ -117,7 +118,7 @@ def _mesh(
     if any(len(row) != 4 for row in places):
         raise ValueError("Nodes: a row is not a number and x, y, z")
     table = np.array(places, dtype=np.float64).reshape(-1, 4)
-    node_of = _index("node", table[:, 0].astype(np.int64))
+    node_of = _index("node", integers(table[:, 0]))
     blocks: list[RawBlock] = []
     cell_of: dict[str, dict[int, int]] = {what: {} for what in _HEAD}
     first = 0
@@ -148,7 +149,7 @@ def _mesh(
             elif what != "Geometries":
                 found = _looked_up(cell_of[what], ids, f"sub-model part {path!r}")
                 cell_sets[path] = np.concatenate([cell_sets.get(path, found[:0]), found])
-    return RawMesh(table[:, 1:], tuple(blocks), node_sets, cell_sets, table[:, 0].astype(np.int64))
+    return RawMesh(table[:, 1:], tuple(blocks), node_sets, cell_sets, integers(table[:, 0]))
 
 
 def _kind(what: str, name: str, width: int) -> str:

@@ -428,7 +428,7 @@ def jacobian_range(
 
 def right_handed(kind: str, nodes: FloatArray, cells: IntArray) -> IntArray:
     """Return elements renumbered if every one of them is the mirror image of a good one."""
-    if kind not in KINDS or not len(cells) or not np.isfinite(nodes[cells]).all():
+    if kind not in KINDS or not len(cells) or not (np.abs(nodes[cells]) < _LARGEST).all():
         return cells
     element = reference_element(kind)
     _, highest = jacobian_range(nodes, cells, element)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from ..base import FloatArray
+from ..base import FloatArray, IntArray
 
-__all__ = ["numbers_of"]
+__all__ = ["integers", "numbers_of"]
 
 
 def numbers_of(text: bytes) -> FloatArray:
@@ -27,3 +29,18 @@ def numbers_of(text: bytes) -> FloatArray:
             return np.fromstring(text.decode("latin-1"), sep=" ")
         except (ValueError, DeprecationWarning):
             raise ValueError("there is text among the numbers") from None
+
+
+def integers(values: npt.NDArray[Any]) -> IntArray:
+    """Return numbers that must be integers, as such.
+
+    Raises
+    ------
+    ValueError
+        If one is not.
+    """
+    if values.dtype.kind == "f":
+        whole = (np.abs(values) < 2.0**53) & (values == np.trunc(values))
+        if not whole.all():
+            raise ValueError(f"{values[~whole][0]} is no whole number")
+    return values.astype(np.int64)

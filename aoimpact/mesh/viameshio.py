@@ -6,6 +6,7 @@ import contextlib
 import gzip
 import io
 import re
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,10 @@ _REFUSED = {
         (".obj", ".off", ".ply", ".stl", ".svg", ".wkt"),
         "files {} hold surfaces, without volume cells; mesh the inside, and write .msh or .vtu",
     ),
-    **dict.fromkeys((".ele", ".node"), "TetGen's files are not read; write .msh, .vtu or .vtk"),
+    **dict.fromkeys(
+        (".cgns", ".ele", ".h5m", ".hmf", ".node"),
+        "files {} are not read; convert it to .msh, .vtu or .med",
+    ),
 }
 
 # Formats that meshio reads from a stream, which is not read beyond its end for ever.
@@ -61,7 +65,12 @@ def read(file: Path) -> RawMesh:
     _check_numbers(file)
     said = io.StringIO()
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+            warnings.catch_warnings(),
+        ):
+            warnings.simplefilter("ignore")  # NumPy's, about arithmetic on rubbish
             name, mesh = _tried(file, said)
     except MemoryError:
         raise

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from ..base import FloatArray, IntArray
 from .mesh import right_handed
 from .rawmesh import RawBlock, RawMesh
-from .tokens import numbers_of
+from .tokens import integers, numbers_of
 
 __all__ = ["read_legacy", "read_xml"]
 
@@ -195,7 +195,7 @@ def read_legacy(file: Path) -> RawMesh:
             case ["CELLS", count, size]:
                 ends, nodes = _legacy_cells(reader, int(count), int(size))
             case ["CELL_TYPES", count]:
-                types = reader.numbers(int(count), "int").astype(np.int64)
+                types = integers(reader.numbers(int(count), "int"))
             case _:
                 raise ValueError(f"{' '.join(words)[:40]!r} is not understood")
     if points is None:
@@ -215,13 +215,13 @@ def _legacy_cells(reader: _Legacy, count: int, size: int) -> tuple[IntArray, Int
     start = reader.at
     words = reader.words()
     if words[:1] == ["OFFSETS"]:  # version 5: one offset more than cells
-        ends = reader.numbers(count, words[1]).astype(np.int64)[1:]
+        ends = integers(reader.numbers(count, words[1]))[1:]
         words = reader.words()
         if words[:1] != ["CONNECTIVITY"]:
             raise ValueError("CONNECTIVITY is expected after OFFSETS")
-        return ends, reader.numbers(size, words[1]).astype(np.int64)
+        return ends, integers(reader.numbers(size, words[1]))
     reader.at = start
-    rows = reader.numbers(size, "int").astype(np.int64)
+    rows = integers(reader.numbers(size, "int"))
     heads = np.zeros(count, np.int64)
     at = 0
     for i in range(count):
@@ -293,7 +293,7 @@ def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
             "there"
         )
     nodes, ends, types = (
-        arrays.of(cells[name]).astype(np.int64) for name in ("connectivity", "offsets", "types")
+        integers(arrays.of(cells[name])) for name in ("connectivity", "offsets", "types")
     )
     if len(types) != counts["NumberOfCells"]:
         raise ValueError(
