@@ -437,7 +437,7 @@ def test_a_count_beyond_the_file_is_refused_before_it_is_made_room_for(
     content = written(file, "gmsh", binary=True)
     file.write_bytes(patched(content, section, skip, number))
     tracemalloc.start()
-    with pytest.raises(MeshError, match=r"a\.msh.* are announced"):
+    with pytest.raises(MeshError, match=r"a\.msh.* (are announced|is no whole number)"):
         read_mesh(file)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
