@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base import HUGE, FloatArray, InputError, IntArray, file_path, finite_array
-from ..mesh import read_mesh
+from ..mesh import is_nastran, nastran_nodes, read_mesh
 from .found import existing, spoilt
 
 __all__ = ["Places", "read_places"]
@@ -21,8 +21,6 @@ Places = tuple[IntArray | None, FloatArray]
 _NODE_BLOCK = re.compile(
     r"^\*NODE\b(?!\s*(?:PRINT|FILE|OUTPUT))[^\n]*\n((?:(?!\*[^*])[^\n]*\n?)*)", re.I | re.M
 )
-
-_GRID = re.compile(r"^GRID(\*|,| ).*", re.MULTILINE | re.IGNORECASE)
 
 # A number of Nastran's: 1.5-3 is 1.5E-3.
 _SHORT_EXPONENT = re.compile(r"(?<=[\d.])([+-]\d+)$")
@@ -54,7 +52,9 @@ def read_places(nodes: Any) -> Places:
         head = stream.read(4096)
     if b"\0" not in head:
         text = file.read_text(encoding="latin-1")
-        for read in (_abaqus, _nastran, _table):
+        if is_nastran(file):
+            return nastran_nodes(file)
+        for read in (_abaqus, _table):
             table = read(file, text)
             if table is not None:
                 return _labelled(file, table)
@@ -90,36 +90,6 @@ def _abaqus(file: Path, text: str) -> FloatArray | None:
         raise spoilt(file, "its *NODE has no nodes")
     rows = [[one.strip() for one in line.split(",")][:4] for line in lines]
     return _numbers(file, [row + ["0"] * (4 - len(row)) for row in rows])
-
-
-def _nastran(file: Path, text: str) -> FloatArray | None:
-    cards, lines = [], text.splitlines()
-    for i, line in enumerate(lines):
-        if _GRID.match(line):
-            cards.append(_card(line.expandtabs(8), lines[i + 1] if i + 1 < len(lines) else ""))
-    if not cards:
-        return None
-    for card in cards:
-        if any(one not in ("", "0") for one in (card[1], card[5])):
-            raise spoilt(
-                file,
-                f"GRID {card[0]} is in a coordinate system of its own (CP {card[1] or 0}, CD "
-                f"{card[5] or 0}); write its nodes in the basic one, and give them by an array",
-            )
-    return _numbers(file, [[card[0], *card[2:5]] for card in cards])
-
-
-def _card(line: str, following: str) -> list[str]:
-    """The fields ID, CP, X1, X2, X3, CD of a GRID entry."""
-    if "," in line:
-        fields = line.split(",")[1:7]
-    elif line[4:5] == "*":
-        fields = [line[i : i + 16] for i in (8, 24, 40, 56)]
-        fields += [following.expandtabs(8)[i : i + 16] for i in (8, 24)]
-    else:
-        fields = [line[i : i + 8] for i in range(8, 56, 8)]
-    fields = [one.strip() for one in fields]
-    return fields + [""] * (6 - len(fields))
 
 
 def _table(file: Path, text: str) -> FloatArray | None:

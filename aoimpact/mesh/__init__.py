@@ -9,6 +9,8 @@ from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_e
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from .locate import AT_NODE, node_at, weights_at
 from .mesh import Block, Mesh, group, taken
+from .nastran import nastran_nodes
+from .nastrantext import is_nastran
 from .read import read_mesh
 from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of
@@ -29,9 +31,11 @@ __all__ = [
     "cofactors",
     "every_motion",
     "group",
+    "is_nastran",
     "jacobians",
     "meshio_of_all_kinds",
     "motions_at",
+    "nastran_nodes",
     "node_at",
     "paper_sphere_mesh",
     "plane_of",

@@ -323,13 +323,12 @@ def _in_order(
     if follows.all():
         return order
     parents: dict[bytes, list[int]] = {}
-    for i in np.flatnonzero(tails.view(np.uint8).reshape(-1, 8).max(axis=1) > 32):
-        parents.setdefault(_mark(tails[i]), []).append(int(i))
+    for row in np.flatnonzero(tails.view(np.uint8).reshape(-1, 8).max(axis=1) > 32):
+        parents.setdefault(_mark(tails[row]), []).append(int(row))
     moved: dict[int, int] = {}
     follows_at = np.zeros(len(heads), dtype=bool)
     follows_at[which[follows]] = True
-    for line in which[~follows].tolist():
-        i = int(line)
+    for i in (int(line) for line in which[~follows]):
         found = parents.get(_mark(heads[i]), [])
         if i - 1 in found:
             follows_at[i] = True

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..base import MemoryLimitError, MeshError, MissingFileError, file_path
-from . import exodus, gmsh, kratos, med, viameshio, vtk
+from . import exodus, gmsh, kratos, med, nastran, viameshio, vtk
+from .nastrantext import is_nastran
 from .rawmesh import RawMesh
 
 __all__ = ["load"]
@@ -18,6 +19,7 @@ _Reader = Callable[[Path], RawMesh]
 # Readers by the end of a file's name, in small letters; meshio takes the rest. A reader raises
 # ValueError with the reason, or MeshError if that names the file.
 _READERS: dict[str, _Reader] = {
+    **dict.fromkeys((".bdf", ".nas"), nastran.read),
     **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), exodus.read),
     ".mdpa": kratos.read,
     ".med": med.read,
@@ -58,6 +60,8 @@ def _reader(file: Path) -> _Reader:
     if suffix.startswith(".msh"):  # Gmsh's, or Fluent's
         with file.open("rb") as stream:
             return gmsh.read if stream.read(200).lstrip().startswith(b"$") else viameshio.read
+    if suffix not in _READERS and is_nastran(file):
+        return nastran.read
     return _READERS.get(suffix, viameshio.read)
 
 

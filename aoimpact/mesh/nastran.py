@@ -16,7 +16,7 @@ from .nastransets import read_sets
 from .nastrantext import read_sections
 from .rawmesh import RawBlock, RawMesh
 
-__all__ = ["read_nastran", "read_nastran_nodes"]
+__all__ = ["nastran_nodes", "read"]
 
 # By the names of entries: corners and meshio's kind, then all nodes and kind with midside nodes.
 _ELEMENTS: dict[tuple[str, ...], tuple[tuple[int, str], ...]] = {
@@ -60,7 +60,7 @@ class _Elements:
     properties: IntArray
 
 
-def read_nastran(file: Path) -> RawMesh:
+def read(file: Path) -> RawMesh:
     """Return the mesh of a Nastran deck.
 
     Elements with the same property make a group such as "property 3". A set (SET of the case
@@ -107,13 +107,13 @@ def read_nastran(file: Path) -> RawMesh:
     )
 
 
-def read_nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
+def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
     """Return labels and basic coordinates of the nodes, whose displacements have basic axes.
 
     Raises
     ------
     MeshError
-        As for `read_nastran`, or if a node has displacements in other axes (CD).
+        As for `read`, or if a node has displacements in other axes (CD).
     """
     deck = read_bulk_data(read_sections(file)[1])
     _check_names(deck)
@@ -214,9 +214,9 @@ def _check_unique(elements: list[_Elements], labels: IntArray) -> None:
 
 def _warn_of_rest(deck: BulkData, file: Path) -> None:
     """Say which elements and connections the mesh does not have."""
-    counts = {name: len(first) for name, first in deck.names.items()}
-    others = [f"{n} {name}" for name, n in counts.items() if OTHER_ELEMENTS.fullmatch(name)]
-    links = [f"{n} {name}" for name, n in counts.items() if CONNECTIONS.fullmatch(name)]
+    counts = sorted((name, len(first)) for name, first in deck.names.items())
+    others = [f"{n} {name}" for name, n in counts if OTHER_ELEMENTS.fullmatch(name)]
+    links = [f"{n} {name}" for name, n in counts if CONNECTIONS.fullmatch(name)]
     for listed, what in (
         (others, "elements that are not part of the mesh were left out"),
         (links, "connections between nodes were left out, and the body is computed without them"),

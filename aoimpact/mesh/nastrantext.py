@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +17,9 @@ __all__ = ["Lines", "is_nastran", "read_sections"]
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
 _PER_BYTE = 12
 
+# Bytes of a file by which it is known as a deck.
+_HEAD = 2**20
+
 _INCLUDE = re.compile(r"\s*INCLUDE(?:\s*=\s*|\s+|(?=['\"]))(.*)", re.I)
 _SECTION = re.compile(rb"\s*(BEGIN|CEND)\b")
 _PART = re.compile(rb"\s*BEGIN[\s,]+(BULK\b.*=|(?!BULK\b)\S)")
@@ -24,7 +28,10 @@ _BULK = re.compile(rb"^[ \t]*BEGIN[ \t,]+BULK\b|^GRID[ \t]*\*?[ \t]*[ \t,][ \t]*
 
 def is_nastran(file: Path) -> bool:
     """Return whether a file is a Nastran deck by its content: it has BEGIN BULK, or a GRID."""
-    content = file.read_bytes()
+    with file.open("rb") as stream:
+        content = stream.read(_HEAD)
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        content = content.replace(b"\0", b"")
     return b"\0" not in content and _BULK.search(content) is not None
 
 

@@ -47,6 +47,9 @@ def read_mesh(
     disorder is put right: midside nodes that come in another order than meshio's own, elements
     numbered left-handed throughout, and nodes of no element.
 
+    Groups of a Nastran deck are its properties, such as "property 3", and its sets, such as "SET 5
+    nodes" and "SET 5 elements" for SET 5 of the case control, "SET1 5 nodes" for an entry SET1.
+
     Parameters
     ----------
     source : path, meshio.Mesh or Mesh

@@ -12,7 +12,7 @@ from .textfile import number
 
 __all__ = ["written_out"]
 
-_TIMES = re.compile(r"=\(?(\d+)\)?")
+_TIMES = re.compile(r"=(?:(\d+)|\((\d+)\))")
 _INCREMENT = re.compile(r"\*\(?([^()]+)\)?")
 
 # Entries that one line may stand for.
@@ -48,7 +48,7 @@ def written_out(lines: Lines) -> Lines:
         try:
             if (head != "=" and times is None) or not rule or not entry[0].isalnum():
                 raise ValueError
-            for _ in range(_count(times[1]) if times else 1):
+            for _ in range(_count(times[1] or times[2]) if times else 1):
                 entry = [entry[0], *_replicated(entry[1:], rule)]
                 text.append(",".join(entry).encode())
                 sources.append(i)
@@ -60,7 +60,7 @@ def written_out(lines: Lines) -> Lines:
 def _fields(line: bytes) -> list[str]:
     """Return the name and up to eight fields of a line of small or free fields."""
     text = line.decode()
-    if "," not in text[:10]:
+    if "," not in text[:10] and " " in text:
         text = ",".join(text[i : i + 8] for i in range(0, 72, 8))
     return [one.strip() for one in text.split(",")][:9]
 

@@ -108,10 +108,23 @@ def test_nodes_are_known_from_a_deck(text: str, files: tuple[Path, Path], tmp_pa
     assert body.contact(node=159, direction=DOWN).node == 29
 
 
-def test_a_grid_of_a_system_of_its_own_is_refused(files: tuple[Path, Path], tmp_path: Path) -> None:
-    (tmp_path / "deck.bdf").write_text("GRID,1,7,0.,0.,0.\n")
-    with pytest.raises(ao.InputError, match=r"GRID 1 is in a coordinate system of its own \(CP 7"):
-        ao.read_matrices(*files, dofs=LABELS, nodes=tmp_path / "deck.bdf")
+def test_nodes_in_coordinate_systems(files: tuple[Path, Path], tmp_path: Path) -> None:
+    """Coordinates are brought into basic axes; K in other axes than these is refused."""
+    moved = NODES - [0.0, 0.5, 0.0, 0.0]
+    shifted = "CORD2R,7,,0.5,0.,0.,0.5,0.,1.\n,1.5,0.,0.\n"
+    turned = "CORD2C,8,,0.5,0.,0.,0.5,0.,1.\n,1.5,0.,0.\n"
+    deck = tmp_path / "deck.bdf"
+
+    def grids(system: int) -> str:
+        return "".join(f"GRID,{int(n)},7,{x},{y},{z},{system}\n" for n, x, y, z in moved)
+
+    deck.write_text(shifted + grids(7))
+    body = ao.read_matrices(*files, dofs=LABELS, nodes=deck)
+    assert body.nodes is not None
+    np.testing.assert_allclose(body.nodes, BAR.nodes, atol=1e-12)
+    deck.write_text(shifted + turned + grids(8))
+    with pytest.raises(ao.InputError, match=r"has displacements in system 8 \(CD\)"):
+        ao.read_matrices(*files, dofs=LABELS, nodes=deck)
 
 
 def test_nodes_in_the_order_of_their_labels(files: tuple[Path, Path]) -> None:
