@@ -305,7 +305,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
         contact->force = 0.0;
     }
     if (!bends) { /* else the balance of the contact point finds it */
-        aoi_contact_note_peak(run, c);
+        aoi_contact_note_peak(run, c, run->contact[c].force, 0.0);
     }
     estimate_scales(run, c, &pair, rate, acceleration);
     run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);

@@ -118,6 +118,10 @@ enum { AOI_MOST_LOOKS = 100000, AOI_LOOKS_IN_STEP = 10000 };
  * what it finds. Tried: no run changes. */
 enum { AOI_MOST_BENDS = 30000 };
 
+/* An event closer to the start of a step than this share of its length is applied at the start. Measured: from
+ * 3e-10 to 3e-9 errors and work are the same. */
+#define AOI_AT_START 1e-9
+
 /* Events of a contact within a step. */
 enum aoi_event {
     AOI_EVENT_NONE = 0,
@@ -179,8 +183,8 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates);
 /* A contact's indentation now, including the deflection of residual compliances, m. */
 double aoi_contact_place(const aoi_adaptive *run, size_t c);
 
-/* Updates a contact's largest force with its force now. */
-void aoi_contact_note_peak(aoi_adaptive *run, size_t c);
+/* Updates a contact's largest force with a force that it has some time after now. */
+void aoi_contact_note_peak(aoi_adaptive *run, size_t c, double force, double after);
 
 /* Finds the indentations at the start, and the forces of contacts at massless contact points. The bodies rest under
  * loads and contacts, or the loads set in at once, and dashpots keep the indentations where they are. Errors as

@@ -53,27 +53,6 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
     run->response[b] = body->table[oldest];
 }
 
-/* The indentation at the start includes this; the motion without contact forces does not. */
-double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
-{
-    const aoi_contact *of = &run->system->contact[c];
-    double sum = 0.0;
-    for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = &run->system->body[of->body[side]];
-        const size_t end = body->residual ? run->system->first_contact[of->body[side] + 1] : 0;
-        for (size_t i = run->system->first_contact[of->body[side]]; i < end; i++) {
-            const size_t joint_by = run->system->contact_of[i];
-            const aoi_contact *by = &run->system->contact[joint_by];
-            const int other = by->body[1] == of->body[side];
-            const double compliance = body->residual[of->port[side] * body->ports + by->port[other]];
-            const aoi_adaptive_contact *contact = &run->contact[joint_by];
-            sum += (side == other ? 1.0 : -1.0) * compliance *
-                   (rates ? contact->force_rate : contact->bending);
-        }
-    }
-    return sum;
-}
-
 /* Subtracts the displacement in the step by the contact forces on residual compliances, held constant. */
 static void add_constant_forces(const aoi_adaptive *run, aoi_contact_step *entry, int with_rates)
 {
@@ -97,15 +76,6 @@ static void add_constant_forces(const aoi_adaptive *run, aoi_contact_step *entry
             }
         }
     }
-}
-
-double aoi_contact_place(const aoi_adaptive *run, size_t c)
-{
-    double without_forces, rate, acceleration;
-    aoi_free_pair pair;
-    aoi_pair_now(run, c, &pair);
-    aoi_free_pair_indentation(&pair, &without_forces, &rate, &acceleration);
-    return without_forces - aoi_contact_bent(run, c, 0);
 }
 
 static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rates)

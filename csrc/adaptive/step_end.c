@@ -33,25 +33,12 @@ static double top_of(const aoi_law *law, const aoi_contact_step *entry)
     return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }
 
-static void take_peak(const aoi_adaptive *run, double force, double after, aoi_adaptive_contact *contact)
-{
-    if (force > contact->peak_force) {
-        contact->peak_force = force;
-        contact->peak_time = aoi_run_now(run) + after;
-    }
-}
-
-void aoi_contact_note_peak(aoi_adaptive *run, size_t c)
-{
-    take_peak(run, run->contact[c].force, 0.0, &run->contact[c]);
-}
-
-static void note_peak(const aoi_adaptive *run, const aoi_contact_step *entry, double h, aoi_adaptive_contact *contact)
+static void note_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h)
 {
     const aoi_law *law = aoi_step_law(run, entry);
     double rates[AOI_NODES + 1] = {entry->start_rate}, by_rate[AOI_NODES + 1], slope, rate = 0.0;
     aoi_law_value value;
-    if (!aoi_step_may_peak(contact, entry)) {
+    if (!aoi_step_may_peak(&run->contact[entry->contact], entry)) {
         return;
     }
     const double place = top_of(law, entry);
@@ -66,10 +53,10 @@ static void note_peak(const aoi_adaptive *run, const aoi_contact_step *entry, do
         const double indentation =
             aoi_legendre_evaluate(AOI_NODES + 1, entry->legendre, place, &slope);
         aoi_law_force(law, entry->memory, entry->piece, indentation, rate, &value);
-        take_peak(run, value.force, place * h, contact);
+        aoi_contact_note_peak(run, entry->contact, value.force, place * h);
     }
     aoi_step_law_at_end(law, entry, &value);
-    take_peak(run, value.force, h, contact);
+    aoi_contact_note_peak(run, entry->contact, value.force, h);
 }
 
 /* Advances a body under force to the end of the step. */
@@ -168,7 +155,7 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
         return AOI_ERROR_PATCH;
     }
     if (entry->piece != AOI_SLACK) {
-        note_peak(run, entry, h, contact);
+        note_peak(run, entry, h);
         const double impulse = aoi_collocation_impulse(entry, h);
         contact->impulse += impulse;
         contact->since_touch += impulse;
@@ -206,21 +193,6 @@ static void take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double
         aoi_law_piece(law, contact->memory, indentation, rising, &contact->low, &contact->high);
     aoi_law_force(law, contact->memory, contact->piece, contact->start, contact->start_rate, &value);
     contact->force = value.force;
-}
-
-void aoi_contact_open(aoi_adaptive *run, size_t c)
-{
-    size_t at = 0;
-    while (run->closed.at[at] != c) {
-        at++;
-    }
-    run->closed.count--;
-    for (; at < run->closed.count; at++) {
-        run->closed.at[at] = run->closed.at[at + 1];
-    }
-    aoi_adaptive_contact *contact = &run->contact[c];
-    contact->closed = 0;
-    contact->force = contact->bending = contact->force_rate = 0.0;
 }
 
 static void apply_event(aoi_adaptive *run, size_t c, double now)

@@ -11,10 +11,6 @@
 #include <float.h>
 #include <math.h>
 
-/* Tolerance of an event's level, as a share of rtol: see ../README.md; and rounding of an indentation, a difference of
- * displacements, in units of their rounding. Measured: from 3 to 24 no run changes. Tried: 7 runs change, by 2e-11. */
-static const double EVENT_SHARE = 0.01, PLACE_ROUNDING = 8.0;
-
 /* A contact with a negligible force is opened if its indentation is below this share of the tolerance at which it would
  * touch again, and so well below the half of it that it is given as slack: it does not close at once. Tried: no run
  * changes. */
@@ -23,11 +19,6 @@ static const double SKIP_SHARE = 0.1;
 /* In a step in which the approach is less than this share of the largest indentation, a contact that does not press at
  * once counts as open. Measured and tried: from 0.003 to 0.03 no run changes. */
 static const double SHORTEST = 1e-2;
-
-double aoi_event_tolerance(const aoi_adaptive *run, double scale)
-{
-    return fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) * scale;
-}
 
 /* Whether a function of time falls below zero in the step, and where. If it ends within the tolerance below zero, and
  * was not lower before, the place is the end. Otherwise it is where the function is half the tolerance below zero. */
@@ -47,15 +38,6 @@ static int falls_below(const double *values, double tolerance, double *place)
         (void)aoi_legendre_falls(values, coefficient, -0.5 * tolerance, place);
     }
     return 1;
-}
-
-void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, aoi_attempt *attempt)
-{
-    if (place < contact->event_place) {
-        contact->event_place = place;
-        contact->event = kind;
-    }
-    attempt->place = place < attempt->place ? place : attempt->place;
 }
 
 /* Notes an event where a function of time falls below zero. */
@@ -105,14 +87,6 @@ static void line_up(double start, const double *nodes, double factor, double shi
     for (size_t i = 0; i < AOI_NODES; i++) {
         values[i + 1] = factor * nodes[i] + shift;
     }
-}
-
-int aoi_step_piece(const aoi_law *law, const aoi_contact_step *entry)
-{
-    double low, high;
-    return entry->piece != AOI_SLACK
-               ? entry->piece
-               : aoi_law_piece(law, entry->memory, entry->start, entry->start_rate > 0.0, &low, &high);
 }
 
 /* Where the law's own force, which is cut at zero, changes its sign. */
@@ -213,31 +187,11 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
         leaves(values, tolerance, AOI_EVENT_BELOW, contact, attempt);
     }
     if (law->turns && entry->piece != AOI_SLACK && contact->start_rate > 0.0) {
-        const double slow = EVENT_SHARE * run->rtol * contact->rate_scale;
+        const double slow = aoi_event_tolerance(run, contact->rate_scale);
         line_up(entry->start_rate, entry->rate, 1.0, 0.0, values);
         leaves(values, slow, AOI_EVENT_TURN, contact, attempt);
         turn_now(entry, tolerance, contact, attempt);
     }
-}
-
-/* The rounding of an indentation, which is a difference of modal sums, m. */
-static double rounding_of(const aoi_free_pair *pair)
-{
-    double size = fabs(pair->gap);
-    for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = pair->body[side];
-        for (size_t j = 0; j < body->n; j++) {
-            size += fabs(body->shape[pair->port[side] * body->n + j] * pair->x[side][j]);
-        }
-    }
-    return PLACE_ROUNDING * DBL_EPSILON * size;
-}
-
-double aoi_touch_tolerance(aoi_adaptive *run, const aoi_contact_step *entry)
-{
-    aoi_free_pair pair;
-    aoi_pair_now(run, entry->contact, &pair);
-    return fmax(EVENT_SHARE * run->rtol * aoi_step_scale(run, entry, 0.0), rounding_of(&pair));
 }
 
 /* After a wave has passed, bodies move on side by side, with overlaps and velocities at rounding. A contact whose force

@@ -1,5 +1,5 @@
-/* Private to collocation/: what many.c (all contacts of a step) and one.c (a single one)
- * share. */
+/* Private to collocation/: Newton's method, newton.c, as many.c (all contacts of a step) and one.c (a single one) use
+ * it. */
 #ifndef AOI_COLLOCATION_H
 #define AOI_COLLOCATION_H
 

@@ -30,11 +30,6 @@ void aoi_turn_make(const double *omega, double time, aoi_turn *turn);
 void aoi_turn_motions(const aoi_turn *turn, aoi_motions *motions);
 void aoi_turn_integrals(const aoi_turn *turn, aoi_integrals *integrals);
 
-/* Of modes first .. first + AOI_LANES - 1 of a body, as far as it has them: how they move in a time, with
- * the ramp where the body has loads; and the integrals over that time, unless NULL. */
-void aoi_lanes_of(const aoi_modes *body, size_t first, double time, aoi_motions *motions,
-                  aoi_integrals *integrals);
-
 /* How many modes there are from the first on, at most AOI_LANES. */
 static inline size_t aoi_lanes_count(const aoi_modes *body, size_t first)
 {

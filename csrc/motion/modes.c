@@ -1,10 +1,12 @@
 /* A linear body in its natural modes, under loads that run straight between given times. */
 #include "motion/modes.h"
 #include "motion/lanes.h"
+#include "motion/oscillator.h"
 #include "linear/vector.h"
 #include "model/load.h"
 
 #include <math.h>
+#include <string.h>
 
 double aoi_modes_next_bend(const aoi_modes *body, double time)
 {
@@ -109,4 +111,48 @@ void aoi_modes_port(const aoi_modes *body, size_t port, const double *x, const d
     const double *shape = body->shape + port * body->n;
     *displacement = aoi_vector_dot(body->n, shape, x);
     *velocity = aoi_vector_dot(body->n, shape, v);
+}
+
+/* Damped modes, or modes under a load. */
+static void one_by_one(const aoi_modes *body, size_t first, double time, aoi_motions *motions,
+                       aoi_integrals *integrals)
+{
+    memset(motions, 0, sizeof *motions); /* a weight of 0 times what is left of the lanes is 0 */
+    if (integrals) {
+        memset(integrals, 0, sizeof *integrals);
+    }
+    for (size_t i = 0; i < aoi_lanes_count(body, first); i++) {
+        const double omega = body->omega[first + i], decay = body->decay ? body->decay[first + i] : 0.0;
+        double impulse[AOI_NODES], rate[AOI_NODES];
+        aoi_motion motion;
+        aoi_oscillator_motion(omega, decay, time, &motion);
+        motions->impulse[i] = motion.impulse;
+        motions->rate[i] = motion.rate;
+        motions->step[i] = motion.step;
+        motions->ramp[i] = motion.ramp;
+        if (integrals) {
+            aoi_oscillator_integrals(omega, decay, time, AOI_NODES, impulse, rate);
+            for (size_t l = 0; l < AOI_NODES; l++) {
+                integrals->impulse[l][i] = impulse[l];
+                integrals->rate[l][i] = rate[l];
+            }
+        }
+    }
+}
+
+void aoi_lanes_of(const aoi_modes *body, size_t first, double time, aoi_motions *motions,
+                  aoi_integrals *integrals)
+{
+    if (body->decay || body->load.count > 0) {
+        one_by_one(body, first, time, motions, integrals);
+        return;
+    }
+    double omega[AOI_LANES];
+    aoi_turn turn;
+    aoi_lanes_take(body->omega + first, aoi_lanes_count(body, first), omega);
+    aoi_turn_make(omega, time, &turn);
+    aoi_turn_motions(&turn, motions);
+    if (integrals) {
+        aoi_turn_integrals(&turn, integrals);
+    }
 }

@@ -21,6 +21,11 @@ void aoi_modes_advance(const aoi_modes *body, double from, double to, double *x,
 void aoi_modes_move(const aoi_modes *body, size_t first, double from, const aoi_motions *by, double *x,
                     double *v);
 
+/* Of modes first .. first + AOI_LANES - 1 of a body, as far as it has them: how they move in a time, with
+ * the ramp where the body has loads; and the integrals over that time, unless NULL. */
+void aoi_lanes_of(const aoi_modes *body, size_t first, double time, aoi_motions *motions,
+                  aoi_integrals *integrals);
+
 /* Displacement and velocity of a port, but for the residual compliance's share. */
 void aoi_modes_port(const aoi_modes *body, size_t port, const double *x, const double *v,
                     double *displacement, double *velocity);

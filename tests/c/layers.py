@@ -1,4 +1,4 @@
-"""The order of the core's folders: no #include, and no symbol, from a later folder.
+"""The order of the core's folders: no #include, and no symbol, from a later folder, and no circle of files in one.
 
     python3 layers.py build     where build/<folder>/*.o are the compiled files
 
@@ -38,8 +38,8 @@ def wrong_includes() -> list[str]:
     return wrong
 
 
-def symbols(folder: Path, kind: str) -> set[str]:
-    sources = {path.stem for path in (CORE / folder.name).glob("*.c")}
+def symbols(folder: Path, kind: str, only: str = "*") -> set[str]:
+    sources = {path.stem for path in (CORE / folder.name).glob(f"{only}.c")}
     files = [str(path) for path in folder.glob("*.o") if path.stem in sources]
     told = subprocess.run(["nm", "-g", *files], capture_output=True, text=True, check=True).stdout
     return set(re.findall(rf"^[\da-f ]* {kind} _?(aoi_\w+)$", told, re.MULTILINE))
@@ -57,6 +57,21 @@ def wrong_symbols(build: Path) -> list[str]:
     return wrong
 
 
+def circles(build: Path) -> list[str]:
+    """Files of one folder that need each other."""
+    found = []
+    for folder in (build / name for name in ORDER if (build / name).is_dir()):
+        files = [path.stem for path in sorted((CORE / folder.name).glob("*.c"))]
+        has = {name: symbols(folder, "[TDRB]", name) for name in files}
+        needs = {name: symbols(folder, "U", name) for name in files}
+        left = set(files)
+        while free := {a for a in left if not any(needs[a] & has[b] for b in left - {a})}:
+            left -= free
+        if left:
+            found.append(f"{folder.name}/: {', '.join(sorted(left))} stand in a circle")
+    return found
+
+
 def undeclared() -> list[str]:
     """Names and files of the core that comments of the public header send its reader to."""
     text = PUBLIC.read_text()
@@ -68,6 +83,7 @@ def undeclared() -> list[str]:
 
 
 if __name__ == "__main__":
-    found = undeclared() + wrong_includes() + wrong_symbols(Path(sys.argv[1]))
+    build = Path(sys.argv[1])
+    found = undeclared() + wrong_includes() + wrong_symbols(build) + circles(build)
     print("\n".join(found) or "layers: in order")
     sys.exit(bool(found))

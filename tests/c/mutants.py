@@ -374,7 +374,7 @@ MUTANTS = [
         "TAIL_SHARE = 300.0, STEP_SHARE = 100.0",
     ),
     ("adaptive/step_end.c", "contact->work += aoi_collocation_work(entry)", "contact->work = 0.0"),
-    ("adaptive/step.c", "without_forces - aoi_contact_bent(run, c, 0)", "without_forces"),
+    ("adaptive/state.c", "without_forces - aoi_contact_bent(run, c, 0)", "without_forces"),
     (
         "adaptive/step.c",
         "entry->edge = edge_of(run, entry->contact, h)",

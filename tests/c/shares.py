@@ -38,7 +38,7 @@ CONSTANTS = [
     "adaptive/step_error.c:TAIL_SHARE",
     "adaptive/step_error.c:STEP_SHARE",
     "adaptive/step_error.c:END_SHARE",
-    "adaptive/step_events.c:EVENT_SHARE",
+    "adaptive/state.c:EVENT_SHARE",
     "adaptive/step_error.c:CAUTION:0.7:1.0",
     "adaptive/step_error.c:BLIND_GROWTH:1.0:6.0",
     "adaptive/closing.c:MOST_START",
