@@ -29,6 +29,7 @@
 #ifndef AOIMPACT_H
 #define AOIMPACT_H
 
+#include <float.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -36,6 +37,11 @@
 #if defined(__FAST_MATH__) || defined(_M_FP_FAST) ||                                                \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "aoimpact needs IEEE arithmetic: compile without -ffast-math, -Ofast, -ffinite-math-only, /fp:fast"
+#endif
+
+/* Sums are rounded to double at each operation. In x87 registers they are not, and results would be wrong. */
+#if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0
+#error "aoimpact needs doubles that are evaluated as doubles: compile with -msse2 -mfpmath=sse, not for the x87"
 #endif
 
 #ifdef __cplusplus
@@ -64,7 +70,8 @@ typedef enum aoi_status {
     AOI_ERROR_PATCH,          /* a contact goes deeper than its law holds: its patch, or its table */
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
     AOI_ERROR_LAW_JUMPS,      /* less a patch's compliance the law has no force: its own jumps     */
-    AOI_ERROR_STOPPED         /* the caller's pause said so                                        */
+    AOI_ERROR_STOPPED,        /* the caller's pause said so                                        */
+    AOI_ERROR_CROWDED         /* more contacts are closed at once than the system says             */
 } aoi_status;
 
 /* A status in words: a constant string, never NULL. */
@@ -280,6 +287,8 @@ typedef struct aoi_system {
     size_t body_count, contact_count;
     const aoi_modes *body;
     const aoi_contact *contact;
+    size_t at_once; /* most contacts closed at once in an adaptive run, 0: all. Its memory is proportional to this
+                       times the ports of a body. May change from one run to the next */
 
     const size_t *first, *first_port, *first_contact, *contact_of;
 } aoi_system;
@@ -379,7 +388,7 @@ AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, cons
 /* Goes on until its end, or the track has no room for a row, or a touch takes more than some .1 s to find: is
  * the time still before the end, make room and call again. AOI_ERROR_TOLERANCE where even the shortest step
  * does not meet rtol; AOI_ERROR_LAW where that is because a law gives no number, and it has a note; AOI_ERROR_PATCH
- * where contact goes deeper than the law holds. */
+ * where contact goes deeper than the law holds; AOI_ERROR_CROWDED where more than at_once contacts are closed. */
 AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
 
 /* Values that the track must have free for any row of a run of a linked system. */

@@ -204,6 +204,7 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
         "one value to another; make the law continuous, or the contact points without a radius",
     ),
     12: (ConvergenceError, "it was stopped"),
+    13: (ConvergenceError, "more contacts are closed at once than the run has room for"),
 }
 
 

@@ -57,7 +57,13 @@ static double compliance_between(const aoi_system *system, size_t c, size_t by)
     return sum;
 }
 
-/* Takes the arrays of the equations from the work space of aoi_collocation_solve, which is larger. */
+size_t aoi_balance_size(size_t count, size_t span)
+{
+    const size_t entries = aoi_times(count, 2 * span + 1);
+    return aoi_plus(aoi_plus(aoi_times(2, entries), aoi_times(5, count)), aoi_coupled_size(count, span));
+}
+
+/* Takes the arrays of the equations from the work space that aoi_collocation_solve has as well. */
 static aoi_coupled lay_out(const aoi_adaptive *run, size_t count)
 {
     aoi_coupled e = {.count = count, .band = run->span < count ? run->span : count - 1};

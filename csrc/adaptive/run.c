@@ -69,6 +69,43 @@ size_t aoi_adaptive_room(const aoi_system *system)
            AOI_TRACK_STATE * system->body_count + 2 * system->first[system->body_count];
 }
 
+/* Work space of the collocation, which the balance of massless contact points takes as well. */
+static size_t work_size(const aoi_adaptive *run, const aoi_system *system)
+{
+    const size_t closed = run->at_once, apart = run->span < closed ? run->span : closed - (closed > 0);
+    size_t size = aoi_collocation_size(closed, apart);
+    for (size_t b = 0; b < system->body_count; b++) {
+        const size_t balance = system->body[b].residual ? aoi_balance_size(system->contact_count, run->span) : 0;
+        size = balance > size ? balance : size;
+    }
+    return size;
+}
+
+/* A body's tables, and which ports have a column in them. */
+static void lay_out_body(const aoi_system *system, const aoi_modes *modes, aoi_memory *memory, aoi_adaptive_body *body)
+{
+    const size_t tables = tables_of(modes), ports = modes->ports;
+    const int some = system->at_once > 0 && system->at_once < ports;
+    const size_t columns = some ? system->at_once : ports, size = aoi_response_size(modes, columns);
+    double *block = aoi_memory_doubles(memory, aoi_times(tables, size));
+    size_t *port = some ? aoi_memory_numbers(memory, columns) : NULL;
+    size_t *of = some ? aoi_memory_numbers(memory, ports) : NULL;
+    if (!body) {
+        return;
+    }
+    *body = (aoi_adaptive_body){.block = block, .table_count = tables, .table_size = size};
+    body->columns = (aoi_columns){some ? 0 : ports, port, of};
+    for (size_t p = 0; p < ports && some; p++) {
+        of[p] = AOI_NO_COLUMN;
+    }
+}
+
+static size_t at_once_of(const aoi_system *system)
+{
+    const size_t all = system->contact_count;
+    return system->at_once > 0 && system->at_once < all ? system->at_once : all;
+}
+
 /* Distributes the memory after the run's own struct; with block NULL it only counts the bytes. */
 static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
 {
@@ -92,13 +129,9 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
     run->scratch = aoi_memory_doubles(&memory, 2 * aoi_system_most_modes(system));
     run->port_force = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
     run->port_slope = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
-    run->collocation = aoi_memory_doubles(&memory, aoi_collocation_size(contacts, run->span));
+    run->collocation = aoi_memory_doubles(&memory, work_size(run, system));
     for (size_t b = 0; b < bodies; b++) {
-        const size_t tables = tables_of(&system->body[b]);
-        double *tabled = aoi_memory_doubles(&memory, tables * aoi_response_size(&system->body[b]));
-        if (block) {
-            run->body[b] = (aoi_adaptive_body){.block = tabled, .table_count = tables};
-        }
+        lay_out_body(system, &system->body[b], &memory, block ? &run->body[b] : NULL);
     }
     return memory.used;
 }
@@ -108,7 +141,7 @@ size_t aoi_adaptive_size(const aoi_system *system)
     if (!system->first) {
         return 0;
     }
-    aoi_adaptive counted = {.span = aoi_system_span(system)};
+    aoi_adaptive counted = {.span = aoi_system_span(system), .at_once = at_once_of(system)};
     return lay_out(&counted, system, NULL);
 }
 
@@ -226,6 +259,7 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
     const size_t modes = aoi_system_most_modes(system), all = system->first[system->body_count];
     *run = (aoi_adaptive){.system = system, .rtol = rtol, .end = end, .rested = start->rested};
     run->span = aoi_system_span(system);
+    run->at_once = at_once_of(system);
     run->row_size = aoi_adaptive_room(system);
     run->grain = modes > 1 && is_quick(system) ? AOI_LEVELS : 1;
     run->table_cost = modes > 1 ? (double)modes : 0.0;
@@ -420,7 +454,7 @@ static int prepare(aoi_adaptive *run, double *limit)
         return prepare(run, limit);
     }
     *limit = stop - now;
-    return AOI_OK;
+    return aoi_step_columns(run);
 }
 
 /* Sets the level of a step of length h or less, at least one level finer than the present one. */

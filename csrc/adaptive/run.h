@@ -11,6 +11,9 @@
 
 #include <math.h>
 
+/* The column of a port without one. */
+#define AOI_NO_COLUMN SIZE_MAX
+
 /* Lengths of a step whose tables a body keeps. */
 enum { AOI_TABLES = 12 };
 
@@ -23,8 +26,9 @@ typedef struct aoi_adaptive_body {
     int engaged; /* in this step: an aoi_part */
     int changed; /* its state, since its last row */
     double work, dissipated;
+    aoi_columns columns; /* of the tables; all ports where it may have that many contacts at once */
     double *block;
-    size_t table_count;
+    size_t table_count, table_size;
     aoi_response table[AOI_TABLES];
     int table_level[AOI_TABLES];
     size_t table_use[AOI_TABLES];
@@ -73,7 +77,7 @@ struct aoi_adaptive {
     aoi_list closed;     /* contacts, ascending                                           */
     aoi_list watched[2]; /* open ones in free motion: 0 those with no touch yet found, 1 those that touch */
     aoi_list engaged, changed; /* bodies: in this step; since their last row              */
-    size_t span, row_size;
+    size_t span, row_size, at_once;
     size_t closed_count, entry_count; /* the entries: closed contacts first, then those beside them */
     int level;                        /* steps are base 2^(-level/8) long */
     int grain;                        /* levels are multiples of this */
@@ -160,6 +164,13 @@ static inline int aoi_level_from(const aoi_adaptive *run, double level)
 
 /* Lists the contacts of the step that begins now and brings their bodies here. */
 void aoi_step_prepare(aoi_adaptive *run);
+
+/* Gives the ports of the closed contacts their columns in the tables. AOI_ERROR_CROWDED where that is too many. */
+int aoi_step_columns(aoi_adaptive *run);
+
+/* Doubles of work space that the forces in equilibrium take, for count contacts at massless contact points of which
+ * those that share a body are at most span places apart. */
+size_t aoi_balance_size(size_t count, size_t span);
 
 /* Empties the lists of the step's bodies and contacts; its open contacts are watched again. */
 void aoi_step_release(aoi_adaptive *run);

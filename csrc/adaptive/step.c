@@ -25,9 +25,10 @@ static const double NEWTON_SHARE = 1e-6;
 static const double MASSLESS_NEWTON_SHARE = 1e-3;
 
 /* Whether two bodies have the same response: scenes often use one model several times. */
-static int are_alike(const aoi_modes *one, const aoi_modes *other)
+static int are_alike(const aoi_adaptive *run, size_t first, size_t second)
 {
-    return one->n == other->n && one->ports == other->ports && one->omega == other->omega &&
+    const aoi_modes *one = &run->system->body[first], *other = &run->system->body[second];
+    return !run->body[first].columns.of && one->n == other->n && one->ports == other->ports && one->omega == other->omega &&
            one->decay == other->decay && one->shape == other->shape && one->push == other->push;
 }
 
@@ -46,8 +47,8 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
         }
         oldest = body->table_use[i] < body->table_use[oldest] ? i : oldest;
     }
-    aoi_response_make(&body->table[oldest], modes, h, with_rates,
-                      body->block + oldest * aoi_response_size(modes));
+    double *block = body->block + oldest * body->table_size;
+    aoi_response_make(&body->table[oldest], modes, &body->columns, h, with_rates, block);
     body->table_level[oldest] = level;
     body->table_use[oldest] = ++run->uses;
     run->response[b] = body->table[oldest];
@@ -59,14 +60,16 @@ static void add_constant_forces(const aoi_adaptive *run, aoi_contact_step *entry
     const aoi_system *system = run->system;
     const aoi_contact *of = &system->contact[entry->contact];
     for (int side = 0; side < 2; side++) {
-        const size_t b = of->body[side], ports = system->body[b].ports;
+        const size_t b = of->body[side];
         for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
             const aoi_contact *by = &system->contact[system->contact_of[i]];
             const double force = run->contact[system->contact_of[i]].bending;
             const int other = by->body[1] == b;
-            const size_t pair = of->port[side] * ports + by->port[other];
-            const size_t at = pair * AOI_NODES * AOI_NODES;
-            for (size_t q = 0; q < AOI_NODES && force != 0.0; q++) {
+            if (force == 0.0) {
+                continue;
+            }
+            const size_t at = aoi_response_at(&run->response[b], of->port[side], by->port[other]);
+            for (size_t q = 0; q < AOI_NODES; q++) {
                 const double sign = side == other ? -force : force;
                 const size_t column = at + q * AOI_NODES;
                 aoi_nodes_add(sign, run->response[b].influence + column, entry->homogeneous);
@@ -230,7 +233,7 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
     *attempt = (aoi_attempt){h, 0.0, 2.0, 0};
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i], before = i > 0 ? run->engaged.at[i - 1] : b;
-        if (i > 0 && are_alike(&run->system->body[before], &run->system->body[b])) {
+        if (i > 0 && are_alike(run, before, b)) {
             run->response[b] = run->response[before];
         } else {
             make_response(run, b, h, level, with_rates);

@@ -48,14 +48,15 @@ static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sig
 static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double sign, double *indentation)
 {
     const aoi_modes *body = &run->system->body[b];
-    for (size_t q = 0; q < body->ports; q++) {
-        const double *force = run->port_force + (run->system->first_port[b] + q) * AOI_NODES;
-        const size_t pair = port * body->ports + q;
+    const aoi_response *response = &run->response[b];
+    for (size_t k = 0; k < response->columns.count; k++) {
+        const size_t by = response->columns.port ? response->columns.port[k] : k;
+        const double *force = run->port_force + (run->system->first_port[b] + by) * AOI_NODES;
         double displacement[AOI_NODES];
-        aoi_nodes_multiply(run->response[b].influence + pair * AOI_NODES * AOI_NODES, force, displacement);
+        aoi_nodes_multiply(response->influence + aoi_response_at(response, port, by), force, displacement);
         aoi_nodes_add(sign, displacement, indentation);
         if (body->residual) {
-            aoi_nodes_add(sign * body->residual[pair], force, indentation);
+            aoi_nodes_add(sign * body->residual[port * body->ports + by], force, indentation);
         }
     }
 }

@@ -2,6 +2,7 @@
  * exact, Newton on their values, all contacts of the step together. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
+#include "linear/work.h"
 #include "law/law.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
@@ -20,8 +21,8 @@ static size_t half_width(size_t span) { return AOI_NODES * (span + 1) - 1; }
 
 size_t aoi_collocation_size(size_t count, size_t span)
 {
-    const size_t rows = count * AOI_NODES, width = 2 * half_width(span) + 1;
-    return 2 * count * blocks_of(span) * SQUARE + rows * width + rows;
+    const size_t rows = aoi_times(count, AOI_NODES), width = aoi_times(2 * AOI_NODES, span + 1);
+    return aoi_plus(aoi_times(aoi_times(count, blocks_of(span)), 2 * SQUARE), aoi_times(rows, width));
 }
 
 /* Adds what contact t's force does to contact s (with a minus sign) by way of the bodies they share. */
@@ -37,12 +38,13 @@ static void add_coupling(const aoi_system *system, const aoi_response *response,
         const aoi_modes *body = &system->body[of->body[a]];
         const aoi_response *answer = &response[of->body[a]];
         const double sign = a == c ? 1.0 : -1.0;
-        const size_t pair = of->port[a] * body->ports + by->port[c];
-        const double residual = body->residual ? sign * body->residual[pair] : 0.0;
+        const size_t at = aoi_response_at(answer, of->port[a], by->port[c]);
+        const double residual =
+            body->residual ? sign * body->residual[of->port[a] * body->ports + by->port[c]] : 0.0;
         for (size_t k = 0; k < SQUARE; k++) {
-            displacement[k] += sign * answer->influence[pair * SQUARE + k];
+            displacement[k] += sign * answer->influence[at + k];
             if (rate) {
-                rate[k] += sign * answer->influence_rate[pair * SQUARE + k];
+                rate[k] += sign * answer->influence_rate[at + k];
             }
         }
         for (size_t k = 0; k < AOI_NODES && residual != 0.0; k++) {

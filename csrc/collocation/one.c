@@ -33,22 +33,22 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
 {
     const aoi_contact *contact = &system->contact[entry->contact];
     const aoi_response *answer[2];
-    size_t pair[2];
+    size_t at[2];
     double residual = 0.0;
     of->with_rates = aoi_collocation_wants_rates(system, 1, entry);
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = &system->body[contact->body[side]];
         answer[side] = &response[contact->body[side]];
-        pair[side] = contact->port[side] * (body->ports + 1);
-        residual += body->residual ? body->residual[pair[side]] : 0.0;
+        at[side] = aoi_response_at(answer[side], contact->port[side], contact->port[side]);
+        residual += body->residual ? body->residual[contact->port[side] * (body->ports + 1)] : 0.0;
     }
-    const double *one = answer[0]->influence + pair[0] * SQUARE;
-    const double *other = answer[1]->influence + pair[1] * SQUARE;
+    const double *one = answer[0]->influence + at[0];
+    const double *other = answer[1]->influence + at[1];
     for (size_t k = 0; k < SQUARE; k++) {
         of->displacement[k] = one[k] + other[k];
     }
-    one = answer[0]->influence_rate + pair[0] * SQUARE;
-    other = answer[1]->influence_rate + pair[1] * SQUARE;
+    one = answer[0]->influence_rate + at[0];
+    other = answer[1]->influence_rate + at[1];
     for (size_t k = 0; k < SQUARE && of->with_rates; k++) {
         of->rate[k] = one[k] + other[k];
     }

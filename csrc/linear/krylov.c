@@ -32,7 +32,7 @@ static void copy(size_t n, const double *from, double *to)
 
 size_t aoi_krylov_work_size(size_t n, size_t capacity)
 {
-    return TOGETHER * n + capacity;
+    return aoi_plus(aoi_times(TOGETHER, n), capacity);
 }
 
 /* Right-hand side of the next solve: a contact functional, then M times each vector in turn. With one

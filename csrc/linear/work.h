@@ -25,6 +25,11 @@ static inline size_t aoi_times(size_t one, size_t other)
     return other > 0 && one > AOI_TOO_MUCH / other ? AOI_TOO_MUCH : one * other;
 }
 
+static inline size_t aoi_plus(size_t one, size_t other)
+{
+    return one < AOI_TOO_MUCH && other < AOI_TOO_MUCH - one ? one + other : AOI_TOO_MUCH;
+}
+
 /* A block of memory, aligned as malloc's. NULL to compute its size only: then all arrays are NULL, too. */
 typedef struct aoi_memory {
     char *block;
@@ -37,9 +42,7 @@ static inline void *aoi_memory_take(aoi_memory *memory, size_t count, size_t siz
 {
     char *taken = memory->block ? memory->block + memory->used : NULL;
     const size_t bytes = aoi_times(count, size) + AOI_ALIGNMENT - 1;
-    memory->used = bytes < AOI_TOO_MUCH - memory->used
-                       ? memory->used + bytes / AOI_ALIGNMENT * AOI_ALIGNMENT
-                       : AOI_TOO_MUCH;
+    memory->used = aoi_plus(memory->used, bytes / AOI_ALIGNMENT * AOI_ALIGNMENT);
     return taken;
 }
 

@@ -68,7 +68,7 @@ enum { VECTORS = 20 };
 
 size_t aoi_coupled_size(size_t count, size_t band)
 {
-    return count > 1 ? aoi_times(VECTORS + 2 * band + 1, count) : 0;
+    return count > 1 ? aoi_times(aoi_plus(VECTORS + 1, aoi_times(2, band)), count) : 0;
 }
 
 static void iterate_lay_out(iterate *at, double **work, size_t n)

@@ -7,6 +7,7 @@
 #include "motion/response.h"
 #include "motion/nodes.h"
 #include "linear/vector.h"
+#include "linear/work.h"
 #include "law/law.h"
 
 #include <float.h>
@@ -21,10 +22,27 @@ static const double SERIES_LIMIT = 3.0;
 /* Powers of a mode below this share of its weight add nothing. */
 static const double NOTHING = 1e-40;
 
-size_t aoi_response_size(const aoi_modes *body)
+size_t aoi_response_size(const aoi_modes *body, size_t columns)
 {
-    const size_t pairs = body->ports * body->ports;
-    return 6 * AOI_NODES * body->n + pairs * (2 * SQUARE + OF_PAIR) + body->ports * AOI_NODES;
+    const size_t pairs = aoi_times(aoi_times(body->ports, columns), 2 * SQUARE + OF_PAIR);
+    return aoi_plus(aoi_plus(aoi_times(6 * AOI_NODES, body->n), pairs), aoi_times(body->ports, AOI_NODES));
+}
+
+/* A pair is a port and a column: where the shape of the one and the push on the other begin. */
+static size_t pairs_of(const aoi_response *response, const aoi_modes *body)
+{
+    return body->ports * response->columns.count;
+}
+
+static const double *shape_of(const aoi_response *response, const aoi_modes *body, size_t pair)
+{
+    return body->shape + pair / response->columns.count * body->n;
+}
+
+static const double *push_of(const aoi_response *response, const aoi_modes *body, size_t pair)
+{
+    const size_t column = pair % response->columns.count;
+    return body->push + (response->columns.port ? response->columns.port[column] : column) * body->n;
 }
 
 static double decay_of(const aoi_modes *body, size_t j)
@@ -56,8 +74,9 @@ static size_t add_powers(const double *weight, const double *square, double larg
 
 /* Adds modes j .. j + 3, as far as they are slow up to node i and not up to the next, to the moments of all pairs,
  * which go on from node to node, from the last to the first. Returns how many moments they reach. */
-static size_t add_slow(const aoi_modes *body, size_t j, double h, size_t i, double *scratch)
+static size_t add_slow(const aoi_response *response, const aoi_modes *body, size_t j, size_t i)
 {
+    const double h = response->h;
     double square[AOI_LANES] = {0.0}, largest = 0.0;
     int joins[AOI_LANES] = {0}, any = 0;
     for (size_t lane = 0; lane < aoi_lanes_count(body, j); lane++) {
@@ -71,33 +90,33 @@ static size_t add_slow(const aoi_modes *body, size_t j, double h, size_t i, doub
         }
     }
     size_t used = 0;
-    for (size_t pair = 0; any && pair < body->ports * body->ports; pair++) {
-        const size_t p = pair / body->ports * body->n + j, q = pair % body->ports * body->n + j;
+    for (size_t pair = 0; any && pair < pairs_of(response, body); pair++) {
+        const double *shape = shape_of(response, body, pair) + j, *push = push_of(response, body, pair) + j;
         double weight[AOI_LANES] = {0.0};
         for (size_t lane = 0; lane < AOI_LANES; lane++) {
             if (joins[lane]) {
-                weight[lane] = body->shape[p + lane] * body->push[q + lane];
+                weight[lane] = shape[lane] * push[lane];
             }
         }
-        used = add_powers(weight, square, largest, scratch + pair * OF_PAIR);
+        used = add_powers(weight, square, largest, response->scratch + pair * OF_PAIR);
     }
     return used;
 }
 
 /* Adds modes j .. j + 3, as far as they are fast up to node i, to the sums against Legendre polynomials on the part
  * of the step up to it. */
-static void add_fast(const aoi_modes *body, size_t j, double h, size_t i, const aoi_integrals *of,
-                     double *scratch)
+static void add_fast(const aoi_response *response, const aoi_modes *body, size_t j, size_t i,
+                     const aoi_integrals *of)
 {
-    const double part = h * aoi_radau_node[i];
-    for (size_t pair = 0; pair < body->ports * body->ports; pair++) {
-        const size_t p = pair / body->ports * body->n + j, q = pair % body->ports * body->n + j;
-        double *sums = scratch + pair * OF_PAIR + AOI_RADAU_MOMENTS;
+    const double h = response->h, part = h * aoi_radau_node[i];
+    for (size_t pair = 0; pair < pairs_of(response, body); pair++) {
+        const double *shape = shape_of(response, body, pair) + j, *push = push_of(response, body, pair) + j;
+        double *sums = response->scratch + pair * OF_PAIR + AOI_RADAU_MOMENTS;
         double weight[AOI_LANES] = {0.0};
         for (size_t lane = 0; lane < aoi_lanes_count(body, j); lane++) {
             weight[lane] = is_slow(body, j + lane, h, i)
                                ? 0.0
-                               : part * body->shape[p + lane] * body->push[q + lane];
+                               : part * shape[lane] * push[lane];
         }
         for (size_t l = 0; l < AOI_NODES; l++) {
             double impulse[AOI_LANES], rate[AOI_LANES];
@@ -159,8 +178,8 @@ static void free_mass(aoi_response *response, const aoi_modes *body)
         response->to_x[i] = h * h * aoi_radau_moment[0][AOI_NODES - 1][i];
         response->to_v[i] = h * aoi_radau_rate_moment[0][AOI_NODES - 1][i];
     }
-    for (size_t pair = 0; pair < body->ports * body->ports; pair++) {
-        const double weight = body->shape[pair / body->ports] * body->push[pair % body->ports];
+    for (size_t pair = 0; pair < pairs_of(response, body); pair++) {
+        const double weight = *shape_of(response, body, pair) * *push_of(response, body, pair);
         double *of = response->influence + pair * SQUARE;
         double *of_rate = response->influence_rate + pair * SQUARE;
         for (size_t k = 0; k < SQUARE; k++) {
@@ -219,9 +238,9 @@ static int modes_at_node(aoi_response *response, const aoi_modes *body, size_t i
             put_integrals(response, body, j, &integrals);
         }
         if (fast) {
-            add_fast(body, j, h, i, &integrals, response->scratch);
+            add_fast(response, body, j, i, &integrals);
         }
-        const size_t reached = add_slow(body, j, h, i, response->scratch);
+        const size_t reached = add_slow(response, body, j, i);
         *used = reached > *used ? reached : *used;
         has_fast = has_fast || fast;
     }
@@ -232,7 +251,7 @@ static int modes_at_node(aoi_response *response, const aoi_modes *body, size_t i
 static void fill(aoi_response *response, const aoi_modes *body)
 {
     const double h = response->h;
-    const size_t pairs = body->ports * body->ports;
+    const size_t pairs = pairs_of(response, body);
     size_t used = 0;
     for (size_t k = 0; k < pairs * OF_PAIR; k++) {
         response->scratch[k] = 0.0;
@@ -254,10 +273,11 @@ static void fill(aoi_response *response, const aoi_modes *body)
     }
 }
 
-void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, int with_rates,
-                       double *block)
+void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_columns *columns, double h,
+                       int with_rates, double *block)
 {
-    const size_t size = AOI_NODES * body->n, pairs = body->ports * body->ports;
+    response->columns = columns ? *columns : (aoi_columns){body->ports, NULL, NULL};
+    const size_t size = AOI_NODES * body->n, pairs = pairs_of(response, body);
     response->h = h;
     response->has_rates = with_rates;
     response->impulse = block;

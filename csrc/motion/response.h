@@ -2,7 +2,13 @@
 #ifndef AOI_MOTION_RESPONSE_H
 #define AOI_MOTION_RESPONSE_H
 
-#include "aoimpact.h"
+#include "law/law.h"
+
+/* The ports on which forces act, each with a column of an influence: port[column], and of[port] its column. NULL both
+ * where each port has the column of its own number. */
+typedef struct aoi_columns {
+    size_t count, *port, *of;
+} aoi_columns;
 
 /* Response of a body over a step of length h to polynomial forces, given by their values at the AOI_NODES Radau nodes:
  * exact for any omega h. */
@@ -11,18 +17,27 @@ typedef struct aoi_response {
     int has_rates;                        /* influence_rate is filled                     */
     double *impulse, *rate, *step, *ramp; /* [n][node]: aoi_motion at the nodes          */
     double *to_x, *to_v;                  /* [n][node]: integrals against l_node        */
-    double *influence, *influence_rate;   /* [port][port][node][node]: at the first port and the
+    double *influence, *influence_rate;   /* [port][column][node][node]: at the port and the
                                              second node, of a force at the others */
+    aoi_columns columns;
     double *impulse_response;             /* [port][node]: displacement after a unit impulse */
     double *scratch;
 } aoi_response;
 
-/* Doubles of the block behind the arrays. */
-size_t aoi_response_size(const aoi_modes *body);
+/* Where the influence on a port of a force on another one begins in influence and influence_rate. */
+static inline size_t aoi_response_at(const aoi_response *response, size_t port, size_t by)
+{
+    const aoi_columns *columns = &response->columns;
+    return (port * columns->count + (columns->of ? columns->of[by] : by)) * AOI_NODES * AOI_NODES;
+}
 
-/* Fills the tables of a step of length h > 0; block as above, kept. */
-void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, int with_rates,
-                       double *block);
+/* Doubles of the block behind the arrays, for so many columns. */
+size_t aoi_response_size(const aoi_modes *body, size_t columns);
+
+/* Fills the tables of a step of length h > 0. columns: NULL for each port in its own. block as above and the columns'
+ * arrays are kept. */
+void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_columns *columns, double h,
+                       int with_rates, double *block);
 
 /* Adds sign times the change of a port's displacement, and its rate (where not NULL), at the nodes, that
  * is due to the state at the start and to the loads; time: of the start. */

@@ -18,11 +18,14 @@ enum { MOST_ITERATIONS = 1000 };
 
 static const double CONVERGED = 1e-15;
 
-/* state: u, v, a, the free acceleration, two vectors to work with; the accelerations to a unit force at
+/* state: u, v, a, the free acceleration, three vectors to work with; the accelerations to a unit force at
  * each port; compliance, rate compliance. */
-enum { U, V, A, FREE_A, SPARE, SECOND, UNIT };
+enum { U, V, A, FREE_A, SPARE, SECOND, THIRD, UNIT };
 
-size_t aoi_body_full_size(size_t n, size_t ports) { return (UNIT + ports) * n + aoi_times(2 * ports, ports); }
+size_t aoi_body_full_size(size_t n, size_t ports) 
+{
+    return aoi_plus(aoi_times(UNIT + ports, n), aoi_times(2 * ports, ports));
+}
 
 static const aoi_full *full_of(const aoi_body *body) { return body->model; }
 
@@ -151,33 +154,34 @@ static void full_copy_state(const aoi_body *body, double *u, double *v)
     memcpy(v, part(body, V), bytes);
 }
 
-static double diagonal(const aoi_sparse *matrix, size_t row)
+static void take_diagonal(const aoi_sparse *matrix, double *diagonal)
 {
-    double sum = 0.0;
-    for (int32_t p = matrix->start[row]; p < matrix->start[row + 1]; p++) {
-        sum += (size_t)matrix->indices[p] == row ? matrix->values[p] : 0.0;
+    for (size_t i = 0; i < matrix->n; i++) {
+        diagonal[i] = 0.0;
+        for (int32_t p = matrix->start[i]; p < matrix->start[i + 1]; p++) {
+            diagonal[i] += (size_t)matrix->indices[p] == i ? matrix->values[p] : 0.0;
+        }
     }
-    return sum;
 }
 
 /* z = r over the diagonal of M, 0 where that is not positive; returns r^T z. */
-static double scaled_by_mass(const aoi_sparse *M, const double *r, double *z)
+static double scaled_by_mass(size_t n, const double *diagonal, const double *r, double *z)
 {
     double sum = 0.0;
-    for (size_t i = 0; i < M->n; i++) {
-        const double mass = diagonal(M, i);
-        z[i] = mass > 0.0 ? r[i] / mass : 0.0;
+    for (size_t i = 0; i < n; i++) {
+        z[i] = diagonal[i] > 0.0 ? r[i] / diagonal[i] : 0.0;
         sum += r[i] * z[i];
     }
     return sum;
 }
 
-/* Solves M x = r by conjugate gradients; r, p and z are overwritten. */
+/* Solves M x = r by conjugate gradients; r, p, z and diagonal are overwritten. */
 static int solve_mass(const aoi_sparse *M, const aoi_pause *pause, double *r, double *p, double *z,
-                      double *x)
+                      double *diagonal, double *x)
 {
     const size_t n = M->n;
-    double size = scaled_by_mass(M, r, z);
+    take_diagonal(M, diagonal);
+    double size = scaled_by_mass(n, diagonal, r, z);
     const double enough = CONVERGED * CONVERGED * size;
     memset(x, 0, n * sizeof(double));
     memset(p, 0, n * sizeof(double));
@@ -194,7 +198,7 @@ static int solve_mass(const aoi_sparse *M, const aoi_pause *pause, double *r, do
         aoi_vector_add(n, share, p, x);
         aoi_vector_add(n, -share, z, r);
         const double before = size;
-        size = scaled_by_mass(M, r, z);
+        size = scaled_by_mass(n, diagonal, r, z);
         for (size_t j = 0; j < n; j++) {
             p[j] *= size / before;
         }
@@ -210,7 +214,7 @@ static int full_begin(aoi_body *body, const double *force)
     for (size_t p = 0; p < full->ports; p++) {
         aoi_vector_add(full->K.n, force[p], full->b + p * full->K.n, r);
     }
-    return solve_mass(&full->M, full->pause, r, part(body, SPARE), part(body, SECOND), part(body, A));
+    return solve_mass(&full->M, full->pause, r, part(body, SPARE), part(body, SECOND), part(body, THIRD), part(body, A));
 }
 
 /* The responses to unit forces, and the compliances that they make. */

@@ -16,7 +16,10 @@ enum { LOST };
  * dashpot; by the port: the last force and the one before; compliance, rate compliance. */
 enum { X, V, A, FREE_A, MOBILITY, DASHPOT, PARTS };
 
-size_t aoi_body_modal_size(size_t n, size_t ports) { return PARTS * n + aoi_times(2 * ports, 1 + ports); }
+size_t aoi_body_modal_size(size_t n, size_t ports) 
+{
+    return aoi_plus(aoi_times(PARTS, n), aoi_times(2 * ports, 1 + ports));
+}
 
 static const aoi_modes *modes_of(const aoi_body *body) { return body->model; }
 

@@ -45,9 +45,9 @@ size_t aoi_newmark_size(const aoi_system *system)
     if (!system->first) {
         return 0;
     }
-    return lay_out(NULL, system, NULL) +
-           aoi_scene_most(system->body_count, system->first_port[system->body_count],
-                          system->contact_count, aoi_system_span(system));
+    const size_t scene = aoi_scene_most(system->body_count, system->first_port[system->body_count],
+                                        system->contact_count, aoi_system_span(system));
+    return aoi_plus(lay_out(NULL, system, NULL), scene);
 }
 
 /* The bodies where they start, and their loads. */

@@ -284,17 +284,41 @@ typedef struct running {
     aoi_track track;
 } running;
 
-/* Room for a run, and the rates that it starts with. */
-static int allocate_run(running *all)
+/* Up to this size a run has room for all contacts closed at once, B. */
+static const size_t BYTES_FOR_ALL = (size_t)1 << 24;
+
+/* Contacts closed at once for which a run has room at first: fewer than all where bodies with many contacts make it
+ * large. Few of these are closed at once as a rule, and the run is much faster as well. */
+static size_t first_at_once(aoi_system system)
 {
-    const aoi_system *system = &all->made.system;
-    all->run = malloc(aoi_adaptive_size(system));
-    all->v = calloc(system->first[system->body_count] + 1, sizeof(double));
-    if (!all->run || !all->v) {
-        all->buffers.failed = 1;
-        PyErr_NoMemory();
+    system.at_once = system.contact_count;
+    for (size_t size = aoi_adaptive_size(&system), before = SIZE_MAX; size > BYTES_FOR_ALL && size < before / 4 * 3;) {
+        system.at_once = (system.at_once + 1) / 2;
+        before = size;
+        size = aoi_adaptive_size(&system);
     }
-    return !all->buffers.failed;
+    return system.at_once;
+}
+
+/* Makes the run, and makes it again with more room for as long as it has too little. */
+static int run_with_room(running *all, const aoi_start *start, double rtol, double end, size_t most_steps)
+{
+    aoi_system *system = &all->made.system;
+    int status = AOI_ERROR_CROWDED;
+    for (system->at_once = first_at_once(*system); status == AOI_ERROR_CROWDED; system->at_once *= 2) {
+        free(all->run);
+        all->run = malloc(aoi_adaptive_size(system));
+        if (!all->run) {
+            PyErr_NoMemory();
+            return AOI_OK;
+        }
+        all->track.used = all->track.rows = 0;
+        status = aoi_adaptive_start(all->run, system, start, rtol, end);
+        if (status == AOI_OK) {
+            status = run_to_end(all->run, system, end, &all->track, most_steps);
+        }
+    }
+    return status;
 }
 
 static void release_run(running *all)
@@ -322,15 +346,17 @@ PyObject *adaptive(PyObject *self, PyObject *args)
         return NULL;
     }
     int status = take_system(&all.buffers, bodies, contacts, &all.made);
-    if (!all.buffers.failed && status == AOI_OK && allocate_run(&all)) {
-        take_start(&all.buffers, x_in, moving, velocities, system, all.v, &start);
-        if (!all.buffers.failed) {
-            status = aoi_adaptive_start(all.run, system, &start, rtol, end);
+    if (!all.buffers.failed && status == AOI_OK) {
+        all.v = calloc(system->first[system->body_count] + 1, sizeof(double));
+        if (all.v) {
+            take_start(&all.buffers, x_in, moving, velocities, system, all.v, &start);
+        } else {
+            PyErr_NoMemory();
         }
-        if (!all.buffers.failed && status == AOI_OK) {
-            status = run_to_end(all.run, system, end, &all.track, (size_t)most_steps);
-            reached = aoi_adaptive_progress(all.run);
-        }
+    }
+    if (!all.buffers.failed && !PyErr_Occurred() && status == AOI_OK) {
+        status = run_with_room(&all, &start, rtol, end, (size_t)most_steps);
+        reached = all.run ? aoi_adaptive_progress(all.run) : reached;
     }
     if (!all.buffers.failed && !PyErr_Occurred()) {
         result = status == AOI_OK ? adaptive_result(all.run, system, &all.track, end)

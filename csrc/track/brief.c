@@ -13,14 +13,11 @@ typedef struct parts {
     double *record;
 } parts;
 
-/* Most rows hold one contact and less than all that there is room for. */
-static size_t room_for(size_t rows, size_t row) { return row + aoi_times(rows, row) / 4; }
-
 static parts lay_out(const aoi_system *system, size_t rows, void *block, size_t *size)
 {
     aoi_memory memory = {block, 0};
     parts made = {.track = {.row_capacity = rows}};
-    made.track.capacity = room_for(rows, aoi_adaptive_room(system));
+    made.track.capacity = aoi_times(rows, aoi_adaptive_room(system));
     made.run = aoi_memory_take(&memory, 1, aoi_adaptive_size(system));
     made.sampler = aoi_memory_take(&memory, 1, aoi_sampler_size(system));
     made.record = aoi_memory_doubles(&memory, aoi_record_rows(system));

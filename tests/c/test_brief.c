@@ -76,6 +76,28 @@ static void a_wall_gives_the_velocity_back(void)
     CHECK(brief.start == 0.0, "touching at the start");
 }
 
+/* Each row of such a run is as long as a row can be; the free motion to the end needs room for one more. */
+static void as_many_rows_are_enough_as_the_run_writes(void)
+{
+    pair p;
+    aoi_brief brief;
+    size_t least = 1;
+    make_pair(&p, 0.3, 0.5, 1e6, 1e-3);
+    while (least < ROWS && brief_of(&p, 2.0, 0.1, least, &brief) != AOI_OK) {
+        least++;
+    }
+    aoi_adaptive *run = malloc(aoi_adaptive_size(&p.system));
+    double *values = malloc(ROWS * aoi_adaptive_room(&p.system) * sizeof *values);
+    size_t row[ROWS];
+    aoi_track track = {values, row, ROWS * aoi_adaptive_room(&p.system), ROWS, 0, 0};
+    const aoi_start start = {p.x, p.v, 0};
+    CHECK(aoi_adaptive_start(run, &p.system, &start, 1e-9, 0.1) == AOI_OK, "started");
+    CHECK(aoi_adaptive_finish(run, &track) == AOI_OK, "finished");
+    CHECK(least <= track.rows + 1, "%zu rows for %zu", least, track.rows);
+    free(values);
+    free(run);
+}
+
 static void a_record_may_end_in_contact(void)
 {
     const double m = 0.3, k = 1e6, end = 0.25 * PI * sqrt(m / k);
@@ -175,6 +197,7 @@ int main(void)
 {
     balls_collide();
     a_wall_gives_the_velocity_back();
+    as_many_rows_are_enough_as_the_run_writes();
     a_record_may_end_in_contact();
     a_note_does_not_outlive_its_run();
     bodies_may_miss();

@@ -19,8 +19,8 @@ static int solve_at_edge(plant *p, double h, size_t span, int with_rates, enum a
     CHECK(aoi_collocation_size(p->contacts, span) <= MOST_WORK, "room");
     for (size_t b = 0; b < p->bodies; b++) {
         double *block = p->work + b * 20000;
-        CHECK(aoi_response_size(&p->body[b]) < 20000, "room");
-        aoi_response_make(&p->response[b], &p->body[b], h, with_rates, block);
+        CHECK(aoi_response_size(&p->body[b], p->body[b].ports) < 20000, "room");
+        aoi_response_make(&p->response[b], &p->body[b], NULL, h, with_rates, block);
     }
     for (size_t c = 0; c < p->contacts; c++) {
         const aoi_contact *contact = &p->contact[c];

@@ -77,8 +77,8 @@ static void a_step_ends_where_duhamel_says(void)
         choose_forces(&seed, 2, force);
         const double h = 1.3;
         aoi_response response;
-        double *block = malloc(aoi_response_size(p.body) * sizeof(double));
-        aoi_response_make(&response, p.body, h, 1, block);
+        double *block = malloc(aoi_response_size(p.body, p.body->ports) * sizeof(double));
+        aoi_response_make(&response, p.body, NULL, h, 1, block);
         double x[MOST_MODES], v[MOST_MODES];
         memcpy(x, p.x, sizeof x);
         memcpy(v, p.v, sizeof v);
@@ -129,8 +129,8 @@ static void ports_move_at_the_nodes_as_the_modes_do(void)
             choose_forces(&seed, pushed, force);
             const double h = 1.3;
             aoi_response response;
-            double *block = malloc(aoi_response_size(p.body) * sizeof(double));
-            aoi_response_make(&response, p.body, h, 1, block);
+            double *block = malloc(aoi_response_size(p.body, p.body->ports) * sizeof(double));
+            aoi_response_make(&response, p.body, NULL, h, 1, block);
             for (size_t port = 0; port < 2; port++) {
                 double moved[AOI_NODES] = {0.0}, rate[AOI_NODES] = {0.0};
                 aoi_response_homogeneous(&response, p.body, port, -1.0, 0.0, p.x, p.v, moved, rate);
@@ -163,8 +163,8 @@ static void the_impulse_response_is_that_to_an_impulse(void)
     plant p = {.bodies = 0};
     furnish(&p, 1, 0);
     aoi_response response;
-    double *block = malloc(aoi_response_size(p.body) * sizeof(double));
-    aoi_response_make(&response, p.body, 0.4, 0, block);
+    double *block = malloc(aoi_response_size(p.body, p.body->ports) * sizeof(double));
+    aoi_response_make(&response, p.body, NULL, 0.4, 0, block);
     const part *of = &p.part[0];
     for (size_t port = 0; port < 2; port++) {
         for (size_t i = 0; i < AOI_NODES; i++) {
@@ -187,8 +187,8 @@ static void a_rising_load_moves_the_residual(void)
     furnish(&p, 0, 1);
     const double residual[] = {0.3, 0.1, 0.1, 0.2}, h = 0.5, slopes[] = {0.5, -1.0};
     aoi_response response;
-    double *block = malloc(aoi_response_size(p.body) * sizeof(double));
-    aoi_response_make(&response, p.body, h, 1, block);
+    double *block = malloc(aoi_response_size(p.body, p.body->ports) * sizeof(double));
+    aoi_response_make(&response, p.body, NULL, h, 1, block);
     double without[AOI_NODES] = {0.0}, with[AOI_NODES] = {0.0};
     double rate_without[AOI_NODES] = {0.0}, rate_with[AOI_NODES] = {0.0};
     aoi_response_homogeneous(&response, p.body, 1, 1.0, 0.0, p.x, p.v, without, rate_without);
