@@ -1,4 +1,6 @@
-"""The order of the core's folders: no #include, and no symbol, from a later folder, and no circle of files in one.
+"""The order of the core's folders: no #include, and no symbol, from a later folder.
+
+Files of one folder use each other in an order, too: no circle.
 
     python3 layers.py build     where build/<folder>/*.o are the compiled files
 
