@@ -91,7 +91,7 @@ class ErrorParts:
         return f"{total}{' %' if total[0].isdigit() else ''} ({self.listed()})"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class ErrorEstimate:
     """Errors of a run: ``error["restitution"].total`` of any number that the summary prints.
 
@@ -125,7 +125,7 @@ class ErrorEstimate:
     True
     """
 
-    parts: Mapping[str, ErrorParts]
+    parts: Mapping[str, ErrorParts] = field(hash=False)
     energy: float | None = None
     quantity: str | None = None
     rtol: float | None = None
