@@ -5,6 +5,7 @@ from .cells import aligned, html_table
 from .checks import (
     HUGE,
     boolean,
+    called,
     choice,
     file_path,
     finite_array,
@@ -96,6 +97,7 @@ __all__ = [
     "available",
     "bar",
     "boolean",
+    "called",
     "checked",
     "choice",
     "decoded",

@@ -25,6 +25,7 @@ from .errors import InputError, InputTypeError
 __all__ = [
     "HUGE",
     "boolean",
+    "called",
     "choice",
     "file_path",
     "finite_array",
@@ -160,6 +161,12 @@ def nearest(value: str, options: Iterable[str]) -> str:
     """Return " (did you mean 'x'?)" for the option most like `value`, or an empty string."""
     found = difflib.get_close_matches(value, list(options), n=1, cutoff=0.5)
     return f" (did you mean {found[0]!r}?)" if found else ""
+
+
+def called(value: str, options: Iterable[str]) -> str | None:
+    """Return the option that is `value`, or else the only one that is so in another case."""
+    same = [option for option in options if option.casefold() == value.casefold()]
+    return value if value in same else same[0] if len(same) == 1 else None
 
 
 def choice(name: str, value: Any, options: Sequence[str]) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, nearest
+from ..base import FloatArray, InputError, InputTypeError, IntArray, called, nearest
 from ..mesh import Mesh
 from .labels import nodes_by_number
 
@@ -104,13 +104,14 @@ def selected_nodes(
         If it selects nothing, or names an unknown set or number.
     """
     if isinstance(selector, str):
-        if selector not in node_sets:
+        found = called(selector, node_sets)
+        if found is None:
             known = ", ".join(map(repr, node_sets)) or "none"
             raise InputError(
                 f"{name}: the mesh has no node set {selector!r}{nearest(selector, node_sets)}; "
                 f"it has {known}"
             )
-        return node_sets[selector]
+        return node_sets[found]
     if callable(selector):
         return _from_mask(f"{name}: the function", _returned(name, selector, nodes), nodes)
     try:

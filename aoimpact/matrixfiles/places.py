@@ -9,8 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from ..base import HUGE, FloatArray, InputError, IntArray, file_path, finite_array
-from ..mesh import is_nastran, nastran_nodes, read_mesh
+from ..base import (
+    HUGE,
+    FloatArray,
+    InputError,
+    IntArray,
+    file_path,
+    finite_array,
+    held_warnings,
+)
+from ..mesh import is_nastran, load, looks_like_inp, nastran_nodes, read_mesh
 from .found import existing, spoilt
 
 __all__ = ["Places", "read_places"]
@@ -18,9 +26,6 @@ __all__ = ["Places", "read_places"]
 # Labels, or None where nodes have none but their order; and coordinates in the file's unit.
 Places = tuple[IntArray | None, FloatArray]
 
-_NODE_BLOCK = re.compile(
-    r"^\*NODE\b(?!\s*(?:PRINT|FILE|OUTPUT))[^\n]*\n((?:(?!\*[^*])[^\n]*\n?)*)", re.I | re.M
-)
 
 # A number of Nastran's: 1.5-3 is 1.5E-3.
 _SHORT_EXPONENT = re.compile(r"(?<=[\d.])([+-]\d+)$")
@@ -32,8 +37,8 @@ def read_places(nodes: Any) -> Places:
     Parameters
     ----------
     nodes : path or array_like
-        A deck of Abaqus or CalculiX (*NODE), or Nastran (GRID), lines of label, x, y, z, a mesh
-        that meshio reads (labels 1, 2, …); an array (n, 4) of labels and coordinates, or (n, 3).
+        A deck of Abaqus or CalculiX, or Nastran (GRID), lines of label, x, y, z, a mesh that
+        meshio reads (labels 1, 2, …); an array (n, 4) of labels and coordinates, or (n, 3).
 
     Raises
     ------
@@ -50,14 +55,19 @@ def read_places(nodes: Any) -> Places:
     existing(file)
     with file.open("rb") as stream:
         head = stream.read(4096)
+    if looks_like_inp(head) or (file.suffix.lower() == ".inp" and head.lstrip()[:1] == b"*"):
+        with held_warnings():  # of elements, which do not matter here
+            raw = load(file)
+        if not len(raw.nodes):
+            raise spoilt(file, "it has no nodes")
+        return _labelled(file, np.column_stack([np.asarray(raw.node_labels), raw.nodes]))
     if b"\0" not in head:
         text = file.read_text(encoding="latin-1")
         if is_nastran(file):
             return nastran_nodes(file)
-        for read in (_abaqus, _table):
-            table = read(file, text)
-            if table is not None:
-                return _labelled(file, table)
+        table = _table(file, text)
+        if table is not None:
+            return _labelled(file, table)
     mesh = read_mesh(file)
     return np.arange(1, mesh.n_nodes + 1), mesh.nodes
 
@@ -74,22 +84,6 @@ def _labelled(file: Path | None, table: FloatArray) -> Places:
             "those of one part"
         )
     return labels[order], table[order, 1:]
-
-
-def _abaqus(file: Path, text: str) -> FloatArray | None:
-    blocks = _NODE_BLOCK.findall(text)
-    if not blocks:
-        return None
-    lines = [
-        line
-        for block in blocks
-        for line in block.splitlines()
-        if line.strip() and not line.startswith("**")
-    ]
-    if not lines:
-        raise spoilt(file, "its *NODE has no nodes")
-    rows = [[one.strip() for one in line.split(",")][:4] for line in lines]
-    return _numbers(file, [row + ["0"] * (4 - len(row)) for row in rows])
 
 
 def _table(file: Path, text: str) -> FloatArray | None:

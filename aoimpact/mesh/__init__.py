@@ -6,7 +6,9 @@ their nodes and corners for multigrid, `fields` their elements for stresses and 
 
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
+from .files import load
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from .inpfile import looks_like_inp
 from .locate import AT_NODE, node_at, weights_at
 from .mesh import Block, Mesh, group, taken
 from .nastran import nastran_nodes
@@ -33,6 +35,8 @@ __all__ = [
     "group",
     "is_nastran",
     "jacobians",
+    "load",
+    "looks_like_inp",
     "meshio_of_all_kinds",
     "motions_at",
     "nastran_nodes",

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..base import MemoryLimitError, MeshError, MissingFileError, file_path
-from . import exodus, gmsh, kratos, med, nastran, viameshio, vtk
+from . import abaqus, exodus, gmsh, kratos, med, nastran, viameshio, vtk
+from .inpfile import looks_like_inp
 from .nastrantext import is_nastran
 from .rawmesh import RawMesh
 
@@ -21,6 +22,7 @@ _Reader = Callable[[Path], RawMesh]
 _READERS: dict[str, _Reader] = {
     **dict.fromkeys((".bdf", ".nas"), nastran.read),
     **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), exodus.read),
+    ".inp": abaqus.read,
     ".mdpa": kratos.read,
     ".med": med.read,
     ".vtk": vtk.read_legacy,
@@ -57,9 +59,12 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
 
 def _reader(file: Path) -> _Reader:
     suffix = file.suffix.lower()
-    if suffix.startswith(".msh"):  # Gmsh's, or Fluent's
-        with file.open("rb") as stream:
-            return gmsh.read if stream.read(200).lstrip().startswith(b"$") else viameshio.read
+    with file.open("rb") as stream:
+        head = stream.read(4096)
+    if suffix.startswith(".msh") and head.lstrip().startswith(b"$"):  # else Fluent's, or CalculiX'
+        return gmsh.read
+    if looks_like_inp(head):
+        return abaqus.read
     if suffix not in _READERS and is_nastran(file):
         return nastran.read
     return _READERS.get(suffix, viameshio.read)

@@ -16,6 +16,7 @@ from ..base import (
     InputTypeError,
     IntArray,
     MeshError,
+    called,
     choice,
     finite_array,
     nearest,
@@ -101,6 +102,9 @@ class Mesh(Frozen):
         no single node.
     cell_labels : array_like of int, shape (n_cells,), optional
         Numbers that the file gives to the elements.
+    left_out : mapping of str to str, optional
+        Groups of a file that hold more than solids, and what, as in "3 MASS": they are refused as
+        groups of elements.
 
     Attributes
     ----------
@@ -129,6 +133,7 @@ class Mesh(Frozen):
     cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
     node_labels: IntArray | None = None
     cell_labels: IntArray | None = None
+    left_out: Mapping[str, str] = field(default_factory=dict)
     blocks: tuple[Block, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -151,6 +156,7 @@ class Mesh(Frozen):
         check_reach(nodes)
         for name, count in (("node_labels", len(nodes)), ("cell_labels", first)):
             object.__setattr__(self, name, _labels(name, getattr(self, name), count))
+        object.__setattr__(self, "left_out", _reasons("left_out", self.left_out))
         for block in blocks:
             _check_duplicates(block, self.node_labels, self.cell_labels)
             _check_elements(nodes, block, self.node_labels, self.cell_labels)
@@ -228,13 +234,19 @@ def select(mesh: Mesh, name: str, given: Any) -> Mesh:
 def group(mesh: Mesh, name: str, wanted: Any) -> IntArray:
     """Return the numbers of the elements of a named group; `name` is the argument's."""
     text(name, wanted)
-    if wanted not in mesh.cell_sets:
+    if other := called(wanted, mesh.left_out):
+        raise InputError(
+            f"{name}: the group {wanted!r} also holds {mesh.left_out[other]}, which are no solids; "
+            "name groups of solids alone"
+        )
+    found = called(wanted, mesh.cell_sets)
+    if found is None:
         known = ", ".join(map(repr, mesh.cell_sets)) or "none"
         raise InputError(
             f"{name}: the mesh has no group of elements {wanted!r}"
             f"{nearest(wanted, mesh.cell_sets)}; it has {known}"
         )
-    return mesh.cell_sets[wanted]
+    return mesh.cell_sets[found]
 
 
 def taken(mesh: Mesh, cells: IntArray) -> Mesh:
@@ -259,6 +271,7 @@ def taken(mesh: Mesh, cells: IntArray) -> Mesh:
         {name: ids for name, ids in groups.items() if len(ids)},
         None if mesh.node_labels is None else mesh.node_labels[used],
         None if mesh.cell_labels is None else mesh.cell_labels[chosen],
+        mesh.left_out,
     )
 
 
@@ -266,7 +279,7 @@ def replace_nodes(mesh: Mesh, nodes: FloatArray) -> Mesh:
     """Return the same mesh with its nodes elsewhere."""
     blocks: Any = [(block.kind, block.cells) for block in mesh.blocks]
     named = (mesh.node_sets, mesh.cell_sets, mesh.node_labels, mesh.cell_labels)
-    return Mesh(nodes, blocks, "mixed", *named)
+    return Mesh(nodes, blocks, "mixed", *named, mesh.left_out)
 
 
 def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
@@ -307,6 +320,12 @@ def _sets(name: str, sets: Any, count: int) -> dict[str, IntArray]:
         str(key): node_ids(f"{name}[{key!r}]", members, count, what)
         for key, members in sets.items()
     }
+
+
+def _reasons(name: str, given: Any) -> dict[str, str]:
+    if not isinstance(given, Mapping):
+        raise InputTypeError(f"{name} must be a dict of names and texts, got {given!r}")
+    return {text(name, key): text(f"{name}[{key!r}]", value) for key, value in given.items()}
 
 
 def _labels(name: str, labels: Any, count: int) -> IntArray | None:

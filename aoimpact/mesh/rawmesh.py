@@ -53,6 +53,9 @@ class RawMesh:
     node_labels : ndarray of int, shape (n_nodes,), or None
         Numbers that the file gives to the nodes; None for formats without numbers. A number may
         occur twice, as in two instances of an Abaqus part.
+    left_out : mapping of str to str
+        Groups that hold more than solids, and what, as in "3 MASS, 20 S4R": of solids alone they
+        would be incomplete.
     """
 
     nodes: FloatArray
@@ -60,6 +63,7 @@ class RawMesh:
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)
     cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
     node_labels: IntArray | None = None
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def first(self) -> IntArray:

@@ -136,6 +136,7 @@ def _ordered(raw: RawMesh, factor: float) -> Mesh:
         _filled({name: ids[ids >= 0] for name, ids in cell_sets.items()}),
         None if raw.node_labels is None else raw.node_labels[used],
         None if raw.cell_labels is None else raw.cell_labels[order],
+        raw.left_out,
     )
 
 
@@ -144,9 +145,11 @@ def _filled(sets: dict[str, IntArray]) -> dict[str, IntArray]:
 
 
 def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
-    """Return the sets of nodes, joined with the nodes of the groups of cells of any dimension."""
+    """Return the sets of nodes, and the nodes of other groups of cells of any dimension."""
     found = {name: [np.asarray(ids)] for name, ids in raw.node_sets.items()}
     for name, members in raw.cell_sets.items():
+        if name in raw.node_sets:  # the file says itself which nodes these are
+            continue
         for start, block in zip(raw.first[:-1], raw.blocks, strict=True):
             own = members[(members >= start) & (members < start + len(block.cells))] - start
             found.setdefault(name, []).append(np.unique(block.cells[own]))

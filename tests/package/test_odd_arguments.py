@@ -298,6 +298,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "cell_sets": {"all": [0]},
             "node_labels": np.arange(1, BOX.n_nodes + 1),
             "cell_labels": np.arange(1, BOX.n_cells + 1),
+            "left_out": {"springs": "3 SPRINGA"},
         },
     ),
     "Mesh.part": (

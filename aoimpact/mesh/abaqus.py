@@ -1,0 +1,241 @@
+"""Decks of Abaqus and CalculiX: parts, their instances and the assembly become one raw mesh.
+
+A keyword that is not understood is refused unless it is known to say nothing of mesh and groups.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..base import IntArray, warn
+from .inpfile import Keyword, key, read_keywords
+from .inpgeometry import moved
+from .inpscope import Elements, Scope, Which
+from .inptypes import UNSUPPORTED, harmless, is_side
+from .rawmesh import RawBlock, RawMesh
+
+__all__ = ["read"]
+
+_OF_SCOPES = frozenset(("NODE", "NGEN", "ELEMENT", "ELGEN", "NSET", "ELSET", "SYSTEM"))
+
+# Nodes of C3D27 in meshio's order: there the middle comes before those of faces 1 to 6.
+_C3D27 = (*range(20), 26, 24, 23, 25, 21, 22, 20)
+
+
+@dataclass(eq=False)
+class _Instance:
+    """An instance of a part: where it is put, and what it has beside the part's own.
+
+    `keyword` is None for a part that stands for itself.
+    """
+
+    name: str
+    part: str
+    keyword: Keyword | None = None
+    own: list[Keyword] = field(default_factory=list)
+
+
+@dataclass(eq=False)
+class _Model:
+    """Keywords of a deck, by what they belong to.
+
+    `outside` has those of the assembly, or of a deck without parts. Parts and instances are found
+    by their names in capitals.
+    """
+
+    outside: list[Keyword] = field(default_factory=list)
+    parts: dict[str, list[Keyword]] = field(default_factory=dict)
+    instances: dict[str, _Instance] = field(default_factory=dict)
+    called: dict[str, str] = field(default_factory=dict)
+
+
+def read(file: Path) -> RawMesh:
+    """Return the mesh of a deck of Abaqus or CalculiX.
+
+    A set of an instance is called "instance.set", and "set" as well where no other has one of that
+    name. An instance is the group of its elements. Nodes of the assembly itself, which are
+    reference points, are left out.
+
+    Raises
+    ------
+    MeshError
+        With file, line and keyword, if something that may concern nodes, elements or sets is not
+        understood.
+    MissingFileError
+        If the file, or one that it includes, is not there.
+
+    Warns
+    -----
+    AOImpactWarning
+        If elements are no solids, parts have no instance, or sets name what is not there.
+    """
+    return _joined(file, _sorted(read_keywords(file)))
+
+
+def _sorted(keywords: list[Keyword]) -> _Model:
+    """Give each keyword to its part, its instance or the assembly, and refuse unknown ones."""
+    model = _Model()
+    within: list[tuple[str, list[Keyword]]] = [("", model.outside)]
+    for keyword in keywords:
+        name = keyword.name
+        if name in _OF_SCOPES:
+            if name in ("NODE", "ELEMENT") and within[-1][0] == "" and model.parts:
+                raise keyword.error("in a deck with parts, it must belong to one of them")
+            within[-1][1].append(keyword)
+        elif name == "PART":
+            keyword.check_options(("NAME",))
+            part = _new(keyword, model.parts)
+            model.called[part] = keyword.options["NAME"].strip('"')
+            within.append((name, model.parts.setdefault(part, [])))
+        elif name == "ASSEMBLY":
+            within.append((name, model.outside))
+        elif name == "INSTANCE":
+            keyword.check_options(("NAME", "PART"))
+            instance, part = _new(keyword, model.instances), keyword.options.get("PART", "")
+            if key(part) not in model.parts:
+                raise keyword.error(f"there is no part {part}")
+            called = keyword.options["NAME"].strip('"')
+            model.instances[instance] = made = _Instance(called, key(part), keyword)
+            within.append((name, made.own))
+        elif name in ("ENDPART", "ENDASSEMBLY", "ENDINSTANCE"):
+            if within.pop()[0] != name[3:]:
+                raise keyword.error(f"it ends no *{name[3:]}")
+        elif name in UNSUPPORTED:
+            raise keyword.error("it is not supported; write the mesh out without it")
+        elif not harmless(name):
+            raise keyword.error("it is not known, and may change the mesh; leave it out")
+    if len(within) > 1:
+        raise keywords[-1].error(f"*END {within[-1][0]} is missing")
+    if model.parts and not model.instances:
+        model.instances = {part: _Instance(model.called[part], part) for part in model.parts}
+    return model
+
+
+def _new(keyword: Keyword, known: Mapping[str, object]) -> str:
+    """Return the name of a part or instance in capitals."""
+    name = key(keyword.options.get("NAME", ""))
+    if not name or name in known:
+        raise keyword.error("it needs a NAME of its own")
+    return name
+
+
+def _joined(file: Path, model: _Model) -> RawMesh:
+    """Put instances in their places, one after the other, and find all sets."""
+    whole = Scope()
+    parts: dict[str, Scope] = {}
+    nodes, labels = [], []
+    bodies: list[tuple[Scope, int]] = []
+    for name, instance in model.instances.items():
+        if instance.own:
+            scope = Scope().read([*model.parts[instance.part], *instance.own])
+        else:
+            if instance.part not in parts:
+                parts[instance.part] = Scope().read(model.parts[instance.part])
+            scope = parts[instance.part]
+        places = scope.places
+        nodes.append(places if instance.keyword is None else moved(instance.keyword, places))
+        labels.append(scope.labels)
+        bodies.append((scope, whole.first["NSET"]))
+        whole.inner[name] = scope, dict(whole.first)
+        whole.first["NSET"] += len(scope.labels)
+        whole.first["ELSET"] += len(scope.element_labels)
+    whole.read(model.outside)
+    bodies.append((whole, whole.first["NSET"]))
+    if not model.instances:
+        nodes, labels = [whole.places], [whole.labels]
+    blocks = [block for scope, _ in bodies for block in scope.elements]
+    rows = [block.nodes + first for scope, first in bodies for block in scope.elements]
+    raw_blocks, cell = _blocks(blocks, rows)
+    n_nodes = sum(map(len, labels))
+    node_sets, cell_sets = _named(whole, model)
+    kinds = np.repeat(np.arange(len(blocks)), [len(block.labels) for block in blocks])
+    others = np.array([block.type[:3] != "C3D" for block in blocks], dtype=bool)
+    left_out = {}
+    for name, members in cell_sets.items():
+        of = kinds[members]
+        counts = Counter(blocks[i].type for i in of[others[of]].tolist())
+        if counts:
+            left_out[name] = _listed(counts)
+    _warn(file, whole, model, blocks)
+    return RawMesh(
+        np.concatenate(nodes),
+        tuple(raw_blocks),
+        {name: members[members < n_nodes] for name, members in node_sets.items()},
+        {name: np.sort(cell[members][cell[members] >= 0]) for name, members in cell_sets.items()},
+        np.concatenate(labels),
+        left_out,
+    )
+
+
+def _blocks(blocks: list[Elements], rows: list[IntArray]) -> tuple[list[RawBlock], IntArray]:
+    """Join elements of a kind, and return the cells' numbers by those of all elements, or -1."""
+    counts = [len(block.labels) for block in blocks]
+    first = np.cumsum([0, *counts])
+    cell = np.full(first[-1], -1)
+    found: list[RawBlock] = []
+    done = 0
+    for kind in dict.fromkeys(block.kind for block in blocks if block.kind):
+        own = [i for i, block in enumerate(blocks) if block.kind == kind]
+        cells = np.concatenate([rows[i] for i in own])
+        if kind == "hexahedron27":
+            cells = cells[:, _C3D27]
+        found.append(RawBlock(kind, cells, np.concatenate([blocks[i].labels for i in own])))
+        for i in own:
+            cell[first[i] : first[i + 1]] = np.arange(done, done + counts[i])
+            done += counts[i]
+    return found, cell
+
+
+def _named(whole: Scope, model: _Model) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
+    """Return all sets by what users call them: members' numbers among those of all scopes."""
+    sets: dict[tuple[Which, str], list[tuple[str, IntArray]]] = {
+        at: [(called, whole.members(*at))] for at, called in whole.names.items()
+    }
+    own = set(sets)
+    for name, instance in model.instances.items():
+        scope, place = whole.inner[name]
+        for (which, inner), called in scope.names.items():
+            members = scope.members(which, inner) + place[which]
+            full = f"{instance.name}.{called}"
+            sets.setdefault((which, key(full)), []).append((full, members))
+            if (which, inner) not in own:
+                sets.setdefault((which, inner), []).append((called, members))
+        every = place["ELSET"] + np.arange(len(scope.element_labels))
+        sets.setdefault(("ELSET", name), []).append((instance.name, every))
+    named: dict[Which, dict[str, IntArray]] = {"NSET": {}, "ELSET": {}}
+    for (which, _), found in sets.items():
+        called, members = found[0]
+        if all(np.array_equal(members, other) for _, other in found):  # else of several instances
+            named[which][called] = members
+    return named["NSET"], named["ELSET"]
+
+
+def _listed(counts: Counter[str]) -> str:
+    return ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
+
+
+def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> None:
+    """Say in one warning what of the deck is not in the mesh."""
+    said = []
+    counts: Counter[str] = Counter()
+    for block in blocks:
+        if not block.type.startswith("C3D") and not is_side(block.type):
+            counts[block.type] += len(block.labels)
+    if counts:
+        said.append(f"elements that are no solids are not part of the body: {_listed(counts)}")
+    used = {instance.part for instance in model.instances.values()}
+    if unused := [model.called[part] for part in model.parts if part not in used]:
+        said.append(f"parts without an instance are left out: {', '.join(unused)}")
+    missing = dict(whole.missing)
+    for scope, _ in whole.inner.values():
+        missing |= scope.missing
+    if missing:
+        name, label = next(iter(missing.items()))
+        said.append(f"{len(missing)} sets name what is not defined, as {label} in {name}")
+    if said:
+        warn(f"mesh file {str(file)!r}: {'; '.join(said)}")
