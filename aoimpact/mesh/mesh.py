@@ -160,6 +160,7 @@ class Mesh(Frozen):
         for block in blocks:
             _check_duplicates(block, self.node_labels, self.cell_labels)
             _check_elements(nodes, block, self.node_labels, self.cell_labels)
+            _check_repeats(block, self.node_labels, self.cell_labels)
         object.__setattr__(self, "node_sets", _sets("node_sets", self.node_sets, len(nodes)))
         object.__setattr__(self, "cell_sets", _sets("cell_sets", self.cell_sets, first))
         object.__setattr__(self, "nodes", nodes)
@@ -427,6 +428,22 @@ def _check_elements(
                 f"{_numbers(cells[first], node_labels)}; "
                 "repair or improve the mesh there"
             )
+
+
+def _check_repeats(
+    block: Block, node_labels: IntArray | None, cell_labels: IntArray | None
+) -> None:
+    """Refuse elements that repeat a corner: their sides are not those of the body."""
+    corners = np.sort(block.cells[:, : block.element.n_corners], axis=1)
+    repeats = (corners[:, 1:] == corners[:, :-1]).any(axis=1)
+    if repeats.any():
+        first = int(np.flatnonzero(repeats)[0])
+        raise MeshError(
+            f"{int(repeats.sum())} of {len(repeats)} elements repeat a node; the first is element "
+            f"{_number(block.first + first, cell_labels)} with nodes "
+            f"{_numbers(block.cells[first], node_labels)}. Let read_mesh turn them into the wedges, "
+            "pyramids and tetrahedra that they are"
+        )
 
 
 def jacobian_range(

@@ -22,6 +22,7 @@ from ..base import (
     positive,
     warn,
 )
+from .collapse import Solids, collapse
 from .elements import KINDS, reference_element
 from .files import load
 from .mesh import SMALLEST, Mesh, check_reach, checked_cells, replace_nodes, right_handed, select
@@ -120,10 +121,12 @@ def _ordered(raw: RawMesh, factor: float) -> Mesh:
     if not used.all():
         _warn_of_unused(used, raw.node_labels)
     number = np.cumsum(used) - 1
-    blocks: Any = []
-    for kind, cells, _ in solids:
-        in_order = _order_midside_nodes(nodes, number[cells], kind)
-        blocks.append((kind, _make_right_handed(nodes, in_order, kind)))
+    solids = [
+        (kind, _order_midside_nodes(nodes, number[cells], kind), numbers)
+        for kind, cells, numbers in solids
+    ]
+    solids = _without_repeats(solids, raw)
+    blocks: Any = [(kind, _make_right_handed(nodes, cells, kind)) for kind, cells, _ in solids]
     order = np.concatenate([numbers for _, _, numbers in solids])
     place = np.full(raw.first[-1], -1)
     place[order] = np.arange(len(order))
@@ -209,6 +212,28 @@ def _solids(raw: RawMesh) -> list[tuple[str, Any, IntArray]]:
             ) from None
         found.append((kind, cells, np.concatenate([numbers for _, numbers in parts])))
     return found
+
+
+def _without_repeats(solids: list[Solids], raw: RawMesh) -> list[Solids]:
+    """Return elements that repeat nodes as what they are, kind by kind."""
+    found: dict[str, list[Solids]] = {}
+    for solid in solids:
+        kind, _, numbers = solid
+        parts, wrong = collapse(*solid)
+        if len(wrong):
+            first = int(numbers[wrong[0]])
+            label = first if raw.cell_labels is None else raw.cell_labels[first]
+            raise MeshError(
+                f"{len(wrong)} {kind} elements repeat nodes and are no wedge, pyramid or "
+                f"tetrahedron; the first is element {label}. Repair the mesh there"
+            )
+        for part in parts:
+            found.setdefault(part[0], []).append(part)
+    joined = []
+    for kind in (kind for kind in KINDS if kind in found):
+        _, cells, numbers = zip(*found[kind], strict=True)
+        joined.append((kind, np.concatenate(cells), np.concatenate(numbers)))
+    return joined
 
 
 def _warn_of_unused(used: npt.NDArray[np.bool_], labels: IntArray | None) -> None:
