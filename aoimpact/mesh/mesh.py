@@ -441,8 +441,8 @@ def _check_repeats(
         raise MeshError(
             f"{int(repeats.sum())} of {len(repeats)} elements repeat a node; the first is element "
             f"{_number(block.first + first, cell_labels)} with nodes "
-            f"{_numbers(block.cells[first], node_labels)}. Let read_mesh turn them into the wedges, "
-            "pyramids and tetrahedra that they are"
+            f"{_numbers(block.cells[first], node_labels)}. Let read_mesh make them the "
+            "wedges, pyramids and tetrahedra that they are"
         )
 
 

@@ -231,8 +231,8 @@ def _without_repeats(solids: list[Solids], raw: RawMesh) -> list[Solids]:
             found.setdefault(part[0], []).append(part)
     joined = []
     for kind in (kind for kind in KINDS if kind in found):
-        _, cells, numbers = zip(*found[kind], strict=True)
-        joined.append((kind, np.concatenate(cells), np.concatenate(numbers)))
+        _, tables, counted = zip(*found[kind], strict=True)
+        joined.append((kind, np.concatenate(tables), np.concatenate(counted)))
     return joined
 
 

@@ -451,10 +451,6 @@ def boundary(mesh: Mesh) -> Surface:
     single = np.ones(len(key), dtype=bool)
     one, other = order[1:][same], order[:-1][same]
     single[one] = single[other] = False
-    # A side whose corners fell together when its element was collapsed has no area.
-    distinct = np.array([face.n_corners for _, face in _sides(mesh)])[side_of]
-    distinct -= (key[:, 1:] == key[:, :-1]).sum(axis=1)
-    single &= distinct >= 3
     surface = Surface(
         mesh, cell[single], side_of[single], np.stack([cell[one], cell[other]], axis=1)
     )

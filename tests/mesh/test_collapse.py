@@ -73,6 +73,7 @@ def test_a_shape_within_another(kind: str, row: tuple[int, ...], target: str) ->
     assert mesh.kind == target
 
 
+@pytest.mark.filterwarnings("ignore:.*belong to no volume element")
 @pytest.mark.parametrize(
     ("kind", "changed"),
     [
@@ -91,13 +92,12 @@ def test_other_repetitions_are_refused_by_the_number_of_the_element(
     rows = np.array(cells.cells)
     for one, other in changed.items():
         rows[-1, one] = rows[-1, other]
-    with pytest.raises(
-        MeshError, match=f"1 {kind} elements repeat nodes .* is element {len(rows) - 1}"
-    ):
+    words = f"1 {kind} elements repeat nodes .* is element {len(rows) - 1}"
+    with pytest.raises(MeshError, match=words):
         ao.read_mesh(meshio.Mesh(np.array(cells.nodes), [(kind, rows)]))
 
 
 def test_a_mesh_by_hand_must_not_repeat_corners() -> None:
-    mesh = ao.box_mesh((1, 1, 1), (1, 1, 1))
+    corners = reference_element("wedge").cell.corners
     with pytest.raises(MeshError, match="1 of 1 elements repeat a node; the first is element 0"):
-        ao.Mesh(mesh.nodes[[0, 1, 3, 4, 5, 7]], [[0, 1, 2, 2, 3, 4, 5, 5]], "hexahedron")
+        ao.Mesh(corners, [[0, 1, 2, 2, 3, 4, 5, 5]], "hexahedron")
