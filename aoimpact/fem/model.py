@@ -188,6 +188,7 @@ class FEModel(Frozen):
         masses: Sequence[Mounted] | None = None,
         springs: Sequence[SpringSupport] | None = None,
         part: str | Sequence[str] | None = None,
+        order: int | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> FEModel:
@@ -216,6 +217,9 @@ class FEModel(Frozen):
             place is not.
         part : str or sequence of str, optional
             Named groups of elements that make up the body, of a file with several bodies.
+        order : int, optional
+            2 adds a node in the middle of each edge to elements of first order, which makes bodies
+            of few elements much more accurate; see `read_mesh`.
         damping : Rayleigh or ModalDamping, optional
             Inherited by the models made from this one. Rayleigh's holds for added masses and
             springs, too.
@@ -254,7 +258,7 @@ class FEModel(Frozen):
         FEModel(132 dofs, 44 nodes, 10 hexahedron, 2.027 kg, 66 springs to the ground, free)
         """
         damped, called = damping_or_none(damping), text("name", name)
-        solid = read_mesh(mesh, part=part)
+        solid = read_mesh(mesh, part=part, order=order)
         made_of = materials_of(solid, material)
         surface = boundary(solid) if len(solid.blocks) > 1 else None  # which checks that they fit
         free = free_dofs(solid, fixed)

@@ -26,6 +26,7 @@ from .collapse import Solids, collapse
 from .elements import KINDS, reference_element
 from .files import load
 from .mesh import SMALLEST, Mesh, check_reach, checked_cells, replace_nodes, right_handed, select
+from .order import of_second_order
 from .rawmesh import RawMesh
 from .viameshio import from_meshio, is_meshio
 
@@ -40,6 +41,7 @@ def read_mesh(
     *,
     scale: float = 1.0,
     part: str | Sequence[str] | None = None,
+    order: int | None = None,
 ) -> Mesh:
     """Return a mesh of solid elements from any file that meshio reads.
 
@@ -58,6 +60,11 @@ def read_mesh(
         Factor on the coordinates, to metres: 1e-3 for a file in millimetres.
     part : str or sequence of str, optional
         Groups of elements that make up the body; all elements if left out. See `Mesh.part`.
+    order : int, optional
+        2 adds a node in the middle of each edge to elements of first order: tetra becomes tetra10,
+        hexahedron hexahedron20, wedge wedge15 and pyramid pyramid13. Edges stay straight. The new
+        nodes belong to a set of nodes if both ends of their edges do; in a set of nodes on the
+        surface, edges through the inside do not count.
 
     Raises
     ------
@@ -65,7 +72,7 @@ def read_mesh(
         If the file cannot be read (`MissingFileError` if it is not there), has no volume cells or
         some of an unsupported kind, or elements that are inverted or flat.
     InputError
-        If there is no group of the name given as `part`.
+        If there is no group of the name given as `part`, or `order` is another number.
 
     Warns
     -----
@@ -84,9 +91,12 @@ def read_mesh(
     array([0.02, 0.01, 0.01])
     """
     factor = positive("scale", scale)
+    if order not in (None, 2):
+        raise InputError(f"order must be 2 or None, got {order!r}")
     if isinstance(source, Mesh):
         mesh = source if factor == 1.0 else replace_nodes(source, _scaled(source.nodes, factor))
-        return mesh if part is None else select(mesh, "part", part)
+        mesh = mesh if part is None else select(mesh, "part", part)
+        return mesh if order is None else of_second_order(mesh)
     if isinstance(source, (str, os.PathLike)):
         raw = load(source)
         try:
@@ -101,7 +111,7 @@ def read_mesh(
         )
     mesh = mesh if part is None else select(mesh, "part", part)
     _warn_of_pieces(mesh)
-    return mesh
+    return mesh if order is None else of_second_order(mesh)
 
 
 def _ordered(raw: RawMesh, factor: float) -> Mesh:
