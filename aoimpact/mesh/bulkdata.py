@@ -315,11 +315,12 @@ def _in_order(
     """
     order = np.arange(len(heads))
     which = np.flatnonzero(continues)
-    if len(which) and which[0] == 0:
-        raise lines.refused(0, "continuation", "there is no entry before it")
     marks = heads[which].view(np.uint8).reshape(-1, 8)[:, 1:]
     before = tails[which - 1].view(np.uint8).reshape(-1, 8)[:, 1:]
-    follows = (marks <= 32).all(axis=1) | (marks == before).all(axis=1)
+    unmarked = np.all(marks <= ord(" "), axis=1)
+    if len(which) and which[0] == 0 and unmarked[0]:
+        raise lines.refused(0, "continuation", "there is no entry before it")
+    follows = (unmarked | np.all(marks == before, axis=1)) & (which > 0)
     if follows.all():
         return order
     parents: dict[bytes, list[int]] = {}
