@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,15 +24,20 @@ _HEAD = 2**20
 _INCLUDE = re.compile(r"\s*INCLUDE(?:\s*=\s*|\s+|(?=['\"]))(.*)", re.I)
 _SECTION = re.compile(rb"\s*(BEGIN|CEND)\b")
 _PART = re.compile(rb"\s*BEGIN[\s,]+(BULK\b.*=|(?!BULK\b)\S)")
-_BULK = re.compile(rb"^[ \t]*BEGIN[ \t,]+BULK\b|^GRID[ \t]*\*?[ \t]*[ \t,][ \t]*\d", re.I | re.M)
+_BULK = re.compile(
+    rb"^[ \t]*(?:BEGIN[ \t,]+BULK|INCLUDE)\b"
+    rb"|^(?:GRID|CHEXA|CPENTA|CPYRAM?|CTETRA|CORD[12][CRS])[ \t]*\*?[ \t,][ \t]*\d",
+    re.I | re.M,
+)
 
 
 def is_nastran(file: Path) -> bool:
-    """Return whether a file is a Nastran deck by its content: it has BEGIN BULK, or a GRID."""
+    """Return whether a file is a Nastran deck by its content."""
     with file.open("rb") as stream:
         content = stream.read(_HEAD)
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         content = content.replace(b"\0", b"")
+    content = content.lstrip(b"\xef\xbb\xbf\xff\xfe")  # byte order marks
     return b"\0" not in content and _BULK.search(content) is not None
 
 
@@ -131,7 +137,12 @@ class _Reader:
         for i in [i for i, start in starts.items() if start == "INCLUDE" and i < end]:
             self._add(number, lines, done, i)
             name, done = _file_name(file, lines, i)
-            included = self._found(file, i, name)
+            included = self._found(file, name)
+            if included is None:
+                # Before CEND there are statements for the solver alone.
+                if any(line.lstrip()[:4].upper() == "CEND" for line in lines[i:]):
+                    continue
+                raise refused(file, i + 1, "INCLUDE", f"there is no file {name!r}")
             if included in (*within, file):
                 raise refused(file, i + 1, "INCLUDE", f"{name!r} includes itself")
             if self._read(included, (*within, file)):
@@ -143,11 +154,11 @@ class _Reader:
         self.text += lines[first:end]
         self.sources.append((number, range(first + 1, max(first, end) + 1)))
 
-    def _found(self, file: Path, line: int, name: str) -> Path:
+    def _found(self, file: Path, name: str) -> Path | None:
         for folder in (file.parent, self.main.parent):
-            if (folder / name).is_file():
+            if os.path.isfile(folder / name):  # False for a name too long, unlike Path.is_file
                 return (folder / name).resolve()
-        raise refused(file, line + 1, "INCLUDE", f"there is no file {name!r}")
+        return None
 
 
 def _file_name(file: Path, lines: list[str], i: int) -> tuple[str, int]:

@@ -158,13 +158,20 @@ def test_numbers_as_nastran_writes_them(written: str, value: float, tmp_path: Pa
 
 
 def test_included_files(tmp_path: Path) -> None:
-    """In quotes or not, over several lines, within each other, from where they themselves are."""
+    """In quotes or not, over several lines, within each other, from where they themselves are.
+
+    One that is missing before CEND holds no mesh.
+    """
     lines = grids().splitlines(keepends=True)
     (tmp_path / "parts" / "more").mkdir(parents=True)
     (tmp_path / "parts" / "grids.inc").write_text("include 'more/first.inc'\n" + "".join(lines[5:]))
     (tmp_path / "parts" / "more" / "first.inc").write_text("".join(lines[:5]))
     (tmp_path / "parts" / "cells.inc").write_text(brick(1) + "$ INCLUDE 'none'\n")
-    deck = HEAD + "BEGIN BULK\nINCLUDE 'parts/\n  grids.inc'\nINCLUDE parts\\cells.inc $ bricks\n"
+    deck = (
+        "INCLUDE 'dmap'\n"
+        + HEAD
+        + "BEGIN BULK\nINCLUDE 'parts/\n  grids.inc'\nINCLUDE parts\\cells.inc $ bricks\n"
+    )
     assert_two_bricks(read(tmp_path, deck + brick(2) + "ENDDATA\n"))
 
 
