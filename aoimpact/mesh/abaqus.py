@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import IntArray, warn
+from ..base import IntArray, MeshError, warn
 from .inpfile import Keyword, key, read_keywords
 from .inpgeometry import moved
 from .inpscope import Elements, Scope, Which
@@ -58,7 +58,7 @@ def read(file: Path) -> RawMesh:
     """Return the mesh of a deck of Abaqus or CalculiX.
 
     A set of an instance is called "instance.set", and "set" as well where no other has one of that
-    name. An instance is the group of its elements. Nodes of the assembly itself, which are
+    name. An instance is the group of its solids. Nodes of the assembly itself, which are
     reference points, are left out.
 
     Raises
@@ -74,19 +74,25 @@ def read(file: Path) -> RawMesh:
     AOImpactWarning
         If elements are no solids, parts have no instance, or sets name what is not there.
     """
-    return _joined(file, _sorted(read_keywords(file)))
+    try:
+        return _joined(file, _sorted(read_keywords(file)))
+    except RecursionError:
+        raise MeshError(
+            f"mesh file {str(file)!r}: its sets, or the files that it includes, are nested too deep"
+        ) from None
 
 
 def _sorted(keywords: list[Keyword]) -> _Model:
     """Give each keyword to its part, its instance or the assembly, and refuse unknown ones."""
     model = _Model()
     within: list[tuple[str, list[Keyword]]] = [("", model.outside)]
+    loose: Keyword | None = None
     for keyword in keywords:
         name = keyword.name
         if name in _OF_SCOPES:
-            if name in ("NODE", "ELEMENT") and within[-1][0] == "" and model.parts:
-                raise keyword.error("in a deck with parts, it must belong to one of them")
             within[-1][1].append(keyword)
+            if len(within) == 1 and name in ("NODE", "ELEMENT"):
+                loose = keyword
         elif name == "PART":
             keyword.check_options(("NAME",))
             part = _new(keyword, model.parts)
@@ -111,6 +117,8 @@ def _sorted(keywords: list[Keyword]) -> _Model:
             raise keyword.error("it is not known, and may change the mesh; leave it out")
     if len(within) > 1:
         raise keywords[-1].error(f"*END {within[-1][0]} is missing")
+    if model.parts and loose is not None:
+        raise loose.error("in a deck with parts, it must belong to one of them")
     if model.parts and not model.instances:
         model.instances = {part: _Instance(model.called[part], part) for part in model.parts}
     return model
@@ -155,12 +163,12 @@ def _joined(file: Path, model: _Model) -> RawMesh:
     node_sets, cell_sets = _named(whole, model)
     kinds = np.repeat(np.arange(len(blocks)), [len(block.labels) for block in blocks])
     others = np.array([block.type[:3] != "C3D" for block in blocks], dtype=bool)
+    bodies_named = {instance.name for instance in model.instances.values()}
     left_out = {}
     for name, members in cell_sets.items():
         of = kinds[members]
-        counts = Counter(blocks[i].type for i in of[others[of]].tolist())
-        if counts:
-            left_out[name] = _listed(counts)
+        if others[of].any() and name not in bodies_named:
+            left_out[name] = _listed(Counter(blocks[i].type for i in of[others[of]].tolist()))
     _warn(file, whole, model, blocks)
     return RawMesh(
         np.concatenate(nodes),
@@ -224,8 +232,12 @@ def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> No
     said = []
     counts: Counter[str] = Counter()
     for block in blocks:
-        if not block.type.startswith("C3D") and not is_side(block.type):
-            counts[block.type] += len(block.labels)
+        counts[block.type] += len(block.labels)
+    # No model has plane elements beside solids: a mesher wrote sides, and edges as trusses.
+    edges = ("T3D",) if any(is_side(name) for name in counts) else ()
+    for name in list(counts):
+        if name.startswith(("C3D", *edges)) or is_side(name):
+            del counts[name]
     if counts:
         said.append(f"elements that are no solids are not part of the body: {_listed(counts)}")
     used = {instance.part for instance in model.instances.values()}

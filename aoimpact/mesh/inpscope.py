@@ -189,8 +189,9 @@ class Scope:
         found = element_type(name)
         if found is None:
             raise keyword.error(f"elements of type {name!r} are not known")
-        # Between instances, nodes have names, as those of connectors.
-        if found.kind and not (self.inner and not found.solid):
+        if self.inner and found.solid:
+            raise keyword.error("solids belong into a part")
+        if found.kind and not self.inner:  # between instances, nodes have names
             table = keyword.connectivity(found.n_nodes)
             new = Elements(name, found.kind, table[:, 0], table[:, 1:], keyword)
         else:
@@ -344,7 +345,7 @@ class Scope:
         parts += [scope._named(which, name, piece) + place[which] for name in piece.names]
         if piece.of_elements:
             elements = scope._named("ELSET", piece.of_elements, piece)
-            parts.append(scope.nodes_of(elements) + place["NSET"])
+            parts.append(scope.nodes_of(elements, piece.keyword) + place["NSET"])
         if len(absent):
             self.missing[f"{which} {piece.keyword.options[which]}"] = int(absent[0])
         return np.concatenate(parts)
@@ -370,19 +371,24 @@ class Scope:
         why = f", and no instance {outer}" if rest and key(outer) not in self.inner else ""
         raise piece.keyword.error(f"there is no {which} {name}{why}")
 
-    def nodes_of(self, elements: IntArray) -> IntArray:
-        """Return the sorted numbers of the nodes of elements, both among those of all scopes."""
+    def nodes_of(self, elements: IntArray, keyword: Keyword) -> IntArray:
+        """Return the sorted numbers of the nodes of elements, both among those of all scopes.
+
+        The keyword is the one that asks for them, for errors.
+        """
         found = [np.zeros(0, dtype=np.int64)]
         for scope, place in self.inner.values():
             own = elements - place["ELSET"]
             own = own[(own >= 0) & (own < len(scope.element_labels))]
-            found.append(scope.nodes_of(own) + place["NSET"])
+            found.append(scope.nodes_of(own, keyword) + place["NSET"])
         start = self.first["ELSET"]
         for block in self.elements:
             own = elements - start
+            own = own[(own >= 0) & (own < len(block.labels))]
             if block.kind:
-                own = own[(own >= 0) & (own < len(block.labels))]
                 found.append(block.nodes[own].ravel() + self.first["NSET"])
+            elif len(own):
+                raise keyword.error(f"nodes of elements of type {block.type} are not read")
             start += len(block.labels)
         return np.unique(np.concatenate(found))
 

@@ -76,7 +76,7 @@ def element_type(name: str) -> ElementType | None:
 
 
 def is_side(name: str) -> bool:
-    """Return whether elements of a type are but the sides of solids."""
+    """Return whether elements of a type are the sides of solids, as meshers write them."""
     return _SIDE.match(name) is not None
 
 

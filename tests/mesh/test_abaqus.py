@@ -379,9 +379,14 @@ def test_other_elements_are_listed_and_ignored_unless_a_group_needs_them(
             mesh.part(name)
 
 
-def test_sides_of_solids_need_no_warning_and_name_nodes(tmp_path: Path) -> None:
-    mesh = read(tmp_path, NODES + BRICK + "*ELEMENT,TYPE=CPS4,ELSET=BASE\n9,1,2,4,3\n")
+def test_sides_and_edges_of_solids_need_no_warning_and_name_nodes(tmp_path: Path) -> None:
+    side = "*ELEMENT,TYPE=CPS4,ELSET=BASE\n9,1,2,4,3\n"
+    edge = "*ELEMENT,TYPE=T3D2,ELSET=EDGE\n10,1,2\n"
+    mesh = read(tmp_path, NODES + BRICK + side + edge)
     assert sets(mesh)["BASE"] == [1, 2, 3, 4]
+    assert sets(mesh)["EDGE"] == [1, 2]
+    with pytest.warns(AOImpactWarning, match="1 T3D2"):
+        read(tmp_path, NODES + BRICK + edge)
 
 
 def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
@@ -438,6 +443,13 @@ def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
         ("*INCLUDE\n", "INPUT=file is missing"),
         ("*PART,NAME=P\n" + NODES + BRICK, "END PART is missing"),
         (PART + NODES, r"\*NODE: in a deck with parts"),
+        (NODES + PART, r"line 1, \*NODE: in a deck with parts"),
+        (assembly("*INSTANCE,NAME=I,PART=BAR\n*END INSTANCE\n", more=NODES + BRICK), "into a part"),
+        (NODES + BRICK + "*ELEMENT,TYPE=SPRINGA,ELSET=S\n9,1,2\n*NSET,NSET=R,ELSET=S\n",
+         r"\*NSET: nodes of elements of type SPRINGA are not read"),
+        (NODES + BRICK + "*NSET,NSET=S0\n1\n" + "".join(
+            f"*NSET,NSET=S{i}\nS{i + 1}\n" for i in range(1, 2000)) + "*NSET,NSET=S2000\nS0\n",
+         "nested too deep"),
         (PART + PART, "needs a NAME of its own"),
         (assembly("*INSTANCE,NAME=I,PART=Q\n*END INSTANCE\n"), "there is no part Q"),
         (assembly("*INSTANCE,NAME=I,PART=BAR,LIBRARY=x\n"), "option LIBRARY is not supported"),
