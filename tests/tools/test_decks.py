@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tools.campaign import nastrandecks
+from tools.campaign import abaqusdecks, nastrandecks
 
 
+@pytest.mark.parametrize("written", [abaqusdecks, nastrandecks])
 @pytest.mark.parametrize("hundred", range(3))
-def test_nastran_decks_are_read_as_they_were_meant(hundred: int, tmp_path: Path) -> None:
+def test_decks_are_read_as_they_were_meant(
+    written: ModuleType, hundred: int, tmp_path: Path
+) -> None:
     for number in range(100 * hundred, 100 * (hundred + 1)):
         folder = tmp_path / str(number)
         folder.mkdir()
-        assert nastrandecks.tried(7, number, folder) == "", f"deck {number} of seed 7"
+        assert written.tried(7, number, folder) == "", f"deck {number} of seed 7"

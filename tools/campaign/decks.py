@@ -16,7 +16,7 @@ from collections import Counter
 from importlib import import_module
 from pathlib import Path
 
-KINDS = {"nastran": "nastrandecks"}
+KINDS = {"abaqus": "abaqusdecks", "nastran": "nastrandecks"}
 
 
 def main() -> int:
