@@ -132,6 +132,10 @@ class AOImpactWarning(UserWarning):
     """Something is likely to be a mistake, but may be intended."""
 
 
+# Modules in which no line of a caller is: this package, and what it calls itself through, such as
+# functools.cached_property.
+_PASSED = {__name__.partition(".")[0], "numpy", "scipy", *sys.stdlib_module_names} - {"__main__"}
+
 _held: ContextVar[list[str] | None] = ContextVar("aoimpact_held_warnings", default=None)
 
 
@@ -158,10 +162,9 @@ def warn(message: str) -> bool:
     if held is not None:
         held.append(message)
         return False
-    package = __name__.partition(".")[0]
     level = 2
     frame = sys._getframe(1)
-    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] in _PASSED:
         frame = frame.f_back
         level += 1
     warnings.warn(message, AOImpactWarning, stacklevel=level)

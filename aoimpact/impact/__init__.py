@@ -7,7 +7,7 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 from .checks import checked_duration
 from .defaults import fitted_pair, meeting
 from .scene import Scene, SceneCase
-from .simulate import checked_numbers, plan_impact, simulate
+from .simulate import checked_numbers, left_out_law, plan_impact, simulate
 
 __all__ = [
     "Scene",
@@ -15,6 +15,7 @@ __all__ = [
     "checked_duration",
     "checked_numbers",
     "fitted_pair",
+    "left_out_law",
     "meeting",
     "plan_impact",
     "simulate",

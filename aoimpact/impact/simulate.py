@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..accuracy import StressAt, checked_linear_solver, checked_rtol, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
-from ..laws import ContactLaw, effective_law
+from ..laws import ContactLaw, LawFromSurfaces, effective_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, body_model
 from ..results import RecordLength, Result, TimeSolver
@@ -20,7 +20,7 @@ from .checks import checked_duration, checked_speed, warn_of_exchange
 from .defaults import chosen_law, fitted_pair, meeting, turns
 from .run import RunOptions, run_models
 
-__all__ = ["checked_numbers", "plan_impact", "simulate"]
+__all__ = ["checked_numbers", "left_out_law", "plan_impact", "simulate"]
 
 _NAMES = "projectile", "target"
 
@@ -193,11 +193,7 @@ def _complete(
     around = _turns(*bodies)
     error = 0.0
     if law is None:
-        ends = [
-            (body.turned((0,)) if turn else body, 0)
-            for body, turn in zip(bodies, around, strict=True)
-        ]
-        found = chosen_law(ends, _called(bodies))
+        found = _law_of_surfaces(bodies, around)
         law, error = found.law, found.error
     _check_law(law)
     length = numbers.duration
@@ -213,6 +209,28 @@ def _complete(
     if length is not None:
         record = RecordLength(length, given=True)
     return _Impact(bodies, around, law, error, record, factors)
+
+
+def _law_of_surfaces(bodies: Sequence[BodyModel], turned: Sequence[bool]) -> LawFromSurfaces:
+    ends = [
+        (body.turned((0,)) if turn else body, 0) for body, turn in zip(bodies, turned, strict=True)
+    ]
+    return chosen_law(ends, _called(bodies))
+
+
+def left_out_law(projectile: Any, target: Any, law: ContactLaw | None) -> ContactLaw:
+    """Return the law of an impact: as given, or that which `simulate` takes where it is left out.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If it is none, or was left out and is not known.
+    """
+    if law is not None:
+        _check_law(law)
+        return law
+    bodies = body_model("projectile", projectile), body_model("target", target)
+    return _law_of_surfaces(bodies, _turns(*bodies)).law
 
 
 def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:

@@ -10,10 +10,11 @@ from .bodymodel import BodyModel, ReducedModel
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time, shortest_contact_time
 from .coordinates import GeneralizedCoordinates
 from .full import FullModel, full
-from .interface import InterfaceModel, InterfaceSpace, interface, whole_interface
+from .interface import InterfaceModel, InterfaceSpace, interface
 from .krylov import KrylovSpace
+from .modal import modal, whole_interface
 from .modalbody import ModalBody, modal_body
-from .modes import ModalModel, modal
+from .modes import ModalModel
 from .recovery import PACE, SOLVED, Recovery
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid

@@ -43,7 +43,7 @@ class FullModel(Frozen, FiniteElementModel):
         super().__post_init__()
 
     def __repr__(self) -> str:
-        return f"full({', '.join(map(repr, self.tips))})"
+        return f"full({self.tips[0] if len(self.tips) == 1 else list(self.tips)})"
 
     @property
     def contact_points(self) -> tuple[ContactPoint, ...]:
@@ -80,12 +80,12 @@ class FullModel(Frozen, FiniteElementModel):
         return replace(self, tips=tuple(tips))
 
 
-def full(*tips: ContactPoint) -> FullModel:
+def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
     """Return the full finite-element model of a body.
 
     Parameters
     ----------
-    *tips : ContactPoint
+    tips : ContactPoint or sequence of ContactPoint
         Where it is touched, from `FEModel.contact`: one place, or several of one body.
 
     Raises
@@ -100,7 +100,7 @@ def full(*tips: ContactPoint) -> FullModel:
     >>> full(cube.contact(point=(0.005, 0.005, 0.0))).label
     'full(192)'
     """
-    return FullModel(tips)
+    return FullModel((tips,) if isinstance(tips, ContactPoint) else checked_ports("tips", tips))
 
 
 def checked_ports(name: str, tips: Any) -> tuple[ContactPoint, ...]:

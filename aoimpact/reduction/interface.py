@@ -33,7 +33,7 @@ from .bodymodel import FiniteElementModel, ReducedModel
 from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
 from .coordinates import GeneralizedCoordinates
 from .full import checked_ports
-from .modes import ascending, modal
+from .modes import ascending
 from .star import described
 from .subspace import Subspace
 
@@ -41,7 +41,7 @@ __all__ = [
     "InterfaceModel",
     "InterfaceSpace",
     "interface",
-    "whole_interface",
+    "of_modes",
 ]
 
 
@@ -403,7 +403,7 @@ class InterfaceSpace:
         """Return the model of `n` vectors, rigid motions included, or of as many as there are."""
         omega2, modes = self._space.ritz(n)
         name = self._space.solver_name
-        return _of_modes(self.tips, np.sqrt(omega2), modes, name, self.contact_time)
+        return of_modes(self.tips, np.sqrt(omega2), modes, name, self.contact_time)
 
     @property
     def exhausted(self) -> bool:
@@ -411,20 +411,7 @@ class InterfaceSpace:
         return self._space.exhausted
 
 
-def whole_interface(tips: Sequence[ContactPoint]) -> InterfaceModel:
-    """Return the model of all natural modes of a body, at the cost of finding these.
-
-    Raises
-    ------
-    InputError
-        If the tips are not on one body.
-    """
-    ports = checked_ports("tips", tips)
-    whole = modal(ports[0], ports[0].body.n_dofs)
-    return _of_modes(ports, whole.angular_frequencies, whole.modes, "dense eigensolver")
-
-
-def _of_modes(
+def of_modes(
     tips: tuple[ContactPoint, ...],
     omega: FloatArray,
     modes: FloatArray,

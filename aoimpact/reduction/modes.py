@@ -15,20 +15,18 @@ from ..base import (
     FloatArray,
     Frozen,
     InputError,
-    InputTypeError,
     checked,
     finite_array,
     integer,
     warn,
 )
-from ..fem import ContactPoint, ContactSurface, Patch
+from ..fem import Body, ContactPoint, ContactSurface, Patch
 from ..linalg import EQUAL, Solver, checked_solver, lowest, warn_of_rounding
 from .bodymodel import FiniteElementModel
-from .contacttime import refuse_massless
 from .origin import origin_of
 from .star import AOModel, described
 
-__all__ = ["ModalModel", "ascending", "modal"]
+__all__ = ["ModalModel", "ascending", "natural_modes", "star_of_modes"]
 
 
 # Modes and oscillators with less than this share of the whole count as not excited by the contact.
@@ -231,46 +229,26 @@ def _of_distinct(
     return m0, k0, m, k, static, shapes
 
 
-def modal(tip: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel:
-    """Return the classical modal truncation of a body: its `n` lowest natural modes.
-
-    Parameters
-    ----------
-    tip : ContactPoint
-    n : int
-        Number of modes, rigid ones included, 1 … n_dofs.
-    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-        The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
+def natural_modes(body: Body, n: int, *, solver: Solver = "auto") -> tuple[FloatArray, FloatArray]:
+    """Return ω², shape (n,), and the M-orthonormal modes, shape (n_dofs, n), of the lowest `n`.
 
     Raises
     ------
     InputError
-        If `n` is out of range.
-
-    Examples
-    --------
-    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
-    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
-    >>> end = bar.contact(point=(0.1, 0.005, 0.005))
-    >>> modes = ao.modal(end, n=8)
-    >>> modes.omega2.shape
-    (8,)
+        If there are not so many, the other motions having no mass.
     """
-    if not isinstance(tip, ContactPoint):
-        raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
-    refuse_massless([tip])
-    wanted = integer("n", n, low=1, high=tip.body.n_dofs)
-    invert = partial(tip.body.inverse, solver=checked_solver(solver))
-    rigid = tip.body.rigid_modes.shape[1]
+    wanted = integer("n", n, low=1, high=body.n_dofs)
+    invert = partial(body.inverse, solver=checked_solver(solver))
+    rigid = body.rigid_modes.shape[1]
     if wanted < rigid:
         warn(
             f"n={n} takes in some of {rigid} rigid motions, and the force depends on which; take "
             f"n={rigid} or more"
         )
-    omega2, modes = lowest(
-        tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes, invert=invert
-    )
-    warn_of_rounding(tip.body.K, modes[:, rigid:], f"{len(omega2) - rigid} elastic modes")
+    omega2, modes = lowest(body.K, body.M, wanted, known=body.rigid_modes, invert=invert)
+    warn_of_rounding(body.K, modes[:, rigid:], f"{len(omega2) - rigid} elastic modes")
     if len(omega2) < wanted:
-        warn(f"n={n}: only {len(omega2)} natural modes have mass")
-    return ModalModel(tip, omega2, modes)
+        raise InputError(
+            f"n must be at most {len(omega2)}, got {n}: the other motions have no mass"
+        )
+    return omega2, modes

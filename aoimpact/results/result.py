@@ -115,8 +115,8 @@ class Result(Eventful):
         return self.run.cost
 
     @property
-    def models(self) -> tuple[Any, ...] | None:
-        """The projectile's and the target's model, where `simulate` was left to choose them."""
+    def models(self) -> tuple[Any, ...]:
+        """The projectile's and the target's model: those chosen, or as given."""
         return self.run.models
 
     @property

@@ -188,9 +188,11 @@ class Run:
         return Cost(self.modelled, self.recorder.seconds)
 
     @property
-    def models(self) -> tuple[Any, ...] | None:
-        """The bodies' models in the order of `add`, where `simulate` was left to choose them."""
-        return None if self.chosen is None else self.chosen.models
+    def models(self) -> tuple[Any, ...]:
+        """The bodies' models in the order of `add`: those chosen, or as given."""
+        if self.chosen is not None:
+            return self.chosen.models
+        return tuple(body.model for body in self.plan.bodies)
 
     @property
     def solver(self) -> str:
@@ -395,8 +397,8 @@ class Run:
         """
         if not self.recorder.dense:
             raise InputError(
-                "this run has fixed steps, with nothing known between them; "
-                "call simulate(..., solver=Adaptive(...)) for dense output"
+                "times: this run has fixed steps, with nothing known between them; take its own t, "
+                "or call simulate(..., solver=Adaptive(...)) for dense output"
             )
         wanted = np.atleast_1d(finite_array("times", times, unit="s"))
         if wanted.ndim != 1:

@@ -51,7 +51,7 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
         error_row(result.run),
         ("solver", result.solver),
     ]
-    made_by = [model.linear_solver for model in result.models or ()]
+    made_by = [model.linear_solver for model in result.models]
     if any(made_by):
         rows.append(("linear solver", ", ".join(dict.fromkeys(filter(None, made_by)))))
     rows.append(("cost", str(result.cost)))

@@ -237,7 +237,7 @@ class Builder:
             if kind is None:
                 return body_model(name, tips)
             if kind == "full":
-                return full(*tips)
+                return full(tips)
             return interface(tips, **model) if several else _REDUCTIONS[kind](tips[0], **model)
 
     def _damping(self, name: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..accuracy import Hierarchy, first_guess, model_hierarchy
 from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
-from ..impact import fitted_pair, meeting, plan_impact, simulate
+from ..impact import fitted_pair, left_out_law, meeting, plan_impact, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw
 from ..linalg import Solver, checked_solver
@@ -31,12 +31,12 @@ Models = tuple[Any, ...]
 
 
 def compare(
-    *,
     projectile: Any,
     target: Any,
-    law: ContactLaw,
     velocity: float,
-    duration: float,
+    *,
+    law: ContactLaw | None = None,
+    duration: float | None = None,
     gap: float = 0.0,
     oscillators: Iterable[int] = (0, 1, 2, 3, 5, 8, 12),
     modes: Iterable[int] = (10, 40),
@@ -51,8 +51,8 @@ def compare(
     ----------
     projectile, target : ContactPoint, FullModel, AOModel or ModalModel
         A reduced model stands for the finite-element body that it was made of.
-    law, velocity, duration, gap
-        As in `simulate`.
+    velocity, law, duration, gap
+        As in `simulate`, also where `law` or `duration` is left out.
     oscillators : iterable of int, optional
         Numbers of scene-fitted anti-oscillators.
     modes : iterable of int, optional
@@ -71,12 +71,15 @@ def compare(
     Examples
     --------
     >>> sphere = ao.AOModel(m0=3e-5, k0=0.0, m=[0.033], k=[2.8e8])
-    >>> table = ao.compare(projectile=sphere, target=sphere, law=ao.Hertz(k=1e10), velocity=1.0,
-    ...                    duration=1e-4, oscillators=(0, 1), modes=(), full=False)
+    >>> table = ao.compare(sphere, sphere, 1.0, law=ao.Hertz(k=1e10), duration=1e-4,
+    ...                    oscillators=(0, 1), modes=(), full=False)
     >>> table.exact, round(table["rigid"].force, 1)
     ('AO(1)', 0.4)
     """
     with held_warnings():  # each run has them again
+        law = left_out_law(projectile, target, law)
+        if duration is None:
+            duration = simulate(projectile, target, velocity, law=law, gap=gap).duration
         plan = plan_impact(projectile, target, law, velocity=velocity, duration=duration, gap=gap)
     velocity, duration = plan.velocities[0], plan.duration
     run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
@@ -139,7 +142,7 @@ def _of_oscillators(
 def _body(name: str, body: Any) -> BodyModel:
     """The finite-element body that a model was made of; of an AO model by numbers itself."""
     model = body_model(name, body)
-    return full(*model.contact_points) if model.contact_points else model
+    return full(model.contact_points) if model.contact_points else model
 
 
 def _called(body: BodyModel) -> str:

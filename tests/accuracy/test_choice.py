@@ -81,7 +81,8 @@ def test_quantity_and_tolerance_have_defaults(paper):
     by_default = paper(duration=250e-6, rtol=1e-2)
     same = paper(duration=250e-6, quantity="force")
     assert by_default.peak_force == same.peak_force
-    assert paper(target=ao.rigid(mass=1.0), duration=250e-6).models is None
+    given = paper(target=ao.rigid(mass=1.0), duration=250e-6)
+    assert [model.label for model in given.models] == ["AO(1)", "rigid"]
 
 
 # ------------------------------------------------------------------------------------ true errors

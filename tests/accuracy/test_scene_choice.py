@@ -48,7 +48,7 @@ def relative(mine, right):
 def three(request):
     """Its run within rtol, the scene, and what the full model says, by Newmark's rule."""
     tips = tips_of(beam(ends=request.param))
-    whole, _ = struck_in_three_places(ao.full(*tips))
+    whole, _ = struck_in_three_places(ao.full(tips))
     full = whole.simulate(duration=DURATION, solver=ao.Newmark(dt=5e-8, estimate=False))
     scene, struck = struck_in_three_places(tips)
     assert full[struck.body].label == f"full({tips[0].body.n_dofs})"
@@ -106,7 +106,7 @@ def test_a_full_body_in_three_places_is_its_modes():
     """All natural modes exactly against Newmark's rule on K and M, under gravity and preload."""
     tips = tips_of(beam((6, 1, 1), "hexahedron"))
     scene = ao.Scene(gravity=9.81)
-    struck = scene.add(ao.full(*tips))
+    struck = scene.add(ao.full(tips))
     balls = [scene.add(ao.rigid(mass=0.02), velocity=v) for v in SPEEDS]
     for i, ball in enumerate(balls):
         scene.connect(ball, struck.port(i), HERTZ)

@@ -232,7 +232,7 @@ def test_at_rest_under_its_weight_a_body_carries_the_static_stress(solver: Any) 
         return stress
 
     full = at_rest(ao.full(tips[0]), ao.Newmark(dt=1e-6, estimate=False))
-    several = at_rest(ao.full(*tips), ao.Newmark(dt=1e-6, estimate=False))
+    several = at_rest(ao.full(tips), ao.Newmark(dt=1e-6, estimate=False))
     np.testing.assert_allclose(several, full, atol=1e-7 * np.abs(full).max())
     for model in (star, ao.interface(tips, 6)):
         np.testing.assert_allclose(

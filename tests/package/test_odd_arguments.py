@@ -368,7 +368,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "solver": "auto",
         },
     ),
-    "modal": (ao.modal, {"tip": TIP, "n": 3, "solver": "auto"}),
+    "full": (ao.full, {"tips": TIP}),
+    "modal": (ao.modal, {"tips": TIP, "n": 3, "solver": "auto"}),
     "interface": (
         ao.interface,
         {"tips": [TIP], "n": 8, "contact_time": None, "duration": None, "solver": "auto"},

@@ -68,6 +68,20 @@ def test_all_models_meet_over_the_same_patches_where_their_radius_was_left_out()
     assert table["AO(20)"].displacement < 2e-3
 
 
+def test_law_and_duration_may_be_left_out_as_of_simulate():
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    ball = ao.ball(radius=0.01, material=steel)
+    mesh = ao.box_mesh((0.06, 0.06, 0.02), (12, 12, 4))
+    tip = ao.FEModel.from_mesh(mesh, steel).contact(point=(0.03, 0.03, 0.02))
+    hit = ao.simulate(ball, tip, 1.0)
+    law = ao.Hertz.between(steel, 0.01, steel, math.inf)
+    only = {"oscillators": (2, 6), "modes": (), "full": False}
+    found = ao.compare(ball, tip, 1.0, **only)
+    same = ao.compare(ball, tip, 1.0, law=law, duration=hit.duration, **only)
+    for one, other in zip(found.rows, same.rows, strict=True):
+        assert one.force == pytest.approx(other.force, rel=1e-6, abs=1e-9)
+
+
 def test_without_the_full_model_the_largest_star_is():
     reduced = ao.antioscillators(beam(ENDS), 2)
     table = ao.compare(

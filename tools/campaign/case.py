@@ -143,7 +143,7 @@ def frame(m, k, k0, damping=None):
         K[ends] += k[i] * np.array([[1.0, -1.0], [-1.0, 1.0]])
     body = ao.FEModel(K=K, M=M, nodes=[[float(i), 0.0, 0.0] for i in range(n)], damping=damping)
     along = dict(direction=(1, 0, 0), radius=0)
-    return ao.full(*(body.contact(point=(float(i), 0.0, 0.0), **along) for i in range(n)))
+    return ao.full([body.contact(point=(float(i), 0.0, 0.0), **along) for i in range(n)])
 """
 
 

@@ -1,0 +1,39 @@
+"""Natural modes of a body that is touched in one place or several."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+BAR = ao.FEModel.from_mesh(
+    ao.box_mesh((0.1, 0.012, 0.01), (10, 1, 1), kind="hexahedron20"), STEEL, fixed=[("xmin", "xyz")]
+)
+ENDS = [BAR.contact(point=(x, 0.004, 0.01)) for x in (0.05, 0.09)]
+
+
+def test_several_places_have_the_modes_of_each() -> None:
+    model = ao.modal(ENDS, 12)
+    np.testing.assert_allclose(model.frequencies, BAR.frequencies(12), rtol=1e-9)
+    for row, tip in zip(model.participation, ENDS, strict=True):
+        np.testing.assert_allclose(np.abs(row), np.abs(ao.modal(tip, 12).participation), rtol=1e-6)
+
+
+def test_a_list_of_one_place_gives_the_impact_of_that_place() -> None:
+    ball, law = ao.ball(radius=0.01, material=STEEL), ao.Linear(k=1e7)
+    one, listed = (
+        ao.simulate(ball, target, 1.0, law=law, duration=1e-3)
+        for target in (ao.modal(ENDS[1], 20), ao.modal([ENDS[1]], 20))
+    )
+    assert listed.peak_force == pytest.approx(one.peak_force, rel=1e-6)
+    assert ao.full([ENDS[1]]) == ao.full(ENDS[1])
+
+
+def test_more_modes_than_there_are_masses_are_refused() -> None:
+    K, M = np.array([[2.0, -1.0], [-1.0, 1.0]]), np.array([[1.0, 1.0], [1.0, 1.0]])
+    chain = ao.FEModel(K, M)
+    for ask in (lambda: ao.modal(chain.contact(dof=0), 2), lambda: chain.frequencies(2)):
+        with pytest.raises(ao.InputError, match="n must be at most 1, got 2: the other motions"):
+            ask()
