@@ -54,7 +54,9 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
             "is: coarsen the mesh, or look for a count in the file that is wrong"
         ) from None
     except (ValueError, OverflowError) as error:
-        raise MeshError(f"mesh file {str(file)!r} cannot be read: {error}; write it anew") from None
+        raise MeshError(
+            f"mesh file {str(file)!r} cannot be read: {error}. Save it again, or as .msh or .vtu"
+        ) from None
 
 
 def _reader(file: Path) -> _Reader:

@@ -62,6 +62,7 @@ def read(file: Path) -> RawMesh:
     suffix = file.suffix.lower()
     if suffix in _REFUSED:
         raise MeshError(f"mesh file {str(file)!r}: {_REFUSED[suffix].format(suffix)}")
+    formats = _formats(file)
     _check_numbers(file)
     said = io.StringIO()
     try:
@@ -71,7 +72,7 @@ def read(file: Path) -> RawMesh:
             warnings.catch_warnings(),
         ):
             warnings.simplefilter("ignore")  # NumPy's, about arithmetic on rubbish
-            name, mesh = _tried(file, said)
+            name, mesh = _tried(file, formats, said)
     except MemoryError:
         raise
     except ModuleNotFoundError as error:
@@ -88,7 +89,8 @@ def read(file: Path) -> RawMesh:
                 f"{', '.join(KINDS)}"
             ) from None
         plain = type(error) is ValueError
-        raise ValueError(str(error) if plain else f"{type(error).__name__}: {error}") from None
+        said_why = str(error) if plain else f"{type(error).__name__} in meshio, {error}"
+        raise ValueError(said_why.rstrip(", ")) from None
     if said.getvalue().strip():
         warn(f"mesh file {file.name!r}: meshio says: {' '.join(said.getvalue().split())}")
     if name == "tecplot":
@@ -117,14 +119,19 @@ def _check_numbers(file: Path) -> None:
             )
 
 
-def _tried(file: Path, said: io.StringIO) -> tuple[str, Any]:
-    """Return the mesh, and the name of the first format of this suffix that fits."""
-    meshio = meshio_of_all_kinds()
+def _formats(file: Path) -> list[str]:
+    """Return meshio's names of the formats that a file may be of."""
     suffixes = [suffix.lower() for suffix in file.suffixes[-2:]]
-    known = meshio.extension_to_filetypes
-    formats = [name for i in range(len(suffixes)) for name in known.get("".join(suffixes[i:]), ())]
-    if not formats:
+    known = meshio_of_all_kinds().extension_to_filetypes
+    found = [name for i in range(len(suffixes)) for name in known.get("".join(suffixes[i:]), ())]
+    if not found:
         raise ValueError(f"no format of files {file.suffix or 'without a suffix'} is known")
+    return found
+
+
+def _tried(file: Path, formats: list[str], said: io.StringIO) -> tuple[str, Any]:
+    """Return the mesh, and the name of the first of some formats that fits."""
+    meshio = meshio_of_all_kinds()
     errors = []
     for name in formats:
         try:

@@ -259,7 +259,7 @@ def read_xml(file: Path) -> RawMesh:
     pieces = root.findall("UnstructuredGrid/Piece")
     if not pieces:
         raise ValueError("it has no piece of an unstructured grid")
-    tail = b"" if appended is None else content[appended.end() :]
+    tail = b"" if appended is None else content[appended.end() : content.rfind(b"</AppendedData")]
     raw = appended is not None and b"base64" not in appended[1]
     meshes = [_piece(piece, _Arrays(root, tail, raw)) for piece in pieces]
     return meshes[0] if len(meshes) == 1 else _joined(meshes)

@@ -45,6 +45,9 @@ __all__ = ["Chosen", "Handle", "Run"]
 # The ledger of a run is off by no more than so many times its error, or rounding.
 _DRIFT, _ROUNDING = 100.0, 1e-12
 
+# Error by a mesh of first order that is worth a warning.
+_LARGE = 0.2
+
 _NOTHING_KNOWN = LeftOut()
 
 
@@ -496,7 +499,9 @@ class Run:
             )
             for name in {**names, **models}
         }
-        return ErrorEstimate(parts, energy, quantity, rtol, out.worst_time)
+        estimate = ErrorEstimate(parts, energy, quantity, rtol, out.worst_time)
+        _warn_of_first_order(self, estimate)
+        return estimate
 
     # ---------------------------------------------------------------------- output
 
@@ -683,6 +688,24 @@ def _energy(rows: FloatArray, layout: RecordLayout) -> Energy:
     dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
     total = kinetic + elastic + contact + dissipated - work
     return Energy(kinetic, elastic, contact, dissipated, work, total, bodies)
+
+
+def _warn_of_first_order(run: Run, error: ErrorEstimate) -> None:
+    """Warn of a large error by a mesh of first order, which few elements of second order cure."""
+    if error.mesh is None or not error.mesh > _LARGE:
+        return
+    touched = {end for contact in run.plan.contacts for end in contact.ports}
+    names = []
+    for body, port in sorted(touched):
+        tip = run.plan.bodies[body].model.touched_at(port)
+        if tip is not None and tip.body.mesh is not None and not tip.body.mesh.quadratic:
+            names.append(run.names[body])
+    if names:
+        warn(
+            f"{' and '.join(dict.fromkeys(names))}: elements of first order make an error of "
+            f"{100.0 * error.mesh:.2g} % in the {error.quantity or 'force'}; add midside nodes "
+            "with FEModel.from_mesh(..., order=2)"
+        )
 
 
 def _warn_of_ledger(energy: float, error: float | None) -> None:

@@ -131,6 +131,7 @@ def test_the_error_of_the_mesh_is_said_of_the_stress() -> None:
         assert hit.error.total < 5.0 * true, mesh
 
 
+@pytest.mark.filterwarnings("ignore:.*elements of first order")
 def test_a_result_keeps_nothing_of_the_search_for_its_model() -> None:
     plate = box(ALUMINIUM, (0.1, 0.1, 0.005), (3, 3, 1), (0.4, 0.5, 1), ALL_EDGES)
 

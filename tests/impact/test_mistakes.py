@@ -132,6 +132,7 @@ def test_a_whole_body_in_place_of_a_contact() -> None:
         ao.Scene().add(plate())
 
 
+@pytest.mark.filterwarnings("ignore:.*elements of first order")
 def test_a_speed_for_which_the_method_is_not() -> None:
     with pytest.warns(ao.AOImpactWarning, match="of the speed of waves, 5092 m/s"):
         strike(star(plate()), velocity=100.0)

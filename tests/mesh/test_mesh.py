@@ -292,7 +292,7 @@ def test_directory_is_no_mesh(tmp_path: Path) -> None:
         ("a.vtu", "<VTKFile>", "cannot be read"),
         ("a.xyz", "1 2 3", "cannot be read: no format of files .xyz"),
         ("noextension", "1 2 3", "cannot be read"),
-        ("a.ugrid", "1 2 3\n", "cannot be read: .* write it anew"),
+        ("a.ugrid", "1 2 3\n", "cannot be read: .* Save it again"),
     ],
 )
 def test_files_that_are_no_mesh(

@@ -1,0 +1,486 @@
+"""Files of VTK, Exodus, MED, Kratos and Tecplot: meshes and groups whole, or refused by name."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import io
+import struct
+import zlib
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+import scipy.io
+from bodies import mixed_box, no_solid
+
+import aoimpact as ao
+from aoimpact import AOImpactWarning, MeshError
+from aoimpact.fem import stiffness_mass
+from aoimpact.mesh import KINDS, meshio_of_all_kinds, reference_element
+
+LENGTHS = (2.0, 1.5, 1.0)
+
+
+def boxes() -> list[ao.Mesh]:
+    mixed = [mixed_box(LENGTHS, (2, 2, 3), order=order) for order in (1, 2)]
+    return [ao.box_mesh(LENGTHS, (2, 1, 1), kind=kind) for kind in KINDS] + mixed
+
+
+def write(mesh: ao.Mesh, file: Path, name: str, **how: Any) -> None:
+    blocks = [(block.kind, np.array(block.cells)) for block in mesh.blocks]
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        meshio_of_all_kinds().Mesh(np.array(mesh.nodes), blocks).write(
+            file, file_format=name, **how
+        )
+
+
+def assert_same(found: ao.Mesh, wanted: ao.Mesh) -> None:
+    assert found.nodes == pytest.approx(wanted.nodes, abs=1e-15)
+    cells = {block.kind: block.cells for block in wanted.blocks}
+    assert {block.kind for block in found.blocks} == set(cells)
+    for block in found.blocks:
+        assert np.array_equal(block.cells, cells[block.kind])
+
+
+# ------------------------------------------------------------------------------------------ VTK
+
+
+@pytest.mark.parametrize(
+    ("name", "end", "how"),
+    [
+        ("vtk42", ".vtk", {"binary": False}),
+        ("vtk42", ".vtk", {"binary": True}),
+        ("vtk51", ".vtk", {"binary": False}),
+        ("vtk51", ".vtk", {"binary": True}),
+        ("vtu", ".vtu", {"binary": True}),
+        ("vtu", ".vtu", {"binary": True, "compression": "lzma"}),
+        ("vtu", ".vtu", {"binary": True, "compression": None}),
+    ],
+)
+def test_grids_of_vtk_as_meshio_writes_them(
+    tmp_path: Path, name: str, end: str, how: dict[str, Any]
+) -> None:
+    for mesh in boxes():
+        write(mesh, tmp_path / f"a{end}", name, **how)
+        assert_same(ao.read_mesh(tmp_path / f"a{end}"), mesh)
+
+
+HEADER = "# vtk DataFile Version 3.0\na title\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+VOXEL = (
+    "POINTS 8 float\n0 0 0  1 0 0  0 1 0  1 1 0  0 0 1  1 0 1  0 1 1  1 1 1\n"
+    "CELLS 2 12\n8 0 1 2 3 4 5 6 7\n2 0 1\nCELL_TYPES 2\n11\n3\n"
+)
+
+
+def test_voxels_go_along_the_axes(tmp_path: Path) -> None:
+    file = tmp_path / "a.vtk"
+    file.write_text(HEADER + "FIELD FieldData 1\nTIME 1 1 double\n0.5\n" + VOXEL + "CELL_DATA 1\nx")
+    mesh = ao.read_mesh(file)
+    assert mesh.kind == "hexahedron"
+    assert stiffness_mass(mesh, no_solid())[1].sum() == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("# vtk", "# ptk", "does not begin with"),
+        ("ASCII", "OTHER", "neither ASCII nor BINARY"),
+        ("UNSTRUCTURED_GRID", "STRUCTURED_POINTS", "the data set is STRUCTURED_POINTS; save it as"),
+        ("POINTS 8", "POINTS 9", "27 numbers are announced, but 24 are there"),
+        ("0 0 0  1", "0 zero 0  1", "text among the numbers"),
+        ("CELLS 2 12", "CELLS 2 13", "13 numbers are announced, but 12 are there"),
+        ("CELLS 2 12", "CELLS 3 12", "cells do not fill the numbers"),
+        ("8 0 1", "7 0 1", "cells do not fill the numbers"),
+        ("\n11\n3", "\n42\n3", "unsupported kind: 1 VTK type 42"),
+        ("\n11\n3", "\n10\n3", "a tetra has 4 nodes, not 8"),
+        ("\n11\n3", "\n11\n3\n3", "2 numbers are announced, but 3 are there"),
+        ("6 7\n", "6 8\n", "refer to nodes that are not there"),
+        ("CELL_TYPES 2", "TYPES 2", "'TYPES 2' is not understood"),
+    ],
+)
+def test_damaged_legacy_files(tmp_path: Path, old: str, new: str, words: str) -> None:
+    text = HEADER + VOXEL
+    assert old in text
+    (tmp_path / "a.vtk").write_text(text.replace(old, new, 1))
+    with pytest.raises(MeshError, match=words):
+        ao.read_mesh(tmp_path / "a.vtk")
+
+
+def pieces(arrays: list[dict[str, str]], more: str = "") -> str:
+    """An XML file of pieces, each with the text of its four arrays."""
+    array = '<DataArray type="{}" Name="{}" {}>{}</DataArray>'
+    body = ""
+    for of in arrays:
+        how = of.get("how", 'format="ascii"')
+        named = {
+            name: array.format(type_, name, how, of[name])
+            for name, type_ in (
+                ("points", "Float64"),
+                ("connectivity", "Int64"),
+                ("offsets", "Int64"),
+                ("types", "UInt8"),
+            )
+        }
+        body += (
+            f'<Piece NumberOfPoints="{of["n_points"]}" NumberOfCells="{of["n_cells"]}">'
+            f"<Points>{named.pop('points')}</Points><Cells>{''.join(named.values())}</Cells>"
+            f"{of.get('more', '')}</Piece>"
+        )
+    return (
+        f'<VTKFile type="UnstructuredGrid" byte_order="LittleEndian"{more}><UnstructuredGrid>{body}'
+        "</UnstructuredGrid></VTKFile>"
+    )
+
+
+TETRAHEDRON = {
+    "n_points": "4",
+    "n_cells": "1",
+    "points": "0 0 0 1 0 0 0 1 0 0 0 1",
+    "connectivity": "0 1 2 3",
+    "offsets": "4",
+    "types": "10",
+}
+
+
+def test_all_pieces_of_a_file_are_read(tmp_path: Path) -> None:
+    beside = TETRAHEDRON | {"points": "2 0 0 3 0 0 2 1 0 2 0 1"}
+    (tmp_path / "a.vtu").write_text(pieces([TETRAHEDRON, beside]))
+    with pytest.warns(AOImpactWarning, match="2 pieces"):
+        mesh = ao.read_mesh(tmp_path / "a.vtu")
+    assert mesh.cells.tolist() == [[0, 1, 2, 3], [4, 5, 6, 7]]
+
+
+def block(values: np.ndarray, compressed: bool) -> bytes:
+    content = values.tobytes()
+    if not compressed:
+        return struct.pack("<I", len(content)) + content
+    packed = zlib.compress(content)
+    return struct.pack("<4I", 1, len(content), len(content), len(packed)) + packed
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.parametrize("encoding", ["raw", "base64"])
+def test_appended_data_as_paraview_writes_them(
+    tmp_path: Path, encoding: str, compressed: bool
+) -> None:
+    types = {"points": "f8", "connectivity": "i8", "offsets": "i8", "types": "u1"}
+    offsets, tail = {}, b""
+    for name, dtype in types.items():
+        offsets[name] = len(tail)
+        part = block(np.array(TETRAHEDRON[name].split(), dtype=float).astype(dtype), compressed)
+        if encoding == "base64" and compressed:  # the header is encoded by itself
+            part = base64.b64encode(part[:16]) + base64.b64encode(part[16:])
+        tail += base64.b64encode(part) if encoding == "base64" and not compressed else part
+    text = pieces([TETRAHEDRON], ' compressor="vtkZLibDataCompressor"' if compressed else "")
+    for name in types:
+        old = f'Name="{name}" format="ascii">{TETRAHEDRON[name]}<'
+        assert old in text
+        text = text.replace(old, f'Name="{name}" format="appended" offset="{offsets[name]}"><')
+    head, end = text.encode().split(b"</VTKFile>")
+    appended = f'<AppendedData encoding="{encoding}">_'.encode()
+    (tmp_path / "a.vtu").write_bytes(head + appended + tail + b"</AppendedData></VTKFile>" + end)
+    mesh = ao.read_mesh(tmp_path / "a.vtu")
+    assert mesh.nodes.reshape(-1).tolist() == [float(x) for x in TETRAHEDRON["points"].split()]
+    assert mesh.cells.tolist() == [[0, 1, 2, 3]]
+
+
+GHOST = '<CellData><DataArray type="UInt8" Name="vtkGhostType">1</DataArray></CellData>'
+
+
+@pytest.mark.parametrize(
+    ("changed", "more", "words"),
+    [
+        ({"n_points": "5"}, "", "5 points are announced, but 12 coordinates"),
+        ({"n_cells": "2"}, "", "2 cells are announced, but 1 are there"),
+        ({"offsets": "5"}, "", "numbers of cells, types and nodes do not fit"),
+        ({"connectivity": "0 1 2 9"}, "", "refer to nodes that are not there"),
+        ({"connectivity": "0 1 2 2.5"}, "", "2.5 is no whole number"),
+        ({"points": "0 0 0 1 0 0 0 1 0 0 0 x"}, "", "text among the numbers"),
+        ({"more": GHOST}, "", "ghost cells"),
+        ({"how": 'format="appended" offset="0"'}, "", "announced"),
+        ({}, ' compressor="vtkLZ4DataCompressor"', "vtkLZ4DataCompressor is not read"),
+    ],
+)
+def test_damaged_xml_files(tmp_path: Path, changed: dict[str, str], more: str, words: str) -> None:
+    (tmp_path / "a.vtu").write_text(pieces([TETRAHEDRON | changed], more))
+    with pytest.raises(MeshError, match=words):
+        ao.read_mesh(tmp_path / "a.vtu")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("<VTKFile", "XML: "),
+        ("<VTKFile/>", "the data set is None"),
+        ('<!DOCTYPE a [<!ENTITY b "c">]><VTKFile/>', "declarations of XML"),
+        ('<VTKFile type="PolyData"/>', "the data set is PolyData; save it as an unstructured"),
+        ('<VTKFile type="UnstructuredGrid"/>', "no piece"),
+    ],
+)
+def test_xml_that_is_no_grid(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "a.vtu").write_text(text)
+    with pytest.raises(MeshError, match=words):
+        ao.read_mesh(tmp_path / "a.vtu")
+
+
+# --------------------------------------------------------------------------------------- Exodus
+
+# Sides 1 … of a brick, Exodus' numbers, by the plane that each lies in: axis and end.
+BRICK_SIDES = [(1, 0), (0, 1), (1, 1), (0, 0), (2, 0), (2, 1)]
+
+
+def exodus(file: Path, box: ao.Mesh, types: list[str], **more: Any) -> None:
+    """Write classic Exodus with one block of elements for each of some types."""
+    order = {20: [*range(12), *range(16, 20), *range(12, 16)]}.get(box.cells.shape[1], slice(None))
+    with scipy.io.netcdf_file(file, "w") as nc:
+
+        def put(name: str, values: Any, **attributes: str) -> None:
+            array = np.asarray(values)
+            dims = [f"{name}_{i}" for i in range(array.ndim)]
+            for dim, length in zip(dims, array.shape, strict=True):
+                nc.createDimension(dim, length)
+            variable = nc.createVariable(name, array.dtype, dims)
+            variable[:] = array
+            for key, value in attributes.items():
+                setattr(variable, key, value)
+
+        def names(*words: str) -> np.ndarray:
+            return np.array([list(word.ljust(33, "\0")) for word in words], dtype="S1")
+
+        for axis, values in zip("xyz", box.nodes.T, strict=True):
+            put(f"coord{axis}", values)
+        put("eb_prop1", np.arange(10, 10 + len(types), dtype="i4"))
+        put("eb_names", names("left", *[""] * (len(types) - 1)))
+        for i, (type_, cells) in enumerate(
+            zip(types, np.array_split(np.asarray(box.cells), len(types)), strict=True), 1
+        ):
+            put(f"connect{i}", (cells[:, order] + 1).astype("i4"), elem_type=type_)
+        put("node_num_map", np.arange(100, 100 + box.n_nodes, dtype="i4"))
+        put("elem_num_map", np.arange(7, 7 + box.n_cells, dtype="i4"))
+        put("ns_prop1", np.array([3], "i4"))
+        put("node_ns1", np.array([1, 2], "i4"))
+        put("ss_prop1", np.arange(1, 7, dtype="i4"))
+        put("ss_names", names(*(f"side {i}" for i in range(1, 7))))
+        for i in range(1, 7):
+            put(f"elem_ss{i}", np.array([1], "i4"))
+            put(f"side_ss{i}", np.array([more.get("side", i)], "i4"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "types"), [("hexahedron", ["HEX", "HEX8"]), ("hexahedron20", ["HEX20", "hex"])]
+)
+def test_blocks_and_sets_of_exodus(tmp_path: Path, kind: str, types: list[str]) -> None:
+    box = ao.box_mesh(LENGTHS, (2, 1, 1), kind=kind)
+    exodus(tmp_path / "a.exo", box, types)
+    mesh = ao.read_mesh(tmp_path / "a.exo")
+    assert_same(mesh, box)
+    assert {name: ids.tolist() for name, ids in mesh.cell_sets.items()} == {
+        "left": [0],
+        "block 11": [1],
+    }
+    assert mesh.node_sets["nodeset 3"].tolist() == [0, 1]
+    assert np.array_equal(mesh.node_labels, np.arange(100, 100 + box.n_nodes))
+    assert np.array_equal(mesh.cell_labels, [7, 8])
+    first = box.nodes[box.cells[0]]
+    for i, (axis, end) in enumerate(BRICK_SIDES, 1):
+        plane = first[:, axis].max() if end else first[:, axis].min()
+        on = np.sort(box.cells[0][first[:, axis] == plane])
+        assert np.array_equal(mesh.node_sets[f"side {i}"], on)
+
+
+@pytest.mark.parametrize(
+    ("kind", "type_"),
+    [("tetra", "TETRA4"), ("tetra", "TET"), ("wedge", "WEDGE6"), ("pyramid", "PYRAMID5")],
+)
+def test_names_of_elements_of_exodus(tmp_path: Path, kind: str, type_: str) -> None:
+    """Sides of all kinds lie on planes through the corners of the element."""
+    box = ao.box_mesh(LENGTHS, (1, 1, 1), kind=kind)
+    sides = len(reference_element(kind).cell.normals)
+    exodus(tmp_path / "a.e", box, [type_], side=sides)
+    mesh = ao.read_mesh(tmp_path / "a.e")
+    assert_same(mesh, box)
+    assert len(mesh.node_sets["side 1"]) in (3, 4)
+
+
+@pytest.mark.parametrize(
+    ("types", "side", "words"),
+    [
+        (["NSIDED"], 1, "unsupported kind: 1 NSIDED of 8 nodes"),
+        (["HEX"], 7, "has a side that hexahedron has not"),
+    ],
+)
+def test_what_exodus_readers_do_not_know(
+    tmp_path: Path, types: list[str], side: int, words: str
+) -> None:
+    box = ao.box_mesh(LENGTHS, (1, 1, 1))
+    exodus(tmp_path / "a.exo", box, types, side=side)
+    if types == ["NSIDED"]:
+        words = "sides of NSIDED"
+    with pytest.raises(MeshError, match=words):
+        ao.read_mesh(tmp_path / "a.exo")
+
+
+# ------------------------------------------------------------------------------------------ MED
+
+
+def test_groups_and_numbers_of_med(tmp_path: Path) -> None:
+    pytest.importorskip("h5py")
+    gmsh = pytest.importorskip("gmsh")
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Verbosity", 0)
+        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+        gmsh.model.occ.addBox(1, 0, 0, 1, 1, 1)
+        gmsh.model.occ.fragment([(3, 1)], [(3, 2)])
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [1, 2], 20, "body")
+        gmsh.model.addPhysicalGroup(3, [2], 21, "two")
+        gmsh.model.addPhysicalGroup(2, [1], 10, "base")
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 0.7)
+        for order, kind in ((1, "tetra"), (2, "tetra10")):
+            gmsh.model.mesh.generate(3)
+            gmsh.model.mesh.setOrder(order)
+            gmsh.write(str(tmp_path / "a.med"))
+            mesh = ao.read_mesh(tmp_path / "a.med")
+            assert mesh.kind == kind
+            assert set(mesh.cell_sets) == {"body", "two"}
+            assert stiffness_mass(mesh.part("two"), no_solid())[1].sum() == pytest.approx(3.0)
+            wanted = gmsh.model.mesh.getNodes(2, 1, includeBoundary=True)[0]
+            assert len(mesh.node_sets["base"]) == len(np.unique(wanted))
+            assert mesh.node_labels is not None
+    finally:
+        gmsh.finalize()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda f: f.__delitem__("ENS_MAA"), r"no mesh \(ENS_MAA\)"),
+        (lambda f: f["ENS_MAA"].copy("mesh", "other"), "2 meshes"),
+        (lambda f: f["ENS_MAA/mesh"].attrs.__setitem__("TYP", 1), "structured"),
+    ],
+)
+def test_med_files_that_hold_something_else(tmp_path: Path, change: Any, words: str) -> None:
+    h5py = pytest.importorskip("h5py")
+    write(ao.box_mesh(LENGTHS, (1, 1, 1)), tmp_path / "a.med", "med")
+    with h5py.File(tmp_path / "a.med", "r+") as tree:
+        change(tree)
+    with pytest.raises(MeshError, match=words):
+        ao.read_mesh(tmp_path / "a.med")
+
+
+def test_an_array_beyond_the_file_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.med", "w") as tree:
+        tree.create_dataset("ENS_MAA/mesh/NOE/COO", (10**10,), "f8", chunks=(10**6,))
+    with pytest.raises(MeshError, match="announces 80000000000 bytes, more than the file can hold"):
+        ao.read_mesh(tmp_path / "a.med")
+
+
+# --------------------------------------------------------------------------------------- Kratos
+
+MDPA = """Begin ModelPartData
+// nothing
+End ModelPartData
+Begin Properties 0
+End Properties
+Begin Nodes
+10 0 0 0
+20 1 0 0
+30 0 1 0
+40 0 0 1 // above
+50 1.0 1e0 1.0
+End Nodes
+Begin Elements SmallDisplacementElement3D4N
+1 0 10 20 30 40
+2 0 20 50 30 40
+End Elements
+Begin Conditions SurfaceLoadCondition3D3N
+1 0 10 20 30
+End Conditions
+Begin SubModelPart Parts
+  Begin SubModelPartNodes
+  10
+  20 30
+  End SubModelPartNodes
+  Begin SubModelPart Solid
+    Begin SubModelPartElements
+    2
+    End SubModelPartElements
+  End SubModelPart
+  Begin SubModelPartConditions
+  1
+  End SubModelPartConditions
+End SubModelPart
+"""
+
+
+def test_elements_and_sub_model_parts_of_kratos(tmp_path: Path) -> None:
+    (tmp_path / "a.mdpa").write_text(MDPA)
+    mesh = ao.read_mesh(tmp_path / "a.mdpa")
+    assert mesh.cells.tolist() == [[0, 1, 2, 3], [1, 4, 2, 3]]
+    assert {name: ids.tolist() for name, ids in mesh.cell_sets.items()} == {"Parts.Solid": [1]}
+    assert {name: ids.tolist() for name, ids in mesh.node_sets.items()} == {
+        "Parts": [0, 1, 2],
+        "Parts.Solid": [1, 2, 3, 4],
+    }
+    assert np.array_equal(mesh.node_labels, [10, 20, 30, 40, 50])
+
+
+@pytest.mark.parametrize(
+    ("name", "dim"),
+    [("TotalLagrangianElement3D4N", 3), ("ShellThinElement3D4N", 2), ("Tetrahedra3D4", 3)],
+)
+def test_shells_of_kratos_are_no_solids(tmp_path: Path, name: str, dim: int) -> None:
+    (tmp_path / "a.mdpa").write_text(MDPA.replace("SmallDisplacementElement3D4N", name))
+    if dim == 3:
+        assert ao.read_mesh(tmp_path / "a.mdpa").n_cells == 2
+    else:
+        with pytest.raises(MeshError, match="no volume cells: it has 2 quad, 1 triangle"):
+            ao.read_mesh(tmp_path / "a.mdpa")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("End Nodes", "", "the block 'Nodes' has no end"),
+        ("Begin Properties 0", "Begin Others", "line 4: the block 'Others' is not known"),
+        ("30 0 1 0", "30 0 1", "a row is not a number and x, y, z"),
+        ("30 0 1 0", "20 0 1 0", "a node is there twice"),
+        ("2 0 20 50", "1 0 20 50", "number 1 is there twice"),
+        ("2 0 20 50", "2 0 20 60", "names number 60, which is not there"),
+        ("  10\n", "  60\n", "sub-model part 'Parts' names number 60"),
+        ("1e0", "1ex", "could not convert string"),
+        ("End SubModelPart\n", "", "the block 'SubModelPart' has no end"),
+    ],
+)
+def test_damaged_files_of_kratos(tmp_path: Path, old: str, new: str, words: str) -> None:
+    head, at, tail = MDPA.rpartition(old)
+    assert at
+    (tmp_path / "a.mdpa").write_text(head + new + tail)
+    with pytest.raises(MeshError, match=words):
+        ao.read_mesh(tmp_path / "a.mdpa")
+
+
+# -------------------------------------------------------------------------------------- Tecplot
+
+
+def test_a_zone_of_tecplot_is_read_and_several_are_refused(tmp_path: Path) -> None:
+    box = ao.box_mesh(LENGTHS, (2, 1, 1))
+    write(box, tmp_path / "a.tec", "tecplot")
+    assert_same(ao.read_mesh(tmp_path / "a.tec"), box)
+    text = (tmp_path / "a.tec").read_text()
+    (tmp_path / "a.tec").write_text(text + text[text.index("ZONE") :])
+    with pytest.raises(MeshError, match="it has 2 zones; write the mesh as one"):
+        ao.read_mesh(tmp_path / "a.tec")
+
+
+def test_other_formats_are_read_with_a_warning(tmp_path: Path) -> None:
+    box = ao.box_mesh(LENGTHS, (2, 1, 1))
+    write(box, tmp_path / "a.su2", "su2")
+    with pytest.warns(AOImpactWarning, match=r"a\.su2.* su2 are read by meshio, .* 2 cells"):
+        assert_same(ao.read_mesh(tmp_path / "a.su2"), box)
+    assert meshio.read(tmp_path / "a.su2").points.shape == (12, 3)
