@@ -43,12 +43,16 @@ def read_mesh(
     part: str | Sequence[str] | None = None,
     order: int | None = None,
 ) -> Mesh:
-    """Return a mesh of solid elements from any file that meshio reads.
+    """Return the mesh of solid elements in a file, complete or not at all.
+
+    Files of Abaqus and CalculiX (.inp), Exodus, Gmsh (2.2 and 4.1), Kratos, MED, Nastran, Tecplot
+    (one zone) and VTK (.vtk, .vtu) are checked for what they announce. Other formats that meshio
+    knows are read with a warning that nothing was checked; some are refused by name.
 
     Cells of lower dimension are not part of the body; their groups become named node sets. Groups
-    of volume cells become both sets of nodes and groups of elements. What meshio readers leave in
-    disorder is put right: midside nodes that come in another order than meshio's own, elements
-    numbered left-handed throughout, and nodes of no element.
+    of volume cells become both sets of nodes and groups of elements. Bricks and other elements that
+    repeat nodes become the wedges, pyramids and tetrahedra that they are. Midside nodes in another
+    order than VTK's and elements numbered left-handed throughout are put right.
 
     Groups of a Nastran deck are its properties, such as "property 3", and its sets, such as "SET 5
     nodes" and "SET 5 elements" for SET 5 of the case control, "SET1 5 nodes" for an entry SET1.
@@ -70,14 +74,16 @@ def read_mesh(
     ------
     MeshError
         If the file cannot be read (`MissingFileError` if it is not there), has no volume cells or
-        some of an unsupported kind, or elements that are inverted or flat.
+        some of an unsupported kind, or elements that are inverted or flat, or that repeat nodes and
+        are no solid of another kind.
     InputError
         If there is no group of the name given as `part`, or `order` is another number.
 
     Warns
     -----
     AOImpactWarning
-        If nodes were dropped or elements renumbered, or if the mesh falls into pieces.
+        If nodes were dropped or elements renumbered, if the mesh falls into pieces, if groups of a
+        file have no elements, or if meshio read it and nothing was checked.
 
     Examples
     --------

@@ -253,7 +253,8 @@ class Builder:
     def _solid(self, name: str) -> FEModel:
         table, place = self.data["bodies"][name], ("bodies", name)
         with self.located(*place, "mesh"):
-            mesh = self._mesh(table["mesh"], table.get("part"))
+            parts = {key: table[key] for key in ("part", "order") if key in table}
+            mesh = self._mesh(table["mesh"], **parts)
         with self.located(*place, "material"):
             material = materials_of(mesh, self._materials(table["material"]))
         entries: dict[str, Any] = {
@@ -286,14 +287,14 @@ class Builder:
         with self.located("bodies", name, "matrices"):
             return read_matrices(**given, **self._damping(name))
 
-    def _mesh(self, mesh: str | Mapping[str, Any], part: Any = None) -> Mesh:
+    def _mesh(self, mesh: str | Mapping[str, Any], **parts: Any) -> Mesh:
         if mesh == _PAPER_SPHERE:
-            return read_mesh(paper_sphere_mesh(), part=part)
+            return read_mesh(paper_sphere_mesh(), **parts)
         if isinstance(mesh, str):
-            return read_mesh(self.folder / mesh, part=part)
+            return read_mesh(self.folder / mesh, **parts)
         if "file" in mesh:
-            return read_mesh(self.folder / mesh["file"], scale=mesh.get("scale", 1.0), part=part)
-        return read_mesh(self._generated(mesh), part=part)
+            return read_mesh(self.folder / mesh["file"], scale=mesh.get("scale", 1.0), **parts)
+        return read_mesh(self._generated(mesh), **parts)
 
     def _generated(self, mesh: Mapping[str, Any]) -> Mesh:
         if "sphere" in mesh:

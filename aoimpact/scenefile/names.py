@@ -192,6 +192,7 @@ _BODY = Variants(
                     Either((Reference("materials"), Entries(Reference("materials"))))
                 ),
                 "part": optional(Either((Text(), Listed(Text())))),
+                "order": optional(Integer()),
                 "fixed": optional(Listed(_SUPPORT)),
                 "masses": optional(Listed(_ADDED)),
                 "springs": optional(Listed(_SPRING)),

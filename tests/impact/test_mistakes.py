@@ -271,6 +271,7 @@ def test_cylinders_that_touch_along_a_line() -> None:
             law_between(roller, other, projectile_direction=DOWN, target_direction=DOWN)
 
 
+@pytest.mark.filterwarnings("ignore:.*elements of first order")
 def test_the_summary_tells_where_and_over_what_a_body_is_touched() -> None:
     """So that a far side, or a patch as wide as the plate is thick, is seen."""
     hit = strike(star(plate()))

@@ -888,6 +888,9 @@ def test_a_body_of_groups_with_masses_and_springs(tmp_path: Path) -> None:
     )
     assert (same.K != body.K).nnz == 0
     assert (same.M != body.M).nnz == 0
+    (tmp_path / "tup.toml").write_text(TUP.replace("[bodies.tup]", "[bodies.tup]\norder = 2"))
+    finer = ao.read_scene(tmp_path / "tup.toml").case()["projectile"].origin.tip.body
+    assert finer.mesh.kind == "hexahedron20"
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,9 @@ Write what follows into a file, ``first.py``, in any folder, and run it by the P
 # %%
 # 1. A mesh
 # ---------
-# Any volume mesh that meshio reads will do: gmsh, Abaqus, Nastran, VTK and others. Quadratic elements (``tetra10``,
+# Any volume mesh will do: of Gmsh, Abaqus, Nastran, Exodus, MED, VTK and others. Quadratic elements (``tetra10``,
 # ``hexahedron20``, ``hexahedron27``, ``wedge15``, ``pyramid13``) are worth their cost, since linear ones are far too stiff
-# in bending. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a
+# in bending; ``FEModel.from_mesh(..., order=2)`` makes them of linear ones. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a
 # *physical group*, to be found again. Around the point that will be struck the elements are small.
 
 import gmsh
