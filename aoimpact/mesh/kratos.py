@@ -38,7 +38,7 @@ _LINES = {1: "vertex", 2: "line", 3: "line3"}
 # Elements in space that are no solids, by a part of their names.
 _SURFACE_NAMES = re.compile("shell|membrane|surface|plate|triangle|quadrilateral|2d", re.IGNORECASE)
 _LINE_NAMES = re.compile(
-    "beam|truss|cable|line|spring|damper|nodal|point|mass|rotation", re.IGNORECASE
+    "beam|truss|cable|line(?!ar)|spring|damper|nodal|point|mass|rotation", re.IGNORECASE
 )
 
 # Kratos' numbers of the nodes within an element, in VTK's order: those of GiD.

@@ -432,7 +432,7 @@ def test_elements_and_sub_model_parts_of_kratos(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "dim"),
-    [("TotalLagrangianElement3D4N", 3), ("ShellThinElement3D4N", 2), ("Tetrahedra3D4", 3)],
+    [("NonLinearElement3D4N", 3), ("ShellThinElement3D4N", 2), ("Tetrahedra3D4", 3)],
 )
 def test_shells_of_kratos_are_no_solids(tmp_path: Path, name: str, dim: int) -> None:
     (tmp_path / "a.mdpa").write_text(MDPA.replace("SmallDisplacementElement3D4N", name))
