@@ -21,6 +21,9 @@ from .textfile import number, read_lines, refused
 
 __all__ = ["Keyword", "fields", "key", "looks_like_inp", "read_keywords"]
 
+# Numbers of a data line that has no room for more.
+_FULL = 16
+
 # Largest number of a node or element: as a double it is exact.
 _MOST = 2**53
 
@@ -163,25 +166,31 @@ class Keyword:
         if not 3 <= len(texts) + blank <= 8 or len(texts) > 7:
             raise self.error("a node needs its number, x, y, and z unless it is 0", row)
         (label,) = self.integers(row, texts[:1])
+        if not 0 < label <= _MOST:
+            raise self.error("the number of a node must be a positive integer", row)
         return [float(label), *self.reals(row, [*texts[1:4], "", "", ""][:3])]
 
     def connectivity(self, n_nodes: int) -> IntArray:
         """Return labels of elements and of their nodes, shape (n, 1 + n_nodes).
 
-        An element begins on a line of its own and may go on in the next ones.
+        An element begins on a line of its own. It goes on in the next one after a comma, or after
+        16 numbers, with which a line is full.
         """
         lines = [line.rstrip(", \t") for line in self.data]
-        ends = np.cumsum([line.count(",") + 1 for line in lines], dtype=np.int64)
+        counts = np.array([line.count(",") + 1 for line in lines], dtype=np.int64)
+        ends = np.cumsum(counts)
         width = 1 + n_nodes
         count = -(-int(ends[-1]) // width) if lines else 0
-        last = np.searchsorted(ends, width * np.arange(1, count + 1))
-        off = np.flatnonzero(
-            ends[np.minimum(last, len(lines) - 1)] != width * np.arange(1, count + 1)
-        )
+        wanted = width * np.arange(1, count + 1)
+        last = np.minimum(np.searchsorted(ends, wanted), len(lines) - 1)
+        off = np.flatnonzero(ends[last] != wanted)
         if len(off):
             row = int(last[off[0] - 1]) + 1 if off[0] else 0
             raise self.error(f"the element must have {n_nodes} nodes, and end with its line", row)
         if count < len(lines):
+            for row in np.setdiff1d(np.arange(len(lines)), last).tolist():
+                if not self.data[row].endswith(",") and counts[row] != _FULL:
+                    raise self.error("a line that goes on in the next one ends with a comma", row)
             first = [0, *(last[:-1] + 1).tolist()]
             lines = [",".join(lines[i : j + 1]) for i, j in zip(first, last.tolist(), strict=True)]
         table = _numbers(lines, width, np.int64)

@@ -54,6 +54,9 @@ def read_mesh(
     repeat nodes become the wedges, pyramids and tetrahedra that they are. Midside nodes in another
     order than VTK's and elements numbered left-handed throughout are put right.
 
+    A set of an instance of an Abaqus part is called "instance.set", and "set" as well if no other
+    instance has one of that name. Each instance is a group of elements.
+
     Groups of a Nastran deck are its properties, such as "property 3", and its sets, such as "SET 5
     nodes" and "SET 5 elements" for SET 5 of the case control, "SET1 5 nodes" for an entry SET1.
 

@@ -347,7 +347,8 @@ def test_solids_of_every_kind(tmp_path: Path, kind: str) -> None:
     for e, cell in enumerate(cells.tolist(), 1):
         numbers = [e, *(n + 1 for n in cell)]
         lines = [numbers[i : i + 16] for i in (0, 16) if numbers[i:]]
-        rows.append(",\n".join(",".join(map(str, line)) for line in lines))
+        comma = "" if e % 2 else ","
+        rows.append(f"{comma}\n".join(",".join(map(str, line)) for line in lines))
     deck = f"*NODE\n{nodes}*ELEMENT,TYPE=C3D{cells.shape[1]}\n" + "\n".join(rows) + "\n"
     mesh = read(tmp_path, deck)
     assert mesh.kind == kind
@@ -410,6 +411,7 @@ def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
         (NODES + BRICK.replace("ELSET", "OFFSET"), r"line 10, \*ELEMENT: the option OFFSET"),
         (NODES + BRICK.replace(",7", ""), r"line 11, \*ELEMENT: the element must have 8 nodes"),
         (NODES + BRICK.replace(",7", ",7,2"), "must have 8 nodes"),
+        (NODES + BRICK.replace("4,3,", "4,3\n"), "line 11, .*goes on .* ends with a comma"),
         (NODES + BRICK.replace(",7", ",99"), r"element 1 has node 99, which is not defined"),
         (NODES + BRICK.replace(",7", ",x"), "line 11, .*'x' is no integer"),
         (NODES + BRICK.replace(",7", ",-7"), "line 11, .*must be positive"),
@@ -422,6 +424,7 @@ def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
         (NODES.replace("0.01", "inf", 1) + BRICK, "line 3, .*'inf' is no number"),
         (NODES.replace("0.01", "1e999", 1) + BRICK, "line 3, .*is too large"),
         (NODES.replace("\n2,", "\n2.5,") + BRICK, "line 3, .*must be a positive integer"),
+        (NODES.replace("\n2,", "\n99999999999999999999,") + BRICK, "line 3, .*positive integer"),
         (NODES + "9,1\n" + BRICK, "line 10, .*a node needs its number"),
         ("*NODE,SYSTEM=Q\n" + BRICK, "SYSTEM must be R, C or S"),
         ("*SYSTEM\n0,0,0,1,0,0\n2,0,0\n" + NODES, "are on one line"),
