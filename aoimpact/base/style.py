@@ -165,7 +165,7 @@ def draw_curves(
     """
     ax = given_axes(ax)
     x, x_name, x_unit = across
-    largest = max(float(np.max(np.abs(y), initial=0.0)) for y, _ in curves)
+    largest = max(float(np.nanmax(np.abs(y), initial=0.0)) for y, _ in curves)
     reach = float(np.max(np.abs(x), initial=0.0))
     x_scale = scale_of(ax.get_xlabel(), x_unit) or scale_for(reach, x_unit)
     y_scale = scale_of(ax.get_ylabel(), unit) or scale_for(largest, unit)

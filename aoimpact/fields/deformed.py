@@ -21,6 +21,7 @@ _SHOWN = 0.1
 
 # A plate's box is drawn at least this thick, as a share of its length; ticks along the length.
 _THINNEST = 0.05
+_SHORTEST = 0.25  # shorter axes have no ticks, which would overlap
 _MOST_TICKS = 6
 
 
@@ -32,6 +33,7 @@ def plot_deformed(
     ax: Axes3D | None = None,
     *,
     scale: float | None = None,
+    all_times: FloatArray | None = None,
     **kwargs: Any,
 ) -> Axes3D:
     """Draw the surface of a deformed body, coloured by von Mises' stress; see `Field.plot`.
@@ -45,6 +47,8 @@ def plot_deformed(
         Pa.
     time : float
         s.
+    all_times : ndarray, shape (k, n_nodes), optional
+        Von Mises' stresses, Pa, of all the pictures that are to have the same colours.
     """
     import matplotlib.pyplot as plt
     from mpl_toolkits.mplot3d import Axes3D
@@ -60,16 +64,21 @@ def plot_deformed(
         )
     length = scale_for(mesh.size, "m")
     places = length.factor * (mesh.nodes + factor * moved)
-    pressure = scale_for(float(von_mises.max()), "Pa")
     faces = outlines(mesh)
+    shown = von_mises[None] if all_times is None else np.vstack([von_mises, all_times])
+    means = np.stack([shown[:, face].mean(axis=1) for face in faces], axis=1)
+    pressure = scale_for(float(means.max()), "Pa")
     style = {"edgecolor": "0.2", "linewidth": 0.2, "cmap": "viridis"} | kwargs
     drawn = Poly3DCollection([places[face] for face in faces], **style)
-    drawn.set_array(pressure.factor * np.array([von_mises[face].mean() for face in faces]))
+    drawn.set_array(pressure.factor * means[0])
+    if not {"clim", "norm"} & style.keys():
+        drawn.set_clim(0.0, pressure.factor * float(means.max()) or 1.0)
     ax.add_collection3d(drawn)
-    _frame(ax, places, length.unit)
+    beside = _frame(ax, places, length.unit)
     times = f"{float(f'{factor:.3g}'):g}"
     ax.set_title(
-        f"t = {with_unit(time, 's')}; axes: position + {times} × displacement", fontsize="medium"
+        f"t = {with_unit(time, 's')}; axes: position + {times} × displacement{beside}",
+        fontsize="medium",
     )
     label = f"von Mises stress ({pressure.unit}), {_largest(drawn.get_array(), faces, mesh)}"
     ax.figure.colorbar(drawn, ax=ax, label=label, shrink=0.7, pad=0.12)
@@ -103,18 +112,28 @@ def _enlargement(moved: FloatArray, size: float, scale: float | None) -> float:
     return _SHOWN * size / largest if largest > 0.0 else 1.0
 
 
-def _frame(ax: Axes3D, places: FloatArray, unit: str) -> None:
-    """Limits and proportions of the body itself, and axes that say so."""
+def _frame(ax: Axes3D, places: FloatArray, unit: str) -> str:
+    """Give the axes the limits and proportions of the body.
+
+    Returns the extents along axes that are too short for ticks, to be written elsewhere.
+    """
     from matplotlib.ticker import MaxNLocator
 
     low, high = places.min(axis=0), places.max(axis=0)
     longest = float((high - low).max())
     span = np.maximum(high - low, _THINNEST * longest)
     middle = 0.5 * (low + high)
+    beside: list[str] = []
     for i, axis in enumerate((ax.xaxis, ax.yaxis, ax.zaxis)):
         axis.set_view_interval(middle[i] - 0.5 * span[i], middle[i] + 0.5 * span[i], ignore=True)
+        if span[i] < _SHORTEST * longest:
+            axis.set_ticks([])
+            beside.append(f"{'xyz'[i]} from {low[i]:.3g} to {high[i]:.3g} {unit}")
+            continue
         axis.set_major_locator(MaxNLocator(max(1, round(_MOST_TICKS * span[i] / longest))))
         axis.set_label_text(f"{'xyz'[i]} ({unit})")
-        axis.labelpad = 10.0
-        axis.set_tick_params(pad=3.0 if i < 2 else 8.0)  # two axes end in the same corner
+        thin = longest / float(np.delete(span, i).max())  # pads are shares of the other spans
+        axis.labelpad = thin * (10.0 if i < 2 else 18.0)
+        axis.set_tick_params(pad=thin * (3.0 if i < 2 else 8.0))  # two axes end in one corner
     ax.set_box_aspect(span, zoom=0.92)  # labels of the axes have room
+    return "\n" + ", ".join(beside) if beside else ""

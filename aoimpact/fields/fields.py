@@ -187,6 +187,7 @@ class Field:
     ) -> Axes3D:
         """Draw the deformed body, its surface coloured by von Mises' stress.
 
+        Colours mean the same at all times of the field.
         The mean displacement of a body without supports is left out: it would fly out of the
         picture.
 
@@ -223,7 +224,9 @@ class Field:
         if self.body.n_dofs == moved.size:
             moved = moved - moved.mean(axis=0)
         time = float(self.times[number])
-        return deformed.plot_deformed(mesh, moved, colour, time, ax, scale=scale, **kwargs)
+        return deformed.plot_deformed(
+            mesh, moved, colour, time, ax, scale=scale, all_times=self.stress().von_mises, **kwargs
+        )
 
     def movie(
         self, path: str | os.PathLike[str], *, scale: float | None = None, fps: float = 15.0

@@ -41,6 +41,9 @@ _SHOWN = 0.08
 # would leave the rest of the body in one colour.
 _COLOURED = 98.0
 
+# Frames from which a file with 256 colours takes these.
+_SAMPLED = 16
+
 # Pixels; a video needs multiples of 16.
 _WIDE, _HIGH = 960, 720
 
@@ -184,10 +187,15 @@ def write_movie(
 
 
 def _write_gif(file: Path, frames: Sequence[Any], speed: float) -> None:
-    """Write pictures with 256 colours of their own each."""
+    """Write pictures with the same 256 colours, so that none changes its colour in between."""
     from PIL import Image  # of matplotlib
 
-    pictures = [Image.fromarray(frame).quantize(256) for frame in frames]
+    sample = np.concatenate(frames[:: max(1, len(frames) // _SAMPLED)])
+    palette = Image.fromarray(sample).quantize(256)
+    pictures = [
+        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+        for frame in frames
+    ]
     lasting = 1000.0 / speed
     first, others = pictures[0], pictures[1:]
     first.save(file, save_all=True, append_images=others, duration=lasting, loop=0)

@@ -112,9 +112,11 @@ def _told(body: Any) -> str:
 def plot_indentation(
     result: Result, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
 ) -> Axes:
-    """Draw the indentation over time."""
+    """Draw the indentation over time; while the bodies are apart there is none."""
     run, which = shown(result.run, during)
-    curves: list[Curve] = [(run.contacts[0].indentation[which], {})]
+    depth, force = run.contacts[0].indentation[which], run.contacts[0].force[which]
+    apart = (depth < 0.0) & (force == 0.0)
+    curves: list[Curve] = [(depth if apart.all() else np.where(apart, np.nan, depth), {})]
     return draw_curves(ax, (run.t[which], "time", "s"), "indentation", "m", curves, kwargs)
 
 

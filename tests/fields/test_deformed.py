@@ -53,7 +53,7 @@ def test_it_is_enlarged_to_a_tenth_or_as_told(scale: float | None, top: float) -
 
 
 def test_units_time_and_colours_are_said() -> None:
-    mesh = ao.box_mesh((0.2, 0.02, 0.02), (2, 1, 1))
+    mesh = ao.box_mesh((0.2, 0.1, 0.1), (2, 1, 1))
     von_mises = 1e8 * mesh.nodes[:, 0]
     ax = plot_deformed(mesh, np.zeros_like(mesh.nodes), von_mises, 25e-6, alpha=0.5)
     assert [axis.get_label_text() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)] == [
@@ -66,8 +66,26 @@ def test_units_time_and_colours_are_said() -> None:
     assert drawn.get_alpha() == 0.5
     colours = drawn.get_array()
     assert (colours.min(), colours.max()) == (0.0, 20.0)  # MPa, at the two ends
-    told = "von Mises stress (MPa), largest near\n(200, 10, 10) mm"  # the end x = 0.2 m
+    told = "von Mises stress (MPa), largest near\n(200, 50, 50) mm"  # the end x = 0.2 m
     assert drawn.colorbar.ax.get_ylabel() == told
+
+
+def test_colours_mean_the_same_at_all_times() -> None:
+    mesh = ao.box_mesh((0.2, 0.1, 0.1), (2, 1, 1))
+    stresses = np.array([[1e6], [4e6]]) * np.ones(len(mesh.nodes))
+    still = np.zeros_like(mesh.nodes)
+    for one in stresses:
+        ax = plot_deformed(mesh, still, one, 0.0, all_times=stresses)
+        assert ax.collections[0].get_clim() == pytest.approx((0.0, 4.0))  # MPa
+
+
+def test_labels_of_short_axes_stand_in_the_title() -> None:
+    """Ticks of a bar's short sides would overlap."""
+    mesh = ao.box_mesh((0.2, 0.02, 0.03), (2, 1, 1))
+    ax = plot_deformed(mesh, np.zeros_like(mesh.nodes), np.ones(len(mesh.nodes)), 0.0)
+    assert not len(ax.get_yticks()) + len(ax.get_zticks())
+    assert ax.get_title().endswith("y from 0 to 20 mm, z from 0 to 30 mm")
+    assert len(ax.get_xticks()) > 3
 
 
 def test_it_draws_on_the_axes_given() -> None:

@@ -60,3 +60,4 @@ def test_notebook_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPat
         resources={"metadata": {"path": str(tmp_path)}},
     )
     client.execute()
+    assert not list(tmp_path.iterdir())  # nothing is left behind

@@ -126,6 +126,16 @@ def test_a_curve_has_points_enough_for_the_fastest_mode() -> None:
     assert steps.max() * fastest < 1.0 / 15.0
 
 
+def test_no_indentation_is_drawn_while_the_bodies_are_apart() -> None:
+    """The gap after parting is far larger, and would leave the indentation flat."""
+    ball = ao.rigid(mass=0.03)
+    hit = ao.simulate(ball, ball, 1.0, law=ao.Hertz(k=1e10), duration=1e-3)
+    depth = hit.plot_indentation(during="record").get_lines()[0].get_ydata()
+    assert hit.indentation.min() < -20 * hit.indentation.max()
+    assert np.nanmin(depth) >= 0.0
+    assert np.nanmax(depth) == pytest.approx(1e6 * hit.indentation.max(), rel=1e-3)  # µm
+
+
 @pytest.mark.parametrize("during", ["contacts", (2e-3, 1e-3), (0.0, 1.0), (0.0,), 3])
 def test_a_span_that_is_none_is_refused(during: Any) -> None:
     with pytest.raises(ao.AOImpactError, match="during"):

@@ -9,6 +9,8 @@ A reduced model has few shapes, which give the force but not yet the stress; wha
 (:doc:`/theory/reduction`).
 """
 
+import tempfile
+
 import numpy as np
 
 import aoimpact as ao
@@ -96,5 +98,6 @@ print(
 # For ParaView
 # ------------
 
-file = hit.target.to_vtu("plate", times=[20e-6, 40e-6, 60e-6])
-print(file, "lists them")
+with tempfile.TemporaryDirectory() as folder:
+    file = hit.target.to_vtu(f"{folder}/plate", times=[20e-6, 40e-6, 60e-6])
+    print(sorted(path.name for path in file.parent.iterdir()))

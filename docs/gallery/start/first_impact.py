@@ -23,6 +23,8 @@ Write what follows into a file, ``first.py``, in any folder, and run it by the P
 # in bending; ``FEModel.from_mesh(..., order=2)`` makes them of linear ones. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a
 # *physical group*, to be found again. Around the point that will be struck the elements are small.
 
+import tempfile
+
 import gmsh
 
 struck = (0.07, 0.06, 0.006)
@@ -47,7 +49,8 @@ for name, value in {**settings, **dict(zip(("XCenter", "YCenter", "ZCenter"), st
 gmsh.model.mesh.field.setAsBackgroundMesh(size)
 gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 gmsh.model.mesh.generate(3)
-gmsh.write("plate.msh")
+folder = tempfile.TemporaryDirectory()
+gmsh.write(f"{folder.name}/plate.msh")
 gmsh.finalize()
 
 # %%
@@ -63,7 +66,7 @@ import aoimpact as ao
 aluminium = ao.Material(E=70e9, nu=0.33, rho=2700)
 steel = ao.Material(E=210e9, nu=0.3, rho=7800)
 
-plate = ao.FEModel.from_mesh("plate.msh", aluminium, fixed=[("clamped", "xyz")])
+plate = ao.FEModel.from_mesh(f"{folder.name}/plate.msh", aluminium, fixed=[("clamped", "xyz")])
 ball = ao.ball(0.01, steel)
 print(plate)
 
