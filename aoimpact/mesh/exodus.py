@@ -75,8 +75,10 @@ def read(file: Path) -> RawMesh:
         If the file is damaged, or has sides of elements that are no solids in a set of sides.
     """
     with file.open("rb") as stream:
-        classic = stream.read(3) == b"CDF"
-    if not classic:
+        head = stream.read(4)
+    if head == b"CDF\5":
+        raise ValueError("netCDF 3 with 64-bit data (CDF-5) is not read; write netCDF 4")
+    if head[:3] != b"CDF":
         with opened(file) as tree:
             return _mesh(
                 {
@@ -92,7 +94,7 @@ def read(file: Path) -> RawMesh:
                 for name, item in tree.variables.items()
                 if _OF_THE_MESH.fullmatch(name)
             }
-    except (TypeError, KeyError, IndexError, AssertionError) as error:
+    except (OSError, TypeError, KeyError, IndexError, AssertionError) as error:
         raise ValueError(f"netCDF: {error!r}") from None
     return _mesh(variables)
 
@@ -119,7 +121,7 @@ def _mesh(variables: dict[str, _Variable]) -> RawMesh:
         axes = [variables[f"coord{x}"].values for x in "xyz" if f"coord{x}" in variables]
         nodes = np.array(axes, dtype=np.float64).T
     if nodes.ndim != 2 or nodes.shape[1] != 3:
-        raise ValueError("it has no coordinates x, y and z of nodes")
+        raise ValueError(f"nodes have {nodes.shape[-1]} coordinates; a solid needs x, y and z")
     names, count = _named(variables, "eb", "block")
     kinds, cells = [], []
     for i in range(1, count + 1):

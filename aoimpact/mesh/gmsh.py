@@ -380,7 +380,10 @@ def _alike(numbers: _Numbers) -> tuple[int, int, IntArray]:
 
 def _once(type_: int, rows: IntArray) -> _Elements:
     """Join the copies of elements of an entity; rows are number, group, entity and nodes."""
-    nodes = rows[:, 3:]
+    nodes, tags = rows[:, 3:], np.abs(rows[:, 1])
+    if (tags == tags[0]).all():
+        group = {int(tags[0]): np.arange(len(rows))} if tags[0] else {}
+        return _Elements(type_, rows[:, 0], nodes, group)
     _, first, element = np.unique(
         np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True
     )
@@ -388,7 +391,6 @@ def _once(type_: int, rows: IntArray) -> _Elements:
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
     number = place[element.reshape(-1)]
-    tags = np.abs(rows[:, 1])
     groups = {int(tag): np.unique(number[tags == tag]) for tag in np.unique(tags) if tag}
     return _Elements(type_, rows[first[order], 0], nodes[first[order]], groups)
 

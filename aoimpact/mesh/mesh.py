@@ -467,5 +467,8 @@ def right_handed(kind: str, nodes: FloatArray, cells: IntArray) -> IntArray:
     if kind not in KINDS or not len(cells) or not (np.abs(nodes[cells]) < _LARGEST).all():
         return cells
     element = reference_element(kind)
-    _, highest = jacobian_range(nodes, cells, element)
-    return cells if (highest >= 0.0).any() else np.ascontiguousarray(cells[:, element.mirror])
+    for part in (cells[:1], cells):  # the first one tells of most meshes
+        _, highest = jacobian_range(nodes, part, element)
+        if (highest >= 0.0).any():
+            return cells
+    return np.ascontiguousarray(cells[:, element.mirror])

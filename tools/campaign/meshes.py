@@ -1,4 +1,4 @@
-"""Mesh files of every format that meshio reads, damaged."""
+"""Mesh files of every format that is read and that meshio writes, damaged."""
 
 from __future__ import annotations
 
@@ -36,13 +36,10 @@ _FORMATS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("ansys", ".msh", {"binary": True}),
     ("abaqus", ".inp", {}),
     ("avsucd", ".avs", {}),
-    ("cgns", ".cgns", {}),
     ("dolfin-xml", ".xml", {}),
     ("exodus", ".e", {}),
     ("flac3d", ".f3grid", {"binary": False}),
     ("flac3d", ".f3grid", {"binary": True}),
-    ("h5m", ".h5m", {}),
-    ("hmf", ".hmf", {}),
     ("mdpa", ".mdpa", {}),
     ("med", ".med", {}),
     ("medit", ".mesh", {}),
@@ -52,10 +49,8 @@ _FORMATS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("netgen", ".vol", {}),
     ("netgen", ".vol.gz", {}),
     ("permas", ".dato", {}),
-    ("stl", ".stl", {"binary": False}),
     ("su2", ".su2", {}),
     ("tecplot", ".tec", {}),
-    ("tetgen", ".node", {}),
     ("ugrid", ".ugrid", {}),
     ("ugrid", ".b8.ugrid", {}),
     ("vtk42", ".vtk", {"binary": False}),
@@ -65,7 +60,6 @@ _FORMATS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("vtu", ".vtu", {"binary": False}),
     ("vtu", ".vtu", {"binary": True}),
     ("vtu", ".vtu", {"binary": True, "compression": None}),
-    ("wkt", ".wkt", {}),
     ("xdmf", ".xdmf", {"data_format": "XML"}),
     ("xdmf", ".xdmf", {"data_format": "Binary"}),
 )
