@@ -75,7 +75,8 @@ def read(file: Path) -> RawMesh:
         If elements are no solids, parts have no instance, or sets name what is not there.
     """
     try:
-        return _joined(file, _sorted(read_keywords(file)))
+        with np.errstate(all="ignore"):  # coordinates out of reach are refused later
+            return _joined(file, _sorted(read_keywords(file)))
     except RecursionError:
         raise MeshError(
             f"mesh file {str(file)!r}: its sets, or the files that it includes, are nested too deep"

@@ -133,6 +133,15 @@ class Keyword:
                 raise self.error(f"{text!r} is no integer", row)
         return [int(text) for text in texts]
 
+    def span(self, row: int, texts: list[str]) -> tuple[int, int, int]:
+        """Return a first number, a last one and a step that leads there; 1 if it is left out."""
+        if not 2 <= len(texts) <= 3:
+            raise self.error("give the first and the last number, and perhaps a step", row)
+        first, last, step = [*self.integers(row, [text or "1" for text in texts]), 1][:3]
+        if step == 0 or (last - first) / step < 0:
+            raise self.error(f"no step of {step} leads from {first} to {last}", row)
+        return first, last, step
+
     def reals(self, row: int, texts: list[str]) -> list[float]:
         """Return numbers of a data line; blanks are 0."""
         try:

@@ -99,6 +99,7 @@ class Scope:
     _points: list[tuple[Keyword, IntArray, FloatArray]] = field(default_factory=list)
     _sets: dict[tuple[Which, str], list[_Piece]] = field(default_factory=dict)
     _found: dict[tuple[Which, str], IntArray | None] = field(default_factory=dict)
+    _sorted: dict[Which, tuple[IntArray, IntArray]] = field(default_factory=dict)
     _order: int = 0
 
     # -------------------------------------------------------------------- keywords
@@ -106,22 +107,27 @@ class Scope:
     def read(self, keywords: Iterable[Keyword]) -> Scope:
         """Read keywords, all at once, and return the scope."""
         frame = Frame()
-        for keyword in keywords:
-            self._order += 1
+        generated: list[tuple[int, Keyword, Frame]] = []
+        for order, keyword in enumerate(keywords):
+            self._order = order
             match keyword.name:
                 case "SYSTEM":
                     keyword.check_options(())
                     frame = Frame.of(keyword)
                 case "NODE":
                     self._node(keyword, frame)
-                case "NGEN":
-                    self._ngen(keyword, frame)
                 case "ELEMENT":
                     self._element(keyword)
-                case "ELGEN":
-                    self._elgen(keyword)
                 case "NSET" | "ELSET":
                     self._set(keyword)
+                case _:  # made of nodes and elements that may come later
+                    generated.append((order, keyword, frame))
+        for name in ("NGEN", "ELGEN"):
+            for self._order, keyword, frame in generated:
+                if keyword.name == name == "NGEN":
+                    self._ngen(keyword, frame)
+                elif keyword.name == name:
+                    self._elgen(keyword)
         self._number_nodes()
         self._number_elements()
         return self
@@ -147,26 +153,20 @@ class Scope:
         made: dict[int, FloatArray] = {}
         ends: list[int] = []
         for row, texts in enumerate(keyword.rows()):
-            first, last, step = [*keyword.integers(row, texts[:3]), 0, 1][:3]
-            if len(texts) == 2:
-                step = 1
-            if len(texts) < 2 or step == 0 or (last - first) % step or last == first:
-                raise keyword.error(
-                    "give the first and last node, and a step that leads there", row
-                )
-            n = (last - first) // step
-            if n < 1:
-                raise keyword.error("the step leads away from the last node", row)
+            first, last, step = keyword.span(row, texts[:3])
+            n, rest = divmod(last - first, step)
+            if rest or not n:
+                raise keyword.error(f"no step of {step} leads from {first} to {last}", row)
             require(n * _PER_NODE, f"*NGEN of {n} nodes", "check the numbers in the deck")
             for end in (first, last):
                 if end not in where:
-                    raise keyword.error(f"node {end} is not defined before", row)
+                    raise keyword.error(f"node {end} is not defined", row)
             share = np.arange(1, n)[:, None] / n
             start, end_place = where[first], where[last]
             if line == "C":
                 label = keyword.integers(row, texts[3:4])[0] if texts[3:4] and texts[3] else 0
                 if label and label not in where:
-                    raise keyword.error(f"node {label} is not defined before", row)
+                    raise keyword.error(f"node {label} is not defined", row)
                 numbers = keyword.reals(row, texts[4:])
                 between = arc(start, end_place, share, where.get(label), numbers, frame)
                 if between is None:
@@ -220,7 +220,7 @@ class Scope:
                 if block.kind
             ]
             if not of:
-                raise keyword.error(f"element {master} is not defined before", row)
+                raise keyword.error(f"element {master} is not defined", row)
             block, i = of[-1]
             shifts = np.zeros((1, 2), dtype=np.int64)  # of nodes' and elements' numbers
             for count, steps in zip(
@@ -249,11 +249,9 @@ class Scope:
         if "GENERATE" in options:
             ranges = []
             for row, texts in enumerate(keyword.rows()):
-                start, stop, step = [*keyword.integers(row, texts), 0, 1, 0][:3]
-                if len(texts) == 2:
-                    step = 1
-                if not (2 <= len(texts) <= 3 and 0 < start <= stop and step > 0):
-                    raise keyword.error("give first and last number, and a positive step", row)
+                start, stop, step = keyword.span(row, texts)
+                if step < 0:
+                    raise keyword.error("the step must be positive", row)
                 ranges.append((start, stop, step))
             given["ranges"] = tuple(ranges)
         else:
@@ -313,10 +311,17 @@ class Scope:
 
     def _numbered(self, which: Which, labels: IntArray) -> tuple[IntArray, IntArray]:
         """Return the numbers of what has these labels, and the labels that nothing has."""
-        own = self.labels if which == "NSET" else self.element_labels
-        order = np.argsort(own, kind="stable")
-        at, there = _found(own[order], labels)
+        known, order = self._sorted_labels(which)
+        at, there = _found(known, labels)
         return order[at[there]] + self.first[which], labels[~there]
+
+    def _sorted_labels(self, which: Which) -> tuple[IntArray, IntArray]:
+        """Return all labels, ascending, and the numbers of their nodes or elements."""
+        if which not in self._sorted:
+            labels = self.labels if which == "NSET" else self.element_labels
+            order = np.argsort(labels, kind="stable")
+            self._sorted[which] = labels[order], order
+        return self._sorted[which]
 
     # ------------------------------------------------------------------------ sets
 
@@ -336,11 +341,12 @@ class Scope:
         scope, place = self.inner.get(piece.instance, (self, {"NSET": 0, "ELSET": 0}))
         found, absent = scope._numbered(which, piece.numbers)
         parts = [found + place[which]]
-        own = scope.labels if which == "NSET" else scope.element_labels
+        known, order = scope._sorted_labels(which)
         for start, stop, step in piece.ranges:
-            inside = (own >= start) & (own <= stop) & ((own - start) % step == 0)
-            parts.append(np.flatnonzero(inside) + scope.first[which] + place[which])
-            if not inside.any():
+            inside = slice(*np.searchsorted(known, [start, stop + 1]).tolist())
+            chosen = order[inside][(known[inside] - start) % step == 0]
+            parts.append(chosen + scope.first[which] + place[which])
+            if not len(chosen):
                 absent = np.append(absent, start)
         parts += [scope._named(which, name, piece) + place[which] for name in piece.names]
         if piece.of_elements:

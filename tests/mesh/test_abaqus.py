@@ -243,7 +243,7 @@ def test_a_system_holds_until_the_next_one(tmp_path: Path) -> None:
 def test_nodes_between_others(tmp_path: Path) -> None:
     ends = "*NODE\n" + "".join(f"{n},{x},{y},{z}\n" for n, x, y, z in ROW_NODES if x in (0, 4))
     lines = "".join(f"{n},{n + 4},1\n" for n in (1, 6, 11)) + "16,20\n"
-    mesh = read(tmp_path, f"{ends}*NGEN,NSET=ALL\n{lines}{C3D8}\n{cubes(1, 2, 3, 4)}")
+    mesh = read(tmp_path, f"*NGEN,NSET=ALL\n{lines}{ends}{C3D8}\n{cubes(1, 2, 3, 4)}")
     assert np.array_equal(mesh.nodes, [place[1:] for place in ROW_NODES])
     assert sets(mesh)["ALL"] == list(range(1, 21))
 
@@ -432,15 +432,16 @@ def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
         (NODES + BRICK + "*NSET,NSET=S\nP-1.5\n", "there is no NSET P-1.5, and no instance P-1"),
         (NODES + BRICK + "*NSET,NSET=A\nB\n*NSET,NSET=B\nA\n", "is a part of itself"),
         (NODES + BRICK + "*NSET,NSET=A\n1\n*NSET,NSET=B\nA\n*NSET,NSET=A\n2\n", "grows afterwards"),
-        (NODES + BRICK + "*NSET,NSET=S,GENERATE\n1,4,0\n", "line 13, .*a positive step"),
-        (NODES + BRICK + "*NSET,NSET=S,GENERATE\n4,1\n", "line 13, .*a positive step"),
+        (NODES + BRICK + "*NSET,NSET=S,GENERATE\n1,4,0\n", "line 13, .*no step of 0 leads"),
+        (NODES + BRICK + "*NSET,NSET=S,GENERATE\n4,1\n", "line 13, .*leads from 4 to 1"),
+        (NODES + BRICK + "*NSET,NSET=S,GENERATE\n4,1,-1\n", "line 13, .*must be positive"),
         (NODES + BRICK + "*NSET\n1\n", "NSET=name is missing"),
         (NODES + BRICK + "*NSET,NSET=S,INSTANCE=I\n1\n", "there is no instance I"),
         (NODES + BRICK + "*NSET,NSET=S,NSET=T\n1\n", "NSET is there twice"),
-        (NODES + BRICK + "*ELGEN\n7,2\n", "element 7 is not defined before"),
+        (NODES + BRICK + "*ELGEN\n7,2\n", "element 7 is not defined"),
         (NODES + BRICK + "*ELGEN\n1,2000000000\n", "more than there are nodes"),
-        (NODES + BRICK + "*NGEN\n1,50\n", "node 50 is not defined before"),
-        (NODES + BRICK + "*NGEN\n1,8,2\n", "a step that leads there"),
+        (NODES + BRICK + "*NGEN\n1,50\n", "node 50 is not defined"),
+        (NODES + BRICK + "*NGEN\n1,8,2\n", "no step of 2 leads from 1 to 8"),
         (NODES + BRICK + "*NGEN,LINE=P\n1,8\n", "LINE=P is not supported"),
         ("*INCLUDE,INPUT=a.inp\n", "line 1, .*includes itself"),
         ("*INCLUDE\n", "INPUT=file is missing"),
