@@ -89,7 +89,7 @@ class BulkData:
         rows = self._free.row[lines[free]]
         if self._free.odd[rows].any():
             line = int(lines[free][self._free.odd[rows]][0])
-            why = "the line has more than eight fields, or one of more than 32 characters"
+            why = "the line has too many fields, or one of more than 32 characters"
             raise self.lines.refused(
                 line, self._free.heads[self._free.row[line]].decode().strip(), why
             )
@@ -275,7 +275,11 @@ def _free_lines(lines: Lines, which: IntArray) -> _FreeLines:
         tail = fields[most] if len(fields) > most else b""
         if 0 < len(fields) <= most and _is_mark(fields[-1]):
             tail = fields.pop()
-        odd[k] = any(fields[most + 1 :]) or max(map(len, fields), default=0) > _FREE
+        odd[k] = (
+            any(fields[most + 1 :])
+            or max(map(len, fields), default=0) > _FREE
+            or (len(fields) > most and tail[:1].isdigit())  # a mark, or one field more
+        )
         table[k, : min(len(fields), most)] = fields[:most]
         heads.append(head[:8].ljust(8))
         tails.append(tail.ljust(8))

@@ -12,6 +12,7 @@ from ..base import FloatArray, IntArray, warn
 from .bulkdata import BulkData, Table, read_bulk_data
 from .bulknames import CONNECTIONS, OTHER_ELEMENTS, is_skipped
 from .coordsystems import Grids, read_systems
+from .elements import reference_element
 from .nastransets import read_sets
 from .nastrantext import read_sections
 from .rawmesh import RawBlock, RawMesh
@@ -84,6 +85,9 @@ def read(file: Path) -> RawMesh:
     grids = _grids(deck)
     nodes = read_systems(deck, grids).coordinates()
     elements = [part for names in _ELEMENTS for part in _elements(deck, names, grids)]
+    for part in elements:
+        if part.block.dim == 3:
+            _make_right_handed(nodes, part.block)
     labels = _joined([part.labels for part in elements])
     _check_unique(elements, labels)
     properties = _joined([part.properties for part in elements])
@@ -197,6 +201,19 @@ def _elements(deck: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
                 raise part.refused(row, f"node {numbers[row, column]} is not there")
             cells = rows[:, _ORDER[kind]] if kind in _ORDER else rows
             yield _Elements(part, RawBlock(kind, cells, labels), labels, properties)
+
+
+def _make_right_handed(nodes: FloatArray, block: RawBlock) -> None:
+    """Renumber the nodes of left-handed solids, which Nastran accepts as well."""
+    element = reference_element(block.kind)
+    corners = nodes[block.cells[:, : element.n_corners]]
+    n_bottom = 3 if block.kind.startswith(("tetra", "wedge")) else 4
+    bottom, top = corners[:, :n_bottom], corners[:, n_bottom:]
+    middle = bottom.mean(axis=1)
+    around = bottom - middle[:, None]
+    normal = np.cross(around, np.roll(around, -1, axis=1)).sum(axis=1)
+    left = np.einsum("ij,ij->i", normal, top.mean(axis=1) - middle) < 0.0
+    block.cells[left] = block.cells[left][:, element.mirror]
 
 
 def _check_unique(elements: list[_Elements], labels: IntArray) -> None:

@@ -1,4 +1,4 @@
-"""Nastran's replication: entries that repeat the entry before them with increments."""
+"""Lines of Nastran decks that stand for several: replication, and more than eight free fields."""
 
 from __future__ import annotations
 
@@ -20,17 +20,45 @@ _MOST = 1_000_000
 
 
 def written_out(lines: Lines) -> Lines:
-    """Return the lines with those that begin with "=" replaced by the entries they stand for.
-
-    In such a line "=" is the field of the entry before, "==" all of its further fields, and "*2"
-    or "*(2)" the field with an increment. "=5" and "=(5)" repeat the line above five times.
+    """Return the lines with replications written out, and long lines of free fields cut.
 
     Raises
     ------
     MeshError
+        If a replication is not understood.
     """
-    if b"\n=" not in b"\n".join(lines.text):
-        return lines
+    if b"\n=" in b"\n".join(lines.text):
+        lines = _replicated(lines)
+    if any(line.count(b",") > 9 for line in lines.text):
+        lines = _cut(lines)
+    return lines
+
+
+def _cut(lines: Lines) -> Lines:
+    """Cut lines with more than eight free fields into continuations.
+
+    Nastran takes the ninth field for data if there are more behind it; a blank one, or one that
+    begins with "+" or "*", is the mark of a continuation.
+    """
+    text: list[bytes] = []
+    sources: list[int] = []
+    for i, line in enumerate(lines.text):
+        head, *fields = line.split(b",") if b"," in line[:10] else [line]
+        parts = [line]
+        if len(fields) > 9 and b"*" not in head and fields[8].strip()[:1] not in (b"", b"+", b"*"):
+            parts = [b",".join(fields[k : k + 8]) for k in range(0, len(fields), 8)]
+            parts = [head + b"," + parts[0], *(b"," + part for part in parts[1:])]
+        text += parts
+        sources += [i] * len(parts)
+    return Lines(text, lines.sources[np.array(sources)], lines.files)
+
+
+def _replicated(lines: Lines) -> Lines:
+    """Write out the lines that begin with "=".
+
+    In such a line "=" is the field of the entry before, "==" all of its further fields, and "*2"
+    or "*(2)" the field with an increment. "=5" and "=(5)" repeat the line above five times.
+    """
     text: list[bytes] = []
     sources: list[int] = []
     entry: list[str] = []
@@ -49,7 +77,7 @@ def written_out(lines: Lines) -> Lines:
             if (head != "=" and times is None) or not rule or not entry[0].isalnum():
                 raise ValueError
             for _ in range(_count(times[1] or times[2]) if times else 1):
-                entry = [entry[0], *_replicated(entry[1:], rule)]
+                entry = [entry[0], *_next(entry[1:], rule)]
                 text.append(",".join(entry).encode())
                 sources.append(i)
         except ValueError:
@@ -71,7 +99,7 @@ def _count(text: str) -> int:
     return int(text)
 
 
-def _replicated(entry: list[str], rule: list[str]) -> list[str]:
+def _next(entry: list[str], rule: list[str]) -> list[str]:
     found: list[str] = []
     for old, new in zip_longest(entry, rule, fillvalue=""):
         if new == "==":

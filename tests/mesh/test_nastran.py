@@ -86,6 +86,9 @@ DECKS = {
     "lower case": PLAIN.lower(),
     "1.D0": PLAIN.replace("1.      ", "1.D0    "),
     "1.+0": PLAIN.replace("1.      ", "1.+0    ").replace("2.      ", "20.-1   "),
+    "all fields in one line": "BEGIN BULK\n"
+    + grids()
+    + "".join(free(label, label).replace("\n", "", 1) for label in CELLS),
     "comments": PLAIN.replace("GRID    7", "$ GRID\n\n  $ more\nGRID    7").replace(
         "+\n", "+\n$ in\n"
     ),
@@ -302,6 +305,13 @@ def test_solids(name: str, quadratic: bool, tmp_path: Path) -> None:
     assert body.M.sum() / 3 == pytest.approx(7800 * VOLUMES[name], rel=1e-12)
 
 
+def test_either_sense_of_numbering_is_right(tmp_path: Path) -> None:
+    mirrored = "CHEXA,2,2,2,5,6,3,8,11\n,12,9\n"
+    mesh = read(tmp_path, "BEGIN BULK\n" + grids() + brick(1) + mirrored)
+    body = ao.FEModel.from_mesh(mesh, ao.Material(E=210e9, nu=0.3, rho=7800))
+    assert body.M.sum() / 3 == pytest.approx(2 * 7800, rel=1e-12)
+
+
 def test_sides_and_edges_are_groups_of_nodes(tmp_path: Path) -> None:
     sides = (
         "CQUAD4,11,11,1,4,10,7\nCTRIA3,12,12,1,2,5\nCBAR,13,13,1,2,,,1.\nCONROD,14,3,6,99,1.\n"
@@ -431,7 +441,8 @@ REFUSED = {
         f"{'MAT1,1':72}+A\nMAT1,2,,,,,,,,+A\nMAT1,3\n+A,5".replace("MAT1,1", "MAT1   1", 1),
         r"line 21, continuation: the mark '\+A' is at the end of 2 lines",
     ),
-    "many fields": ("GRID,13,,1.,2.,3.,,,,+,5", r"line 18, GRID: the line has more than eight"),
+    "many fields": ("GRID,13,,1.,2.,3.,,,,+,5", r"line 18, GRID: the line has too many fields"),
+    "one field more": ("GRID,13,,1.,2.,3.,,,,7", r"line 18, GRID: the line has too many fields"),
     "half a line": (f"GRID*   {13:<16}\n+       1.", r"line 19, continuation: large fields before"),
     "superelements": ("BEGIN SUPER=1", r"line 18, BEGIN SUPER=1: decks of several parts"),
     "no such file": ("INCLUDE 'none.bdf'", r"line 18, INCLUDE: there is no file 'none.bdf'"),

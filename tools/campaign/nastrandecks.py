@@ -36,6 +36,14 @@ _EDGES = {
     "CHEXA": "12 23 34 41 15 26 37 48 56 67 78 85",
 }
 
+# Corners in the other sense.
+_MIRRORED = {
+    "CTETRA": [0, 2, 1, 3],
+    "CPYRAM": [0, 3, 2, 1, 4],
+    "CPENTA": [0, 2, 1, 3, 5, 4],
+    "CHEXA": [0, 3, 2, 1, 4, 7, 6, 5],
+}
+
 # Labels of what is no part of the body, and of the elements on its sides.
 _SPARE, _SIDES = 99_999_100, 99_999_000
 
@@ -99,6 +107,7 @@ class _Content:
         assert mesh.cell_labels is not None
         self.nodes: list[int] = mesh.node_labels.tolist()
         self.cells: list[int] = mesh.cell_labels.tolist()
+        self.mirrored = self.rng.choice((0.0, 0.0, 0.5, 1.0))  # share of elements
         self.members: dict[int, set[int]] = {}  # nodes by the label of the element
         if self.rng.random() < 0.6:
             for i in range(self.rng.randint(1, 4)):
@@ -166,8 +175,9 @@ class _Content:
         }
         for block in self.body.mesh.blocks:
             name = _NAMES[block.kind.rstrip("0123456789")]
-            order = _nastran_order(block.kind, name)
+            orders = [_nastran_order(block.kind, name, mirrored) for mirrored in (False, True)]
             for label, cell in zip(self.cells[block.numbers], block.cells, strict=True):
+                order = orders[self.rng.random() < self.mirrored]
                 nodes = [self.nodes[node] for node in cell]
                 number = part_of[label]
                 self.entries.append(
@@ -231,11 +241,14 @@ class _Content:
         return words
 
 
-def _nastran_order(kind: str, name: str) -> list[int]:
-    """Return meshio's numbers of an element's nodes in Nastran's order."""
+def _nastran_order(kind: str, name: str, mirrored: bool) -> list[int]:
+    """Return meshio's numbers of an element's nodes in Nastran's order.
+
+    Nastran goes round the sides of an element in either sense.
+    """
     element = reference_element(kind)
-    corners = element.nodes[: element.n_corners]
-    order = list(range(element.n_corners))
+    order = list(_MIRRORED[name] if mirrored else range(element.n_corners))
+    corners = element.nodes[order]
     if element.quadratic:
         for one, other in _EDGES[name].split():
             middle = (corners[int(one) - 1] + corners[int(other) - 1]) / 2
@@ -286,11 +299,16 @@ class _Style:
         self.forms = rng.sample(["small", "large", "free", "free large"], rng.randint(1, 4))
         self.joins = rng.sample(["blank", "plus", "named", "end"], rng.randint(1, 4))
         self.lower, self.tabs = rng.random() < 0.2, rng.random() < 0.2
+        self.long = rng.choice((0.0, 0.0, 0.3))
         self.comments = rng.choice((0.0, 0.0, 0.1))
 
     def pieces(self, entry: Entry) -> list[list[str]]:
         """Return the lines of an entry, cut where a continuation has a mark of its own."""
         name, *fields = entry
+        if "free" in self.forms and len(fields) > 9 and self.rng.random() < self.long:
+            texts = [self.text(one, "free") for one in fields]
+            if texts[8][:1] not in ("", "+", "*"):
+                return [[self._cased(",".join([str(name), *texts]))]]
         groups = [fields[i : i + 8] for i in range(0, max(len(fields), 1), 8)]
         lines: list[tuple[str, list[str]]] = []  # form and fields
         for group in groups:
