@@ -69,7 +69,8 @@ class BulkData:
 
     def long_entries(self, name: str) -> Iterator[tuple[int, list[str]]]:
         """Yield line and fields of entries of any length, such as sets."""
-        begins = np.append(np.unique(self._begins), len(self._order))
+        starts = np.flatnonzero(np.diff(self._begins[self._order], prepend=-1))
+        begins = np.append(starts, len(self._order))
         for line in self.names.get(name, ()):
             first = self._begins[line]
             own = self._order[first : begins[np.searchsorted(begins, first) + 1]]

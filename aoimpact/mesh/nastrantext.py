@@ -16,7 +16,7 @@ from .textfile import read_lines, refused
 __all__ = ["Lines", "is_nastran", "read_sections"]
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
-_PER_BYTE = 12
+_PER_BYTE = 14
 
 # Bytes of a file by which it is known as a deck.
 _HEAD = 2**20

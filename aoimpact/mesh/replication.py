@@ -27,11 +27,10 @@ def written_out(lines: Lines) -> Lines:
     MeshError
         If a replication is not understood.
     """
-    if b"\n=" in b"\n".join(lines.text):
+    joined = b"\n".join(lines.text)
+    if b"\n=" in joined:
         lines = _replicated(lines)
-    if any(line.count(b",") > 9 for line in lines.text):
-        lines = _cut(lines)
-    return lines
+    return _cut(lines) if b"," in joined else lines
 
 
 def _cut(lines: Lines) -> Lines:
