@@ -7,6 +7,7 @@ impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 
 from .choice import checked_linear_solver, checked_rtol, choose_models
 from .compliance import ComplianceError, best_radius, compliance_error
+from .finer import finer_run
 from .hierarchy import FixedModel, Hierarchy, Models, model_hierarchy
 from .interest import impact_quantity, scene_quantity
 from .keep import CONTROLLED, Keep, Named, keeper
@@ -29,6 +30,7 @@ __all__ = [
     "checked_rtol",
     "choose_models",
     "compliance_error",
+    "finer_run",
     "first_guess",
     "impact_quantity",
     "keeper",

@@ -5,6 +5,7 @@ attributes of a run's bodies, `accuracy` takes stresses and their errors; `testr
 """
 
 from .fields import Field, Probe
+from .historyerror import relative_error, rest, warn_if_wrong
 from .movie import MovingBody, movie_path, write_movie
 from .replay import response_of
 from .response import Response, stress_rows_at
@@ -20,8 +21,11 @@ __all__ = [
     "energy_error",
     "missing_energy",
     "movie_path",
+    "relative_error",
     "response_of",
+    "rest",
     "stress_rows_at",
     "stresses_around",
+    "warn_if_wrong",
     "write_movie",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -11,21 +11,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, choice, integer, interruptible, warn
+from ..base import FloatArray, InputError, choice, integer, interruptible
 from ..fem import AnyMaterial, Body
 from ..mesh import Mesh
 from . import deformed, movie, vtu
+from .historyerror import warn_if_wrong
 from .stress import Stress, gauss_stress, nodal_stress
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
 
-__all__ = ["Field", "Probe", "solid", "warn_if_wrong"]
-
-
-# Relative error of a field from which on it warns.
-_BADLY_WRONG = 0.3
+__all__ = ["Field", "Probe", "solid"]
 
 # Share of the largest displacement of all times below which a body is drawn at rest.
 _AT_REST = 1e-6
@@ -41,22 +38,42 @@ class Probe:
         s.
     points : ndarray, shape (3,) or (p, 3)
         Where, on the undeformed body, m.
-    displacement, velocity : ndarrays
-        m and m/s. Shape (n, p, 3); without the axis p for a single point, and without the last one
-        for a given direction, along which they are then measured.
     """
 
     t: FloatArray
     points: FloatArray
-    displacement: FloatArray
-    velocity: FloatArray
+    _displacement: FloatArray = field(repr=False)
+    _velocity: FloatArray = field(repr=False)
+    _follows: Callable[[], bool] = field(repr=False)
     _stress: Callable[[], FloatArray] = field(repr=False)
-    _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False)
+    _errors: Callable[[], Mapping[str, FloatArray]] = field(repr=False)
+
+    @property
+    def displacement(self) -> FloatArray:
+        """Displacement, m, shape (n, p, 3).
+
+        Without the axis p for a single point, and without the last one for a given direction, along
+        which it is then measured. Warns where it may be badly wrong; see `error`.
+        """
+        if not self._follows():
+            warn_if_wrong("displacement", self.t, self.error.get("displacement"))
+        return self._displacement
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Velocity, m/s, in the shape of `displacement`."""
+        warn_if_wrong("velocity", self.t, self.error.get("velocity"))
+        return self._velocity
 
     @cached_property
-    def error(self) -> FloatArray | None:
-        """Estimated error of the whole field at these times, (n,); see `Field.error`."""
-        return self._error()
+    def error(self) -> Mapping[str, FloatArray]:
+        """Errors by the body's model, relative to the largest value, of shape (n,).
+
+        ``error["displacement"]`` and ``error["velocity"]`` are those of these histories; see
+        `BodyResult.error`. ``error["stress"]`` is that of the whole field, as of `Field.error`. It
+        is empty of a full model.
+        """
+        return self._errors()
 
     @cached_property
     def stress(self) -> Stress:
@@ -69,6 +86,7 @@ class Probe:
         InputError
             If the body has no elements and material: it was given by K and M.
         """
+        warn_if_wrong("stress", self.t, self.error.get("stress"))
         return Stress(self._stress(), self.points)
 
 
@@ -95,9 +113,10 @@ class Field:
     def error(self) -> FloatArray | None:
         """Estimated error of the field at its times from the few shapes of a reduced model, (k,).
 
-        It is relative, in the norm of strain energy, and right within some factor; None for a full
-        model. The force may be right where this is large: a model fitted to a short contact need
-        not vibrate as the body does afterwards. The error of the force (`Result.error`) adds to it.
+        The difference to one more run, with finer models, in the norm of strain energy, relative to
+        the largest over the record; None for a full model. The force may be right where this is
+        large: a model fitted to a short contact need not vibrate as the body does afterwards. The
+        errors of mesh and contact (`Result.error`) add to it.
         """
         return self._error()
 
@@ -137,7 +156,7 @@ class Field:
         >>> stress.von_mises.shape == (1, len(bar.nodes))
         True
         """
-        warn_if_wrong(self.times, self.error)
+        warn_if_wrong("stress", self.times, self.error)
         place = choice("at", at, ("nodes", "gauss"))
         mesh, material = solid(self.body, "stress")
         evaluate = nodal_stress if place == "nodes" else gauss_stress
@@ -272,18 +291,6 @@ class Field:
         drawn = movie.MovingBody.of_mesh(mesh, moved, self.stress().von_mises)
         down = np.array([0.0, 0.0, -1.0])
         return movie.write_movie(path, [drawn], self.times, down=down, scale=scale, fps=fps)
-
-
-def warn_if_wrong(times: FloatArray, error: FloatArray | None) -> None:
-    """Warn where a reduced model's few shapes may give a badly wrong field."""
-    if error is None or not (error > _BADLY_WRONG).any():
-        return
-    first, worst = times[int(np.argmax(error > _BADLY_WRONG))], float(error.max())
-    warn(
-        f"the stress may be wrong by {min(worst, 1.0):.0%} of the largest, from t = {first:.3g} s "
-        "on: the model's few shapes give the force, but not the free vibration afterwards; take "
-        'more oscillators, method="krylov" with duration=, or quantity= a point of the body'
-    )
 
 
 def solid(body: Body, what: str) -> tuple[Mesh, AnyMaterial]:

@@ -18,10 +18,6 @@ __all__ = ["response_of"]
 
 Span = tuple[float, float]
 
-# The share of a contact after which the body vibrates freely: its force fades.
-_FADING = 0.75
-
-
 # Steps of the correction's shift in a doubling of it: runs that differ little share factors.
 _SHIFTS = 4
 
@@ -49,7 +45,7 @@ def response_of(
         s² ↦ the solver of K + s²M, where runs of several models of the body share it.
     """
     model = plan.bodies[body]
-    first, largest, peak_time = _contacts_of(plan, events, recorder.duration, body)
+    largest, peak_time = _largest_contact(plan, events, recorder.duration, body)
     if isinstance(model, FullBody) and not recorder.dense:
         return Response(model.tip.body, recorder.motion(body), None, None, peak_time)
     reduced = plan.modal[body].model.coordinates(plan.gravity)
@@ -57,15 +53,12 @@ def response_of(
         return None
     motion = recorder.motion(body)
     recovery = Recovery(reduced, _shift(largest[1] - largest[0]), inverse)
-    loaded = plan.gravity != 0.0 or plan.load_on(body) is not None
     return Response(
         reduced.body,
         motion,
         recovery,
         _omitted_motion(plan, body),
         peak_time,
-        contacts=(first, largest),
-        free_from=0.0 if loaded else first[0] + _FADING * (first[1] - first[0]),
         static_deflection=_static_deflection(motion, recovery) if plan.preload else None,
     )
 
@@ -74,19 +67,18 @@ def _shift(contact_time: float) -> float:
     return math.exp2(round(_SHIFTS * math.log2(PACE / contact_time)) / _SHIFTS)
 
 
-def _contacts_of(
+def _largest_contact(
     plan: Plan, events: Sequence[Events], duration: float, body: int
-) -> tuple[Span, Span, float]:
-    """The first contact of a body, that of its largest force, and when this is largest, s.
+) -> tuple[Span, float]:
+    """The contact of the largest force on a body, and when this is largest, s.
 
-    Of a body without contact the whole record stands for both.
+    The whole record stands for the contact of a body without one.
     """
     ours = [of for of, contact in zip(events, plan.contacts, strict=True) if contact.touches(body)]
     peak = max(ours, key=lambda of: of.peak_force, default=None)
     if peak is None or peak.peak_contact is None:
-        return (0.0, duration), (0.0, duration), 0.0
-    first = min(of.contacts[0] for of in ours if of.contacts)
-    return first, peak.peak_contact, peak.peak_time
+        return (0.0, duration), 0.0
+    return peak.peak_contact, peak.peak_time
 
 
 def _static_deflection(motion: Motion, recovery: Recovery) -> FloatArray | None:

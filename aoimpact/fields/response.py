@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
 
@@ -16,8 +16,8 @@ from ..integrate import Motion
 from ..mesh import node_at, weights_at
 from ..reduction import Recovery
 from ..scene import FreeMotion
-from .fielderror import FieldError, History
-from .fields import Field, Probe, solid, warn_if_wrong
+from .fields import Field, Probe, solid
+from .historyerror import relative_error, rest
 from .stress import stress_rows
 
 __all__ = ["OmittedMotion", "Response", "stress_rows_at"]
@@ -26,8 +26,8 @@ __all__ = ["OmittedMotion", "Response", "stress_rows_at"]
 # s ↦ rows (K + s²M)⁻¹, of the rows that are asked for.
 Dual = Callable[[float], FloatArray]
 
-# Times in a contact at which the error of a model is looked for.
-_IN_CONTACT = 24
+# Times of the record at which the largest motion is looked for.
+_LOOKS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +77,10 @@ class Response:
         The motion of a free body that its model does not contain.
     peak_time : float
         When the largest force acts, s.
-    contacts : tuple of (start, end)
-        When the body is touched first, and with the largest force, s.
-    free_from : float
-        From when on it vibrates freely, s.
     static_deflection : ndarray, shape (n_dofs,), or None
         The part of the deflection at rest under load that `recovery` misses, m.
+    finer : callable, optional
+        Returns the response in the run with finer models; None where there is none.
     """
 
     body: Body
@@ -90,12 +88,13 @@ class Response:
     recovery: Recovery | None
     omitted: OmittedMotion | None
     peak_time: float
-    contacts: tuple[tuple[float, float], ...] = ()
-    free_from: float = 0.0
     static_deflection: FloatArray | None = None
+    finer: Callable[[], Response | None] | None = field(default=None, repr=False)
 
-    def probe(self, point: Any, direction: Any, nodes: Any, times: Any) -> Probe:
-        """See `BodyResult.probe`."""
+    def probe(
+        self, point: Any, direction: Any, nodes: Any, times: Any, follows: Callable[[], bool]
+    ) -> Probe:
+        """See `BodyResult.probe`; follows: whether displacements are known to be right."""
         wanted = self._times(times)
         places, weights = self._places(point, nodes)
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
@@ -103,8 +102,8 @@ class Response:
         shape = (len(wanted), *places.shape[:-1])
         rows = sp.csr_array(sp.kron(weights, axes))[:, self._free]
         u, v = (values.T.reshape(*shape, *along) for values in self._functionals(rows, wanted))
-        stress, error = partial(self._stress, weights, wanted, shape), partial(self._error, wanted)
-        return Probe(wanted, places, u, v, stress, error)
+        stress = partial(self._stress, weights, wanted, shape)
+        return Probe(wanted, places, u, v, follows, stress, partial(self._errors, rows, wanted))
 
     def field(self, times: Any = None) -> Field:
         """See `BodyResult.field`."""
@@ -132,20 +131,56 @@ class Response:
             return found
         return found + float(functional @ self.omitted.shape) * self.omitted.motion.at(times)[0]
 
-    @cached_property
-    def _estimator(self) -> FieldError | None:
-        return None if self.recovery is None else FieldError(self.recovery)
+    def _errors(self, rows: Any, times: FloatArray) -> dict[str, FloatArray]:
+        """Relative errors of rows @ X, of its rate and of the stress anywhere, each (times,)."""
+        if (finer := self._finer) is None:
+            return {}
+        looks = np.union1d(times, self._looks)
+        right, at = finer._functionals(rows, looks), np.searchsorted(looks, times)
+        least = 0.0, rest(right[0], self.motion.duration)
+        u, v = (
+            relative_error(ours, theirs[:, at], theirs, slowest)
+            for ours, theirs, slowest in zip(
+                self._functionals(rows, times), right, least, strict=True
+            )
+        )
+        error = self._error(times)
+        return {"displacement": u, "velocity": v} | ({} if error is None else {"stress": error})
 
     def _error(self, times: FloatArray) -> FloatArray | None:
-        """Estimated relative error of the field at `times`; None of a full model."""
-        if self._estimator is None:
+        """Relative error of the field at `times` in the norm of strain energy; None if unknown."""
+        if (finer := self._finer) is None:
             return None
-        looks = [np.linspace(start, end, _IN_CONTACT) for start, end in self.contacts]
-        contact = self._history(np.unique([self.peak_time, *np.concatenate(looks)]))
-        return self._estimator.estimate(contact, self._history(times), times - self.free_from)
+        ours, theirs = self._shapes, finer._shapes
+        shapes, n = np.hstack([ours, theirs]), ours.shape[1]
+        product = shapes.T @ (self.body.K @ shapes)
+        apart = np.vstack([self._amounts(times), -finer._amounts(times)])
+        looks = finer._amounts(np.union1d(times, self._looks))
+        largest = _energy(product[n:, n:], looks).max(initial=0.0)
+        return np.sqrt(_energy(product, apart) / (largest if largest > 0.0 else 1.0))
 
-    def _history(self, times: FloatArray) -> History:
-        return History(times, *self.motion.observed(None, times), self.motion.force(times))
+    @cached_property
+    def _finer(self) -> Response | None:
+        return None if self.finer is None or self.recovery is None else self.finer()
+
+    @property
+    def _looks(self) -> FloatArray:
+        return np.linspace(0.0, self.motion.duration, _LOOKS)
+
+    @cached_property
+    def _shapes(self) -> FloatArray:
+        """The shapes that deform the body, (n_dofs, k)."""
+        assert self.recovery is not None
+        at_rest = [] if self.static_deflection is None else [self.static_deflection[:, None]]
+        return np.hstack([self.recovery.reduced.basis, self.recovery.shapes, *at_rest])
+
+    def _amounts(self, times: FloatArray) -> FloatArray:
+        """How much of each of the `_shapes` there is, (k, times)."""
+        assert self.recovery is not None
+        coordinates = self.motion.observed(None, times)[0]
+        added = self.recovery.amounts(coordinates, self.motion.force(times))
+        at_rest = [] if self.static_deflection is None else [np.ones((1, len(times)))]
+        return np.vstack([coordinates, added, *at_rest])
 
     @cached_property
     def _free(self) -> IntArray:
@@ -173,7 +208,6 @@ class Response:
     ) -> FloatArray:
         """Components at places with the nodes' `weights` (p, n_nodes), shape (*shape, 6)."""
         rows = _stress_rows(self.body, weights, self._free)
-        warn_if_wrong(times, self._error(times))
         return self._functionals(rows, times)[0].T.reshape(*shape, 6)
 
     def functionals(self, rows: Any, times: FloatArray, dual: Dual | None = None) -> FloatArray:
@@ -238,3 +272,9 @@ class Response:
                 where, shares = weights_at(self.body.mesh, place)
                 weights[i, where] = shares
         return places, weights.tocsr()
+
+
+def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:
+    """xᵀ `product` x of each column x of `amounts`; not below 0 by rounding."""
+    energy: FloatArray = np.einsum("it,it->t", amounts, product @ amounts)
+    return np.maximum(energy, 0.0)

@@ -14,6 +14,7 @@ from ..accuracy import (
     StressAt,
     checked_linear_solver,
     choose_models,
+    finer_run,
 )
 from ..base import bar
 from ..fem import ContactPoint
@@ -132,4 +133,4 @@ def run_models(
         warn_of_centres(run.plan, names)
         warn_of_places(run, names)
     warn_of_run(run)
-    return run
+    return replace(run, finer=partial(finer_run, solver=options.solver)) if meshed else run

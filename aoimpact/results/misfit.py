@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..scene import Plan
     from .run import Run
 
-__all__ = ["warn_of_lag", "warn_of_later_motion", "warn_of_misfit"]
+__all__ = ["follows", "warn_of_lag", "warn_of_misfit"]
 
 
 # Unbalanced force, relative, up to which later contacts are right: on five bodies that ring between
@@ -115,8 +115,11 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
                 )
 
 
-def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
-    """Warn of motion long after the contact that a model was fitted to.
+def follows(plan: Plan, run: Run, body: int) -> bool:
+    """Return whether a body's displacement is known to be right after the contact.
+
+    By what its model leaves unbalanced at that time scale. This costs a few products with K and M;
+    the error itself costs another run.
 
     Parameters
     ----------
@@ -126,23 +129,14 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
     body : int
         Its number.
     """
-    model = plan.bodies[body].model
-    fitted, touches = model.contact_time, _touches(plan, run, body)
-    if fitted is None or not touches or not len(run.t):
-        return
-    start = min(touches)[0]
-    since = float(run.t[-1]) - start
+    model, touches = plan.bodies[body].model, _touches(plan, run, body)
+    if model.contact_time is None or not touches or not len(run.t):
+        return not touches
+    since = float(run.t[-1]) - min(touches)[0]
     ports = {contact.port_of(body) for contact in plan.contacts if contact.touches(body)}
-    if since > fitted and not all(
+    return since <= model.contact_time or all(
         is_valid_for(model, since, port, _BALANCED_AFTER) for port in ports
-    ):
-        warn(
-            f"displacement and velocity of {run.names[body]}, fitted to a contact of "
-            f"{with_unit(fitted, 's')} may be wrong by tens of percent until t = "
-            f"{with_unit(float(run.t[-1]), 's')}: the model gives the force, but not the free "
-            f"vibration after it; make it with duration={since:.2g} and more oscillators, or give "
-            "the finite-element body itself and its displacement as quantity"
-        )
+    )
 
 
 def _contact_time(events: Events, duration: float, fitted: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, Frozen, InputError, with_unit
-from ..fields import Field, Probe, Response
+from ..fields import Field, Probe, Response, relative_error, rest, warn_if_wrong
 from ..integrate import Eventful, Events
 
 __all__ = [
@@ -97,9 +97,6 @@ class BodyResult(Frozen):
         Total mass [kg]; None where it is not known.
     constrained : bool
         Whether supports or a ground spring constrain it.
-    centre_displacement, centre_velocity : (n,) arrays
-        Of the centre of mass [m, m/s]; NaN where that is not known: of a body given by K and M
-        without nodes, unless it is free and struck through its centre.
     port_displacements, port_velocities : (p, n) arrays
         Of all contact coordinates [m, m/s].
     energy : BodyEnergy or None
@@ -112,16 +109,18 @@ class BodyResult(Frozen):
     label: str
     mass: float | None
     constrained: bool
-    centre_displacement: FloatArray
-    centre_velocity: FloatArray
     energy: BodyEnergy | None
     coordinates: FloatArray
     rates: FloatArray
     port_displacements: FloatArray
     port_velocities: FloatArray
+    _centre: FloatArray = field(repr=False)
+    _centre_rate: FloatArray = field(repr=False)
     _times: FloatArray = field(repr=False)
-    _respond: Callable[[], Response | None] | None = field(default=None, repr=False)
-    _doubt: Callable[[], None] | None = field(default=None, repr=False)
+    _respond: Callable[[], Response | None] = field(repr=False)
+    # The same body by finer models: over its record, and at the same times.
+    _finer: Callable[[], tuple[BodyResult, BodyResult] | None] = field(repr=False)
+    _follows: Callable[[], bool] = field(repr=False)
 
     def __repr__(self) -> str:
         mass = "" if self.mass is None else f", {self.mass:.4g} kg"
@@ -141,24 +140,72 @@ class BodyResult(Frozen):
     def displacement(self) -> FloatArray:
         """Of the contact coordinate (the first one) [m], shape (n,).
 
-        A model that was fitted to a contact warns where the record is longer than it is exact for.
+        Warns where it may be badly wrong, as the other histories do; see `error`.
         """
-        self._doubted  # noqa: B018
-        first: FloatArray = self.port_displacements[0]
-        return first
+        return self._told("displacement")
 
     @property
     def velocity(self) -> FloatArray:
-        """Of the contact coordinate (the first one) [m/s], shape (n,); see `displacement`."""
-        self._doubted  # noqa: B018
-        first: FloatArray = self.port_velocities[0]
-        return first
+        """Of the contact coordinate (the first one) [m/s], shape (n,)."""
+        return self._told("velocity")
+
+    @property
+    def centre_displacement(self) -> FloatArray:
+        """Of the centre of mass [m], shape (n,).
+
+        NaN where that is not known: of a body given by K and M without nodes, unless it is free
+        and struck through its centre.
+        """
+        return self._told("centre_displacement")
+
+    @property
+    def centre_velocity(self) -> FloatArray:
+        """Of the centre of mass [m/s], shape (n,); see `centre_displacement`."""
+        return self._told("centre_velocity")
 
     @cached_property
-    def _doubted(self) -> None:
-        """Warns once of what is implausible in the motion."""
-        if self._doubt is not None:
-            self._doubt()
+    def error(self) -> Mapping[str, FloatArray]:
+        """Errors of the histories by the body's model, relative to the largest value of each.
+
+        ``error["velocity"]``, shape (n,), and so of the other three: the difference to one more
+        run, with models of more oscillators of which every other one is fitted to slow motion. To
+        it add the errors of mesh and contact. It is empty of a body given by numbers.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit.target.error["velocity"].shape == hit.t.shape
+        True
+        """
+        if (finer := self._finer()) is None:
+            return {}
+        whole, same = (of._histories for of in finer)
+        slowest = rest(whole["displacement"], finer[0]._times[-1])
+        return {
+            name: relative_error(
+                history, same[name], whole[name], slowest if name.endswith("velocity") else 0.0
+            )
+            for name, history in self._histories.items()
+        }
+
+    @property
+    def _histories(self) -> dict[str, FloatArray]:
+        return {
+            "displacement": self.port_displacements[0],
+            "velocity": self.port_velocities[0],
+            "centre_displacement": self._centre,
+            "centre_velocity": self._centre_rate,
+        }
+
+    def _told(self, name: str) -> FloatArray:
+        """Return a history, and warn if it may be badly wrong; displacements often need no run."""
+        if name.endswith("velocity") or not self._follows():
+            what = f"{name.replace('_', ' ')} of {self.name}"
+            warn_if_wrong(what, self._times, self.error.get(name))
+        return self._histories[name]
 
     def probe(
         self,
@@ -198,9 +245,8 @@ class BodyResult(Frozen):
         >>> probe.stress["xx"].shape == probe.t.shape
         True
         """
-        return self._responding.probe(
-            point, direction, nodes, self._times if times is None else times
-        )
+        wanted = self._times if times is None else times
+        return self._responding.probe(point, direction, nodes, wanted, self._follows)
 
     def field(self, times: npt.ArrayLike | None = None) -> Field:
         """Return the whole body at some times: displacement, velocity, stress, files, a picture.
@@ -249,7 +295,7 @@ class BodyResult(Frozen):
 
         :meta private:
         """
-        response = None if self._respond is None else self._respond()
+        response = self._respond()
         if response is None:
             places: FloatArray = np.interp(times, self._times, self.port_displacements[0])
             return places
@@ -257,7 +303,7 @@ class BodyResult(Frozen):
 
     @cached_property
     def _responding(self) -> Response:
-        response = None if self._respond is None else self._respond()
+        response = self._respond()
         if response is None:
             raise InputError(
                 f"the body {self.label!r} was given by numbers and has no finite elements: make "

@@ -30,7 +30,7 @@ from ..scene import Plan, RecordLayout, SceneBody
 from . import plot
 from .errors import ErrorEstimate, ErrorParts, LeftOut
 from .export import as_dataframe, as_dataset
-from .misfit import warn_of_later_motion
+from .misfit import follows
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy
 from .plot import During
 from .quantities import named_number, number_errors
@@ -165,6 +165,8 @@ class Run:
     # The errors of meshes and contact laws, or the function that estimates them of the run. It is
     # called when an error is first read.
     left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
+    # Returns the run with finer models, with which histories are compared for their errors.
+    finer: Callable[[Run], Run | None] | None = None
     modelled: float = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
@@ -222,7 +224,13 @@ class Run:
         return different(given, [f"contact {i}" for i in range(len(given))])
 
     def _response(self, body: int) -> Response | None:
-        return response_of(self.plan, self.recorder, self.events, body)
+        response = response_of(self.plan, self.recorder, self.events, body)
+        if response is None:
+            return None
+        return replace(response, finer=partial(self._finer_response, body))
+
+    def _finer_response(self, body: int) -> Response | None:
+        return None if self._finer is None else self._finer._response(body)
 
     # ------------------------------------------------------------------- histories
 
@@ -287,8 +295,8 @@ class Run:
             label=body.label,
             mass=body.mass,
             constrained=body.constrained,
-            centre_displacement=rows.displacement if body.centre_known else unknown,
-            centre_velocity=rows.velocity if body.centre_known else unknown.copy(),
+            _centre=rows.displacement if body.centre_known else unknown,
+            _centre_rate=rows.velocity if body.centre_known else unknown.copy(),
             energy=self.energy.bodies[index] if self.energies else None,
             coordinates=coordinates,
             rates=rates,
@@ -296,16 +304,21 @@ class Run:
             port_velocities=rows.port_velocities,
             _times=self.t,
             _respond=partial(self._response, index),
-            _doubt=None if self._asked_for_motion else partial(self._doubt, index),
+            _finer=partial(self._of_finer, index),
+            _follows=partial(follows, self.plan, self, index),
         )
 
-    @property
-    def _asked_for_motion(self) -> bool:
-        """Over the whole record: for a displacement or a stress."""
-        return self.chosen is not None and self.chosen.lasting
+    @cached_property
+    def _finer(self) -> Run | None:
+        return None if self.finer is None else self.finer(replace(self, asked=None))
 
-    def _doubt(self, index: int) -> None:
-        warn_of_later_motion(self.plan, self, index)
+    def _of_finer(self, body: int) -> tuple[BodyResult, BodyResult] | None:
+        """A body of the run with finer models: over its record, and at the times of this one."""
+        finer = self._finer
+        if finer is None or not (finer.recorder.dense or np.array_equal(finer.t, self.t)):
+            return None
+        same = finer.at(self.t) if finer.recorder.dense else finer
+        return finer.bodies[body], same.bodies[body]
 
     @property
     def mean_velocities(self) -> FloatArray:

@@ -14,6 +14,9 @@ from aoimpact.cli.main import main
 
 from scenes import BAR, ROW
 
+# A model for the force; its bar rings on.
+pytestmark = pytest.mark.filterwarnings("ignore:velocity of bar:aoimpact.AOImpactWarning")
+
 Alone = dict[Any, tuple[Path, list[Path]]]
 
 

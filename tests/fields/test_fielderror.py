@@ -74,7 +74,7 @@ def test_a_right_force_and_a_wrong_stress_afterwards_is_said(n: int) -> None:
     # Never much less than what it is, and during contact not much more either.
     assert (said > true / 2.0).all()
     assert (said[:2] < 5.0 * true[:2] + 1e-3).all()
-    with pytest.warns(ao.AOImpactWarning, match="the stress may be wrong by"):
+    with pytest.warns(ao.AOImpactWarning, match="stress may be off by"):
         hit.target.field(TIMES).stress()
     with pytest.warns(ao.AOImpactWarning, match="not the free vibration afterwards"):
         _ = hit.target.probe(point=(0.0, 0.01, 0.02), times=TIMES).stress
@@ -134,7 +134,7 @@ def test_a_model_that_cannot_bend_has_no_part_of_a_right_field() -> None:
         point=(0.2, 0.01, 0.02), direction=(0, 0, -1), radius=0
     )
     error = struck(ao.modal(tip, 6), 1e-3).target.field(np.linspace(1e-4, 1e-3, 5)).error
-    assert error == pytest.approx(1.0, abs=0.5)
+    assert error.max() == pytest.approx(1.0, abs=0.1)  # all of it, when it is largest
 
 
 def test_natural_modes_miss_what_was_left_out_at_the_blow() -> None:
@@ -145,7 +145,7 @@ def test_natural_modes_miss_what_was_left_out_at_the_blow() -> None:
 def test_a_probe_has_the_error_of_the_field_at_its_times() -> None:
     target = struck(ao.modal(cantilever(), 30)).target
     probe = target.probe(point=(0.0, 0.01, 0.02), times=TIMES)
-    assert probe.error == pytest.approx(target.field(TIMES).error, rel=1e-12)
+    assert probe.error["stress"] == pytest.approx(target.field(TIMES).error, rel=1e-12)
 
 
 def test_the_whole_body_has_no_error() -> None:

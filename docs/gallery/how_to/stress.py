@@ -91,7 +91,7 @@ print(
 
 # %%
 # A model that is right for the force need not be right for what comes afterwards; ``field.error`` estimates how far it
-# is off, and above 30 % a warning is given. Then give ``quantity=ao.StressAt(plate, point, "xx")``: models are chosen for the stress itself.
+# is off, and above 20 % a warning is given. Then give ``quantity=ao.StressAt(plate, point, "xx")``: models are chosen for the stress itself.
 # That takes many more oscillators than the force does.
 
 # %%
