@@ -89,13 +89,15 @@ def read(file: Path) -> RawMesh:
                 f"{', '.join(KINDS)}"
             ) from None
         plain = type(error) is ValueError
-        said_why = str(error) if plain else f"{type(error).__name__} in meshio, {error}"
+        said_why = (
+            str(error) if plain else f"as {' or '.join(formats)}, {type(error).__name__}, {error}"
+        )
         raise ValueError(said_why.rstrip(", ")) from None
     if said.getvalue().strip():
         warn(f"mesh file {file.name!r}: meshio says: {' '.join(said.getvalue().split())}")
     if name == "tecplot":
         _check_tecplot(file, mesh)
-    elif name not in ("abaqus", "nastran"):
+    else:
         warn(
             f"mesh file {file.name!r}: files of the format {name} are read by meshio, which may "
             "leave out what it does not know. Check the numbers of nodes, elements and groups: "
