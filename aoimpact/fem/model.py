@@ -59,6 +59,7 @@ from .audit import Audit, audited
 from .composition import AnyMaterial, Materials, OneMaterial, materials_of
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
+from .doubts import warn_of_locking, warn_of_separate_parts
 from .labels import axes_of, checked_labels, labelled_nodes, node_numbers
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
@@ -239,7 +240,9 @@ class FEModel(Frozen):
         -----
         AOImpactWarning
             If the body is so large or heavy that its coordinates are probably in millimetres, a
-            `RigidMass` so far off or so extended that it is, or a mass lies on constrained nodes.
+            `RigidMass` so far off or so extended that it is, or a mass lies on constrained nodes;
+            if parts of the mesh share no node, or elements of first order are nearly
+            incompressible.
 
         Examples
         --------
@@ -273,6 +276,8 @@ class FEModel(Frozen):
             mass = float(momentum[::3, 0].sum())
         _check_reach(mass, K, M, solid, made_of)
         _warn_of_units(mass, solid.size, own / _density(made_of) / solid.n_cells)
+        warn_of_locking(solid, made_of)
+        warn_of_separate_parts(solid, heavier)
         attached = _attached(heavier, stiffer)
         stiffer = None if stiffer is None else stiffer[free]
         K, M = _completed(K, M, heavier, stiffer, free)

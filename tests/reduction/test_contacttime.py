@@ -29,6 +29,7 @@ def test_it_is_that_of_the_struck_coordinate(nu: float) -> None:
     assert contact_stiffness(tip) == pytest.approx(moved @ (tip.body.K @ moved), rel=1e-12)
 
 
+@pytest.mark.filterwarnings("ignore:.*elements of first order")
 @pytest.mark.parametrize(
     ("kind", "radius"), [("hexahedron", 0.0), ("tetra10", 0.0), ("hexahedron20", 0.0095)]
 )
