@@ -55,9 +55,10 @@ def warn_of_separate_parts(mesh: Mesh, masses: Any) -> None:
     of_cell = part[mesh.cells[:, 0]]
     sizes = np.bincount(of_cell, minlength=count)
     other = int(np.flatnonzero(of_cell != sizes.argmax())[0])
+    place = plain(mesh.nodes[mesh.cells[other]].mean(axis=0))
     warn(
         f"the mesh has {count} parts that share no node: {sizes.max()} of {mesh.n_cells} elements, "
-        f"and others such as near {plain(mesh.nodes[mesh.cells[other]].mean(axis=0))} m, while mass "
+        f"and others such as near {place} m, while mass "
         "and centre of mass are those of all. Merge nodes that coincide, or make a body of each "
         "part, part="
     )
