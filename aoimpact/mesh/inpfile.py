@@ -159,7 +159,7 @@ class Keyword:
         return np.array(found, dtype=np.int64)
 
     def points(self) -> tuple[IntArray, FloatArray]:
-        """Return labels and coordinates of the data lines of *NODE; z may be left out."""
+        """Return labels and coordinates of the data lines of *NODE; the last may be left out."""
         table = _numbers([line.rstrip(", \t") for line in self.data], 4, np.float64)
         if table is None or (np.abs(table[:, 0]) > _MOST).any():
             rows = [self._point(row, texts) for row, texts in enumerate(self.rows())]
@@ -171,9 +171,8 @@ class Keyword:
         return labels, table[:, 1:]
 
     def _point(self, row: int, texts: list[str]) -> list[float]:
-        blank = self.data[row].count(",") + 1 - len(texts)
-        if not 3 <= len(texts) + blank <= 8 or len(texts) > 7:
-            raise self.error("a node needs its number, x, y, and z unless it is 0", row)
+        if len(texts) > 7:  # with a normal
+            raise self.error("a node has a number, three coordinates and a normal at most", row)
         (label,) = self.integers(row, texts[:1])
         if not 0 < label <= _MOST:
             raise self.error("the number of a node must be a positive integer", row)
@@ -290,7 +289,7 @@ class _Deck:
         for start, stop in zip(starts, [*starts, len(lines)][1:], strict=True):
             keyword, after = _keyword(file, lines, start, stop)
             if keyword.name == "INCLUDE":
-                keyword.check_options(("INPUT",))
+                keyword.check_options(("INPUT", "FILE"))
                 self.read(self.beside(keyword, (*outer, file)), (*outer, file))
             else:
                 self.found.append(keyword)
@@ -312,8 +311,9 @@ class _Deck:
             raise refused(piece.file, piece.numbers()[0], repr(data[0][:40]), why)
 
     def beside(self, keyword: Keyword, outer: tuple[Path, ...]) -> Path:
-        """Return the path of the file that an option INPUT names."""
-        given = keyword.options.get("INPUT", "").strip('"').replace("\\", "/")
+        """Return the path of the file that an option INPUT, or FILE, names."""
+        options = keyword.options
+        given = (options.get("INPUT") or options.get("FILE") or "").strip('"').replace("\\", "/")
         if not given:
             raise keyword.error("INPUT=file is missing")
         folders = (self.folder, keyword.file.parent)

@@ -217,7 +217,6 @@ class Scope:
                 (block, i)
                 for block in self.elements
                 for i in np.flatnonzero(block.labels == master)
-                if block.kind
             ]
             if not of:
                 raise keyword.error(f"element {master} is not defined", row)
@@ -228,7 +227,8 @@ class Scope:
             ):
                 along = np.arange(count)[:, None, None] * np.array(steps, dtype=np.int64)
                 shifts = (along + shifts).reshape(-1, 2)
-            labels, nodes = master + shifts[:, 1], block.nodes[i] + shifts[1:, :1]
+            labels = master + shifts[:, 1]
+            nodes = block.nodes[i] + shifts[1:, :1] if block.kind else block.nodes
             self.elements.append(Elements(block.type, block.kind, labels[1:], nodes, keyword))
             every.append(labels)
         self._define_also(keyword, "ELSET", np.concatenate(every))
@@ -374,7 +374,9 @@ class Scope:
             found, absent = scope._numbered(which, np.array([int(rest)]))
             if not len(absent):
                 return found + place[which]
-        why = f", and no instance {outer}" if rest and key(outer) not in self.inner else ""
+        why = ""
+        if rest and key(outer) not in self.inner:
+            why = f", and no instance {outer}; in a deck without parts give the numbers alone"
         raise piece.keyword.error(f"there is no {which} {name}{why}")
 
     def nodes_of(self, elements: IntArray, keyword: Keyword) -> IntArray:
