@@ -95,6 +95,8 @@ def read(file: Path) -> RawMesh:
         raise ValueError(said_why.rstrip(", ")) from None
     if said.getvalue().strip():
         warn(f"mesh file {file.name!r}: meshio says: {' '.join(said.getvalue().split())}")
+    if np.ndim(mesh.points) != 2:
+        raise ValueError("it has no table of coordinates")
     if name == "tecplot":
         _check_tecplot(file, mesh)
     else:
