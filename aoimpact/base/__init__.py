@@ -47,7 +47,6 @@ from .errors import (
     warn,
 )
 from .frozen import Frozen, checked
-from .interruptible import SIGNAL_INTERVAL, interruptible
 from .memory import GIB, available, require
 from .packages import optional_package
 from .progress import advance, bar
@@ -62,14 +61,13 @@ from .style import (
     new_axes,
     styled,
 )
-from .threads import Turns, at_once
+from .threads import at_once
 from .units import Scale, scale_for, with_unit
 
 __all__ = [
     "COLOURS",
     "GIB",
     "HUGE",
-    "SIGNAL_INTERVAL",
     "AOImpactError",
     "AOImpactWarning",
     "ConvergenceError",
@@ -89,7 +87,6 @@ __all__ = [
     "Scale",
     "SceneFileError",
     "SingularError",
-    "Turns",
     "WorkerError",
     "advance",
     "aligned",
@@ -111,7 +108,6 @@ __all__ = [
     "instance",
     "instances",
     "integer",
-    "interruptible",
     "label",
     "legend",
     "nearest",

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, at_once, bar, interruptible, require
+from ..base import FloatArray, IntArray, at_once, bar, require
 from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
 from .composition import AnyMaterial, Piece, pieces
@@ -83,7 +83,7 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
     K, M : scipy.sparse.csr_array, shape (3 n_nodes, 3 n_nodes)
         N/m and kg. Exactly symmetric, column indices sorted.
     """
-    pattern = interruptible(lambda: _pattern(mesh))
+    pattern = _pattern(mesh)
     require(
         _BYTES_PER_PAIR * float(pattern.n_pairs),
         f"stiffness and mass of {mesh.n_nodes} nodes",
@@ -103,7 +103,7 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
                 np.add.at(mass, place.reshape(-1), values.reshape(-1))
 
         at_once([add_stiffness, add_mass])
-    return interruptible(lambda: _over_dofs(pattern, stiffness, mass))
+    return _over_dofs(pattern, stiffness, mass)
 
 
 def _batches(mesh: Mesh, material: AnyMaterial, pattern: _Pattern) -> Iterator[tuple[Piece, Any]]:

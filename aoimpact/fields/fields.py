@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, choice, integer, interruptible
+from ..base import FloatArray, InputError, choice, integer
 from ..fem import AnyMaterial, Body
 from ..mesh import Mesh
 from . import deformed, movie, vtu
@@ -160,7 +160,7 @@ class Field:
         place = choice("at", at, ("nodes", "gauss"))
         mesh, material = solid(self.body, "stress")
         evaluate = nodal_stress if place == "nodes" else gauss_stress
-        return interruptible(lambda: evaluate(mesh, material, self.displacement))
+        return evaluate(mesh, material, self.displacement)
 
     def to_vtu(self, path: str | os.PathLike[str]) -> Path:
         """Write one .vtu file for each time, and a .pvd file that lists them, for ParaView.

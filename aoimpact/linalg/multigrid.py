@@ -8,15 +8,15 @@ motions of no stiffness. The preconditioner works in single precision, the itera
 from __future__ import annotations
 
 import copy
+import threading
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import ConvergenceError, FloatArray, Turns, bar, interruptible
+from ..base import ConvergenceError, FloatArray, bar
 from ..mesh import rigid_motions
 from .blocks import Blocks, diagonal_blocks, slabs
 from .cg import conjugate_gradients
@@ -124,18 +124,16 @@ class Multigrid:
         self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
         self.most = _MOST_ITERATIONS
         self._levels: list[_Level] = []
-        self._in_use, self._stored = Turns(), pencil.s2
+        self._in_use, self._stored = threading.RLock(), pencil.s2
         # One matrix in blocks is read in a sixth of the time that K and M take.
         self._blocks: Blocks
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
-            level = interruptible(lambda: finest_level(pencil))
+            level = finest_level(pencil)
             self._place, self._scale = level.place, pencil.scale
             self._length = level.motions.shape[0] * level.motions.shape[1]
             self.sizes = [self._length]
             quadratic = pencil.mesh is not None and pencil.mesh.quadratic
-            below = interruptible(
-                partial(self._to_corners if quadratic else self._to_blocks, level)
-            )
+            below = self._to_corners(level) if quadratic else self._to_blocks(level)
             progress.update()
             self._work = np.empty(self._blocks.work_length)
             self._coarsen(*below, progress)
@@ -148,7 +146,7 @@ class Multigrid:
                 self._second = A, candidates, places
             if A.shape[0] <= _DENSE or estimated_entries(A) <= affordable:
                 break
-            A, candidates = interruptible(partial(self._to_aggregates, A, candidates, places))
+            A, candidates = self._to_aggregates(A, candidates, places)
             places = None
             progress.update()
         self._coarsest = factorize(A / self._scale, what=self.pencil.what)
@@ -166,7 +164,7 @@ class Multigrid:
         other._levels, other.sizes = self._levels[:1], self.sizes[:2]
         A, candidates, places = self._second
         with bar(f"multigrid, {self.pencil.n} dofs", unit="level") as progress:
-            masses = interruptible(self._coarse_masses)
+            masses = self._coarse_masses()
             A = add(A.copy(), s2 - self.pencil.s2, masses)
             other._coarsen(A, candidates, places, progress)
         return other

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, MemoryLimitError, SingularError, interruptible
+from ..base import FloatArray, InputError, MemoryLimitError, SingularError
 from .fill import direct_seconds, factor_entries
 from .method import Inverse, Method
 from .pencil import Pencil
@@ -38,9 +38,6 @@ _PER_OPERATION = 3e-10
 
 # Bytes per entry of the factors, stored by supernodes, and per entry of K, copied.
 _BYTES, _COPIES = 10.0, 30.0
-
-# Unknowns up to which solutions take hundredths of a second.
-_SHORT = 20_000
 
 
 def is_installed() -> bool:
@@ -78,10 +75,7 @@ class _Factors:
             else:
                 self._analyse(matrix)
                 self._factorise(self._solver.factor, matrix, pencil)
-        if rhs.size < _SHORT:
-            solution: FloatArray = self._solver.solve(rhs)
-        else:
-            solution = interruptible(lambda: self._solver.solve(rhs))
+        solution: FloatArray = self._solver.solve(rhs)
         return solution
 
     def _analyse(self, matrix: Any) -> None:
@@ -98,7 +92,7 @@ class _Factors:
         what = pencil.what
         self._s2 = math.nan  # until the new factors are there
         try:
-            interruptible(lambda: by(matrix.data[self._upper]))
+            by(matrix.data[self._upper])
         except RuntimeError as error:  # PARDISO: "zero pivot / numerical factorization failure"
             if "memory" in str(error):
                 raise MemoryLimitError(f"solver 'pardiso' of {what}: {error}") from None

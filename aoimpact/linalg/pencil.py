@@ -10,14 +10,14 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, interruptible
+from ..base import FloatArray
 from .fill import graph_width
 from .rows import Rows
 
 __all__ = ["Pencil"]
 
 
-# Beside any stiffness nothing, and yet stored.
+# Negligible, but non-zero so that the sparse entry is kept.
 _ALMOST_ZERO = 1e-300
 
 
@@ -86,7 +86,7 @@ class Pencil:
         if not K.data.all():  # SciPy leaves sums out that are zero
             data = np.where(K.data == 0.0, _ALMOST_ZERO, K.data)
             K = sp.csr_array((data, K.indices, K.indptr), shape=K.shape)
-        return interruptible(lambda: K + self.s2 * self.M)
+        return K + self.s2 * self.M
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x without that matrix."""

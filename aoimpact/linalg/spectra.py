@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ConvergenceError, FloatArray, SingularError, interruptible, warn
+from ..base import ConvergenceError, FloatArray, SingularError, warn
 from .davidson import davidson
 from .dense import dense_modes
 from .pencil import Pencil
@@ -242,9 +242,7 @@ def _unmixed(K: Any, modes: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray, FloatArray]:
-    omega2, modes = interruptible(
-        lambda: dense_modes(K.toarray(order="F"), M.toarray(order="F"), n)
-    )
+    omega2, modes = dense_modes(K.toarray(order="F"), M.toarray(order="F"), n)
     count = rigid.shape[1]
     omega2[:count] = 0.0
     modes[:, :count] = rigid

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import SIGNAL_INTERVAL, FloatArray, MemoryLimitError, SingularError, interruptible
+from ..base import FloatArray, MemoryLimitError, SingularError
 from .fill import direct_seconds, factor_entries, graph_width
 from .method import Inverse, Method
 from .pencil import Pencil
@@ -35,9 +33,6 @@ _SINGULAR = 2e-15
 # start is at right angles to the softest motion.
 _UNLUCKY = 100.0
 
-# Entries of a matrix whose factors take hundredths of a second at most.
-_SHORT = 20_000
-
 # Dofs up to which the signs of the pivots are checked: SciPy copies all factors to show them.
 CHECKED_DOFS = 10_000
 
@@ -58,18 +53,16 @@ _BYTES = 16.0
 class Factorization:
     """Factors of a sparse symmetric positive definite matrix.
 
+    SciPy returns SuperLU's memory only where the thread that factorised drops the factors.
+
     Attributes
     ----------
     matrix : scipy.sparse.csc_matrix, shape (n, n)
-        What was factorised.
+        The matrix that was factorised.
     """
 
     matrix: Any
-    _held: list[Any]  # SuperLU's factors; see `_owned`
-
-    @property
-    def _lu(self) -> Any:
-        return self._held[0]
+    _lu: Any
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return A⁻¹ `rhs`; `rhs` of shape (n,) or (n, m)."""
@@ -78,19 +71,16 @@ class Factorization:
 
     def negative_pivots(self) -> int:
         """Return how many eigenvalues are negative: as many as pivots are (Sylvester's law)."""
-        return interruptible(lambda: int(np.count_nonzero(self._lu.U.diagonal() <= 0.0)))
-
-    def _lower_and_pivots(self) -> tuple[Any, FloatArray]:
-        lower = sp.tril(self._lu.L, k=-1, format="csc")
-        lower.sort_indices()
-        return lower, np.ascontiguousarray(self._lu.U.diagonal())
+        return int(np.count_nonzero(self._lu.U.diagonal() <= 0.0))
 
     def for_core(self) -> tuple[Any, ...]:
         """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
         place = self._lu.perm_r.astype(np.int32)
         if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
             raise SingularError("the matrix needed pivoting, so it is not positive definite")
-        lower, pivots = interruptible(self._lower_and_pivots)
+        lower = sp.tril(self._lu.L, k=-1, format="csc")
+        lower.sort_indices()
+        pivots = np.ascontiguousarray(self._lu.U.diagonal())
         start, rows = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
         panel = np.empty(len(start), dtype=np.int32)
         count = _core.factors_find_panels(start, rows, panel)
@@ -118,7 +108,12 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
     """
     csc = sp.csc_matrix(matrix)
     try:
-        factors = _owned(csc) if csc.nnz > _SHORT else Factorization(csc, [_factors(csc)])
+        lu = sp.linalg.splu(
+            csc,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
     except MemoryError as error:
         raise MemoryLimitError(
             f"solver 'superlu' of {what} ({csc.shape[0]} dofs) ran out of memory: "
@@ -126,66 +121,13 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
         ) from error
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         raise SingularError(f"{what} is singular ({error})") from None
+    factors = Factorization(csc, lu)
     if not checked:
         return factors
     check_condition(csc, factors.solve, what)
     if csc.shape[0] <= CHECKED_DOFS and (negative := factors.negative_pivots()):
         raise SingularError(f"{what} is not positive definite ({negative} negative pivots)")
     return factors
-
-
-def _owned(matrix: Any) -> Factorization:
-    """Factors that another thread makes and frees, while this one checks for signals.
-
-    SciPy counts SuperLU's memory for each thread: memory freed by another thread than the one that
-    allocated it is never returned.
-    """
-    held: list[Any] = []
-    errors: list[BaseException] = []
-    made, dropped = threading.Event(), threading.Event()
-
-    def own() -> None:
-        try:
-            held.append(_factors(matrix))
-        except BaseException as error:
-            errors.append(error)
-        made.set()
-        dropped.wait()
-        held.clear()
-
-    owner = threading.Thread(target=own, daemon=True)
-    owner.start()
-    try:
-        while not made.wait(SIGNAL_INTERVAL):
-            pass
-        if errors:
-            raise errors.pop()
-    except BaseException:
-        dropped.set()
-        raise
-    factors = Factorization(matrix, held)
-    weakref.finalize(factors, _free, dropped, owner)
-    return factors
-
-
-def _free(dropped: threading.Event, owner: threading.Thread) -> None:
-    """Let a thread free its factors, and wait until it has.
-
-    Python's end takes what is left of a thread that still waits. SciPy sets an error there and
-    leaves it, where factors are left (scipy/scipy#25404): "Exception ignored in: <stdout>".
-    """
-    dropped.set()
-    if owner is not threading.current_thread():  # where the garbage collector may run
-        owner.join()
-
-
-def _factors(matrix: Any) -> Any:
-    return sp.linalg.splu(
-        matrix,
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
 
 
 def check_condition(

@@ -19,7 +19,6 @@ from ..base import (
     bar,
     choice,
     integer,
-    interruptible,
     warn,
 )
 from ..fem import ContactPoint, StaticMode, refuse_mechanism, static_mode
@@ -116,7 +115,7 @@ def _least_share(omega2: FloatArray) -> FloatArray:
 
 
 def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:
-    return interruptible(lambda: _oscillators(tip, static, *_all_constraint_modes(tip)))
+    return _oscillators(tip, static, *_all_constraint_modes(tip))
 
 
 def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:

@@ -3,8 +3,6 @@
 import multiprocessing
 import os
 import signal
-import subprocess
-import sys
 import threading
 import time
 from functools import partial
@@ -69,27 +67,6 @@ def test_no_call_goes_on_after_an_interrupt(monkeypatch):
     assert ended
 
 
-def test_a_call_whose_thread_does_not_start_is_made_once(monkeypatch):
-    """The pool has it in its queue, and makes it when it starts a thread for another one."""
-    monkeypatch.setattr(threads, "_cores", lambda: 2)
-    threads._pool.cache_clear()
-    start, failures = threading.Thread.start, [1]
-
-    def cannot(thread):
-        if failures:
-            failures.pop()
-            raise RuntimeError("can't start new thread")
-        start(thread)
-
-    monkeypatch.setattr(threading.Thread, "start", cannot)
-    made: list[int] = []
-    for number in range(0, 40, 2):
-        at_once([partial(made.append, number), partial(made.append, number + 1)])
-    threads._pool(os.getpid(), 2).submit(int).result()  # what was queued before is done
-    assert not failures
-    assert sorted(made) == list(range(40))
-
-
 @pytest.mark.parametrize(
     ("wanted", "used"), [("1", 1), ("1,1", 1), (" 1", 1), ("", 2), ("many", 2)]
 )
@@ -108,35 +85,3 @@ def test_a_forked_process_has_threads_of_its_own(monkeypatch):
     child.start()
     child.join(20.0)
     assert child.exitcode == 0
-
-
-AT_THE_END = """
-import atexit
-
-from aoimpact.base import at_once, threads
-
-threads._cores = lambda: 2
-made = []
-
-
-def calls():
-    at_once([lambda: made.append(1)] * 4)
-
-
-def late():
-    calls()
-    print(len(made))
-
-
-{before}
-atexit.register(late)
-"""
-
-
-@pytest.mark.parametrize("before", ["", "calls()"])
-def test_calls_are_made_while_the_interpreter_ends(before):
-    script = AT_THE_END.format(before=before)
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60
-    )
-    assert done.stdout.split() == ["8" if before else "4"]
