@@ -26,7 +26,6 @@ from .solvers import (
     SolverBook,
     checked_solver,
     linear_solver,
-    stays_quickest,
 )
 from .spectra import (
     DENSE_DOFS,
@@ -65,7 +64,6 @@ __all__ = [
     "motion_without_force",
     "null_space",
     "shifted",
-    "stays_quickest",
     "symmetric_pair",
     "warn_of_rounding",
 ]

@@ -47,6 +47,7 @@ def davidson(
     n: int,
     *,
     away_from: FloatArray,
+    most: float = np.inf,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the `n` lowest eigenpairs of K φ = ω² M φ.
 
@@ -63,6 +64,8 @@ def davidson(
     n : int
     away_from : ndarray, shape (dofs, r)
         M-orthonormal eigenvectors to keep out of the result.
+    most : float, optional
+        Preconditionings after which to give up.
 
     Returns
     -------
@@ -72,7 +75,7 @@ def davidson(
     Raises
     ------
     ConvergenceError
-        If it takes more than 100 steps.
+        If it takes more than 100 steps, or `most` preconditionings.
     """
     m_known = M @ away_from
     width = n + max(_SPARE, int(_SPARE_SHARE * n))
@@ -80,6 +83,7 @@ def davidson(
     block = _each(precondition, start)
     basis, stiffness = np.zeros((M.shape[0], 0)), np.zeros((0, 0))
     open_pairs, before = np.ones(n, dtype=bool), np.full(n, np.inf)
+    made = width
     with bar(f"{n} modes, {M.shape[0]} dofs", n, unit="mode") as progress:
         for _ in range(_MOST_STEPS):
             block = _new_directions(M, block, away_from, m_known, basis)
@@ -97,13 +101,16 @@ def davidson(
             progress.update(n - int(open_pairs.sum()) - progress.n)
             if not open_pairs.any():
                 return omega2_n, modes
+            made += error.size
+            if made > most:
+                break
             if basis.shape[1] + block.shape[1] > _MOST_BLOCKS * width:
                 basis = basis @ within[:, : 2 * width]
                 stiffness = np.diag(omega2[: 2 * width])
     raise ConvergenceError(
-        f"{int(open_pairs.sum())} of {n} modes of {M.shape[0]} dofs did not converge in "
-        f"{_MOST_STEPS} steps: ask for fewer, or see whether parts of the body are far softer than "
-        "others"
+        f"{int(open_pairs.sum())} of {n} modes of {M.shape[0]} dofs did not converge in {made} "
+        "multigrid cycles: parts of the body may be far softer than others, or its elements flat. "
+        "Ask for fewer modes, or take a coarser mesh"
     )
 
 

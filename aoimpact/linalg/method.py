@@ -7,33 +7,20 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..base import FloatArray
+from .dissection import Dissection
 from .pencil import Pencil
 
-__all__ = ["ROUGH", "Inverse", "Method", "Solve"]
+__all__ = ["ROUGH", "Inverse", "Iterate", "Method", "Solve"]
 
 Solve = Callable[[FloatArray], FloatArray]
+Iterate = Callable[[FloatArray, float, float], tuple[FloatArray, int]]
 
-# ‖f - A x‖ / ‖f‖ of a rough solution. For vectors of a subspace that is enough, since the model is
-# projected on the vectors that there are: its error is the square of what they lack. At a node of a
-# plate the receptance is off by 1e-8, however many vectors there are (1e-2 leaves 2e-7). Above that
-# errors are those on vectors solved to 1e-9, even with 1e-2: 3 to 64 vectors of plates, a disc, a
-# sphere, bars and a sheet, in .35 to .45 of the iterations. Of a held body they must be across its
-# static mode: else displacements and stresses elsewhere stagnate at 3e-4 and 7e-3 on a thick plate,
-# which 180 vectors across it give to 5e-5 and 2e-3, as exact ones do. Where multigrid is slow they
-# may be larger: of a block of ν = .499 by 1.6 with 60 vectors, so that more vectors are taken.
+# ‖f - A x‖ / ‖f‖ of a rough solution, which is enough for the vectors of a subspace: the error of
+# the projected model is the square of theirs. At a node of a plate the receptance is off by 1e-8
+# with any number of vectors (with 1e-2, by 2e-7). Rough solutions take 0.4 of the iterations.
+# The vectors of a constrained body must be orthogonal to its static mode: otherwise displacements
+# and stresses elsewhere stagnate at 3e-4 and 7e-3 on a thick plate.
 ROUGH = 1e-3
-
-
-def _always() -> bool:
-    return True
-
-
-def _as_estimated() -> float:
-    return 1.0
-
-
-def _none() -> str:
-    return ""
 
 
 @dataclass(frozen=True)
@@ -44,34 +31,24 @@ class Inverse:
     ----------
     solve : callable
         f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f.
-    roughly : callable or None
-        f, shape (n,), and ‖f - A x‖ / ‖f‖ ↦ (K + s²M)⁻¹ f, of a method that iterates.
+    iterate : callable or None
+        f, shape (n,), ‖f - A x‖ / ‖f‖ and the most iterations ↦ (K + s²M)⁻¹ f and the iterations
+        taken, of a method that iterates. Raises ConvergenceError.
     precondition : callable or None
         About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates.
     at : callable or None
         s² ↦ the inverse at another shift, for less than setting up another one. There are factors
         for one shift at a time: do not alternate.
     below : callable or None
-        s² ↦ the inverse at a smaller shift, for much less than setting up another one. Both serve
-        from then on.
-    within : callable or None
-        Seconds ↦ the inverse that gives a solution up by ConvergenceError once it has taken so
-        many, as `Method.seconds` estimates them: in so many iterations, the same at every run.
-    pace : callable
-        How many times as long as `Method.seconds` estimates a solution takes, by the last one; 1
-        before the first.
-    successor : callable
-        The name of the method that has taken over from the one that was set up; empty before.
+        s² ↦ the inverse at a smaller shift, for much less than setting up another one. Both remain
+        usable.
     """
 
     solve: Solve
-    roughly: Callable[[FloatArray, float], FloatArray] | None = None
+    iterate: Iterate | None = None
     precondition: Solve | None = None
     at: Callable[[float], Inverse] | None = None
     below: Callable[[float], Inverse] | None = None
-    within: Callable[[float], Inverse] | None = None
-    pace: Callable[[], float] = _as_estimated
-    successor: Callable[[], str] = _none
 
 
 @dataclass(frozen=True)
@@ -81,15 +58,16 @@ class Method:
     Attributes
     ----------
     name : str
-        What `solver=` calls it.
+        Its name in `solver=`.
     set_up : callable
         Pencil ↦ Inverse. Raises SingularError.
     memory : callable
-        Pencil ↦ bytes that it needs beside K and M, estimated.
+        Pencil ↦ bytes that it needs besides K and M, estimated.
     seconds : callable
-        (Pencil, number of solutions) ↦ its time, estimated; infinite where it should not be taken.
-    direct : bool
-        Whether it factorises; else it iterates.
+        (Pencil, number of solutions, cost of factors) ↦ its time, s, estimated. Only ratios of such
+        times matter.
+    iteration : callable or None
+        Pencil ↦ the time of one iteration, estimated, of a method that iterates.
     is_installed : callable
         Whether its package is there.
     """
@@ -97,6 +75,6 @@ class Method:
     name: str
     set_up: Callable[[Pencil], Inverse]
     memory: Callable[[Pencil], float]
-    seconds: Callable[[Pencil, int], float]
-    direct: bool = True
-    is_installed: Callable[[], Any] = _always
+    seconds: Callable[[Pencil, float, Dissection], float]
+    iteration: Callable[[Pencil], float] | None = None
+    is_installed: Callable[[], Any] = lambda: True

@@ -17,16 +17,17 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import ConvergenceError, FloatArray, bar
-from ..mesh import rigid_motions
+from ..mesh import Mesh, rigid_motions
 from .blocks import Blocks, diagonal_blocks, slabs
 from .cg import conjugate_gradients
 from .coarsening import aggregated, corner_interpolation
+from .dissection import Dissection, nested_dissection
 from .finest import Finest, add, add_to_diagonal, finest_level, in_order, reduced
 from .method import Inverse, Method
 from .pencil import Pencil
 from .rows import congruent
 from .smoother import Smoother
-from .superlu import estimated_entries, factorize
+from .superlu import factorize
 
 __all__ = ["MULTIGRID", "Multigrid"]
 
@@ -36,15 +37,17 @@ Single = npt.NDArray[np.float32]
 # three times as long as wide; and on the levels of aggregates.
 _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 
-# The coarsest level is the first whose factors have no more entries than the first of these, or
-# than that share of K's. Aggregates do not bend as beams and plates do: where a cut passes fewer
-# than so many times n^(2/3) dofs the share is larger, as long as that leaves the entries few. A cut
-# passes 2.4 … 4.1 times n^(2/3) in balls and cubes, 2 in boxes of 4:4:1, 1.6 in those of 8:8:1, 1.2
-# in bars of 4:1:1, and less in plates and beams. In compact bodies of 15 000 … 65 000 dofs 12
-# solutions with their set-up take 1.1 … 1.5 times as long with such factors.
-_FEWEST_ENTRIES, _COARSEST_SHARE = 1e6, 0.1
-_FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 1e7, 2.0, 1.6
+# The coarsest level is the first whose L has no more entries than the first of these, or than that
+# share of K's. Aggregates do not bend as beams and plates do: where the first separator has fewer
+# than so many times n^(2/3) rows the share is larger, as long as that leaves the entries few. It
+# has 1.4 to 2.1 times n^(2/3) in balls and cubes, 1.0 in plates of 6:6:1, 0.6 in sheets, 0.2 in
+# bars.
+_FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
+_FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 1.0
 _DENSE = 300
+
+# Least square of an aspect ratio: of a flat element's, rounding.
+_FLAT = 1e-12
 
 # A level that has not less than this share of the dofs above it is no progress: K does not couple.
 _SHRINKS = 0.7
@@ -56,22 +59,26 @@ _MOST_ITERATIONS = 500
 # Bytes that the set-up takes at most, per entry of K, beside K, M and the coarsest level's factors,
 # with a mesh of second order and without: 19 and 42 were measured, the most of linear tetrahedra.
 # And per entry of those factors.
-_BYTES_QUADRATIC, _BYTES_OTHERS, _BYTES_PER_FACTOR = 20.0, 44.0, 16.0
+_BYTES_QUADRATIC, _BYTES_OTHERS, _BYTES_PER_FACTOR = 20.0, 44.0, 30.0
 
 # ‖f - A x‖ / ‖f‖ to iterate to: half of what `LinearSolver` asks for, since the residual that is
 # computed afresh comes out slightly larger.
 _TOLERANCE, _OF_WHAT_IS_ASKED = 5e-11, 0.5
 
-# Seconds of a solution per dof in so many iterations, as compact bodies take, and where nodes are
-# not known; the set-up is about one more. A rough one takes .4 to .6 of that in compact bodies,
-# and up to four times that in thin ones: taken for less, ribbed plates begin with it, for nothing.
-_SECONDS, _SECONDS_WITHOUT_NODES = 5e-6, 1e-4
-_ITERATIONS = 12
+# Seconds per entry of K of the set-up and of an iteration; iterations of a solution: the first of
+# these and the second times the square of the elements' aspect ratio, since the smoother treats all
+# directions alike. Measured: 13 with cubes of elements, 43 with 2.5:2.5:1, 88 with 3:3:1, 189 with
+# 5:5:1. Without coordinates of the nodes aggregates do not turn.
+_SET_UP, _ITERATION = 4e-8, 1.5e-9
+_ITERATIONS, _PER_ASPECT, _WITHOUT_NODES = 5.0, 8.0, 200.0
 
 
 def _most_in_coarsest(pencil: Pencil) -> float:
-    """Entries that the factors of the coarsest level may have."""
-    stored, slender = float(pencil.K.nnz), pencil.width < _SLENDER * pencil.n ** (2 / 3)
+    """Entries that L of the coarsest level may have."""
+    stored, slender = (
+        float(pencil.K.nnz),
+        pencil.first_cut.separator < _SLENDER * pencil.n ** (2 / 3),
+    )
     few = min(_FEW_ENTRIES, _SHARE_OF_FEW * stored) if slender else 0.0
     return max(_FEWEST_ENTRIES, _COARSEST_SHARE * stored, few)
 
@@ -107,12 +114,8 @@ class Multigrid:
 
     Attributes
     ----------
-    most : int
-        Iterations after which a solution is given up.
     sizes : list of int
         Dofs of the levels, the finest first.
-    iterations : int
-        Of the last solution.
 
     Raises
     ------
@@ -121,8 +124,7 @@ class Multigrid:
     """
 
     def __init__(self, pencil: Pencil, tolerance: float) -> None:
-        self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
-        self.most = _MOST_ITERATIONS
+        self.pencil, self.tolerance = pencil, tolerance
         self._levels: list[_Level] = []
         self._in_use, self._stored = threading.RLock(), pencil.s2
         # One matrix in blocks is read in a sixth of the time that K and M take.
@@ -144,7 +146,7 @@ class Multigrid:
         while True:
             if len(self._levels) == 1:
                 self._second = A, candidates, places
-            if A.shape[0] <= _DENSE or estimated_entries(A) <= affordable:
+            if A.shape[0] <= _DENSE or _entries(A, affordable) <= affordable:
                 break
             A, candidates = self._to_aggregates(A, candidates, places)
             places = None
@@ -158,21 +160,15 @@ class Multigrid:
         two share the work space, and wait for each other.
         """
         if not self._levels or s2 > self._stored:
-            return Multigrid(self.pencil.at(s2), self.tolerance).within(self.most)
+            return Multigrid(self.pencil.at(s2), self.tolerance)
         other = copy.copy(self)
-        other.pencil, other.iterations = self.pencil.at(s2), 0
+        other.pencil = self.pencil.at(s2)
         other._levels, other.sizes = self._levels[:1], self.sizes[:2]
         A, candidates, places = self._second
         with bar(f"multigrid, {self.pencil.n} dofs", unit="level") as progress:
             masses = self._coarse_masses()
             A = add(A.copy(), s2 - self.pencil.s2, masses)
             other._coarsen(A, candidates, places, progress)
-        return other
-
-    def within(self, most: int) -> Multigrid:
-        """Return the same that gives up after so many iterations, with its work space."""
-        other = copy.copy(self)
-        other.most = most
         return other
 
     def _coarse_masses(self) -> Any:
@@ -240,30 +236,38 @@ class Multigrid:
         self.sizes.append(coarse.shape[0])
         return coarse
 
-    def solve(self, rhs: FloatArray, tolerance: float | None = None) -> FloatArray:
+    def solve(self, rhs: FloatArray) -> FloatArray:
         """Return (K + s²M)⁻¹ `rhs` for one right-hand side (n,) or several (n, m)."""
         if rhs.ndim == 2:
-            return np.column_stack([self.solve(column, tolerance) for column in rhs.T])
-        pencil, tolerance = self.pencil, tolerance or self.tolerance
+            return np.column_stack([self.solve(column) for column in rhs.T])
+        return self.iterate(rhs, self.tolerance, _MOST_ITERATIONS)[0]
+
+    def iterate(self, rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
+        """Return (K + s²M)⁻¹ `rhs`, shape (n,), and the iterations that it took, `most` at most.
+
+        Raises
+        ------
+        ConvergenceError
+        """
+        pencil, limit = self.pencil, int(min(most, _MOST_ITERATIONS))
         with self._in_use:
             found = conjugate_gradients(
                 self.product,
                 self.precondition,
                 rhs,
                 tolerance=tolerance,
-                most=self.most,
+                most=max(1, limit),
                 what=pencil.what,
                 label=f"multigrid, {pencil.n} dofs",
             )
-            self.iterations = found.iterations
         if not found.left <= tolerance:
             raise ConvergenceError(
                 f"solver 'multigrid' of {pencil.what} ({pencil.n} dofs) reached {found.left:.2g} "
-                f"of the right-hand side in {self.most} iterations, {tolerance:g} was asked "
-                "for: the matrix is nearly singular (a sheet hundreds of times as wide as thick, a "
-                "mechanism, missing supports, ν near .5); take another solver"
+                f"of the right-hand side in {limit} iterations, {tolerance:g} was asked for: the "
+                "matrix is nearly singular (a mechanism, missing supports, ν near .5) or its "
+                "elements are flat. Take another solver"
             )
-        return found.x
+        return found.x, found.iterations
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x."""
@@ -319,29 +323,19 @@ def _set_up(pencil: Pencil) -> Inverse:
 
 
 def _inverse(multigrid: Multigrid) -> Inverse:
-    def pace() -> float:
-        """By iterations, not by a clock: the same choice at every run."""
-        known = multigrid.iterations > 0 and multigrid.pencil.nodes is not None
-        return multigrid.iterations / _ITERATIONS if known else 1.0
+    def iterate(rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
+        return multigrid.iterate(rhs, _OF_WHAT_IS_ASKED * tolerance, most)
 
     def below(s2: float) -> Inverse:
         return _inverse(multigrid.below(s2))
 
-    def roughly(rhs: FloatArray, tolerance: float) -> FloatArray:
-        return multigrid.solve(rhs, _OF_WHAT_IS_ASKED * tolerance)
+    return Inverse(multigrid.solve, iterate, multigrid.precondition, below=below)
 
-    def within(seconds: float) -> Inverse:
-        count = _ITERATIONS * seconds / _seconds_each(multigrid.pencil)
-        return _inverse(multigrid.within(int(min(max(_ITERATIONS, count), _MOST_ITERATIONS))))
 
-    return Inverse(
-        multigrid.solve,
-        roughly,
-        multigrid.precondition,
-        below=below,
-        within=within,
-        pace=pace,
-    )
+def _entries(A: Any, affordable: float) -> float:
+    """Entries of L, or of A itself where these alone are too many."""
+    stored = 0.5 * float(A.nnz)
+    return stored if stored > affordable else nested_dissection(A).entries
 
 
 def _memory(pencil: Pencil) -> float:
@@ -350,12 +344,34 @@ def _memory(pencil: Pencil) -> float:
     return stored + _BYTES_PER_FACTOR * _most_in_coarsest(pencil)
 
 
-def _seconds(pencil: Pencil, solutions: int) -> float:
-    return _seconds_each(pencil) * (solutions + 1)
+def _seconds(pencil: Pencil, solutions: float, _: Dissection) -> float:
+    aspect = 1.0 if pencil.mesh is None else _aspect(pencil.mesh)
+    each = _ITERATIONS + _PER_ASPECT * aspect**2
+    if pencil.nodes is None:
+        each = _WITHOUT_NODES
+    return _SET_UP * float(pencil.K.nnz) + solutions * each * _iteration(pencil)
 
 
-def _seconds_each(pencil: Pencil) -> float:
-    return (_SECONDS_WITHOUT_NODES if pencil.nodes is None else _SECONDS) * pencil.n
+def _iteration(pencil: Pencil) -> float:
+    return _ITERATION * float(pencil.K.nnz)
 
 
-MULTIGRID = Method("multigrid", _set_up, _memory, _seconds, direct=False)
+def _aspect(mesh: Mesh) -> float:
+    """The ratio of the longest and the shortest of the lengths of elements; median over the nodes.
+
+    Elements about a node count together: bricks cut into tetrahedra are as long as wide.
+    """
+    about = np.zeros((mesh.n_nodes, 9))
+    for block in mesh.blocks:
+        cells = block.cells[:, : block.element.n_corners]
+        spread = mesh.nodes[cells] - mesh.nodes[cells].mean(axis=1, keepdims=True)
+        squares = np.einsum("eni,enj->eij", spread, spread).reshape(-1, 9)
+        for corner in cells.T:
+            np.add.at(about, corner, squares)
+    lengths = np.linalg.eigvalsh(about[about.any(axis=1)].reshape(-1, 3, 3))
+    return float(
+        np.median(np.sqrt(lengths[:, 2] / np.maximum(lengths[:, 0], _FLAT * lengths[:, 2])))
+    )
+
+
+MULTIGRID = Method("multigrid", _set_up, _memory, _seconds, _iteration)

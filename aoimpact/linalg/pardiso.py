@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, InputError, MemoryLimitError, SingularError
-from .fill import direct_seconds, factor_entries
+from .dissection import Dissection
 from .method import Inverse, Method
 from .pencil import Pencil
 from .superlu import check_condition
@@ -19,25 +19,13 @@ from .superlu import check_condition
 __all__ = ["PARDISO", "is_installed"]
 
 
-# Dofs in a cut above which nested dissection halves the work and the memory of the factors. Below,
-# minimum degree gives as few entries in a third of the time.
-_WIDE = 200.0
+# PARDISO's iparm, counted from 0: nested dissection, and two-level scheduling of the factorisation.
+_OPTIONS = {1: 2, 23: 1}
 
-# PARDISO's iparm, counted from 0: the ordering, and the factorisation by two-level scheduling, up
-# to 1.4 times as fast on wide fronts on one core, too.
-_NARROW_OPTIONS = {1: 0}
-_WIDE_OPTIONS = {1: 2, 23: 1}
-
-# Entries of the factors over n √w (`factor_entries`): 9 … 21 on balls, boxes, plates and bars of
-# tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs, growing slowly.
-_PER_ROOT_WIDTH = 22.0
-
-# Seconds of the elimination over n w^(3/2): with the ordering that gives .5 … 1.3 times the time of
-# factorisations measured, of balls of tetra10 of 9 000 … 117 000 dofs and slender and thin bodies.
-_PER_OPERATION = 3e-10
-
-# Bytes per entry of the factors, stored by supernodes, and per entry of K, copied.
-_BYTES, _COPIES = 10.0, 30.0
+# Seconds per multiplication, per entry of L of a factorisation and of a solution; bytes per entry
+# of L, stored by supernodes, and per entry of K, copied. PARDISO's own dissection leaves 0.7 to 1.1
+# times the entries of ours. The estimates are 0.7 to 1.5 times the time of bodies of superlu.py.
+_PER_OPERATION, _PER_ENTRY, _PER_SOLUTION, _BYTES, _COPIES = 1e-11, 4e-8, 1.1e-9, 12.0, 30.0
 
 
 def is_installed() -> bool:
@@ -56,8 +44,7 @@ class _Factors:
     def __init__(self, pencil: Pencil) -> None:
         self._pencil, self._s2 = pencil, math.nan
         self._solver = _pardiso(pencil.what)
-        wide = pencil.width > _WIDE
-        for place, value in (_WIDE_OPTIONS if wide else _NARROW_OPTIONS).items():
+        for place, value in _OPTIONS.items():
             self._solver.set_iparm(place, value)
         matrix = _matrix(pencil)
         self._analyse(matrix)
@@ -137,22 +124,13 @@ def _set_up(pencil: Pencil) -> Inverse:
     return _Factors(pencil).at(pencil.s2)
 
 
-def _entries(pencil: Pencil) -> float:
-    return factor_entries(pencil.n, pencil.width, _PER_ROOT_WIDTH)
-
-
 def _memory(pencil: Pencil) -> float:
-    return _BYTES * _entries(pencil) + _COPIES * float(pencil.K.nnz)
+    return _BYTES * pencil.dissection.entries + _COPIES * float(pencil.K.nnz)
 
 
-def _seconds(pencil: Pencil, solutions: int) -> float:
-    return direct_seconds(
-        pencil.n,
-        pencil.width,
-        _entries(pencil),
-        solutions,
-        per_operation=_PER_OPERATION,
-    )
+def _seconds(_: Pencil, solutions: float, cost: Dissection) -> float:
+    per_entry = _PER_ENTRY + _PER_SOLUTION * solutions
+    return _PER_OPERATION * cost.operations + per_entry * cost.entries
 
 
 PARDISO = Method("pardiso", _set_up, _memory, _seconds, is_installed=is_installed)

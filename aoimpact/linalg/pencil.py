@@ -11,7 +11,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray
-from .fill import graph_width
+from .dissection import Dissection, first_cut, nested_dissection
 from .rows import Rows
 
 __all__ = ["Pencil"]
@@ -36,8 +36,9 @@ class Pencil:
     mesh : Mesh, optional
     diagonals : tuple of ndarray, shape (n,)
         Of K and M; found if not given.
-    width : float
-        Dofs that a cut through the body passes, on average; found if not given, see `graph_width`.
+    origin : Pencil, optional
+        The pencil of another shift from which this one was taken; what depends on no shift is
+        computed once, there.
     """
 
     K: Any
@@ -47,17 +48,33 @@ class Pencil:
     free: npt.NDArray[np.int64] | None = None
     mesh: Any = None
     diagonals: tuple[FloatArray, FloatArray] | None = None
-    width: float = 0.0
+    origin: Pencil | None = None
 
     def __post_init__(self) -> None:
-        if not self.width:
-            object.__setattr__(self, "width", graph_width(self.K))
         if self.diagonals is None:
             object.__setattr__(self, "diagonals", (self.K.diagonal(), self.M.diagonal()))
 
     def at(self, s2: float) -> Pencil:
         """Return that of another shift, with what is known of this one's parts."""
-        return replace(self, s2=s2)
+        return replace(self, s2=s2, origin=self.origin or self)
+
+    @cached_property
+    def dissection(self) -> Dissection:
+        """An order of elimination and its cost."""
+        return self.origin.dissection if self.origin else nested_dissection(self.K, self.places)
+
+    @cached_property
+    def first_cut(self) -> Dissection:
+        """The first separator of the dissection, and what it alone costs."""
+        return self.origin.first_cut if self.origin else first_cut(self.K, self.places)
+
+    @property
+    def places(self) -> FloatArray | None:
+        """Coordinates of the rows, shape (n, 3), if they are known."""
+        if self.nodes is None or self.free is None:
+            return None
+        found: FloatArray = self.nodes[self.free // 3]
+        return found
 
     @property
     def diagonal(self) -> FloatArray:

@@ -1,6 +1,6 @@
 """Linear solvers of K + s²M behind one interface: chosen by size and by what is installed.
 
-Whichever solves, each solution is accepted by its residual. To add a solver, write a file with its
+Every method's solutions are accepted by their residual. To add a solver, write a file with its
 `Method` beside the others and name it in `METHODS`.
 """
 
@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,6 @@ from ..base import (
     bar,
     choice,
     require,
-    warn,
 )
 from .method import ROUGH, Inverse, Method, Solve
 from .multigrid import MULTIGRID
@@ -41,7 +39,6 @@ __all__ = [
     "SolverBook",
     "checked_solver",
     "linear_solver",
-    "stays_quickest",
 ]
 
 # What `solver=` may be: a name, or a function that takes the sparse matrix K + s²M and returns one
@@ -62,36 +59,39 @@ _REFINEMENTS = 5
 # ‖f - A x‖ / (max A_ii ‖x‖) that rounding leaves in any solution: some hundred roundings.
 _ROUNDING = 2e-14
 
-# Estimated seconds for each solution, of `FEW_SOLUTIONS` at most, up to which factors are taken
-# though iterations may be as quick: they serve any number, and cannot fail to converge.
-_PROMPT = 0.2
+# Estimated seconds up to which factors are taken though iterations may be as quick: they serve any
+# number of solutions, and cannot fail to converge.
+_PROMPT = 0.5
+
+# Iterations that no body takes for all of its solutions.
+_MANY = 1e5
 
 # The default number of solutions: those of a model of some oscillators. Fewer are for a shift far
-# above what is slow in the body, for which iterations arrive.
+# above the slow motions of the body, for which iterations converge.
 FEW_SOLUTIONS = 10
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class LinearSolver:
-    """(K + s²M)⁻¹, by whatever method, with its residual checked at every solution.
+    """(K + s²M)⁻¹, by any method, with its residual checked at every solution.
+
+    Iterations that "auto" chose are given up for factors, for good, once all solutions together
+    have taken as long as factors would: both together take at most twice that.
 
     Attributes
     ----------
-    method : str
-        Which was set up, or the name of the user's own function.
+    name : str
+        The method in use, or the name of the user's own function.
     pencil : Pencil
     inverse : Inverse
-        What the method has set up.
+    most : float
+        Iterations after which factors take over; infinite where they never do.
     """
 
-    method: str
+    name: str
     pencil: Pencil
     inverse: Inverse
-
-    @property
-    def name(self) -> str:
-        """Of what solves: the method, or the one that has taken over from it."""
-        return self.inverse.successor() or self.method
+    most: float = np.inf
 
     @property
     def s2(self) -> float:
@@ -118,7 +118,7 @@ class LinearSolver:
     ) -> Callable[[float], LinearSolver] | None:
         if shift is None:
             return None
-        return lambda s2: replace(self, pencil=self.pencil.at(s2), inverse=shift(s2))
+        return lambda s2: LinearSolver(self.name, self.pencil.at(s2), shift(s2), self.most)
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return x with (K + s²M) x = `rhs`; `rhs` of shape (n,) or (n, m).
@@ -128,7 +128,7 @@ class LinearSolver:
         ConvergenceError
             If the residual stays above the tolerance after refinement, or x is not finite.
         """
-        return self._solve(rhs, self.inverse.solve, _TOLERANCE)[0]
+        return self._solve(rhs, _TOLERANCE)[0]
 
     def solve_roughly(
         self, rhs: FloatArray, tolerance: float = ROUGH
@@ -141,16 +141,24 @@ class LinearSolver:
         ------
         ConvergenceError
         """
-        if self.inverse.roughly is None:
-            return self._solve(rhs, self.inverse.solve, _TOLERANCE)
-        roughly = self.inverse.roughly
-        return self._solve(rhs, lambda f: roughly(f, tolerance), tolerance)
+        return self._solve(rhs, _TOLERANCE if self.inverse.iterate is None else tolerance)
+
+    def factorise(self) -> None:
+        """Let factors take over for good. Raises ConvergenceError where none fit into memory."""
+        method = _direct(self.pencil)
+        if method is None:
+            raise ConvergenceError(
+                f"solver {self.name!r} does not converge, and factors of {self.pencil.n} dofs do "
+                "not fit into memory; take a coarser mesh or another solver"
+            )
+        with bar(f"{method.name}, {self.pencil.n} dofs"):
+            self.name, self.inverse, self.most = method.name, method.set_up(self.pencil), np.inf
 
     def _solve(
-        self, rhs: FloatArray, inverse: Solve, tolerance: float
+        self, rhs: FloatArray, tolerance: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return x and the products K x and M x, which its residual needs."""
-        x, before = self._unchecked(rhs, inverse), np.inf
+        x, before = self._unchecked(rhs, tolerance), np.inf
         for _ in range(_REFINEMENTS + 1):
             with np.errstate(over="ignore", invalid="ignore"):
                 kx, mx = self.pencil.products(x)
@@ -162,7 +170,7 @@ class LinearSolver:
             if not excess < 0.5 * before:
                 break
             before = excess
-            x = x + self._unchecked(residual, inverse)
+            x = x + self._unchecked(residual, tolerance)
         raise ConvergenceError(
             f"solver {self.name!r} leaves {excess:.2g} times the residual allowed "
             f"({tolerance:g} of the right-hand side) for {self.pencil.what} of "
@@ -179,8 +187,8 @@ class LinearSolver:
         size = np.linalg.norm(residual, axis=0)
         return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
 
-    def _unchecked(self, rhs: FloatArray, inverse: Solve) -> FloatArray:
-        x = np.asarray(inverse(rhs))
+    def _unchecked(self, rhs: FloatArray, tolerance: float) -> FloatArray:
+        x = np.asarray(self._iterated(rhs, tolerance))
         if x.shape != rhs.shape or x.dtype.kind != "f":
             raise InputTypeError(
                 f"solver {self.name!r} must return a real array of shape {rhs.shape}, as its "
@@ -192,6 +200,22 @@ class LinearSolver:
                 f"({self.pencil.n} dofs); take another one by solver="
             )
         return x.astype(np.float64, copy=False)  # refined, single precision does as well
+
+    def _iterated(self, rhs: FloatArray, tolerance: float) -> FloatArray:
+        """Solve by iterations while there are any left, and by factors from then on."""
+        if self.inverse.iterate is None:
+            return self.inverse.solve(rhs)
+        if rhs.ndim == 2:
+            return np.column_stack([self._iterated(column, tolerance) for column in rhs.T])
+        try:
+            x, taken = self.inverse.iterate(rhs, tolerance, self.most)
+            self.most -= taken
+            return x
+        except ConvergenceError:
+            if self.most == np.inf:
+                raise
+        self.factorise()
+        return self.inverse.solve(rhs)
 
 
 @dataclass(eq=False)
@@ -257,99 +281,68 @@ def linear_solver(
     method = _quickest(pencil, solutions) if name == "auto" else METHODS[name]
     what = f"solver {method.name!r} of {pencil.what} ({pencil.n} dofs)"
     require(method.memory(pencil), what, _cure(pencil, method))
+    most = _as_long_as_factors(pencil, method) if name == "auto" else np.inf
     with bar(f"{method.name}, {pencil.n} dofs"):
-        if name == "auto" and not method.direct:
-            inverse = _or_factors(pencil, lambda: method.set_up(pencil))
-        else:
+        try:
             inverse = method.set_up(pencil)
-    return LinearSolver(method.name, pencil, inverse)
-
-
-def _or_factors(pencil: Pencil, iterations: Callable[[], Inverse]) -> Inverse:
-    """Return an inverse that factorises where iterations do not arrive, and from then on.
-
-    They are given up once a single solution has taken as long as factors would: both together take
-    at most twice that.
-    """
-    try:
-        inverse = iterations()
-    except ConvergenceError as error:
-        return _instead(pencil, error)
-    factors: list[Inverse] = []
-    limit = _direct(pencil)
-    if limit is not None and inverse.within is not None:
-        inverse = inverse.within(limit.seconds(pencil, FEW_SOLUTIONS))
-    roughly, below = inverse.roughly, inverse.below
-
-    def first(iterate: Callable[[], FloatArray], rhs: FloatArray) -> FloatArray:
-        if not factors:
-            try:
-                return iterate()
-            except ConvergenceError as error:
-                factors.append(_instead(pencil, error))
-        return factors[0].solve(rhs)
-
-    def smaller(iterate: Callable[[float], Inverse], s2: float) -> Inverse:
-        there = pencil.at(s2)
-        method = _direct(there) if factors else None
-        return _named(method, there) if method else _or_factors(there, lambda: iterate(s2))
-
-    return replace(
-        inverse,
-        solve=lambda rhs: first(lambda: inverse.solve(rhs), rhs),
-        roughly=roughly and (lambda rhs, to: first(lambda: roughly(rhs, to), rhs)),
-        below=below and partial(smaller, below),
-        pace=lambda: 0.0 if factors else inverse.pace(),  # with factors there, no others are made
-        successor=lambda: factors[0].successor() if factors else "",
-    )
-
-
-def _instead(pencil: Pencil, error: ConvergenceError) -> Inverse:
-    """Factors where iterations have failed; raises their error where no factors fit."""
-    method = _direct(pencil)
-    if method is None:
-        raise error
-    warn(f"solver {method.name!r} takes over: {error}")
-    return _named(method, pencil)
-
-
-def _named(method: Method, pencil: Pencil) -> Inverse:
-    return replace(method.set_up(pencil), successor=lambda: method.name)
-
-
-def _direct(pencil: Pencil) -> Method | None:
-    """The method that factorises quickest, of those that fit into memory."""
-    fitting = [method for method in _fitting(pencil) if method.direct]
-    return min(fitting, key=lambda m: m.seconds(pencil, FEW_SOLUTIONS), default=None)
-
-
-def stays_quickest(solver: LinearSolver, solutions: int) -> bool:
-    """Whether no factors would be quicker for so many more, which take as long as its last one."""
-    pencil, own = solver.pencil, METHODS[solver.name]
-    left = solver.inverse.pace() * (own.seconds(pencil, solutions) - own.seconds(pencil, 0))
-    return all(m.seconds(pencil, solutions) >= left for m in _fitting(pencil) if m.direct)
-
-
-def _fitting(pencil: Pencil) -> list[Method]:
-    free = available()
-    return [m for m in METHODS.values() if m.is_installed() and m.memory(pencil) <= free]
+        except ConvergenceError:
+            direct = _direct(pencil) if name == "auto" else None
+            if direct is None:
+                raise
+            method, inverse, most = direct, direct.set_up(pencil), np.inf
+    return LinearSolver(method.name, pencil, inverse, most)
 
 
 def _quickest(pencil: Pencil, solutions: int) -> Method:
     """The method that will be quickest of those that are installed and fit into memory."""
-    fitting, count = _fitting(pencil), min(solutions, sys.maxsize)  # no overflow as a float
-    if not fitting:
-        return _LAST_RESORT
-    seconds = {method.name: method.seconds(pencil, count) for method in fitting}
-    soon = _PROMPT * min(count, FEW_SOLUTIONS)
-    prompt = [m for m in fitting if m.direct and seconds[m.name] <= soon]
-    return min(prompt or fitting, key=lambda method: seconds[method.name])
+    count = float(min(solutions, sys.maxsize))
+    iterating = MULTIGRID.seconds(pencil, count, pencil.first_cut)
+    if _least(pencil) > max(iterating, _PROMPT):
+        return MULTIGRID
+    direct = _direct(pencil)
+    if direct is None:
+        return MULTIGRID
+    prompt = direct.seconds(pencil, min(count, FEW_SOLUTIONS), pencil.dissection) <= _PROMPT
+    fits = MULTIGRID.memory(pencil) <= available()
+    if prompt or not fits or direct.seconds(pencil, count, pencil.dissection) <= iterating:
+        return direct
+    return MULTIGRID
+
+
+def _direct(pencil: Pencil) -> Method | None:
+    """The method that factorises quickest, of those that are installed and fit into memory."""
+    free = available()
+    fitting = [m for m in _factorising() if m.memory(pencil) <= free]
+    return min(
+        fitting, key=lambda m: m.seconds(pencil, FEW_SOLUTIONS, pencil.dissection), default=None
+    )
+
+
+def _factorising() -> list[Method]:
+    return [m for m in METHODS.values() if m.iteration is None and m.is_installed()]
+
+
+def _least(pencil: Pencil) -> float:
+    """Seconds below which no method factorises: those of its first separator."""
+    return min(m.seconds(pencil, 0, pencil.first_cut) for m in _factorising())
+
+
+def _as_long_as_factors(pencil: Pencil, method: Method) -> float:
+    """Iterations that take as long as factors would, infinite where none fit into memory."""
+    if method.iteration is None:
+        return np.inf
+    each = method.iteration(pencil)
+    if _least(pencil) > _MANY * each:
+        return _MANY
+    direct = _direct(pencil)
+    if direct is None:
+        return np.inf
+    return direct.seconds(pencil, FEW_SOLUTIONS, pencil.dissection) / each
 
 
 def _cure(pencil: Pencil, method: Method) -> str:
-    if method is not _LAST_RESORT:
-        memory = _LAST_RESORT.memory(pencil) / GIB
-        return f"solver={_LAST_RESORT.name!r} takes {memory:.2g} GiB"
+    if method is not MULTIGRID:
+        return f"solver={MULTIGRID.name!r} takes {MULTIGRID.memory(pencil) / GIB:.2g} GiB"
     return "take a coarser mesh, free memory, or give a solver of your own by solver="
 
 

@@ -189,11 +189,12 @@ def lowest(
     if dofs <= DENSE_DOFS or n > dofs // 5:
         return _lowest_dense(K, M, n, rigid)
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
-    near = solver_at(_first_shift(K, M))
-    if near.precondition is not None and known is not None:
-        omega2, modes = davidson(K, M, near.precondition, n - count, away_from=rigid)
+    near = _near(K, M, rigid, solver_at)
+    found = _by_cycles(K, M, near, n - count, rigid) if known is not None else None
+    if found is not None:
+        omega2, modes = found
     else:
-        base = shifted(K, M, rigid=known, invert=solver_at, first=near)
+        base = near if near.s2 == 0.0 else shifted(K, M, rigid=known, invert=solver_at, first=near)
         try:
             _, modes = lowest_sparse(
                 M,
@@ -212,6 +213,33 @@ def lowest(
         np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
         np.column_stack([rigid, modes])[:, :n],
     )
+
+
+def _near(
+    K: Any, M: Any, rigid: FloatArray, solver_at: Callable[[float], LinearSolver]
+) -> LinearSolver:
+    """The solver of K itself where it is regular; else that of the first guess of s²."""
+    if rigid.shape[1] == 0:
+        try:
+            return solver_at(0.0)
+        except SingularError:  # rounding
+            pass
+    return solver_at(_first_shift(K, M))
+
+
+def _by_cycles(
+    K: Any, M: Any, near: LinearSolver, n: int, rigid: FloatArray
+) -> tuple[FloatArray, FloatArray] | None:
+    """Eigenpairs by V-cycles of a solver; None, and factors in it, where these are quicker."""
+    if near.precondition is None:
+        return None
+    try:
+        return davidson(K, M, near.precondition, n, away_from=rigid, most=near.most)
+    except ConvergenceError:
+        if near.most == np.inf:
+            raise
+    near.factorise()
+    return None
 
 
 def warn_of_rounding(K: Any, modes: FloatArray, what: str) -> None:

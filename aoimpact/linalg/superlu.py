@@ -10,8 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import FloatArray, MemoryLimitError, SingularError
-from .fill import direct_seconds, factor_entries, graph_width
+from ..base import FloatArray, IntArray, MemoryLimitError, SingularError
+from .dissection import Dissection
 from .method import Inverse, Method
 from .pencil import Pencil
 
@@ -20,7 +20,6 @@ __all__ = [
     "SUPERLU",
     "Factorization",
     "check_condition",
-    "estimated_entries",
     "factorize",
 ]
 
@@ -36,17 +35,11 @@ _UNLUCKY = 100.0
 # Dofs up to which the signs of the pivots are checked: SciPy copies all factors to show them.
 CHECKED_DOFS = 10_000
 
-# Entries of L and U together over n √w (`factor_entries`): 13 … 39 on balls, boxes, plates and bars
-# of tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs, growing slowly.
-_PER_ROOT_WIDTH = 40.0
-
-# Seconds of the elimination over n w^(3/2): this gives .35 … 2.2 times the time of factorisations
-# measured, of balls, boxes, plates and bars of tetra10, hexahedra 8 and 20 of 3 700 … 218 000 dofs
-# (a bar of 51 000 dofs 2.8 s for 7.9 s, a plate of one layer 19.6 s for 8.9 s).
-_PER_OPERATION = 2.5e-9
-
-# Bytes per entry of L and U, each stored with an index.
-_BYTES = 16.0
+# Seconds per multiplication and, of a solution, per entry of L, of `Dissection`; solutions that the
+# check of factors takes, and bytes per entry of L: U is stored besides, both with indices.
+# These give 0.8 to 1.4 times the time and the memory measured (benchmarks/linear.py --direct): 18
+# balls, blocks, plates, sheets and bars of 10 000 to 213 000 dofs.
+_PER_OPERATION, _PER_ENTRY, _CHECK, _BYTES = 1.3e-10, 1.8e-9, 4, 30.0
 
 
 @dataclass(frozen=True)
@@ -59,14 +52,21 @@ class Factorization:
     ----------
     matrix : scipy.sparse.csc_matrix, shape (n, n)
         The matrix that was factorised.
+    order : ndarray of int, shape (n,), or None
+        The order of its rows and columns in which SuperLU got it, if another one.
     """
 
     matrix: Any
     _lu: Any
+    order: IntArray | None = None
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return A⁻¹ `rhs`; `rhs` of shape (n,) or (n, m)."""
-        solution: FloatArray = self._lu.solve(rhs)
+        if self.order is None:
+            solution: FloatArray = self._lu.solve(rhs)
+        else:
+            solution = np.empty_like(rhs)
+            solution[self.order] = self._lu.solve(rhs[self.order])
         return solution
 
     def negative_pivots(self) -> int:
@@ -75,9 +75,11 @@ class Factorization:
 
     def for_core(self) -> tuple[Any, ...]:
         """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
-        place = self._lu.perm_r.astype(np.int32)
         if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
             raise SingularError("the matrix needed pivoting, so it is not positive definite")
+        place = self._lu.perm_r.astype(np.int32)
+        if self.order is not None:
+            place[self.order] = self._lu.perm_r
         lower = sp.tril(self._lu.L, k=-1, format="csc")
         lower.sort_indices()
         pivots = np.ascontiguousarray(self._lu.U.diagonal())
@@ -87,10 +89,16 @@ class Factorization:
         return start, rows, np.ascontiguousarray(lower.data), pivots, place, panel[: count + 1]
 
 
-def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) -> Factorization:
+def factorize(
+    matrix: Any,
+    *,
+    what: str = "the matrix",
+    checked: bool = True,
+    order: IntArray | None = None,
+) -> Factorization:
     """Factorise a sparse symmetric positive definite matrix with SuperLU.
 
-    Without pivoting and ordered by minimum degree of A + Aᵀ, SuperLU computes L D Lᵀ (as L U).
+    Without pivoting SuperLU computes L D Lᵀ (as L U).
 
     Parameters
     ----------
@@ -99,6 +107,8 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
         Its name in error messages.
     checked : bool, optional
         Whether to check the factors, which costs some solutions; not needed for a preconditioner.
+    order : ndarray of int, shape (n,), optional
+        Rows in the order of elimination; that of minimum degree of A + Aᵀ if left out.
 
     Raises
     ------
@@ -109,8 +119,8 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
     csc = sp.csc_matrix(matrix)
     try:
         lu = sp.linalg.splu(
-            csc,
-            permc_spec="MMD_AT_PLUS_A",
+            csc if order is None else sp.csc_matrix(csc[order][:, order]),
+            permc_spec="MMD_AT_PLUS_A" if order is None else "NATURAL",
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
         )
@@ -121,7 +131,7 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
         ) from error
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         raise SingularError(f"{what} is singular ({error})") from None
-    factors = Factorization(csc, lu)
+    factors = Factorization(csc, lu, order)
     if not checked:
         return factors
     check_condition(csc, factors.solve, what)
@@ -186,31 +196,18 @@ def _largest_sum(matrix: Any, scale: FloatArray) -> float:
     return float((sizes @ (1.0 / scale) / scale).max())
 
 
-def estimated_entries(matrix: Any) -> float:
-    """Estimate how many entries the factors of a matrix have together, to a factor of about 2."""
-    return factor_entries(int(matrix.shape[0]), graph_width(matrix), _PER_ROOT_WIDTH)
-
-
 def _set_up(pencil: Pencil) -> Inverse:
-    return Inverse(factorize(pencil.matrix(), what=pencil.what).solve)
-
-
-def _entries(pencil: Pencil) -> float:
-    return factor_entries(pencil.n, pencil.width, _PER_ROOT_WIDTH)
+    # Without coordinates minimum degree leaves fewer entries.
+    order = None if pencil.places is None else pencil.dissection.order
+    return Inverse(factorize(pencil.matrix(), what=pencil.what, order=order).solve)
 
 
 def _memory(pencil: Pencil) -> float:
-    return _BYTES * _entries(pencil)
+    return _BYTES * pencil.dissection.entries
 
 
-def _seconds(pencil: Pencil, solutions: int) -> float:
-    return direct_seconds(
-        pencil.n,
-        pencil.width,
-        _entries(pencil),
-        solutions,
-        per_operation=_PER_OPERATION,
-    )
+def _seconds(_: Pencil, solutions: float, cost: Dissection) -> float:
+    return _PER_OPERATION * cost.operations + _PER_ENTRY * cost.entries * (_CHECK + solutions)
 
 
 SUPERLU = Method("superlu", _set_up, _memory, _seconds)

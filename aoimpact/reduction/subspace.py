@@ -7,7 +7,6 @@ time, each of which costs one solve; and, if the body is constrained, by its sta
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -25,7 +24,6 @@ from ..linalg import (
     SolverBook,
     checked_solver,
     core_rows,
-    stays_quickest,
 )
 from .contacttime import SHIFT_TIMES_DURATION, refuse_massless
 
@@ -46,10 +44,6 @@ _SHARPENED_FROM, _SHARPENED_BY = 48, 4
 # its terms: some hundred roundings.
 _DOUBTFUL, _NO_STIFFNESS = 1e-12, 1e-14
 
-# At least so many times the solutions made are foreseen, since orders grow by steps, none of which
-# is worth factors: iterations are given up once they have cost as much as factors would have, so
-# that both together cost at most twice as much as the quicker one. Factors serve any number.
-_AS_MANY_AGAIN, _ANY_NUMBER = 2, sys.maxsize
 
 # A vector of which less than this share is new is a combination of those before it.
 _NOTHING_NEW = 1e-11
@@ -117,7 +111,6 @@ class Subspace:
         self.solver_name = ""
         self._solver = checked_solver(solver)
         self._solvers: dict[float, LinearSolver] = {} if known is None else {shifts[0]: known}
-        self._foreseen = FEW_SOLUTIONS
         # The rigid part would drown the rest where s is small; it is in the basis exactly.
         functionals = np.stack([tip.b for tip in tips])
         elastic = functionals - (functionals @ rigid) @ (body.M @ rigid).T
@@ -167,7 +160,6 @@ class Subspace:
         There are fewer where the functionals excite no more. Those that were there stay.
         """
         self._wanted = max(self._wanted, count)
-        self._foresee(self._wanted - self.rigid_count)
         if not self._ordered:
             self._ordered = list(np.eye(self.rigid_count, self._count))
         if len(self._ordered) == self.rigid_count < count and self._next == self._given:
@@ -387,13 +379,12 @@ class Subspace:
         self.solver_name = inverse.name  # factors may have taken over
 
     def _inverse(self, shift: float) -> LinearSolver:
-        self._foresee(_AS_MANY_AGAIN * self._solves)
         if shift not in self._solvers:
             try:
                 self._solvers[shift] = self.body.inverse(
                     shift**2,
                     solver=self._solver,
-                    solutions=max(FEW_SOLUTIONS, self._foreseen - self._solves),
+                    solutions=max(FEW_SOLUTIONS, self._wanted - self.rigid_count - self._solves),
                 )
             except SingularError as error:
                 raise SingularError(
@@ -403,17 +394,6 @@ class Subspace:
                 ) from None
         self.solver_name = self._solvers[shift].name
         return self._solvers[shift]
-
-    def _foresee(self, solutions: int) -> None:
-        """Take factors for good, if they are quicker for what is left of so many solutions."""
-        self._foreseen = max(solutions, self._foreseen)
-        left = self._foreseen - self._solves
-        iterated = [one for one in self._solvers.values() if one.precondition is not None]
-        if self._solver == "auto" and not all(stays_quickest(one, left) for one in iterated):
-            self._foreseen = _ANY_NUMBER
-            self._solvers = {
-                shift: one for shift, one in self._solvers.items() if one.precondition is None
-            }
 
 
 # Products over all dofs without BLAS, whose threads change the last bits with the number of cores:

@@ -12,11 +12,10 @@ import scipy.sparse.linalg as spla
 import aoimpact as ao
 from aoimpact.base import memory
 from aoimpact.linalg import pardiso, solvers
-from aoimpact.linalg.fill import graph_width
-from aoimpact.linalg.method import Inverse, Method
+from aoimpact.linalg.dissection import nested_dissection
 from aoimpact.linalg.pencil import Pencil
 from aoimpact.linalg.solvers import METHODS, SOLVERS, LinearSolver, linear_solver
-from aoimpact.linalg.superlu import estimated_entries
+from aoimpact.linalg.superlu import factorize
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
 
 from slender import rod
@@ -35,7 +34,7 @@ def named(methods):
     ]
 
 
-DIRECT = named(of for of in METHODS.values() if of.direct)
+DIRECT = named(of for of in METHODS.values() if of.iteration is None)
 EVERY = [*named(METHODS.values()), pytest.param(spla.factorized, id="a function")]
 
 
@@ -160,96 +159,78 @@ def test_a_users_solver_may_overwrite_what_it_got_or_gave(bar, returned):
 # --------------------------------------------------------------------------- the choice of one
 
 
-def solved_by(name, seconds, *, memory=0.0, direct=True, installed=True):
-    """A method of known cost."""
-    return Method(
-        name,
-        set_up=lambda pencil: Inverse(lambda f: f),
-        memory=lambda pencil: memory,
-        seconds=lambda pencil, solutions: seconds(solutions),
-        direct=direct,
-        is_installed=lambda: installed,
-    )
-
-
 @pytest.mark.parametrize(
-    ("solutions", "methods", "taken"),
+    ("mesh", "solutions", "direct"),
     [
-        (10, [("a", lambda n: 3.0), ("b", lambda n: 4.0)], "a"),
-        (10, [("a", lambda n: 5.0 + n), ("b", lambda n: 14.0 + 0.01 * n)], "b"),
-        (1, [("a", lambda n: 5.0 + n), ("b", lambda n: 14.0 + 0.01 * n)], "a"),
-        (10, [("a", lambda n: 1.0), ("iterates", lambda n: 0.1)], "a"),  # soon enough
-        (1, [("a", lambda n: 1.0), ("iterates", lambda n: 0.1)], "iterates"),
-        (10, [("a", lambda n: 9.0), ("iterates", lambda n: 8.0)], "iterates"),
-        (10, [("absent", lambda n: 1.0), ("a", lambda n: 9.0)], "a"),
-        (10, [("huge", lambda n: 1.0), ("a", lambda n: 9.0)], "a"),
+        (((0.5, 0.02, 0.02), (40, 2, 2), "hexahedron20"), 10, True),  # slender
+        (((0.02, 0.02, 0.02), (5, 5, 5), "hexahedron20"), 10, True),  # small
+        (((0.3, 0.3, 0.001), (60, 60, 1), "hexahedron20"), 10, True),  # one layer of flat elements
+        (((0.3, 0.3, 0.3), (12, 12, 12), "hexahedron20"), 10, False),  # compact
+        (((0.3, 0.3, 0.3), (12, 12, 12), "hexahedron20"), 10_000, True),
+        (((0.3, 0.3, 0.003), (12, 12, 12), "hexahedron20"), 10, True),  # flat elements
+        (((0.3, 0.3, 0.3), (30, 30, 30), "hexahedron"), 10, False),
     ],
 )
-def test_the_quickest_is_taken_that_is_there_and_fits(
-    block, monkeypatch, solutions, methods, taken
-):
-    made = {
-        name: solved_by(
-            name,
-            seconds,
-            memory=1e18 if name == "huge" else 0.0,
-            direct=name != "iterates",
-            installed=name != "absent",
-        )
-        for name, seconds in methods
-    }
-    monkeypatch.setattr(solvers, "METHODS", made)
-    assert block.inverse(1e10, solutions=solutions).name == taken
-
-
-@pytest.mark.parametrize("mesh", [((0.5, 0.02, 0.02), (40, 2, 2)), ((0.02, 0.02, 0.02), (7, 7, 7))])
-def test_slender_bodies_and_small_compact_ones_are_solved_by_sparse_factors(mesh):
-    body = ao.FEModel.from_mesh(box_mesh(*mesh, kind="hexahedron20"), STEEL)
-    taken = "pardiso" if pardiso.is_installed() else "superlu"
-    assert body.inverse(1e10).name == taken
+def test_the_quickest_is_taken(mesh, solutions, direct):
+    """By estimates from the graph and the shapes of elements; nothing is factorised here."""
+    lengths, divisions, kind = mesh
+    body = ao.FEModel.from_mesh(box_mesh(lengths, divisions, kind=kind), STEEL)
+    taken = solvers._quickest(body._pencil.at(1e10), solutions)
+    assert (taken.iteration is None) == direct
 
 
 def test_a_body_of_a_million_dofs_is_left_to_iterations():
-    """Where factors take minutes: by the estimates alone, nothing is solved."""
-    n = 60**3
+    """Where factors take minutes: by the first separator alone."""
     line = sp.diags([1.0, 2.0, 1.0], [-1, 0, 1], shape=(60, 60))
-    eye = sp.eye_array(60)
-    K = sp.csr_array(
-        sp.kron(sp.kron(line, eye), eye) + sp.kron(eye, sp.kron(line, eye) + sp.kron(eye, line))
-    )
-    nodes = np.zeros((n, 3))  # so many are known; nobody looks where
-    seconds = {
-        name: method.seconds(Pencil(K, sp.eye_array(n, format="csr"), nodes=nodes), 10)
-        for name, method in METHODS.items()
-    }
-    assert min(seconds, key=seconds.get) == "multigrid"
+    K = sp.csr_array(sp.kron(sp.kronsum(sp.kronsum(line, line), line), np.eye(3)))
+    nodes = np.indices((60, 60, 60)).reshape(3, -1).T[:, ::-1].astype(float)
+    pencil = Pencil(K, sp.eye_array(len(K.indptr) - 1, format="csr"), 0.0, nodes)
+    pencil = replace(pencil, free=np.arange(pencil.n))
+    assert solvers._quickest(pencil, 10).name == "multigrid"
+    assert pencil.first_cut.separator == 3 * 60**2
 
 
-def test_width_of_a_graph():
-    """A rod is one dof wide; an n x n x n grid some n² (its levels are the planes i+j+k)."""
-    assert graph_width(rod(100)[0]) == 1.0
-    line = sp.diags([1.0, 2.0, 1.0], [-1, 0, 1], shape=(20, 20))
-    eye = sp.eye_array(20)
-    grid = sp.kron(sp.kron(line, eye), eye) + sp.kron(eye, sp.kron(line, eye) + sp.kron(eye, line))
-    assert 150 < graph_width(sp.csr_array(grid)) < 400
+# ---------------------------------------------------------------------------------- dissection
 
 
-@pytest.mark.parametrize(
-    "mesh",
-    [
-        sphere_mesh(0.01, 4e-3),
-        box_mesh((1, 0.1, 0.1), (40, 3, 3), kind="tetra10"),
-        box_mesh((1, 1, 0.1), (20, 20, 2)),
-        box_mesh((1, 1, 1), (6, 6, 6), kind="hexahedron20"),
-    ],
-    ids=["ball", "bar", "plate", "cube"],
-)
-def test_the_size_of_the_factors_is_foretold_within_a_factor_of_four_and_never_too_small(mesh):
+BOXES = [
+    sphere_mesh(0.01, 4e-3),
+    box_mesh((1, 0.1, 0.1), (40, 3, 3), kind="tetra10"),
+    box_mesh((1, 1, 0.1), (20, 20, 2)),
+    box_mesh((1, 1, 1), (6, 6, 6), kind="hexahedron20"),
+    box_mesh((1, 1, 0.1), (20, 20, 1), kind="hexahedron20"),
+]
+
+
+@pytest.mark.parametrize("mesh", BOXES, ids=["ball", "bar", "plate", "cube", "sheet"])
+def test_the_size_of_the_factors_is_known_before(mesh):
+    """Parts that are not cut further count as dense."""
     body = ao.FEModel.from_mesh(mesh, STEEL)
-    A = (body.K + 1e8 * body.M).tocsc()
-    options = {"SymmetricMode": True}
-    factors = spla.splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-    assert 1.0 <= estimated_entries(A.tocsr()) / factors.nnz <= 4.0
+    dissection = body._pencil.dissection
+    factors = factorize(body.K + 1e8 * body.M, order=dissection.order)
+    assert 0.65 <= factors._lu.L.nnz / dissection.entries <= 1.0
+    by_degree = factorize(body.K + 1e8 * body.M)
+    assert factors._lu.L.nnz <= 1.4 * by_degree._lu.L.nnz
+
+
+def test_a_grid_is_cut_as_by_hand():
+    """A square of n x n nodes, in dofs of one: separators of n, then twice n/2, and so on."""
+    line = sp.diags([1.0, 2.0, 1.0], [-1, 0, 1], shape=(31, 31))
+    grid = sp.csr_array(sp.kronsum(line, line))
+    places = np.indices((31, 31)).reshape(2, -1).T.astype(float)
+    cut = nested_dissection(grid, places)
+    assert sorted(cut.order) == list(range(31**2))
+    assert cut.separator == 31
+    assert len({*places[cut.order[-31:], 0]}) == 1  # the last ones are one line
+
+
+def test_pieces_that_are_not_connected_are_ordered_without_coordinates():
+    K, _ = rod(50, fixed=[0])
+    apart = sp.block_diag([K, K, sp.eye_array(200)], format="csr")
+    cut = nested_dissection(apart)
+    assert sorted(cut.order) == list(range(300))
+    x = factorize(apart, order=cut.order).solve(np.ones(300))
+    np.testing.assert_allclose(apart @ x, np.ones(300), rtol=1e-9)
 
 
 # ---------------------------------------------------------------------------------- refusals
@@ -396,63 +377,53 @@ def test_vectors_of_a_subspace_are_solved_to_a_thousandth_where_that_is_quicker(
     assert np.linalg.norm(residual) <= 1e-10 * np.linalg.norm(load)
 
 
-def test_iterations_are_given_up_for_factors_where_they_go_slowly():
-    """By how many there were, not by a clock, and only if factors are quicker for what is left."""
-    body = ao.FEModel.from_mesh(box_mesh((0.2, 0.1, 0.005), (16, 8, 1), kind="hexahedron20"), STEEL)
-    solver = body.inverse(1e10, solver="multigrid")
-    assert solver.inverse.pace() == 1.0
-    solver.solve(np.ones(body.n_dofs))
-    assert solver.inverse.pace() > 1.5  # a plate's modes are not a ball's
-    slow = replace(solver, inverse=replace(solver.inverse, pace=lambda: 1e6))
-    assert not solvers.stays_quickest(slow, 1)
-    swift = replace(solver, inverse=replace(solver.inverse, pace=lambda: 1e-6))
-    assert solvers.stays_quickest(swift, 1)
-    assert solvers.stays_quickest(slow, 0)
-
-
 # ------------------------------------------------------------------ where iterations do not arrive
 
 
-def test_iterations_end_once_factors_would_have_been_quicker():
-    """Of a sheet 100 times as wide as thick, also at the smaller shift that is taken from it."""
-    mesh = box_mesh((0.1, 0.1, 0.001), (10, 10, 1), kind="hexahedron20")
-    sheet = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
-    pencil = Pencil(sheet.K, sheet.M, 1e6, sheet.nodes, sheet.free, sheet.mesh)
-    load = np.random.default_rng(0).standard_normal(sheet.n_dofs)
-    inverse = METHODS["multigrid"].set_up(pencil)
-    limited = inverse.within(1e-3)
-    for one in (limited, limited.below(0.0)):
-        with pytest.raises(ao.ConvergenceError, match="in 12 iterations"):
-            one.solve(load)
-    assert np.isfinite(inverse.within(1e3).solve(load)).all()
+def slow_plate():
+    """A plate of 20:20:1 elements, for which iterations are slow."""
+    mesh = box_mesh((0.1, 0.1, 0.0005), (10, 10, 1), kind="hexahedron20")
+    return ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
 
 
-def test_factors_take_over_where_iterations_do_not_arrive(monkeypatch):
-    """What nobody chose: a solver that is named stays, and its failure is told."""
-    mesh = box_mesh((0.1, 0.1, 0.01), (10, 10, 1), kind="hexahedron20")
-    plate = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
+@pytest.fixture
+def iterating(monkeypatch):
+    """Multigrid is chosen where nobody chose a solver."""
+    monkeypatch.setattr(solvers, "_quickest", lambda pencil, count: METHODS["multigrid"])
+
+
+def test_iterations_end_once_they_have_taken_as_long_as_factors(iterating):
+    """All solutions count together; a solver that is named stays, and its failure is told."""
+    plate = slow_plate()
     load = np.random.default_rng(0).standard_normal(plate.n_dofs)
     expected = plate.inverse(1e6, solver="superlu").solve(load)
-    monkeypatch.setattr("aoimpact.linalg.multigrid._MOST_ITERATIONS", 2)
-    monkeypatch.setattr(solvers, "_quickest", lambda pencil, count: METHODS["multigrid"])
-    named, usual = plate.inverse(1e6, solver="multigrid"), plate.inverse(1e6)
+    usual = plate.inverse(1e6)
     assert usual.name == "multigrid"
+    direct = solvers._direct(usual.pencil)
+    factors = direct.seconds(usual.pencil, 10, usual.pencil.dissection)
+    assert usual.most == factors / METHODS["multigrid"].iteration(usual.pencil)
+    usual.most = 20.0
+    x = usual.solve(load)
+    assert usual.name == direct.name
+    assert usual.precondition is None
+    np.testing.assert_allclose(x, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
+    assert np.isfinite(usual.solve(np.stack([load, load], axis=1))).all()
+
+
+def test_a_solver_that_is_named_stays(monkeypatch):
+    plate = slow_plate()
+    load = np.random.default_rng(0).standard_normal(plate.n_dofs)
+    monkeypatch.setattr("aoimpact.linalg.multigrid._MOST_ITERATIONS", 2)
     with pytest.raises(ao.ConvergenceError, match="in 2 iterations"):
-        named.solve(load)
-    with pytest.warns(ao.AOImpactWarning, match="takes over: solver 'multigrid' of"):
-        x = usual.solve(load)
-    np.testing.assert_allclose(x, expected, rtol=1e-8, atol=1e-12 * np.abs(expected).max())
-    np.testing.assert_allclose(usual.solve_roughly(load)[0], x, rtol=1e-8, atol=0)
-    assert solvers.stays_quickest(usual, 1000)  # the factors are there
-    assert usual.name == usual.below(0.0).name == solvers._direct(usual.pencil).name
-    static = plate.inverse(0.0, solver="superlu").solve(load)
-    np.testing.assert_allclose(usual.below(0.0).solve(load), static, rtol=1e-6)
-    other = plate.inverse(1e6).below(0.0)
-    with pytest.warns(ao.AOImpactWarning, match="takes over"):
-        np.testing.assert_allclose(other.solve(load), static, rtol=1e-6)
-    monkeypatch.setattr(solvers, "_fitting", lambda pencil: [METHODS["multigrid"]])
+        plate.inverse(1e6, solver="multigrid").solve(load)
+
+
+def test_where_factors_do_not_fit_iterations_fail_with_their_own_word(iterating, monkeypatch):
+    monkeypatch.setattr(solvers, "available", lambda: 0.0)
+    monkeypatch.setattr("aoimpact.linalg.multigrid._MOST_ITERATIONS", 2)
+    plate = slow_plate()
     with pytest.raises(ao.ConvergenceError, match="in 2 iterations"):
-        plate.inverse(2e6).solve(load)
+        plate.inverse(2e6).solve(np.ones(plate.n_dofs))
 
 
 def test_factors_take_over_where_iterations_cannot_be_set_up(block, monkeypatch):
@@ -461,6 +432,14 @@ def test_factors_take_over_where_iterations_cannot_be_set_up(block, monkeypatch)
 
     multigrid = replace(METHODS["multigrid"], set_up=set_up)
     monkeypatch.setattr(solvers, "_quickest", lambda pencil, count: multigrid)
-    with pytest.warns(ao.AOImpactWarning, match="takes over: finds no coarser level"):
-        solver = block.inverse(1e10)
+    solver = block.inverse(1e10)
     assert solver.name == solvers._direct(solver.pencil).name
+
+
+def test_frequencies_of_a_sheet_do_not_wait_for_iterations(iterating):
+    """Kirchhoff's plate, clamped on one side: 3.494 √(D / ρ h) / 2π a² (Leissa 1969, ν = .3)."""
+    mesh = box_mesh((0.3, 0.3, 0.003), (16, 16, 1), kind="hexahedron20")
+    sheet = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
+    bending = 210e9 * 0.003**3 / (12 * (1 - 0.3**2))
+    published = 3.494 * np.sqrt(bending / (7800 * 0.003)) / (2 * np.pi * 0.3**2)
+    assert sheet.frequencies(3)[0] == pytest.approx(published, rel=0.01)
