@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
-from itertools import permutations, product
+from itertools import combinations, permutations, product
 from typing import Any
 
 import numpy as np
@@ -209,45 +209,63 @@ def _match(wanted: FloatArray, among: FloatArray) -> IntArray:
     return found
 
 
-def _quadrature(domain: str, degree: int) -> tuple[FloatArray, FloatArray]:
-    """Return scikit-fem's points, shape (dimension, n), and weights on a reference domain."""
-    from skfem import quadrature, refdom  # slow to import, and of no use without a mesh
+def _gauss(n: int, *powers: int) -> Rule:
+    """Return Gauss' rule of n points in each direction, exact to degree 2n − 1 in each.
 
-    return quadrature.get_quadrature(getattr(refdom, domain), degree)  # type: ignore[no-any-return]
+    Coordinate i goes from 0 to 1 with the weight (1 − x_i)^powers[i], of Gauss and Jacobi.
+    """
+    rules = [scipy.special.roots_jacobi(n, power, 0.0) for power in powers]
+    points = np.meshgrid(*((1.0 + x) / 2.0 for x, _ in rules), indexing="ij")
+    weights = [w / 2.0 ** (power + 1) for (_, w), power in zip(rules, powers, strict=True)]
+    return Rule(np.stack(points, axis=-1).reshape(-1, 3), np.einsum("i,j,k->ijk", *weights).ravel())
 
 
-def _rule(domain: str, degree: int) -> Rule:
-    points, weights = _quadrature(domain, degree)
-    return Rule(np.ascontiguousarray(points.T), weights)
+def _hexahedron_rule(n: int) -> Rule:
+    return _gauss(n, 0, 0, 0)
 
 
-def _wedge_rule(degree: int) -> Rule:
-    # scikit-fem's own rule for wedges integrates the volume 1/2 to 1/4 (version 12.0.2).
-    (triangle, w), (line, v) = _quadrature("RefTri", degree), _quadrature("RefLine", degree)
-    points = [(x, y, z) for x, y in triangle.T for z in line[0]]
-    return Rule(np.array(points), np.outer(w, v).ravel())
+def _wedge_rule(n: int) -> Rule:
+    """Exact to degree 2n − 1 in the triangle and along the axis: y = s (1 − x)."""
+    rule = _gauss(n, 1, 0, 0)
+    x, s, z = rule.points.T
+    return Rule(np.stack([x, s * (1.0 - x), z], axis=-1), rule.weights)
 
 
 def _pyramid_rule(n: int) -> Rule:
-    """Exact to degree 2n − 1 in x/(1-z), y/(1-z) and z, positive: n points in each direction."""
-    (z, w), (a, u) = (scipy.special.roots_jacobi(n, power, 0.0) for power in (2.0, 0.0))
-    a, b, z = np.meshgrid((1 + a) / 2, (1 + a) / 2, (1 + z) / 2, indexing="ij")
-    points = np.stack([a * (1 - z), b * (1 - z), z], axis=-1).reshape(-1, 3)
-    return Rule(points, np.einsum("i,j,k->ijk", u / 2, u / 2, w / 8).ravel())
+    """Exact to degree 2n − 1 in x/(1-z), y/(1-z) and z."""
+    rule = _gauss(n, 0, 0, 2)
+    a, b, z = rule.points.T
+    return Rule(np.stack([a * (1.0 - z), b * (1.0 - z), z], axis=-1), rule.weights)
 
 
-def _conical_rule(n: int) -> Rule:
-    """Exact to degree 2n − 1 on the tetrahedron, positive: Gauss–Jacobi rules, n in each direction.
+def _tetrahedron_rule(n: int) -> Rule:
+    """Exact to degree 2n − 1: y = s (1 − x) and z = t (1 − x)(1 − s) (Stroud, 1971)."""
+    rule = _gauss(n, 2, 1, 0)
+    x, s, t = rule.points.T
+    return Rule(np.stack([x, s * (1.0 - x), t * (1.0 - x) * (1.0 - s)], axis=-1), rule.weights)
 
-    x = r, y = s (1 − r), z = t (1 − r)(1 − s) has the Jacobian (1 − r)² (1 − s) (Stroud, 1971).
+
+def _symmetric_tetrahedron_rule() -> Rule:
+    """Return 14 points, exact to degree 5, the same from each corner.
+
+    N. J. Walkington, Quadrature on simplices of arbitrary dimension, Carnegie Mellon (2000): points
+    on the lines from the corners to the middles of the opposite sides, and from the middles of
+    edges to those of the opposite ones.
     """
-    (r, u), (s, v), (t, w) = (
-        scipy.special.roots_jacobi(n, power, 0.0) for power in (2.0, 1.0, 0.0)
-    )
-    r, s, t = np.meshgrid((1 + r) / 2, (1 + s) / 2, (1 + t) / 2, indexing="ij")
-    points = np.stack([r, s * (1 - r), t * (1 - r) * (1 - s)], axis=-1).reshape(-1, 3)
-    weights = np.einsum("i,j,k->ijk", u / 8, v / 4, w / 2).ravel()
-    return Rule(points, weights)
+    corners = np.vstack([np.zeros(3), np.eye(3)])
+    groups = [
+        (0.31088591926330060980, 0.018781320953002641800, 1),
+        (0.092735250310891226402, 0.012248840519393658257, 1),
+        (0.045503704125649649492, 0.0070910034628469110730, 2),
+    ]
+    points, weights = [], []
+    for small, weight, large in groups:  # barycentric coordinates: `large` of them differ
+        for which in combinations(range(4), large):
+            shares = np.full(4, small)
+            shares[list(which)] = (1.0 - (4 - large) * small) / large
+            points.append(shares @ corners)
+            weights.append(weight)
+    return Rule(np.array(points), np.array(weights))
 
 
 def _tetrahedra_of_a_brick() -> FloatArray:
@@ -364,31 +382,30 @@ class _Kind:
 # Degrees needed with curved sides, where the Jacobian is a polynomial too. Hexahedra of order p, in
 # each coordinate: 3p − 1 for ∫∇φ dV, 5p − 1 for ∫φφ dV; tetrahedra, in all: 3p − 3 and 5p − 3.
 # Wedges: 3p − 2 and 5p − 2 in the triangle; pyramids, in x/(1-z) and y/(1-z): 3p and 5p.
-# From "degree" 5 on, scikit-fem's positive rules for tetrahedra are exact to one degree less.
 _ALL = {
     "tetra": _Kind(
         *(_TETRAHEDRON, (), _TETRAHEDRON_4),
-        *(partial(_rule, "RefTet", 1), partial(_rule, "RefTet", 2)),
+        *(partial(_tetrahedron_rule, 1), partial(_tetrahedron_rule, 2)),
     ),
     "tetra10": _Kind(
         *(_TETRAHEDRON, TETRAHEDRON_EDGES, _TETRAHEDRON_10),
-        *(partial(_rule, "RefTet", 5), partial(_conical_rule, 4)),
+        *(_symmetric_tetrahedron_rule, partial(_tetrahedron_rule, 4)),
     ),
     "hexahedron": _Kind(
         *(_HEXAHEDRON, (), _HEXAHEDRON_8),
-        *(partial(_rule, "RefHex", 3), partial(_rule, "RefHex", 5)),
+        *(partial(_hexahedron_rule, 2), partial(_hexahedron_rule, 3)),
     ),
     "hexahedron20": _Kind(
         *(_HEXAHEDRON, _HEXAHEDRON_EDGES, _HEXAHEDRON_20),
-        *(partial(_rule, "RefHex", 5), partial(_rule, "RefHex", 9)),
+        *(partial(_hexahedron_rule, 3), partial(_hexahedron_rule, 5)),
     ),
     "hexahedron27": _Kind(
         *(_HEXAHEDRON, _HEXAHEDRON_MIDDLES, _HEXAHEDRON_27),
-        *(partial(_rule, "RefHex", 5), partial(_rule, "RefHex", 9)),
+        *(partial(_hexahedron_rule, 3), partial(_hexahedron_rule, 5)),
     ),
-    "wedge": _Kind(*(_WEDGE, (), _WEDGE_6), *(partial(_wedge_rule, 2), partial(_wedge_rule, 4))),
+    "wedge": _Kind(*(_WEDGE, (), _WEDGE_6), *(partial(_wedge_rule, 2), partial(_wedge_rule, 3))),
     "wedge15": _Kind(
-        *(_WEDGE, _WEDGE_EDGES, _WEDGE_15), *(partial(_wedge_rule, 5), partial(_wedge_rule, 9))
+        *(_WEDGE, _WEDGE_EDGES, _WEDGE_15), *(partial(_wedge_rule, 3), partial(_wedge_rule, 5))
     ),
     "pyramid": _Kind(
         *(_PYRAMID, (), _PYRAMID_5), *(partial(_pyramid_rule, 2), partial(_pyramid_rule, 3))
