@@ -1,9 +1,14 @@
 """Linear solvers on spheres and long held bars of 2e4 … 1e6 dofs: set-up, one solution, memory.
 
     python benchmarks/linear.py [--most 2e5] [--solvers multigrid superlu pardiso] [--pipeline]
+    python benchmarks/linear.py --direct
+    python benchmarks/linear.py --sheet
 
 Each line is a process of its own, so that its memory is its own. A million dofs (--most 1.2e6) take
-some 5 GiB and, with --pipeline (mesh to 8 anti-oscillators), a minute or two.
+some 5 GiB and, with --pipeline (mesh to 8 anti-oscillators), a minute or two. With --direct, time
+and entries of factors are compared with what the dissection foretells, on balls, blocks, plates,
+sheets and bars; with --sheet, the natural frequencies and a model of a steel sheet of 300 x 300 x
+1 mm are timed.
 """
 
 from __future__ import annotations
@@ -22,6 +27,8 @@ import aoimpact as ao
 from aoimpact.linalg import pardiso
 from aoimpact.linalg.multigrid import Multigrid
 from aoimpact.linalg.pencil import Pencil
+from aoimpact.linalg.solvers import METHODS
+from aoimpact.linalg.superlu import factorize
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
@@ -65,14 +72,59 @@ def measure(shape: str, dofs: float, solver: str, pipeline: bool) -> dict[str, o
     elif solver == "multigrid":
         pencil = Pencil(body.K, body.M, SHIFT, body.nodes, body.free, body.mesh)
         multigrid, *found["setup"] = timed(lambda: Multigrid(pencil, TOLERANCE))
-        x, *found["solve"] = timed(lambda: multigrid.solve(tip.b))
-        found["iterations"] = multigrid.iterations
+        (x, found["iterations"]), *found["solve"] = timed(
+            lambda: multigrid.iterate(tip.b, TOLERANCE, np.inf)
+        )
         found["residual"] = float(np.linalg.norm(tip.b - pencil.product(x)))
     else:
         inverse, *found["setup"] = timed(lambda: body.inverse(SHIFT, solver=solver))
         _, *found["solve"] = timed(lambda: inverse.solve(tip.b))
     found["memory"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     return found
+
+
+BODIES = {
+    "ball": lambda: ao.sphere_mesh(0.01, 2.5e-3),
+    "block": lambda: ao.box_mesh((0.1, 0.1, 0.1), (12, 12, 12), kind="hexahedron20"),
+    "block, linear": lambda: ao.box_mesh((0.1, 0.1, 0.1), (20, 20, 20), kind="hexahedron"),
+    "plate": lambda: ao.box_mesh((0.3, 0.3, 0.05), (24, 24, 4), kind="hexahedron20"),
+    "plate, tetra10": lambda: ao.box_mesh((0.3, 0.3, 0.01), (30, 30, 1), kind="tetra10"),
+    "sheet": lambda: ao.box_mesh((0.3, 0.3, 1e-3), (60, 60, 1), kind="hexahedron20"),
+    "bar": lambda: ao.box_mesh((1.0, 0.05, 0.05), (200, 4, 4), kind="hexahedron20"),
+}
+
+
+def direct() -> None:
+    """Factors, against what the dissection says of them; minimum degree for comparison."""
+    methods = [METHODS[name] for name in ("superlu", "pardiso") if METHODS[name].is_installed()]
+    print(f"{'':16}{'dofs':>8}  entries/foretold  seconds of the processor (foretold)")
+    for name, mesh in BODIES.items():
+        pencil = ao.FEModel.from_mesh(mesh(), STEEL)._pencil.at(SHIFT)
+        cost, _, ordering = timed(lambda pencil=pencil: pencil.dissection)
+        A = pencil.matrix()
+        factors = factorize(A, order=cost.order)
+        line = f"{name:16}{pencil.n:8}{factors._lu.L.nnz / cost.entries:10.2f}"
+        line += f"{'':8}dissection {ordering:.2f}"
+        for method in methods:
+            _, _, seconds = timed(lambda set_up=method.set_up, pencil=pencil: set_up(pencil))
+            line += f"  {method.name} {seconds:.2f} ({method.seconds(pencil, 0, cost):.2f})"
+        _, _, by_degree = timed(lambda A=A: factorize(A))
+        print(f"{line}  superlu by minimum degree {by_degree:.2f}", flush=True)
+
+
+def sheet() -> None:
+    """Of a clamped sheet, one layer of flat elements: what took minutes or did not end."""
+    mesh = BODIES["sheet"]()
+    for what, call in (
+        ("frequencies(3)", lambda body: body.frequencies(3)),
+        (
+            "8 anti-oscillators",
+            lambda body: ao.antioscillators(body.contact(point=(0.15, 0.15, 1e-3), radius=0), 8),
+        ),
+    ):
+        body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
+        _, wall, cpu = timed(lambda call=call, body=body: call(body))
+        print(f"sheet, {body.n_dofs} dofs: {what:20}{wall:8.2f} s ({cpu:.2f} of the processor)")
 
 
 def in_a_process(*arguments: object) -> dict[str, object]:
@@ -87,8 +139,13 @@ def main() -> None:
     parser.add_argument("--most", type=float, default=3e5, help="dofs (default 3e5)")
     parser.add_argument("--solvers", nargs="+", default=["multigrid", "superlu", "pardiso"])
     parser.add_argument("--pipeline", action="store_true", help="mesh to 8 anti-oscillators")
+    parser.add_argument("--direct", action="store_true", help="factors against their estimates")
+    parser.add_argument("--sheet", action="store_true", help="a sheet of 300 x 300 x 1 mm")
     parser.add_argument("--one", help=argparse.SUPPRESS)
     options = parser.parse_args()
+    if options.direct or options.sheet:
+        (direct if options.direct else sheet)()
+        return
     if options.one:
         print(json.dumps(measure(*json.loads(options.one))))
         return

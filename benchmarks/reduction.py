@@ -4,6 +4,7 @@
     python benchmarks/reduction.py --constrained
     python benchmarks/reduction.py --arpack [--size 1.9] [--along 100]
     python benchmarks/reduction.py --patch
+    python benchmarks/reduction.py --eigen
 
 The first: against one factorisation of K + s²M by the same solver, and n + 2 solutions with it; a
 sphere with elements of `size` mm. The second: the same for bodies clamped at their ends, slender,
@@ -11,8 +12,9 @@ thin and compact, which need their static mode besides; in processor time. The t
 lowest constraint modes by ARPACK with factors by the same solver, for equal force error, in
 processor time; the sphere on its like, and a rigid ball on a slender bar clamped at both ends
 (4 x 4 elements across, `along` along). The fourth: 28 constraint modes by mass for a patch against
-a node, on a beam of hex20 clamped at both ends, in processor time: as long. Machines differ and are
-shared: the ratios are what to read.
+a node, on a beam of hex20 clamped at both ends, in processor time: as long. The fifth: 5
+anti-oscillators by either method against all of them, on clamped plates, in processor time.
+Machines differ and are shared: the ratios are what to read.
 """
 
 from __future__ import annotations
@@ -203,7 +205,7 @@ def patch_against_node() -> None:
     node, patch = (beam.contact(point=(0.37, 0.02, 0.05), radius=r) for r in (0.0, 0.014))
     with held_warnings():
         one, many = best_times(
-            *(partial(ao.antioscillators, tip, 28) for tip in (node, patch)),
+            *(partial(ao.antioscillators, tip, 28, method="eigen") for tip in (node, patch)),
             enough=0.0,
             clock=time.process_time,
         )
@@ -213,14 +215,35 @@ def patch_against_node() -> None:
     )
 
 
+def few_against_all() -> None:
+    """What a few anti-oscillators cost, which must be less than all."""
+    for cells in ((10, 5, 2), (16, 8, 2)):
+        mesh = ao.box_mesh((0.2, 0.1, 0.01), cells, kind="hexahedron20")
+        plate = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz")])
+        tip = plate.contact(point=(0.1, 0.05, 0.01), radius=0)
+        (every,), (heaviest,), (fitted,) = (
+            best_times(partial(ao.antioscillators, tip, **how), enough=0.0, clock=time.process_time)
+            for how in ({}, {"n": 5, "method": "eigen"}, {"n": 5, "method": "krylov"})
+        )
+        print(
+            f"Plate, {plate.n_dofs} dofs: all anti-oscillators {every:.3g} s, the 5 heaviest "
+            f"{heaviest:.3g} s (1/{every / heaviest:.0f}), 5 by krylov {fitted:.3g} s",
+            flush=True,
+        )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--arpack", action="store_true", help="against constraint modes by ARPACK")
     parser.add_argument("--constrained", action="store_true", help="bodies with supports")
     parser.add_argument("--patch", action="store_true", help="a patch against a node")
+    parser.add_argument("--eigen", action="store_true", help="a few anti-oscillators against all")
     parser.add_argument("--size", type=float, help="of the sphere's elements, mm")
     parser.add_argument("--along", type=int, default=100, help="elements along the bar")
     options = parser.parse_args()
+    if options.eigen:
+        few_against_all()
+        return
     if options.patch:
         patch_against_node()
         return

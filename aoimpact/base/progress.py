@@ -6,6 +6,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 __all__ = ["Progress", "advance", "bar"]
@@ -18,68 +19,41 @@ _DELAY, _CLOCK = 1.0, 0.5
 _open = threading.local()
 
 
+@dataclass
 class Progress:
-    """Progress that is not shown.
+    """How far something has come.
 
     Attributes
     ----------
     n : float
-        How far it has come.
+    drawn : tqdm, optional
+        What shows it, if anything does.
+    unit : str
+        What the outermost bar counts.
+    part, total : str, float
+        What is done within the outermost bar, and how far it will go.
     """
 
-    def __init__(self) -> None:
-        self.n: float = 0
+    n: float = 0
+    drawn: Any = None
+    unit: str = ""
+    part: str = ""
+    total: float | None = None
 
     def update(self, n: float = 1) -> None:
         """Go on by `n`."""
         self.n += n
+        if self.part:
+            self.tell()
+        elif self.drawn is not None:
+            self.drawn.update(n)
 
-
-class _Bar(Progress):
-    """The outermost one, drawn by tqdm."""
-
-    def __init__(self, what: str, total: float | None, unit: str) -> None:
-        super().__init__()
-        self.unit = unit
-        self._drawn = _tqdm()(
-            total=total, desc=what, unit=" " + unit, delay=_DELAY, leave=False, miniters=0
-        )
-        self._over = threading.Event()
-        self._clock = threading.Thread(target=self._tick, daemon=True)
-        self._clock.start()
-
-    def update(self, n: float = 1) -> None:
-        super().update(n)
-        self._drawn.update(n)
-
-    def tell(self, words: str) -> None:
-        """Say beside the bar what is being done."""
-        self._drawn.set_postfix_str(words, refresh=False)
-        self._drawn.update(0)
-
-    def close(self) -> None:
-        """Take it away."""
-        self._over.set()
-        self._clock.join()
-        self._drawn.close()
-
-    def _tick(self) -> None:
-        while not self._over.wait(_CLOCK):
-            self._drawn.update(0)
-
-
-class _Part(Progress):
-    """What is done within the outermost bar."""
-
-    def __init__(self, outer: _Bar, what: str, total: float | None) -> None:
-        super().__init__()
-        self._outer, self._what, self._total = outer, what, total
-        outer.tell(what)
-
-    def update(self, n: float = 1) -> None:
-        super().update(n)
-        share = f" {min(self.n / self._total, 1.0):.0%}" if self._total else ""
-        self._outer.tell(self._what + share)
+    def tell(self) -> None:
+        """Say beside the outermost bar how far its part has come."""
+        if self.drawn is not None:
+            share = f" {min(self.n / self.total, 1.0):.0%}" if self.total else ""
+            self.drawn.set_postfix_str(self.part + share, refresh=False)
+            self.drawn.update(0)
 
 
 @contextmanager
@@ -102,23 +76,38 @@ def bar(what: str, total: float | None = None, unit: str = "step") -> Iterator[P
     ...     for _ in range(3):
     ...         progress.update()
     """
-    outer: _Bar | None = getattr(_open, "bar", None)
+    outer: Progress | None = getattr(_open, "bar", None)
     if outer is not None:
-        yield _Part(outer, what, total)
+        part = Progress(drawn=outer.drawn, part=what, total=total)
+        part.tell()
+        yield part
     elif not (_in_notebook() or _on_terminal()):
         yield Progress()
     else:
-        _open.bar = shown = _Bar(what, total, unit)
-        try:
-            yield shown
-        finally:
-            _open.bar = None
-            shown.close()
+        from tqdm import tqdm  # takes longer to import than most bars would show
+
+        options = {"delay": _DELAY, "leave": False, "miniters": 0}
+        with tqdm(total=total, desc=what, unit=" " + unit, **options) as drawn:
+            over = threading.Event()
+            clock = threading.Thread(target=_tick, args=(drawn, over), daemon=True)
+            clock.start()
+            _open.bar = Progress(drawn=drawn, unit=unit)
+            try:
+                yield _open.bar
+            finally:
+                _open.bar = None
+                over.set()
+                clock.join()
+
+
+def _tick(drawn: Any, over: threading.Event) -> None:
+    while not over.wait(_CLOCK):
+        drawn.update(0)
 
 
 def advance(unit: str, n: float = 1) -> None:
     """Go on by `n` in the outermost bar, if it counts these."""
-    outer: _Bar | None = getattr(_open, "bar", None)
+    outer: Progress | None = getattr(_open, "bar", None)
     if outer is not None and outer.unit == unit:
         outer.update(n)
 
@@ -134,9 +123,3 @@ def _in_notebook() -> bool:
     from IPython import get_ipython  # type: ignore[attr-defined, unused-ignore]
 
     return hasattr(get_ipython(), "kernel")
-
-
-def _tqdm() -> Any:
-    from tqdm import tqdm  # takes longer to import than most bars would show
-
-    return tqdm

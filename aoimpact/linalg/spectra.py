@@ -18,7 +18,6 @@ __all__ = [
     "DENSE_DOFS",
     "EQUAL",
     "lowest",
-    "lowest_sparse",
     "null_space",
     "shifted",
     "warn_of_rounding",
@@ -189,21 +188,14 @@ def lowest(
     if dofs <= DENSE_DOFS or n > dofs // 5:
         return _lowest_dense(K, M, n, rigid)
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
-    near = _near(K, M, rigid, solver_at)
+    near = _near(K, M, known, solver_at)
     found = _by_cycles(K, M, near, n - count, rigid) if known is not None else None
     if found is not None:
         omega2, modes = found
     else:
         base = near if near.s2 == 0.0 else shifted(K, M, rigid=known, invert=solver_at, first=near)
         try:
-            _, modes = lowest_sparse(
-                M,
-                base.solve,
-                base.s2,
-                n - count,
-                away_from=rigid,
-                whole=False,
-            )
+            modes = _lowest_sparse(M, base.solve, base.s2, n - count, rigid)
             omega2, modes = _unmixed(K, modes)
         except ConvergenceError:
             if dofs > _DENSE_AT_WORST:
@@ -216,10 +208,10 @@ def lowest(
 
 
 def _near(
-    K: Any, M: Any, rigid: FloatArray, solver_at: Callable[[float], LinearSolver]
+    K: Any, M: Any, known: FloatArray | None, solver_at: Callable[[float], LinearSolver]
 ) -> LinearSolver:
     """The solver of K itself where it is regular; else that of the first guess of s²."""
-    if rigid.shape[1] == 0:
+    if known is not None and known.shape[1] == 0:
         try:
             return solver_at(0.0)
         except SingularError:  # rounding
@@ -277,62 +269,35 @@ def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray
     return np.maximum(omega2, 0.0), modes
 
 
-def lowest_sparse(
+def _lowest_sparse(
     M: Any,
     solve: Callable[[FloatArray], FloatArray],
     s2: float,
     n: int,
-    *,
     away_from: FloatArray,
-    start: FloatArray | None = None,
-    whole: bool = True,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the `n` lowest eigenpairs of a space from its inverse operator, by ARPACK.
+) -> FloatArray:
+    """Return the modes of the `n` lowest eigenvalues, or a few more, shape (dofs, n), by ARPACK.
 
-    A Krylov space holds one vector of a multiple eigenvalue, so members of it can be missed. What
-    was found is therefore deflated and the lowest of the rest computed, until that lies above.
-    The last eigenvalue, too, comes with all its members, so there may be more than `n`.
-
-    With a `start`, only modes that are not M-orthogonal to it are wanted. All of these lie in its
-    Krylov space, one of each multiple eigenvalue, and the iteration alone finds them.
+    A Krylov space holds one vector of a multiple eigenvalue, so members of it can be missed. The
+    modes found are therefore deflated and the lowest of the rest computed, until that lies above.
 
     Parameters
     ----------
-    M : scipy.sparse matrix, shape (dofs, dofs)
     solve : callable
-        f ↦ (K + s²M)⁻¹ f on the space in question, self-adjoint.
-    s2 : float
-        The shift s² of `solve`, (rad/s)².
-    n : int
-        How many eigenpairs.
+        f ↦ (K + s²M)⁻¹ f.
     away_from : ndarray, shape (dofs, r)
         M-orthonormal eigenvectors to keep out of the result.
-    start : ndarray, shape (dofs,), optional
-        First vector of the Krylov space.
-    whole : bool, optional
-        Whether the last eigenvalue is wanted with all its members, of which there may be as many as
-        dofs.
-
-    Returns
-    -------
-    omega2, modes : ndarrays, shapes (n or more,), (dofs, n or more)
 
     Raises
     ------
     ConvergenceError
     """
-    margin = EQUAL if whole else -EQUAL
-    first = np.random.default_rng(2).standard_normal(M.shape[0]) if start is None else start
-    omega2, modes = _arnoldi(M, solve, s2, n, away_from, first)
-    if start is not None:
-        return omega2, modes
+    omega2, modes = _arnoldi(M, solve, s2, n, away_from)
     while True:
         deflated = np.column_stack([away_from, modes])
-        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, first)
-        highest = omega2[n - 1] * (1.0 + margin)
-        if next_omega2[0] > highest:
-            within = omega2 <= max(highest, omega2[n - 1])
-            return omega2[within], modes[:, within]
+        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated)
+        if next_omega2[0] > omega2[n - 1] * (1.0 - EQUAL):
+            return modes
         omega2 = np.append(omega2, next_omega2)
         modes = np.column_stack([modes, next_mode])
         order = np.argsort(omega2, kind="stable")
@@ -345,9 +310,9 @@ def _arnoldi(
     s2: float,
     n: int,
     deflated: FloatArray,
-    start: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     dofs = M.shape[0]
+    start = np.random.default_rng(2).standard_normal(dofs)
     m_deflated = M @ deflated
 
     def project(x: FloatArray) -> FloatArray:
