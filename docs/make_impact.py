@@ -32,8 +32,8 @@ def main() -> None:
             projectile=rigid, target=rigid, velocity=VELOCITY, duration=DURATION
         ),
         "one node touched (the paper's recipe)": ao.simulate(
-            projectile=ao.antioscillators(node, n=1, method="eigen"),
-            target=ao.antioscillators(node, n=1, method="eigen"),
+            projectile=ao.antioscillators(node, n=1),
+            target=ao.antioscillators(node, n=1),
             law=hit.law.law,
             velocity=VELOCITY,
             duration=DURATION,

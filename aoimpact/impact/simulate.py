@@ -56,8 +56,9 @@ def simulate(
     ----------
     projectile, target : ContactPoint, AOModel, ModalModel or FullModel
         A contact point (``body.contact(...)``) is reduced as far as the quantity of interest
-        allows; ``full(tip)`` is the full finite-element model. A patch whose radius was left out is
-        fitted to the impact.
+        allows; ``full(tip)`` is the full finite-element model. A model of a given number of
+        oscillators is best made by ``antioscillators(tip, n, method="krylov", contact_time=)``. A
+        patch whose radius was left out is fitted to the impact.
     velocity : float
         Of the projectile along the direction of travel, m/s, not zero; negative only if the
         projectile is constrained, so that it swings back.

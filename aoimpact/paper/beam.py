@@ -115,7 +115,7 @@ class BeamStudy:
     @cached_property
     def star(self) -> AOModel:
         """The beam by its anti-oscillators of largest mass."""
-        return antioscillators(self.tip, n=self.count, method="eigen")
+        return antioscillators(self.tip, n=self.count)
 
     @cached_property
     def lowest(self) -> AOModel:

@@ -81,8 +81,8 @@ ax = table.plot()
 # Give the model yourself
 # -----------------------
 # - ``ao.rigid(mass=...)`` and ``ao.ball(radius, material)``: rigid; a ball also knows its surface;
-# - ``ao.antioscillators(tip, n)``: few oscillators, fitted to the duration of the contact; with ``method="eigen"`` the
-#   paper's, of largest mass, of which the same accuracy takes some six times as many;
+# - ``ao.antioscillators(tip, n, method="krylov", contact_time=100e-6)``: few oscillators, fitted to the contact; without
+#   ``method`` the paper's, of largest mass, of which the same accuracy takes some six times as many;
 # - ``ao.modal(tip, n)``: natural modes;
 # - ``ao.full(tip)``: all finite elements.
 #

@@ -23,7 +23,7 @@ balls = [ao.FEModel.from_mesh(mesh, steel) for mesh in meshes]
 def meet(ball, radius):
     """Two like spheres at 1 m/s, each by one anti-oscillator."""
     tip = ball.contact(point=(0.01, 0, 0), radius=radius)
-    sphere = ao.antioscillators(tip, n=1, method="eigen")
+    sphere = ao.antioscillators(tip, n=1)
     return ao.simulate(projectile=sphere, target=sphere, law=law, velocity=1.0, duration=100e-6)
 
 
@@ -99,7 +99,7 @@ ax.legend()
 # A contact that grows too wide for its patch, between two patches beyond 0.79 of their radius, is an error that names the
 # radius to take. It takes a velocity far above those that this package is for:
 
-sphere = ao.antioscillators(balls[1].contact(point=(0.01, 0, 0), radius=0.003), n=1, method="eigen")
+sphere = ao.antioscillators(balls[1].contact(point=(0.01, 0, 0), radius=0.003), n=1)
 try:
     ao.simulate(projectile=sphere, target=sphere, law=law, velocity=200.0, duration=50e-6)
 except ao.AOImpactError as error:

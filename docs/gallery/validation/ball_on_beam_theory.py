@@ -54,7 +54,7 @@ print(f"{force.max():.5f} N, ball leaves with {truth.y[-1, -1] * 1e3:.5f} mm/s")
 # The same modes, as the springs and masses of their receptance: all anti-oscillators of the diagonal matrices.
 
 beam = ao.FEModel(K=np.diag(omega**2), M=np.eye(modes.size), name="modes").contact(b=shape)
-oscillators = ao.antioscillators(beam, n=modes.size - 1, method="eigen")  # all
+oscillators = ao.antioscillators(beam, n=modes.size - 1)  # all
 hit = ao.simulate(
     projectile=ao.rigid(mass=ball_mass),
     target=oscillators,

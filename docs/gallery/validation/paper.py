@@ -41,7 +41,7 @@ for name, printed, some in (
 # %%
 # Table 3: its model of one anti-oscillator.
 
-sphere = ao.antioscillators(tip, n=1, method="eigen")
+sphere = ao.antioscillators(tip, n=1)
 beside("k0", "0", sphere.k0, "N/m")
 beside("m0 / mass", "0.10 %", 100 * sphere.m0 / ball.mass, "%")
 beside("m1 / mass", "99.90 %", 100 * sphere.m[0] / ball.mass, "%")
@@ -173,7 +173,7 @@ print(np.round(beam_of("hexahedron20").frequencies(2), 1), "Hz")
 # The first of the beam's anti-oscillators has only half of the static mass; 28 have 98 % in the paper (Figure 8). Here are
 # the 28 of largest mass, which have more; the paper seems to count by frequency, and the 28 lowest have 97.8 %.
 
-oscillators = ao.antioscillators(struck, n=28, method="eigen")
+oscillators = ao.antioscillators(struck, n=28)
 share = np.sort(oscillators.m)[::-1] / oscillators.static_mass
 beside("static mass", "467 g", 1e3 * oscillators.static_mass, "g")
 beside("first anti-oscillator", "53 %", 100 * share[0], "%")
@@ -213,7 +213,7 @@ fig.legend(loc="outside upper center", ncols=2)
 # (:doc:`two_spheres`): Hertz's rigid pair is 1.3 % below that, and the *full finite-element model* 20 %. Its one loaded
 # node adds an indentation that Hertz's law contains already, and finer meshes add more of it. With a patch:
 
-patched = ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.0045), n=1, method="eigen")
+patched = ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.0045), n=1)
 with_patch = ao.simulate(projectile=patched, target=patched, **case)
 for name, force in (
     ("full model, one node", full.peak_force),

@@ -58,7 +58,7 @@ for size in (0.008, 0.005, 0.003):
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     for body in (ao.FEModel.from_mesh(ao.paper_sphere_mesh(), steel), ball):
-        node = ao.antioscillators(body.contact(point=(0.01, 0, 0), radius=0), n=1, method="eigen")
+        node = ao.antioscillators(body.contact(point=(0.01, 0, 0), radius=0), n=1)
         one = ao.simulate(
             projectile=node, target=node, law=hit.law.law, velocity=1.0, duration=100e-6
         )
