@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from itertools import combinations, permutations, product
 from typing import Any
 
@@ -81,16 +81,23 @@ class ReferenceElement:
     nodes : ndarray, shape (n_nodes, 3)
         Reference coordinates of the nodes, meshio's order: the corners first; the rest lie in the
         middle of edges, faces, and the body.
-    stiffness_rule, mass_rule : Rule
-        Exact for ∫∇φ dV, which the patch test needs, and for ∫φφ dV, on elements however curved.
     """
 
     kind: str
     cell: Cell
     nodes: FloatArray
-    stiffness_rule: Rule
-    mass_rule: Rule
+    _rules: tuple[Callable[[], Rule], Callable[[], Rule]]
     _basis: _Basis
+
+    @cached_property
+    def stiffness_rule(self) -> Rule:
+        """Exact for ∫∇φ dV, which the patch test needs, on elements however curved."""
+        return self._rules[0]()
+
+    @cached_property
+    def mass_rule(self) -> Rule:
+        """Exact for ∫φφ dV, on elements however curved."""
+        return self._rules[1]()
 
     @property
     def n_nodes(self) -> int:
@@ -426,7 +433,7 @@ def reference_element(kind: str) -> ReferenceElement:
     corners = of.cell.corners
     nodes = np.vstack([corners, *(corners[list(c)].mean(axis=0) for c in of.middles)])
     basis = _Basis.of(of.space, nodes, 0.5 if of.cell is _HEXAHEDRON else 0.0)
-    return ReferenceElement(kind, of.cell, nodes, of.stiffness_rule(), of.mass_rule(), basis)
+    return ReferenceElement(kind, of.cell, nodes, (of.stiffness_rule, of.mass_rule), basis)
 
 
 def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:
