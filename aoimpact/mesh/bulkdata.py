@@ -299,7 +299,8 @@ def _names(lines: Lines, starts: IntArray, heads: npt.NDArray[Any]) -> dict[str,
     parts = np.split(starts[order], np.cumsum(np.bincount(inverse, minlength=len(unique)))[:-1])
     found: dict[str, list[IntArray]] = {}
     for head, own in zip(unique.view("S8"), parts, strict=True):
-        name = head.strip().removesuffix(b"*").strip()
+        # meshio writes CTETRA_, CHEXA_ and so on for elements with midside nodes.
+        name = head.strip().removesuffix(b"*").strip().removesuffix(b"_")
         if not _NAME.fullmatch(name):
             text = lines.text[own[0]][:24].decode()
             raise lines.refused(int(own[0]), repr(text), "it begins no entry of bulk data")

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import meshio
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -303,6 +304,21 @@ def test_solids(name: str, quadratic: bool, tmp_path: Path) -> None:
     assert mesh.cell_labels.tolist() == [7]
     body = ao.FEModel.from_mesh(mesh, ao.Material(E=210e9, nu=0.3, rho=7800))
     assert body.M.sum() / 3 == pytest.approx(7800 * VOLUMES[name], rel=1e-12)
+
+
+@pytest.mark.parametrize("points", ["free", "fixed-small", "fixed-large"])
+@pytest.mark.parametrize(
+    ("kind", "cells"),
+    [("tetra10", "fixed-small"), ("tetra10", "fixed-large"), ("hexahedron20", "fixed-small")],
+)
+def test_what_meshio_writes(kind: str, points: str, cells: str, tmp_path: Path) -> None:
+    box = ao.box_mesh((2.0, 1.5, 1.0), (2, 1, 1), kind=kind)
+    blocks = [(block.kind, block.cells) for block in box.blocks]
+    written = meshio.Mesh(box.nodes, blocks)
+    meshio.nastran.write(tmp_path / "deck.bdf", written, points, cells)
+    mesh = ao.read_mesh(tmp_path / "deck.bdf")
+    np.testing.assert_allclose(mesh.nodes, box.nodes, atol=1e-6)
+    np.testing.assert_array_equal(mesh.cells, box.cells)
 
 
 def test_either_sense_of_numbering_is_right(tmp_path: Path) -> None:
