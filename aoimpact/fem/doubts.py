@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy
 import scipy.sparse as sp
 
 from ..base import plain, warn
@@ -17,6 +18,9 @@ __all__ = ["warn_of_locking", "warn_of_separate_parts"]
 # ν above which elements of first order lock in volume. A bar of 16 × 2 × 2 hexahedra bends 10 % too
 # stiffly (in frequency) at 0.3, 19 % at 0.45, 35 % at 0.49, 195 % at 0.4999; quadratic ones 4 %.
 _NEARLY_INCOMPRESSIBLE = 0.45
+
+# Nodes closer than this fraction of the mesh's size are at the same place.
+_COINCIDENT = 1e-9
 
 
 def warn_of_locking(mesh: Mesh, material: AnyMaterial) -> None:
@@ -56,9 +60,14 @@ def warn_of_separate_parts(mesh: Mesh, masses: Any) -> None:
     sizes = np.bincount(of_cell, minlength=count)
     other = int(np.flatnonzero(of_cell != sizes.argmax())[0])
     place = plain(mesh.nodes[mesh.cells[other]].mean(axis=0))
+    pairs = scipy.spatial.KDTree(mesh.nodes).query_pairs(
+        _COINCIDENT * mesh.size, output_type="ndarray"
+    )
+    cure = "make a body of each, by part="
+    if len(pairs):
+        cure = f"merge the {len(pairs)} pairs of nodes that lie at the same place"
     warn(
-        f"the mesh has {count} parts that share no node: {sizes.max()} of {mesh.n_cells} elements, "
-        f"and others such as near {place} m, while mass "
-        "and centre of mass are those of all. Merge nodes that coincide, or make a body of each "
-        "part, part="
+        f"the mesh has {count} parts that share no nodes: {sizes.max()} of {mesh.n_cells} "
+        f"elements, and others such as near {place} m. Mass and centre of mass are those of all: "
+        f"{cure}"
     )

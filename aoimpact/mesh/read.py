@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import scipy
-import scipy.sparse as sp
 
 from ..base import (
     FloatArray,
@@ -31,9 +30,6 @@ from .rawmesh import RawMesh
 from .viameshio import from_meshio, is_meshio
 
 __all__ = ["read_mesh"]
-
-# Nodes closer than this fraction of the mesh's size are at the same place.
-_COINCIDENT = 1e-9
 
 
 def read_mesh(
@@ -85,8 +81,8 @@ def read_mesh(
     Warns
     -----
     AOImpactWarning
-        If nodes were dropped or elements renumbered, if the mesh falls into pieces, if groups of a
-        file have no elements, or if meshio read it and nothing was checked.
+        If nodes were dropped or elements renumbered, if groups of a file
+        have no elements, or if meshio read it and nothing was checked.
 
     Examples
     --------
@@ -119,7 +115,6 @@ def read_mesh(
             f"mesh must be a path, a meshio.Mesh or a Mesh, got {type(source).__name__}"
         )
     mesh = mesh if part is None else select(mesh, "part", part)
-    _warn_of_pieces(mesh)
     return mesh if order is None else of_second_order(mesh)
 
 
@@ -294,24 +289,3 @@ def _make_right_handed(nodes: FloatArray, cells: IntArray, kind: str) -> IntArra
     if turned is not cells:
         warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
     return turned
-
-
-def _warn_of_pieces(mesh: Mesh) -> None:
-    n_local = mesh.cells.shape[1]
-    first = np.repeat(mesh.cells[:, 0], n_local - 1)
-    others = mesh.cells[:, 1:].reshape(-1)
-    links = sp.coo_array((np.ones(len(first), bool), (first, others)), shape=(mesh.n_nodes,) * 2)
-    n_pieces, _ = sp.csgraph.connected_components(links, directed=False)
-    if n_pieces == 1:
-        return
-    pairs = scipy.spatial.KDTree(mesh.nodes).query_pairs(
-        _COINCIDENT * mesh.size, output_type="ndarray"
-    )
-    hint = (
-        f"{len(pairs)} pairs of nodes lie at the same place: merge coincident nodes in the mesher"
-        if len(pairs)
-        else "no nodes lie at the same place: check that this is one body"
-    )
-    warn(
-        f"the mesh falls into {n_pieces} pieces that share no nodes; {hint}",
-    )

@@ -57,7 +57,7 @@ def found(body: ao.FEModel) -> int:
     return every.shape[1]
 
 
-@pytest.mark.filterwarnings("ignore:.*parts that share no node")
+@pytest.mark.filterwarnings("ignore:.*parts that share no nodes")
 @pytest.mark.parametrize("fixed", [None, [(end, "xyz")], [(end, "x")]], ids=["free", "held", "x"])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_motions_without_force_are_rigid_ones_and_mechanisms(shape: str, fixed: Any) -> None:
@@ -66,7 +66,7 @@ def test_motions_without_force_are_rigid_ones_and_mechanisms(shape: str, fixed: 
         assert found(body) == motions_without_force(body), kind
 
 
-@pytest.mark.filterwarnings("ignore:.*parts that share no node")
+@pytest.mark.filterwarnings("ignore:.*parts that share no nodes")
 @pytest.mark.parametrize("many", [False, True], ids=["dense", "sparse"])
 @pytest.mark.parametrize("seed", range(6))
 def test_elements_joined_at_random(seed: int, many: bool, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -213,16 +213,6 @@ def test_scale_turns_millimetres_into_metres() -> None:
     assert read_mesh(mesh) is mesh
 
 
-def test_pieces_and_coincident_nodes_are_counted() -> None:
-    # The second cube has its own copy of the four nodes between them.
-    points = np.vstack([CUBE, CUBE + ALONG])
-    cells = [range(8), range(8, 16)]
-    with pytest.warns(AOImpactWarning, match=r"into 2 pieces .* 4 pairs of nodes lie at the same"):
-        read_mesh(solid(points, [list(cell) for cell in cells]))
-    with pytest.warns(AOImpactWarning, match="into 2 pieces .* check that this is one body"):
-        read_mesh(solid(points + 1.0 * (np.arange(16) > 7)[:, None], [list(c) for c in cells]))
-
-
 @pytest.mark.parametrize(
     ("cells", "words"),
     [
