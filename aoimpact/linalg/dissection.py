@@ -20,6 +20,9 @@ __all__ = ["Dissection", "first_cut", "nested_dissection"]
 # Nodes of a part that is not cut further.
 _LEAF = 64
 
+# Multiplications of all separators over those of the first one, at least.
+_LEAST_RATIO = 10.0
+
 # Distances in the graph, from as many places, stand for coordinates that are not known.
 _ENDS = 3
 
@@ -70,11 +73,14 @@ def nested_dissection(matrix: Any, places: FloatArray | None = None) -> Dissecti
 
 
 def first_cut(matrix: Any, places: FloatArray | None = None) -> Dissection:
-    """Return the first separator alone and its cost, for much less than the whole dissection."""
+    """Return the first separator, and the least that the whole dissection may cost.
+
+    Of s rows it takes s³/3 multiplications, a 17th of all in cubes and balls, less in other bodies.
+    """
     node, parts = _parts(matrix, places)
     count = int(node[-1]) + 1
     s = len(parts.halves(np.arange(count))[1]) * len(node) / count
-    return Dissection(np.arange(0), s, s**2 / 2, s**3 / 3)
+    return Dissection(np.arange(0), s, s**2 / 2, _LEAST_RATIO * s**3 / 3)
 
 
 def _parts(matrix: Any, places: FloatArray | None) -> tuple[IntArray, _Parts]:

@@ -65,7 +65,7 @@ class Pencil:
 
     @cached_property
     def first_cut(self) -> Dissection:
-        """The first separator of the dissection, and what it alone costs."""
+        """The first separator of the dissection, and the least that factors cost."""
         return self.origin.first_cut if self.origin else first_cut(self.K, self.places)
 
     @property

@@ -61,10 +61,7 @@ _ROUNDING = 2e-14
 
 # Estimated seconds up to which factors are taken though iterations may be as quick: they serve any
 # number of solutions, and cannot fail to converge.
-_PROMPT = 0.5
-
-# Iterations that no body takes for all of its solutions.
-_MANY = 1e5
+_PROMPT = 0.2
 
 # The default number of solutions: those of a model of some oscillators. Fewer are for a shift far
 # above the slow motions of the body, for which iterations converge.
@@ -214,6 +211,9 @@ class LinearSolver:
         except ConvergenceError:
             if self.most == np.inf:
                 raise
+        if _direct(self.pencil) is None:  # no factors fit: iterations go on
+            self.most = np.inf
+            return self._iterated(rhs, tolerance)
         self.factorise()
         return self.inverse.solve(rhs)
 
@@ -323,21 +323,13 @@ def _factorising() -> list[Method]:
 
 
 def _least(pencil: Pencil) -> float:
-    """Seconds below which no method factorises: those of its first separator."""
+    """Seconds below which no method factorises."""
     return min(m.seconds(pencil, 0, pencil.first_cut) for m in _factorising())
 
 
 def _as_long_as_factors(pencil: Pencil, method: Method) -> float:
-    """Iterations that take as long as factors would, infinite where none fit into memory."""
-    if method.iteration is None:
-        return np.inf
-    each = method.iteration(pencil)
-    if _least(pencil) > _MANY * each:
-        return _MANY
-    direct = _direct(pencil)
-    if direct is None:
-        return np.inf
-    return direct.seconds(pencil, FEW_SOLUTIONS, pencil.dissection) / each
+    """Iterations that take as long as factors would at least; infinite of factors themselves."""
+    return np.inf if method.iteration is None else _least(pencil) / method.iteration(pencil)
 
 
 def _cure(pencil: Pencil, method: Method) -> str:
