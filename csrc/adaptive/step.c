@@ -11,10 +11,15 @@
 #include "collocation/collocation.h"
 
 #include <math.h>
+#include <string.h>
 
 /* A step ends at an edge if its contact separates within this share of the step's length from its end. Measured:
  * from 0.03 to 0.3 work changes by 0.3 %. */
 static const double EDGE_WIDTH = 0.1;
+
+/* Share of rtol that Newton's method may leave of an indentation where no rates are needed, which are found from
+ * differences of indentations. */
+static const double NEWTON_EXACT = 1e-4;
 
 /* Newton's convergence is measured against an indentation of at least this share of the largest. Measured: from
  * 1e-12 to 1e-3 errors and work are the same. */
@@ -24,12 +29,19 @@ static const double NEWTON_SHARE = 1e-6;
  * Tried: 12 runs change, by 2e-12. */
 static const double MASSLESS_NEWTON_SHARE = 1e-3;
 
+static int are_equal(const double *one, const double *other, size_t count)
+{
+    return one == other || (one && other && memcmp(one, other, count * sizeof *one) == 0);
+}
+
 /* Whether two bodies have the same response: scenes often use one model several times. */
 static int are_alike(const aoi_adaptive *run, size_t first, size_t second)
 {
     const aoi_modes *one = &run->system->body[first], *other = &run->system->body[second];
-    return !run->body[first].columns.of && one->n == other->n && one->ports == other->ports && one->omega == other->omega &&
-           one->decay == other->decay && one->shape == other->shape && one->push == other->push;
+    return !run->body[first].columns.of && one->n == other->n && one->ports == other->ports &&
+           (one->load.count > 0) == (other->load.count > 0) && are_equal(one->omega, other->omega, one->n) && are_equal(one->decay, other->decay, one->n) &&
+           are_equal(one->shape, other->shape, one->ports * one->n) &&
+           are_equal(one->push, other->push, one->ports * one->n);
 }
 
 /* The tables of a body for this step; new ones replace those that were unused for longest. */
@@ -247,7 +259,8 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
             begin_entry(run, s, h, with_rates);
         }
     }
-    if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
+    const double exact = !with_rates && aoi_step_is_single(run) ? NEWTON_EXACT * run->rtol : 0.0;
+    if (aoi_collocation_solve(run->system, run->response, h, exact, run->closed_count, span_of(run),
                               run->entry, run->collocation) != AOI_OK) {
         return;
     }

@@ -1021,9 +1021,9 @@ static void a_run_in_pieces_is_the_run(void)
     release(&p[1]);
 }
 
-/* Two ringing bodies, equal to each other or of different mass; shared: the second has the arrays of the
- * first as far as they are equal. */
-static void collide_twins(plant *p, const aoi_law *law, double heavier, int shared)
+/* Two ringing bodies, equal to each other or of different mass, the second under a rising load or not; alike: all
+ * numbers of equal ones are equal, else the second differs by rounding, so that it gets tables of its own. */
+static void collide_twins(plant *p, const aoi_law *law, double heavier, int loaded, int alike)
 {
     uint64_t seed = 3;
     add_ringing(p, 3, 1, 0.3, 2e5, 1.0, &seed);
@@ -1034,28 +1034,31 @@ static void collide_twins(plant *p, const aoi_law *law, double heavier, int shar
         twin->push[j] /= heavier;
         twin->inertia[j] *= heavier;
     }
+    if (loaded) {
+        twin->load_count = 2;
+        twin->load_time[1] = 1e-3;
+        twin->load_force[1] = 1e3;
+    }
+    if (!alike) {
+        twin->omega[1] *= 1.0 + 4e-16;
+    }
     join_rigid(p, 0, 1, 0.0, law);
     CHECK(begin(p, 1e-8, 1e-3) == AOI_OK, "it starts");
-    if (shared) {
-        p->body[1].omega = p->body[0].omega;
-        p->body[1].shape = p->body[0].shape;
-        p->body[1].push = heavier == 1.0 ? p->body[0].push : p->body[1].push;
-    }
     CHECK(aoi_adaptive_finish(p->run, &p->track) == AOI_OK, "it runs");
     keep_state(p);
 }
 
-static void bodies_of_one_model_move_as_copies_do(void)
+static void bodies_of_one_model_move_as_others_do(void)
 {
     const aoi_law law = hertz(1e9);
-    for (int i = 0; i < 2; i++) {
-        const double heavier = i == 0 ? 1.0 : 2.0;
+    for (int i = 0; i < 4; i++) {
+        const double heavier = i % 2 == 0 ? 1.0 : 2.0;
         plant one = {.bodies = 0}, two = {.bodies = 0};
-        collide_twins(&one, &law, heavier, 1);
-        collide_twins(&two, &law, heavier, 0);
+        collide_twins(&one, &law, heavier, i / 2, 1);
+        collide_twins(&two, &law, heavier, i / 2, 0);
         CHECK(two.run->contact[0].impulse > 0.0, "they meet");
         for (size_t k = 0; k < one.system.first[2]; k++) {
-            CHECK(one.x[k] == two.x[k] && one.v[k] == two.v[k], "mode %zu, %g times", k, heavier);
+            CHECK(fabs(one.v[k] - two.v[k]) <= 1e-9 * (1.0 + fabs(one.v[k])), "mode %zu, %g times", k, heavier);
         }
         release(&one);
         release(&two);
@@ -1274,7 +1277,7 @@ int main(void)
     no_step_passes_by_chance();
     a_crest_that_is_drawn_back_has_its_own_scale();
     a_run_in_pieces_is_the_run();
-    bodies_of_one_model_move_as_copies_do();
+    bodies_of_one_model_move_as_others_do();
     stiffness_alone_costs_nothing();
     a_slow_end_is_when_the_indentation_is_zero();
     energies_that_overflow_are_refused();
