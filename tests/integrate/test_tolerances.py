@@ -40,7 +40,7 @@ def chain(wider: float) -> ao.Scene:
 
 
 def sphere(mass: float) -> ao.AOModel:
-    """A body that rings while it is in contact, so that the length of steps follows the tolerance."""
+    """A body that rings in contact, so that the length of steps follows the tolerance."""
     return ao.AOModel(m0=1e-3 * mass, k0=0.0, m=[0.999 * mass], k=[275.7e6])
 
 
