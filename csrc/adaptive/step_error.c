@@ -24,9 +24,10 @@ static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
 /* The first of these in a step with a single contact. Its nodes are far more exact than the polynomial between them,
  * which is read for the peak, where that may lie inside the step, and for histories, whose error is that of the tail.
+ * Errors add up: a contact of more than so many steps has less of these.
  * Measured: of the first a third costs 0.8 % more work; of the second 0.3 costs 3.6 %, and of impacts with one AO a body
  * 25 %, 30 saves none. */
-static const double PEAK_SHARE = 1.0, HISTORY_SHARE = 10.0;
+static const double PEAK_SHARE = 1.0, HISTORY_SHARE = 10.0, STEPS = 50.0;
 
 /* Share of these in the first and last step of a contact: there the force is no smooth function of time, and the
  * quadrature of its defect misses part of it. */
@@ -141,7 +142,8 @@ static double tail_share_of(const aoi_adaptive *run, const aoi_contact_step *ent
     if (!aoi_step_is_single(run)) {
         return TAIL_SHARE;
     }
-    return top_inside ? PEAK_SHARE : HISTORY_SHARE;
+    const double part = STEPS / fmax(STEPS, (double)run->contact[entry->contact].steps);
+    return fmax(TAIL_SHARE, part * (top_inside ? PEAK_SHARE : HISTORY_SHARE));
 }
 
 /* The errors of a step as shares of their tolerances; and the tolerance of the unresolved oscillation of a force, N. */
