@@ -96,7 +96,7 @@ def read_mesh(
     array([0.02, 0.01, 0.01])
     """
     factor = positive("scale", scale)
-    if order not in (None, 2):
+    if order is not None and not (isinstance(order, (int, np.integer)) and order == 2):
         raise InputError(f"order must be 2 or None, got {order!r}")
     if isinstance(source, Mesh):
         mesh = source if factor == 1.0 else replace_nodes(source, _scaled(source.nodes, factor))

@@ -305,7 +305,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.Mesh(BOX.nodes, BOX.cells, BOX.kind, {}, {"all": [0]}).part,
         {"names": "all"},
     ),
-    "read_mesh": (ao.read_mesh, {"source": BOX, "scale": 1.0, "part": None}),
+    "read_mesh": (ao.read_mesh, {"source": BOX, "scale": 1.0, "part": None, "order": None}),
     "Material.half_space": (STEEL.half_space, {"normal": (0, 0, 1)}),
     "Orthotropic": (
         ao.Orthotropic,
@@ -337,6 +337,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "masses": [("xmax", 1.0)],
             "springs": [("xmax", "x", 1e6)],
             "part": None,
+            "order": None,
             "damping": None,
             "name": "",
         },
