@@ -78,14 +78,16 @@ def read(file: Path) -> RawMesh:
         if words[0] == "Begin" and len(words) > 1:
             what, name = words[1], " ".join(words[2:])
             stack.append((what, name))
-            path = ".".join(part for kind, part in stack if kind == "SubModelPart")
+            path = [part for kind, part in stack if kind == "SubModelPart"]
             rows = []
             if what == "Nodes":
                 nodes = rows
             elif what in _HEAD:
                 tables.append((what, name, rows))
-            elif what in _MEMBERS and path:
-                members.setdefault(path, []).append((_MEMBERS[what], rows))
+            elif what in _MEMBERS and path:  # members of a part are those of all parts around it
+                for depth in range(1, 1 + len(path)):
+                    around = members.setdefault(".".join(path[:depth]), [])
+                    around.append((_MEMBERS[what], rows))
             elif not _IGNORED.fullmatch(what):
                 raise ValueError(f"line {number}: the block {what!r} is not known")
         elif words[0] == "End":
@@ -143,12 +145,15 @@ def _mesh(
     cell_sets: dict[str, IntArray] = {}
     for path, parts in members.items():
         for what, rows in parts:
+            if what == "Geometries":
+                continue
+            sets, places_of = (
+                (node_sets, node_of) if what == "Nodes" else (cell_sets, cell_of[what])
+            )
             ids = np.array([int(word) for row in rows for word in row], dtype=np.int64)
-            if what == "Nodes":
-                node_sets[path] = _looked_up(node_of, ids, f"sub-model part {path!r}")
-            elif what != "Geometries":
-                found = _looked_up(cell_of[what], ids, f"sub-model part {path!r}")
-                cell_sets[path] = np.concatenate([cell_sets.get(path, found[:0]), found])
+            found = _looked_up(places_of, ids, f"sub-model part {path!r}")
+            if len(found):
+                sets[path] = np.union1d(sets.get(path, found), found)
     return RawMesh(table[:, 1:], tuple(blocks), node_sets, cell_sets, integers(table[:, 0]))
 
 

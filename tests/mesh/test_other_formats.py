@@ -421,12 +421,31 @@ def test_elements_and_sub_model_parts_of_kratos(tmp_path: Path) -> None:
     (tmp_path / "a.mdpa").write_text(MDPA)
     mesh = ao.read_mesh(tmp_path / "a.mdpa")
     assert mesh.cells.tolist() == [[0, 1, 2, 3], [1, 4, 2, 3]]
-    assert {name: ids.tolist() for name, ids in mesh.cell_sets.items()} == {"Parts.Solid": [1]}
+    assert {name: ids.tolist() for name, ids in mesh.cell_sets.items()} == {
+        "Parts": [1],
+        "Parts.Solid": [1],
+    }
     assert {name: ids.tolist() for name, ids in mesh.node_sets.items()} == {
         "Parts": [0, 1, 2],
         "Parts.Solid": [1, 2, 3, 4],
     }
     assert np.array_equal(mesh.node_labels, [10, 20, 30, 40, 50])
+
+
+def test_a_sub_model_part_of_kratos_has_all_of_its_blocks_and_of_the_parts_in_it(
+    tmp_path: Path,
+) -> None:
+    def nodes(numbers: str) -> str:
+        return f"Begin SubModelPartNodes\n{numbers}\nEnd SubModelPartNodes\n"
+
+    inner = f"Begin SubModelPart Inner\n{nodes('50')}End SubModelPart\n"
+    outer = f"Begin SubModelPart Outer\n{nodes('10')}{inner}{nodes('20')}End SubModelPart\n"
+    (tmp_path / "a.mdpa").write_text(MDPA + outer)
+    sets = ao.read_mesh(tmp_path / "a.mdpa").node_sets
+    assert {name: sets[name].tolist() for name in ("Outer", "Outer.Inner")} == {
+        "Outer": [0, 1, 4],
+        "Outer.Inner": [4],
+    }
 
 
 @pytest.mark.parametrize(
