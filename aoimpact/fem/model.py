@@ -220,7 +220,8 @@ class FEModel(Frozen):
             Named groups of elements that make up the body, of a file with several bodies.
         order : int, optional
             2 adds a node in the middle of each edge to elements of first order, which makes bodies
-            of few elements much more accurate; see `read_mesh`.
+            of few elements much more accurate; see `read_mesh`. Sets of nodes get these nodes,
+            lists of numbers do not.
         damping : Rayleigh or ModalDamping, optional
             Inherited by the models made from this one. Rayleigh's holds for added masses and
             springs, too.
@@ -241,6 +242,7 @@ class FEModel(Frozen):
         AOImpactWarning
             If the body is so large or heavy that its coordinates are probably in millimetres, a
             `RigidMass` so far off or so extended that it is, or a mass lies on constrained nodes;
+            if numbers of nodes leave out the midside nodes between corners that they name;
             if parts of the mesh share no node, or elements of first order are nearly
             incompressible.
 

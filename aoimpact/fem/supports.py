@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, called, nearest
-from ..mesh import Mesh
+from ..base import FloatArray, InputError, InputTypeError, IntArray, called, nearest, warn
+from ..mesh import Mesh, open_edges
 from .labels import nodes_by_number
 
 __all__ = ["Selector", "Support", "components", "free_dofs", "nodes_of_mesh", "selected_nodes"]
@@ -68,8 +68,20 @@ def components(name: str, letters: Any) -> list[int]:
 
 
 def nodes_of_mesh(name: str, selector: Any, mesh: Mesh) -> IntArray:
-    """Return the nodes of a mesh that are selected; see `selected_nodes`."""
-    return selected_nodes(name, selector, mesh.nodes, mesh.node_sets, mesh.node_labels)
+    """Return the nodes of a mesh that are selected; see `selected_nodes`.
+
+    Warns
+    -----
+    AOImpactWarning
+        If numbers name the corners of edges whose midside nodes they leave out.
+    """
+    ids = selected_nodes(name, selector, mesh.nodes, mesh.node_sets, mesh.node_labels)
+    if not (isinstance(selector, str) or callable(selector)) and (count := open_edges(mesh, ids)):
+        warn(
+            f"{name}: the numbers are those of corners, without the midside nodes of {count} edges "
+            "between them. Name a set of nodes, or give a function of the coordinates"
+        )
+    return ids
 
 
 def selected_nodes(

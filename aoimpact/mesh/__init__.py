@@ -13,6 +13,7 @@ from .locate import AT_NODE, node_at, weights_at
 from .mesh import Block, Mesh, group, taken
 from .nastran import nastran_nodes
 from .nastrantext import is_nastran
+from .order import open_edges
 from .read import read_mesh
 from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of
@@ -41,6 +42,7 @@ __all__ = [
     "motions_at",
     "nastran_nodes",
     "node_at",
+    "open_edges",
     "paper_sphere_mesh",
     "plane_of",
     "read_mesh",

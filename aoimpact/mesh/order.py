@@ -12,7 +12,7 @@ from .elements import KINDS, reference_element
 from .mesh import Mesh
 from .surface import boundary
 
-__all__ = ["of_second_order"]
+__all__ = ["of_second_order", "open_edges"]
 
 # The kind of second order on the corners of each of first order: that with nodes on edges alone.
 _RAISED = {
@@ -66,6 +66,28 @@ def of_second_order(mesh: Mesh) -> Mesh:
         labels,
         mesh.cell_labels,
     )
+
+
+def open_edges(mesh: Mesh, ids: IntArray) -> int:
+    """Return how many edges on the surface have both ends among some corners, but no middle.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    ids : ndarray of int
+        Nodes. If a midside node is one of them, they are no corners alone, and the result is 0.
+    """
+    chosen = np.zeros(mesh.n_nodes, dtype=bool)
+    chosen[ids] = True
+    middles = [np.zeros(0, dtype=np.int64)]
+    for block in mesh.blocks:
+        ends = edges_of(block.element)
+        middle = block.cells[:, block.element.n_corners :][:, : len(ends)]
+        if chosen[middle].any():
+            return 0
+        middles.append(middle[chosen[block.cells[:, ends]].all(axis=2)])
+    found = np.unique(np.concatenate(middles))
+    return int(np.isin(found, boundary(mesh).nodes).sum()) if len(found) else 0
 
 
 def _unique(edges: IntArray, n_nodes: int) -> tuple[IntArray, IntArray]:

@@ -96,6 +96,21 @@ def test_bending_of_a_thin_bar_is_right_at_once() -> None:
     assert quadratic == pytest.approx(exact, rel=0.01)
 
 
+@pytest.mark.parametrize("kind", ["hexahedron", "tetra", "wedge"])
+def test_corners_by_number_that_leave_out_the_nodes_between_them_warn(kind: str) -> None:
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    bar = ao.box_mesh((0.04, 0.01, 0.01), (4, 1, 1), kind=kind)
+    corners = bar.node_sets["xmin"]
+    ao.FEModel.from_mesh(bar, steel, fixed=[(corners, "xyz")])
+    with pytest.warns(ao.AOImpactWarning, match=r"fixed\[0\].* midside nodes of [45] edges"):
+        loose = ao.FEModel.from_mesh(bar, steel, fixed=[(corners, "xyz")], order=2)
+    raised = ao.read_mesh(bar, order=2)
+    for nodes in ("xmin", raised.node_sets["xmin"], lambda x: x[:, 0] == 0.0):
+        clamped = ao.FEModel.from_mesh(bar, steel, fixed=[(nodes, "xyz")], order=2)
+        assert clamped.frequencies(1)[0] > 1.1 * loose.frequencies(1)[0]
+    ao.FEModel.from_mesh(raised, steel, fixed=[(corners[[0]], "xyz"), ("xmax", "x")])
+
+
 def test_a_mesh_of_second_order_stays_and_one_of_both_is_refused() -> None:
     box = ao.box_mesh((1, 1, 1), (1, 1, 1), kind="tetra10")
     assert ao.read_mesh(box, order=2) is box
