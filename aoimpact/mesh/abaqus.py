@@ -16,7 +16,7 @@ from ..base import IntArray, MeshError, warn
 from .inpfile import Keyword, key, read_keywords
 from .inpgeometry import moved
 from .inpscope import Elements, Scope, Which
-from .inptypes import UNSUPPORTED, harmless, is_side
+from .inptypes import CONNECTIONS, UNSUPPORTED, harmless, is_side
 from .rawmesh import RawBlock, RawMesh
 
 __all__ = ["read"]
@@ -45,13 +45,14 @@ class _Model:
     """Keywords of a deck, by what they belong to.
 
     `outside` has those of the assembly, or of a deck without parts. Parts and instances are found
-    by their names in capitals.
+    by their names in capitals. `connections` counts keywords that connect nodes.
     """
 
     outside: list[Keyword] = field(default_factory=list)
     parts: dict[str, list[Keyword]] = field(default_factory=dict)
     instances: dict[str, _Instance] = field(default_factory=dict)
     called: dict[str, str] = field(default_factory=dict)
+    connections: Counter[str] = field(default_factory=Counter)
 
 
 def read(file: Path) -> RawMesh:
@@ -72,7 +73,8 @@ def read(file: Path) -> RawMesh:
     Warns
     -----
     AOImpactWarning
-        If elements are no solids, parts have no instance, or sets name what is not there.
+        If elements are no solids, parts have no instance, sets name what is not there, or nodes are
+        connected by more than elements.
     """
     try:
         with np.errstate(all="ignore"):  # coordinates out of reach are refused later
@@ -90,6 +92,7 @@ def _sorted(keywords: list[Keyword]) -> _Model:
     loose: Keyword | None = None
     for keyword in keywords:
         name = keyword.name
+        model.connections[name] += name in CONNECTIONS
         if name in _OF_SCOPES:
             within[-1][1].append(keyword)
             if len(within) == 1 and name in ("NODE", "ELEMENT"):
@@ -239,6 +242,11 @@ def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> No
     for name in list(counts):
         if name.startswith(("C3D", *edges)) or is_side(name):
             del counts[name]
+    if connections := +model.connections:
+        said.append(
+            "connections between nodes were left out, and the body is computed without them: "
+            + ", ".join(f"{count} *{name}" for name, count in sorted(connections.items()))
+        )
     if counts:
         said.append(f"elements that are no solids are not part of the body: {_listed(counts)}")
     used = {instance.part for instance in model.instances.values()}

@@ -425,6 +425,9 @@ def _mesh(
         first += len(cells)
     missing = [name for name in names.values() if name not in sets]
     if missing:
-        warn(f"groups without elements in the file: {', '.join(map(repr, missing))}")
+        warn(
+            f"groups without elements in the file: {', '.join(map(repr, missing))}. Files of "
+            "version 2.2 have none where all elements are saved (SaveAll): save it as version 4.1"
+        )
     groups = {name: np.concatenate(parts) for name, parts in sets.items()}
     return RawMesh(places, tuple(blocks), {}, groups, tags)

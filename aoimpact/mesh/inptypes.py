@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-__all__ = ["UNSUPPORTED", "ElementType", "element_type", "harmless", "is_side"]
+__all__ = ["CONNECTIONS", "UNSUPPORTED", "ElementType", "element_type", "harmless", "is_side"]
 
 
 @dataclass(frozen=True)
@@ -86,6 +86,14 @@ UNSUPPORTED = frozenset(
         *("ADAPTIVEMESHREFINEMENT", "ADJUST", "DISPLAYBODY", "ELCOPY", "IMPERFECTION", "IMPORT"),
         *("IMPORTELSET", "IMPORTNSET", "NCOPY", "NFILL", "NMAP", "REFINEMESH"),
         "SYMMETRICMODELGENERATION",
+    )
+)
+
+# They connect nodes, of which the mesh alone knows nothing.
+CONNECTIONS = frozenset(
+    (
+        *("COUPLING", "DISTRIBUTINGCOUPLING", "EMBEDDEDELEMENT", "EQUATION", "FASTENER"),
+        *("KINEMATICCOUPLING", "MPC", "RIGIDBODY", "SHELLTOSOLIDCOUPLING", "TIE"),
     )
 )
 

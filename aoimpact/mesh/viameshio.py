@@ -39,6 +39,9 @@ _REFUSED = {
 # Formats that meshio reads from a stream, which is not read beyond its end for ever.
 _STREAMS = ("ansys", "netgen", "tecplot")
 
+# A zone of Tecplot.
+_ZONE = re.compile(rb"^[ \t]*ZONE\b", re.I | re.M)
+
 # Groups of FLAC3D's files, of which meshio numbers the members through, not by blocks.
 _FLAC3D = re.compile("(zone|face):")
 
@@ -63,6 +66,8 @@ def read(file: Path) -> RawMesh:
     if suffix in _REFUSED:
         raise MeshError(f"mesh file {str(file)!r}: {_REFUSED[suffix].format(suffix)}")
     formats = _formats(file)
+    if suffix == ".dat" and not _ZONE.search(file.read_bytes()):
+        raise ValueError("it is neither a Nastran deck nor a file of Tecplot")
     _check_numbers(file)
     said = io.StringIO()
     try:

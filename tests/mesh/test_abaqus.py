@@ -391,6 +391,13 @@ def test_sides_and_edges_of_solids_need_no_warning_and_name_nodes(tmp_path: Path
         read(tmp_path, NODES + BRICK + edge)
 
 
+def test_connections_between_nodes_are_named(tmp_path: Path) -> None:
+    more = "*TIE, NAME=T\nA, B\n*Rigid Body, REF NODE=1, ELSET=E\n*TIE, NAME=U\nC, D\n"
+    said = "without them: 1 \\*RIGIDBODY, 2 \\*TIE$"
+    with pytest.warns(AOImpactWarning, match=f"connections between nodes were left out.* {said}"):
+        assert read(tmp_path, NODES + BRICK + more).n_cells == 1
+
+
 def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
     with pytest.warns(AOImpactWarning, match="1 sets name what is not defined, as 99 in NSET S"):
         mesh = read(tmp_path, NODES + BRICK + "*NSET,NSET=S\n1,99\n*NSET,NSET=T,GENERATE\n1,100\n")

@@ -496,6 +496,12 @@ def test_a_zone_of_tecplot_is_read_and_several_are_refused(tmp_path: Path) -> No
         ao.read_mesh(tmp_path / "a.tec")
 
 
+def test_a_listing_called_dat_is_no_mesh(tmp_path: Path) -> None:
+    (tmp_path / "job.dat").write_text("1\n   Abaqus 2023   Date 26-Nov   Time 200000000014764\n")
+    with pytest.raises(MeshError, match="neither a Nastran deck nor a file of Tecplot"):
+        ao.read_mesh(tmp_path / "job.dat")
+
+
 def test_other_formats_are_read_with_a_warning(tmp_path: Path) -> None:
     box = ao.box_mesh(LENGTHS, (2, 1, 1))
     write(box, tmp_path / "a.su2", "su2")
