@@ -15,7 +15,7 @@ Bodies
     Mesh, box_mesh, sphere_mesh, paper_sphere_mesh; write_matrices, Audit
     Rayleigh, ModalDamping
 Where they are touched
-    FEModel.contact, ContactPoint, Patch, check_patch, PatchCheck
+    FEModel.contact, ContactPoint, Patch
 Models, from a rigid mass to all finite elements
     rigid, antioscillators, modal, interface, full, KrylovSpace
     AOModel, ModalModel, InterfaceModel, FullModel

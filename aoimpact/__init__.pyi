@@ -22,10 +22,8 @@ from .fem import Material as Material
 from .fem import ModalDamping as ModalDamping
 from .fem import Orthotropic as Orthotropic
 from .fem import Patch as Patch
-from .fem import PatchCheck as PatchCheck
 from .fem import Rayleigh as Rayleigh
 from .fem import RigidMass as RigidMass
-from .fem import check_patch as check_patch
 from .impact import Scene as Scene
 from .impact import simulate as simulate
 from .integrate import Adaptive as Adaptive

@@ -6,7 +6,6 @@ impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 """
 
 from .choice import checked_linear_solver, checked_rtol, choose_models
-from .compliance import ComplianceError, best_radius, compliance_error
 from .finer import finer_run
 from .hierarchy import FixedModel, Hierarchy, Models, model_hierarchy
 from .interest import impact_quantity, scene_quantity
@@ -17,7 +16,6 @@ from .stressat import StressAt
 
 __all__ = [
     "CONTROLLED",
-    "ComplianceError",
     "FixedModel",
     "Hierarchy",
     "Keep",
@@ -25,11 +23,9 @@ __all__ = [
     "Models",
     "Named",
     "StressAt",
-    "best_radius",
     "checked_linear_solver",
     "checked_rtol",
     "choose_models",
-    "compliance_error",
     "finer_run",
     "first_guess",
     "impact_quantity",

@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..fem import ContactPoint, moves_rigidly
+from ..fem import ContactPoint, moves_rigidly, shortest_contact_time
 from ..linalg import LinearSolver, Solver
 from ..reduction import (
     AOModel,
@@ -25,7 +25,6 @@ from ..reduction import (
     KrylovSpace,
     antioscillators,
     rigid,
-    shortest_contact_time,
 )
 
 __all__ = [
@@ -190,14 +189,8 @@ class KrylovHierarchy(Hierarchy):
 
 
 def _rigid(model: AOModel) -> AOModel:
-    """A model without oscillators as a rigid body, which does not deform under a patch either."""
-    if model.constrained:
-        return rigid(mass=math.inf, name=model.name)
-    if model.origin is None or model.origin.tip.patch is None:
-        return model
-    # With a patch its indentation would be subtracted from the law's.
-    point = replace(model.origin.tip, patch=None)
-    return replace(model, origin=replace(model.origin, tip=point))
+    """A model without oscillators as a rigid body: a wall, if it is constrained."""
+    return rigid(mass=math.inf, name=model.name) if model.constrained else model
 
 
 @dataclass(eq=False)

@@ -1,28 +1,27 @@
 """Errors of a run by its meshes and its contact laws, from the errors of compliances.
 
-The errors of a contact point's compliance (`compliance_error`) are corrected in the reduced models,
-and one more run gives the change of any quantity. Elements that are too stiff make the whole body
-too stiff: all its springs are softened until they add the missing compliance at a frequency of the
-contact. In a plate this is bending, of which a spring in series at the contact would give a
-twentieth. The half-space's error is local to the contact, and acts as such a spring. The errors of
-two bodies, and of several contacts, are corrected in the same run, which is the reference.
+The errors of a contact point's compliance (`Extraction`) are put into the models, and one more run
+gives the change of any quantity. The error of the compliance beyond the half-space acts like a
+spring in series with the law. A mesh that is too stiff makes the whole body too stiff, which the
+extraction corrects at one frequency only: all springs of the model are altered, and the compliance
+taken out of the law with them, so that the response at that frequency stays as it is. The errors of
+two bodies, and of several contacts, act in the same run.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..base import AOImpactError, held_warnings
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
-from ..reduction import FullModel, ReducedModel
+from ..reduction import AOModel, FullModel, ReducedModel
 from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, FullBody, Plan, SceneBody, scene_body
-from .compliance import compliance_error
 from .hierarchy import model_hierarchy
 
 __all__ = ["LeftOutFinder"]
@@ -37,13 +36,6 @@ _IN_PLACE_OF_ALL = 16
 
 # Slopes are taken over this share of the indentation.
 _DIFFERENCE = 1e-3
-
-# The mesh's error is evaluated for a contact time longer by this factor, at s = 6/T. At higher
-# frequencies the error just under the contact has a larger share, which matters less to the force.
-# Measured on plates and beams of all kinds of elements: springs softened by the true error at 6/T
-# correct .6 to 1.15 of the error of the peak force; at 4/T .4 to .9, at 10/T .65 to 1.45. Hence the
-# safety factor, with which 95 of 100 errors are within the estimate (docs/calibration.md).
-_SLOWER, _SAFETY = 10.0 / 6.0, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,40 +73,53 @@ class LeftOutFinder:
         found = [_of_contact(run, i) for i in range(len(plan.contacts))]
         if None in found:
             return LeftOut()
-        softening: dict[int, float] = {}
-        for end in (end for ends in found for end in ends or ()):
-            softening[end.body] = max(end.softening, softening.get(end.body, 0.0))
-        contact = [math.fsum(end.contact for end in ends or ()) for ends in found]
+        ends = [of or [] for of in found]
         quantity = self.interest()
-        in_mesh, when = self._changes(quantity, run, _softer(run, softening))
-        in_contact, then = self._changes(quantity, run, _in_series(run, contact))
-        if any(self.law_errors):
-            in_law, _ = self._changes(quantity, run, _stiffer(run, self.law_errors))
-            in_contact = {name: error + in_law[name] for name, error in in_contact.items()}
-        worst = when if in_mesh[quantity.name] >= in_contact[quantity.name] else then
+        beyond = [math.fsum(end.error for end in of) for of in ends]
+        varying = [math.fsum(end.varying for end in of) for of in ends]
+        stiffer = [_stiffer(run, ends, sign) for sign in (-1.0, 1.0)]
+        mesh = self._sum(quantity, run, [_in_series(run, beyond)], stiffer)
+        contact = self._sum(
+            quantity, run, [_in_series(run, varying)], [_with_law_error(run, self.law_errors)]
+        )
+        larger = max(mesh, contact, key=lambda change: change.errors[quantity.name])
         if quantity.local is not None:
-            in_mesh[quantity.name] += quantity.local(run)
-        return LeftOut(in_mesh, in_contact, worst)
+            mesh.errors[quantity.name] += quantity.local(run)
+        return LeftOut(mesh.errors, contact.errors, larger.when)
 
-    def _changes(
-        self, quantity: Quantity, run: Run, altered: _Altered
-    ) -> tuple[dict[str, float], float | None]:
+    def _sum(self, quantity: Quantity, run: Run, *causes: Sequence[_Altered]) -> _Change:
+        """The sum of the changes by several causes, each by the first alteration that can run."""
+        changes = [self._first_change(quantity, run, ways) for ways in causes]
+        largest = max(changes, key=lambda change: change.errors[quantity.name])
+        errors = {
+            name: math.fsum(change.errors[name] for change in changes) for name in largest.errors
+        }
+        return _Change(errors, largest.when)
+
+    def _first_change(self, quantity: Quantity, run: Run, ways: Sequence[_Altered]) -> _Change:
+        for altered in ways:
+            change = self._changes(quantity, run, altered)
+            if math.isfinite(change.errors[quantity.name]):
+                break
+        return change
+
+    def _changes(self, quantity: Quantity, run: Run, altered: _Altered) -> _Change:
         """The change of the quantity and of each number, and the time of a history's largest."""
         names = [*number_errors(run, ()), quantity.name]
         if altered.plan is None:
-            return dict.fromkeys(names, 0.0), None
+            return _Change(dict.fromkeys(names, 0.0), None)
         try:
             with held_warnings():
                 other = solve(altered.plan, self.solver)
         except AOImpactError:  # a contact beyond the range of its law
-            return dict.fromkeys(names, math.inf), None
+            return _Change(dict.fromkeys(names, math.inf), None)
         changes = np.abs(quantity.deviation(run, other))
         change = altered.scale * float(changes.max(initial=0.0))
         when = None
         if quantity.is_history and change:
             when = float(other.t[changes.argmax() % len(other.t)])
         numbers = number_errors(run, [other], altered.scale)
-        return numbers | {quantity.name: change}, when
+        return _Change(numbers | {quantity.name: change}, when)
 
 
 def _with_models(run: Run) -> Run:
@@ -138,23 +143,35 @@ def _with_models(run: Run) -> Run:
         return solve(plan, None)
 
 
+class _Change(NamedTuple):
+    """Relative changes of numbers by name, and when a history changes most, s."""
+
+    errors: dict[str, float]
+    when: float | None
+
+
 @dataclass(frozen=True)
 class _End:
-    """Errors of the compliance of a body at a contact.
+    """Errors of a body at a contact.
 
     Attributes
     ----------
     body : int
         Its number in the plan.
-    contact : float
-        Error near the contact, m/N.
+    error, varying : float
+        Of the compliance beyond the half-space, by the mesh and by the contact's width, m/N.
     softening : float
-        Relative increase of the springs' compliances that corrects the mesh's error.
+        Relative error of the stiffness of its springs.
+    held : float
+        By how much its response changes, m/N, for each unit of that, at the frequency at which it
+        is known.
     """
 
     body: int
-    contact: float
+    error: float
+    varying: float
     softening: float
+    held: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,36 +193,43 @@ def _of_contact(run: Run, number: int) -> list[_End] | None:
     found = []
     for body, port in contact.ports:
         model = plan.bodies[body].model
-        points = model.contact_points
-        if not points:
-            continue
-        if points[port].patch is None and not isinstance(law, HertzianLaw):
-            continue  # such a law does not contain the bodies' indentation
-        fast, slow = (
-            compliance_error(
-                model,
-                contact_time=times * contact_time,
-                contact_radius=_contact_radius(run, number),
-                port=port,
-            )
-            for times in (1.0, _SLOWER)
-        )
-        if fast is None or slow is None:
+        tip = model.touched_at(port)
+        if tip is None or (tip.patch is None and not isinstance(law, HertzianLaw)):
+            continue  # numbers, or a law that does not contain the bodies' indentation
+        if isinstance(model, AOModel) and model.n == 0 and model.k0 == 0.0:
+            return None  # rigid: it leaves out all
+        known = model.extraction_at(port)
+        if known is None:
             return None
-        found.append(_End(body, abs(fast.contact), _SAFETY * slow.mesh / slow.strain))
+        found.append(_End(body, known.error, known.varying, known.softening, known.strain))
     return found
 
 
-def _softer(run: Run, softening: Mapping[int, float]) -> _Altered:
-    """The plan with springs more compliant by these shares."""
-    if not any(softening.values()):
+def _stiffer(run: Run, ends: Sequence[Sequence[_End]], sign: float) -> _Altered:
+    """The plan with bodies stiffer by their errors (softer, for sign 1), and laws to suit."""
+    plan, shares = run.plan, dict[int, float]()
+    for end in (end for of in ends for end in of):
+        shares[end.body] = max(end.softening, shares.get(end.body, 0.0))
+    changes = [math.fsum(sign * end.softening * end.held for end in of) for of in ends]
+    largest = max(
+        [*shares.values(), *(_slope(run, i) * abs(of) for i, of in enumerate(changes) if of)],
+        default=0.0,
+    )
+    if largest == 0.0:
         return _Altered(None)
-    bodies = list(run.plan.bodies)
-    for body, share in softening.items():
+    scale = max(1.0, largest / _SMALL)
+    bodies = list(plan.bodies)
+    for body, share in shares.items():
         model = bodies[body].model
         assert isinstance(model, ReducedModel)
-        bodies[body] = replace(bodies[body], model=model.stiffened(1.0 / (1.0 + share)))
-    return _Altered(replace(run.plan, bodies=tuple(bodies), energies=False))
+        factor = 1.0 / (1.0 + sign * share / scale)
+        bodies[body] = replace(bodies[body], model=model.stiffened(factor))
+    contacts = [
+        contact._replace(law=_with_compliance(contact.law, -change / scale))
+        for contact, change in zip(plan.contacts, changes, strict=True)
+    ]
+    altered = replace(_with(plan, contacts), bodies=tuple(bodies))
+    return _Altered(altered, scale)
 
 
 def _depth(run: Run, number: int) -> float:
@@ -214,12 +238,6 @@ def _depth(run: Run, number: int) -> float:
     if not isinstance(contact.law, PatchLaw):
         return float(deepest)
     return float(deepest + contact.law.compliance * run.events[number].peak_force)
-
-
-def _contact_radius(run: Run, number: int) -> float | None:
-    """Radius of a contact at its largest indentation, m; None where the law gives none."""
-    radius = own_law(run.plan.contacts[number].law).relative_radius
-    return None if radius is None else math.sqrt(radius * _depth(run, number))
 
 
 def _in_series(run: Run, compliances: Sequence[float]) -> _Altered:
@@ -251,14 +269,16 @@ def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
     if change == 0.0:
         return law
     if not isinstance(law, PatchLaw):
-        return PatchLaw(law, change)
+        return PatchLaw(law, abs(change))
     if law.compliance > change:
         return replace(law, compliance=law.compliance - change)
     return replace(law, compliance=law.compliance + change)
 
 
-def _stiffer(run: Run, errors: Sequence[float]) -> _Altered:
+def _with_law_error(run: Run, errors: Sequence[float]) -> _Altered:
     """The plan with Hertz's laws stiffer by these shares."""
+    if not any(errors):
+        return _Altered(None)
     scale = max(1.0, max(errors) / _SMALL)
     contacts = []
     for contact, error in zip(run.plan.contacts, errors, strict=True):

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
+from ..fem import own_contact_time
 from ..linalg import LinearSolver, Solver
-from ..reduction import BodyModel, FullModel, own_contact_time
+from ..reduction import BodyModel, FullModel
 from ..results import Quantity, Run
 from .hierarchy import Hierarchy, Models, model_hierarchy
 

@@ -19,8 +19,8 @@ from ..base import (
     held_warnings,
     place,
 )
-from ..fem import ContactPoint, FEModel
-from ..fields import Response, Stress, response_of, stress_rows_at, stresses_around
+from ..fem import ContactPoint, FEModel, Stress, stresses_around
+from ..fields import Response, response_of, stress_rows_at
 from ..linalg import SolverBook
 from ..mesh import weights_at
 from ..reduction import SOLVED

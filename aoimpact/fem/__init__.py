@@ -19,10 +19,20 @@ from .composition import (
     materials_of,
     pieces,
 )
-from .contact import Body, ContactPoint, contact_at, contact_point, contact_within
+from .contact import PATCH_OVER_CONTACT, Body, ContactPoint, contact_point, contact_within
 from .contactsurface import ContactSurface
+from .contacttime import (
+    SHIFT_TIMES_DURATION,
+    fitted_shifts,
+    highest_shift,
+    near_static,
+    own_contact_time,
+    refuse_massless,
+    shortest_contact_time,
+    slow_shift,
+)
 from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
-from .halfspace import PatchCheck, check_patch, image_field
+from .extraction import Extraction, Splitting
 from .labels import checked_labels
 from .material import PAIRS, Material
 from .mechanism import refuse_mechanism
@@ -34,21 +44,25 @@ from .statics import (
     centre_of,
     displacement,
     moves_rigidly,
-    near_static,
     static_mode,
     translates,
 )
+from .stress import Stress
+from .stresserror import energy_error, missing_energy, stresses_around
 from .supports import selected_nodes
-from .touch import Room, edge_length, room
+from .touch import edge_length
 
 __all__ = [
     "PAIRS",
+    "PATCH_OVER_CONTACT",
+    "SHIFT_TIMES_DURATION",
     "AnyMaterial",
     "Audit",
     "Body",
     "ContactPoint",
     "ContactSurface",
     "Damping",
+    "Extraction",
     "FEModel",
     "Layout",
     "Material",
@@ -57,33 +71,38 @@ __all__ = [
     "OneMaterial",
     "Orthotropic",
     "Patch",
-    "PatchCheck",
     "Piece",
     "Rayleigh",
     "RigidMass",
-    "Room",
+    "Splitting",
     "StaticMode",
+    "Stress",
     "audited",
     "centre_of",
-    "check_patch",
     "checked_labels",
-    "contact_at",
     "contact_point",
     "contact_within",
     "damping_or_none",
     "displacement",
     "each_of",
     "edge_length",
-    "image_field",
+    "energy_error",
+    "fitted_shifts",
+    "highest_shift",
     "layout",
     "materials_of",
+    "missing_energy",
     "moves_rigidly",
     "near_static",
+    "own_contact_time",
     "pieces",
+    "refuse_massless",
     "refuse_mechanism",
-    "room",
     "selected_nodes",
+    "shortest_contact_time",
+    "slow_shift",
     "static_mode",
     "stiffness_mass",
+    "stresses_around",
     "translates",
 ]

@@ -38,27 +38,36 @@ from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
 from ..mesh import AT_NODE, Mesh, Surface, surface_shape
 from .composition import AnyMaterial
 from .contactsurface import ContactSurface, contact_surface
+from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
 from .damping import Damping
+from .extraction import Extraction, extracted
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
 from .touch import (
     Touch,
-    automatic_radius,
     edge_length,
     material_at,
+    normal_at,
     pressed_normal,
     thickness,
     touched,
-    warn_if_coarse,
 )
 
-__all__ = ["Body", "ContactPoint", "contact_at", "contact_point", "contact_within"]
+__all__ = ["PATCH_OVER_CONTACT", "Body", "ContactPoint", "contact_point", "contact_within"]
 
+
+# A patch's radius over the contact's. Two like bodies with patches leave nothing of Hertz's law
+# where the contact has a radius of a = r/1.2: c dF/dδ = 1.2 a/r. The rest is a margin.
+PATCH_OVER_CONTACT = 1.4
 
 # Shares of the force that a support takes over; below, they are rounding.
 _HELD = 1e-12
+
+# Radius of the contact at a node, as a share of the element's edge, where no impact gives it. R
+# hardly depends on it: a tenth or four times the true radius changes a force by 0.2 %.
+_WITHIN_EDGE = 0.2
 
 # How far the length of a unit vector may be from 1.
 _UNIT = 1e-9
@@ -148,6 +157,8 @@ class ContactPoint(Frozen):
         projectile: see `reversed`.
     automatic : bool
         Whether the radius of the patch was left to be chosen.
+    contact_radius : float or None
+        a of the contact itself at its largest force, m; of `radius` / 1.4 if it is not known.
 
     Raises
     ------
@@ -174,6 +185,7 @@ class ContactPoint(Frozen):
     normal: FloatArray | None = None
     directed: bool = True
     automatic: bool = False
+    contact_radius: float | None = None
 
     def __post_init__(self) -> None:
         if not callable(getattr(type(self.body), "com_functional", None)):
@@ -192,6 +204,8 @@ class ContactPoint(Frozen):
         if self.normal is not None:
             checked(self, normal=partial(finite_array, shape=(3,)))
         checked(self, directed=boolean, automatic=boolean)
+        if self.contact_radius is not None:
+            checked(self, contact_radius=partial(positive, unit="m"))
         super().__post_init__()
 
     def _functional(self, name: str, value: Any) -> FloatArray:
@@ -209,7 +223,53 @@ class ContactPoint(Frozen):
         :meta private:
         """
         opposite = None if self.direction is None else -self.direction
-        return replace(self, b=-self.b, direction=opposite)
+        tip = replace(self, b=-self.b, direction=opposite)
+        if "extraction" in vars(self):
+            vars(tip)["extraction"] = self.extraction
+        return tip
+
+    @cached_property
+    def extraction(self) -> Extraction | None:
+        """The compliance that the mesh has in place of the half-space of a contact law.
+
+        It takes one linear solution for the contact and one for what is not a half-space. None for
+        a body without a mesh, and on a sharp edge.
+        """
+        if self.body.mesh is None or self.normal is None or self.direction is None:
+            return None
+        shift = SHIFT_TIMES_DURATION / own_contact_time(self)
+        return self._extracted(self.body.inverse(shift**2))
+
+    def _extracted(self, solver: LinearSolver) -> Extraction:
+        assert self.body.surface is not None
+        assert self.point is not None
+        assert self.direction is not None
+        normal = normal_at(self.body.surface, self.point)
+        weights = self._nodal_forces @ self.direction
+        radius = self.contact_radius
+        if radius is None:
+            edge = edge_length(self.body.surface, self.point)
+            wide = _WITHIN_EDGE * edge if self.patch is None else self.patch.radius
+            radius = wide / PATCH_OVER_CONTACT
+        force = weights, self.direction
+        return extracted(self.body, self.b, *force, self.point, normal, radius, solver)
+
+    def at_impact(self, contact_radius: float, solver: LinearSolver) -> ContactPoint:
+        """Return the contact point for a contact of that radius, its compliance computed.
+
+        Parameters
+        ----------
+        contact_radius : float
+            At the largest force, m.
+        solver : LinearSolver
+            Of K + s²M with s about 10 over the duration of the contact.
+
+        :meta private:
+        """
+        tip = replace(self, contact_radius=contact_radius)
+        if self.body.mesh is not None and self.normal is not None and self.direction is not None:
+            vars(tip)["extraction"] = tip._extracted(solver)
+        return tip
 
     @cached_property
     def contact_surface(self) -> ContactSurface | None:
@@ -360,12 +420,11 @@ def _at_point(
         normal = pressed_normal(body.surface, body.nodes[node], along)
         return replace(_at_node(body, node, along), normal=normal)
     if isinstance(radius, str):
-        wanted = automatic_radius(body.surface, where, expected)
-        tip = _with_room(body, where, along, wanted)
-        return replace(tip, directed=along is not None, automatic=True)
-    touch = touched(body.surface, body.material, where, along, radius)
-    if touch.patch is not None:
-        warn_if_coarse(body.surface, touch.patch)
+        wide = edge_length(body.surface, where)
+        wide = wide if expected is None else PATCH_OVER_CONTACT * expected
+        tip = _with_room(body, where, along, wide)
+        return replace(tip, directed=along is not None, automatic=True, contact_radius=expected)
+    touch = touched(body.surface, where, along, radius)
     return replace(_at_touch(body, touch), directed=along is not None)
 
 
@@ -379,22 +438,6 @@ def _check_one(given: dict[str, Any], direction: Any) -> None:
         raise InputError(
             f"give either {names[0]}, or point and direction, not both: {names[0]} has its own"
         )
-
-
-def contact_at(tip: ContactPoint, radius: float) -> ContactPoint:
-    """Return the same contact with a patch of another radius, m.
-
-    Raises
-    ------
-    RoomError
-        If the body has no room for it.
-    """
-    body = tip.body
-    assert body.surface is not None
-    assert body.material is not None
-    assert tip.point is not None
-    touch = touched(body.surface, body.material, tip.point, tip.direction, radius)
-    return replace(_at_touch(body, touch), directed=tip.directed, automatic=tip.automatic)
 
 
 def contact_within(tip: ContactPoint, radius: float) -> ContactPoint:
@@ -415,12 +458,11 @@ def _with_room(
 ) -> ContactPoint:
     """The contact with a patch of that radius, or of one that has room."""
     assert body.surface is not None
-    assert body.material is not None
     with held_warnings():  # the point has had its warnings
         least = min(radius, _LEAST_PATCH * edge_length(body.surface, point))
         while True:
             try:
-                touch = touched(body.surface, body.material, point, along, radius)
+                touch = touched(body.surface, point, along, radius)
                 return _at_touch(body, touch)
             except RoomError as error:
                 radius = min(_WITHIN * error.room, _SMALLER * radius)
@@ -518,7 +560,7 @@ def _with_patch(tip: ContactPoint, radius: float) -> ContactPoint:
             f"radius={radius}: the forces of b act about {plain(centre)} m, farther than that from "
             "the surface of the mesh; leave radius out"
         )
-    touch = touched(body.surface, body.material, place.x[0], tip.direction, radius)
+    touch = touched(body.surface, place.x[0], tip.direction, radius)
     return replace(tip, point=touch.point, patch=touch.patch, normal=touch.normal)
 
 
@@ -576,22 +618,10 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
     assert body.free is not None
     forces = np.outer(touch.weights, touch.direction).reshape(-1)
     b = forces[body.free]
-    fixed = np.ones(len(forces), dtype=bool)
-    fixed[body.free] = False
-    if np.abs(forces[fixed]).max(initial=0.0) > _HELD:
-        nodes = np.flatnonzero(np.abs(forces * fixed).reshape(-1, 3).any(axis=1))
-        assert body.nodes is not None
-        away = np.linalg.norm(body.nodes[nodes] - touch.point, axis=1)
-        reason = (
-            f"the contact rests on nodes constrained by the supports in that direction, the "
-            f"first is {label_of(int(nodes[0]), body.node_labels)}"
-        )
-        raise RoomError(
-            f"point {plain(touch.point)} m with direction {plain(touch.direction)}: {reason}; "
-            "choose another point or direction, a smaller radius, or release the nodes in fixed",
-            float(away.min()),
-            reason,
-            "choose a point farther from the supports, or release the nodes in fixed",
+    if np.abs(b).max(initial=0.0) <= _HELD:
+        raise InputError(
+            f"point {plain(touch.point)} m with direction {plain(touch.direction)}: supports hold "
+            "all nodes of the contact; choose another point, or release the nodes in fixed"
         )
     node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - AT_NODE else None
     return ContactPoint(

@@ -363,6 +363,14 @@ class FEModel(Frozen):
         return copied
 
     @property
+    def springs(self) -> FloatArray | None:
+        """Springs to the ground that K contains, N/m, shape (n_dofs,); None for none.
+
+        :meta private:
+        """
+        return self._springs
+
+    @property
     def n_dofs(self) -> int:
         """Number of free degrees of freedom."""
         return int(self.K.shape[0]) if self.free is None else len(self.free)

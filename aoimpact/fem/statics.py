@@ -13,6 +13,7 @@ from .. import _core
 from ..base import FloatArray, InputTypeError, SingularError
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from .contact import Body, ContactPoint
+from .contacttime import near_static
 
 __all__ = [
     "StaticMode",
@@ -20,7 +21,6 @@ __all__ = [
     "displacement",
     "elastic_compliance",
     "moves_rigidly",
-    "near_static",
     "static_mode",
     "translates",
 ]
@@ -35,10 +35,6 @@ _AS_ONE = 1e-6
 
 # A pass that leaves more than this of the last change shows motions too soft for passes.
 _SLOW = 0.5
-
-# s² of the passes, as a share of the mean of K_ii over that of M_ii, which is near the highest ω²:
-# below ω₁² of all but the longest bodies, and above what rounding takes for a singular matrix.
-_NEAR_K = 1e-9
 
 # A change relative to the solution that is rounding; one that may be, and is if it shrinks no more
 # than so.
@@ -126,11 +122,6 @@ def elastic_compliance(
     rigid, M, b = tip.body.rigid_modes, tip.body.M, tip.b
     load = b - M @ (rigid @ (rigid.T @ b))
     return float(load @ displacement(tip.body, load, invert or tip.body.inverse))
-
-
-def near_static(body: Body) -> float:
-    """Return s² of a K + s²M that has factors and is as good as K, (rad/s)²."""
-    return _NEAR_K * float(body.K.diagonal().sum() / body.M.diagonal().sum())
 
 
 def displacement(

@@ -6,24 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import FloatArray, InputError, IntArray, RoomError, plain, warn
+from ..base import FloatArray, InputError, RoomError, plain, warn
 from ..mesh import SHARP, Place, Surface
 from .composition import AnyMaterial, Materials, OneMaterial
 from .material import Material
-from .patch import Patch, free_radius, half_space_compliance, spread
+from .patch import Patch, spread
 
 __all__ = [
-    "Room",
     "Touch",
-    "automatic_radius",
     "edge_length",
     "material_at",
     "normal_at",
     "pressed_normal",
-    "room",
     "thickness",
     "touched",
-    "warn_if_coarse",
 ]
 
 
@@ -37,15 +33,6 @@ _TANGENT = 0.1
 
 # Components of a normal that are nothing but rounding.
 _ROUNDING = 1e-12
-
-# Radius, in edges of quadratic or linear elements, with which the compliance of a patch on a
-# half-space is correct to some 6 %; and the factor on it where the mesh decides, for some 2 %.
-_RESOLVED = {True: 0.7, False: 2.5}
-_WELL_RESOLVED = 1.5
-
-# With half the patch's radius for the contact's, Hertz's law less the patch's part is stiffer than
-# by itself, but far from endlessly so.
-_PATCH_OVER_CONTACT = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,13 +58,7 @@ class Touch:
     patch: Patch | None = None
 
 
-def touched(
-    surface: Surface,
-    material: AnyMaterial,
-    point: FloatArray,
-    along: FloatArray | None,
-    radius: float,
-) -> Touch:
+def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radius: float) -> Touch:
     """Return the touch at a point of the surface: by its face alone, or by a patch.
 
     Parameters
@@ -107,17 +88,7 @@ def touched(
         )
     on = spread(surface, here.x[0], normal, radius)
     direction = _facing(point, along, on.normal)
-    cosine = min(1.0, abs(float(direction @ on.normal)))
-    met = _of_face(surface, material, int(here.face[0])).half_space(on.normal)
-    _warn_of_several(surface, material, on.faces, radius)
-    patch = Patch(
-        radius=radius,
-        modulus=met.plane_strain_modulus,
-        compliance=half_space_compliance(met, radius, cosine),
-        faces=len(on.faces),
-        edges=float(surface.edges(on.faces).mean()),
-    )
-    return Touch(here.x[0], direction, on.weights, on.normal, patch)
+    return Touch(here.x[0], direction, on.weights, on.normal, Patch(radius, len(on.faces)))
 
 
 def material_at(
@@ -132,65 +103,10 @@ def _of_face(surface: Surface, material: AnyMaterial, face: int) -> OneMaterial:
     return material.of(int(surface.cell[face])) if isinstance(material, Materials) else material
 
 
-def _warn_of_several(
-    surface: Surface, material: AnyMaterial, faces: IntArray, radius: float
-) -> None:
-    """Warn of a patch on several materials, of which no half-space is made."""
-    if isinstance(material, Materials) and len(set(material.index[surface.cell[faces]])) > 1:
-        warn(
-            f"radius={radius:.3g} m: the patch lies on several materials; that at its middle is "
-            "taken for the law, so take a smaller radius, or a point farther from the interface"
-        )
-
-
-def automatic_radius(surface: Surface, point: FloatArray, expected: float | None) -> float:
-    """Return a patch's radius from the contact expected and the mesh, wherever there is room.
-
-    Twice the expected radius of the contact, or what the mesh resolves well if that is more.
-    """
-    radius = _WELL_RESOLVED * _resolved(surface) * edge_length(surface, point)
-    return radius if expected is None else max(radius, _PATCH_OVER_CONTACT * expected)
-
-
 def edge_length(surface: Surface, point: FloatArray) -> float:
     """Return the mean length of the edges of the faces at a point, m."""
     face = np.concatenate([place.face for place in _places(surface, point)])
     return float(surface.edges(face).mean())
-
-
-def warn_if_coarse(surface: Surface, patch: Patch) -> None:
-    """Warn where a patch is too small for the mesh under it."""
-    least = _resolved(surface) * patch.edges
-    kinds = ", ".join(block.kind for block in surface.mesh.blocks)
-    if patch.radius < least:
-        warn(
-            f"radius={patch.radius:.3g} m: the mesh is too coarse for this patch, on "
-            f"{patch.faces} faces with edges of {patch.edges:.3g} m; take {kinds} elements of "
-            f"{patch.radius / least:.2g} of their size, leave radius out (an impact takes that of "
-            f"least error), or, where the body is much thicker, a radius of {least:.2g} m at least"
-        )
-
-
-def _resolved(surface: Surface) -> float:
-    """How many edges long the radius of a patch must be."""
-    return _RESOLVED[surface.mesh.quadratic]
-
-
-@dataclass(frozen=True)
-class Room:
-    """What a body offers about a point of its surface.
-
-    Attributes
-    ----------
-    depth : float
-        To the surface opposite, m.
-    free : float
-        To where the surface ends or turns away by more than 45°, m; infinite if that is farther
-        than was looked.
-    """
-
-    depth: float
-    free: float
 
 
 def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
@@ -207,13 +123,6 @@ def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
         for axis in (along, -along)  # one of them finds the face that is touched, at no distance
     ]
     return max((d for d in found if 0.0 < d < np.inf), default=np.inf)
-
-
-def room(surface: Surface, point: FloatArray, radius: float) -> Room:
-    """Return how thick a body is at a point, and how far its surface goes on, up to `radius`."""
-    normal = normal_at(surface, point)
-    opposite = surface.pierced(point[None], normal, reach=2.0 * surface.mesh.size, outward=False)
-    return Room(float(opposite.distance[0]), free_radius(surface, point, normal, radius))
 
 
 def normal_at(surface: Surface, point: FloatArray) -> FloatArray:

@@ -9,23 +9,17 @@ from .historyerror import relative_error, rest, warn_if_wrong
 from .movie import MovingBody, movie_path, write_movie
 from .replay import response_of
 from .response import Response, stress_rows_at
-from .stress import Stress
-from .stresserror import energy_error, missing_energy, stresses_around
 
 __all__ = [
     "Field",
     "MovingBody",
     "Probe",
     "Response",
-    "Stress",
-    "energy_error",
-    "missing_energy",
     "movie_path",
     "relative_error",
     "response_of",
     "rest",
     "stress_rows_at",
-    "stresses_around",
     "warn_if_wrong",
     "write_movie",
 ]

@@ -13,10 +13,10 @@ import numpy as np
 
 from ..base import FloatArray, InputError, choice, integer
 from ..fem import AnyMaterial, Body
+from ..fem.stress import Stress, gauss_stress, nodal_stress
 from ..mesh import Mesh
 from . import deformed, movie, vtu
 from .historyerror import warn_if_wrong
-from .stress import Stress, gauss_stress, nodal_stress
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D

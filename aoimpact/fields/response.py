@@ -12,13 +12,13 @@ import scipy.sparse as sp
 
 from ..base import HUGE, FloatArray, InputError, IntArray, finite_array, unit_vector
 from ..fem import Body, selected_nodes
+from ..fem.stress import stress_rows
 from ..integrate import Motion
 from ..mesh import node_at, weights_at
 from ..reduction import Recovery
 from ..scene import FreeMotion
 from .fields import Field, Probe, solid
 from .historyerror import relative_error, rest
-from .stress import stress_rows
 
 __all__ = ["OmittedMotion", "Response", "stress_rows_at"]
 

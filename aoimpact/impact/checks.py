@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..base import HUGE, InputError, plain, positive, real, warn, with_unit
+from ..base import HUGE, InputError, plain, positive, real, warn
 from ..fem import ContactPoint
-from ..laws import HertzianLaw, own_law
-from ..reduction import AOModel
 from ..results import Run
 from ..scene import Plan, SceneBody
 
@@ -35,22 +32,11 @@ _SHORTEST, _LONGEST = 1.0 / HUGE, HUGE
 # rounding of the ways that bodies fall, and drawn scenes were wrong by 1e-7 to 1e-4.
 _HEAVIEST = 1e12
 
-# Patches with a radius above this share of the body's thickness are not on a half-space: measured
-# on aluminium plates of 4, 10 and 20 mm under a steel ball, the force is too large by .3 to .7 % at
-# .75, 1.3 to 2.1 % at 1, 3 to 6 % at 1.5 and 16 to 28 % at 3, of which the estimate misses most.
-_WIDE = 1.0
-
 # Directions more than 10° off the normal are warned of; facets of coarse meshes are that far off.
 _OBLIQUE = math.cos(math.radians(10.0))
 
 # Points of two bodies closer than this share of the first body's size count as one.
 _SHARED = 1e-3
-
-# Of contact at a single node the first run that was warned of, by its peak forces, and the relative
-# error of its force: in a row of impacts it would take far longer than each.
-_node_errors: WeakKeyDictionary[ContactPoint, tuple[tuple[float, ...], float | None]] = (
-    WeakKeyDictionary()
-)
 
 
 def checked_duration(duration: Any) -> float:
@@ -144,41 +130,18 @@ def warn_of_places(run: Run, names: Sequence[str]) -> None:
     """
     checked = set()
     for contact in run.plan.contacts:
-        hertzian = isinstance(own_law(contact.law), HertzianLaw)
         models = [run.plan.bodies[body].model for body, _ in contact.ports]
         tips = [
             model.touched_at(port) for model, (_, port) in zip(models, contact.ports, strict=True)
         ]
-        for model, tip, (body, _) in zip(models, tips, contact.ports, strict=True):
+        for tip, (body, _) in zip(tips, contact.ports, strict=True):
             if tip is None or (body, tip) in checked:
                 continue
             checked.add((body, tip))
             _warn_of_direction(tip, names[body])
-            if not hertzian or (isinstance(model, AOModel) and model.n == 0):
-                continue  # a rigid one has no indentation of its own
-            if tip.patch is None:
-                _warn_of_node(run, tip, names[body])
-            elif tip.patch.radius > _WIDE * tip.depth:
-                warn(
-                    f"{names[body]}: the patch has a radius of "
-                    f"{with_unit(tip.patch.radius, 'm', 3)} where the body is "
-                    f"{with_unit(tip.depth, 'm', 3)} thick, and the law contains the indentation "
-                    "of a half-space: by that alone the force is too large, by some 2 % where both "
-                    "are alike and 15 to 30 % at three times that, and what the mesh adds is in "
-                    f"the error; {_narrower(tip)}"
-                )
         first, second = tips
         if first is not None and second is not None:
             _warn_of_side(first, second, [names[body] for body, _ in contact.ports])
-
-
-def _narrower(tip: ContactPoint) -> str:
-    if tip.automatic:
-        return (
-            "the mesh or the contact needs it: refine the mesh about the point, and if the "
-            "contact itself is that wide take a lower velocity"
-        )
-    return f"leave radius out, or take {0.5 * tip.depth:.2g} m at most"
 
 
 def _warn_of_direction(tip: ContactPoint, name: str) -> None:
@@ -211,27 +174,3 @@ def _warn_of_side(first: ContactPoint, second: ContactPoint, names: Sequence[str
             "the same side: if their coordinates are the same, they are inside each other, and one "
             "is touched on its far side; choose the point that faces the other body"
         )
-
-
-def _warn_of_node(run: Run, tip: ContactPoint, name: str) -> None:
-    """Warn of contact at a node, whose indentation grows without bound with mesh refinement."""
-    if tip.point is None:
-        return  # the area of a contact functional given with K and M is not known
-    if tip.body.mesh is None:
-        off = ", by how much is not known without a mesh; make the body with FEModel.from_mesh(...)"
-        off += ", or give contact(b=, radius=), the mean over a patch"
-    else:
-        peaks = tuple(events.peak_force for events in run.events)
-        if tip not in _node_errors:
-            _node_errors[tip] = peaks, run.error.contact
-        known, error = _node_errors[tip]
-        if known != peaks:
-            off = ", by how much says error.contact"
-        else:
-            off = "" if error is None else f", here by some {100.0 * error:.2g} %"
-        off += "; leave radius out, or give the radius of a patch"
-    warn(
-        f"{name} is touched at a single {'point' if tip.node is None else 'node'}: its own "
-        "indentation follows the mesh, and the law contains that of the real body already, so the "
-        f"force is too small{off}"
-    )

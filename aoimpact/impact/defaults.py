@@ -7,13 +7,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from ..accuracy import best_radius
 from ..base import AOImpactError, InputError, plain, warn, with_unit
-from ..fem import ContactPoint, contact_within
+from ..fem import PATCH_OVER_CONTACT, SHIFT_TIMES_DURATION, ContactPoint, contact_within
 from ..integrate import rigid_contact_time
-from ..laws import ContactLaw, LawFromSurfaces, law_between
+from ..laws import ContactLaw, Hertz, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
 from ..reduction import BodyModel, FullModel
 
@@ -158,8 +155,24 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
         duration = rigid_contact_time(law, mass, speed)
     except AOImpactError:
         return None
-    wide = None if law.relative_radius is None else math.sqrt(law.relative_radius * depth)
-    return Meeting(duration, wide)
+    radius = _relative_radius(law, bodies)
+    return Meeting(duration, None if radius is None else math.sqrt(radius * depth))
+
+
+def _relative_radius(law: ContactLaw, bodies: Sequence[BodyModel]) -> float | None:
+    """R, m, of the law, or of Hertz's law by its k = 4/3 E* √R and the bodies' materials.
+
+    A body of unknown material is taken to be rigid.
+    """
+    if law.relative_radius is not None or not isinstance(law, Hertz):
+        return law.relative_radius
+    known = [body.touched_at() or body.surface_at() for body in bodies]
+    materials = [None if of is None else of.material for of in known]
+    moduli = [of.plane_strain_modulus for of in materials if of is not None]
+    if not moduli:
+        return None
+    modulus = 1.0 / math.fsum(1.0 / of for of in moduli)
+    return (0.75 * law.k / modulus) ** 2
 
 
 def fitted(
@@ -168,30 +181,23 @@ def fitted(
     met: Meeting | None,
     factors: dict[Any, LinearSolver] | None = None,
 ) -> BodyModel:
-    """Return a body with the patch that suits an impact, where that was left to be chosen.
+    """Return a body whose contact point knows the radius of its contact in an impact.
 
-    Solvers that are set up for it are put into `factors`, by their finite-element body.
+    A patch whose radius was left out is made wide enough for it. Solvers that are set up are put
+    into `factors`, by their finite-element body.
     """
-    if port not in body.open_patches or met is None or met.contact_radius is None:
+    if not isinstance(body, FullModel) or met is None or met.contact_radius is None:
         return body
-    assert isinstance(body, FullModel)
     tip = body.tips[port]
-    assert tip.patch is not None
-
-    def invert(s2: float) -> LinearSolver:
-        solver = tip.body.inverse(s2)
-        if factors is not None:
-            factors[tip.body] = solver
-        return solver
-
-    radius = best_radius(
-        tip, contact_time=met.contact_time, contact_radius=met.contact_radius, invert=invert
-    )
-    if np.isclose(radius, tip.patch.radius):
+    if tip.body.mesh is None or tip.normal is None:
         return body
-    return replace(
-        body, tips=(*body.tips[:port], contact_within(tip, radius), *body.tips[port + 1 :])
-    )
+    if tip.automatic:
+        tip = contact_within(tip, PATCH_OVER_CONTACT * met.contact_radius)
+    known = {} if factors is None else factors
+    if tip.body not in known:
+        known[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / met.contact_time) ** 2)
+    tip = tip.at_impact(met.contact_radius, known[tip.body])
+    return replace(body, tips=(*body.tips[:port], tip, *body.tips[port + 1 :]))
 
 
 def fitted_pair(

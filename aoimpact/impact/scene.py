@@ -23,11 +23,11 @@ from ..base import (
     warn,
 )
 from ..fem import ContactPoint
-from ..laws import ContactLaw, effective_law, own_law
+from ..laws import ContactLaw, own_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model
 from ..results import Handle, Quantity, RecordLength, Run, TimeSolver
-from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
+from ..scene import Contact, Load, Plan, SceneBody, law_of_models, normal_gap, scene_body
 from .checks import checked_duration, checked_gravity, checked_speed
 from .defaults import Meeting, chosen_law, fitted, meeting, turns
 from .run import RunOptions, run_models
@@ -194,11 +194,9 @@ class Scene:
             models = [(self._bodies[end.body], end.at) for end in (first, second)]
             found = chosen_law(models, names)
             law, law_error = found.law, found.error
-        ends = (self._bodies[end.body].touched_at(end.at) for end in (first, second))
-        between = effective_law(law, tuple(ends))
         gap = normal_gap(apart)
         called = text("name", name)
-        contact = Contact(first.body, first.at, second.body, second.at, between, gap, called)
+        contact = Contact(first.body, first.at, second.body, second.at, law, gap, called)
         self._refuse_again(contact)
         self._between.setdefault(contact[:4], []).append(len(self._contacts))
         self._contacts.append(contact)
@@ -428,12 +426,10 @@ class Scene:
         """The bodies with patches fitted to their contacts, where their radius was left out."""
         bodies = list(self._bodies)
         made: dict[tuple[BodyModel, int], BodyModel] = {}
-        if not any(body.open_patches for body in bodies):
+        if not any(isinstance(body, FullModel) for body in bodies):
             return bodies
         fastest = self._fastest
         for contact in self._contacts:
-            if not any(port in bodies[body].open_patches for body, port in contact.ports):
-                continue
             met = self._meeting(contact, fastest)
             for body, port in contact.ports:
                 key = bodies[body], port
@@ -462,13 +458,13 @@ class Scene:
 
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
         """The plan of the bodies, or of models in their place."""
-        scene_bodies, contacts = self._scene_bodies, self._contacts
+        scene_bodies = self._scene_bodies
         if any(model != body for model, body in zip(bodies, self._bodies, strict=True)):
             scene_bodies = [
                 scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
             ]
-            contacts = [_between(contact, bodies, scene_bodies) for contact in contacts]
+        contacts = [_between(contact, bodies, scene_bodies) for contact in self._contacts]
         for body in scene_bodies:
             if self.gravity and body.weightless:
                 warn(
@@ -541,8 +537,8 @@ def _between(contact: Contact, bodies: Sequence[Any], scene_bodies: Sequence[Sce
         raise InputError(
             "both bodies of a contact are of infinite mass: there is no motion between them"
         )
-    ends = tuple(bodies[body].touched_at(port) for body, port in contact.ports)
-    return contact._replace(law=effective_law(own_law(contact.law), ends))
+    ends = [(bodies[body], port) for body, port in contact.ports]
+    return contact._replace(law=law_of_models(contact.law, ends))
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 from ..accuracy import StressAt, checked_linear_solver, checked_rtol, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
-from ..laws import ContactLaw, LawFromSurfaces, effective_law
+from ..laws import ContactLaw, LawFromSurfaces
 from ..linalg import LinearSolver, Solver
-from ..reduction import BodyModel, body_model
+from ..reduction import BodyModel, FullModel, body_model
 from ..results import RecordLength, Result, TimeSolver
-from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
+from ..scene import Contact, Plan, SceneBody, law_of_models, normal_gap, scene_body
 from .checks import checked_duration, checked_speed, warn_of_exchange
 from .defaults import chosen_law, fitted_pair, meeting, turns
 from .run import RunOptions, run_models
@@ -198,7 +198,7 @@ def _complete(
         law, error = found.law, found.error
     _check_law(law)
     length = numbers.duration
-    if length is None or any(body.open_patches for body in bodies):
+    if length is None or any(isinstance(body, FullModel) for body in bodies):
         met = meeting(law, bodies, numbers.velocity)
         bodies = fitted_pair(*bodies, met, factors)
         if length is None:
@@ -278,7 +278,7 @@ def _planned(
         raise InputError(
             "projectile and target are both of infinite mass: there is no motion between them"
         )
-    between = effective_law(law, [body.model.touched_at() for body in bodies])
+    between = law_of_models(law, [(body.model, 0) for body in bodies])
     contact = Contact(0, 0, 1, 0, between, normal_gap(distance))
     return Plan(bodies, (bodies[0].velocity, 0.0), (contact,), (), 0.0, length, energies)
 

@@ -7,7 +7,7 @@ core; `fem` and `reduction` know none.
 """
 
 from .curvature import contact_modulus
-from .effective import check_width, effective_law, own_law, wide_enough
+from .effective import check_width, effective_law, own_law, wider
 from .elastic import Hertz, Linear, PowerLaw
 from .law import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, loading_work
 from .plastic import Thornton, yield_force
@@ -56,7 +56,7 @@ __all__ = [
     "loading_work",
     "own_law",
     "restitution",
-    "wide_enough",
+    "wider",
     "yield_force",
 ]
 

@@ -229,21 +229,15 @@ class ContactLaw:
         _core.law_potential(self.for_core(), indentation, energy)
         return energy
 
-    def within_patch(
-        self, compliance: float, *, radius: float = math.inf, relative_radius: float | None = None
-    ) -> PatchLaw:
-        """Return the law without the indentation that the bodies' own patches show already.
+    def within_patch(self, compliance: float) -> PatchLaw:
+        """Return the law without a compliance that the bodies' models contain already.
 
-        A body loaded through a patch of radius r indents by c F, c = 0.6/(r E*), as a half-space
-        would; the same is contained in the law. With it taken out, F = law(δ + c F).
+        With c taken out, F = law(δ + c F).
 
         Parameters
         ----------
         compliance : float
             c, the sum over both bodies, m/N.
-        radius, relative_radius : float, optional
-            Radius of the smaller patch and relative radius of curvature R, m, the law's own if left
-            out: the law then stands as long as the contact radius √(R (δ + c F)) is below `radius`.
 
         Raises
         ------
@@ -257,18 +251,10 @@ class ContactLaw:
         1111.111111
         """
         c = positive("compliance", compliance, unit="m/N")
-        wide = positive("radius", radius, unit="m", infinite=True)
         deepest = min(self._steepest(c), self.limit)
-        curvature = self.relative_radius if relative_radius is None else relative_radius
-        if curvature is not None:
-            deepest = min(deepest, wide * (wide / positive("relative_radius", curvature, unit="m")))
-            if deepest <= 0.0:
-                raise InputError(f"radius={wide:g} m is too small to be computed with")
         limit = deepest - c * self.force(deepest) if math.isfinite(deepest) else math.inf
         if not limit > 0.0:
-            raise InputError(
-                f"radius={wide:g} m: nothing is left of {self!r} beside a compliance of {c:g} m/N"
-            )
+            raise InputError(f"compliance={c:g} m/N leaves nothing of {self!r}")
         return PatchLaw(self, c, limit)
 
     def _steepest(self, compliance: float) -> float:
@@ -283,10 +269,7 @@ class ContactLaw:
         if first is None:
             return math.inf
         if first == 0:
-            raise InputError(
-                f"compliance={compliance:g} m/N is more than {self!r} has itself: nothing is left "
-                "of the law; take a larger patch"
-            )
+            raise InputError(f"compliance={compliance:g} m/N is more than {self!r} has itself")
         low, high = within[first - 1], within[first]
         try:
             return float(scipy.optimize.brentq(lambda d: float(excess(d)), low, high, xtol=1e-18))
@@ -393,8 +376,7 @@ class HertzianLaw(ContactLaw):
     Parameters
     ----------
     relative_radius : float, optional
-        R, m, of a contact of radius √(R δ). Between patches the law then stands no further than to
-        contacts as wide as these; a law that does not know it may be taken beyond.
+        R, m, of a contact of radius √(R δ).
     """
 
     relative_radius: float | None = field(default=None, kw_only=True)
@@ -418,7 +400,7 @@ class HertzianLaw(ContactLaw):
 
 @dataclass(frozen=True)
 class PatchLaw(ContactLaw):
-    """A law with the half-space indentation of the bodies' patches taken out: F = law(δ + c F).
+    """A law with the compliance of the bodies' models at the contact taken out: F = law(δ + c F).
 
     Made by :meth:`ContactLaw.within_patch`.
 
@@ -450,7 +432,9 @@ class PatchLaw(ContactLaw):
         return self.law.has_memory
 
     def __str__(self) -> str:
-        return f"{self.law}, less {with_unit(self.compliance, 'm/N', 3)} of the patches"
+        return (
+            f"{self.law} (compliance of the mesh removed: {with_unit(self.compliance, 'm/N', 3)})"
+        )
 
     @property
     def by_caller(self) -> bool:

@@ -7,7 +7,6 @@ thing that `simulate` takes stands for; modalbody.py finds its modes, which the 
 
 from .body import body_model
 from .bodymodel import BodyModel, ReducedModel
-from .contacttime import SHIFT_TIMES_DURATION, own_contact_time, shortest_contact_time
 from .coordinates import GeneralizedCoordinates
 from .full import FullModel, full
 from .interface import InterfaceModel, InterfaceSpace, interface
@@ -23,7 +22,6 @@ from .validity import fitted_times, is_valid_for, unbalanced
 
 __all__ = [
     "PACE",
-    "SHIFT_TIMES_DURATION",
     "SOLVED",
     "AOModel",
     "BodyModel",
@@ -46,9 +44,7 @@ __all__ = [
     "is_valid_for",
     "modal",
     "modal_body",
-    "own_contact_time",
     "rigid",
-    "shortest_contact_time",
     "star_modes",
     "unbalanced",
     "whole_interface",

@@ -16,8 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import FloatArray, warn, with_unit
-from ..fem import ContactPoint, near_static
-from .contacttime import SHIFT_TIMES_DURATION, highest_shift
+from ..fem import SHIFT_TIMES_DURATION, ContactPoint, highest_shift, near_static
 from .coordinates import GeneralizedCoordinates
 from .recovery import Recovery
 

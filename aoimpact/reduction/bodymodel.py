@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Self
 
 from ..base import FloatArray
-from ..fem import Body, ContactPoint, ContactSurface, Damping
+from ..fem import Body, ContactPoint, ContactSurface, Damping, Extraction
 from .band import Band, band_of
 from .coordinates import GeneralizedCoordinates
 
@@ -76,14 +76,6 @@ class BodyModel(ABC):
         """Whether it stands for contact points whose model is yet to be chosen."""
         return False
 
-    @property
-    def open_patches(self) -> tuple[int, ...]:
-        """Ports whose patch has a radius that is left to be chosen.
-
-        :meta private:
-        """
-        return ()
-
     def touched_at(self, port: int = 0) -> ContactPoint | None:
         """Return the contact point of a port; None of a body given by numbers.
 
@@ -91,6 +83,14 @@ class BodyModel(ABC):
         """
         points = self.contact_points
         return points[port] if points else None
+
+    def extraction_at(self, port: int = 0) -> Extraction | None:
+        """Return the compliances at a port; None of a rigid body, and where they are not known.
+
+        :meta private:
+        """
+        point = self.touched_at(port)
+        return None if point is None else point.extraction
 
     def surface_at(self, port: int = 0) -> ContactSurface | None:
         """Return material and curvatures at a port; None where they are not known.

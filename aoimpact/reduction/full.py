@@ -56,15 +56,6 @@ class FullModel(Frozen, FiniteElementModel):
         return self.body.n_dofs
 
     @property
-    def open_patches(self) -> tuple[int, ...]:
-        """Ports whose patch has a radius that is left to be chosen.
-
-        :meta private:
-        """
-        ports = enumerate(self.tips)
-        return tuple(i for i, tip in ports if tip.patch is not None and tip.automatic)
-
-    @property
     def label(self) -> str:
         """What the model is, in a word."""
         return f"full({self.dofs})"

@@ -27,10 +27,15 @@ from ..base import (
     text,
     warn,
 )
-from ..fem import ContactPoint, translates
+from ..fem import (
+    SHIFT_TIMES_DURATION,
+    ContactPoint,
+    fitted_shifts,
+    highest_shift,
+    translates,
+)
 from ..linalg import Solver
 from .bodymodel import FiniteElementModel, ReducedModel
-from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
 from .coordinates import GeneralizedCoordinates
 from .full import checked_ports
 from .modes import ascending

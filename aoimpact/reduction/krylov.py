@@ -24,9 +24,15 @@ from ..base import (
     integer,
     warn,
 )
-from ..fem import ContactPoint, moves_rigidly
+from ..fem import (
+    SHIFT_TIMES_DURATION,
+    ContactPoint,
+    fitted_shifts,
+    highest_shift,
+    moves_rigidly,
+    slow_shift,
+)
 from ..linalg import LinearSolver, Solver
-from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift, slow_shift
 from .modes import star_of_modes
 from .star import AOModel
 from .subspace import Subspace

@@ -30,7 +30,15 @@ from ..base import (
     text,
     written_file,
 )
-from ..fem import ContactPoint, ContactSurface, Damping, Material, Patch, damping_or_none
+from ..fem import (
+    ContactPoint,
+    ContactSurface,
+    Damping,
+    Extraction,
+    Material,
+    Patch,
+    damping_or_none,
+)
 from .bodymodel import ReducedModel
 from .coordinates import GeneralizedCoordinates
 from .origin import Origin
@@ -223,6 +231,14 @@ class AOModel(Frozen, ReducedModel):
         """The patch over which the body is touched; None for a node, or without a body."""
         found: Patch | None = None if self.origin is None else self.origin.tip.patch
         return found
+
+    def extraction_at(self, port: int = 0) -> Extraction | None:
+        """Return the compliances at the contact; None of a rigid body, and if they are not known.
+
+        :meta private:
+        """
+        rigid = self.n == 0 and self.k0 == 0.0
+        return None if rigid else super().extraction_at(port)
 
     @property
     def contact_surface(self) -> ContactSurface | None:

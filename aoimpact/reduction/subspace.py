@@ -16,7 +16,14 @@ import scipy
 
 from .. import _core
 from ..base import FloatArray, SingularError, require
-from ..fem import ContactPoint, displacement, moves_rigidly, refuse_mechanism
+from ..fem import (
+    SHIFT_TIMES_DURATION,
+    ContactPoint,
+    displacement,
+    moves_rigidly,
+    refuse_massless,
+    refuse_mechanism,
+)
 from ..linalg import (
     FEW_SOLUTIONS,
     LinearSolver,
@@ -25,7 +32,6 @@ from ..linalg import (
     checked_solver,
     core_rows,
 )
-from .contacttime import SHIFT_TIMES_DURATION, refuse_massless
 
 __all__ = ["Subspace"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from ..fem import SHIFT_TIMES_DURATION
 from .bodymodel import BodyModel, ReducedModel
-from .contacttime import SHIFT_TIMES_DURATION
 
 __all__ = ["fitted_times", "is_valid_for", "unbalanced"]
 

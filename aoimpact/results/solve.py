@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..base import InputTypeError, LawLimitError
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
-from ..laws import wide_enough
-from ..scene import FullBody, Plan
+from ..laws import PatchLaw, wider
+from ..scene import Contact, FullBody, Plan
 from .run import Run
 
 __all__ = ["TimeSolver", "solve"]
@@ -38,6 +38,24 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
         if error.contact is None:
             raise
         contact = plan.contacts[error.contact]
-        mass = plan.reduced_mass(contact)
-        ends = [plan.bodies[body].model.touched_at(port) for body, port in contact.ports]
-        raise wide_enough(error, contact.law, ends, mass, plan.fastest) from None
+        if not isinstance(contact.law, PatchLaw):
+            raise
+        factor = wider(contact.law, plan.reduced_mass(contact), plan.fastest)
+        if factor is None:
+            raise
+        raise _too_narrow(error, plan, contact, factor) from None
+
+
+def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: float) -> LawLimitError:
+    """The error of a contact that is stiffer than the meshes under it, with the cure."""
+    assert isinstance(contact.law, PatchLaw)
+    tips = [plan.bodies[body].model.touched_at(port) for body, port in contact.ports]
+    radii = [tip.patch.radius for tip in tips if tip is not None and tip.patch is not None]
+    cure = "leave radius out, so that a patch carries the contact"
+    if radii:
+        cure = f"give the contact points radius={factor * max(radii):.2g} m or more"
+    return LawLimitError(
+        f"{error.args[0].partition(': ')[0]}: the compliance of the mesh, "
+        f"{contact.law.compliance:.3g} m/N, leaves nothing of the law; {cure}",
+        error.contact,
+    )

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+import math
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..base import HUGE, FloatArray, InputError
-from ..laws import ContactLaw, CoreLaw
+from ..laws import ContactLaw, CoreLaw, HertzianLaw, effective_law, own_law
+from ..reduction import BodyModel
 from .rows import BodyRows
 
-__all__ = ["Contact", "CoreContact", "FreeMotion", "Load", "OmittedMass", "Port", "normal_gap"]
+__all__ = [
+    "Contact",
+    "CoreContact",
+    "FreeMotion",
+    "Load",
+    "OmittedMass",
+    "Port",
+    "law_of_models",
+    "normal_gap",
+]
 
 
 def normal_gap(gap: float) -> float:
@@ -26,6 +38,32 @@ def normal_gap(gap: float) -> float:
             f"gap={gap:g} m is beyond what can be computed with: give up to {HUGE:g} m"
         )
     return gap if abs(gap) >= sys.float_info.min else 0.0
+
+
+def law_of_models(law: ContactLaw, ends: Sequence[tuple[BodyModel, int]]) -> ContactLaw:
+    """Return the law that acts between models, given the law between the bodies themselves.
+
+    The compliance that their meshes have in place of a half-space is taken out of it. A law that is
+    not like Hertz's leaves out the indentation at a node, as springs and buffers do.
+
+    Parameters
+    ----------
+    law : ContactLaw
+    ends : sequence of (model, int)
+        The bodies, and at which of their places they touch.
+
+    Raises
+    ------
+    InputError
+        If the law is more compliant than the meshes from the first touch on.
+    """
+    own, removed = own_law(law), []
+    for model, port in ends:
+        tip = model.touched_at(port)
+        if tip is not None and (tip.patch is not None or isinstance(own, HertzianLaw)):
+            found = model.extraction_at(port)
+            removed += [] if found is None else [found.removed]
+    return effective_law(law, math.fsum(removed))
 
 
 class Port(NamedTuple):
@@ -61,7 +99,7 @@ class Contact(NamedTuple):
         Numbers of the bodies in the plan, and of the places where they are touched; the indentation
         is the first's coordinate minus the second's minus the gap.
     law : ContactLaw
-        What acts between the models: without the indentation that their patches contain already.
+        What acts between the models: without the compliance of their meshes at the contact.
     gap : float
         Distance at the start, m.
     name : str

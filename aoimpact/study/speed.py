@@ -22,9 +22,9 @@ from ..base import (
 )
 from ..impact import checked_duration, checked_numbers, simulate
 from ..integrate import Adaptive, Newmark, rigid_contact_time
-from ..laws import ContactLaw, effective_law
+from ..laws import ContactLaw
 from ..results import Result
-from ..scene import SceneBody, StarBody, reduced_mass, scene_body
+from ..scene import SceneBody, StarBody, law_of_models, reduced_mass, scene_body
 from .scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
 from .table import Measurement, Reference, WorkPrecision
 
@@ -119,7 +119,7 @@ def work_precision(
         "energies": False,
     }
     exact = _given(reference) if reference is not None else _reference(scene)
-    between = effective_law(law, [body.model.touched_at() for body in bodies])
+    between = law_of_models(law, [(body.model, 0) for body in bodies])
     contact_time = _contact_time(bodies, between, velocity)
     ode = None
     if names:

@@ -18,15 +18,21 @@ exact stress jumps: each material has an average of its own there.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray
-from ..fem import PAIRS, Body, Layout, Material, OneMaterial, each_of, layout, pieces
 from ..mesh import cofactors, jacobians
+from .composition import Layout, OneMaterial, each_of, layout, pieces
+from .material import PAIRS, Material
 from .stress import Stress, batches, elements_at, extrapolation, gauss_of, shown
 
 __all__ = ["energy_error", "missing_energy", "stresses_around"]
+
+if TYPE_CHECKING:
+    from .contact import Body
 
 # No share of the energy is taken to be less true than this.
 _LEAST_TRUE = 0.1
@@ -39,7 +45,7 @@ def missing_energy(difference: FloatArray, own: FloatArray) -> float:
 
 
 def energy_error(
-    body: Body, displacement: FloatArray, loaded: npt.NDArray[np.bool_]
+    body: Body, moved: FloatArray, loaded: npt.NDArray[np.bool_]
 ) -> tuple[FloatArray, FloatArray]:
     """Return twice the strain energy of averaged strain less the elements' own, and of their own.
 
@@ -47,8 +53,8 @@ def energy_error(
     ----------
     body : FEModel
         Made from a mesh.
-    displacement : ndarray, shape (n_dofs,)
-        m.
+    moved : ndarray, shape (n_nodes, 3)
+        Displacement, m.
     loaded : ndarray of bool, shape (n_nodes,)
         Nodes that may carry traction, beside those of supports, added masses and springs.
 
@@ -60,9 +66,6 @@ def energy_error(
     mesh, material = body.mesh, body.material
     assert mesh is not None
     assert material is not None
-    everywhere = np.zeros(3 * mesh.n_nodes)
-    everywhere[body.free] = displacement
-    moved = everywhere.reshape(-1, 3)
     places, everything = layout(mesh, material), pieces(mesh, material)
     averaged = np.zeros((6, len(places.key)))
     for piece in everything:

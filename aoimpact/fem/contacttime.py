@@ -10,28 +10,25 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..base import FloatArray, InputError, IntArray, positive
-from ..fem import (
-    AnyMaterial,
-    ContactPoint,
-    Material,
-    Materials,
-    OneMaterial,
-    each_of,
-    near_static,
-    stiffness_mass,
-)
 from ..mesh import taken
+from .assembly import stiffness_mass
+from .composition import AnyMaterial, Materials, OneMaterial, each_of
+from .material import Material
+
+if TYPE_CHECKING:
+    from .contact import Body, ContactPoint
 
 __all__ = [
     "SHIFT_TIMES_DURATION",
     "contact_stiffness",
     "fitted_shifts",
     "highest_shift",
+    "near_static",
     "own_contact_time",
     "refuse_massless",
     "shortest_contact_time",
@@ -43,6 +40,10 @@ __all__ = [
 # and three times as much need two more oscillators for the same force. A spread of shifts was
 # measured to be worse for each solve.
 SHIFT_TIMES_DURATION = 10.0
+
+# s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the highest ω²:
+# below ω₁² of all but the longest bodies, and above what rounding takes for a singular matrix.
+_NEAR_K = 1e-9
 
 # ν above which λ is taken as it is there. The half-space's (1 - ν)/G goes on almost as before; λ
 # grows without bound, and with it bᵀKb: at .49 by a factor of four.
@@ -105,6 +106,11 @@ def fitted_shifts(
     if duration is not None and (slow := slow_shift(tips[0], duration)) < shifts[0]:
         shifts.append(slow)
     return shifts
+
+
+def near_static(body: Body) -> float:
+    """Return s² of a K + s²M that has factors and is as good as K, (rad/s)²."""
+    return _NEAR_K * float(body.K.diagonal().sum() / body.M.diagonal().sum())
 
 
 def slow_shift(tip: ContactPoint, duration: float) -> float:

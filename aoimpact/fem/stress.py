@@ -18,8 +18,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, choice
-from ..fem import PAIRS, AnyMaterial, Layout, Material, OneMaterial, Piece, each_of, layout, pieces
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
+from .composition import AnyMaterial, Layout, OneMaterial, Piece, each_of, layout, pieces
+from .material import PAIRS, Material
 
 __all__ = [
     "COMPONENTS",

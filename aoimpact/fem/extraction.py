@@ -1,0 +1,446 @@
+"""Compliance of a finite-element body beyond the half-space that touches it at the contact.
+
+The displacement under a contact force is split, u = χ u_B + w. u_B is the field of an elastic
+half-space under Hertz's pressure p on a disc of radius a (`halfspace`). It holds all that is
+singular as a → 0, and is known in closed form. w corrects for the finite body; it is smooth, so
+that the mesh of the body resolves it. It satisfies a(w, v) = L(v) for all v, where a(u, v) =
+∫ ε(u):C:ε(v) + s² ρ u·v dV and
+
+    L(v) = ∫ (p - χ σ_B n)·v dA + ∫ σ_B ∇χ·v - C_B g:∇v dV - s² ∫ ρ χ u_B·v dV
+           - ∫ (C - C_B) (χ ε_B + g):∇v dV,     g = sym(u_B ⊗ ∇χ).
+
+χ is 1 except in bodies that reach behind the contact, where u_B is singular on the axis. C_B is
+that of the element at the contact. The compliance of the body beyond the half-space's own,
+
+    R = L(χ u_B) + 2 L(w) - a(w, w),
+
+is stationary in w: a discrete w gives R too small by the energy of its error. At supports
+w = -χ u_B. With any functional b of the contact, c = bᵀ(K + s²M)⁻¹b - R is the compliance that the
+mesh has in place of the half-space. The contact law of the real bodies contains the half-space's
+indentation, so c is taken out of it.
+
+Subtracting a known singular field is the method of G. J. Fix, S. Gulati and G. I. Wakoff, J.
+Comput. Phys. 13, 209 (1973).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray, IntArray, RoomError
+from ..linalg import LinearSolver
+from ..mesh import plane_of, taken
+from .assembly import stiffness_mass
+from .composition import Materials, OneMaterial, pieces
+from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
+from .material import Material
+from .patch import spread
+from .stresserror import energy_error, missing_energy
+from .subdivision import cells_towards, sides_towards
+
+__all__ = ["Extraction", "Splitting", "extracted", "split"]
+
+# A direction is along the normal where 1 - |cos θ| is below this: a milliradian.
+_ALONG = 1e-6
+
+# Heights over the tangent plane, as a share of the size of a side or of the body, that are none.
+_FLAT = 1e-7
+
+# χ falls from 1 to 0 where the cosine to the outward normal grows from the first value to the
+# second. Seen from the pole of a hemispherical cup, its wall has 0.71 at most.
+_BEHIND, _FAR_BEHIND = 0.35, 0.8
+
+# Elements larger than this share of their distance do not interpolate u_B well enough for its
+# inertia, of linear and quadratic elements: R changes by less than 1e-4 of itself.
+_INTERPOLATED = {False: 0.3, True: 0.6}
+
+
+# The mean of w under the pressure has an error of either sign, but a small one even where elements
+# are too large about a sharp inside corner for the energy of w's error to be estimated. It is taken
+# where it is off by more than this multiple of the estimate, and by more than this share of
+# 1/(E* a): Hertz's contact has 3/(4 E* a), and a force changes by 0.2 % for 0.003.
+_FAR_APART, _MATTERS = 2.5, 0.003
+
+
+@dataclass(frozen=True, eq=False)
+class Extraction:
+    """Compliances of a body at a contact point under a unit force.
+
+    Attributes
+    ----------
+    removed : float
+        c = G - R, that the mesh has in place of the half-space, m/N.
+    beyond : float
+        R, of the body beyond the half-space, m/N, at the frequency s.
+    error : float
+        Estimated error of R, m/N.
+    varying : float
+        How much R changes while the contact grows from a point to the radius a, m/N.
+    softening : float
+        Relative error of the body's stiffness: the energy that w lacks over its strain energy.
+    strain : float
+        xᵀKx of the displacement x under the unit force on the nodes, m/N.
+    radius : float
+        a, m.
+    splitting : Splitting
+    displacement : ndarray, shape (n_nodes, 3)
+        x, m/N.
+    """
+
+    removed: float
+    beyond: float
+    error: float
+    varying: float
+    softening: float
+    strain: float
+    radius: float
+    splitting: Splitting
+    displacement: FloatArray
+
+
+def extracted(
+    body: Any,
+    b: FloatArray,
+    weights: FloatArray,
+    direction: FloatArray,
+    point: FloatArray,
+    normal: FloatArray,
+    radius: float,
+    solver: LinearSolver,
+) -> Extraction:
+    """Return the compliances of a body at a place of its surface.
+
+    Parameters
+    ----------
+    body : FEModel
+        With a mesh.
+    b : ndarray, shape (n_dofs,)
+        The contact functional.
+    weights : ndarray, shape (n_nodes,)
+        Shares of the force that the nodes take.
+    direction, point, normal : ndarray, shape (3,)
+        Of the force; on the surface, m; outward.
+    radius : float
+        a, of the contact itself, m.
+    solver : LinearSolver
+        Of K + s²M.
+
+    Notes
+    -----
+    A force at an angle θ to the normal moves a half-space along itself by cos²θ of what it does
+    along the normal, and by sin²θ (2 - ν)/(2 - 2ν) of it, Mindlin's ratio of the compliances.
+    """
+    splitting = split(body, point, normal, radius, solver)
+    cosine = float(direction @ normal)
+    straight = 1.0 - abs(cosine) < _ALONG
+    along = b if straight else np.outer(weights, normal).reshape(-1)[body.free]
+    x = solver.solve(along)
+    strain = float(x @ (body.K @ x))
+    compliance = 2.0 * float(along @ x) - strain - splitting.s2 * float(x @ (body.M @ x))
+    false, own = energy_error(body, splitting.w, ~splitting.smooth)
+    missing = missing_energy(false, own)
+    beyond, error, varying = splitting.compliance + missing, missing, 0.0
+    sunk = -splitting.w @ normal
+    try:
+        mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
+    except RoomError:  # the contact reaches over an edge
+        pass
+    else:
+        here = body.surface.nearest(point)[0]
+        nodes = body.mesh.cells[body.surface.cell[here.face[0]]]
+        middle = float(body.surface.shape(here.face, here.uv)[0] @ sunk[nodes])
+        # w is quadratic in the distance from the middle, and by reciprocity in the radius of the
+        # pressure: under it, it has the mean g₀ + 0.8 g₁ a², and in the middle g₀ + 0.4 g₁ a².
+        varying = 2.0 * abs(mean - middle)
+        apart = abs(mean + splitting.bent - splitting.compliance)
+        unit = splitting.space.mean_displacement / 0.6
+        if apart > max(_FAR_APART * missing, _MATTERS * unit):
+            beyond, error = mean + splitting.bent, apart
+    removed = compliance - beyond
+    if not straight:
+        nu = splitting.space.nu
+        removed *= cosine**2 + (1.0 - cosine**2) * (2.0 - nu) / (2.0 - 2.0 * nu)
+    moved = np.zeros(splitting.w.size)
+    moved[body.free] = np.copysign(1.0, -cosine) * x if straight else -x
+    whole = float(own.sum())
+    return Extraction(
+        max(removed, 0.0),
+        beyond,
+        error + max(-removed, 0.0),
+        varying,
+        missing / whole if whole > 0.0 else 0.0,
+        strain,
+        radius,
+        splitting,
+        moved.reshape(-1, 3),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Splitting:
+    """The displacement of a body under a unit contact force, as χ u_B + w.
+
+    Attributes
+    ----------
+    point : ndarray, shape (3,)
+        m.
+    frame : ndarray, shape (3, 3)
+        Rows are the local axes; the last is the inward normal.
+    space : HalfSpace
+        With u_B; its radius is a.
+    behind : bool
+        Whether the body reaches behind the contact, so that χ is not 1 everywhere.
+    s2 : float
+        s², (rad/s)².
+    w : ndarray, shape (n_nodes, 3)
+        m/N.
+    compliance : float
+        R, m/N.
+    bent : float
+        The part of R that a curved contact adds to the mean of w under the pressure, m/N.
+    smooth : ndarray of bool, shape (n_nodes,)
+        Nodes in the tangent plane without supports: w has no traction there.
+    """
+
+    point: FloatArray
+    frame: FloatArray
+    space: HalfSpace
+    behind: bool
+    s2: float
+    w: FloatArray
+    compliance: float
+    bent: float
+    smooth: npt.NDArray[np.bool_]
+
+    def local(self, x: FloatArray) -> FloatArray:
+        """Return local coordinates of places, shape (..., 3)."""
+        return np.asarray((x - self.point) @ self.frame.T)
+
+
+def split(
+    body: Any, point: FloatArray, normal: FloatArray, radius: float, solver: LinearSolver
+) -> Splitting:
+    """Return the splitting of a body's displacement under a unit force at a place of its surface.
+
+    Parameters
+    ----------
+    body : FEModel
+        With a mesh.
+    point : ndarray, shape (3,)
+        On the surface, m.
+    normal : ndarray, shape (3,)
+        Outward.
+    radius : float
+        a, of the contact itself, m.
+    solver : LinearSolver
+        Of K + s²M.
+    """
+    mesh, s2 = body.mesh, solver.pencil.s2
+    frame = np.vstack([plane_of(-normal), -normal])
+    local = (mesh.nodes - point) @ frame.T
+    behind = bool((local[:, 2] < -_FAR_BEHIND * np.linalg.norm(local, axis=1)).any())
+    material, own = _at_contact(body, point)
+    level = local[:, 2].min() > -_FLAT * mesh.size
+    space: HalfSpace
+    if isinstance(material, Material):
+        space = IsotropicHalfSpace(material, radius)
+    elif level:
+        like = material.half_space(normal)
+        turned = _tensor(material, frame)
+        space = AnisotropicHalfSpace(turned, radius, like.plane_strain_modulus, like.nu)
+    else:  # the closed form of a body with the same E*; the rest is polarisation
+        space, own = IsotropicHalfSpace(material.half_space(normal), radius), None
+    load = _Load(body, point, frame, space, behind=behind)
+    at_nodes = load.field(mesh.nodes)
+    sunk = load.add_sides()
+    load.add_cells(s2, at_nodes, own)
+    load.add_inertia(s2, at_nodes)
+    # L on the free dofs and on the constrained ones, where w = -χ u_B.
+    forces, free = load.forces.reshape(-1), body.free
+    fixed = np.ones(len(forces), dtype=bool)
+    fixed[free] = False
+    w, right = np.zeros(len(forces)), forces[free]
+    compliance = load.self_term + sunk
+    if fixed.any():
+        w[fixed] = -at_nodes.reshape(-1)[fixed]
+        dofs, K, M = load.supported
+        pulled = np.zeros(len(forces))
+        pulled[dofs] = (K + s2 * M) @ w[dofs]
+        right = right - pulled[free]
+        compliance += float((2.0 * forces - pulled)[fixed] @ w[fixed])
+    moved = solver.solve(right)
+    w[free] = moved
+    inner = float(moved @ (body.K @ moved)) + s2 * float(moved @ (body.M @ moved))
+    compliance += 2.0 * float(right @ moved) - inner
+    touched = np.abs(local[:, 2]) < _FLAT * mesh.size
+    smooth = touched & ~fixed.reshape(-1, 3).any(axis=1)
+    moved_all = w.reshape(-1, 3)
+    return Splitting(point, frame, space, behind, s2, moved_all, compliance, sunk, smooth)
+
+
+def _at_contact(body: Any, point: FloatArray) -> tuple[OneMaterial, int | None]:
+    """The material of the element at a place of the surface, and its number among several."""
+    material = body.material
+    if not isinstance(material, Materials):
+        return material, 0
+    cell = int(body.surface.cell[body.surface.nearest(point)[0].face[0]])
+    return material.of(cell), int(material.index[cell])
+
+
+class _Load:
+    """L(v) at the nodes, and the self term L(χ u_B), added up integral by integral."""
+
+    def __init__(
+        self, body: Any, point: FloatArray, frame: FloatArray, space: HalfSpace, *, behind: bool
+    ) -> None:
+        self.body, self.mesh = body, body.mesh
+        self.point, self.frame, self.space, self.behind = point, frame, space, behind
+        self.forces = np.zeros((self.mesh.n_nodes, 3))
+        self.self_term = 0.0
+
+    def field(self, x: FloatArray) -> FloatArray:
+        """χ u_B at places, in global axes, m."""
+        y = (x - self.point) @ self.frame.T
+        return np.asarray(self._cutoff(y)[0][..., None] * self.space.displacement(y) @ self.frame)
+
+    def _cutoff(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """χ and its gradient at local places."""
+        if not self.behind:
+            return np.ones(y.shape[:-1]), np.zeros(y.shape)
+        distance = np.maximum(np.linalg.norm(y, axis=-1), 1e-9 * self.space.radius)[..., None]
+        cosine = -y[..., 2:] / distance
+        slope = -cosine * y / distance**2
+        slope[..., 2] -= 1.0 / distance[..., 0]
+        width = _FAR_BEHIND - _BEHIND
+        t = np.clip((cosine - _BEHIND) / width, 0.0, 1.0)
+        chi = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
+        return chi[..., 0], -30.0 * (t * (1.0 - t)) ** 2 / width * slope
+
+    def _add(
+        self, nodes: IntArray, weight: FloatArray, shape: FloatArray, t: FloatArray, u: FloatArray
+    ) -> None:
+        """∫ t·v, and ∫ t·u in the self term; t and u in local axes, shape (n, q, 3)."""
+        self.self_term += float(np.einsum("nq,nqi,nqi->", weight, t, u))
+        forces = np.einsum("nq,nqa,nqi->nai", weight, shape, t @ self.frame)
+        np.add.at(self.forces, nodes, forces)
+
+    def add_sides(self) -> float:
+        """∫ (p - χ σ_B n)·v dA over the surface; returns what ∫ p u_z exceeds that of a plane."""
+        surface, nodes, a = self.body.surface, self.mesh.nodes, self.space.radius
+        height = (nodes - self.point) @ self.frame[2]
+        p0, pressed, sunk = 1.5 / (np.pi * a * a), 0.0, 0.0
+        for side, (number, face) in enumerate(surface.sides):
+            block = self.mesh.blocks[number]
+            rows = surface.cell[surface.side == side] - block.first
+            on = block.cells[rows][:, face.nodes]
+            size = np.ptp(nodes[on], axis=1).max(axis=1)
+            rows = rows[np.abs(height[on]).max(axis=1) > _FLAT * size]  # on a plane σ_B n = p
+            corners = block.element.nodes[face.nodes[: face.n_corners]]
+            for at in sides_towards(nodes, block, rows, corners, self.point, a):
+                y, n = (at.x - self.point) @ self.frame.T, at.area @ self.frame.T
+                u, stress = self.space.displacement_stress(y)
+                chi = self._cutoff(y)[0][..., None]
+                t = -chi * np.einsum("nqij,nqj->nqi", stress, n)
+                r2 = y[..., 0] ** 2 + y[..., 1] ** 2
+                # The side that is touched, and not another one of a thin body under the disc.
+                faces = (n[..., 2] < 0.0) & (np.abs(y[..., 2]) < np.maximum(0.5 * a, r2 / a))
+                p = p0 * np.sqrt(np.maximum(1.0 - r2 / (a * a), 0.0)) * -n[..., 2] * faces
+                t[..., 2] += p
+                pressed += float(p.sum())
+                sunk += float((p * u[..., 2]).sum())
+                self._add(block.cells[at.rows], at.weight, at.shape, t, chi * u)
+        return sunk - pressed * self.space.mean_displacement
+
+    def add_cells(self, s2: float, at_nodes: FloatArray, own: int | None) -> None:
+        """Integrals over cells near the contact, behind it, and of other materials than there.
+
+        Near the contact u_B is not interpolated well enough for its inertia: what `add_inertia`
+        takes for it there is replaced.
+        """
+        nodes, mesh = self.mesh.nodes, self.mesh
+        for piece in pieces(mesh, self.body.material):
+            corners = (nodes[piece.cells] - self.point) @ self.frame.T
+            size, away = np.ptp(corners, axis=1).max(axis=1), np.linalg.norm(corners, axis=2)
+            limit = _INTERPOLATED[mesh.quadratic] * np.maximum(away.min(axis=1), self.space.radius)
+            near = np.zeros(len(piece.block.cells), dtype=bool)
+            near[piece.rows] = size > limit
+            wanted = near[piece.rows]
+            if self.behind:
+                wanted |= (-corners[..., 2] > _BEHIND * (away - size[:, None])).any(axis=1)
+            difference = None
+            if piece.which != own:
+                wanted[:] = True
+                difference = _tensor(piece.material, self.frame) - self.space.stiffness
+            rows = piece.rows[wanted]
+            for at in cells_towards(nodes, piece.block, rows, self.point, self.space.radius):
+                cells, y = piece.block.cells[at.rows], (at.x - self.point) @ self.frame.T
+                chi, slope = self._cutoff(y)
+                u, stress = self.space.displacement_stress(y)
+                moved = chi[..., None] * u
+                instead = at.shape @ (at_nodes[cells] @ self.frame.T)
+                mass = -s2 * piece.material.rho * at.weight * near[at.rows][:, None]
+                self._add(cells, mass, at.shape, moved, moved)
+                self._add(cells, -mass, at.shape, instead, instead)
+                if not self.behind and difference is None:
+                    continue
+                tilted = u[..., :, None] * slope[..., None, :]
+                g = 0.5 * (tilted + tilted.swapaxes(2, 3))
+                extra = np.einsum("ijkl,nqkl->nqij", self.space.stiffness, g)
+                energy = np.einsum("nq,nqij,nqij->", at.weight, extra, g)
+                if difference is not None:
+                    strain = chi[..., None, None] * self.space.strain(stress) + g
+                    polarised = np.einsum("ijkl,nqkl->nqij", difference, strain)
+                    energy += np.einsum("nq,nqij,nqij->", at.weight, polarised, strain)
+                    extra += polarised
+                self.self_term -= float(energy)
+                body_force = np.einsum("nqij,nqj->nqi", stress, slope) @ self.frame
+                inner = self.frame.T @ extra @ self.frame
+                forces = np.einsum("nq,nqa,nqi->nai", at.weight, at.shape, body_force)
+                forces -= np.einsum("nq,nqij,nqaj->nai", at.weight, inner, at.slopes)
+                np.add.at(self.forces, cells, forces)
+
+    def add_inertia(self, s2: float, at_nodes: FloatArray) -> None:
+        """-s² ∫ ρ χ u_B·v by the mass matrix, and the springs to the ground."""
+        body, moved = self.body, at_nodes.reshape(-1)
+        held = np.zeros(len(moved))
+        held[body.free] = s2 * (body.M @ moved[body.free])
+        if body.springs is not None:
+            held[body.free] += body.springs * moved[body.free]
+        if len(body.free) < len(moved):
+            dofs, _, M = self.supported
+            fixed = np.ones(len(moved), dtype=bool)
+            fixed[body.free] = False
+            there = fixed[dofs]
+            held[dofs] += s2 * np.where(
+                there, M @ moved[dofs], M @ np.where(there, moved[dofs], 0.0)
+            )
+        self.self_term -= float(held @ moved)
+        self.forces -= held.reshape(-1, 3)
+
+    @cached_property
+    def supported(self) -> tuple[IntArray, Any, Any]:
+        """Dofs, K and M of the elements that touch a support: K and M of the body leave it out."""
+        fixed = np.ones(3 * self.mesh.n_nodes, dtype=bool)
+        fixed[self.body.free] = False
+        on = np.flatnonzero(fixed.reshape(-1, 3).any(axis=1))
+        cells = np.flatnonzero(np.isin(self.mesh.cells, on).any(axis=1))
+        material = self.body.material
+        some = material.taken(cells) if isinstance(material, Materials) else material
+        K, M = stiffness_mass(taken(self.mesh, cells), some)
+        there = np.unique(self.mesh.cells[cells])
+        return (3 * there[:, None] + np.arange(3)).reshape(-1), K, M
+
+
+def _tensor(material: OneMaterial, frame: FloatArray) -> FloatArray:
+    """C_ijkl in local axes."""
+    if isinstance(material, Material):
+        return IsotropicHalfSpace(material, 1.0).stiffness
+    turned: FloatArray = np.einsum(
+        "ai,bj,ck,dl,ijkl->abcd", frame, frame, frame, frame, material.tensor
+    )
+    return turned
