@@ -17,13 +17,13 @@ from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import Models, only_models
 from .leftout import LeftOutFinder
-from .order import Orders, proven_orders
+from .order import LOOSEST, Orders, proven_orders
 
 __all__ = ["checked_linear_solver", "checked_rtol", "choose_models"]
 
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
-_RTOL, _TIGHTEST = 1e-2, 1e-8
+_RTOL, _TIGHTEST = 2e-3, 1e-8
 
 # Shares of the tolerance of time integration, by the adaptive method and by fixed steps; the rest
 # is for the models. Over 148 impacts on nine bodies of up to 6171 dofs, to 1e-1 … 1e-3, the error
@@ -34,11 +34,8 @@ _RTOL, _TIGHTEST = 1e-2, 1e-8
 _SHARE_OF_TIME, _SHARE_OF_STEPS = 0.005, 0.2
 
 # Where no tolerance was given, the models' is this share of the mesh's error of the quantity, by
-# which the total error grows, up to the loosest default tolerance. On seven coarse plates, sheets
-# and a beam this takes half the oscillators and 3/4 of the time that 1 % does. A third of the share
-# takes 7 % more oscillators, three times as much saves 4 %; a third of the loosest takes 33 % more,
-# three times as much saves 26 %, but forces are then up to 14 % off, instead of 7.6 %.
-_SHARE_OF_MESH, _LOOSEST = 0.2, 0.1
+# which the total error grows, up to the loosest tolerance.
+_SHARE_OF_MESH = 0.2
 
 
 def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
@@ -137,7 +134,7 @@ def choose_models(
 
     def looser(run: Run) -> float:
         """The models' tolerance where the error by the mesh is much larger."""
-        return min(_SHARE_OF_MESH * (finder(run).mesh.get(quantity.name, 0.0)), _LOOSEST) - in_time
+        return min(_SHARE_OF_MESH * finder(run).mesh.get(quantity.name, 0.0), LOOSEST) - in_time
 
     if models := only_models(bodies):
         run = record.run(plan_of(models, energies), timed)

@@ -21,7 +21,7 @@ from ..reduction import BodyModel, FullModel
 from ..results import Quantity, Run
 from .hierarchy import Hierarchy, Models, model_hierarchy
 
-__all__ = ["Orders", "first_guess", "proven_orders"]
+__all__ = ["LOOSEST", "Orders", "first_guess", "proven_orders"]
 
 # Models of n oscillators are compared with _COMPARED larger ones, the largest of which has _BEYOND
 # oscillators more, or half as many again: where errors fall slowly, 8 of 100 change little. One
@@ -51,8 +51,9 @@ _REFIT, _MOST_FITS = 2.0, 4
 # raised: larger models would not help.
 _TOO_WIDE = 3
 
-# Least order of a model with which the mesh's error is estimated without another linear solution.
-_TELLING = 16
+# The loosest tolerance that is taken where none was given; and how many more vectors than for it are
+# solved for at most to come down to the default tolerance.
+LOOSEST, _WORTH = 1e-2, 4.0 / 3.0
 
 # The order of each different hierarchy.
 _Orders = tuple[int, ...]
@@ -143,9 +144,9 @@ def proven_orders(
         Whether, where no models tried meet the tolerance, those of the least error are returned,
         if it is below 1.
     looser : callable, optional
-        Returns the tolerance that applies to a run, if it is larger than `rtol`, since other
-        errors, such as the mesh's, are larger. Called with a run of models of at least 16
-        oscillators that do not meet `rtol`.
+        Where no tolerance was given: returns that which applies to a run, if it is larger than
+        `rtol`, since other errors, such as the mesh's, are larger. Models that would need a third
+        more vectors than for `LOOSEST` meet that one only.
 
     Raises
     ------
@@ -230,6 +231,7 @@ class _Search:
         self.looser: Callable[[Run], float] | None = looser
         self.run: Callable[[Models], Run] = run
         self.quantity, self.rtol, self.least_rtol = quantity, rtol, rtol
+        self.most = math.inf
         self.results: dict[_Orders, Run | None] = {}
         self.differences: dict[tuple[_Orders, _Orders], float] = {}
         self.failures: dict[_Orders, AOImpactError] = {}
@@ -258,14 +260,24 @@ class _Search:
             self.orders = self._enlarged(largest)
 
     def _is_enough(self, run: Run | None, largest: _Orders) -> bool:
-        """Whether the models meet the tolerance, or the looser one that `looser` returns."""
+        """Whether the models meet the tolerance, or the looser one of a tolerance left out."""
         self.rtol = self.least_rtol
         if self._meet():
             return True
-        if run is None or self.looser is None or max(largest) < _TELLING:
+        if run is None or self.looser is None:
             return False
-        self.rtol = max(self.rtol, self.looser(run))
-        return self._meet()
+        self.rtol = LOOSEST
+        if not self._meet():
+            return False
+        self.rtol = max(self.least_rtol, self.looser(run))
+        if self._meet():
+            return True
+        self.rtol = self.least_rtol
+        self.most = min(self.most, _WORTH * max(largest))
+        if _beyond(max(self._enlarged(largest)), 1.0) <= self.most:
+            return False
+        self.rtol = LOOSEST
+        return True
 
     def _meet(self) -> bool:
         return all(error <= self.rtol for error in self._errors())

@@ -41,8 +41,9 @@ __all__ = [
 # measured to be worse for each solve.
 SHIFT_TIMES_DURATION = 10.0
 
-# s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the highest ω²:
-# below ω₁² of all but the longest bodies, and above what rounding takes for a singular matrix.
+# s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the
+# highest ω²: below ω₁² of all but the longest bodies, and above what rounding takes for a singular
+# matrix.
 _NEAR_K = 1e-9
 
 # ν above which λ is taken as it is there. The half-space's (1 - ν)/G goes on almost as before; λ
