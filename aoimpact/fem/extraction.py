@@ -144,7 +144,10 @@ def extracted(
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * float(x @ (body.M @ x))
     false, own = energy_error(body, splitting.w, ~splitting.smooth)
     missing = missing_energy(false, own)
-    beyond, error, varying = splitting.compliance + missing, missing, 0.0
+    # At supports -u_B is interpolated between nodes, so that R2 has an error of either sign there.
+    held = np.isin(body.mesh.cells, _supported(body)).any(axis=1)
+    beyond = splitting.compliance + missing_energy(false[~held], own[~held])
+    error, varying = missing, 0.0
     sunk = -splitting.w @ normal
     try:
         mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
@@ -278,9 +281,16 @@ def split(
     inner = float(moved @ (body.K @ moved)) + s2 * float(moved @ (body.M @ moved))
     compliance += 2.0 * float(right @ moved) - inner
     touched = np.abs(local[:, 2]) < _FLAT * mesh.size
-    smooth = touched & ~fixed.reshape(-1, 3).any(axis=1)
+    touched[_supported(body)] = False
     moved_all = w.reshape(-1, 3)
-    return Splitting(point, frame, space, behind, s2, moved_all, compliance, sunk, smooth)
+    return Splitting(point, frame, space, behind, s2, moved_all, compliance, sunk, touched)
+
+
+def _supported(body: Any) -> IntArray:
+    """Nodes with a constrained dof."""
+    free = np.zeros(3 * body.mesh.n_nodes, dtype=bool)
+    free[body.free] = True
+    return np.flatnonzero(~free.reshape(-1, 3).all(axis=1))
 
 
 def _at_contact(body: Any, point: FloatArray) -> tuple[OneMaterial, int | None]:
@@ -425,10 +435,7 @@ class _Load:
     @cached_property
     def supported(self) -> tuple[IntArray, Any, Any]:
         """Dofs, K and M of the elements that touch a support: K and M of the body leave it out."""
-        fixed = np.ones(3 * self.mesh.n_nodes, dtype=bool)
-        fixed[self.body.free] = False
-        on = np.flatnonzero(fixed.reshape(-1, 3).any(axis=1))
-        cells = np.flatnonzero(np.isin(self.mesh.cells, on).any(axis=1))
+        cells = np.flatnonzero(np.isin(self.mesh.cells, _supported(self.body)).any(axis=1))
         material = self.body.material
         some = material.taken(cells) if isinstance(material, Materials) else material
         K, M = stiffness_mass(taken(self.mesh, cells), some)
