@@ -51,8 +51,8 @@ _REFIT, _MOST_FITS = 2.0, 4
 # raised: larger models would not help.
 _TOO_WIDE = 3
 
-# The loosest tolerance that is taken where none was given; and how many more vectors than for it are
-# solved for at most to come down to the default tolerance.
+# The loosest tolerance that is taken where none was given; and how many times the vectors made for
+# it are made at most to come down to the default tolerance.
 LOOSEST, _WORTH = 1e-2, 4.0 / 3.0
 
 # The order of each different hierarchy.

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.special
 
 from ..base import FloatArray, IntArray
-from ..mesh import Block
+from ..mesh import Block, ReferenceElement
 
 __all__ = ["Points", "cells_towards", "sides_towards"]
 
@@ -111,8 +111,8 @@ def _towards(
     for level in range(most + 1):
         if not len(rows):
             return
-        n, d = vertices.shape[:2]
-        shape = element.shape(vertices.reshape(-1, 3)).reshape(n, d, -1)
+        d = vertices.shape[1]
+        shape, _ = _evaluated(element, vertices, np.eye(d))
         corner = shape @ nodes[block.cells[rows]]
         size = np.linalg.norm(corner[:, :, None] - corner[:, None], axis=3).max(axis=(1, 2))
         away = np.linalg.norm(corner.mean(axis=1) - point, axis=1) - 0.5 * size
@@ -120,12 +120,23 @@ def _towards(
         large = size > limit * finer * np.maximum(away, _FLOOR * a)
         if level == most:
             large[:] = False
-        yield from _evaluated(nodes, block, rows[~large], vertices[~large])
+        yield from _points(nodes, block, rows[~large], vertices[~large])
         vertices = np.einsum("cvw,nwi->ncvi", split, vertices[large]).reshape(-1, d, 3)
         rows = np.repeat(rows[large], len(split))
 
 
 def _evaluated(
+    element: ReferenceElement, vertices: FloatArray, shares: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Shape functions and gradients at barycentric points of simplices, each different one once."""
+    flat, place = np.unique(vertices.reshape(len(vertices), -1), axis=0, return_inverse=True)
+    different = flat.reshape(-1, *vertices.shape[1:])
+    shape, gradient = element.evaluate((shares @ different).reshape(-1, 3))
+    size = len(different), len(shares), element.n_nodes
+    return shape.reshape(size)[place.ravel()], gradient.reshape(*size, 3)[place.ravel()]
+
+
+def _points(
     nodes: FloatArray, block: Block, rows: IntArray, vertices: FloatArray
 ) -> Iterator[Points]:
     d = vertices.shape[1] - 1
@@ -133,9 +144,7 @@ def _evaluated(
     step = max(1, _AT_ONCE // len(weight))
     for start in range(0, len(rows), step):
         some, corners = rows[start : start + step], vertices[start : start + step]
-        shape, gradient = block.element.evaluate((shares @ corners).reshape(-1, 3))
-        shape = shape.reshape(len(some), len(weight), -1)
-        gradient = gradient.reshape(*shape.shape, 3)
+        shape, gradient = _evaluated(block.element, corners, shares)
         places = nodes[block.cells[some]]
         jacobian = np.einsum("nqat,nai->nqti", gradient, places)
         slopes = gradient @ np.linalg.inv(jacobian).swapaxes(2, 3)
