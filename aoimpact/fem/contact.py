@@ -38,7 +38,7 @@ from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
 from ..mesh import AT_NODE, Mesh, Surface, surface_shape
 from .composition import AnyMaterial
 from .contactsurface import ContactSurface, contact_surface
-from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
+from .contacttime import SHIFT_TIMES_DURATION, total_mass
 from .damping import Damping
 from .extraction import Extraction, extracted
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
@@ -67,7 +67,7 @@ _HELD = 1e-12
 
 # Radius of the contact at a node, as a share of the element's edge, where no impact gives it. R
 # hardly depends on it: a tenth or four times the true radius changes a force by 0.2 %.
-_WITHIN_EDGE = 0.2
+_WITHIN_EDGE = 0.15
 
 # How far the length of a unit vector may be from 1.
 _UNIT = 1e-9
@@ -232,27 +232,41 @@ class ContactPoint(Frozen):
     def extraction(self) -> Extraction | None:
         """The compliance that the mesh has in place of the half-space of a contact law.
 
-        It takes one linear solution for the contact and one for what is not a half-space. None for
-        a body without a mesh, and on a sharp edge.
+        It takes one linear solution for the contact and one for the body beyond the half-space.
+        None for a body without a mesh, and on a sharp edge. The compliance hardly depends on the
+        duration of the contact, which is not known here: that of the whole body on the half-space
+        is taken.
         """
-        if self.body.mesh is None or self.normal is None or self.direction is None:
+        if not self._on_surface:
             return None
-        shift = SHIFT_TIMES_DURATION / own_contact_time(self)
-        return self._extracted(self.body.inverse(shift**2))
+        assert self.material is not None
+        soft = 0.6 / (self._width * self.material.plane_strain_modulus)
+        duration = math.pi * math.sqrt(soft * total_mass(self.body))
+        return self._extracted(self.body.inverse((SHIFT_TIMES_DURATION / duration) ** 2))
+
+    @property
+    def _on_surface(self) -> bool:
+        known = self.normal is not None and self.direction is not None
+        return known and self.body.mesh is not None
+
+    @property
+    def _width(self) -> float:
+        """Radius of the contact itself, m, or about that."""
+        if self.contact_radius is not None:
+            return self.contact_radius
+        if self.patch is not None:
+            return self.patch.radius / PATCH_OVER_CONTACT
+        assert self.body.surface is not None
+        assert self.point is not None
+        return _WITHIN_EDGE * edge_length(self.body.surface, self.point)
 
     def _extracted(self, solver: LinearSolver) -> Extraction:
         assert self.body.surface is not None
         assert self.point is not None
         assert self.direction is not None
         normal = normal_at(self.body.surface, self.point)
-        weights = self._nodal_forces @ self.direction
-        radius = self.contact_radius
-        if radius is None:
-            edge = edge_length(self.body.surface, self.point)
-            wide = _WITHIN_EDGE * edge if self.patch is None else self.patch.radius
-            radius = wide / PATCH_OVER_CONTACT
-        force = weights, self.direction
-        return extracted(self.body, self.b, *force, self.point, normal, radius, solver)
+        force = self._nodal_forces @ self.direction, self.direction
+        return extracted(self.body, self.b, *force, self.point, normal, self._width, solver)
 
     def at_impact(self, contact_radius: float, solver: LinearSolver) -> ContactPoint:
         """Return the contact point for a contact of that radius, its compliance computed.
@@ -267,7 +281,7 @@ class ContactPoint(Frozen):
         :meta private:
         """
         tip = replace(self, contact_radius=contact_radius)
-        if self.body.mesh is not None and self.normal is not None and self.direction is not None:
+        if self._on_surface:
             vars(tip)["extraction"] = tip._extracted(solver)
         return tip
 

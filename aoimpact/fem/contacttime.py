@@ -33,6 +33,7 @@ __all__ = [
     "refuse_massless",
     "shortest_contact_time",
     "slow_shift",
+    "total_mass",
 ]
 
 
@@ -125,10 +126,13 @@ def own_contact_time(tip: ContactPoint) -> float:
 
     Infinite where K gives b no stiffness.
     """
-    body = tip.body
     stiffness = contact_stiffness(tip)
-    mass = float(body.M.diagonal().sum()) if body.mass is None else body.mass
-    return math.pi * math.sqrt(mass / stiffness) if stiffness > 0.0 else math.inf
+    return math.pi * math.sqrt(total_mass(tip.body) / stiffness) if stiffness > 0.0 else math.inf
+
+
+def total_mass(body: Body) -> float:
+    """Return the mass of a body, kg; where it is not known, the trace of M, which is not less."""
+    return float(body.M.diagonal().sum()) if body.mass is None else body.mass
 
 
 def shortest_contact_time(tip: ContactPoint) -> float:

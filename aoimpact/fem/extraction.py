@@ -81,26 +81,23 @@ class Extraction:
         Estimated error of R, m/N.
     varying : float
         How much R changes while the contact grows from a point to the radius a, m/N.
-    softening : float
-        Relative error of the body's stiffness: the energy that w lacks over its strain energy.
     strain : float
         xᵀKx of the displacement x under the unit force on the nodes, m/N.
     radius : float
         a, m.
     splitting : Splitting
-    displacement : ndarray, shape (n_nodes, 3)
-        x, m/N.
+    mesh_field : ndarray, shape (n_nodes, 3)
+        What the mesh makes of u_B, m/N: the displacement under the force on the nodes less w.
     """
 
     removed: float
     beyond: float
     error: float
     varying: float
-    softening: float
     strain: float
     radius: float
     splitting: Splitting
-    displacement: FloatArray
+    mesh_field: FloatArray
 
 
 def extracted(
@@ -170,17 +167,15 @@ def extracted(
         removed *= cosine**2 + (1.0 - cosine**2) * (2.0 - nu) / (2.0 - 2.0 * nu)
     moved = np.zeros(splitting.w.size)
     moved[body.free] = np.copysign(1.0, -cosine) * x if straight else -x
-    whole = float(own.sum())
     return Extraction(
         max(removed, 0.0),
         beyond,
         error + max(-removed, 0.0),
         varying,
-        missing / whole if whole > 0.0 else 0.0,
         strain,
         radius,
         splitting,
-        moved.reshape(-1, 3),
+        moved.reshape(-1, 3) - splitting.w,
     )
 
 

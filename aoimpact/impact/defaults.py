@@ -181,18 +181,15 @@ def fitted(
     met: Meeting | None,
     factors: dict[Any, LinearSolver] | None = None,
 ) -> BodyModel:
-    """Return a body whose contact point knows the radius of its contact in an impact.
+    """Return a body with a patch wide enough for an impact, where its radius was left out.
 
-    A patch whose radius was left out is made wide enough for it. Solvers that are set up are put
-    into `factors`, by their finite-element body.
+    Solvers that are set up are put into `factors`, by their finite-element body.
     """
     if not isinstance(body, FullModel) or met is None or met.contact_radius is None:
         return body
-    tip = body.tips[port]
-    if tip.body.mesh is None or tip.normal is None:
+    if not body.tips[port].automatic:
         return body
-    if tip.automatic:
-        tip = contact_within(tip, PATCH_OVER_CONTACT * met.contact_radius)
+    tip = contact_within(body.tips[port], PATCH_OVER_CONTACT * met.contact_radius)
     known = {} if factors is None else factors
     if tip.body not in known:
         known[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / met.contact_time) ** 2)

@@ -8,8 +8,18 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Self
 
+import numpy as np
+
 from ..base import FloatArray
-from ..fem import Body, ContactPoint, ContactSurface, Damping, Extraction
+from ..fem import (
+    Body,
+    ContactPoint,
+    ContactSurface,
+    Damping,
+    Extraction,
+    energy_error,
+    missing_energy,
+)
 from .band import Band, band_of
 from .coordinates import GeneralizedCoordinates
 
@@ -178,6 +188,34 @@ class ReducedModel(BodyModel):
         :meta private:
         """
         return None
+
+    def stiffness_error(self, s: float, port: int = 0) -> float:
+        """Return how much too stiff the mesh is for motion at the frequency i s, relative.
+
+        The energy that the field beyond the half-space lacks, over its strain energy. Frequencies
+        within a factor of √2 share one estimate.
+
+        :meta private:
+        """
+        octave = round(math.log2(s))
+        key = octave, port
+        if key not in self._stiffness_errors:
+            point, known = self.contact_points[port], self.extraction_at(port)
+            if known is None:
+                return 0.0
+            assert point.direction is not None
+            moved = np.zeros(known.mesh_field.size)
+            moved[point.body.free] = self.deflection(2.0**octave, port)
+            inward = known.splitting.frame[2] @ point.direction
+            beyond = math.copysign(1.0, inward) * moved.reshape(-1, 3) - known.mesh_field
+            false, own = energy_error(point.body, beyond, ~known.splitting.smooth)
+            whole = float(own.sum())
+            self._stiffness_errors[key] = missing_energy(false, own) / whole if whole else 0.0
+        return self._stiffness_errors[key]
+
+    @cached_property
+    def _stiffness_errors(self) -> dict[tuple[int, int], float]:
+        return {}
 
     @abstractmethod
     def stiffened(self, factor: float) -> Self:
