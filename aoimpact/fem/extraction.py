@@ -25,7 +25,7 @@ Comput. Phys. 13, 209 (1973).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -215,9 +215,37 @@ class Splitting:
     bent: float
     smooth: npt.NDArray[np.bool_]
 
-    def local(self, x: FloatArray) -> FloatArray:
-        """Return local coordinates of places, shape (..., 3)."""
-        return np.asarray((x - self.point) @ self.frame.T)
+    def half_space_field(
+        self, x: FloatArray, radius: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return χ u_B and its stress at places, for a force of 1 N on discs of some radii.
+
+        Parameters
+        ----------
+        x : ndarray, shape (p, 3)
+            m.
+        radius : ndarray, shape (n,), optional
+            m; a if left out.
+
+        Returns
+        -------
+        displacement, stress : ndarrays, shape (n, p, 3) and (n, p, 3, 3)
+            m and Pa.
+        """
+        y = (x - self.point) @ self.frame.T
+        chi, slope = cutoff(y, self.space.radius) if self.behind else (np.ones(len(y)), None)
+        widths = [self.space.radius] if radius is None else radius.tolist()
+        u, stress = (
+            np.stack(parts)
+            for parts in zip(
+                *(replace(self.space, radius=width).displacement_stress(y) for width in widths),
+                strict=True,
+            )
+        )
+        moved, stress = chi[:, None] * u, chi[:, None, None] * stress
+        if slope is not None:
+            stress += np.einsum("ijkl,npk,pl->npij", self.space.stiffness, u, slope)
+        return moved @ self.frame, self.frame.T @ stress @ self.frame
 
 
 def split(
@@ -297,6 +325,18 @@ def _at_contact(body: Any, point: FloatArray) -> tuple[OneMaterial, int | None]:
     return material.of(cell), int(material.index[cell])
 
 
+def cutoff(y: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
+    """Return χ of a body that reaches behind the contact, and its gradient, at local places."""
+    distance = np.maximum(np.linalg.norm(y, axis=-1), 1e-9 * radius)[..., None]
+    cosine = -y[..., 2:] / distance
+    slope = -cosine * y / distance**2
+    slope[..., 2] -= 1.0 / distance[..., 0]
+    width = _FAR_BEHIND - _BEHIND
+    t = np.clip((cosine - _BEHIND) / width, 0.0, 1.0)
+    chi = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
+    return chi[..., 0], -30.0 * (t * (1.0 - t)) ** 2 / width * slope
+
+
 class _Load:
     """L(v) at the nodes, and the self term L(χ u_B), added up integral by integral."""
 
@@ -317,14 +357,7 @@ class _Load:
         """χ and its gradient at local places."""
         if not self.behind:
             return np.ones(y.shape[:-1]), np.zeros(y.shape)
-        distance = np.maximum(np.linalg.norm(y, axis=-1), 1e-9 * self.space.radius)[..., None]
-        cosine = -y[..., 2:] / distance
-        slope = -cosine * y / distance**2
-        slope[..., 2] -= 1.0 / distance[..., 0]
-        width = _FAR_BEHIND - _BEHIND
-        t = np.clip((cosine - _BEHIND) / width, 0.0, 1.0)
-        chi = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
-        return chi[..., 0], -30.0 * (t * (1.0 - t)) ** 2 / width * slope
+        return cutoff(y, self.space.radius)
 
     def _add(
         self, nodes: IntArray, weight: FloatArray, shape: FloatArray, t: FloatArray, u: FloatArray

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from ..base import AOImpactError, InputError, plain, warn, with_unit
 from ..fem import PATCH_OVER_CONTACT, SHIFT_TIMES_DURATION, ContactPoint, contact_within
 from ..integrate import rigid_contact_time
-from ..laws import ContactLaw, Hertz, LawFromSurfaces, law_between
+from ..laws import ContactLaw, LawFromSurfaces, law_between, round_contact
 from ..linalg import LinearSolver
 from ..reduction import BodyModel, FullModel
 
@@ -155,24 +155,10 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
         duration = rigid_contact_time(law, mass, speed)
     except AOImpactError:
         return None
-    radius = _relative_radius(law, bodies)
-    return Meeting(duration, None if radius is None else math.sqrt(radius * depth))
-
-
-def _relative_radius(law: ContactLaw, bodies: Sequence[BodyModel]) -> float | None:
-    """R, m, of the law, or of Hertz's law by its k = 4/3 E* √R and the bodies' materials.
-
-    A body of unknown material is taken to be rigid.
-    """
-    if law.relative_radius is not None or not isinstance(law, Hertz):
-        return law.relative_radius
     known = [body.touched_at() or body.surface_at() for body in bodies]
-    materials = [None if of is None else of.material for of in known]
-    moduli = [of.plane_strain_modulus for of in materials if of is not None]
-    if not moduli:
-        return None
-    modulus = 1.0 / math.fsum(1.0 / of for of in moduli)
-    return (0.75 * law.k / modulus) ** 2
+    found = round_contact(law, [None if of is None else of.material for of in known])
+    radius = law.relative_radius if found is None else found.radius
+    return Meeting(duration, None if radius is None else math.sqrt(radius * depth))
 
 
 def fitted(

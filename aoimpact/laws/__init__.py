@@ -10,8 +10,9 @@ from .curvature import contact_modulus
 from .effective import check_width, effective_law, own_law, wider
 from .elastic import Hertz, Linear, PowerLaw
 from .law import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, loading_work
-from .plastic import Thornton, yield_force
+from .plastic import Thornton, yield_force, yield_pressure
 from .restitution import restitution
+from .roundcontact import RoundContact, round_contact
 from .surfaces import LawFromSurfaces, law_between
 from .tabulated import Tabulated
 from .user import UserLaw
@@ -45,6 +46,7 @@ __all__ = [
     "Linear",
     "PatchLaw",
     "PowerLaw",
+    "RoundContact",
     "Tabulated",
     "Thornton",
     "Tsuji",
@@ -56,8 +58,10 @@ __all__ = [
     "loading_work",
     "own_law",
     "restitution",
+    "round_contact",
     "wider",
     "yield_force",
+    "yield_pressure",
 ]
 
 # Every law by its name; a law between patches is made from one of them.

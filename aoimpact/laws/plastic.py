@@ -6,12 +6,14 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+import scipy.optimize
+
 from ..base import InputError, positive
 from ..fem import Material
 from .curvature import contact_modulus, relative_radius
 from .law import MOST_SHARE, HertzianLaw
 
-__all__ = ["Thornton", "yield_force"]
+__all__ = ["Thornton", "yield_force", "yield_pressure"]
 
 
 def yield_force(modulus: float, radius: float, pressure: float) -> float:
@@ -26,6 +28,29 @@ def yield_force(modulus: float, radius: float, pressure: float) -> float:
         raise InputError("E is too small to compute with: its modulus E* is 0 Pa")
     reach = radius * (pressure / modulus)
     return math.pi**3 / 6.0 * pressure * reach * reach
+
+
+def yield_pressure(material: Material) -> float:
+    """Return Hertz's largest pressure at which a body begins to yield below the surface, Pa.
+
+    On the axis the largest shear is τ = ½ |σ_z - σ_r|, by Tresca and von Mises alike (Johnson,
+    *Contact Mechanics*, eq. 3.45): 0.31 p₀ at a depth of 0.48 a for ν = 0.3, so that
+    p₀ = 1.61 σ_y.
+
+    Parameters
+    ----------
+    material : Material
+        With a yield strength.
+    """
+    assert material.yield_strength is not None
+
+    def shear(depth: float) -> float:
+        axial = -1.0 / (1.0 + depth * depth)
+        radial = -(1.0 + material.nu) * (1.0 - depth * math.atan2(1.0, depth)) - 0.5 * axial
+        return 0.5 * abs(axial - radial)
+
+    deepest = scipy.optimize.minimize_scalar(lambda z: -shear(z), bounds=(0.0, 2.0))
+    return 0.5 * material.yield_strength / shear(float(deepest.x))
 
 
 @dataclass(frozen=True, repr=False)

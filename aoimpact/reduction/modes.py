@@ -20,7 +20,7 @@ from ..base import (
     integer,
     warn,
 )
-from ..fem import Body, ContactPoint, ContactSurface, Patch, refuse_massless
+from ..fem import Body, ContactPoint, ContactSurface, Patch
 from ..linalg import EQUAL, Solver, checked_solver, lowest, warn_of_rounding
 from .bodymodel import FiniteElementModel
 from .origin import origin_of

@@ -10,13 +10,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..base import FloatArray, warn, with_unit
 from ..fem import ContactPoint, Material
-from ..laws import ContactLaw, HertzianLaw, Thornton, contact_modulus, own_law, yield_force
+from ..laws import (
+    ContactLaw,
+    RoundContact,
+    Thornton,
+    own_law,
+    round_contact,
+    yield_force,
+    yield_pressure,
+)
 from ..reduction import AOModel
 
 if TYPE_CHECKING:
@@ -24,10 +32,6 @@ if TYPE_CHECKING:
     from .run import Run
 
 __all__ = ["limits", "warn_of_run", "warning_limits"]
-
-# Hertz's largest pressure at which a body begins to yield below the surface, over its uniaxial
-# yield stress (Johnson, *Contact Mechanics*, section 6.1, ν = .3).
-_YIELD = 1.6
 
 # Radius of a contact over that of curvature. Sneddon's punch with the shape of a sphere, instead of
 # Hertz's paraboloid, has 1 % less force here and 3 % at .5; strains are .2 of it (Tabor).
@@ -51,9 +55,6 @@ _ROUNDING = 1e-12
 # Times at which bodies that never touch are looked at: so many in each of the shortest periods, at
 # least and at most; between them, where a parabola is least.
 _EACH_PERIOD, _SAMPLES, _MOST_SAMPLES = 8, 121, 20_000
-
-# The power of the indentation in Hertz's law.
-_POWER = 1.5
 
 
 class Limits(NamedTuple):
@@ -80,16 +81,14 @@ _UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf)
 
 def limits(plan: Plan, contact: Contact) -> Limits:
     """Return what a contact may come to, as far as its law and bodies are known."""
-    own, ends = own_law(contact.law), _ends(plan, contact)
-    if not any(ends):
+    own, materials = own_law(contact.law), plan.materials(contact)
+    if not any(materials):
         return _UNLIMITED if own.relative_radius is None else _limits_of_numbers(own)
-    materials = _materials(ends)
     pressure = width = math.inf
-    if (surface := _surface(own, materials)) is not None:
-        k, modulus, radius = surface
-        width = k * (_WIDTH * _WIDTH * radius) ** _POWER
-        if (strength := _strength(materials)) and not isinstance(own, Thornton):
-            pressure = yield_force(modulus, radius, _YIELD * strength)
+    if (surface := round_contact(own, materials)) is not None:
+        width = surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5
+        if not isinstance(own, Thornton):
+            pressure = _yield(surface, materials)[0]
     slowest = min((of.bar_speed for of in materials if of is not None), default=math.inf)
     deflection = min(_deflecting(plan, contact), default=math.inf)
     return Limits(pressure, width, _SPEED * slowest, deflection)
@@ -98,11 +97,10 @@ def limits(plan: Plan, contact: Contact) -> Limits:
 @lru_cache
 def _limits_of_numbers(law: ContactLaw) -> Limits:
     """Those of bodies given by numbers, of which nothing is known but the law."""
-    surface = _surface(law, (None, None))
+    surface = round_contact(law, ())
     if surface is None:
         return _UNLIMITED
-    k, _, radius = surface
-    return _UNLIMITED._replace(width=k * (_WIDTH * _WIDTH * radius) ** _POWER)
+    return _UNLIMITED._replace(width=surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5)
 
 
 def warning_limits(plan: Plan) -> tuple[float, float]:
@@ -153,34 +151,18 @@ def _warn(text: str) -> None:
 # ------------------------------------------------------------------- what is known
 
 
-def _ends(plan: Plan, contact: Contact) -> list[Any]:
-    """Where each body is touched, or a rigid ball's surface; None of a body given by numbers."""
-    models = [(plan.bodies[body].model, port) for body, port in contact.ports]
-    return [model.touched_at(port) or model.surface_at(port) for model, port in models]
-
-
-def _materials(ends: Sequence[Any]) -> list[Material | None]:
-    return [getattr(end, "material", None) for end in ends]
-
-
-def _strength(materials: Sequence[Material | None]) -> float:
-    """The least yield strength that is known, Pa; 0 if none is."""
-    known = [of.yield_strength for of in materials if of is not None]
-    return min(filter(None, known), default=0.0)
-
-
-def _surface(law: Any, materials: Sequence[Material | None]) -> tuple[float, float, float] | None:
-    """k, E* and R of a law like Hertz's, from the law itself or from both materials."""
-    if not isinstance(law, HertzianLaw) or getattr(law, "n", _POWER) != _POWER:
-        return None
-    k: float = law.k  # type: ignore[attr-defined]
-    if (radius := law.relative_radius) is not None:
-        return k, 0.75 * k / math.sqrt(radius), radius
-    first, second = materials
-    if first is None or second is None:
-        return None
-    modulus = contact_modulus(first, second)
-    return k, modulus, (0.75 * k / modulus) ** 2
+def _yield(
+    surface: RoundContact, materials: Sequence[Material | None]
+) -> tuple[float, Material | None]:
+    """The force, N, at which the first of the bodies begins to yield below the surface, and its
+    material; infinite where no yield strength is known.
+    """
+    forces = [
+        (yield_force(surface.modulus, surface.radius, yield_pressure(of)), of)
+        for of in materials
+        if of is not None and of.yield_strength
+    ]
+    return min(forces, key=lambda pair: pair[0], default=(math.inf, None))
 
 
 # ------------------------------------------------------------------- deflection
@@ -236,28 +218,27 @@ def _stretches(tip: ContactPoint) -> bool:
 
 def _said_of_pressure(run: Run, number: int) -> str:
     contact, force = run.plan.contacts[number], run.events[number].peak_force
-    materials = _materials(_ends(run.plan, contact))
-    surface = _surface(own_law(contact.law), materials)
+    materials, surface = run.plan.materials(contact), run.plan.round_contact(contact)
     assert surface is not None
-    k, modulus, radius = surface
-    strength = _strength(materials)
-    limit = yield_force(modulus, radius, _YIELD * strength)
-    pressure = _YIELD * strength * math.cbrt(force / limit)
+    limit, material = _yield(surface, materials)
+    assert material is not None
+    assert material.yield_strength is not None
+    pressure = with_unit(surface.pressure(force), "Pa", 3)
+    ratio = yield_pressure(material) / material.yield_strength
     return (
-        f"{_contact(run, number)}: the largest pressure by Hertz, "
-        f"{with_unit(pressure, 'Pa', 3)}, is beyond {_YIELD:g} times yield_strength="
-        f"{with_unit(strength, 'Pa', 3)}: the body yields from {with_unit(limit, 'N', 3)} on, the "
-        f"force is less and energy is lost; take Thornton(k={k:.6g}, yield_force={limit:.4g}, "
-        f"relative_radius={radius:.6g})"
+        f"{_contact(run, number)}: the largest pressure, {pressure}, exceeds {ratio:.3g} times "
+        f"yield_strength={with_unit(material.yield_strength, 'Pa', 3)}, so that a body yields from "
+        f"{with_unit(limit, 'N', 3)} on. Use Thornton(k={surface.k:.6g}, yield_force={limit:.4g}, "
+        f"relative_radius={surface.radius:.6g})."
     )
 
 
 def _said_of_width(run: Run, number: int) -> str:
     contact, force = run.plan.contacts[number], run.events[number].peak_force
-    surface = _surface(own_law(contact.law), _materials(_ends(run.plan, contact)))
+    surface = run.plan.round_contact(contact)
     assert surface is not None
-    k, _, radius = surface
-    width = math.sqrt((force / k) ** (2.0 / 3.0) / radius)
+    radius = surface.radius
+    width = float(surface.width(force)) / radius
     return (
         f"{_contact(run, number)}: at the peak the contact has a radius of {width:.2g} "
         f"times the radius of curvature R={with_unit(radius, 'm', 3)}, with strains of about "
@@ -295,7 +276,7 @@ def _said_of_deflection(run: Run, number: int) -> str:
 def _said_of_speed(run: Run, number: int) -> str:
     plan, contact = run.plan, run.plan.contacts[number]
     speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
-    materials = _materials(_ends(plan, contact))
+    materials = plan.materials(contact)
     slowest = min(material.bar_speed for material in materials if material is not None)
     return (
         f"{_contact(run, number)}: the bodies meet at {speed:.4g} m/s, "

@@ -6,6 +6,7 @@ measured along the direction of travel, from where the bodies were at t = 0.
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy.typing as npt
 
 from ..base import FloatArray
 from ..integrate import Eventful, Events
+from ..laws import PatchLaw
 from . import plot
 from .errors import ErrorEstimate
 from .export import as_dataframe, result_dataset
@@ -166,6 +168,24 @@ class Result(Eventful):
     def in_contact_at_end(self) -> bool:
         """Whether the record ends in contact: its numbers are then not yet final."""
         return self.run.in_contact_at_end
+
+    @property
+    def contact_radius(self) -> float:
+        """Radius of the contact at its largest, √(R δ) [m]; NaN where the law has no surface."""
+        contact = self.run.plan.contacts[0]
+        found = self.run.plan.round_contact(contact)
+        if found is None:
+            return math.nan
+        depth = float(self.indentation.max(initial=0.0))
+        if isinstance(contact.law, PatchLaw):
+            depth += contact.law.compliance * self.peak_force
+        return math.sqrt(found.radius * max(depth, 0.0))
+
+    @property
+    def hertz_pressure(self) -> float:
+        """Largest pressure by Hertz, 3 F/(2 π a²) [Pa]; NaN where the law has no surface."""
+        width = self.contact_radius
+        return 1.5 * self.peak_force / (math.pi * width**2) if width > 0.0 else math.nan
 
     @property
     def rebound_velocity(self) -> float:

@@ -11,6 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from ..base import FloatArray
+from ..fem import Material
+from ..laws import RoundContact, own_law, round_contact
 from ..reduction import ModalBody
 from .body import SceneBody, State
 from .contact import Contact, FreeMotion, Load, OmittedMass
@@ -66,6 +68,16 @@ class Plan:
         """What the bodies are called; empty of one without a name."""
         given = self.names or [""] * len(self.bodies)
         return tuple(name or body.name for name, body in zip(given, self.bodies, strict=True))
+
+    def materials(self, contact: Contact) -> list[Material | None]:
+        """Return the materials of both bodies where they touch; None of one given by numbers."""
+        ends = [(self.bodies[body].model, port) for body, port in contact.ports]
+        known = [model.touched_at(port) or model.surface_at(port) for model, port in ends]
+        return [None if of is None else of.material for of in known]
+
+    def round_contact(self, contact: Contact) -> RoundContact | None:
+        """Return Hertz's contact of a law like his; None where it is not known."""
+        return round_contact(own_law(contact.law), self.materials(contact))
 
     @cached_property
     def modal(self) -> tuple[ModalBody, ...]:

@@ -1,0 +1,68 @@
+"""Hertz's round contact: the radius and the pressure that belong to a force."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray
+from ..fem import Material
+from .law import ContactLaw, HertzianLaw
+
+__all__ = ["RoundContact", "round_contact"]
+
+# The power of the indentation in Hertz's law.
+_POWER = 1.5
+
+
+class RoundContact(NamedTuple):
+    """A contact under k δ^(3/2), k = 4/3 E* √R (Johnson, *Contact Mechanics*, section 4.2).
+
+    Attributes
+    ----------
+    k : float
+        N/m^1.5.
+    modulus : float
+        E* of the pair, Pa.
+    radius : float
+        R, relative radius of curvature, m.
+    """
+
+    k: float
+    modulus: float
+    radius: float
+
+    def width(self, force: npt.ArrayLike) -> FloatArray:
+        """Return the radius a of the contact, m: a³ = 3 F R/(4 E*)."""
+        return np.asarray(np.cbrt(0.75 * np.asarray(force) * self.radius / self.modulus))
+
+    def pressure(self, force: float) -> float:
+        """Return the largest pressure, Pa: 3 F/(2 π a²)."""
+        width = float(self.width(force))
+        return 1.5 * force / (math.pi * width * width) if force > 0.0 else 0.0
+
+
+def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> RoundContact | None:
+    """Return the contact of a law that begins as Hertz's; None where it is not known.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        Between the bodies.
+    materials : sequence of Material or None
+        Of both bodies. One that is not known is taken to be rigid, and R follows from k.
+    """
+    if not isinstance(law, HertzianLaw) or getattr(law, "n", _POWER) != _POWER:
+        return None
+    k: Any = law.k  # type: ignore[attr-defined]
+    if (radius := law.relative_radius) is not None:
+        return RoundContact(k, 0.75 * k / math.sqrt(radius), radius)
+    known = [material.plane_strain_modulus for material in materials if material is not None]
+    if not known:
+        return None
+    modulus = 1.0 / math.fsum(1.0 / of for of in known)
+    return RoundContact(k, modulus, (0.75 * k / modulus) ** 2)
