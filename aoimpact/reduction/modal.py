@@ -7,9 +7,8 @@ from typing import overload
 
 import numpy as np
 
-from ..fem import ContactPoint
+from ..fem import ContactPoint, refuse_massless
 from ..linalg import Solver, lowest
-from .contacttime import refuse_massless
 from .full import checked_ports
 from .interface import InterfaceModel, of_modes
 from .modes import ModalModel, natural_modes
