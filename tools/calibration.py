@@ -35,8 +35,8 @@ PMMA = ao.Material(E=3.3e9, nu=0.37, rho=1190)
 Point = tuple[float, float, float]
 Supports = list[tuple[Any, str]] | None
 
-# Tolerance of the truth, sizes of its elements over the setup's own, and times at which histories are
-# compared.
+# Tolerance of the truth, sizes of its elements over the setup's own, and times at which histories
+# are compared.
 RTOL_OF_TRUTH, TIMES = 5e-4, 1000
 TRUTHS = (("tetra10", 0.6), ("hexahedron20", 0.5))
 
@@ -267,13 +267,10 @@ def setups() -> Iterator[Setup]:
     yield Setup(
         *("bracket", angle, STEEL, None, (0.03, 0.0, 0.015), 5 * mm, 8 * mm, 0.5), elastic=True
     )
-    yield Setup(
-        "ball", ball(10 * mm), STEEL, None, (0, 0.01, 0), 3 * mm, 10 * mm, 1.0, coarsest=0.6
-    )
+    yield Setup("ball", ball(10 * mm), STEEL, None, (0, 0.01, 0), 3 * mm, 10 * mm, 1.0)
     yield Setup(
         *("ball of aluminium", ball(8 * mm), ALU, None, (0, 0.008, 0), 2.5 * mm, 5 * mm, 2.0),
         elastic=True,
-        coarsest=0.6,
     )
 
 
