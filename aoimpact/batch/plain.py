@@ -108,6 +108,9 @@ class _Parts:
         models = (case["projectile"], case["target"])
         if not all(isinstance(model, (AOModel, ModalModel)) for model in models):
             return None
+        tips = [model.extraction_at() for model in models]
+        if any(tip is not None and tip.splitting.by_width for tip in tips):
+            return None  # the law depends on the velocity
         law = case["law"]
         if law.by_caller or law.pulls:  # calls Python at every step; may need a second run
             return None

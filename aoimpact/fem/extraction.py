@@ -25,6 +25,7 @@ Comput. Phys. 13, 209 (1973).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -63,8 +64,9 @@ _INTERPOLATED = {False: 0.3, True: 0.6}
 # The mean of w under the pressure has an error of either sign, but a small one even where elements
 # are too large about a sharp inside corner for the energy of w's error to be estimated. It is taken
 # where it is off by more than this multiple of the estimate, and by more than this share of
-# 1/(E* a): Hertz's contact has 3/(4 E* a), and a force changes by 0.2 % for 0.003.
-_FAR_APART, _MATTERS = 2.5, 0.003
+# 1/(E* a), which it is not right to on curved surfaces (0.003 on spheres). Hertz's contact has
+# 3/(4 E* a), and a force changes by 0.4 % for 0.006.
+_FAR_APART, _MATTERS = 2.5, 0.006
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +82,7 @@ class Extraction:
     error : float
         Estimated error of R, m/N.
     varying : float
-        How much R changes while the contact grows from a point to the radius a, m/N.
+        How much R changes while the contact grows to the radius a, m/N.
     strain : float
         xᵀKx of the displacement x under the unit force on the nodes, m/N.
     radius : float
@@ -98,6 +100,13 @@ class Extraction:
     radius: float
     splitting: Splitting
     mesh_field: FloatArray
+
+    def removed_for(self, radius: float | None) -> float:
+        """Return c for a contact of another radius, m; `removed` where it is not known."""
+        if radius is None or self.splitting.by_width == 0.0:
+            return self.removed
+        change = self.splitting.by_width * math.log(radius / self.radius)
+        return max(self.removed - change, 0.0)
 
 
 def extracted(
@@ -161,6 +170,8 @@ def extracted(
         unit = splitting.space.mean_displacement / 0.6
         if apart > max(_FAR_APART * missing, _MATTERS * unit):
             beyond, error = mean + splitting.bent, apart
+    # A contact is wider than half its largest radius while the force is above an eighth.
+    varying += abs(splitting.by_width) * math.log(2.0)
     removed = compliance - beyond
     if not straight:
         nu = splitting.space.nu
@@ -201,6 +212,8 @@ class Splitting:
         R, m/N.
     bent : float
         The part of R that a curved contact adds to the mean of w under the pressure, m/N.
+    by_width : float
+        dR/d(log a), m/N; 0 for a flat contact.
     smooth : ndarray of bool, shape (n_nodes,)
         Nodes in the tangent plane without supports: w has no traction there.
     """
@@ -213,6 +226,7 @@ class Splitting:
     w: FloatArray
     compliance: float
     bent: float
+    by_width: float
     smooth: npt.NDArray[np.bool_]
 
     def half_space_field(
@@ -305,8 +319,40 @@ def split(
     compliance += 2.0 * float(right @ moved) - inner
     touched = np.abs(local[:, 2]) < _FLAT * mesh.size
     touched[_supported(body)] = False
-    moved_all = w.reshape(-1, 3)
-    return Splitting(point, frame, space, behind, s2, moved_all, compliance, sunk, touched)
+    return Splitting(
+        point,
+        frame,
+        space,
+        behind,
+        s2,
+        w.reshape(-1, 3),
+        compliance,
+        sunk,
+        _by_width(load, s2, own, sunk, w) if load.curved else 0.0,
+        touched,
+    )
+
+
+def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArray) -> float:
+    """dR/d(log a) of a curved contact, m/N, from R for half the radius with the same w.
+
+    R is stationary in w, and so right to the second order. On a surface of curvature 1/ρ, R changes
+    by some log(a)/(E* ρ).
+    """
+    half = _Load(
+        load.body,
+        load.point,
+        load.frame,
+        replace(load.space, radius=0.5 * load.space.radius),
+        behind=load.behind,
+    )
+    half_sunk = half.add_sides()
+    at_nodes = half.field(half.mesh.nodes)
+    half.add_cells(s2, at_nodes, own)
+    half.add_inertia(s2, at_nodes)
+    change = half.self_term - load.self_term + half_sunk - sunk
+    change += 2.0 * float((half.forces - load.forces).reshape(-1) @ w)
+    return -change / math.log(2.0)
 
 
 def _supported(body: Any) -> IntArray:
@@ -346,7 +392,7 @@ class _Load:
         self.body, self.mesh = body, body.mesh
         self.point, self.frame, self.space, self.behind = point, frame, space, behind
         self.forces = np.zeros((self.mesh.n_nodes, 3))
-        self.self_term = 0.0
+        self.self_term, self.curved = 0.0, False
 
     def field(self, x: FloatArray) -> FloatArray:
         """χ u_B at places, in global axes, m."""
@@ -392,6 +438,8 @@ class _Load:
                 pressed += float(p.sum())
                 sunk += float((p * u[..., 2]).sum())
                 self._add(block.cells[at.rows], at.weight, at.shape, t, chi * u)
+        # A plane contact has no pressure on sides that are out of its plane.
+        self.curved = pressed > 0.5
         return sunk - pressed * self.space.mean_displacement
 
     def add_cells(self, s2: float, at_nodes: FloatArray, own: int | None) -> None:

@@ -5,7 +5,7 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 """
 
 from .checks import checked_duration
-from .defaults import fitted_pair, meeting
+from .defaults import contact_width, fitted_pair, meeting
 from .scene import Scene, SceneCase
 from .simulate import checked_numbers, left_out_law, plan_impact, simulate
 
@@ -14,6 +14,7 @@ __all__ = [
     "SceneCase",
     "checked_duration",
     "checked_numbers",
+    "contact_width",
     "fitted_pair",
     "left_out_law",
     "meeting",

@@ -17,6 +17,7 @@ from ..reduction import BodyModel, FullModel
 __all__ = [
     "Meeting",
     "chosen_law",
+    "contact_width",
     "fitted",
     "fitted_pair",
     "meeting",
@@ -146,19 +147,36 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
     velocity : float
         At which they meet, m/s.
     """
-    masses = [body.most_mass for body in bodies]
-    if velocity == 0.0 or all(math.isinf(mass) for mass in masses):
+    mass, speed = _reduced_mass(bodies), abs(velocity)
+    if speed == 0.0 or math.isinf(mass):
         return None
-    mass, speed = 1.0 / math.fsum(1.0 / mass for mass in masses), abs(velocity)
     try:
-        depth = law.stroke(0.5 * mass * speed**2)
         duration = rigid_contact_time(law, mass, speed)
     except AOImpactError:
+        return None
+    return Meeting(duration, contact_width(law, bodies, velocity))
+
+
+def contact_width(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> float | None:
+    """Return the radius of the contact of rigid bodies at their largest force, m.
+
+    None where nothing moves, the law has no surface, or never takes the energy.
+    """
+    mass, speed = _reduced_mass(bodies), abs(velocity)
+    if speed == 0.0 or math.isinf(mass):
         return None
     known = [body.touched_at() or body.surface_at() for body in bodies]
     found = round_contact(law, [None if of is None else of.material for of in known])
     radius = law.relative_radius if found is None else found.radius
-    return Meeting(duration, None if radius is None else math.sqrt(radius * depth))
+    try:
+        return None if radius is None else math.sqrt(radius * law.stroke(0.5 * mass * speed**2))
+    except AOImpactError:
+        return None
+
+
+def _reduced_mass(bodies: Sequence[BodyModel]) -> float:
+    share = math.fsum(1.0 / body.most_mass for body in bodies)
+    return 1.0 / share if share > 0.0 else math.inf
 
 
 def fitted(

@@ -29,7 +29,7 @@ from ..reduction import BodyModel, FullModel, body_model
 from ..results import Handle, Quantity, RecordLength, Run, TimeSolver
 from ..scene import Contact, Load, Plan, SceneBody, law_of_models, normal_gap, scene_body
 from .checks import checked_duration, checked_gravity, checked_speed
-from .defaults import Meeting, chosen_law, fitted, meeting, turns
+from .defaults import Meeting, chosen_law, contact_width, fitted, meeting, turns
 from .run import RunOptions, run_models
 
 __all__ = ["Scene", "SceneCase"]
@@ -359,10 +359,11 @@ class Scene:
             if len(body.contact_points) > 1:
                 fitted[i], around[i] = body.turned(around[i]), ()
         bodies, which = _different(fitted)
+        widths = self._widths()
 
         def plan_of(models: Sequence[Any], energies: bool) -> Plan:
             placed = [models[i].turned(ports) for i, ports in zip(which, around, strict=True)]
-            return self._plan(placed, record.length, energies, preload)
+            return self._plan(placed, widths, record.length, energies, preload)
 
         return run_models(
             plan_of,
@@ -456,7 +457,24 @@ class Scene:
                 around[body] = (*around[body], port)
         return around
 
-    def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
+    def _widths(self) -> list[float | None]:
+        """Radius of each contact, m, where a body is known by its mesh; see `law_of_models`."""
+        widths: list[float | None] = []
+        for contact in self._contacts:
+            bodies = [self._bodies[body] for body, _ in contact.ports]
+            meshed = any(body.contact_points for body in bodies)
+            law = own_law(contact.law)
+            widths.append(contact_width(law, bodies, self._fastest) if meshed else None)
+        return widths
+
+    def _plan(
+        self,
+        bodies: Sequence[Any],
+        widths: Sequence[float | None],
+        length: float,
+        energies: bool,
+        preload: bool,
+    ) -> Plan:
         """The plan of the bodies, or of models in their place."""
         scene_bodies = self._scene_bodies
         if any(model != body for model, body in zip(bodies, self._bodies, strict=True)):
@@ -464,7 +482,10 @@ class Scene:
                 scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
             ]
-        contacts = [_between(contact, bodies, scene_bodies) for contact in self._contacts]
+        contacts = [
+            _between(contact, bodies, scene_bodies, width)
+            for contact, width in zip(self._contacts, widths, strict=True)
+        ]
         for body in scene_bodies:
             if self.gravity and body.weightless:
                 warn(
@@ -531,14 +552,19 @@ def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
     return different, [places[body] for body in bodies]
 
 
-def _between(contact: Contact, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Contact:
+def _between(
+    contact: Contact,
+    bodies: Sequence[Any],
+    scene_bodies: Sequence[SceneBody],
+    width: float | None,
+) -> Contact:
     """The contact with the law for the models that replace its bodies."""
     if all(math.isinf(scene_bodies[body].static_mass) for body in (contact.first, contact.second)):
         raise InputError(
             "both bodies of a contact are of infinite mass: there is no motion between them"
         )
     ends = [(bodies[body], port) for body, port in contact.ports]
-    return contact._replace(law=law_of_models(contact.law, ends))
+    return contact._replace(law=law_of_models(contact.law, ends, width))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from ..reduction import BodyModel, FullModel, body_model
 from ..results import RecordLength, Result, TimeSolver
 from ..scene import Contact, Plan, SceneBody, law_of_models, normal_gap, scene_body
 from .checks import checked_duration, checked_speed, warn_of_exchange
-from .defaults import chosen_law, fitted_pair, meeting, turns
+from .defaults import chosen_law, contact_width, fitted_pair, meeting, turns
 from .run import RunOptions, run_models
 
 __all__ = ["checked_numbers", "left_out_law", "plan_impact", "simulate"]
@@ -139,7 +139,8 @@ def simulate(
         )
         as_given = first is bodies[0] and second is bodies[1]
         met = pair if as_given else _pair(first, second, numbers.velocity)
-        return _planned(met, impact.law, impact.record.length, numbers.gap, energies)
+        length, gap = impact.record.length, numbers.gap
+        return _planned(met, impact.law, impact.width, length, gap, energies)
 
     run = run_models(
         plan_of,
@@ -175,6 +176,8 @@ class _Impact(NamedTuple):
     law_error : float
         Relative error of its stiffness, where it was found from the surfaces.
     record : RecordLength
+    width : float or None
+        Radius of the contact, m.
     factors : dict of body to LinearSolver
         Those that have been set up for the defaults.
     """
@@ -184,6 +187,7 @@ class _Impact(NamedTuple):
     law: ContactLaw
     law_error: float
     record: RecordLength
+    width: float | None
     factors: dict[Any, LinearSolver]
 
 
@@ -209,7 +213,14 @@ def _complete(
             )
     if length is not None:
         record = RecordLength(length, given=True)
-    return _Impact(bodies, around, law, error, record, factors)
+    width = _width(law, (projectile, target), numbers.velocity)
+    return _Impact(bodies, around, law, error, record, width, factors)
+
+
+def _width(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> float | None:
+    """The radius of the contact, m, where a body is known by its mesh; see `law_of_models`."""
+    meshed = any(body.contact_points for body in bodies)
+    return contact_width(law, bodies, velocity) if meshed else None
 
 
 def _law_of_surfaces(bodies: Sequence[BodyModel], turned: Sequence[bool]) -> LawFromSurfaces:
@@ -264,12 +275,14 @@ def plan_impact(
     _check_law(law)
     numbers = checked_numbers(velocity, duration, gap, energies)
     pair = _pair(projectile, target, numbers.velocity)
-    return _planned(pair, law, checked_duration(duration), numbers.gap, energies)
+    width = _width(law, [body.model for body in pair], numbers.velocity)
+    return _planned(pair, law, width, checked_duration(duration), numbers.gap, energies)
 
 
 def _planned(
     bodies: tuple[SceneBody, SceneBody],
     law: ContactLaw,
+    width: float | None,
     length: float,
     distance: float,
     energies: bool,
@@ -278,7 +291,7 @@ def _planned(
         raise InputError(
             "projectile and target are both of infinite mass: there is no motion between them"
         )
-    between = law_of_models(law, [(body.model, 0) for body in bodies])
+    between = law_of_models(law, [(body.model, 0) for body in bodies], width)
     contact = Contact(0, 0, 1, 0, between, normal_gap(distance))
     return Plan(bodies, (bodies[0].velocity, 0.0), (contact,), (), 0.0, length, energies)
 

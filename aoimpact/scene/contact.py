@@ -40,7 +40,9 @@ def normal_gap(gap: float) -> float:
     return gap if abs(gap) >= sys.float_info.min else 0.0
 
 
-def law_of_models(law: ContactLaw, ends: Sequence[tuple[BodyModel, int]]) -> ContactLaw:
+def law_of_models(
+    law: ContactLaw, ends: Sequence[tuple[BodyModel, int]], width: float | None = None
+) -> ContactLaw:
     """Return the law that acts between models, given the law between the bodies themselves.
 
     The compliance that their meshes have in place of a half-space is taken out of it. A law that is
@@ -51,6 +53,8 @@ def law_of_models(law: ContactLaw, ends: Sequence[tuple[BodyModel, int]]) -> Con
     law : ContactLaw
     ends : sequence of (model, int)
         The bodies, and at which of their places they touch.
+    width : float, optional
+        Radius of the contact at its largest force, m, on which that of curved bodies depends.
 
     Raises
     ------
@@ -62,7 +66,7 @@ def law_of_models(law: ContactLaw, ends: Sequence[tuple[BodyModel, int]]) -> Con
         tip = model.touched_at(port)
         if tip is not None and (tip.patch is not None or isinstance(own, HertzianLaw)):
             found = model.extraction_at(port)
-            removed += [] if found is None else [found.removed]
+            removed += [] if found is None else [found.removed_for(width)]
     return effective_law(law, math.fsum(removed))
 
 

@@ -20,7 +20,7 @@ from ..base import (
     sequence,
     with_unit,
 )
-from ..impact import checked_duration, checked_numbers, simulate
+from ..impact import checked_duration, checked_numbers, contact_width, simulate
 from ..integrate import Adaptive, Newmark, rigid_contact_time
 from ..laws import ContactLaw
 from ..results import Result
@@ -119,7 +119,8 @@ def work_precision(
         "energies": False,
     }
     exact = _given(reference) if reference is not None else _reference(scene)
-    between = law_of_models(law, [(body.model, 0) for body in bodies])
+    width = contact_width(law, [body.model for body in bodies], velocity)
+    between = law_of_models(law, [(body.model, 0) for body in bodies], width)
     contact_time = _contact_time(bodies, between, velocity)
     ode = None
     if names:
