@@ -19,9 +19,9 @@ import numpy as np
 
 from ..base import AOImpactError, held_warnings
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
-from ..reduction import AOModel, FullModel, ReducedModel
+from ..reduction import FullModel, ReducedModel
 from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
-from ..scene import Contact, FullBody, Plan, SceneBody, scene_body
+from ..scene import Contact, FullBody, Plan, SceneBody, extraction_of, scene_body
 from .hierarchy import model_hierarchy
 
 __all__ = ["LeftOutFinder"]
@@ -201,11 +201,9 @@ def _of_contact(run: Run, number: int) -> list[_End] | None:
         tip = model.touched_at(port)
         if tip is None or (tip.patch is None and not isinstance(law, HertzianLaw)):
             continue  # numbers, or a law that does not contain the bodies' indentation
-        if isinstance(model, AOModel) and model.n == 0 and model.k0 == 0.0:
-            return None  # rigid: it leaves out all
-        known = model.extraction_at(port)
+        known = extraction_of(law, model, port)
         if known is None:
-            return None
+            return None  # a rigid model leaves out all, and a sharp edge is not known
         assert isinstance(model, ReducedModel)
         stiffness = _SAFETY * model.stiffness_error(_SLOW / contact_time, port)
         found.append(_End(body, known.error, known.varying, stiffness, known.strain))

@@ -105,6 +105,7 @@ def stress_quantity(wanted: StressAt, number: int) -> Quantity:
         if run.plan.bodies[number].wall:  # the body as one that does not deform
             return np.full((1, len(times)), np.nan)
         found = response(run).functionals(rows(), times, dual)
+        found = found + response(run).half_space_stress(times, wanted.point[None])[:, 0].T
         return _component(Stress(found.T, wanted.point), wanted.component)[None]
 
     def local(run: Run) -> float:

@@ -91,7 +91,8 @@ class IsotropicHalfSpace:
         a, nu = self.radius, self.material.nu
         a2, p0 = a * a, 1.5 / (math.pi * a * a)
         x1, x2, z = y[..., 0], y[..., 1], y[..., 2]
-        r = np.maximum(np.hypot(x1, x2), _ON_AXIS * a)
+        away = np.hypot(x1, x2)
+        r = np.maximum(away, _ON_AXIS * a)
         q = r * r + z * z - a2
         root = np.maximum(np.sqrt(q * q + 4.0 * a2 * z * z), _ON_RIM * a2)
         # Of the two roots of u² - q u - a² z² the one that loses no digits, and the other by it.
@@ -121,7 +122,8 @@ class IsotropicHalfSpace:
         rr = bending + k3 * a2 / root + k * (share * (1.0 - nu) + (1.0 + nu) * qa - 2.0)
         tt = -bending - k * (2.0 * nu + hoop)
         rz = -r * k * k * a2 * s / (root * (a2 + u))
-        c, sn = x1 / r, x2 / r
+        c = np.divide(x1, away, out=np.ones_like(away), where=away > 0.0)
+        sn = np.divide(x2, away, out=np.zeros_like(away), where=away > 0.0)
         sigma = np.empty((*y.shape[:-1], 3, 3))
         sigma[..., 0, 0] = rr * c * c + tt * sn * sn
         sigma[..., 1, 1] = rr * sn * sn + tt * c * c

@@ -108,6 +108,9 @@ class Field:
     displacement: FloatArray
     velocity: FloatArray
     _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False)
+    # Under contacts: the elements' part of the displacement, and the half-space's stress at places.
+    _of_elements: FloatArray | None = field(default=None, repr=False)
+    _half_space: Callable[[FloatArray], FloatArray] | None = field(default=None, repr=False)
 
     @cached_property
     def error(self) -> FloatArray | None:
@@ -136,6 +139,9 @@ class Field:
             stiffest. "gauss": at the Gauss points of the elements' stiffness, components of shape
             (k, n_cells, n_gauss, 6), in a mixed mesh with nan where an element has fewer.
 
+        Under a contact it is that of Hertz's pressure in closed form; the stress of the elements
+        is added.
+
         Raises
         ------
         InputError
@@ -160,7 +166,12 @@ class Field:
         place = choice("at", at, ("nodes", "gauss"))
         mesh, material = solid(self.body, "stress")
         evaluate = nodal_stress if place == "nodes" else gauss_stress
-        return evaluate(mesh, material, self.displacement)
+        moved = self.displacement if self._of_elements is None else self._of_elements
+        found = evaluate(mesh, material, moved)
+        if self._half_space is None:
+            return found
+        added = self._half_space(found.points.reshape(-1, 3)).reshape(found.components.shape)
+        return Stress(found.components + added, found.points)
 
     def to_vtu(self, path: str | os.PathLike[str]) -> Path:
         """Write one .vtu file for each time, and a .pvd file that lists them, for ParaView.
@@ -233,18 +244,19 @@ class Field:
         >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> ax = hit.target.field([1e-4]).plot()
         """
-        mesh, material = solid(self.body, "plot")
+        mesh, _ = solid(self.body, "plot")
         number = integer("which", which, low=0, high=len(self.times) - 1)
         moved = self.displacement[number]
         largest = np.abs(self.displacement).max()
         if np.abs(moved).max() <= max(_AT_REST * largest, np.finfo(float).eps * mesh.size):
             moved = np.zeros_like(moved)
-        colour = nodal_stress(mesh, material, moved).von_mises
+        every = self.stress().von_mises
+        colour = every[number] if moved.any() else np.zeros(mesh.n_nodes)
         if self.body.n_dofs == moved.size:
             moved = moved - moved.mean(axis=0)
         time = float(self.times[number])
         return deformed.plot_deformed(
-            mesh, moved, colour, time, ax, scale=scale, all_times=self.stress().von_mises, **kwargs
+            mesh, moved, colour, time, ax, scale=scale, all_times=every, **kwargs
         )
 
     def movie(

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base import FloatArray, IntArray
 from ..fem import PAIRS, Extraction
-from ..scene import Plan
+from ..scene import Plan, extraction_of
 
 __all__ = ["Indentation", "indentations"]
 
@@ -76,7 +76,7 @@ def indentations(plan: Plan, body: int) -> tuple[Indentation, ...]:
         port = contact.port_of(body)
         if not contact.touches(body) or port in found:
             continue
-        known, tip = model.extraction_at(port), model.touched_at(port)
+        known, tip = extraction_of(contact.law, model, port), model.touched_at(port)
         if known is None or tip is None or tip.direction is None:
             continue
         inward = float(np.sign(known.splitting.frame[2] @ tip.direction))

@@ -12,6 +12,7 @@ from ..integrate import Events, Motion, Recorder
 from ..linalg import LinearSolver
 from ..reduction import PACE, Recovery
 from ..scene import FreeMotion, FullBody, Plan
+from .indentation import indentations
 from .response import OmittedMotion, Response
 
 __all__ = ["response_of"]
@@ -47,7 +48,9 @@ def response_of(
     model = plan.bodies[body]
     largest, peak_time = _largest_contact(plan, events, recorder.duration, body)
     if isinstance(model, FullBody) and not recorder.dense:
-        return Response(model.tip.body, recorder.motion(body), None, None, peak_time)
+        motion = recorder.motion(body)
+        under = indentations(plan, body)
+        return Response(model.tip.body, motion, None, None, peak_time, indentations=under)
     reduced = plan.modal[body].model.coordinates(plan.gravity)
     if reduced is None:
         return None
@@ -60,6 +63,7 @@ def response_of(
         _omitted_motion(plan, body),
         peak_time,
         static_deflection=_static_deflection(motion, recovery) if plan.preload else None,
+        indentations=indentations(plan, body),
     )
 
 

@@ -19,6 +19,7 @@ from ..reduction import Recovery
 from ..scene import FreeMotion
 from .fields import Field, Probe, solid
 from .historyerror import relative_error, rest
+from .indentation import Indentation
 
 __all__ = ["OmittedMotion", "Response", "stress_rows_at"]
 
@@ -81,6 +82,8 @@ class Response:
         The part of the deflection at rest under load that `recovery` misses, m.
     finer : callable, optional
         Returns the response in the run with finer models; None where there is none.
+    indentations : tuple of Indentation
+        The half-space's fields at its contacts, in place of what the mesh makes of them.
     """
 
     body: Body
@@ -90,6 +93,7 @@ class Response:
     peak_time: float
     static_deflection: FloatArray | None = None
     finer: Callable[[], Response | None] | None = field(default=None, repr=False)
+    indentations: tuple[Indentation, ...] = ()
 
     def probe(
         self, point: Any, direction: Any, nodes: Any, times: Any, follows: Callable[[], bool]
@@ -102,6 +106,12 @@ class Response:
         shape = (len(wanted), *places.shape[:-1])
         rows = sp.csr_array(sp.kron(weights, axes))[:, self._free]
         u, v = (values.T.reshape(*shape, *along) for values in self._functionals(rows, wanted))
+        added = self._half_space(np.atleast_2d(places), wanted)
+        if added is not None:
+            u, v = (
+                of + (more @ axes.T).reshape(of.shape)
+                for of, more in zip((u, v), added[:2], strict=True)
+            )
         stress = partial(self._stress, weights, wanted, shape)
         return Probe(wanted, places, u, v, follows, stress, partial(self._errors, rows, wanted))
 
@@ -114,7 +124,36 @@ class Response:
             v = self.recovery.displacement(v, self.motion.force_rate(wanted))
         u, v = self._completed(None, u, v, wanted)
         moved, speeds = self._at_nodes(u), self._at_nodes(v)
-        return Field(self.body, wanted, moved, speeds, partial(self._error, wanted))
+        error = partial(self._error, wanted)
+        if not self.indentations:
+            return Field(self.body, wanted, moved, speeds, error)
+        assert self.body.nodes is not None
+        added = self._half_space(self.body.nodes, wanted)
+        assert added is not None
+        whole = moved + added[0], speeds + added[1]
+        return Field(
+            self.body, wanted, *whole, error, moved, partial(self.half_space_stress, wanted)
+        )
+
+    def half_space_stress(self, times: FloatArray, places: FloatArray) -> FloatArray:
+        """Return what contacts add to the stress of the elements at places (p, 3), (times, p, 6)."""
+        added = self._half_space(places, times)
+        return np.zeros((len(times), len(places), 6)) if added is None else added[2]
+
+    def _half_space(
+        self, places: FloatArray, times: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        """The half-space's displacement, its rate and stress at places; None without contacts."""
+        if not self.indentations:
+            return None
+        forces, rates = self.motion.force(times), self.motion.force_rate(times)
+        fields = []
+        for of in self.indentations:
+            force, rate = of.pressing(forces), of.inward * rates[of.port]
+            u, stress = of.at(places, force)
+            fields.append((u, of.rate(places, force, rate), stress))
+        u, v, stress = (np.sum(parts, axis=0) for parts in zip(*fields, strict=True))
+        return u, v, stress
 
     def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
         """Return functionalᵀX by the model's own shapes, without what recovery adds to them.
@@ -208,7 +247,10 @@ class Response:
     ) -> FloatArray:
         """Components at places with the nodes' `weights` (p, n_nodes), shape (*shape, 6)."""
         rows = _stress_rows(self.body, weights, self._free)
-        return self._functionals(rows, times)[0].T.reshape(*shape, 6)
+        stress = self._functionals(rows, times)[0].T.reshape(len(times), -1, 6)
+        assert self.body.nodes is not None
+        places = weights @ self.body.nodes
+        return np.asarray((stress + self.half_space_stress(times, places)).reshape(*shape, 6))
 
     def functionals(self, rows: Any, times: FloatArray, dual: Dual | None = None) -> FloatArray:
         """Return rows @ X for `rows` of shape (p, n_dofs), shape (p, times)."""
@@ -233,6 +275,13 @@ class Response:
         self, rows: Any, u: FloatArray, v: FloatArray, times: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Add to rows @ X, or to X where rows is None, what neither model nor recovery contain."""
+        for of in self.indentations:
+            forces, rates = self.motion.force(times), self.motion.force_rate(times)
+            force = of.pressing(forces)
+            field = of.mesh_field(self._free)
+            field = field if rows is None else rows @ field
+            u = u - np.outer(field, force)
+            v = v - np.outer(field, np.where(force > 0.0, of.inward * rates[of.port], 0.0))
         if self.static_deflection is not None:
             at_rest = self.static_deflection if rows is None else rows @ self.static_deflection
             u = u + at_rest[:, None]

@@ -6,7 +6,15 @@ reads them; what a user calls a `Scene` stands in `impact`.
 
 from .bodies import StarBody, scene_body
 from .body import SceneBody
-from .contact import Contact, CoreContact, FreeMotion, Load, law_of_models, normal_gap
+from .contact import (
+    Contact,
+    CoreContact,
+    FreeMotion,
+    Load,
+    extraction_of,
+    law_of_models,
+    normal_gap,
+)
 from .full_body import FullBody
 from .plan import Plan, reduced_mass
 from .rows import RecordLayout
@@ -24,6 +32,7 @@ __all__ = [
     "SceneBody",
     "StarBody",
     "SteppedBody",
+    "extraction_of",
     "law_of_models",
     "normal_gap",
     "reduced_mass",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..base import HUGE, FloatArray, InputError
+from ..fem import Extraction
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, effective_law, own_law
 from ..reduction import BodyModel
 from .rows import BodyRows
@@ -20,6 +21,7 @@ __all__ = [
     "Load",
     "OmittedMass",
     "Port",
+    "extraction_of",
     "law_of_models",
     "normal_gap",
 ]
@@ -45,8 +47,7 @@ def law_of_models(
 ) -> ContactLaw:
     """Return the law that acts between models, given the law between the bodies themselves.
 
-    The compliance that their meshes have in place of a half-space is taken out of it. A law that is
-    not like Hertz's leaves out the indentation at a node, as springs and buffers do.
+    The compliance that their meshes have in place of a half-space is taken out of it.
 
     Parameters
     ----------
@@ -61,13 +62,21 @@ def law_of_models(
     InputError
         If the law is more compliant than the meshes from the first touch on.
     """
-    own, removed = own_law(law), []
-    for model, port in ends:
-        tip = model.touched_at(port)
-        if tip is not None and (tip.patch is not None or isinstance(own, HertzianLaw)):
-            found = model.extraction_at(port)
-            removed += [] if found is None else [found.removed_for(width)]
-    return effective_law(law, math.fsum(removed))
+    known = (extraction_of(law, model, port) for model, port in ends)
+    return effective_law(
+        law, math.fsum(found.removed_for(width) for found in known if found is not None)
+    )
+
+
+def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> Extraction | None:
+    """Return the compliances of a body under a law, or None if nothing is taken out of it there.
+
+    A law that is not like Hertz's leaves out the indentation at a node, as springs and buffers do.
+    """
+    tip = model.touched_at(port)
+    if tip is None or (tip.patch is None and not isinstance(own_law(law), HertzianLaw)):
+        return None
+    return model.extraction_at(port)
 
 
 class Port(NamedTuple):
