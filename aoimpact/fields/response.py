@@ -136,7 +136,7 @@ class Response:
         )
 
     def half_space_stress(self, times: FloatArray, places: FloatArray) -> FloatArray:
-        """Return what contacts add to the stress of the elements at places (p, 3), (times, p, 6)."""
+        """Return what contacts add to the elements' stress at places (p, 3), (times, p, 6)."""
         added = self._half_space(places, times)
         return np.zeros((len(times), len(places), 6)) if added is None else added[2]
 
