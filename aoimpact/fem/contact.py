@@ -38,7 +38,7 @@ from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
 from ..mesh import AT_NODE, Mesh, Surface, surface_shape
 from .composition import AnyMaterial
 from .contactsurface import ContactSurface, contact_surface
-from .contacttime import SHIFT_TIMES_DURATION, total_mass
+from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
 from .damping import Damping
 from .extraction import Extraction, extracted
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
@@ -234,15 +234,23 @@ class ContactPoint(Frozen):
 
         It takes one linear solution for the contact and one for the body beyond the half-space.
         None for a body without a mesh, and on a sharp edge. The compliance hardly depends on the
-        duration of the contact, which is not known here: that of the whole body on the half-space
-        is taken.
+        duration of the contact, which is not known here: the body's own is taken.
+        """
+        if not self._on_surface:
+            return None
+        shift = SHIFT_TIMES_DURATION / own_contact_time(self)
+        return self._extracted(self.body.inverse(shift**2))
+
+    @property
+    def half_space_compliance(self) -> float | None:
+        """Mean displacement of a half-space under the contact's pressure, 0.6/(a E*), m/N.
+
+        :meta private:
         """
         if not self._on_surface:
             return None
         assert self.material is not None
-        soft = 0.6 / (self._width * self.material.plane_strain_modulus)
-        duration = math.pi * math.sqrt(soft * total_mass(self.body))
-        return self._extracted(self.body.inverse((SHIFT_TIMES_DURATION / duration) ** 2))
+        return 0.6 / (self._width * self.material.plane_strain_modulus)
 
     @property
     def _on_surface(self) -> bool:

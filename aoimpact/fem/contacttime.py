@@ -1,31 +1,20 @@
-"""The contact time that a body's models are fitted to, and the shifts s of K + s²M that follow.
-
-A body's own contact time follows from the stiffness of its elements at the contact. Under impact
-nearly incompressible material deforms in shear, sideways; single nodes displaced with all others at
-rest meet its bulk modulus.
-"""
+"""The contact time that a body's models are fitted to, and the shifts s of K + s²M that follow."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, IntArray, positive
-from ..mesh import taken
-from .assembly import stiffness_mass
-from .composition import AnyMaterial, Materials, OneMaterial, each_of
-from .material import Material
+from ..base import FloatArray, InputError, positive
 
 if TYPE_CHECKING:
     from .contact import Body, ContactPoint
 
 __all__ = [
     "SHIFT_TIMES_DURATION",
-    "contact_stiffness",
     "fitted_shifts",
     "highest_shift",
     "near_static",
@@ -47,47 +36,14 @@ SHIFT_TIMES_DURATION = 10.0
 # matrix.
 _NEAR_K = 1e-9
 
+# s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the
+# highest ω²: below ω₁² of all but the longest bodies, and above what rounding takes for a singular
+# matrix.
+_NEAR_K = 1e-9
+
 # ν above which λ is taken as it is there. The half-space's (1 - ν)/G goes on almost as before; λ
 # grows without bound, and with it bᵀKb: at .49 by a factor of four.
 _COMPRESSIBLE = 0.45
-
-
-def contact_stiffness(tip: ContactPoint) -> float:
-    """Return bᵀKb/‖b‖⁴, N/m, with λ of nearly incompressible material kept beside μ.
-
-    Of matrices that came without a mesh the material is not known, and K is taken as it is.
-    """
-    body, b = tip.body, tip.b
-    share = float(b @ b)
-    of_elements = _quadratic(body.K, b) / share**2
-    if body.mesh is None or body.material is None:
-        return of_elements
-    material = body.material
-    if not any(isinstance(of, Material) and of.nu > _COMPRESSIBLE for of in each_of(material)):
-        return of_elements
-    assert body.free is not None  # a body with a mesh has nodes
-    force = np.zeros(3 * body.mesh.n_nodes)
-    force[body.free] = b
-    moved = force.reshape(-1, 3)
-    moves = np.abs(moved).max(axis=1) > 0.0
-    cells = np.flatnonzero(moves[body.mesh.cells].any(axis=1))
-    there = moved[np.unique(body.mesh.cells[cells])].ravel()
-    K, _ = stiffness_mass(taken(body.mesh, cells), _softer(material, cells))
-    return float(there @ (K @ there)) / share**2
-
-
-def _softer(material: AnyMaterial, cells: IntArray) -> AnyMaterial:
-    if not isinstance(material, Materials):
-        return _compressible(material)
-    materials = tuple(_compressible(of) for of in material.materials)
-    return replace(material.taken(cells), materials=materials)
-
-
-def _compressible(material: OneMaterial) -> OneMaterial:
-    if not isinstance(material, Material) or material.nu <= _COMPRESSIBLE:
-        return material
-    shear = material.E / (1.0 + material.nu)
-    return replace(material, E=shear * (1.0 + _COMPRESSIBLE), nu=_COMPRESSIBLE)
 
 
 def fitted_shifts(
@@ -122,12 +78,17 @@ def slow_shift(tip: ContactPoint, duration: float) -> float:
 
 
 def own_contact_time(tip: ContactPoint) -> float:
-    """Half a period of the body's mass on the stiffness that its elements give the contact, s.
+    """Half a period of the body's mass on the stiffness of its contact, s.
 
-    Infinite where K gives b no stiffness.
+    On a mesh that is the half-space's under the contact's pressure, r E*/0.6; else what K gives a
+    displacement of the contact's nodes alone. Infinite where K gives b no stiffness.
     """
-    stiffness = contact_stiffness(tip)
-    return math.pi * math.sqrt(total_mass(tip.body) / stiffness) if stiffness > 0.0 else math.inf
+    compliance = tip.half_space_compliance
+    if compliance is None:
+        share = float(tip.b @ tip.b)
+        stiffness = _quadratic(tip.body.K, tip.b) / share**2
+        compliance = 1.0 / stiffness if stiffness > 0.0 else math.inf
+    return math.pi * math.sqrt(total_mass(tip.body) * compliance)
 
 
 def total_mass(body: Body) -> float:
