@@ -166,7 +166,8 @@ def contact_width(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float)
     if speed == 0.0 or math.isinf(mass):
         return None
     known = [body.touched_at() or body.surface_at() for body in bodies]
-    found = round_contact(law, [None if of is None else of.material for of in known])
+    # A body of unknown material is taken to be rigid.
+    found = round_contact(law, [of.material for of in known if of is not None])
     radius = law.relative_radius if found is None else found.radius
     try:
         return None if radius is None else math.sqrt(radius * law.stroke(0.5 * mass * speed**2))

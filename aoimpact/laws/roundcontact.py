@@ -54,15 +54,14 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
     law : ContactLaw
         Between the bodies.
     materials : sequence of Material or None
-        Of both bodies. One that is not known is taken to be rigid, and R follows from k.
+        Of the bodies that deform; R follows from k and these. None for one that is not known.
     """
     if not isinstance(law, HertzianLaw) or getattr(law, "n", _POWER) != _POWER:
         return None
     k: Any = law.k  # type: ignore[attr-defined]
     if (radius := law.relative_radius) is not None:
         return RoundContact(k, 0.75 * k / math.sqrt(radius), radius)
-    known = [material.plane_strain_modulus for material in materials if material is not None]
-    if not known:
+    if not materials or any(material is None for material in materials):
         return None
-    modulus = 1.0 / math.fsum(1.0 / of for of in known)
+    modulus = 1.0 / math.fsum(1.0 / of.plane_strain_modulus for of in materials if of is not None)
     return RoundContact(k, modulus, (0.75 * k / modulus) ** 2)

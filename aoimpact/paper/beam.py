@@ -13,12 +13,13 @@ import numpy as np
 
 from ..base import FloatArray
 from ..fem import ContactPoint, FEModel, Material
+from ..impact import simulate
 from ..integrate import Newmark, find_impulse
 from ..laws import Hertz
 from ..mesh import box_mesh
 from ..reduction import AOModel, FullModel, ModalModel, antioscillators, full, modal, rigid
 from ..results import Result
-from .sphere import BALL_MASS, RADIUS, STEEL, VELOCITY, SphereStudy, impact_at_nodes
+from .sphere import BALL_MASS, RADIUS, STEEL, VELOCITY, SphereStudy, at_one_dof
 from .table import Row, Table
 
 ALUMINIUM = Material(E=70e9, nu=0.3, rho=2400.0)
@@ -86,7 +87,7 @@ class BeamStudy:
     def tip(self) -> ContactPoint:
         """The centre of the top surface."""
         top = (0.5 * LENGTH, 0.5 * WIDTH, WIDTH)
-        return self.body.contact(point=top, direction=(0.0, 0.0, -1.0), radius=0)
+        return at_one_dof(self.body, top, -3)
 
     @cached_property
     def modes(self) -> ModalModel:
@@ -165,7 +166,7 @@ class BeamStudy:
         dt: float | None = None,
     ) -> Result:
         """Run the sphere against the beam."""
-        return impact_at_nodes(
+        return simulate(
             projectile=projectile,
             target=target,
             law=LAW,

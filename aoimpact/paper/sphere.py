@@ -6,14 +6,12 @@ Every body and run is computed at its first use, and kept.
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from ..base import AOImpactWarning, FloatArray
+from ..base import FloatArray
 from ..fem import ContactPoint, FEModel, Material
 from ..impact import simulate
 from ..integrate import Newmark
@@ -63,11 +61,26 @@ def hertz_pair(k: float, mass: float, velocity: float) -> tuple[float, float]:
     return k * depth**1.5, 2.0 * depth / velocity * integral
 
 
-def impact_at_nodes(**arguments: Any) -> Result:
-    """Return `simulate` of the arguments without its warning of single nodes: the paper's are."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", ".* is touched at a single node: ", AOImpactWarning)
-        return simulate(**arguments)
+def at_one_dof(body: FEModel, point: tuple[float, float, float], direction: int) -> ContactPoint:
+    """Return the paper's contact functional, eq. (1): ± the unit vector of a dof at a node.
+
+    Nothing is known of a surface then, so that the law keeps all of its indentation, as the
+    paper's does.
+
+    Parameters
+    ----------
+    body : FEModel
+    point : tuple of float
+        Of a node, m.
+    direction : int
+        1, 2, 3 for x, y, z, or negative.
+    """
+    assert body.nodes is not None
+    assert body.free is not None
+    node = int(np.linalg.norm(body.nodes - point, axis=1).argmin())
+    b = np.zeros(3 * len(body.nodes))
+    b[3 * node + abs(direction) - 1] = np.sign(direction)
+    return body.contact(b=b[body.free])
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +109,7 @@ class SphereStudy:
     def tip(self) -> ContactPoint:
         """The point of the sphere that is touched."""
         body = FEModel.from_mesh(paper_sphere_mesh(), STEEL)
-        return body.contact(point=(RADIUS, 0.0, 0.0), direction=(1.0, 0.0, 0.0), radius=0)
+        return at_one_dof(body, (RADIUS, 0.0, 0.0), 1)
 
     @cached_property
     def frequencies(self) -> FloatArray:
@@ -168,7 +181,7 @@ class SphereStudy:
         """Run two like bodies against each other; contact times go as V^(-1/5), and so does dt."""
         slower = (VELOCITY / speed) ** 0.2
         dt = self.star_dt if isinstance(body, AOModel) else self.dt
-        return impact_at_nodes(
+        return simulate(
             projectile=body,
             target=body,
             law=LAW,
@@ -191,7 +204,7 @@ class MeshCase:
 def mesh_case(study: SphereStudy, size: float) -> MeshCase:
     """Return the paper's impact, one anti-oscillator each, on a mesh with elements of `size` m."""
     body = FEModel.from_mesh(sphere_mesh(RADIUS, size), STEEL)
-    model = antioscillators(body.contact(point=(RADIUS, 0, 0), direction=(1, 0, 0), radius=0), n=1)
+    model = antioscillators(at_one_dof(body, (RADIUS, 0.0, 0.0), 1), n=1)
     hit = study.pair(model)
     assert body.nodes is not None
     return MeshCase(len(body.nodes), float(model.k[0]), hit.peak_force, hit.contact_duration)
