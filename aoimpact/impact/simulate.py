@@ -153,8 +153,8 @@ def simulate(
         began=began,
         factors=impact.factors,
     )
-    contact = run.plan.contacts[0]
-    result = Result(run=run, velocity=run.plan.velocities[0], gap=contact.gap, law=contact.law)
+    gap = run.plan.contacts[0].gap
+    result = Result(run=run, velocity=run.plan.velocities[0], gap=gap, law=impact.law)
     if result.in_contact_at_end and duration is not None:
         warn(
             f"the record of {result.duration:.4g} s ends in contact: impulse and the last "

@@ -34,7 +34,7 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
     rows = [
         ("projectile", _body(result, "projectile")),
         ("target", _body(result, "target")),
-        ("law", str(result.law)),
+        ("law", str(result.run.plan.contacts[0].law)),
         ("velocity", f"{result.velocity:.6g} m/s" + _gap(result)),
     ]
     if not result.contacts:

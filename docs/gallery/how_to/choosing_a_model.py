@@ -60,7 +60,7 @@ for name in for_deflection.error:
 table = ao.compare(
     projectile=tip,
     target=middle,
-    law=hit.law.law,
+    law=hit.law,
     velocity=1.0,
     duration=hit.duration,
     oscillators=(0, 1, 2, 4, 8, 16),

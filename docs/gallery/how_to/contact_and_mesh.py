@@ -42,16 +42,21 @@ for ball in balls:
     patch, node = (ball.contact(point=(0.01, 0, 0), radius=radius) for radius in ("auto", 0))
     hits = [ao.simulate(tip, tip, 1.0) for tip in (patch, node)]
     right.append(hits[0])
-    print(f"{len(ball.nodes):5d} nodes:", ", ".join(
-        f"{hit.peak_force:7.1f} N ± {100 * hit.error['peak_force'].total:.2f} %" for hit in hits
-    ))
+    print(
+        f"{len(ball.nodes):5d} nodes:",
+        ", ".join(
+            f"{hit.peak_force:7.1f} N ± {100 * hit.error['peak_force'].total:.2f} %" for hit in hits
+        ),
+    )
 
 # %%
 # The compliance that was taken out is shown with the law, and belongs to the contact point:
 
 print(hits[0].law)
 tip = balls[1].contact(point=(0.01, 0, 0), radius=0.003)
-print(f"removed {tip.extraction.removed:.4g} m/N, left {tip.extraction.beyond:.4g} ± {tip.extraction.error:.1g} m/N")
+print(
+    f"removed {tip.extraction.removed:.4g} m/N, left {tip.extraction.beyond:.4g} ± {tip.extraction.error:.1g} m/N"
+)
 
 # %%
 

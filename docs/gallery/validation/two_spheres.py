@@ -59,9 +59,7 @@ with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     for body in (ao.FEModel.from_mesh(ao.paper_sphere_mesh(), steel), ball):
         node = ao.antioscillators(body.contact(point=(0.01, 0, 0), radius=0), n=1)
-        one = ao.simulate(
-            projectile=node, target=node, law=hit.law.law, velocity=1.0, duration=100e-6
-        )
+        one = ao.simulate(projectile=node, target=node, law=hit.law, velocity=1.0, duration=100e-6)
         print(
             f"one node of {len(body.nodes)}: {one.peak_force:.1f} N, {100 * (one.peak_force / force - 1):+.1f} %"
         )
