@@ -16,6 +16,7 @@ from ..accuracy import StressAt, checked_linear_solver, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
+    LawLimitError,
     boolean,
     finite_array,
     real,
@@ -33,6 +34,9 @@ from .defaults import Meeting, chosen_law, contact_width, fitted, meeting, turns
 from .run import RunOptions, run_models
 
 __all__ = ["Scene", "SceneCase"]
+
+# Patches are made so many times wider where a contact turns out to be stiffer than the mesh.
+_WIDER = 2.0
 
 
 @dataclass(frozen=True)
@@ -351,9 +355,29 @@ class Scene:
         options = RunOptions(quantity, rtol, solver, energies, linear_solver)
         checked_linear_solver(linear_solver, chosen=options.chooses(self._bodies))
         record = self._record(length)
+        run = partial(self._run, quantity, options, record, began=began, preload=preload)
+        try:
+            return run(wider=1.0)
+        except LawLimitError:
+            # Loads and other bodies may press a contact further than its two bodies alone would.
+            if not any(tip.automatic for body in self._bodies for tip in body.contact_points):
+                raise
+        return run(wider=_WIDER)
+
+    def _run(
+        self,
+        quantity: Any,
+        options: RunOptions,
+        record: RecordLength,
+        *,
+        began: float,
+        preload: bool,
+        wider: float,
+    ) -> Run:
+        """Run with patches `wider` times as wide as two bodies alone would need."""
         around = self._turns()
         factors: dict[Any, LinearSolver] = {}
-        fitted = self._fitted(factors)
+        fitted = self._fitted(factors, wider)
         for i, body in enumerate(fitted):
             # A model with several contact points needs the direction of travel of each.
             if len(body.contact_points) > 1:
@@ -423,7 +447,7 @@ class Scene:
         bodies = [self._bodies[body] for body, _ in contact.ports]
         return meeting(own_law(contact.law), bodies, speed)
 
-    def _fitted(self, factors: dict[Any, LinearSolver]) -> list[BodyModel]:
+    def _fitted(self, factors: dict[Any, LinearSolver], wider: float) -> list[BodyModel]:
         """The bodies with patches fitted to their contacts, where their radius was left out."""
         bodies = list(self._bodies)
         made: dict[tuple[BodyModel, int], BodyModel] = {}
@@ -432,6 +456,8 @@ class Scene:
         fastest = self._fastest
         for contact in self._contacts:
             met = self._meeting(contact, fastest)
+            if met is not None and met.contact_radius is not None:
+                met = met._replace(contact_radius=wider * met.contact_radius)
             for body, port in contact.ports:
                 key = bodies[body], port
                 if key not in made:
