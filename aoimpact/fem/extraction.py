@@ -466,13 +466,16 @@ class _Load:
             for at in cells_towards(nodes, piece.block, rows, self.point, self.space.radius):
                 cells, y = piece.block.cells[at.rows], (at.x - self.point) @ self.frame.T
                 chi, slope = self._cutoff(y)
-                u, stress = self.space.displacement_stress(y)
+                if self.behind or difference is not None:
+                    u, stress = self.space.displacement_stress(y)
+                else:
+                    u, stress = self.space.displacement(y), None
                 moved = chi[..., None] * u
                 instead = at.shape @ (at_nodes[cells] @ self.frame.T)
                 mass = -s2 * piece.material.rho * at.weight * near[at.rows][:, None]
                 self._add(cells, mass, at.shape, moved, moved)
                 self._add(cells, -mass, at.shape, instead, instead)
-                if not self.behind and difference is None:
+                if stress is None:
                     continue
                 tilted = u[..., :, None] * slope[..., None, :]
                 g = 0.5 * (tilted + tilted.swapaxes(2, 3))

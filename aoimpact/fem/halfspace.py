@@ -27,9 +27,13 @@ __all__ = ["AnisotropicHalfSpace", "HalfSpace", "IsotropicHalfSpace"]
 # Distances below these shares of a are replaced by them: they change the field by their square.
 _ON_AXIS, _ON_RIM = 1e-4, 1e-9
 
-# Angles of the integral of an anisotropic half-space. The integrand is periodic and smooth; for
-# E1/E3 = 15 the error is 1e-5 with 64 angles.
+# Angles of the integral of an anisotropic half-space. The integrand is periodic and smooth, but for
+# points far out just below the surface; at r = 8 a and z = 0.4 a the error is 1e-4.
 _ANGLES = 128
+
+# Equal roots of Stroh's eigenvalue problem, as of an isotropic material, have no eigenvectors of
+# their own. Shear moduli are changed by this share, which leaves half of the digits.
+_APART = 1e-7
 
 # Beyond so many radii the pressure's transform is expanded in a/|z|, to 1e-7.
 _FAR = 30.0
@@ -161,7 +165,9 @@ class AnisotropicHalfSpace:
     @cached_property
     def _waves(self) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
         """Direction n, roots p and amplitudes A of Stroh's eigenvalue problem for each angle."""
-        C, m, waves = self.stiffness, np.array([0.0, 0.0, 1.0]), []
+        sheared = 1.0 - np.eye(3)
+        C = self.stiffness * (1.0 + _APART * np.einsum("ij,kl->ijkl", sheared, sheared))
+        m, waves = np.array([0.0, 0.0, 1.0]), []
         for angle in (np.arange(_ANGLES) + 0.5) * math.pi / _ANGLES:
             n = np.array([math.cos(angle), math.sin(angle), 0.0])
             Q, R, T = (np.einsum("ijkl,j,l", C, *ends) for ends in ((n, n), (n, m), (m, m)))
@@ -175,11 +181,11 @@ class AnisotropicHalfSpace:
 
     def displacement(self, y: FloatArray) -> FloatArray:
         """Return u at local points `y`, m, shape (..., 3), for a force of 1 N."""
-        return self._fields(y)[0]
+        return self._fields(y, slopes=False)[0]
 
     def displacement_stress(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return u, m, shape (..., 3), and σ, Pa, shape (..., 3, 3), for a force of 1 N."""
-        u, slope = self._fields(y)
+        u, slope = self._fields(y, slopes=True)
         return u, np.einsum("ijkl,...kl->...ij", self.stiffness, slope)
 
     def strain(self, stress: FloatArray) -> FloatArray:
@@ -188,8 +194,8 @@ class AnisotropicHalfSpace:
         strain = stress.reshape(*stress.shape[:-2], 9) @ np.linalg.pinv(matrix)
         return np.asarray(strain.reshape(stress.shape))
 
-    def _fields(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Displacement and its gradient ∂u_k/∂x_l."""
+    def _fields(self, y: FloatArray, *, slopes: bool) -> tuple[FloatArray, FloatArray]:
+        """Displacement and its gradient ∂u_k/∂x_l, which is 0 where it is not asked for."""
         a, points = self.radius, y.reshape(-1, 3)
         depth = np.maximum(points[:, 2:], 1e-7 * a)
         u, slope = np.zeros((len(points), 3)), np.zeros((len(points), 3, 3))
@@ -204,12 +210,14 @@ class AnisotropicHalfSpace:
                 4.0 * a**3 / 3.0 * (series + a * a / 5.0 * series**3),
                 (a * a - z * z) * logarithm + 2.0 * a * z,
             )
+            u += 2.0 * np.real(f @ amplitude.T)
+            if not slopes:
+                continue
             df = np.where(
                 far,
                 -4.0 * a**3 / 3.0 * (series**2 + 0.6 * a * a * series**4),
                 4.0 * a - 2.0 * z * logarithm,
             )
-            u += 2.0 * np.real(f @ amplitude.T)
             slope[:, :, :2] += 2.0 * np.real(df @ amplitude.T)[:, :, None] * n[:2]
             slope[:, :, 2] += 2.0 * np.real((df * p) @ amplitude.T)
         scale = 3.0 / (16.0 * math.pi**2 * a**3) * math.pi / _ANGLES
