@@ -11,8 +11,8 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.fem.damping import ModalDamping, Rayleigh
+from aoimpact.fem.stress import nodal_stress
 from aoimpact.fields import response_of
-from aoimpact.fields.stress import nodal_stress
 from aoimpact.paper.beam import LAW, beam_model
 
 FloatArray = npt.NDArray[np.float64]

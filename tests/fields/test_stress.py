@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import aoimpact as ao
-from aoimpact.fields.stress import COMPONENTS, Stress, gauss_stress, nodal_stress, stress_rows
+from aoimpact.fem.stress import COMPONENTS, Stress, gauss_stress, nodal_stress, stress_rows
 from aoimpact.linalg.superlu import factorize
 from aoimpact.mesh.elements import KINDS
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact.fem.contacttime import contact_stiffness
 from aoimpact.mesh.generate import box_mesh
-from aoimpact.reduction.contacttime import contact_stiffness
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
