@@ -80,18 +80,13 @@ def test_energy_is_the_work_of_the_force():
         assert law.potential(delta) == pytest.approx(work, rel=1e-9)
 
 
-def test_the_law_stands_while_the_contact_is_narrower_than_the_patch():
-    """With c = 1.2/(r E) of two like bodies, c dF/dδ = 1.2 a/r: a is 0.95/1.2 r at the limit."""
+def test_the_law_stands_while_it_is_no_stiffer_than_what_is_removed():
+    """With c = 1.2/(r E*) of two like bodies, c dF/dδ = 1.2 a/r: a is 0.95/1.2 r at the limit."""
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)
     modulus, radius, r = 210e9 / (1 - 0.3**2), 0.005, 2e-4
-    hertz = ao.Hertz.between(steel, 0.01, steel, 0.01)
-    law = hertz.within_patch(1.2 / (r * modulus), radius=r, relative_radius=radius)
+    law = ao.Hertz.between(steel, 0.01, steel, 0.01).within_patch(1.2 / (r * modulus))
     own = law.limit + law.compliance * law.force(law.limit)
     assert math.sqrt(radius * own) == pytest.approx(0.95 / 1.2 * r, rel=1e-9)
-    # Where only one body has a patch and the other is soft, the radius itself is the bound.
-    stiff = hertz.within_patch(0.1 / (r * modulus), radius=r, relative_radius=radius)
-    own = stiff.limit + stiff.compliance * stiff.force(stiff.limit)
-    assert math.sqrt(radius * own) == pytest.approx(r, rel=1e-12)
 
 
 def test_a_plastic_law_stands_while_its_unloading_does():
@@ -99,8 +94,6 @@ def test_a_plastic_law_stands_while_its_unloading_does():
     law = ao.Thornton(K, 10.0).within_patch(2e-8)
     own = law.limit + law.compliance * law.force(law.limit)
     assert 2e-8 * 1.5 * K * math.sqrt(own) == pytest.approx(0.95, rel=1e-12)
-    hard = ao.Thornton(K, 10.0).within_patch(1e-308, radius=1e-3, relative_radius=0.1)
-    assert hard.limit == pytest.approx(1e-3**2 / 0.1, rel=1e-12)  # nothing but the patch bounds it
 
 
 @pytest.mark.parametrize("name", sorted(LAWS))
@@ -130,7 +123,7 @@ def test_beyond_the_limit_is_an_error_that_names_the_cure():
 
 def test_an_impact_beyond_the_limit_stops_there():
     law = ao.Hertz(K).within_patch(3e-8)
-    with pytest.raises(ao.InputError, match=r"at t = .* take a larger radius"):
+    with pytest.raises(ao.InputError, match=r"at t = .* the mesh, 3e-08 m/N, leaves nothing"):
         on_a_wall(law, 0.03, 3.0, ao.Newmark(dt=1e-7))
 
 
@@ -156,10 +149,8 @@ def test_a_thornton_contact_on_a_patch_loses_what_its_law_does():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ao.Linear(1e9).within_patch(2e-9), "nothing is left of the law"),
+        (lambda: ao.Linear(1e9).within_patch(2e-9), "more than Linear"),
         (lambda: ao.Hertz(K).within_patch(0.0), "compliance must be positive"),
-        (lambda: ao.Hertz(K).within_patch(C, radius=-1.0), "radius must be positive"),
-        (lambda: ao.Hertz(K).within_patch(C, radius=1.0, relative_radius=0.0), "relative_radius"),
         (lambda: ao.Hertz(K).within_patch(C).within_patch(C), "law without a patch"),
     ],
 )

@@ -379,7 +379,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.KrylovSpace,
         {"tip": TIP, "contact_time": 1e-4, "duration": None, "solver": "auto"},
     ),
-    "check_patch": (ao.check_patch, {"tip": PATCH, "expected": 1e-3}),
     "AOModel.to_json": (STAR.to_json, {"path": "model.json"}),
     "FEModel.with_mesh": (BARE.with_mesh, {"mesh": BAR.mesh, "material": STEEL}),
     "FEModel.audit": (BAR.audit, {"frequencies": 2}),
