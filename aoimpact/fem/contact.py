@@ -65,8 +65,9 @@ PATCH_OVER_CONTACT = 1.4
 # Shares of the force that a support takes over; below, they are rounding.
 _HELD = 1e-12
 
-# Radius of the contact at a node, as a share of the element's edge, where no impact gives it. R
-# hardly depends on it: a tenth or four times the true radius changes a force by 0.2 %.
+# Radius of the contact, as a share of the element's edge, where no impact gives it. R hardly depends
+# on it: a tenth or four times the true radius changes a force by 0.2 %. On a curved body R follows
+# the logarithm of a radius that is small for that of the surface, as those of wide patches are not.
 _WITHIN_EDGE = 0.15
 
 # How far the length of a unit vector may be from 1.
@@ -158,7 +159,8 @@ class ContactPoint(Frozen):
     automatic : bool
         Whether the radius of the patch was left to be chosen.
     contact_radius : float or None
-        a of the contact itself at its largest force, m; of `radius` / 1.4 if it is not known.
+        a of the contact itself at its largest force, m; a part of the element's edge or of `radius`
+        if it is not known.
 
     Raises
     ------
@@ -262,11 +264,10 @@ class ContactPoint(Frozen):
         """Radius of the contact itself, m, or about that."""
         if self.contact_radius is not None:
             return self.contact_radius
-        if self.patch is not None:
-            return self.patch.radius / PATCH_OVER_CONTACT
         assert self.body.surface is not None
         assert self.point is not None
-        return _WITHIN_EDGE * edge_length(self.body.surface, self.point)
+        within = _WITHIN_EDGE * edge_length(self.body.surface, self.point)
+        return within if self.patch is None else min(within, self.patch.radius / PATCH_OVER_CONTACT)
 
     def _extracted(self, solver: LinearSolver) -> Extraction:
         assert self.body.surface is not None
