@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,7 @@ from bodies import distorted_box
 
 from aoimpact.base.errors import InputError
 from aoimpact.fem.material import Material
-from aoimpact.fem.model import FEModel
-from aoimpact.fem.patch import half_space_compliance, spread
-from aoimpact.linalg.solvers import LinearSolver
+from aoimpact.fem.patch import spread
 from aoimpact.mesh.elements import KINDS
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
 from aoimpact.mesh.surface import Surface, boundary
@@ -112,45 +109,6 @@ def test_at_a_pole_the_disc_settles(monkeypatch: pytest.MonkeyPatch) -> None:
         assert -UP @ found.normal == pytest.approx(1.0, abs=1e-10)
         assert len(discs) < 6
         discs.clear()
-
-
-def test_half_space_s_part_is_the_mean_of_the_surface_under_the_pressure() -> None:
-    # K. L. Johnson, Contact Mechanics, eqs. (3.41a) and (3.91a), with p₀ = 3F/(2πr²).
-    r, peak = 0.003, 1.5 / (math.pi * 0.003**2)
-    modulus, G, nu = STEEL.plane_strain_modulus, STEEL.shear_modulus, STEEL.nu
-    sinking = pressed_mean(lambda s: math.pi * peak / (4 * r * modulus) * (2 * r * r - s * s), r)
-    # Averaged over the angle, x² and y² are ρ²/2.
-    sliding = pressed_mean(
-        lambda s: math.pi * peak / (32 * G * r)
-        * (4 * (2 - nu) * r * r - (4 - 3 * nu) * s * s / 2 - (4 - nu) * s * s / 2),
-        r,
-    )  # fmt: skip
-    assert half_space_compliance(STEEL, r, 1.0) == pytest.approx(sinking, rel=1e-12)
-    assert half_space_compliance(STEEL, r, 0.0) == pytest.approx(sliding, rel=1e-12)
-    assert half_space_compliance(STEEL, r, 0.6) == pytest.approx(
-        0.36 * sinking + 0.64 * sliding, rel=1e-12
-    )
-
-
-@cache
-def block() -> tuple[FEModel, LinearSolver]:
-    mesh = box_mesh((0.04, 0.04, 0.02), (8, 8, 4), kind="hexahedron20")
-    body = FEModel.from_mesh(mesh, STEEL, fixed=[("zmin", "xyz")])
-    return body, body.inverse()
-
-
-@pytest.mark.parametrize("direction", [(0, 0, -1), (0, 0.8, -0.6)])
-def test_without_the_half_space_s_part_a_block_s_compliance_forgets_the_patch(
-    direction: tuple[float, float, float],
-) -> None:
-    body, inverse = block()
-    whole, rest = [], []
-    for radius in (0.006, 0.008, 0.01):
-        tip = body.contact(point=(0.0213, 0.0187, 0.02), direction=direction, radius=radius)
-        assert tip.patch is not None
-        whole.append(float(tip.b @ inverse.solve(tip.b)))
-        rest.append(whole[-1] - tip.patch.compliance)
-    assert np.ptp(rest) < 0.12 * np.ptp(whole)
 
 
 def test_a_patch_beyond_an_edge_is_refused_with_what_there_is_room_for() -> None:
