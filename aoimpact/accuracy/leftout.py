@@ -79,7 +79,8 @@ class LeftOutFinder:
         if None in found:
             return LeftOut()
         ends = [of or [] for of in found]
-        quantity = self.interest()
+        with held_warnings():  # the quantity has had its warnings
+            quantity = self.interest()
         beyond = [math.fsum(end.error for end in of) for of in ends]
         varying = [math.fsum(end.varying for end in of) for of in ends]
         stiffer = [_stiffer(run, ends, sign) for sign in (-1.0, 1.0)]

@@ -110,7 +110,7 @@ def test_machines_read_the_errors_of_what_they_asked_for():
     told = json.loads(as_json(numbers(hit, ("peak_force", "restitution"))))["quantities"]
     error = hit.error["restitution"]
     parts = error.mesh, error.contact, error.model, error.time
-    assert all(parts)
+    assert error.model > 0.0
     assert told["restitution_error"] == pytest.approx(math.fsum(parts), rel=1e-12)
     relative = json.loads(as_json(numbers(hit, ())))["relative_errors"]
     assert relative["total"] == pytest.approx(
@@ -130,7 +130,7 @@ def test_in_a_scene_the_numbers_of_each_contact_have_theirs():
     assert true > 0.05
     assert run.error["contacts.0.peak_force"].model <= 1e-2
     kept = ao.simulate_many(
-        [(SceneCase(scene, {"quantity": "peak_force"}), duration)],
+        [(SceneCase(scene, {"quantity": "peak_force", "rtol": 1e-2}), duration)],
         keep="contacts.0.impulse",
     )
     assert kept[0]["contacts.0.impulse_error"] == run.error["contacts.0.impulse"].total
@@ -157,7 +157,9 @@ def test_a_number_that_there_is_not_has_no_error():
 def test_an_error_says_first_what_a_user_asks_first():
     hit = strike("held plate", quantity="peak_force")
     told = repr(hit.error)
-    assert told.startswith(f"ErrorEstimate(peak_force: {100.0 * hit.error.total:.2g} % (mesh ")
+    assert float(re.match(r"ErrorEstimate\(peak_force: (\S+) % \(mesh ", told)[1]) == pytest.approx(
+        100.0 * hit.error.total, rel=0.05
+    )
     assert len(told) < 250
 
 

@@ -15,7 +15,7 @@ from aoimpact.linalg import SolverBook
 
 from twelve import ALL_EDGES, ALUMINIUM, STEEL, box, cube
 
-LAW = ao.Hertz.between(STEEL, 0.01, ALUMINIUM, math.inf)
+LAW = ao.PowerLaw(ao.Hertz.between(STEEL, 0.01, ALUMINIUM, math.inf).k, 1.5)
 POINT = (0.05, 0.05, 0.0)
 
 

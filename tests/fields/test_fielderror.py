@@ -29,7 +29,7 @@ def struck(target: Any, duration: float = 2e-3) -> ao.Result:
         hit = ao.simulate(
             projectile=ao.rigid(mass=0.0327),
             target=target,
-            law=ao.Hertz(k=1e10),
+            law=ao.PowerLaw(k=1e10, n=1.5),
             velocity=1.0,
             duration=duration,
             solver=ao.Adaptive(rtol=1e-6),

@@ -190,7 +190,7 @@ def test_json_of_a_scene_file_has_the_names(
         (ao.KelvinVoigt(k=2e6, c=30.0), "KelvinVoigt, k = 2 MN/m, c = 30 N s/m, end = force"),
         (
             ao.Hertz(k=10.9e9).within_patch(1e-9),
-            "Hertz, k = 10.9 GN/m^1.5, (compliance of the mesh removed: 1 nm/N)",
+            "Hertz, k = 10.9 GN/m^1.5 (compliance of the mesh removed: 1 nm/N)",
         ),
     ],
 )
