@@ -65,9 +65,9 @@ PATCH_OVER_CONTACT = 1.4
 # Shares of the force that a support takes over; below, they are rounding.
 _HELD = 1e-12
 
-# Radius of the contact, as a share of the element's edge, where no impact gives it. R hardly depends
-# on it: a tenth or four times the true radius changes a force by 0.2 %. On a curved body R follows
-# the logarithm of a radius that is small for that of the surface, as those of wide patches are not.
+# Radius of the contact, as a share of the element's edge, where no impact gives it. R hardly
+# depends on it: a tenth or four times the true radius changes a force by 0.2 %. On a curved body R
+# follows the logarithm of a radius that is small for the surface's; those of wide patches are not.
 _WITHIN_EDGE = 0.15
 
 # How far the length of a unit vector may be from 1.

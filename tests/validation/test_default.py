@@ -1,7 +1,7 @@
 """The call that leaves everything out, against impacts whose contact is resolved by elements.
 
 The resolved impacts share nothing with the package: see tests/resolved.py. On any mesh the force is
-right to the error that is said with it; on fine ones that is about 1 %, the default tolerance.
+right to the error that is said with it; on compact bodies of quadratic elements to 0.3 %.
 """
 
 from __future__ import annotations
@@ -79,14 +79,25 @@ def off(hit: ao.Result, force: float) -> tuple[float, float]:
     return abs(hit.peak_force / force - 1.0), error.total
 
 
-@pytest.mark.parametrize("size", [0.005, 0.003])
+@pytest.mark.parametrize("size", [0.008, 0.005, 0.003])
 def test_two_spheres(size: float) -> None:
     ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=RADIUS, size=size), material(STEEL))
     tip = ball.contact(point=(RADIUS, 0, 0))
     hit = ao.simulate(projectile=tip, target=tip, velocity=1.0)
     true, said = off(hit, RESOLVED_FORCE)
-    assert true < said < 0.02
-    assert true < 5e-3
+    assert true < 3e-3
+    assert true < said
+
+
+@pytest.mark.parametrize("radius", ["auto", 0.0])
+def test_the_paper_s_spheres_on_its_own_mesh(radius: Any) -> None:
+    """Over a patch, and at the paper's single node."""
+    ball = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), material(STEEL))
+    tip = ball.contact(point=(RADIUS, 0, 0), radius=radius)
+    hit = ao.simulate(projectile=tip, target=tip, velocity=1.0)
+    true, said = off(hit, RESOLVED_FORCE)
+    assert true < 3e-3
+    assert true < said
 
 
 @pytest.mark.parametrize("mesh", MESHES)
@@ -99,5 +110,6 @@ def test_a_ball_on_a_coarse_mesh_within_what_is_said(name: str, mesh: str) -> No
 @pytest.mark.parametrize("name", TARGETS)
 def test_a_ball_on_a_fine_mesh(name: str) -> None:
     true, said = off(by_default(cylinder(name, *FINE)), truth(name).peak)
-    assert true < said + 2e-3
-    assert said < 0.015  # of which 1 % is the tolerance of the models
+    assert true < said + 2e-3  # so much may be wrong with what is resolved
+    assert true < 5e-3
+    assert said < 0.015
