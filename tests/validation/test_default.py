@@ -100,6 +100,7 @@ def test_the_paper_s_spheres_on_its_own_mesh(radius: Any) -> None:
     assert true < said
 
 
+@pytest.mark.filterwarnings("ignore:.*elements of first order")
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("name", TARGETS)
 def test_a_ball_on_a_coarse_mesh_within_what_is_said(name: str, mesh: str) -> None:
