@@ -37,8 +37,11 @@ _SAFETY, _SAFETY_OF_NUMBERS = 1.3, 3.0
 
 # First oscillators for each digit of the tolerance, about the median that these bodies need; least
 # and largest factor from one order to the next, by the error over the tolerance, with which as a
-# rule at most 2 n + 8 vectors are made for a result of order n; and the largest order.
-_FIRST, _LEAST_GROWTH, _GROWTH, _MOST_ORDER = 2.0, 1.15, 1.5, 600
+# rule at most 2 n + 8 vectors are made for a result of order n; and the largest order. Where no
+# tolerance was given the search ends earlier, with the error that it has by then: a thin sheet that
+# touches again and again would take hundreds of vectors.
+_FIRST, _LEAST_GROWTH, _GROWTH = 2.0, 1.15, 1.5
+_MOST_ORDER, _MOST_BY_DEFAULT = 600, 80
 
 # The tolerance named in a message is this factor above the error found.
 _EASED = 1.1
@@ -252,7 +255,8 @@ class _Search:
             too_wide += isinstance(self.failures.get(largest), LawLimitError)
             if too_wide >= _TOO_WIDE:
                 raise self.failures[largest]
-            if max(self.orders) > _MOST_ORDER or self._at_most(self.orders) == largest:
+            most = min(_MOST_ORDER, _MOST_BY_DEFAULT) if self.best else _MOST_ORDER
+            if max(self.orders) > most or self._at_most(self.orders) == largest:
                 error = max(self._errors())
                 if self.best and error < 1.0:
                     return
