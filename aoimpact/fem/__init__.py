@@ -47,7 +47,7 @@ from .statics import (
     static_mode,
     translates,
 )
-from .stress import Stress
+from .stress import Stress, gauss_stress, nodal_stress, stress_rows
 from .stresserror import energy_error, missing_energy, stresses_around
 from .supports import selected_nodes
 from .touch import edge_length
@@ -88,12 +88,14 @@ __all__ = [
     "edge_length",
     "energy_error",
     "fitted_shifts",
+    "gauss_stress",
     "highest_shift",
     "layout",
     "materials_of",
     "missing_energy",
     "moves_rigidly",
     "near_static",
+    "nodal_stress",
     "own_contact_time",
     "pieces",
     "refuse_massless",
@@ -103,6 +105,7 @@ __all__ = [
     "slow_shift",
     "static_mode",
     "stiffness_mass",
+    "stress_rows",
     "stresses_around",
     "translates",
 ]

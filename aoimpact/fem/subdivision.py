@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import scipy.special
+import scipy
 
 from ..base import FloatArray, IntArray
 from ..mesh import Block, ReferenceElement

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import FloatArray, InputError, choice, integer
-from ..fem import AnyMaterial, Body
-from ..fem.stress import Stress, gauss_stress, nodal_stress
+from ..fem import AnyMaterial, Body, Stress, gauss_stress, nodal_stress
 from ..mesh import Mesh
 from . import deformed, movie, vtu
 from .historyerror import warn_if_wrong

@@ -11,8 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import HUGE, FloatArray, InputError, IntArray, finite_array, unit_vector
-from ..fem import Body, selected_nodes
-from ..fem.stress import stress_rows
+from ..fem import Body, selected_nodes, stress_rows
 from ..integrate import Motion
 from ..mesh import node_at, weights_at
 from ..reduction import Recovery

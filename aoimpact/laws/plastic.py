@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-import scipy.optimize
+import scipy
 
 from ..base import InputError, positive
 from ..fem import Material

@@ -189,7 +189,7 @@ def test_a_wrong_answer_is_seen() -> None:
 
 
 def test_damped_frames_and_patches_have_the_package_s_answer() -> None:
-    patched = replace(HERTZ, patch=(1e-9, 2e-3, 1e-2))
+    patched = replace(HERTZ, removed=1e-9)
     for damping in (("Rayleigh", 10.0, 1e-6), ("ModalDamping", 0.05)):
         frame = Frame((0.3, 0.5), (1e6,), (0.0, 1e5), damping=damping)
         bodies = (Body(1.0, velocity=1.0), frame)
@@ -199,18 +199,18 @@ def test_damped_frames_and_patches_have_the_package_s_answer() -> None:
         assert verdict.kind == "ok", verdict
 
 
-def test_a_contact_beyond_its_patch_has_to_be_refused() -> None:
-    def struck(radius: float) -> Case:
-        law = replace(HERTZ, patch=(1e-9, radius, 1e-2))
+def test_a_contact_stiffer_than_what_is_taken_out_has_to_be_refused() -> None:
+    """The work of a law to where c dF/dδ is 0.95 is (0.4 - 0.95/3) k D^2.5: here all of 1/2 J."""
+    k = HERTZ.arguments["k"]
+    deepest = (0.5 / ((0.4 - 0.95 / 3.0) * k)) ** 0.4
+    just = 0.95 / (1.5 * k * deepest**0.5)
+    for share in (0.9, 1.0 - 1e-6, 1.0 + 1e-6, 1.1):
+        law = replace(HERTZ, removed=share * just)
         bodies = (Body(1.0, velocity=1.0), WALL)
-        return Case(bodies, (Contact(0, 1, law),), duration=2e-3, rtol=1e-8)
-
-    deepest = Oracle(struck(1e-2)).run().peaks[0]
-    just = (deepest / HERTZ.arguments["k"]) ** (1.0 / 3.0) * 0.1
-    for radius in (0.9 * just, just * (1.0 - 1e-6), just * (1.0 + 1e-6), 1.1 * just):
-        verdict = judge(struck(radius))
+        case = Case(bodies, (Contact(0, 1, law),), duration=2e-3, rtol=1e-8)
+        verdict = judge(case)
         assert verdict.kind == "ok", verdict
-        assert ("patch" in verdict.why) == (radius < just)
+        assert ("patch" in verdict.why) == (share > 1.0)
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])

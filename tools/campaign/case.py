@@ -16,24 +16,24 @@ from typing import Any
 class Law:
     """A contact law by its public name and its arguments.
 
-    patch: None, or what is taken out of it, m/N, and the radii of patch and surface, m.
+    removed: None, or the compliance that is taken out of it, m/N.
     """
 
     kind: str
     arguments: dict[str, Any]
-    patch: tuple[float, float, float] | None = None
+    removed: float | None = None
 
     @property
     def deepest(self) -> float:
-        """The law's own indentation where the contact is as wide as the patch, m."""
-        return math.inf if self.patch is None else self.patch[1] ** 2 / self.patch[2]
+        """Hertz's own indentation where c dF/dδ is 0.95, m: up to there the rest is a law."""
+        if self.removed is None:
+            return math.inf
+        return float((0.95 / (1.5 * self.arguments["k"] * self.removed)) ** 2)
 
     @property
     def expression(self) -> str:
-        if self.patch is not None:
-            compliance, radius, curvature = self.patch
-            within = f"{compliance!r}, radius={radius!r}, relative_radius={curvature!r}"
-            return f"{replace(self, patch=None).expression}.within_patch({within})"
+        if self.removed is not None:
+            return f"{replace(self, removed=None).expression}.within_patch({self.removed!r})"
         if self.kind == "UserLaw":
             k, n, c = (self.arguments[key] for key in ("k", "n", "c"))
             return f"ao.UserLaw(lambda d, rate: {k!r} * d**{n!r} * (1.0 + {c!r} * rate))"
@@ -271,7 +271,7 @@ class Case:
 
 
 def _law(of: dict[str, Any]) -> Law:
-    return Law(of["kind"], of["arguments"], tuple(of["patch"]) if of["patch"] else None)
+    return Law(of["kind"], of["arguments"], of["removed"])
 
 
 def _body(of: dict[str, Any]) -> Body | Frame:

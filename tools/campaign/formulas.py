@@ -261,9 +261,9 @@ def _chi(kind: str, e: float, v: float) -> float:
 def formula(law: Law) -> Formula:
     """Return the law as the oracle takes it; new for every contact, since some remember."""
     of: dict[str, Any] = law.arguments
-    if law.kind == "Hertz" and law.patch is not None:
+    if law.kind == "Hertz" and law.removed is not None:
         # A little beyond the limit it is still the law: a peak there is found as it is.
-        return Patched(k=of["k"], compliance=law.patch[0], deepest=1.2 * law.deepest)
+        return Patched(k=of["k"], compliance=law.removed, deepest=1.05 * law.deepest)
     if law.kind == "Hertz":
         return Power(k=of["k"])
     if law.kind == "Linear":

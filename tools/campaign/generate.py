@@ -123,10 +123,8 @@ def _law(rng: np.random.Generator, scales: _Scales) -> Law:
 
 def _in_patch(rng: np.random.Generator, scales: _Scales, law: Law) -> Law:
     """Hertz's law with part of it taken out, up to an indentation that is seldom exceeded."""
-    curvature = _rounded(scales.depth * _decades(rng, 1.0, 3.0))
-    radius = _rounded(math.sqrt(curvature * scales.depth * _decades(rng, 0.0, 2.0)))
-    steepest = 1.5 * law.arguments["k"] * radius / math.sqrt(curvature)
-    return replace(law, patch=(_rounded(_decades(rng, -2.0, -0.1) / steepest), radius, curvature))
+    deepest = scales.depth * _decades(rng, 0.0, 2.0)
+    return replace(law, removed=_rounded(0.95 / (1.5 * law.arguments["k"] * math.sqrt(deepest))))
 
 
 # ------------------------------------------------------------------- bodies

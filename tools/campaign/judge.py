@@ -118,9 +118,9 @@ def _refused(case: Case, answer: Answer, longest: float) -> Verdict:
 
 
 def _beyond_patch(case: Case, true: Outcome) -> float:
-    """By how much the largest force exceeds what a contact as wide as its patch has, relative."""
+    """By how much the largest force exceeds that up to which the law holds, relative."""
     laws = [contact.law for contact in case.contacts]
-    most = [law.arguments["k"] * law.deepest**1.5 if law.patch else np.inf for law in laws]
+    most = [law.arguments["k"] * law.deepest**1.5 if law.removed else np.inf for law in laws]
     return float(np.nanmax(true.peaks / np.array(most), initial=0.0)) - 1.0
 
 

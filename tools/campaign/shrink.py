@@ -117,8 +117,8 @@ def _simpler(contact: Contact) -> Iterator[Contact]:
             yield replace(contact, law=Law("Hertz", {"k": k}))
             if given.get("n", 1.5) != 1.5 and contact.law.kind != "PowerLaw":
                 yield replace(contact, law=Law(contact.law.kind, {**given, "n": 1.5}))
-    if contact.law.patch:
-        yield replace(contact, law=replace(contact.law, patch=None))
+    if contact.law.removed:
+        yield replace(contact, law=replace(contact.law, removed=None))
     if contact.gap:
         yield replace(contact, gap=0.0)
 
