@@ -293,7 +293,6 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     contact->start = bends ? here : fmax(here, rest);
     contact->start_rate = contact->touch_rate = rate;
     contact->last_length = contact->since_touch = contact->edge = 0.0;
-    contact->steps = 0;
     contact->piece = aoi_law_piece(of->law, contact->memory, contact->start, rate >= 0.0,
                                    &contact->low, &contact->high);
     aoi_law_force(of->law, contact->memory, contact->piece, fmax(here, rest), rate, &value);

@@ -50,7 +50,6 @@ typedef struct aoi_adaptive_contact {
     double free_until; /* while open, and both bodies in free motion: no touch before this time */
     int touches;       /* whether it touches at that time */
     size_t place;      /* its place among the watched contacts */
-    size_t steps;      /* since its touch */
     double slack;      /* while open: indentation beyond rest that is not yet a touch, m */
     int event;         /* its first event in the step being tried, and where */
     double event_place;

@@ -17,10 +17,6 @@
  * from 0.03 to 0.3 work changes by 0.3 %. */
 static const double EDGE_WIDTH = 0.1;
 
-/* Share of rtol that Newton's method may leave of an indentation where no rates are needed, which are found from
- * differences of indentations. */
-static const double NEWTON_EXACT = 1e-4;
-
 /* Newton's convergence is measured against an indentation of at least this share of the largest. Measured: from
  * 1e-12 to 1e-3 errors and work are the same. */
 static const double NEWTON_SHARE = 1e-6;
@@ -39,7 +35,8 @@ static int are_alike(const aoi_adaptive *run, size_t first, size_t second)
 {
     const aoi_modes *one = &run->system->body[first], *other = &run->system->body[second];
     return !run->body[first].columns.of && one->n == other->n && one->ports == other->ports &&
-           (one->load.count > 0) == (other->load.count > 0) && are_equal(one->omega, other->omega, one->n) && are_equal(one->decay, other->decay, one->n) &&
+           (one->load.count > 0) == (other->load.count > 0) &&
+           are_equal(one->omega, other->omega, one->n) && are_equal(one->decay, other->decay, one->n) &&
            are_equal(one->shape, other->shape, one->ports * one->n) &&
            are_equal(one->push, other->push, one->ports * one->n);
 }
@@ -259,8 +256,7 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
             begin_entry(run, s, h, with_rates);
         }
     }
-    const double exact = !with_rates && aoi_step_is_single(run) ? NEWTON_EXACT * run->rtol : 0.0;
-    if (aoi_collocation_solve(run->system, run->response, h, exact, run->closed_count, span_of(run),
+    if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
                               run->entry, run->collocation) != AOI_OK) {
         return;
     }

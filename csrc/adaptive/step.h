@@ -72,13 +72,6 @@ static inline int aoi_contact_has_residual(const aoi_adaptive *run, size_t c)
     return run->system->body[body[0]].residual != NULL || run->system->body[body[1]].residual != NULL;
 }
 
-/* Whether the step has one contact, without a residual compliance. Of several, those that a wave has passed must end at
- * rounding; and at a massless contact point the force begins with a jump of the rate. */
-static inline int aoi_step_is_single(const aoi_adaptive *run)
-{
-    return run->closed_count == 1 && !aoi_contact_has_residual(run, run->entry[0].contact);
-}
-
 /* Whether work is done on a body, or lost in it, besides that of contacts. */
 static inline int aoi_body_has_ledger(const aoi_modes *body)
 {

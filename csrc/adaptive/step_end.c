@@ -167,7 +167,6 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
         contact->last[i] = entry->legendre[i];
     }
     contact->last_length = h;
-    contact->steps++;
     contact->begins = 0;
     contact->start = entry->indentation[end];
     contact->start_rate = entry->rate[end];

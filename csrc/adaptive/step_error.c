@@ -22,13 +22,6 @@
  * steps of a contact, and grow from one contact to the next. These and the next: see the table in ../README.md. */
 static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
-/* The first of these in a step with a single contact, under a law without rate. Its nodes are far more exact than the polynomial between them,
- * which is read for the peak, where that may lie inside the step, and for histories, whose error is that of the tail.
- * Errors add up: a contact of more than so many steps has less of these.
- * Measured: of the first a third costs 0.8 % more work; of the second 0.3 costs 3.6 %, and of impacts with one AO a body
- * 25 %, 30 saves none. */
-static const double PEAK_SHARE = 1.0, HISTORY_SHARE = 10.0, STEPS = 50.0;
-
 /* Share of these in the first and last step of a contact: there the force is no smooth function of time, and the
  * quadrature of its defect misses part of it. */
 static const double END_SHARE = 0.03;
@@ -134,18 +127,6 @@ static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *
     return largest > entry->force[AOI_NODES - 1] && largest + wrong > contact->peak_force;
 }
 
-/* Share of rtol of the polynomial's tail. */
-static double tail_share_of(const aoi_adaptive *run, const aoi_contact_step *entry)
-{
-    const int top_inside = aoi_step_force(entry) > entry->force[AOI_NODES - 1] &&
-                           aoi_step_may_peak(&run->contact[entry->contact], entry);
-    if (!aoi_step_is_single(run) || aoi_step_law(run, entry)->depends_on_rate) {
-        return TAIL_SHARE;
-    }
-    const double part = STEPS / fmax(STEPS, (double)run->contact[entry->contact].steps);
-    return fmax(TAIL_SHARE, part * (top_inside ? PEAK_SHARE : HISTORY_SHARE));
-}
-
 /* The errors of a step as shares of their tolerances; and the tolerance of the unresolved oscillation of a force, N. */
 typedef struct errors {
     double within, handed_on, ripple;
@@ -161,7 +142,7 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
     const double end_share = at_an_end ? END_SHARE : 1.0;
     const int bent = aoi_contact_has_residual(run, entry->contact);
     const double tail_share =
-        fmax(tail_share_of(run, entry) * (bent ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
+        fmax(TAIL_SHARE * (bent ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
     const double step_share = STEP_SHARE * end_share * run->rtol;
     aoi_collocation_error error;
     aoi_collocation_estimate(run->system, run->response, h, entry, &error);

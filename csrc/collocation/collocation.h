@@ -44,9 +44,8 @@ int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const ao
 /* Solves F = law(indentation, rate) of all contacts together by Newton's method, to rounding of each one's
  * scale: F at all nodes, or, at an edge (of bodies without residual compliance), the polynomial nearest to
  * the law's force. indentation, rate: a guess in, the solution out; homogeneous as set. response: by
- * body. exact: an error of the indentation, relative to its scale, that may remain; 0: rounding alone.
- * AOI_ERROR_NO_CONVERGENCE where the guess is too far from the solution: take a shorter step. */
-int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h, double exact,
+ * body. AOI_ERROR_NO_CONVERGENCE where the guess is too far from the solution: take a shorter step. */
+int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work);
 
 /* Errors of the solution. The law's force minus the polynomial's between the nodes gives the leading error of the

@@ -255,17 +255,17 @@ static double update(const couplings *of, const double *by, int first, aoi_conta
     return largest;
 }
 
-int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h, double exact,
+int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work)
 {
     if (count == 1) {
-        return aoi_collocation_solve_one(system, response, h, exact, entry);
+        return aoi_collocation_solve_one(system, response, h, entry);
     }
     const size_t blocks = blocks_of(span), size = count * blocks * SQUARE;
     const int with_rates = aoi_collocation_wants_rates(system, count, entry);
     couplings of = {count, span, blocks, work, with_rates ? work + size : NULL};
     const equations to = lay_out(count, span, work + 2 * size);
-    aoi_newton newton = {0, 1, HUGE_VAL, exact};
+    aoi_newton newton = {0, 1, HUGE_VAL};
     double change;
     couple(system, response, h, entry, &of);
     do {

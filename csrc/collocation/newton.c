@@ -123,5 +123,5 @@ int aoi_newton_done(aoi_newton *newton, double change)
     newton->renew = !first && !(ratio < KEPT);
     newton->before = change;
     return change <= CONVERGED || (change <= AOI_COLLOCATION_ROUNDING && ratio >= 0.5) ||
-           (!first && ratio < KEPT && ratio * change <= fmax(NEXT_CHANGE, newton->exact));
+           (!first && ratio < KEPT && ratio * change <= NEXT_CHANGE);
 }

@@ -12,7 +12,6 @@ typedef struct aoi_newton {
     int iteration;
     int renew;     /* the matrix is to be recomputed */
     double before; /* the last change */
-    double exact;  /* the next change, if it is so small, is not made */
 } aoi_newton;
 
 /* Notes a change of the indentation, relative to its scale. Returns whether the iteration has converged. */
@@ -37,7 +36,7 @@ void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *c
 void aoi_collocation_aim(const aoi_contact_step *entry, int first, int with_rates, aoi_law_values *law);
 
 /* aoi_collocation_solve where there is one contact. */
-int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h, double exact,
+int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry);
 
 #endif

@@ -94,11 +94,11 @@ static double move(const single *of, const double *by, int first, aoi_contact_st
     return largest;
 }
 
-int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h, double exact,
+int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry)
 {
     const aoi_law *law = system->contact[entry->contact].law;
-    aoi_newton newton = {0, 1, HUGE_VAL, exact};
+    aoi_newton newton = {0, 1, HUGE_VAL};
     double change;
     single of;
     couple(system, response, h, entry, &of);

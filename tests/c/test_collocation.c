@@ -51,7 +51,7 @@ static int solve_at_edge(plant *p, double h, size_t span, int with_rates, enum a
             entry->scale = fmax(entry->scale, fabs(entry->homogeneous[i]));
         }
     }
-    return aoi_collocation_solve(&p->system, p->response, h, 0.0, p->contacts, span, p->entry, work);
+    return aoi_collocation_solve(&p->system, p->response, h, p->contacts, span, p->entry, work);
 }
 
 static int solve(plant *p, double h, size_t span, int with_rates)

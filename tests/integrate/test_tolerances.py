@@ -39,14 +39,9 @@ def chain(wider: float) -> ao.Scene:
     return scene
 
 
-def sphere(mass: float) -> ao.AOModel:
-    """A body that rings in contact, so that the length of steps follows the tolerance."""
-    return ao.AOModel(m0=1e-3 * mass, k0=0.0, m=[0.999 * mass], k=[275.7e6])
-
-
-def bouncing(body: ao.AOModel) -> ao.Scene:
+def bouncing() -> ao.Scene:
     scene = ao.Scene(gravity=9.81)
-    ball, floor = scene.add(body, velocity=1.0), scene.add(ao.rigid(mass=math.inf))
+    ball, floor = scene.add(ao.rigid(mass=MASS), velocity=1.0), scene.add(ao.rigid(mass=math.inf))
     scene.connect(ball, floor, ao.Hertz(k=1e10))
     return scene
 
@@ -54,7 +49,7 @@ def bouncing(body: ao.AOModel) -> ao.Scene:
 def row_of_balls(mass: float) -> ao.Scene:
     """Four balls in a row, the first of which strikes the next one."""
     scene = ao.Scene()
-    balls = [scene.add(sphere(mass), velocity=float(i == 0)) for i in range(4)]
+    balls = [scene.add(ao.rigid(mass=mass), velocity=float(i == 0)) for i in range(4)]
     for one, other in itertools.pairwise(balls):
         scene.connect(one, other, ao.Hertz(k=1e10), gap=1e-4)
     return scene
@@ -79,7 +74,7 @@ def test_a_second_run_less_tight_may_be_wrong_and_one_more_tight_costs_more(
         monkeypatch.setattr(to_tolerance, "SPREAD", scatter)
         found = [run(chain(wider), 3.47e-3, 1e-3) for wider in gaps]
         errors.append(max(map(comparison.difference, found, exact, (1.0, 1.0, 1.0))) / 1e-3)
-        costs.append(run(bouncing(sphere(MASS)), 0.5, 1e-8).steps)
+        costs.append(run(bouncing(), 2.0, 1e-8).steps)
     assert errors[0] > 1.0 > errors[1]
     assert costs[2] > 1.05 * costs[1]
 
@@ -91,7 +86,7 @@ def test_a_smaller_share_for_scenes_of_several_contacts_costs_more(
     costs = []
     for share in np.array([1.0 / 3.0, 1.0]) * to_tolerance.SEVERAL:
         monkeypatch.setattr(to_tolerance, "SEVERAL", share)
-        rows = [row_of_balls(mass) for mass in (0.02, 0.03, 0.05)]
+        rows = [row_of_balls(mass) for mass in np.linspace(0.02, 0.05, 16)]
         costs.append(sum(run(row, 1e-3, 1e-8).steps for row in rows))
     assert costs[0] > 1.1 * costs[1]
 
@@ -246,16 +241,14 @@ def test_runs_that_differ_by_more_than_a_little_show_that_errors_multiply(
     assert len(runs) == 2
     assert chaotic(1e-7).error.time == 1.0
     with monkeypatch.context() as patch:
-        patch.setattr(to_tolerance, "LINEAR", 1e-5 * tolerances.LINEAR)
+        patch.setattr(to_tolerance, "LINEAR", 1e-3 * tolerances.LINEAR)
         runs.clear()
         bounces(10, 1e-3)
         assert len(runs) == 3
     monkeypatch.setattr(to_tolerance, "LINEAR", 1.0)
-    bold, tight = [chaotic(rtol) for rtol in (1e-3, 1e-4, 1e-5)], chaotic(1e-7)
-    shares = [
-        of.error.time / comparison.difference(of.recorder, tight.recorder, 1.0) for of in bold
-    ]
-    assert min(shares) < 0.5  # one alone may be right by chance
+    bold, tight = chaotic(1e-4), chaotic(1e-7)
+    apart = comparison.difference(bold.recorder, tight.recorder, 1.0)
+    assert bold.error.time < 0.5 * apart
 
 
 def test_a_tighter_first_comparison_takes_more_steps(
