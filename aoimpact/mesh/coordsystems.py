@@ -8,6 +8,7 @@ import numpy as np
 
 from ..base import FloatArray, IntArray
 from .bulkdata import BulkData, Table
+from .rawmesh import rows_of
 
 __all__ = ["Axes", "Grids", "Systems", "read_systems"]
 
@@ -98,10 +99,7 @@ class Grids:
 
     def rows(self, labels: IntArray) -> IntArray:
         """Return row numbers of labels, of the same shape; -1 where there is no such node."""
-        if not len(self.labels):
-            return np.full(labels.shape, -1)
-        rows = np.searchsorted(self.labels, labels).clip(max=len(self.labels) - 1)
-        return np.where(self.labels[rows] == labels, rows, -1)
+        return rows_of(self.labels, labels)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from ..base import IntArray
 from .elements import KINDS
 from .faces import reference_faces
 from .hdf import opened
-from .rawmesh import RawBlock, RawMesh
+from .rawmesh import LINES, SOLIDS, SURFACES, UPRIGHT_FIRST, RawBlock, RawMesh
 
 __all__ = ["read"]
 
@@ -26,29 +26,21 @@ _OF_THE_MESH = re.compile(
     r"coord[xyz]?|connect\d+|(eb|ns|ss)_(names|prop1)|(node_n|elem_s|side_s)s\d+|(node|elem)_num_map"
 )
 
-# Kinds of elements by the first letters of their names and their numbers of nodes.
+# Kinds of cells by the first letters of the elements' names, and the shapes of solids among them.
+_SHAPES = {"HEX": "hexahedron", "TET": "tetra", "WED": "wedge", "PYR": "pyramid"}
 _KINDS = {
-    "HEX": {8: "hexahedron", 20: "hexahedron20", 27: "hexahedron27"},
-    "TET": {4: "tetra", 10: "tetra10"},
-    "WED": {6: "wedge", 15: "wedge15"},
-    "PYR": {5: "pyramid", 13: "pyramid13"},
-    "QUA": {4: "quad", 8: "quad8", 9: "quad9"},
-    "SHE": {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"},
-    "TRI": {3: "triangle", 6: "triangle6"},
-    "TRU": {2: "line", 3: "line3"},
-    "BEA": {2: "line", 3: "line3"},
-    "BAR": {2: "line", 3: "line3"},
-    "EDG": {2: "line", 3: "line3"},
-    "SPH": {1: "vertex"},
-    "CIR": {1: "vertex"},
+    **{
+        name: {n: kind for n, kind in SOLIDS.items() if kind.startswith(shape)}
+        for name, shape in _SHAPES.items()
+    },
+    **dict.fromkeys(("QUA", "SHE", "TRI"), SURFACES),
+    **dict.fromkeys(("TRU", "BEA", "BAR", "EDG"), LINES),
+    **{name: {1: "vertex"} for name in ("SPH", "CIR")},
 }
 
-# Exodus' numbers of the nodes within an element, in VTK's order: upright edges come before those
-# of the upper side.
-_ORDERS = {
-    "hexahedron20": (*range(12), *range(16, 20), *range(12, 16)),
-    "hexahedron27": (*range(12), *range(16, 20), *range(12, 16), 23, 24, 25, 26, 21, 22, 20),
-    "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
+# Exodus' numbers of the nodes within an element, in VTK's order.
+_ORDERS = UPRIGHT_FIRST | {
+    "hexahedron27": (*UPRIGHT_FIRST["hexahedron20"], 23, 24, 25, 26, 21, 22, 20),
 }
 
 # The corners of each side, in the order of Exodus' numbers.

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..base import FloatArray, IntArray, warn
 from .mesh import right_handed
-from .rawmesh import RawBlock, RawMesh
+from .rawmesh import RawBlock, RawMesh, rows_of
 from .tokens import integers, numbers_of
 
 __all__ = ["read"]
@@ -398,23 +398,19 @@ def _once(type_: int, rows: IntArray) -> _Elements:
 def _mesh(
     tags: IntArray, places: FloatArray, elements: list[_Elements], names: dict[tuple[int, int], str]
 ) -> RawMesh:
-    order = np.argsort(tags, kind="stable")
-    ordered = tags[order]
+    ordered = np.sort(tags)
     if (ordered[1:] == ordered[:-1]).any():
         raise ValueError(f"node {ordered[:-1][ordered[1:] == ordered[:-1]][0]} is there twice")
     sets: dict[str, list[IntArray]] = {}
     blocks, first = [], 0
     for part in elements:
         kind, _ = _KINDS[part.type]
-        at = np.searchsorted(ordered, part.nodes)
-        known = np.take(ordered, at, mode="clip") == part.nodes if len(tags) else at < 0
-        if not known.all():
-            row = int(np.flatnonzero(~known.all(axis=1))[0])
+        cells = rows_of(tags, part.nodes)
+        if (cells < 0).any():
+            row, column = np.argwhere(cells < 0)[0]
             raise ValueError(
-                f"element {part.tags[row]} has node {part.nodes[row][~known[row]][0]}, which is "
-                "not there"
+                f"element {part.tags[row]} has node {part.nodes[row, column]}, which is not there"
             )
-        cells = order[at]
         if kind in _ORDERS:
             cells = cells[:, _ORDERS[kind]]
         block = RawBlock(kind, right_handed(kind, places, cells), part.tags)

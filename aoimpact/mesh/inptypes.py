@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from .rawmesh import LINES, SOLIDS, SURFACES
+
 __all__ = ["CONNECTIONS", "UNSUPPORTED", "ElementType", "element_type", "harmless", "is_side"]
 
 
@@ -26,30 +28,21 @@ class ElementType:
     @property
     def solid(self) -> bool:
         """Whether the elements are solids of a structure."""
-        return self.kind in _SOLIDS.values()
+        return self.kind in SOLIDS.values()
 
 
 # Nodes are in meshio's order, but those of C3D27: there the middle comes before the faces.
 _SOLID = re.compile(r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}")
-_SOLIDS = {
-    **{"4": "tetra", "5": "pyramid", "6": "wedge", "8": "hexahedron", "10": "tetra10"},
-    **{"13": "pyramid13", "15": "wedge15", "20": "hexahedron20", "27": "hexahedron27"},
-}
 
 # Shells, membranes, rigid and plane elements, of which the first digits count the nodes.
 _SURFACE = re.compile(
     r"(?:D?S|US|STRI|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(65|3|4|6|8|9)(?!\d)[A-Z0-9]*"
 )
-_SURFACES = {
-    **{"3": "triangle", "4": "quad", "6": "triangle6", "65": "triangle6"},
-    **{"8": "quad8", "9": "quad9"},
-}
 
 # Of these, the ones that meshers write for the sides of solids.
 _SIDE = re.compile(r"CP[SE]\d|CAX\d|SFM3D")
 
 _LINE = re.compile(r"T[23]D([23])[A-Z]{0,2}")
-_LINES = {"2": "line", "3": "line3"}
 
 # Elements of a number of nodes that may vary, or of shapes that no mesh of solids has.
 _LISTED = re.compile(
@@ -68,10 +61,10 @@ def element_type(name: str) -> ElementType | None:
     name : str
         In capitals, as in "C3D8R".
     """
-    for pattern, kinds in ((_SOLID, _SOLIDS), (_SURFACE, _SURFACES), (_LINE, _LINES)):
+    for pattern, kinds in ((_SOLID, SOLIDS), (_SURFACE, SURFACES), (_LINE, LINES)):
         if found := pattern.fullmatch(name):
-            count = found[1]
-            return ElementType(kinds[count], 6 if count == "65" else int(count))
+            count = 6 if found[1] == "65" else int(found[1])
+            return ElementType(kinds[count], count)
     return ElementType("", 0) if _LISTED.fullmatch(name) else None
 
 

@@ -8,32 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from ..base import IntArray
-from .rawmesh import RawBlock, RawMesh
+from .rawmesh import LINES, SOLIDS, SURFACES, UPRIGHT_FIRST, RawBlock, RawMesh, rows_of
 from .tokens import integers
 
 __all__ = ["read"]
 
-_SOLIDS = {
-    4: "tetra",
-    5: "pyramid",
-    6: "wedge",
-    8: "hexahedron",
-    10: "tetra10",
-    13: "pyramid13",
-    15: "wedge15",
-    20: "hexahedron20",
-    27: "hexahedron27",
-}
-_SURFACES = {
-    1: "vertex",
-    2: "line",
-    3: "triangle",
-    4: "quad",
-    6: "triangle6",
-    8: "quad8",
-    9: "quad9",
-}
-_LINES = {1: "vertex", 2: "line", 3: "line3"}
+_POINT = {1: "vertex"}
 
 # Elements in space that are no solids, by a part of their names.
 _SURFACE_NAMES = re.compile("shell|membrane|surface|plate|triangle|quadrilateral|2d", re.IGNORECASE)
@@ -42,10 +22,8 @@ _LINE_NAMES = re.compile(
 )
 
 # Kratos' numbers of the nodes within an element, in VTK's order: those of GiD.
-_ORDERS = {
-    "hexahedron20": (*range(12), *range(16, 20), *range(12, 16)),
-    "hexahedron27": (*range(12), *range(16, 20), *range(12, 16), 24, 22, 21, 23, 20, 25, 26),
-    "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
+_ORDERS = UPRIGHT_FIRST | {
+    "hexahedron27": (*UPRIGHT_FIRST["hexahedron20"], 24, 22, 21, 23, 20, 25, 26),
 }
 
 # What the parts of a sub-model part name, and blocks without influence on mesh and groups.
@@ -120,63 +98,61 @@ def _mesh(
     if any(len(row) != 4 for row in places):
         raise ValueError("Nodes: a row is not a number and x, y, z")
     table = np.array(places, dtype=np.float64).reshape(-1, 4)
-    node_of = _index("node", integers(table[:, 0]))
+    labels = integers(table[:, 0])
+    _check_once("Nodes", labels)
     blocks: list[RawBlock] = []
-    cell_of: dict[str, dict[int, int]] = {what: {} for what in _HEAD}
-    first = 0
+    none = np.zeros(0, dtype=np.int64)
+    known = {"Elements": none, "Conditions": none}  # their labels, and
+    numbers = dict(known)  # their numbers among all cells
     for what, name, rows in tables:
         for width in sorted({len(row) for row in rows}):
             own = np.array(
                 _table(what, [row for row in rows if len(row) == width], int), dtype=np.int64
             )
             kind = _kind(what, name, width - _HEAD[what])
-            cells = _looked_up(node_of, own[:, _HEAD[what] :], f"{what} {name}")
+            cells = _looked_up(labels, own[:, _HEAD[what] :], f"{what} {name}")
             if kind in _ORDERS:
                 cells = cells[:, _ORDERS[kind]]
             if what == "Geometries":  # shapes that elements may be made of, but no elements
                 continue
+            first = sum(len(block.cells) for block in blocks)
             blocks.append(RawBlock(kind, cells, own[:, 0]))
-            for place, label in enumerate(own[:, 0].tolist(), first):
-                if label in cell_of[what]:
-                    raise ValueError(f"{what}: number {label} is there twice")
-                cell_of[what][label] = place
-            first += len(own)
+            known[what] = np.concatenate([known[what], own[:, 0]])
+            numbers[what] = np.concatenate([numbers[what], first + np.arange(len(own))])
+    for what in known:
+        _check_once(what, known[what])
     node_sets: dict[str, IntArray] = {}
     cell_sets: dict[str, IntArray] = {}
     for path, parts in members.items():
         for what, rows in parts:
-            if what == "Geometries":
-                continue
-            sets, places_of = (
-                (node_sets, node_of) if what == "Nodes" else (cell_sets, cell_of[what])
-            )
             ids = np.array([int(word) for row in rows for word in row], dtype=np.int64)
-            found = _looked_up(places_of, ids, f"sub-model part {path!r}")
-            if len(found):
-                sets[path] = np.union1d(sets.get(path, found), found)
-    return RawMesh(table[:, 1:], tuple(blocks), node_sets, cell_sets, integers(table[:, 0]))
+            if what == "Geometries" or not len(ids):
+                continue
+            sets = node_sets if what == "Nodes" else cell_sets
+            found = _looked_up(known.get(what, labels), ids, f"sub-model part {path!r}")
+            found = found if what == "Nodes" else numbers[what][found]
+            sets[path] = np.union1d(sets.get(path, none), found)
+    return RawMesh(table[:, 1:], tuple(blocks), node_sets, cell_sets, labels)
 
 
 def _kind(what: str, name: str, width: int) -> str:
     if _LINE_NAMES.search(name):
-        kinds = _LINES
+        kinds = _POINT | LINES
     elif what == "Conditions" or _SURFACE_NAMES.search(name):
-        kinds = _SURFACES
+        kinds = _POINT | LINES | SURFACES
     else:
-        kinds = _SOLIDS
+        kinds = SOLIDS
     return kinds.get(width, f"{name} of {width} nodes")
 
 
-def _index(what: str, labels: IntArray) -> dict[int, int]:
-    found = {label: place for place, label in enumerate(labels.tolist())}
-    if len(found) < len(labels):
-        raise ValueError(f"a {what} is there twice")
+def _looked_up(known: IntArray, labels: IntArray, what: str) -> IntArray:
+    found = rows_of(known, labels)
+    if (found < 0).any():
+        raise ValueError(f"{what} names number {labels[found < 0][0]}, which is not there")
     return found
 
 
-def _looked_up(places: dict[int, int], labels: IntArray, what: str) -> IntArray:
-    try:
-        found = [places[label] for label in labels.reshape(-1).tolist()]
-    except KeyError as error:
-        raise ValueError(f"{what} names number {error}, which is not there") from None
-    return np.array(found, dtype=np.int64).reshape(labels.shape)
+def _check_once(what: str, labels: IntArray) -> None:
+    unique, counts = np.unique(labels, return_counts=True)
+    if (counts > 1).any():
+        raise ValueError(f"{what}: number {unique[counts > 1][0]} is there twice")

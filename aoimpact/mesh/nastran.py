@@ -15,7 +15,7 @@ from .coordsystems import Grids, read_systems
 from .elements import reference_element
 from .nastransets import read_sets
 from .nastrantext import read_sections
-from .rawmesh import RawBlock, RawMesh
+from .rawmesh import UPRIGHT_FIRST, RawBlock, RawMesh
 
 __all__ = ["nastran_nodes", "read"]
 
@@ -32,12 +32,6 @@ _ELEMENTS: dict[tuple[str, ...], tuple[tuple[int, str], ...]] = {
     ("CBAR", "CBEAM", "CBEND", "CROD", "CTUBE"): ((2, "line"),),
     ("CONROD",): ((2, "line"),),
     ("CBEAM3",): ((2, "line"), (3, "line3")),
-}
-
-# Nastran numbers the midside nodes of upright edges before those of the top, meshio after them.
-_ORDER = {
-    "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
-    "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
 }
 
 _SOLIDS = {"CTETRA", "CHEXA", "CPENTA", "CPYRAM"}
@@ -199,7 +193,7 @@ def _elements(deck: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
             if (rows < 0).any():
                 row, column = np.argwhere(rows < 0)[0]
                 raise part.refused(row, f"node {numbers[row, column]} is not there")
-            cells = rows[:, _ORDER[kind]] if kind in _ORDER else rows
+            cells = rows[:, UPRIGHT_FIRST.get(kind, slice(None))]
             yield _Elements(part, RawBlock(kind, cells, labels), labels, properties)
 
 

@@ -1,4 +1,4 @@
-"""A mesh as a file has it, before it is put in order: what every reader returns."""
+"""A mesh as a file has it, before it is put in order, and what readers of several formats share."""
 
 from __future__ import annotations
 
@@ -8,8 +8,30 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..base import FloatArray, IntArray
+from .elements import KINDS, reference_element
 
-__all__ = ["RawBlock", "RawMesh"]
+__all__ = ["LINES", "SOLIDS", "SURFACES", "UPRIGHT_FIRST", "RawBlock", "RawMesh", "rows_of"]
+
+# Kinds of cells by their numbers of nodes.
+SOLIDS = {len(reference_element(kind).nodes): kind for kind in KINDS}
+SURFACES = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
+LINES = {2: "line", 3: "line3"}
+
+# Orders of nodes that number the midside nodes of upright edges before those of the top, in VTK's.
+UPRIGHT_FIRST = {
+    "hexahedron20": (*range(12), *range(16, 20), *range(12, 16)),
+    "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
+}
+
+
+def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
+    """Return the rows of labels among those that are known, of the same shape; -1 for others."""
+    if not len(known):
+        return np.full(wanted.shape, -1)
+    order = np.argsort(known, kind="stable")
+    rows = order[np.searchsorted(known, wanted, sorter=order).clip(max=len(known) - 1)]
+    found: IntArray = np.where(known[rows] == wanted, rows, -1)
+    return found
 
 
 @dataclass(frozen=True, eq=False)

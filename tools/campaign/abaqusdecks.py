@@ -52,7 +52,10 @@ _OTHERS: tuple[Unit, ...] = (
 )  # fmt: skip
 
 # Warnings that the decks call for.
-_CALLED_FOR = ("belong to no volume element", "no solids", "share no nodes", "at the same place")
+_CALLED_FOR = (
+    *("belong to no volume element", "no solids", "share no nodes", "at the same place"),
+    "connections between nodes",
+)
 
 _SPARE = 200_000_000  # labels from here on are of what is no part of the body
 
