@@ -17,7 +17,7 @@ import numpy as np
 from ..base import FloatArray, IntArray, warn
 from .mesh import right_handed
 from .rawmesh import RawBlock, RawMesh, rows_of
-from .tokens import integers, numbers_of
+from .textfile import integers, numbers_of
 
 __all__ = ["read"]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base import IntArray
 from .rawmesh import LINES, SOLIDS, SURFACES, UPRIGHT_FIRST, RawBlock, RawMesh, rows_of
-from .tokens import integers
+from .textfile import integers
 
 __all__ = ["read"]
 

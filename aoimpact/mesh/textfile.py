@@ -1,14 +1,19 @@
-"""Text of decks: encodings, numbers as Fortran programs write them, errors by line."""
+"""Text of files: encodings, numbers, errors by line."""
 
 from __future__ import annotations
 
 import math
 import re
+import warnings
 from pathlib import Path
+from typing import Any
 
-from ..base import MeshError, MissingFileError, decoded
+import numpy as np
+import numpy.typing as npt
 
-__all__ = ["number", "read_lines", "refused"]
+from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
+
+__all__ = ["integers", "number", "numbers_of", "read_lines", "refused"]
 
 # Fortran's numbers: 1, -1.5, .5E3, 1.D0, and 1.0+3 for 1.0E+3.
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EDed]([+-]?\d+)|([+-]\d+))?")
@@ -56,6 +61,39 @@ def number(text: str) -> float:
     if not math.isfinite(value):
         raise ValueError(f"{text.strip()!r} is too large")
     return value
+
+
+def numbers_of(text: bytes) -> FloatArray:
+    """Return the numbers of a text that holds nothing but numbers and blanks.
+
+    Raises
+    ------
+    ValueError
+        If there is anything else.
+    """
+    if not text.strip():
+        return np.zeros(0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)  # how older versions of NumPy say it
+        try:
+            return np.fromstring(text.decode("latin-1"), sep=" ")
+        except (ValueError, DeprecationWarning):
+            raise ValueError("there is text among the numbers") from None
+
+
+def integers(values: npt.NDArray[Any]) -> IntArray:
+    """Return numbers that must be integers, as such.
+
+    Raises
+    ------
+    ValueError
+        If one is not.
+    """
+    if values.dtype.kind == "f":
+        whole = (np.abs(values) < 2.0**53) & (values == np.trunc(values))
+        if not whole.all():
+            raise ValueError(f"{values[~whole][0]} is no whole number")
+    return values.astype(np.int64)
 
 
 def refused(file: Path, line: int, what: str, why: str) -> MeshError:

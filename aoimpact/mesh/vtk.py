@@ -22,7 +22,7 @@ import numpy.typing as npt
 from ..base import FloatArray, IntArray
 from .mesh import right_handed
 from .rawmesh import RawBlock, RawMesh
-from .tokens import integers, numbers_of
+from .textfile import integers, numbers_of
 
 __all__ = ["read_legacy", "read_xml"]
 
