@@ -34,7 +34,7 @@ def main() -> None:
         "rigid masses": ao.simulate(
             projectile=rigid, target=rigid, velocity=VELOCITY, duration=DURATION
         ),
-        "one node touched (the paper's recipe)": ao.simulate(
+        "Hertz's spring at one node (the paper's recipe)": ao.simulate(
             projectile=by_numbers,
             target=by_numbers,
             law=hit.law,

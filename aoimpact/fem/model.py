@@ -562,14 +562,14 @@ class FEModel(Frozen):
             Row of K, in place of `point` and `direction`.
         b : array_like, shape (n_dofs,), optional
             In place of all these: a functional of one's own, so that the contact's displacement is
-            u = bᵀX and its force f loads the body with b f. Without a patch, unless `radius` names
-            that of the disc over which b spreads Hertz's pressure.
+            u = bᵀX and its force f loads the body with b f. A law between the bodies is then left
+            as it is, unless `radius` names that of the disc over which b spreads Hertz's pressure.
         radius : float or "auto", optional
-            Of the patch that carries the contact under Hertz's pressure, m. "auto" takes twice the
-            `expected` contact radius, or what the mesh resolves well if that is more; `simulate`
-            chooses it anew from the impact, as far as the errors of mesh and half-space are least.
-            0 is a single point, with which the force follows the mesh. Bodies without a mesh have
-            no patch.
+            Of the patch that carries the contact under Hertz's pressure, m. It hardly matters, as
+            long as it is 1.2 times that of the contact or more, since the compliance of the mesh
+            under it is taken out of the law. "auto" takes 1.4 times the `expected` contact radius,
+            or the edge of an element; `simulate` takes 1.4 times that of the impact. 0 is a single
+            node, as good on coarse meshes. Bodies without a mesh have no patch.
         expected : float, optional
             For "auto": the largest radius of the contact itself, m; √(Rδ) for Hertz's law.
 
@@ -586,8 +586,8 @@ class FEModel(Frozen):
         Warns
         -----
         AOImpactWarning
-            If the point taken is not the one given, the mesh is too coarse for the radius given, or
-            `b` is no mean displacement: its resultant is not 1, or it has a couple.
+            If the point taken is not the one given, or `b` is no mean displacement: its resultant
+            is not 1, or it has a couple.
 
         Examples
         --------

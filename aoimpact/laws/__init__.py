@@ -1,9 +1,9 @@
 """Contact laws: a family a file, and the registry of them all.
 
 To add a law, write its class in a file of this folder and import it here: scene files, and tests of
-what holds for every law, read `LAWS`. A law is numbers alone: which one acts between two, less what
-their patches show already, is decided in effective.py, for `impact`. `integrate` hands laws to the
-core; `fem` and `reduction` know none.
+what holds for every law, read `LAWS`. A law is numbers alone; effective.py takes the compliance of
+the bodies' meshes out of it, for `scene`. `integrate` hands laws to the core; `fem` and `reduction`
+know none.
 """
 
 from .curvature import contact_modulus

@@ -38,7 +38,7 @@ class Hertz(HertzianLaw):
     k : float
         N/m^1.5, positive.
     relative_radius : float, optional
-        R, m: the contact is √(R δ) wide, which patches must not be narrower than. E* follows from
+        R, m: the contact is √(R δ) wide, from which the radius of patches follows. E* follows from
         it and k.
 
     Examples

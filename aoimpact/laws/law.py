@@ -36,7 +36,7 @@ class CoreLaw(NamedTuple):
     parameters : tuple of float
         As `aoi_law_create` has them.
     compliance, limit : float
-        Of a patch, m/N, and the indentation up to which the law holds with it, m.
+        That is taken out, m/N, and the indentation up to which the law holds without it, m.
     note : ndarray, shape (3,)
         Where a user's law puts the state at which it failed.
     data : object
@@ -51,7 +51,7 @@ class CoreLaw(NamedTuple):
     data: Any
 
 
-# Of c dF/dδ, up to which a law with a patch's compliance is used, as in csrc/law/law.c. There what
+# Of c dF/dδ, up to which a law without the compliance c is used, as in csrc/law/law.c. There what
 # is left is twenty times as stiff as the law; of two like bodies the contact is 0.8 of the patch.
 MOST_SHARE = 0.95
 
@@ -419,7 +419,7 @@ class PatchLaw(ContactLaw):
 
     def __post_init__(self) -> None:
         if not isinstance(self.law, ContactLaw) or isinstance(self.law, PatchLaw):
-            raise InputTypeError(f"law must be a contact law without a patch, got {self.law!r}")
+            raise InputTypeError(f"law must be a contact law with nothing taken out, got {self.law!r}")
         object.__setattr__(self, "compliance", positive("compliance", self.compliance, unit="m/N"))
         object.__setattr__(self, "limit", positive("limit", self.limit, unit="m", infinite=True))
 

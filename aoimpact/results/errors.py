@@ -21,10 +21,10 @@ class LeftOut:
     Attributes
     ----------
     mesh : mapping of str to float
-        By the name of the number or history: from the finite elements at the contacts.
+        By the name of the number or history: from finite elements that are too stiff.
     contact : mapping of str to float
-        From taking the bodies about the contacts for half-spaces, from the curvatures where a law
-        was found from them, and from a single node in place of a patch.
+        From contacts that change their width, and from the curvatures where a law was found from
+        them.
     worst_time : float or None
         Time at which the history of interest is off by the larger of both, s.
     """
@@ -44,10 +44,9 @@ class ErrorParts:
     Attributes
     ----------
     mesh : float or None
-        From the finite elements at the contacts.
+        From finite elements that are too stiff, at the contacts and in the whole bodies.
     contact : float or None
-        From the contact: the body around it is no half-space, the curvatures are not exact, or a
-        single node carries the force.
+        From a contact that changes its width, and from curvatures that are not exact.
     model : float or None
         From representing the bodies by fewer degrees of freedom. Infinite for "contacts" where
         their number is uncertain.

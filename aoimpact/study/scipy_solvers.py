@@ -241,7 +241,7 @@ def ode_scene(
     Parameters
     ----------
     law : ContactLaw
-        Of patches what is left of it: see `effective_law`.
+        Without the compliance of meshes: see `effective_law`.
     length : float
         Size of the displacements, m, for absolute tolerances.
 
