@@ -93,9 +93,9 @@ tip = bar.contact(node=corner, direction=(0, 0, -1))
 print(tip)
 
 # %%
-# A single node under a law like Hertz's is softer than the surface that it stands for, and ``simulate`` warns of it.
-# Without a mesh, spread the contact by a functional ``b=`` over the nodes of the face. Here it is the mean of the nodes on
-# the last 30 mm of the upper side:
+# A single node is softer than the surface that it stands for, the more so the finer the mesh. Without the elements nothing
+# is known of that, and nothing is taken out of the law. So spread the contact over the nodes of the face by a functional
+# ``b=``. Here it is the mean of the nodes on the last 30 mm of the upper side:
 
 upper = np.flatnonzero((mesh.nodes[:, 2] > 0.0199) & (mesh.nodes[:, 0] > 0.17))
 rows = np.isin(bar.labels[:, 0], 101 + upper) & (bar.labels[:, 1] == 3)

@@ -108,11 +108,11 @@ for law in (damped, compiled):
     print(f"{hit.peak_force:.6f} N, run {1e3 * hit.cost.run:.2f} ms")
 
 # %%
-# Bodies with patches
-# -------------------
-# A law between elastic bodies contains the local indentation of both, as Hertz's does: the compliance of the patches is
-# taken out of it (:doc:`/theory/contact`). A pad is softer than the bodies, so that this hardly matters; give
-# ``radius=0`` to leave the law as it is.
+# Bodies with meshes
+# ------------------
+# A law between elastic bodies contains the local indentation of both, as Hertz's does: over a patch the compliance that
+# the meshes have there is taken out of it (:doc:`/theory/contact`). A pad has the indentation of the pad alone: with
+# ``radius=0`` a law that is not like Hertz's is left as it is.
 #
 # A law that remembers, such as one with plastic indentation, cannot be a ``UserLaw``; ``ao.Thornton`` is one. To add a law
 # to the package itself, with its formulas in C: :doc:`/contributing`.

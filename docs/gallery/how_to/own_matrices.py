@@ -80,8 +80,8 @@ hit.plot_force()
 # ----------------
 # Where each node has three translations, ``nodes=`` gives their coordinates, and ``free=`` gives, for each row of K, the
 # index 3·node + component. Then a contact may be given by a ``point`` and a ``direction``, and the body has a mass and
-# a centre. Without elements there is no surface to spread a patch on, so that the contact is the single node there. The
-# matrices of this example are taken from a mesh, as another program would have made them.
+# a centre. Without elements there is no surface to spread a patch on, so that the contact is the single node there, and the
+# law is taken as it is. The matrices of this example are taken from a mesh, as another program would have made them.
 
 mesh = ao.box_mesh((0.4, 0.02, 0.02), (16, 2, 2), kind="hexahedron20")
 aluminium = ao.Material(E=70e9, nu=0.33, rho=2700)
@@ -112,8 +112,8 @@ print(f"{wide.peak_force:.1f} N")
 # %%
 # Surface and stress
 # ------------------
-# With the mesh that the matrices are of, ``body.with_mesh(mesh, material)`` gives them a surface: patches, Hertz's law and
-# stresses then work as for a body that was made from a mesh.
+# With the mesh that the matrices are of, ``body.with_mesh(mesh, material)`` gives them a surface: patches, Hertz's law, the
+# compliance that is taken out of it and stresses are then known as of a body that was made from a mesh.
 
 meshed = block.with_mesh(mesh, aluminium)
 print(meshed.contact(point=(0.4, 0.01, 0.02 / 2)))

@@ -11,6 +11,7 @@ A reduced model has few shapes, which give the force but not yet the stress; wha
 
 import tempfile
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import aoimpact as ao
@@ -46,8 +47,6 @@ print(
 
 # %%
 
-import matplotlib.pyplot as plt
-
 _, ax = plt.subplots(layout="constrained")
 ax.plot(1e6 * below.t, below.stress["xx"] / 1e6, label="σ_xx")
 ax.plot(1e6 * below.t, below.stress["yy"] / 1e6, "--", label="σ_yy")
@@ -55,6 +54,37 @@ ax.set(xlabel="time (µs)", ylabel="stress opposite to the contact (MPa)")
 ax.legend()
 
 # %%
+# Under the contact
+# -----------------
+# No mesh of a structure resolves the stress under a contact. There it is that of a half-space in closed form, for the
+# present force and radius of the contact, plus the rest from the mesh (:doc:`/theory/contact`). On the axis below the
+# contact, at the peak force, beside the half-space alone, σ_zz = -p₀/(1 + z²/a²):
+
+a, p0 = hit.contact_radius, hit.hertz_pressure
+print(f"contact radius {1e3 * a:.3f} mm, largest pressure {p0 / 1e6:.0f} MPa")
+depth = np.linspace(0.0, 3.0, 61)  # z/a
+axis = hit.target.probe([(0.05, 0.04, 0.006 - a * z) for z in depth])
+peak = np.argmax(hit.force)
+sigma_z = axis.stress["zz"][peak] / p0
+von_mises = axis.stress.von_mises[peak] / p0
+deepest = np.argmax(von_mises)
+print(f"σ_zz at the surface {sigma_z[0]:.4f} p₀")
+print(f"von Mises at most {von_mises[deepest]:.3f} p₀, at a depth of {depth[deepest]:.2f} a")
+print(f"σ_zz off the half-space's by up to {np.abs(sigma_z + 1 / (1 + depth**2)).max():.4f} p₀")
+
+# %%
+
+_, ax = plt.subplots(layout="constrained")
+ax.plot(depth, -sigma_z, label="-σ_zz")
+ax.plot(depth, von_mises, "--", label="von Mises")
+ax.plot(depth, 1 / (1 + depth**2), ":", color="0.2", lw=2, label="-σ_zz of a half-space")
+ax.set(xlabel="depth over the contact radius, z/a", ylabel="stress over the largest pressure")
+ax.set(xlim=(0, 3), ylim=(0, 1.05))
+ax.legend()
+
+# %%
+# The yield point is reached below the surface. A material with a ``yield_strength`` warns where that happens.
+#
 # The whole body at one time
 # --------------------------
 # ``field`` is the whole body, at the peak force if no times are given.
@@ -63,7 +93,7 @@ field = hit.target.field()
 stress = field.stress()
 away = (
     np.linalg.norm(plate.nodes - (0.05, 0.04, 0.006), axis=1) > 0.006
-)  # not the indentation itself
+)  # not under the contact
 where = np.flatnonzero(away)[np.argmax(stress.von_mises[0, away])]
 print(f"largest, 6 mm and more from the contact: {stress.von_mises[0, where] / 1e6:.1f} MPa")
 print("at", np.round(1e3 * plate.nodes[where], 1), "mm; error of the field", field.error)
@@ -74,8 +104,7 @@ ax = field.plot()
 
 # %%
 # ``stress("gauss")`` gives the stress at the Gauss points instead of averages at the nodes. The two differ most where
-# the mesh is too coarse for the stress: under the contact itself. There Hertz's formulas are better than any mesh of a
-# structure.
+# the mesh is too coarse for the stress.
 #
 # The largest over time
 # ---------------------

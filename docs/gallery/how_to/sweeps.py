@@ -12,7 +12,7 @@ import aoimpact as ao
 
 steel = ao.Material(E=210e9, nu=0.3, rho=7800)
 ball = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), steel)
-sphere = ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.0045), n=1)
+sphere = ao.antioscillators(ball.contact(point=(0.01, 0, 0)), n=1)
 target = ao.AOModel(m0=0.01, k0=1e5, m=[0.2, 0.1], k=[1e6, 2e8])
 law = ao.Hertz.between(steel, 0.01, steel, 0.01)
 
