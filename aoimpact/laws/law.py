@@ -419,7 +419,9 @@ class PatchLaw(ContactLaw):
 
     def __post_init__(self) -> None:
         if not isinstance(self.law, ContactLaw) or isinstance(self.law, PatchLaw):
-            raise InputTypeError(f"law must be a contact law with nothing taken out, got {self.law!r}")
+            raise InputTypeError(
+                f"law must be a contact law with nothing taken out, got {self.law!r}"
+            )
         object.__setattr__(self, "compliance", positive("compliance", self.compliance, unit="m/N"))
         object.__setattr__(self, "limit", positive("limit", self.limit, unit="m", infinite=True))
 

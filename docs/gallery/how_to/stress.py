@@ -91,9 +91,7 @@ ax.legend()
 
 field = hit.target.field()
 stress = field.stress()
-away = (
-    np.linalg.norm(plate.nodes - (0.05, 0.04, 0.006), axis=1) > 0.006
-)  # not under the contact
+away = np.linalg.norm(plate.nodes - (0.05, 0.04, 0.006), axis=1) > 0.006  # not under the contact
 where = np.flatnonzero(away)[np.argmax(stress.von_mises[0, away])]
 print(f"largest, 6 mm and more from the contact: {stress.von_mises[0, where] / 1e6:.1f} MPa")
 print("at", np.round(1e3 * plate.nodes[where], 1), "mm; error of the field", field.error)
