@@ -1,4 +1,4 @@
-"""Mesh to peak force: the default call against CalculiX's penalty contact, each with its true error.
+"""Mesh to peak force: default call against CalculiX's penalty contact, and the true error of each.
 
     python benchmarks/calculix.py            # needs ccx on the path, and gmsh
 
