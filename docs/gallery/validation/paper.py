@@ -235,7 +235,7 @@ for name, hit in (
     print(f"{name:22s} {hit.peak_force:7.1f} N, {off:+.1f} % from the resolved one")
 
 _, ax = plt.subplots(layout="constrained")
-ax.plot(1e6 * times, node.at(times).force, label="the same node, half-space taken out")
+ax.plot(1e6 * times, node.at(times).force, label="the same node, made right")
 ax.plot(1e6 * times, small.at(times).force, "--", label="the paper's model")
 ax.axhline(1014.7, color="0.4", lw=0.8)
 ax.annotate("resolved", (79, 1014.7), ha="right", va="bottom")
