@@ -130,6 +130,9 @@ class Field:
     def stress(self, at: str = "nodes") -> Stress:
         """Return the stress.
 
+        Under a contact it is that of Hertz's pressure in closed form; the rest is that of the
+        elements.
+
         Parameters
         ----------
         at : {"nodes", "gauss"}, optional
@@ -137,9 +140,6 @@ class Field:
             there, components of shape (k, n_nodes, 6); where materials meet, over those of the
             stiffest. "gauss": at the Gauss points of the elements' stiffness, components of shape
             (k, n_cells, n_gauss, 6), in a mixed mesh with nan where an element has fewer.
-
-        Under a contact it is that of Hertz's pressure in closed form; the stress of the elements
-        is added.
 
         Raises
         ------
