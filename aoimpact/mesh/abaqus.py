@@ -257,6 +257,7 @@ def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> No
         missing |= scope.missing
     if missing:
         name, label = next(iter(missing.items()))
-        said.append(f"{len(missing)} sets name what is not defined, as {label} in {name}")
+        more = f" (and {len(missing) - 1} sets more)" if len(missing) > 1 else ""
+        said.append(f"{name} names {label}, which is not defined{more}")
     if said:
         warn(f"mesh file {str(file)!r}: {'; '.join(said)}")
