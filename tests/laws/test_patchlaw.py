@@ -151,7 +151,7 @@ def test_a_thornton_contact_on_a_patch_loses_what_its_law_does():
     [
         (lambda: ao.Linear(1e9).within_patch(2e-9), "more than Linear"),
         (lambda: ao.Hertz(K).within_patch(0.0), "compliance must be positive"),
-        (lambda: ao.Hertz(K).within_patch(C).within_patch(C), "law without a patch"),
+        (lambda: ao.Hertz(K).within_patch(C).within_patch(C), "law with nothing taken out"),
     ],
 )
 def test_bad_input_is_named(make, message):
