@@ -6,6 +6,7 @@ The formats are those of the chapter "Gmsh file formats" of Gmsh's reference man
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -14,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, IntArray, warn
+from ..base import FloatArray, IntArray, decoded, warn
 from .mesh import right_handed
 from .rawmesh import RawBlock, RawMesh, rows_of
 from .textfile import integers, numbers_of
@@ -225,7 +226,7 @@ def _format(text: bytes) -> tuple[float, _Types]:
 
 
 def _names(text: bytes) -> dict[tuple[int, int], str]:
-    count, *lines = text.decode("utf-8", "replace").strip().splitlines()
+    count, *lines = (decoded(text) or "").strip().splitlines()
     found = {}
     for line in lines:
         match = re.fullmatch(r'\s*(\d+)\s+(-?\d+)\s+"(.*)"\s*', line)
@@ -419,6 +420,12 @@ def _mesh(
             sets.setdefault(name, []).append(first + members)
         blocks.append(block)
         first += len(cells)
+    for name, count in Counter(names.values()).items():
+        if count > 1:
+            warn(
+                f"{count} physical groups are called {name!r}: its set of nodes has those of all. "
+                "Give groups of different dimensions different names"
+            )
     missing = [name for name in names.values() if name not in sets]
     if missing:
         warn(

@@ -70,6 +70,18 @@ def test_groups_of_entities_in_reverse_and_overlapping_groups(tmp_path: Path) ->
     assert np.array_equal(mesh.cell_labels, [3, 4])
 
 
+def test_one_name_for_groups_of_two_dimensions_is_said(tmp_path: Path) -> None:
+    with pytest.warns(AOImpactWarning, match="2 physical groups are called 'body'"):
+        mesh = ao.read_mesh(written(tmp_path, TWO.replace('"fix"', '"body"')))
+    assert len(mesh.node_sets["body"]) == mesh.n_nodes
+
+
+def test_names_in_latin_1(tmp_path: Path) -> None:
+    file = tmp_path / "latin.msh"
+    file.write_bytes(TWO.replace('"fix"', '"flèche"').encode("latin-1"))
+    assert "flèche" in ao.read_mesh(file).node_sets
+
+
 def test_a_group_without_elements_is_said(tmp_path: Path) -> None:
     with pytest.warns(AOImpactWarning, match="groups without elements in the file: 'fix'"):
         ao.read_mesh(
