@@ -17,9 +17,9 @@ from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import Models, only_models
 from .leftout import LeftOutFinder
-from .order import LOOSEST, Orders, proven_orders
+from .order import LOOSEST, Orders, proven_orders, shared_orders
 
-__all__ = ["checked_linear_solver", "checked_rtol", "choose_models"]
+__all__ = ["checked_linear_solver", "checked_rtol", "choose_models", "time_rule"]
 
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
@@ -123,9 +123,8 @@ def choose_models(
         If neither the largest models tried nor the given solver meet the tolerance.
     """
     tolerance, quantity = checked_rtol(rtol), interest()
-    steps, given = isinstance(solver, Newmark), rtol is not None
-    in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)
-    rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time, given)
+    given = rtol is not None
+    rule, in_time = time_rule(solver, tolerance, given=given)
     timed = partial(solve, solver=rule)
     meshed = any(getattr(body, "given", body).contact_points for body in bodies)
     finder = LeftOutFinder(interest, rule, law_errors, meshed)
@@ -136,13 +135,15 @@ def choose_models(
         """The models' tolerance where the error by the mesh is much larger."""
         return min(_SHARE_OF_MESH * finder(run).mesh.get(quantity.name, 0.0), LOOSEST) - in_time
 
+    trial = _trial(plan_of, bodies, lambda plan, last: record.run(plan, timed, last=last))
     if models := only_models(bodies):
         run = record.run(plan_of(models, energies), timed)
         found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
     else:
-        found = proven_orders(
+        known = shared_orders(bodies, trial, quantity)
+        found = known or proven_orders(
             bodies,
-            run=_trial(plan_of, bodies, lambda plan, last: record.run(plan, timed, last=last)),
+            run=trial,
             quantity=quantity,
             rtol=in_models,
             solver=linear_solver,
@@ -151,10 +152,13 @@ def choose_models(
             best=not given,
             looser=looser if meshed and not given else None,
         )
-        if found.rtol > in_models:
-            tolerance = found.rtol + in_time
-        if found.error > tolerance:
-            _warn_of_the_best(found, quantity, tolerance)
+        if known is not None:
+            tolerance = known.rtol  # who shares models sees to it
+        else:
+            if found.rtol > in_models:
+                tolerance = found.rtol + in_time
+            if found.error > tolerance:
+                _warn_of_the_best(found, quantity, tolerance)
         run = record.run(plan_of(found.models, energies), timed)
     if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
@@ -220,22 +224,32 @@ def _order(model: Any) -> int:
     return getattr(model, "n", 1)
 
 
-def _rule(solver: Any, in_time: float, given: bool) -> Any:
-    """Return the given solver, with a tolerance for its steps where it chooses them.
+def time_rule(solver: Any, tolerance: float, *, given: bool) -> tuple[Any, float]:
+    """Return what integrates in time, and its share of the tolerance.
 
-    given: whether a tolerance was given, which it must keep.
+    Parameters
+    ----------
+    solver : Adaptive, Newmark or None
+        As the caller gave it.
+    tolerance : float
+    given : bool
+        Whether it was given, so that the solver must keep it.
     """
+    steps = isinstance(solver, Newmark)
+    in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)
+    if solver is None:
+        return Adaptive(rtol=in_time), in_time
     if not isinstance(solver, Newmark):
-        return solver
+        return solver, in_time
     if solver.dt is None:
-        return replace(solver, rtol=min(solver.rtol, in_time))
+        return replace(solver, rtol=min(solver.rtol, in_time)), in_time
     if given and not solver.estimate:
         raise InputError(
             f"solver=Newmark(dt={solver.dt:g}, estimate=False) leaves the error of its steps "
             "unknown, and rtol cannot be kept: leave estimate=False out, or give models and "
             "no rtol"
         )
-    return solver
+    return solver, in_time
 
 
 def _refuse_coarse(

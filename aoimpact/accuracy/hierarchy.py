@@ -35,6 +35,7 @@ __all__ = [
     "KrylovHierarchy",
     "Model",
     "Models",
+    "SharedPoint",
     "model_hierarchy",
     "only_models",
 ]
@@ -238,6 +239,30 @@ class InterfaceHierarchy(Hierarchy):
         return min(order, self._most)
 
 
+@dataclass(frozen=True, repr=False)
+class SharedPoint(FullModel):
+    """A contact point as many impacts share it: with a patch and models that suit all of them.
+
+    Attributes
+    ----------
+    hierarchy : Hierarchy, optional
+        From which models are chosen for one of the impacts.
+    models : tuple of AOModel
+        Those that have been chosen: the model, and larger ones by which its error is estimated,
+        the largest last. Others are not tried.
+    exact : bool
+        Whether the largest is the whole body.
+    rtol : float
+        The tolerance that they were chosen for.
+    """
+
+    reducible: bool = True
+    hierarchy: Hierarchy | None = field(default=None, compare=False)
+    models: tuple[AOModel, ...] = field(default=(), compare=False)
+    exact: bool = field(default=False, compare=False)
+    rtol: float = field(default=0.0, compare=False)
+
+
 def model_hierarchy(
     body: BodyModel,
     contact_time: float,
@@ -262,6 +287,8 @@ def model_hierarchy(
     """
     if isinstance(body, Hierarchy):
         return body
+    if isinstance(body, SharedPoint) and body.hierarchy is not None:
+        return body.hierarchy
     if isinstance(body, AOModel):
         return AOHierarchy(body)
     if not isinstance(body, FullModel):

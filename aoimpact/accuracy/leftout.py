@@ -24,7 +24,7 @@ from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, FullBody, Plan, SceneBody, extraction_of, scene_body
 from .hierarchy import model_hierarchy
 
-__all__ = ["LeftOutFinder"]
+__all__ = ["Altered", "LeftOutFinder", "Met", "alterations"]
 
 # A run is repeated with laws stiffer or softer by no more than this, and the change is scaled: peak
 # forces depend on a power of the stiffness below 1, so this is linear to 5 %.
@@ -76,25 +76,20 @@ class LeftOutFinder:
             if any(body.mesh is None for body in full) or not any(of.contacts for of in run.events):
                 return LeftOut()
             return replace(self, solver=None)(_with_models(run))
-        found = [_of_contact(run, i) for i in range(len(plan.contacts))]
-        if None in found:
-            return LeftOut()
-        ends = [of or [] for of in found]
         with held_warnings():  # the quantity has had its warnings
             quantity = self.interest()
-        beyond = [math.fsum(end.error for end in of) for of in ends]
-        varying = [math.fsum(end.varying for end in of) for of in ends]
-        stiffer = [_stiffer(run, ends, sign) for sign in (-1.0, 1.0)]
-        mesh = self._sum(quantity, run, [_in_series(run, beyond)], stiffer)
-        contact = self._sum(
-            quantity, run, [_in_series(run, varying)], [_with_law_error(run, self.law_errors)]
-        )
+        met = [_met(run, i) for i in range(len(plan.contacts))]
+        altered = alterations(plan, met, self.law_errors)
+        if altered is None:
+            return LeftOut()
+        mesh = self._sum(quantity, run, altered.mesh)
+        contact = self._sum(quantity, run, altered.contact)
         larger = max(mesh, contact, key=lambda change: change.errors[quantity.name])
         if quantity.local is not None:
             mesh.errors[quantity.name] += quantity.local(run)
         return LeftOut(mesh.errors, contact.errors, larger.when)
 
-    def _sum(self, quantity: Quantity, run: Run, *causes: Sequence[_Altered]) -> _Change:
+    def _sum(self, quantity: Quantity, run: Run, causes: Sequence[Sequence[Altered]]) -> _Change:
         """The sum of the changes by several causes, each by the first alteration that can run."""
         changes = [self._first_change(quantity, run, ways) for ways in causes]
         largest = max(changes, key=lambda change: change.errors[quantity.name])
@@ -103,14 +98,14 @@ class LeftOutFinder:
         }
         return _Change(errors, largest.when)
 
-    def _first_change(self, quantity: Quantity, run: Run, ways: Sequence[_Altered]) -> _Change:
+    def _first_change(self, quantity: Quantity, run: Run, ways: Sequence[Altered]) -> _Change:
         for altered in ways:
             change = self._changes(quantity, run, altered)
             if math.isfinite(change.errors[quantity.name]):
                 break
         return change
 
-    def _changes(self, quantity: Quantity, run: Run, altered: _Altered) -> _Change:
+    def _changes(self, quantity: Quantity, run: Run, altered: Altered) -> _Change:
         """The change of the quantity and of each number, and the time of a history's largest."""
         names = [*number_errors(run, ()), quantity.name]
         if altered.plan is None:
@@ -182,18 +177,71 @@ class _End:
 
 
 @dataclass(frozen=True, eq=False)
-class _Altered:
+class Altered:
     """A plan with changed laws or bodies, and the factor on changes; None: unchanged."""
 
     plan: Plan | None
     scale: float = 1.0
 
 
-def _of_contact(run: Run, number: int) -> list[_End] | None:
+class Met(NamedTuple):
+    """What a contact has come to.
+
+    Attributes
+    ----------
+    contact_time : float
+        How long the contact of the peak force lasts, s.
+    depth : float
+        The largest indentation in its own law, m.
+    """
+
+    contact_time: float
+    depth: float
+
+
+class Alterations(NamedTuple):
+    """The plans that show the errors of a run, by cause; of each the first that can run counts."""
+
+    mesh: tuple[Sequence[Altered], ...]
+    contact: tuple[Sequence[Altered], ...]
+
+
+def alterations(
+    plan: Plan, met: Sequence[Met], law_errors: Sequence[float] = ()
+) -> Alterations | None:
+    """Return the plans that show the errors of a run by meshes and laws; None if not known.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of the run.
+    met : sequence of Met
+        What each of its contacts has come to.
+    law_errors : sequence of float, optional
+        See `LeftOutFinder`.
+    """
+    ends: list[list[_End]] = []
+    for number, of in enumerate(met):
+        found = _of_contact(plan, number, of.contact_time)
+        if found is None:
+            return None
+        ends.append(found)
+    slopes = [
+        _slope(contact.law, of.depth) if found else 0.0
+        for contact, of, found in zip(plan.contacts, met, ends, strict=True)
+    ]
+    beyond = [math.fsum(end.error for end in of) for of in ends]
+    varying = [math.fsum(end.varying for end in of) for of in ends]
+    stiffer = [_stiffer(plan, slopes, ends, sign) for sign in (-1.0, 1.0)]
+    return Alterations(
+        mesh=([_in_series(plan, slopes, beyond)], stiffer),
+        contact=([_in_series(plan, slopes, varying)], [_with_law_error(plan, law_errors)]),
+    )
+
+
+def _of_contact(plan: Plan, number: int, contact_time: float) -> list[_End] | None:
     """Errors of the compliances at a contact; none for models given by numbers."""
-    plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
-    start, end = events.peak_contact or (0.0, 0.0)
-    contact_time = end - start
+    contact = plan.contacts[number]
     if contact_time <= 0.0:
         return []
     law = own_law(contact.law)
@@ -212,18 +260,18 @@ def _of_contact(run: Run, number: int) -> list[_End] | None:
     return found
 
 
-def _stiffer(run: Run, ends: Sequence[Sequence[_End]], sign: float) -> _Altered:
+def _stiffer(
+    plan: Plan, slopes: Sequence[float], ends: Sequence[Sequence[_End]], sign: float
+) -> Altered:
     """The plan with bodies stiffer by their errors (softer, for sign 1), and laws to suit."""
-    plan, shares = run.plan, dict[int, float]()
+    shares: dict[int, float] = {}
     for end in (end for of in ends for end in of):
         shares[end.body] = max(end.softening, shares.get(end.body, 0.0))
     changes = [math.fsum(sign * end.softening * end.held for end in of) for of in ends]
-    largest = max(
-        [*shares.values(), *(_slope(run, i) * abs(of) for i, of in enumerate(changes) if of)],
-        default=0.0,
-    )
+    stiff = [slope * abs(of) for slope, of in zip(slopes, changes, strict=True)]
+    largest = max([*shares.values(), *stiff], default=0.0)
     if largest == 0.0:
-        return _Altered(None)
+        return Altered(None)
     scale = max(1.0, largest / _SMALL)
     bodies = list(plan.bodies)
     for body, share in shares.items():
@@ -236,38 +284,37 @@ def _stiffer(run: Run, ends: Sequence[Sequence[_End]], sign: float) -> _Altered:
         for contact, change in zip(plan.contacts, changes, strict=True)
     ]
     altered = replace(_with(plan, contacts), bodies=tuple(bodies))
-    return _Altered(altered, scale)
+    return Altered(altered, scale)
 
 
-def _depth(run: Run, number: int) -> float:
-    """The largest indentation in a contact's own law, m."""
-    contact, deepest = run.plan.contacts[number], run.contacts[number].indentation.max()
-    if not isinstance(contact.law, PatchLaw):
-        return float(deepest)
-    return float(deepest + contact.law.compliance * run.events[number].peak_force)
+def _met(run: Run, number: int) -> Met:
+    """What a contact of a run has come to."""
+    contact, events = run.plan.contacts[number], run.events[number]
+    start, end = events.peak_contact or (0.0, 0.0)
+    depth = float(run.contacts[number].indentation.max())
+    if isinstance(contact.law, PatchLaw):
+        depth += contact.law.compliance * events.peak_force
+    return Met(end - start, depth)
 
 
-def _in_series(run: Run, compliances: Sequence[float]) -> _Altered:
+def _in_series(plan: Plan, slopes: Sequence[float], compliances: Sequence[float]) -> Altered:
     """The plan with these compliances, m/N, in series with the laws."""
     largest = max(
-        (_slope(run, i) * change for i, change in enumerate(compliances) if change), default=0.0
+        (slope * change for slope, change in zip(slopes, compliances, strict=True)), default=0.0
     )
     if largest == 0.0:
-        return _Altered(None)
+        return Altered(None)
     scale = max(1.0, largest / _SMALL)
     contacts = [
         contact._replace(law=_with_compliance(contact.law, change / scale))
-        for contact, change in zip(run.plan.contacts, compliances, strict=True)
+        for contact, change in zip(plan.contacts, compliances, strict=True)
     ]
-    return _Altered(_with(run.plan, contacts), scale)
+    return Altered(_with(plan, contacts), scale)
 
 
-def _slope(run: Run, number: int) -> float:
+def _slope(law: ContactLaw, depth: float) -> float:
     """dF/dδ of a contact's own law at its largest indentation, N/m, from below."""
-    depth = _depth(run, number)
-    low, high = own_law(run.plan.contacts[number].law).force(
-        np.array([1.0 - _DIFFERENCE, 1.0 - 1e-12]) * depth
-    )
+    low, high = own_law(law).force(np.array([1.0 - _DIFFERENCE, 1.0 - 1e-12]) * depth)
     return float(high - low) / (_DIFFERENCE * depth)
 
 
@@ -282,20 +329,20 @@ def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
     return replace(law, compliance=law.compliance + change)
 
 
-def _with_law_error(run: Run, errors: Sequence[float]) -> _Altered:
+def _with_law_error(plan: Plan, errors: Sequence[float]) -> Altered:
     """The plan with Hertz's laws stiffer by these shares."""
     if not any(errors):
-        return _Altered(None)
+        return Altered(None)
     scale = max(1.0, max(errors) / _SMALL)
     contacts = []
-    for contact, error in zip(run.plan.contacts, errors, strict=True):
+    for contact, error in zip(plan.contacts, errors, strict=True):
         law = own_law(contact.law)
         if error and isinstance(law, Hertz):
             law = replace(law, k=law.k * (1.0 + error / scale))
         if isinstance(contact.law, PatchLaw):
             law = replace(contact.law, law=law)
         contacts.append(contact._replace(law=law))
-    return _Altered(_with(run.plan, contacts), scale)
+    return Altered(_with(plan, contacts), scale)
 
 
 def _with(plan: Plan, contacts: Sequence[Contact]) -> Plan:

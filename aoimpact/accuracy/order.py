@@ -19,9 +19,18 @@ from ..fem import own_contact_time
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel
 from ..results import Quantity, Run
-from .hierarchy import Hierarchy, Models, model_hierarchy
+from .hierarchy import AOHierarchy, Hierarchy, Models, SharedPoint, model_hierarchy
 
-__all__ = ["LOOSEST", "Orders", "first_guess", "proven_orders"]
+__all__ = [
+    "LOOSEST",
+    "Orders",
+    "first_guess",
+    "larger_orders",
+    "models_to_compare",
+    "proven_orders",
+    "safety_of",
+    "shared_orders",
+]
 
 # Models of n oscillators are compared with _COMPARED larger ones, the largest of which has _BEYOND
 # oscillators more, or half as many again: where errors fall slowly, 8 of 100 change little. One
@@ -157,6 +166,8 @@ def proven_orders(
         If not even the largest models tried agree to within the tolerance.
     """
     scales, fits = first_guess(bodies, run, quantity), 1
+    if any(isinstance(body, SharedPoint) for body in bodies):
+        fits = _MOST_FITS  # its vectors stay as they are
     while True:
         # Equal bodies with the same contact point, such as two equal spheres, share one basis.
         made = {
@@ -318,23 +329,13 @@ class _Search:
         )
 
     def _larger(self) -> tuple[_Orders, ...]:
-        """Orders of the larger models for the error estimate, the largest last."""
-        *smaller, largest = (
-            tuple(
-                one.reference_order(_beyond(n, (i + 1) / _COMPARED))
-                for one, n in zip(self.hierarchies, self.orders, strict=True)
-            )
-            for i in range(_COMPARED)
-        )
-        return (largest,) if self._is_whole(largest) else (*smaller, largest)
+        return larger_orders(self.hierarchies, self.orders)
 
     def _is_whole(self, orders: _Orders) -> bool:
-        return all(one.is_whole(n) for one, n in zip(self.hierarchies, orders, strict=True))
+        return _are_whole(self.hierarchies, orders)
 
     def _safety(self) -> float:
-        if self._is_whole(self._larger()[-1]):
-            return 1.0
-        return _SAFETY if self.quantity.is_history else _SAFETY_OF_NUMBERS
+        return safety_of(self.quantity, exact=self._is_whole(self._larger()[-1]))
 
     def _errors(self) -> Iterator[float]:
         """Estimates of the error by each of the larger models, by the largest first."""
@@ -388,6 +389,70 @@ class _Search:
             f"anti-oscillators: {larger}a shorter duration, a contact over a patch (radius=), "
             "whose waves are longer, or the full finite-element models"
         )
+
+
+def larger_orders(hierarchies: Sequence[Hierarchy], orders: _Orders) -> tuple[_Orders, ...]:
+    """Return orders of the larger models for the error estimate, the largest last."""
+    *smaller, largest = (
+        tuple(
+            one.reference_order(_beyond(n, (i + 1) / _COMPARED))
+            for one, n in zip(hierarchies, orders, strict=True)
+        )
+        for i in range(_COMPARED)
+    )
+    return (largest,) if _are_whole(hierarchies, largest) else (*smaller, largest)
+
+
+def _are_whole(hierarchies: Sequence[Hierarchy], orders: _Orders) -> bool:
+    return all(one.is_whole(n) for one, n in zip(hierarchies, orders, strict=True))
+
+
+def safety_of(quantity: Quantity, *, exact: bool) -> float:
+    """Return which multiple of the largest difference is taken for the error of a quantity.
+
+    exact: whether the largest model is the whole body.
+    """
+    if exact:
+        return 1.0
+    return _SAFETY if quantity.is_history else _SAFETY_OF_NUMBERS
+
+
+def shared_orders(
+    bodies: Sequence[BodyModel], run: Callable[[Models], Run], quantity: Quantity
+) -> Orders | None:
+    """Return the models of bodies that many impacts share, and their error in this one.
+
+    None where they are yet to be chosen.
+
+    Parameters
+    ----------
+    bodies, run, quantity
+        As of `proven_orders`.
+    """
+    shared = [body for body in bodies if isinstance(body, SharedPoint) and body.models]
+    if not shared:
+        return None
+    sets = models_to_compare(bodies)
+    # The largest models determine the length of the record.
+    largest = run(sets[-1])
+    found, *between = map(run, sets[:-1])
+    larger = (*between, largest)
+    safety = safety_of(quantity, exact=all(point.exact for point in shared))
+    error = safety * max(quantity.difference(found, other) for other in larger)
+    orders = tuple(getattr(model, "n", 0) for model in sets[0])
+    return Orders(orders, sets[0], error, shared[0].rtol, found, larger, safety)
+
+
+def models_to_compare(bodies: Sequence[BodyModel]) -> list[Models]:
+    """Return the models of bodies that many impacts share: those to take, then larger ones."""
+    of = [body.models if isinstance(body, SharedPoint) else (_given(body),) for body in bodies]
+    count = max(map(len, of))
+    return [tuple(models[min(i, len(models) - 1)] for models in of) for i in range(count)]
+
+
+def _given(body: Any) -> Any:
+    """The model of a body that was given."""
+    return body.whole if isinstance(body, AOHierarchy) else getattr(body, "given", body)
 
 
 def _beyond(order: int, share: float) -> int:

@@ -27,6 +27,8 @@ from ..impact import simulate
 from .checkpoint import Checkpoint
 from .fingerprint import Fingerprints
 from .plain import PLAIN_NUMBERS, plain_numbers
+from .shared import SharedCase, share_models
+from .sharednumbers import shared_numbers
 from .workers import Workers
 
 __all__ = ["KEYWORDS", "REQUIRED", "Failed", "iterate_many", "simulate_many"]
@@ -149,6 +151,8 @@ def iterate_many(
         raise InputError(_EMPTY)
     boolean("progress", progress)
     job = _Job(keeper(keep))
+    if isinstance(cases, Sequence):
+        cases = share_models(cases, KEYWORDS, REQUIRED)
     return _iterate(cases, Workers(workers), job, checkpoint, progress)
 
 
@@ -256,6 +260,8 @@ class _Job:
         if not isinstance(self.keep, Named) or not PLAIN_NUMBERS.issuperset(self.keep.names):
             return [None] * len(cases)
         found = plain_numbers(cases, self.keep.names)
+        for i, numbers in shared_numbers(cases, self.keep.names).items():
+            found[i] = numbers
         return [None if numbers is None else (numbers, ()) for numbers in found]
 
     def __call__(self, case: Any) -> Outcome:
@@ -278,6 +284,8 @@ class Failed:
 def _run(case: Any) -> Any:
     if isinstance(case, Failed):
         raise case.error
+    if isinstance(case, SharedCase):
+        return case.simulate()
     if isinstance(case, Mapping):
         for name in case:
             if name not in KEYWORDS:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -24,12 +25,12 @@ from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, is_valid_f
 from ..results import QUANTITIES, Speeds, warning_limits
 from ..scene import normal_gap
 
-__all__ = ["PLAIN_NUMBERS", "plain_numbers"]
+__all__ = ["ANSWERS", "ERROR", "PLAIN_NUMBERS", "Answer", "plain_numbers"]
 
-_ERROR = "error.time"
+ERROR = "error.time"
 
 # The numbers that follow from what the core returns of a plain impact.
-PLAIN_NUMBERS = frozenset((*(one.name for one in QUANTITIES.values() if one.is_plain), _ERROR))
+PLAIN_NUMBERS = frozenset((*(one.name for one in QUANTITIES.values() if one.is_plain), ERROR))
 
 _REQUIRED = {"projectile", "target", "law", "velocity", "duration"}
 _KEYWORDS = _REQUIRED | {"solver", "gap", "energies"}
@@ -39,12 +40,26 @@ _BY_DEFAULT = Adaptive()
 # Numbers between these need no further check, which would take as long as all else in Python.
 _SMALL, _LARGE = 1e-30, 1e30
 
-# Columns of what the core returns (enum in csrc/python/many.c); the last are the velocities of both
-# centres of mass after the contact.
-_STATUS, _TOUCHES, _LASTING, _PEAK_FORCE, _PEAK_TIME, _IMPULSE, _START, _END, _FIRST, _SECOND = (
-    range(10)
-)
 
+class Answer(IntEnum):
+    """Columns of what the core returns (enum in csrc/python/many.c).
+
+    The last are the velocities of both centres of mass after the contact.
+    """
+
+    STATUS = 0
+    TOUCHES = 1
+    LASTING = 2
+    PEAK_FORCE = 3
+    PEAK_TIME = 4
+    IMPULSE = 5
+    START = 6
+    END = 7
+    FIRST = 8
+    SECOND = 9
+
+
+ANSWERS = len(Answer)
 
 # Columns of the numbers of a case, as the core takes them.
 _VELOCITY, _GAP, _DURATION, _RTOL = range(4)
@@ -170,7 +185,7 @@ def plain_numbers(cases: Sequence[Any], names: Iterable[str]) -> list[dict[str, 
     wanted = tuple(names)
     columns = _columns(wanted, given, returned, parts.pairs, of)
     plain = _once_and_parted(given, returned) & _plausible(given, returned, parts.pairs, of)
-    durations = (returned[:, _END] - returned[:, _START]).tolist()
+    durations = (returned[:, Answer.END] - returned[:, Answer.START]).tolist()
     values = zip(*(columns[name].tolist() for name in wanted), strict=True)
     for i, pair, is_plain, duration, row in zip(
         places, numbered, plain.tolist(), durations, values, strict=True
@@ -210,7 +225,7 @@ def _given(case: Any) -> tuple[float, ...] | None:
 
 def _run(parts: _Parts, of: Any, given: FloatArray) -> FloatArray:
     """What the core returns of pairs with these numbers, shape (cases, 10)."""
-    returned = np.empty((len(of), 10))
+    returned = np.empty((len(of), ANSWERS))
     _core.briefs(
         tuple(body.for_core() for body in parts.bodies),
         tuple(body.moving for body in parts.bodies),
@@ -224,16 +239,16 @@ def _run(parts: _Parts, of: Any, given: FloatArray) -> FloatArray:
 
 def _once_and_parted(given: FloatArray, returned: FloatArray) -> Any:
     """Whether all went well, with one touch that has ended, shape (cases,)."""
-    parted = (returned[:, _LASTING] == 0.0) & (
-        returned[:, _END] < given[:, _DURATION] * (1.0 - 1e-12)
+    parted = (returned[:, Answer.LASTING] == 0.0) & (
+        returned[:, Answer.END] < given[:, _DURATION] * (1.0 - 1e-12)
     )
-    return (returned[:, _STATUS] == 0.0) & (returned[:, _TOUCHES] == 1.0) & parted
+    return (returned[:, Answer.STATUS] == 0.0) & (returned[:, Answer.TOUCHES] == 1.0) & parted
 
 
 def _plausible(given: FloatArray, returned: FloatArray, pairs: Sequence[_Pair], of: Any) -> Any:
     """Whether force and speed need no warning, shape (cases,)."""
     force, speed = np.array([pair.warning_limits for pair in pairs])[of].T
-    return (returned[:, _PEAK_FORCE] <= force) & (given[:, _VELOCITY] <= speed)
+    return (returned[:, Answer.PEAK_FORCE] <= force) & (given[:, _VELOCITY] <= speed)
 
 
 def _columns(
@@ -245,16 +260,16 @@ def _columns(
 ) -> dict[str, FloatArray]:
     """The named numbers, shape (cases,) each."""
     velocity = given[:, _VELOCITY]
-    rebound = returned[:, _FIRST] + np.array([pair.drift for pair in pairs])[of] * velocity
+    rebound = returned[:, Answer.FIRST] + np.array([pair.drift for pair in pairs])[of] * velocity
     # One contact and two bodies, with columns in place of numbers.
     at: Any = returned.T
-    events = Events(at[_PEAK_FORCE], at[_PEAK_TIME], ((at[_START], at[_END]),), at[_IMPULSE])
+    events = Events(at[Answer.PEAK_FORCE], at[Answer.PEAK_TIME], ((at[Answer.START], at[Answer.END]),), at[Answer.IMPULSE])
     speeds = Speeds(
         np.array([velocity, np.zeros_like(velocity)]),
-        np.array([rebound, at[_SECOND]]),
+        np.array([rebound, at[Answer.SECOND]]),
         np.array([pair.fixed for pair in pairs])[of].T,
     )
     return {
-        name: given[:, _RTOL] if name == _ERROR else QUANTITIES[name].of_plain(events, speeds)
+        name: given[:, _RTOL] if name == ERROR else QUANTITIES[name].of_plain(events, speeds)
         for name in names
     }

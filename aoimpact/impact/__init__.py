@@ -5,16 +5,27 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 """
 
 from .checks import checked_duration
-from .defaults import contact_width, fitted_pair, meeting
+from .defaults import Meeting, contact_width, fitted, fitted_pair, meeting
 from .scene import Scene, SceneCase
-from .simulate import checked_numbers, left_out_law, plan_impact, simulate
+from .simulate import (
+    Impact,
+    checked_numbers,
+    complete_impact,
+    left_out_law,
+    plan_impact,
+    simulate,
+)
 
 __all__ = [
+    "Impact",
+    "Meeting",
     "Scene",
     "SceneCase",
     "checked_duration",
     "checked_numbers",
+    "complete_impact",
     "contact_width",
+    "fitted",
     "fitted_pair",
     "left_out_law",
     "meeting",

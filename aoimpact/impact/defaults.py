@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from ..accuracy import SharedPoint
 from ..base import AOImpactError, InputError, plain, warn, with_unit
 from ..fem import PATCH_OVER_CONTACT, SHIFT_TIMES_DURATION, ContactPoint, contact_within
 from ..integrate import rigid_contact_time
@@ -192,7 +193,7 @@ def fitted(
     """
     if not isinstance(body, FullModel) or met is None or met.contact_radius is None:
         return body
-    if not body.tips[port].automatic:
+    if not body.tips[port].automatic or isinstance(body, SharedPoint):
         return body
     tip = contact_within(body.tips[port], PATCH_OVER_CONTACT * met.contact_radius)
     known = {} if factors is None else factors

@@ -17,10 +17,17 @@ from ..reduction import BodyModel, FullModel, body_model
 from ..results import RecordLength, Result, TimeSolver
 from ..scene import Contact, Plan, SceneBody, law_of_models, normal_gap, scene_body
 from .checks import checked_duration, checked_speed, warn_of_exchange
-from .defaults import chosen_law, contact_width, fitted_pair, meeting, turns
+from .defaults import Meeting, chosen_law, contact_width, fitted_pair, meeting, turns
 from .run import RunOptions, run_models
 
-__all__ = ["checked_numbers", "left_out_law", "plan_impact", "simulate"]
+__all__ = [
+    "Impact",
+    "checked_numbers",
+    "complete_impact",
+    "left_out_law",
+    "plan_impact",
+    "simulate",
+]
 
 _NAMES = "projectile", "target"
 
@@ -123,28 +130,16 @@ def simulate(
     numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
     bodies = body_model("projectile", projectile), body_model("target", target)
-    pair = _pair(*bodies, numbers.velocity)
-    warn_of_exchange(*pair)
+    warn_of_exchange(*_pair(*bodies, numbers.velocity))
     interest = partial(impact_quantity, quantity, *bodies)
     # Bad input is refused before any work is done.
     checked_linear_solver(linear_solver, chosen=options.chooses(bodies))
     if options.controlled:
         checked_rtol(rtol)
         interest()
-    impact = _complete(*bodies, law, numbers)
-
-    def plan_of(models: Sequence[Any], energies: bool) -> Plan:
-        first, second = (
-            model.turned((0,)) if turn else model
-            for model, turn in zip(models, impact.turns, strict=True)
-        )
-        as_given = first is bodies[0] and second is bodies[1]
-        met = pair if as_given else _pair(first, second, numbers.velocity)
-        length, gap = impact.record.length, numbers.gap
-        return _planned(met, impact.law, impact.width, length, gap, energies)
-
+    impact = complete_impact(*bodies, law, numbers)
     run = run_models(
-        plan_of,
+        impact.plan,
         impact.bodies,
         options,
         record=impact.record,
@@ -164,7 +159,7 @@ def simulate(
     return result
 
 
-class _Impact(NamedTuple):
+class Impact(NamedTuple):
     """An impact with defaults for all that its caller left out.
 
     Attributes
@@ -176,7 +171,10 @@ class _Impact(NamedTuple):
     law : ContactLaw
     law_error : float
         Relative error of its stiffness, where it was found from the surfaces.
+    numbers : ImpactNumbers
     record : RecordLength
+    met : Meeting or None
+        What is foreseen of the contact, where something was left to foresee.
     width : float or None
         Radius of the contact, m.
     factors : dict of body to LinearSolver
@@ -187,17 +185,36 @@ class _Impact(NamedTuple):
     turns: tuple[bool, bool]
     law: ContactLaw
     law_error: float
+    numbers: ImpactNumbers
     record: RecordLength
+    met: Meeting | None
     width: float | None
     factors: dict[Any, LinearSolver]
 
+    def plan(self, models: Sequence[Any], energies: bool) -> Plan:
+        """Return the plan of its bodies, or of models in their place."""
+        first, second = (
+            model.turned((0,)) if turn else model
+            for model, turn in zip(models, self.turns, strict=True)
+        )
+        pair = _pair(first, second, self.numbers.velocity)
+        length, gap = self.record.length, self.numbers.gap
+        return _planned(pair, self.law, self.width, length, gap, energies)
 
-def _complete(
+
+def complete_impact(
     projectile: BodyModel, target: BodyModel, law: ContactLaw | None, numbers: ImpactNumbers
-) -> _Impact:
+) -> Impact:
+    """Return an impact with defaults for all that was left out.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If a law or a duration that was left out is not known, or a direction is wrong.
+    """
     bodies, factors = (projectile, target), dict[Any, LinearSolver]()
     around = _turns(*bodies)
-    error = 0.0
+    error, met = 0.0, None
     if law is None:
         found = _law_of_surfaces(bodies, around)
         law, error = found.law, found.error
@@ -215,7 +232,7 @@ def _complete(
     if length is not None:
         record = RecordLength(length, given=True)
     width = _width(law, (projectile, target), numbers.velocity)
-    return _Impact(bodies, around, law, error, record, width, factors)
+    return Impact(bodies, around, law, error, numbers, record, met, width, factors)
 
 
 def _width(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> float | None:

@@ -16,7 +16,7 @@ from .curvature import (
     relative_curvatures,
     relative_radius,
 )
-from .law import ContactLaw, HertzianLaw
+from .law import MOST_SHARE, ContactLaw, HertzianLaw
 
 __all__ = ["Hertz", "Linear", "PowerLaw", "exponent"]
 
@@ -60,6 +60,11 @@ class Hertz(HertzianLaw):
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k,)
+
+    def _steepest(self, compliance: float) -> float:
+        """The own indentation at which c dF/dδ reaches the share allowed, in closed form."""
+        root = MOST_SHARE / (1.5 * self.k) / compliance
+        return root * root
 
     @classmethod
     def between(

@@ -126,7 +126,7 @@ class Quantity:
     lasting : bool
         Whether the motion after the last contact is part of it.
     least : callable, optional
-        Of the more exact `Run`: errors are relative to no less.
+        Of the velocities at the start, as `Speeds.before`: errors are relative to no less.
     local : callable, optional
         Of a `Run`: what the elements leave out of it where it is taken, relative, though the force
         be right.
@@ -143,7 +143,7 @@ class Quantity:
     column: bool = False
     count: bool = False
     lasting: bool = False
-    least: Callable[[Run], float] | None = None
+    least: Callable[[FloatArray], Any] | None = None
     local: Callable[[Run], float] | None = None
 
     @property
@@ -202,12 +202,26 @@ class Quantity:
             mine, right = mine[there], right[there]
             size = np.abs(right)
         scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
-        return _relative(mine - right, self._at_least(scales, theirs)).ravel()
+        before = np.array(theirs.plan.velocities)
+        return _relative(mine - right, self._at_least(scales, before)).ravel()
 
     def changes(self, run: Run, exact: Run) -> FloatArray:
         """Return by how much each number of a run differs from that of a more exact one."""
         ours, theirs = (np.array(self._values(one, known=False)) for one in (run, exact))
-        return np.abs(_relative(ours - theirs, self._at_least(np.abs(theirs), exact)))
+        return self.relative_changes(ours, theirs, np.array(exact.plan.velocities))
+
+    def relative_changes(
+        self, ours: FloatArray, theirs: FloatArray, before: FloatArray
+    ) -> FloatArray:
+        """Return by how much numbers differ from more exact ones, of a run or of many impacts.
+
+        Parameters
+        ----------
+        ours, theirs : ndarrays, shape (k,)
+        before : ndarray, shape (bodies,) or (bodies, k)
+            As `Speeds.before`.
+        """
+        return np.abs(_relative(ours - theirs, self._at_least(np.abs(theirs), before)))
 
     def span(self, run: Run | Result) -> float:
         """Return the time, s, over which the motion affects this quantity.
@@ -250,8 +264,8 @@ class Quantity:
             values = self.of_run(run).tolist()
         return values if run.plan.scene else values[:1]
 
-    def _at_least(self, scales: FloatArray, exact: Run) -> FloatArray:
-        return scales if self.least is None else np.maximum(scales, self.least(exact))
+    def _at_least(self, scales: FloatArray, before: FloatArray) -> FloatArray:
+        return scales if self.least is None else np.maximum(scales, self.least(before))
 
 
 def find_number(run: Run, name: str) -> float | None:
@@ -376,7 +390,7 @@ _ALL = (
         "m/s",
         of_speeds=_rebounds,
         each="bodies",
-        least=lambda run: _LEAST_REBOUND * max(map(abs, run.plan.velocities)),
+        least=lambda before: _LEAST_REBOUND * np.abs(before).max(axis=0),
         column=True,
     ),
     Quantity(

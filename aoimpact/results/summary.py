@@ -213,7 +213,7 @@ def _number(interest: Quantity, value: float) -> str:
 
 def _absolute(run: Run, interest: Quantity, value: float, error: float | None) -> str:
     """The error in the number's own unit, if the number is below what errors are relative to."""
-    least = 0.0 if interest.least is None else interest.least(run)
+    least = 0.0 if interest.least is None else interest.least(np.array(run.plan.velocities))
     if error is None or not math.isfinite(error) or not abs(value) < least:
         return ""
     return f" ± {error * least:.2g} {interest.unit}".rstrip()

@@ -1,0 +1,247 @@
+"""Impacts on the same contact point: it is reduced once, for the hardest of them.
+
+The patch is that of the widest contact, the vectors suit the shortest contact and the longest
+record. The number of vectors is that which the shortest and the longest contact need. Every impact
+is then run with this model and with larger ones, so that its error by the model is its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ..accuracy import KrylovHierarchy, SharedPoint, larger_orders
+from ..base import AOImpactError, held_warnings, warn
+from ..fem import ContactPoint
+from ..impact import Impact, Meeting, checked_numbers, complete_impact, fitted, simulate
+from ..linalg import LinearSolver
+from ..reduction import AOModel, BodyModel, body_model
+from ..results import Result
+
+__all__ = ["SharedCase", "share_models"]
+
+_NAMES = ("projectile", "target")
+
+# What must be the same for impacts that share a model; all else may differ.
+_ALIKE = ("quantity", "rtol", "solver", "linear_solver")
+
+# The widest contact of impacts that share a patch over the narrowest: patches with a radius of up
+# to five times that of the contact give the same force to 0.1 %, and the widest has 1.4.
+_AS_WIDE = 3.5
+
+# Records of more than so many of the shortest contacts need vectors for slow motion as well.
+_LONG = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class SharedCase:
+    """An impact whose contact points have models that it shares with others.
+
+    Attributes
+    ----------
+    case : mapping
+        As its user gave it.
+    impact : Impact
+        With the shared points for bodies.
+    plain : bool
+        Whether the hardest impacts had no warnings.
+    """
+
+    case: Mapping[str, Any]
+    impact: Impact
+    plain: bool
+
+    @property
+    def proof(self) -> str:
+        """The quantity whose error by the models must be within the tolerance.
+
+        That of the force by default, whose largest value is looked at, where no tolerance is given.
+        """
+        quantity = self.case.get("quantity")
+        default = (quantity is None or quantity == "force") and self.case.get("rtol") is None
+        if default:
+            return "peak_force"
+        return quantity if isinstance(quantity, str) else "force"
+
+    def simulate(self) -> Result:
+        """Return the result with the shared models, or with its own where these are not enough."""
+        with held_warnings() as messages:
+            hit = self._within_tolerance()
+        if hit is None:
+            return simulate(**self.case)
+        for message in messages:
+            warn(message)
+        return hit
+
+    def _within_tolerance(self) -> Result | None:
+        try:
+            hit = simulate(**_with(self.case, self.impact.bodies))
+        except AOImpactError:
+            return None
+        chosen = hit.run.chosen
+        assert chosen is not None
+        error = chosen.numbers.get(self.proof, chosen.numbers[chosen.quantity])
+        return hit if error <= chosen.rtol else None
+
+
+def share_models(
+    cases: Sequence[Any], keywords: Sequence[str], required: Sequence[str]
+) -> list[Any]:
+    """Return cases, in place of those on one contact point ones that share its model.
+
+    Parameters
+    ----------
+    cases : sequence
+        As of `simulate_many`.
+    keywords, required : sequence of str
+        Those of `simulate`, and which of them it needs.
+    """
+    found = list(cases)
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for i, case in enumerate(cases):
+        if isinstance(case, Mapping) and set(required) <= case.keys() <= set(keywords):
+            if (key := _key(case)) is not None:
+                groups.setdefault(key, []).append(i)
+    for members in groups.values():
+        if len(members) > 1:
+            foreseen = [(i, impact) for i in members if (impact := _foreseen(cases[i])) is not None]
+            for alike in _as_wide(foreseen):
+                if len(alike) > 1:
+                    _share(cases, alike, found)
+    return found
+
+
+def _key(case: Mapping[str, Any]) -> tuple[Any, ...] | None:
+    """What a case has in common with those that share its models; None if it shares none."""
+    bodies = [case[name] for name in _NAMES]
+    points = [id(body) if isinstance(body, ContactPoint) else None for body in bodies]
+    if not any(points) or not all(isinstance(body, ContactPoint | AOModel) for body in bodies):
+        return None
+    # By value where equal values are the same; the cases outlive the identities of all others.
+    options = [case.get(name) for name in _ALIKE]
+    return (*points, *(of if isinstance(of, str | float) else id(of) for of in options))
+
+
+def _foreseen(case: Mapping[str, Any]) -> Impact | None:
+    """An impact as its rigid bodies foresee it; None of one that is refused or warned of."""
+    with held_warnings() as messages:
+        try:
+            given = (case["velocity"], case.get("duration"), case.get("gap", 0.0))
+            numbers = checked_numbers(*given, case.get("energies", True))
+            bodies = _bodies(case, (False, False), lambda tip, _: SharedPoint((tip,)))
+            impact = complete_impact(*bodies, case.get("law"), numbers)
+        except AOImpactError:
+            return None
+    return None if messages or impact.met is None else impact
+
+
+def _bodies(
+    case: Mapping[str, Any],
+    turns: Sequence[bool],
+    shared: Callable[[ContactPoint, bool], BodyModel],
+) -> tuple[BodyModel, BodyModel]:
+    """The bodies of a case; a contact point by a function of it and whether it must be turned."""
+    first, second = (
+        shared(body, turn) if isinstance(body, ContactPoint) else body_model(name, body)
+        for name, body, turn in zip(_NAMES, map(case.__getitem__, _NAMES), turns, strict=True)
+    )
+    return first, second
+
+
+def _as_wide(foreseen: Sequence[tuple[int, Impact]]) -> list[list[tuple[int, Impact]]]:
+    """Impacts by the width of their contacts, which is about the same in each list."""
+    widest = max((_radius(impact) for _, impact in foreseen), default=0.0)
+    alike: dict[int, list[tuple[int, Impact]]] = {}
+    for i, impact in foreseen:
+        radius = _radius(impact)
+        narrow = int(math.log(widest / radius) / math.log(_AS_WIDE)) if radius else -1
+        alike.setdefault(narrow, []).append((i, impact))
+    return list(alike.values())
+
+
+def _radius(impact: Impact) -> float:
+    """Of the contact, m; 0 where the law has no surface."""
+    assert impact.met is not None
+    return impact.met.contact_radius or 0.0
+
+
+def _time(impact: Impact) -> float:
+    """How long the contact lasts, s."""
+    assert impact.met is not None
+    return impact.met.contact_time
+
+
+def _length(impact: Impact) -> float:
+    """How long the motion matters, s."""
+    if impact.record.given:
+        return max(impact.record.length - impact.numbers.gap / abs(impact.numbers.velocity), 0.0)
+    return 2.0 * _time(impact)
+
+
+def _share(cases: Sequence[Any], alike: Sequence[tuple[int, Impact]], found: list[Any]) -> None:
+    """Reduce the contact points of impacts that are alike, and put their cases into `found`."""
+    shortest = min(_time(impact) for _, impact in alike)
+    longest = max(_length(impact) for _, impact in alike)
+    widest = max(_radius(impact) for _, impact in alike)
+    met = Meeting(shortest, widest or None)
+    slow = longest if longest > _LONG * shortest else None
+    solver = cases[alike[0][0]].get("linear_solver") or "auto"
+    factors: dict[Any, LinearSolver] = {}
+    points: dict[tuple[int, bool], SharedPoint] = {}
+    chosen: dict[tuple[int, bool], list[Any]] = {}
+
+    def fresh(tip: ContactPoint, turn: bool) -> SharedPoint:
+        if (key := (id(tip), turn)) not in points:
+            whole = fitted(body_model("body", tip.reversed() if turn else tip), 0, met, factors)
+            (there,) = whole.contact_points
+            factor = factors.get(there.body) if solver == "auto" else None
+            hierarchy = KrylovHierarchy(there, shortest, slow, solver, factor)
+            points[key] = SharedPoint((there,), hierarchy=hierarchy)
+        return points[key]
+
+    rtol = 0.0
+    try:
+        with held_warnings() as messages:
+            for i, impact in _hardest(alike):
+                hit = simulate(**_with(cases[i], _bodies(cases[i], impact.turns, fresh)))
+                _ = hit.error  # which may warn
+                assert hit.run.chosen is not None
+                rtol = max(rtol, hit.run.chosen.rtol)
+                for name, turn, model in zip(_NAMES, impact.turns, hit.models, strict=True):
+                    chosen.setdefault((id(cases[i][name]), turn), []).append(model)
+    except AOImpactError:
+        return  # each by itself, with its own message
+    settled = {key: _settled(point, chosen[key], rtol) for key, point in points.items()}
+    for i, impact in alike:
+        bodies = _bodies(cases[i], impact.turns, lambda tip, turn: settled[id(tip), turn])
+        shared = impact._replace(bodies=bodies, turns=(False, False))
+        found[i] = SharedCase(cases[i], shared, not messages)
+
+
+def _with(case: Mapping[str, Any], bodies: Sequence[BodyModel]) -> dict[str, Any]:
+    """A case with other bodies."""
+    return {**case, **dict(zip(_NAMES, bodies, strict=True))}
+
+
+def _hardest(alike: Sequence[tuple[int, Impact]]) -> list[tuple[int, Impact]]:
+    """The impacts with the shortest and the longest contact, and with the longest record."""
+
+    def speed(impact: Impact) -> float:
+        return abs(impact.numbers.velocity)
+
+    by_time = sorted(alike, key=lambda of: (_time(of[1]), speed(of[1])))
+    by_length = max(alike, key=lambda of: (_length(of[1]), speed(of[1])))
+    return list({i: (i, impact) for i, impact in (by_time[0], by_time[-1], by_length)}.values())
+
+
+def _settled(point: SharedPoint, chosen: Sequence[Any], rtol: float) -> SharedPoint:
+    """A contact point with the largest of some models that were chosen for it."""
+    hierarchy = point.hierarchy
+    assert hierarchy is not None
+    order = max(0 if math.isinf(one.m0) else one.n + hierarchy.first for one in chosen)
+    larger = [of for (of,) in larger_orders((hierarchy,), (order,))]
+    models = (hierarchy.finished(order), *map(hierarchy.model, larger))
+    exact = hierarchy.is_whole(larger[-1])
+    return replace(point, hierarchy=None, models=models, exact=exact, rtol=rtol)
