@@ -11,7 +11,7 @@ two bodies, and of several contacts, act in the same run.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -82,46 +82,66 @@ class LeftOutFinder:
         altered = alterations(plan, met, self.law_errors)
         if altered is None:
             return LeftOut()
-        mesh = self._sum(quantity, run, altered.mesh)
-        contact = self._sum(quantity, run, altered.contact)
+        solved = _Solved(self.solver)
+        mesh = _sum(quantity, run, altered.mesh, solved)
+        contact = _sum(quantity, run, altered.contact, solved)
         larger = max(mesh, contact, key=lambda change: change.errors[quantity.name])
         if quantity.local is not None:
             mesh.errors[quantity.name] += quantity.local(run)
         return LeftOut(mesh.errors, contact.errors, larger.when)
 
-    def _sum(self, quantity: Quantity, run: Run, causes: Sequence[Sequence[Altered]]) -> _Change:
-        """The sum of the changes by several causes, each by the first alteration that can run."""
-        changes = [self._first_change(quantity, run, ways) for ways in causes]
-        largest = max(changes, key=lambda change: change.errors[quantity.name])
-        errors = {
-            name: math.fsum(change.errors[name] for change in changes) for name in largest.errors
-        }
-        return _Change(errors, largest.when)
 
-    def _first_change(self, quantity: Quantity, run: Run, ways: Sequence[Altered]) -> _Change:
-        for altered in ways:
-            change = self._changes(quantity, run, altered)
-            if math.isfinite(change.errors[quantity.name]):
-                break
-        return change
+class _Solved:
+    """Runs of altered plans, each made once; None where one cannot run."""
 
-    def _changes(self, quantity: Quantity, run: Run, altered: Altered) -> _Change:
-        """The change of the quantity and of each number, and the time of a history's largest."""
-        names = [*number_errors(run, ()), quantity.name]
-        if altered.plan is None:
-            return _Change(dict.fromkeys(names, 0.0), None)
-        try:
-            with held_warnings():
-                other = solve(altered.plan, self.solver)
-        except AOImpactError:  # a contact beyond the range of its law
-            return _Change(dict.fromkeys(names, math.inf), None)
-        changes = np.abs(quantity.deviation(run, other))
-        change = altered.scale * float(changes.max(initial=0.0))
-        when = None
-        if quantity.is_history and change:
-            when = float(other.t[changes.argmax() % len(other.t)])
-        numbers = number_errors(run, [other], altered.scale)
-        return _Change(numbers | {quantity.name: change}, when)
+    def __init__(self, solver: TimeSolver | None) -> None:
+        self._solver = solver
+        self._runs: dict[Plan, Run | None] = {}
+
+    def __call__(self, plan: Plan) -> Run | None:
+        if plan not in self._runs:
+            try:
+                with held_warnings():
+                    self._runs[plan] = solve(plan, self._solver)
+            except AOImpactError:  # a contact beyond the range of its law
+                self._runs[plan] = None
+        return self._runs[plan]
+
+
+def _sum(
+    quantity: Quantity, run: Run, causes: Sequence[Iterable[Altered]], solved: _Solved
+) -> _Change:
+    """The sum of the changes by several causes, each by the first alteration that can run."""
+    changes = [_first_change(quantity, run, ways, solved) for ways in causes]
+    largest = max(changes, key=lambda change: change.errors[quantity.name])
+    errors = {name: math.fsum(change.errors[name] for change in changes) for name in largest.errors}
+    return _Change(errors, largest.when)
+
+
+def _first_change(
+    quantity: Quantity, run: Run, ways: Iterable[Altered], solved: _Solved
+) -> _Change:
+    for altered in ways:
+        change = _changes(quantity, run, altered, solved)
+        if math.isfinite(change.errors[quantity.name]):
+            break
+    return change
+
+
+def _changes(quantity: Quantity, run: Run, altered: Altered, solved: _Solved) -> _Change:
+    """The change of the quantity and of each number, and the time of a history's largest."""
+    names = [*number_errors(run, ()), quantity.name]
+    if altered.plan is None:
+        return _Change(dict.fromkeys(names, 0.0), None)
+    if (other := solved(altered.plan)) is None:
+        return _Change(dict.fromkeys(names, math.inf), None)
+    changes = np.abs(quantity.deviation(run, other))
+    change = altered.scale * float(changes.max(initial=0.0))
+    when = None
+    if quantity.is_history and change:
+        when = float(other.t[changes.argmax() % len(other.t)])
+    numbers = number_errors(run, [other], altered.scale)
+    return _Change(numbers | {quantity.name: change}, when)
 
 
 def _with_models(run: Run) -> Run:
@@ -202,8 +222,8 @@ class Met(NamedTuple):
 class Alterations(NamedTuple):
     """The plans that show the errors of a run, by cause; of each the first that can run counts."""
 
-    mesh: tuple[Sequence[Altered], ...]
-    contact: tuple[Sequence[Altered], ...]
+    mesh: tuple[Iterable[Altered], ...]
+    contact: tuple[Iterable[Altered], ...]
 
 
 def alterations(
@@ -232,10 +252,15 @@ def alterations(
     ]
     beyond = [math.fsum(end.error for end in of) for of in ends]
     varying = [math.fsum(end.varying for end in of) for of in ends]
-    stiffer = [_stiffer(plan, slopes, ends, sign) for sign in (-1.0, 1.0)]
+    series, wider = _in_series(plan, slopes, beyond), None
+    if len(met) == 1 and beyond[0]:  # the same alteration, but for its size
+        wider = replace(series, scale=series.scale * varying[0] / beyond[0])
     return Alterations(
-        mesh=([_in_series(plan, slopes, beyond)], stiffer),
-        contact=([_in_series(plan, slopes, varying)], [_with_law_error(plan, law_errors)]),
+        mesh=([series], (_stiffer(plan, slopes, ends, sign) for sign in (-1.0, 1.0))),
+        contact=(
+            [wider or _in_series(plan, slopes, varying)],
+            [_with_law_error(plan, law_errors)],
+        ),
     )
 
 
@@ -272,7 +297,8 @@ def _stiffer(
     largest = max([*shares.values(), *stiff], default=0.0)
     if largest == 0.0:
         return Altered(None)
-    scale = max(1.0, largest / _SMALL)
+    # By powers of two, so that many impacts take the same few models.
+    scale = 2.0 ** max(0, math.ceil(math.log2(largest / _SMALL)))
     bodies = list(plan.bodies)
     for body, share in shares.items():
         model = bodies[body].model

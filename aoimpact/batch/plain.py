@@ -263,7 +263,12 @@ def _columns(
     rebound = returned[:, Answer.FIRST] + np.array([pair.drift for pair in pairs])[of] * velocity
     # One contact and two bodies, with columns in place of numbers.
     at: Any = returned.T
-    events = Events(at[Answer.PEAK_FORCE], at[Answer.PEAK_TIME], ((at[Answer.START], at[Answer.END]),), at[Answer.IMPULSE])
+    events = Events(
+        at[Answer.PEAK_FORCE],
+        at[Answer.PEAK_TIME],
+        ((at[Answer.START], at[Answer.END]),),
+        at[Answer.IMPULSE],
+    )
     speeds = Speeds(
         np.array([velocity, np.zeros_like(velocity)]),
         np.array([rebound, at[Answer.SECOND]]),

@@ -106,7 +106,11 @@ def share_models(
                 groups.setdefault(key, []).append(i)
     for members in groups.values():
         if len(members) > 1:
-            foreseen = [(i, impact) for i in members if (impact := _foreseen(cases[i])) is not None]
+            bodies = [cases[members[0]][name] for name in _NAMES]
+            points = {id(of): SharedPoint((of,)) for of in bodies if isinstance(of, ContactPoint)}
+            foreseen = [
+                (i, impact) for i in members if (impact := _foreseen(cases[i], points)) is not None
+            ]
             for alike in _as_wide(foreseen):
                 if len(alike) > 1:
                     _share(cases, alike, found)
@@ -124,13 +128,16 @@ def _key(case: Mapping[str, Any]) -> tuple[Any, ...] | None:
     return (*points, *(of if isinstance(of, str | float) else id(of) for of in options))
 
 
-def _foreseen(case: Mapping[str, Any]) -> Impact | None:
-    """An impact as its rigid bodies foresee it; None of one that is refused or warned of."""
+def _foreseen(case: Mapping[str, Any], points: Mapping[int, SharedPoint]) -> Impact | None:
+    """An impact as its rigid bodies foresee it; None of one that is refused or warned of.
+
+    points: its contact points, by their identity.
+    """
     with held_warnings() as messages:
         try:
             given = (case["velocity"], case.get("duration"), case.get("gap", 0.0))
             numbers = checked_numbers(*given, case.get("energies", True))
-            bodies = _bodies(case, (False, False), lambda tip, _: SharedPoint((tip,)))
+            bodies = _bodies(case, (False, False), lambda tip, _: points[id(tip)])
             impact = complete_impact(*bodies, case.get("law"), numbers)
         except AOImpactError:
             return None
@@ -239,7 +246,7 @@ def _hardest(alike: Sequence[tuple[int, Impact]]) -> list[tuple[int, Impact]]:
 def _settled(point: SharedPoint, chosen: Sequence[Any], rtol: float) -> SharedPoint:
     """A contact point with the largest of some models that were chosen for it."""
     hierarchy = point.hierarchy
-    assert hierarchy is not None
+    assert isinstance(hierarchy, KrylovHierarchy)
     order = max(0 if math.isinf(one.m0) else one.n + hierarchy.first for one in chosen)
     larger = [of for (of,) in larger_orders((hierarchy,), (order,))]
     models = (hierarchy.finished(order), *map(hierarchy.model, larger))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,6 @@ import numpy as np
 from .. import _core
 from ..accuracy import (
     CONTROLLED,
-    Altered,
     Met,
     SharedPoint,
     alterations,
@@ -28,10 +27,10 @@ from ..accuracy import (
 )
 from ..base import AOImpactError, FloatArray, held_warnings
 from ..integrate import Adaptive, Events
-from ..laws import Hertz, own_law
+from ..laws import ContactLaw, Hertz, own_law
 from ..reduction import ModalBody
-from ..results import QUANTITIES, Speeds, warning_limits
-from ..scene import Plan, scene_body
+from ..results import AS_LONG_AGAIN, QUANTITIES, Speeds, warning_limits
+from ..scene import Contact, Plan, SceneBody, scene_body
 from .plain import ANSWERS, ERROR, Answer
 from .shared import SharedCase
 
@@ -50,70 +49,119 @@ class _Impact:
 
     Attributes
     ----------
-    plans : list of Plan
-        With the models, and with the larger ones.
+    plan : Plan
+    larger : list of tuple of SceneBody
+        The bodies with larger models.
+    safety : float
+        An error by the models is at most so many times the largest change by larger ones.
+    most_model : float
+        The tolerance of the models.
     rtol : float
         Of its integration.
     length : float
         Of the record, s.
     rows : list of int
-        Where its answers stand, as `plans`.
-    altered : list of (Altered, int, bool)
-        Plans that show other errors, where their answers stand, and whether these are by the mesh.
+        Where the answers for the model and for larger ones stand.
+    altered : list of (float, int, bool)
+        Scales of the changes that show other errors, where these answers stand, and whether the
+        errors are by the mesh.
     """
 
     case: SharedCase
-    plans: list[Plan]
+    plan: Plan
+    larger: list[tuple[SceneBody, ...]]
+    safety: float
+    most_model: float
     rtol: float
     length: float
     rows: list[int] = field(default_factory=list)
-    altered: list[tuple[Altered, int, bool]] = field(default_factory=list)
+    altered: list[tuple[float, int, bool]] = field(default_factory=list)
+
+    @property
+    def first_order(self) -> bool:
+        """Whether it has elements of first order, of whose error `simulate` warns."""
+        tips = [tip for body in self.case.impact.bodies for tip in body.contact_points]
+        return any(tip.body.mesh is not None and not tip.body.mesh.quadratic for tip in tips)
+
+    def plain_at(self, answer: FloatArray) -> bool:
+        """Whether a run went well, with one touch that has ended."""
+        return bool(
+            answer[Answer.STATUS] == 0.0
+            and answer[Answer.TOUCHES] == 1.0
+            and answer[Answer.LASTING] == 0.0
+            and answer[Answer.END] < self.length * (1.0 - 1e-12)
+        )
 
 
-@dataclass
 class _Calls:
     """What the core is asked for and has answered, a row for each run."""
 
-    bodies: list[ModalBody] = field(default_factory=list)
-    laws: list[Any] = field(default_factory=list)
-    places: list[tuple[int, int, int]] = field(default_factory=list)
-    numbers: list[tuple[float, float, float, float]] = field(default_factory=list)
-    plans: list[Plan] = field(default_factory=list)
-    answers: list[FloatArray] = field(default_factory=list)
-    _known: dict[int, int] = field(default_factory=dict)
+    def __init__(self) -> None:
+        self._bodies: list[ModalBody] = []
+        self._laws: list[ContactLaw] = []
+        self._places: dict[int, int] = {}
+        self._rows: list[tuple[int, int, int]] = []
+        self._numbers: list[tuple[float, float, float, float]] = []
+        self._drifts: list[float] = []
+        self._fixed: list[tuple[bool, bool]] = []
+        self.answers: FloatArray = np.empty((0, ANSWERS))
 
-    def ask(self, plan: Plan, length: float, rtol: float) -> int:
+    def ask(
+        self,
+        bodies: Sequence[SceneBody],
+        contact: Contact,
+        length: float,
+        rtol: float,
+    ) -> int:
         """Add a run; return its row."""
-        contact = plan.contacts[0]
-        first, second = (self._place(body) for body in plan.modal)
-        law = self._known.setdefault(id(contact.law), len(self.laws))
-        if law == len(self.laws):
-            self.laws.append(contact.law.for_core())
-        self.places.append((first, second, law))
-        self.numbers.append((plan.velocities[0], contact.gap, length, rtol))
-        self.plans.append(plan)  # and so no identity is used twice
-        return len(self.plans) - 1
+        first, second = bodies
+        one, other = (self._place(self._bodies, body.modal) for body in bodies)
+        self._rows.append((one, other, self._place(self._laws, contact.law)))
+        self._numbers.append((first.velocity, contact.gap, length, rtol))
+        share, mass = first.omitted
+        self._drifts.append(share if mass else 0.0)
+        self._fixed.append((first.fixed, second.fixed))
+        return len(self._rows) - 1
 
-    def _place(self, body: ModalBody) -> int:
-        place = self._known.setdefault(id(body), len(self.bodies))
-        if place == len(self.bodies):
-            self.bodies.append(body)
+    def _place(self, of: list[Any], item: Any) -> int:
+        """The place of a body or law in the list of them, which keeps its identity."""
+        place = self._places.setdefault(id(item), len(of))
+        if place == len(of):
+            of.append(item)
         return place
 
-    def answer(self) -> FloatArray:
+    def run(self) -> FloatArray:
         """Run what has been asked since the last time; return all answers, shape (rows, 10)."""
-        done = sum(map(len, self.answers))
-        new = np.empty((len(self.plans) - done, ANSWERS))
+        done = len(self.answers)
+        new = np.empty((len(self._rows) - done, ANSWERS))
         _core.briefs(
-            tuple(body.for_core() for body in self.bodies),
-            tuple(body.moving for body in self.bodies),
-            tuple(self.laws),
-            np.array(self.places[done:], dtype=np.int32).reshape(-1, 3),
-            np.array(self.numbers[done:]).reshape(-1, 4),
+            tuple(body.for_core() for body in self._bodies),
+            tuple(body.moving for body in self._bodies),
+            tuple(law.for_core() for law in self._laws),
+            np.array(self._rows[done:], dtype=np.int32).reshape(-1, 3),
+            np.array(self._numbers[done:]).reshape(-1, 4),
             new,
         )
-        self.answers.append(new)
-        return np.concatenate(self.answers)
+        self.answers = np.concatenate([self.answers, new])
+        return self.answers
+
+    @property
+    def speeds(self) -> Speeds:
+        """The velocities of all runs."""
+        velocity = np.array([numbers[0] for numbers in self._numbers])
+        after = self.answers[:, Answer.FIRST] + np.array(self._drifts) * velocity
+        return Speeds(
+            np.array([velocity, np.zeros_like(velocity)]),
+            np.array([after, self.answers[:, Answer.SECOND]]),
+            np.array(self._fixed).T,
+        )
+
+    @property
+    def events(self) -> Events:
+        """The events of all runs."""
+        of: Any = self.answers.T
+        span = of[Answer.START], of[Answer.END]
+        return Events(of[Answer.PEAK_FORCE], of[Answer.PEAK_TIME], (span,), of[Answer.IMPULSE])
 
 
 def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict[str, float]]:
@@ -126,38 +174,34 @@ def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict
     names : iterable of str
         Of PLAIN_NUMBERS.
     """
-    wanted = tuple(names)
     started = {i: _started(case) for i, case in enumerate(cases) if isinstance(case, SharedCase)}
-    impacts = {i: impact for i, impact in started.items() if impact is not None}
-    if not impacts:
-        return {}
+    impacts = {i: of for i, of in started.items() if of is not None}
     calls = _Calls()
     # The largest model determines the length of a record that is left out.
-    for impact in impacts.values():
-        impact.rows = [calls.ask(impact.plans[-1], impact.length, impact.rtol)]
-    answers = calls.answer()
-    impacts = {i: of for i, of in impacts.items() if _is_plain(answers[of.rows[0]], of)}
-    for impact in impacts.values():
-        if not impact.case.impact.record.given:
-            start, end = answers[impact.rows[0], Answer.START : Answer.END + 1]
-            impact.length = start + 2.0 * (end - start)
-        rows = [calls.ask(plan, impact.length, impact.rtol) for plan in impact.plans[:-1]]
-        impact.rows = [*rows, *impact.rows]
-    answers = calls.answer()
+    for of in impacts.values():
+        of.rows = [calls.ask(of.larger[-1], of.plan.contacts[0], of.length, of.rtol)]
+    answers = calls.run()
+    impacts = {i: of for i, of in impacts.items() if of.plain_at(answers[of.rows[0]])}
+    for of in impacts.values():
+        if not of.case.impact.record.given:
+            start, end = answers[of.rows[0], Answer.START : Answer.END + 1].tolist()
+            of.length = start + AS_LONG_AGAIN * (end - start)
+        others = [of.plan.bodies, *of.larger[:-1]]
+        rows = [calls.ask(bodies, of.plan.contacts[0], of.length, of.rtol) for bodies in others]
+        of.rows = [*rows, *of.rows]
+    answers = calls.run()
     impacts = {
         i: of
         for i, of in impacts.items()
-        if all(_is_plain(answers[row], of) for row in of.rows) and _alter(of, answers, calls)
+        if all(of.plain_at(answers[row]) for row in of.rows)
+        and _alter(of, answers[of.rows[0]], calls)
     }
-    answers = calls.answer()
-    impacts = {
-        i: of
-        for i, of in impacts.items()
-        if all(_is_plain(answers[row], of) for _, row, _ in of.altered)
-    }
-    table = _numbers({*wanted, "peak_force"} - {ERROR}, calls, answers)
-    kept = ((i, _kept(of, wanted, table)) for i, of in impacts.items())
-    return {i: numbers for i, numbers in kept if numbers is not None}
+    answers = calls.run()
+    plain = [
+        i for i, of in impacts.items() if all(of.plain_at(answers[row]) for _, row, _ in of.altered)
+    ]
+    found = _kept([impacts[i] for i in plain], tuple(names), calls)
+    return {i: kept for i, kept in zip(plain, found, strict=True) if kept is not None}
 
 
 def _started(case: SharedCase) -> _Impact | None:
@@ -165,142 +209,108 @@ def _started(case: SharedCase) -> _Impact | None:
     impact, solver, rtol = case.impact, case.case.get("solver"), case.case.get("rtol")
     if not case.plain or not (solver is None or isinstance(solver, Adaptive)):
         return None
-    if QUANTITIES[case.proof].is_history or type(own_law(impact.law)) is not Hertz:
+    if type(own_law(impact.law)) is not Hertz or impact.numbers.velocity < 0.0:
         return None
-    if impact.numbers.velocity < 0.0:
+    quantity = QUANTITIES.get(case.case.get("quantity") or "force")
+    if quantity is None or not QUANTITIES[case.proof].is_plain:
         return None
+    models = models_to_compare(impact.bodies)
     with held_warnings() as messages:
         try:
-            models = models_to_compare(impact.bodies)
-            plans = [impact.plan(models[0], False)]
-            for larger in models[1:]:
-                plans.append(_with_models(plans[0], larger))
+            plan = impact.plan(models[0], False)
             rule, _ = time_rule(solver, checked_rtol(rtol), given=rtol is not None)
         except AOImpactError:
             return None
-    if messages or not all(body.centre_known for body in plans[0].bodies):
+    if messages or not all(body.centre_known for body in plan.bodies):
         return None
-    length = impact.record.length
-    if not impact.record.given:
-        length *= _FIRST_LENGTH
-    return _Impact(case, plans, rule.rtol, length)
+    speeds = impact.numbers.velocity, 0.0
+    larger = [tuple(map(_scene_body, models, speeds)) for models in models[1:]]
+    points = [body for body in impact.bodies if isinstance(body, SharedPoint)]
+    safety = safety_of(quantity, exact=all(point.exact for point in points))
+    length = impact.record.length * (1.0 if impact.record.given else _FIRST_LENGTH)
+    return _Impact(case, plan, larger, safety, points[0].rtol, rule.rtol, length)
 
 
-def _is_plain(answer: FloatArray, impact: _Impact) -> bool:
-    """Whether a run went well, with one touch that has ended, and force and speed no warning."""
-    length = impact.length * (1.0 - 1e-12)
-    return bool(
-        answer[Answer.STATUS] == 0.0
-        and answer[Answer.TOUCHES] == 1.0
-        and answer[Answer.LASTING] == 0.0
-        and answer[Answer.END] < length
-    )
+def _scene_body(model: Any, velocity: float) -> SceneBody:
+    return scene_body("body", model, velocity)
 
 
-def _alter(impact: _Impact, answers: FloatArray, calls: _Calls) -> bool:
-    """Ask for the runs that show the errors by mesh and law; False where they are not known."""
-    answer, plan, law = answers[impact.rows[0]], impact.plans[0], impact.case.impact.law
-    assert isinstance(law, Hertz)
-    force = float(answer[Answer.PEAK_FORCE])
-    most_force, most_speed = warning_limits(plan)
-    if force > most_force or plan.velocities[0] > most_speed:
+def _alter(of: _Impact, answer: FloatArray, calls: _Calls) -> bool:
+    """Ask for the runs that show the errors by mesh and law; False where `simulate` must look.
+
+    answer: that for the model.
+    """
+    law, force = own_law(of.case.impact.law), float(answer[Answer.PEAK_FORCE])
+    most_force, most_speed = warning_limits(of.plan)
+    if force > most_force or of.plan.velocities[0] > most_speed:
         return False
+    assert isinstance(law, Hertz)
     depth = math.pow(force / law.k, 2.0 / 3.0)
     met = Met(float(answer[Answer.END] - answer[Answer.START]), depth)
     try:
-        found = alterations(plan, [met], (impact.case.impact.law_error,))
+        found = alterations(of.plan, [met], (of.case.impact.law_error,))
     except AOImpactError:
         return False
     if found is None:
         return False
+    rows: dict[int, int] = {}
     for causes, by_mesh in ((found.mesh, True), (found.contact, False)):
-        for first, *_ in causes:
-            if first.plan is not None:
-                row = calls.ask(first.plan, impact.length, impact.rtol)
-                impact.altered.append((first, row, by_mesh))
+        for altered in (next(iter(ways)) for ways in causes):
+            if (plan := altered.plan) is not None:
+                if id(plan) not in rows:
+                    rows[id(plan)] = calls.ask(plan.bodies, plan.contacts[0], of.length, of.rtol)
+                of.altered.append((altered.scale, rows[id(plan)], by_mesh))
     return True
 
 
-def _numbers(names: Iterable[str], calls: _Calls, answers: FloatArray) -> _Table:
-    """The named numbers of all runs, a column each."""
-    of: Any = answers.T
-    velocity = np.array([numbers[0] for numbers in calls.numbers])
-    drift = np.array([_drift(plan) for plan in calls.plans])
-    speeds = Speeds(
-        np.array([velocity, np.zeros_like(velocity)]),
-        np.array([of[Answer.FIRST] + drift * velocity, of[Answer.SECOND]]),
-        np.array([[body.fixed for body in plan.bodies] for plan in calls.plans]).T,
+def _kept(
+    impacts: Sequence[_Impact], names: Sequence[str], calls: _Calls
+) -> list[dict[str, float] | None]:
+    """The numbers of impacts with their errors, as `Named` keeps them; None of one not plain."""
+    count, speeds, events = len(impacts), calls.speeds, calls.events
+    rows = np.array([of.rows[0] for of in impacts], dtype=np.intp)
+    # Impacts and rows of the runs that theirs are compared with.
+    pairs = [(i, at, of.safety) for i, of in enumerate(impacts) for at in of.rows[1:]]
+    of_mesh, of_law = (
+        [
+            (i, at, scale)
+            for i, of in enumerate(impacts)
+            for scale, at, by_mesh in of.altered
+            if by_mesh is kind
+        ]
+        for kind in (True, False)
     )
-    events = Events(
-        of[Answer.PEAK_FORCE],
-        of[Answer.PEAK_TIME],
-        ((of[Answer.START], of[Answer.END]),),
-        of[Answer.IMPULSE],
-    )
-    values = {name: QUANTITIES[name].of_plain(events, speeds) for name in names}
-    return _Table(values, speeds.before)
 
+    def parts(name: str) -> tuple[FloatArray, list[FloatArray]]:
+        """A number of all impacts, and its errors by model, mesh and law."""
+        values, errors = QUANTITIES[name].of_plain(events, speeds), []
+        for some, add in ((pairs, np.maximum), (of_mesh, np.add), (of_law, np.add)):
+            error = np.zeros(count)
+            if some:
+                which, at, scale = (np.array(column) for column in zip(*some, strict=True))
+                changes = QUANTITIES[name].relative_changes(
+                    values[rows[which]], values[at], speeds.before[:, at]
+                )
+                add.at(error, which, scale * changes)
+            errors.append(error)
+        return values[rows], errors
 
-def _drift(plan: Plan) -> float:
-    """Share of the projectile's velocity that its centre of mass keeps whatever happens."""
-    share, mass = plan.bodies[0].omitted
-    return share if mass else 0.0
-
-
-@dataclass(frozen=True)
-class _Table:
-    """Numbers of many runs, by name, and the velocities at the start, shape (2, runs)."""
-
-    values: dict[str, FloatArray]
-    before: FloatArray
-
-    def change(self, name: str, row: int, others: Sequence[int]) -> float:
-        """By how much a number of a run differs from those of others, at most."""
-        value, before = self.values[name], self.before[:, others]
-        changes = QUANTITIES[name].relative_changes(value[row], value[others], before)
-        return float(changes.max(initial=0.0))
-
-
-def _kept(impact: _Impact, names: Sequence[str], table: _Table) -> dict[str, float] | None:
-    """The numbers of an impact with their errors, as `Named` keeps them; None if not plain."""
-    points = [body for body in impact.case.impact.bodies if isinstance(body, SharedPoint)]
-    quantity = QUANTITIES[impact.case.case.get("quantity") or "force"]
-    safety = safety_of(quantity, exact=all(point.exact for point in points))
-    row, *larger = impact.rows
-
-    def of_mesh(name: str) -> float:
-        return math.fsum(
-            altered.scale * table.change(name, row, [at])
-            for altered, at, by_mesh in impact.altered
-            if by_mesh
-        )
-
-    if safety * table.change(impact.case.proof, row, larger) > points[0].rtol:
-        return None
-    quadratic = all(point.body.mesh is None or point.body.mesh.quadratic for point in points)
-    if not quadratic and of_mesh("peak_force") > _COARSE:
-        return None
-    kept: dict[str, float] = {}
+    rtol = np.array([of.rtol for of in impacts])
+    tolerance = np.array([of.most_model for of in impacts])
+    columns: dict[str, FloatArray] = {}
     for name in names:
         if name == ERROR:
-            kept[name] = impact.rtol
+            columns[name] = rtol
             continue
-        model = safety * table.change(name, row, larger)
-        contact = math.fsum(
-            altered.scale * table.change(name, row, [at])
-            for altered, at, by_mesh in impact.altered
-            if not by_mesh
-        )
-        kept[name] = float(table.values[name][row])
-        kept[f"{name}_error"] = of_mesh(name) + contact + model + impact.rtol
-        kept[f"{name}{CONTROLLED}"] = float(model <= points[0].rtol)
-    return kept
-
-
-def _with_models(plan: Plan, models: Sequence[Any]) -> Plan:
-    """A plan with larger models of its bodies; its law is the same."""
-    bodies = [
-        body if model is body.model else scene_body("body", model, body.velocity)
-        for body, model in zip(plan.bodies, models, strict=True)
+        columns[name], (model, mesh, law) = parts(name)
+        columns[f"{name}_error"] = mesh + law + model + rtol
+        columns[f"{name}{CONTROLLED}"] = (model <= tolerance).astype(np.float64)
+    proofs = {name: parts(name)[1][0] for name in {of.case.proof for of in impacts}}
+    coarse = parts("peak_force")[1][1] > _COARSE
+    table = zip(*(column.tolist() for column in columns.values()), strict=True)
+    return [
+        None
+        if proofs[of.case.proof][i] > of.most_model or (coarse[i] and of.first_order)
+        else dict(zip(columns, row, strict=True))
+        for i, (of, row) in enumerate(zip(impacts, table, strict=True))
     ]
-    return replace(plan, bodies=tuple(bodies))

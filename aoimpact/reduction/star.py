@@ -438,7 +438,13 @@ class AOModel(Frozen, ReducedModel):
 
         :meta private:
         """
-        return replace(self, k0=factor * self.k0, k=factor * self.k)
+        if factor not in self._stiffened:
+            self._stiffened[factor] = replace(self, k0=factor * self.k0, k=factor * self.k)
+        return self._stiffened[factor]
+
+    @cached_property
+    def _stiffened(self) -> dict[float, AOModel]:
+        return {}
 
     def multiplied_out(self) -> AOModel:
         """The same model, with shapes of its own: see `Origin.vectors`.

@@ -29,12 +29,13 @@ from .quantities import (
     quantity_unit,
     recorded,
 )
-from .record import RecordLength
+from .record import AS_LONG_AGAIN, RecordLength
 from .result import Result
 from .run import Chosen, Handle, Run
 from .solve import TimeSolver, solve
 
 __all__ = [
+    "AS_LONG_AGAIN",
     "COLUMNS",
     "IMPACT_CHOICES",
     "QUANTITIES",

@@ -10,13 +10,13 @@ from ..base import warn, with_unit
 from ..scene import Plan
 from .run import Run
 
-__all__ = ["RecordLength"]
+__all__ = ["AS_LONG_AGAIN", "RecordLength"]
 
 # Longest record in units of the first guess, for contacts that do not end, as under gravity.
 _MOST = 4096.0
 
 # Length of the record in units of the time from the first contact's start to the last one's end.
-_AS_LONG_AGAIN = 2.0
+AS_LONG_AGAIN = 2.0
 
 
 @dataclass
@@ -66,7 +66,7 @@ class RecordLength:
             wanted = _until_over(run)
             if wanted <= length or length >= self._longest:
                 break
-            further = wanted if math.isfinite(wanted) else _AS_LONG_AGAIN * length
+            further = wanted if math.isfinite(wanted) else AS_LONG_AGAIN * length
             length = min(further, self._longest)
         self._cut = wanted > length and any(events.contacts for events in run.events)
         self.length = min(wanted, length)
@@ -94,4 +94,4 @@ def _until_over(run: Run) -> float:
         return math.inf
     start = min(first for first, _ in intervals)
     end = max(last for _, last in intervals)
-    return start + _AS_LONG_AGAIN * (end - start)
+    return start + AS_LONG_AGAIN * (end - start)
