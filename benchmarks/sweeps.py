@@ -3,8 +3,10 @@
     python benchmarks/sweeps.py [--million]
 
 Two spheres of one anti-oscillator each, and two rigid ones, over their velocity, at rtol 1e-6:
-made together by the core, by `simulate` one after the other, and by two threads. With --million, a
-stream of a million rigid impacts, and the most memory that the process has held (half a minute).
+made together by the core, by `simulate` one after the other, and by two threads. Then a Monte Carlo
+study: random balls at random speeds on one meshed plate, each number with its error. With
+--million, a stream of a million rigid impacts, and the most memory that the process has held (half
+a minute).
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ import aoimpact as ao
 from aoimpact.study.scenes import pair
 
 NAMES = ("peak_force", "contact_duration", "rebound_velocity")
-CASES, FEW = 4000, 100
+CASES, FEW, BALLS = 4000, 100, 10_000
 
 BALL = ao.rigid(mass=0.0327)
 RIGID = pair() | {"projectile": BALL, "target": BALL, "duration": 1e-4}
@@ -69,6 +71,44 @@ def report(name: str, base: dict[str, Any]) -> None:
     print(f"  {1.0 / each:.3g} a second on one core, {1.0 / shared:.3g} on two")
 
 
+def plate_cases(count: int) -> list[dict[str, Any]]:
+    """Random balls at random speeds on a plate of 14 175 dofs."""
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    mesh = ao.box_mesh((0.2, 0.2, 0.01), (20, 20, 2), kind="hexahedron20")
+    tip = ao.FEModel.from_mesh(mesh, steel).contact(point=(0.11, 0.09, 0.01))
+    draws = np.random.default_rng(1).uniform((0.004, 0.3), (0.012, 3.0), (count, 2)).tolist()
+    return [
+        {"projectile": ao.ball(radius, steel), "target": tip, "velocity": velocity}
+        for radius, velocity in draws
+    ]
+
+
+def monte_carlo() -> None:
+    """Many impacts on one plate that is reduced once, against a loop that reduces it each time."""
+    keep = ("peak_force", "contact_duration", "restitution")
+    every = plate_cases(BALLS)
+
+    def loop() -> None:
+        for case in every[:3]:
+            hit = ao.simulate(**case)
+            _ = [(getattr(hit, name), hit.error[name].total) for name in keep]
+
+    start, used = time.perf_counter(), time.process_time()
+    kept = ao.simulate_many(every, keep=keep)
+    seconds, used = time.perf_counter() - start, time.process_time() - used
+    (slow,) = best_times(loop)
+    print_table(
+        f"{BALLS} random balls on one plate, an impact with its errors",
+        [
+            Line("simulate in a loop", slow / 3),
+            Line("simulate_many", seconds / BALLS, "simulate", slow / 3),
+            Line("by the processor's clock", used / BALLS, "simulate", slow / 3),
+        ],
+    )
+    errors = np.array([numbers["peak_force_error"] for numbers in kept])
+    print(f"  {seconds:.3g} s in all; errors of the peak force up to {100.0 * errors.max():.2g} %")
+
+
 def million() -> None:
     """A stream of a million cases."""
     start = time.perf_counter()
@@ -86,3 +126,4 @@ if __name__ == "__main__":
     else:
         report("Two spheres of one anti-oscillator", pair())
         report("Two rigid spheres", RIGID)
+        monte_carlo()

@@ -54,7 +54,9 @@ def simulate_many(
     Parameters
     ----------
     cases : iterable
-        Dicts of `simulate`'s keywords, or pairs (scene, duration).
+        Dicts of `simulate`'s keywords, or pairs (scene, duration). Impacts in a list that name the
+        same contact point share a model of it, which is chosen for the hardest of them; each has
+        its own error. Those from a generator, which are not known in advance, share none.
     workers : int or executor, optional
         Threads (the core runs without Python's lock), or anything with ``.map``: executors of
         concurrent.futures and mpi4py.futures, a dask.distributed Client. The results are the same
@@ -64,8 +66,8 @@ def simulate_many(
         numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, each with
         its error, such as "impulse_error" (`ErrorParts.total`), and "impulse_controlled",
         where models are chosen; or a function of the result, which other processes must be able
-        to import. Impacts of two AO models of which only named numbers are kept run many in one
-        call of the core.
+        to import. Impacts of two AO models, or that share one, of which only named numbers are kept
+        run many in one call of the core.
     checkpoint : path, optional
         A file that keeps finished cases: the same call resumes where an earlier one was stopped or
         killed. Cases are recognised by their content; one that has changed is computed again. The
@@ -111,8 +113,8 @@ def iterate_many(
 ) -> Iterator[Any]:
     """Simulate many cases as a stream, which is never in memory as a whole.
 
-    `cases` may be a generator. Only a few tasks of a tenth of a second each are drawn from it ahead
-    of what has been yielded.
+    `cases` may be a generator; its impacts share no models. Only a few tasks of a tenth of a second
+    each are drawn from it ahead of what has been yielded.
 
     Parameters
     ----------
@@ -151,8 +153,6 @@ def iterate_many(
         raise InputError(_EMPTY)
     boolean("progress", progress)
     job = _Job(keeper(keep))
-    if isinstance(cases, Sequence):
-        cases = share_models(cases, KEYWORDS, REQUIRED)
     return _iterate(cases, Workers(workers), job, checkpoint, progress)
 
 
@@ -164,6 +164,8 @@ def _iterate(
     progress: bool,
 ) -> Iterator[Any]:
     count, warned, first = 0, 0, ""
+    if isinstance(cases, Sequence):
+        cases = share_models(cases, KEYWORDS, REQUIRED)
     with ExitStack() as stack:
         store = None if checkpoint is None else stack.enter_context(Checkpoint(checkpoint))
         total = len(cases) if isinstance(cases, Sized) else None

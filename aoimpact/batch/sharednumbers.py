@@ -36,6 +36,8 @@ from .shared import SharedCase
 
 __all__ = ["shared_numbers"]
 
+_PLAIN = [name for name, one in QUANTITIES.items() if one.is_plain]
+
 # The first guess of an open record, in contact times of rigid bodies.
 _FIRST_LENGTH = 4.0
 
@@ -176,6 +178,8 @@ def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict
     """
     started = {i: _started(case) for i, case in enumerate(cases) if isinstance(case, SharedCase)}
     impacts = {i: of for i, of in started.items() if of is not None}
+    if not impacts:
+        return {}
     calls = _Calls()
     # The largest model determines the length of a record that is left out.
     for of in impacts.values():
@@ -206,13 +210,12 @@ def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict
 
 def _started(case: SharedCase) -> _Impact | None:
     """A case as it is begun; None where `simulate` has to look at it."""
-    impact, solver, rtol = case.impact, case.case.get("solver"), case.case.get("rtol")
+    impact, solver, rtol = case.impact, case.solver, case.case.get("rtol")
     if not case.plain or not (solver is None or isinstance(solver, Adaptive)):
         return None
     if type(own_law(impact.law)) is not Hertz or impact.numbers.velocity < 0.0:
         return None
-    quantity = QUANTITIES.get(case.case.get("quantity") or "force")
-    if quantity is None or not QUANTITIES[case.proof].is_plain:
+    if case.quantity not in _PLAIN:
         return None
     models = models_to_compare(impact.bodies)
     with held_warnings() as messages:
@@ -226,6 +229,7 @@ def _started(case: SharedCase) -> _Impact | None:
     speeds = impact.numbers.velocity, 0.0
     larger = [tuple(map(_scene_body, models, speeds)) for models in models[1:]]
     points = [body for body in impact.bodies if isinstance(body, SharedPoint)]
+    quantity = QUANTITIES[case.case.get("quantity") or "force"]
     safety = safety_of(quantity, exact=all(point.exact for point in points))
     length = impact.record.length * (1.0 if impact.record.given else _FIRST_LENGTH)
     return _Impact(case, plan, larger, safety, points[0].rtol, rule.rtol, length)
@@ -305,12 +309,12 @@ def _kept(
         columns[name], (model, mesh, law) = parts(name)
         columns[f"{name}_error"] = mesh + law + model + rtol
         columns[f"{name}{CONTROLLED}"] = (model <= tolerance).astype(np.float64)
-    proofs = {name: parts(name)[1][0] for name in {of.case.proof for of in impacts}}
+    proofs = {name: parts(name)[1][0] for name in {of.case.quantity for of in impacts}}
     coarse = parts("peak_force")[1][1] > _COARSE
     table = zip(*(column.tolist() for column in columns.values()), strict=True)
     return [
         None
-        if proofs[of.case.proof][i] > of.most_model or (coarse[i] and of.first_order)
+        if proofs[of.case.quantity][i] > of.most_model or (coarse[i] and of.first_order)
         else dict(zip(columns, row, strict=True))
         for i, (of, row) in enumerate(zip(impacts, table, strict=True))
     ]

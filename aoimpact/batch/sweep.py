@@ -12,6 +12,7 @@ from typing import Any
 
 from ..accuracy import Named, keeper
 from ..base import InputError, InputTypeError, nearest, require, sequence
+from ..fem import ContactPoint
 from ..impact import SceneCase
 from ..results import COLUMNS
 from ..scenefile import SceneFile, read_scene
@@ -81,7 +82,8 @@ def sweep(
         )
     plan = _Plan(_maker(base, checked), checked)
     _check_fits(checked, keep)
-    values = iterate_many(plan, workers, keep=keep, checkpoint=checkpoint, progress=progress)
+    cases = list(plan) if _on_one_body(base, checked) else plan
+    values = iterate_many(cases, workers, keep=keep, checkpoint=checkpoint, progress=progress)
     return sweep_table(checked, values, keep)
 
 
@@ -191,6 +193,12 @@ def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
         "base: sweep needs a function, a dict of simulate's keywords, a scene file or a scene, "
         f"got {base!r}"
     )
+
+
+def _on_one_body(base: Any, grid: Mapping[str, Sequence[Any]]) -> bool:
+    """Whether cases may share the model of a contact point, for which all must be known."""
+    values = itertools.chain(base.values() if isinstance(base, Mapping) else (), *grid.values())
+    return isinstance(base, Mapping) and any(isinstance(one, ContactPoint) for one in values)
 
 
 def _check_names(names: Iterable[str], known: Sequence[str]) -> None:

@@ -288,17 +288,20 @@ class AOModel(Frozen, ReducedModel):
             return "rigid"
         return f"AO({self.n})"
 
-    @property
+    @cached_property
     def centre_weights(self) -> FloatArray:
         """Weights w of the coordinates λ in the centre of mass's displacement, shape (n+1,).
 
         The contact coordinate first. Of a model given by numbers: the masses over their sum.
         """
         if math.isinf(self.m0):
-            return np.ones(1)
-        if self.origin is None:
-            return np.concatenate([[self.m0], self.m]) / self.static_mass
-        return self.weights(self.origin.centre)
+            weights = np.ones(1)
+        elif self.origin is None:
+            weights = np.concatenate([[self.m0], self.m]) / self.static_mass
+        else:
+            weights = self.weights(self.origin.centre)
+        weights.flags.writeable = False
+        return weights
 
     def weights(self, functional: FloatArray) -> FloatArray:
         """Return w, shape (n+1,), with functionalᵀX = w λ: a place's share in the coordinates.

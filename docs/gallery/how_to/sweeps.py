@@ -48,6 +48,23 @@ print(f"{forces.mean():.1f} N ± {forces.std():.1f} N over {len(forces)} impacts
 print(repr(results[7]))
 
 # %%
+# Many impacts on one body
+# ------------------------
+# Impacts on the same contact point share its model. It is reduced once, by as much as the hardest of them allows, and
+# then a case takes two milliseconds with all its errors. Balls and speeds may be random:
+
+mesh = ao.box_mesh((0.1, 0.1, 0.01), (8, 8, 1), kind="hexahedron20")
+point = ao.FEModel.from_mesh(mesh, steel).contact(point=(0.055, 0.045, 0.01))
+study = [
+    {"projectile": ao.ball(radius, steel), "target": point, "velocity": speed}
+    for radius, speed in rng.uniform((0.006, 0.5), (0.012, 3.0), (500, 2)).tolist()
+]
+kept = ao.simulate_many(study, keep=("peak_force", "restitution"))
+forces = np.array([numbers["peak_force"] for numbers in kept])
+errors = np.array([numbers["peak_force_error"] for numbers in kept])
+print(f"{forces.mean():.0f} N ± {forces.std():.0f} N, each to {100 * errors.max():.2g} % or better")
+
+# %%
 # ``iterate_many`` gives the results one by one, for lists that do not fit into memory.
 #
 # More than one core

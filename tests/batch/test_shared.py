@@ -1,0 +1,117 @@
+"""Impacts on one contact point share its model: each is right to its error, whoever computes it."""
+
+from __future__ import annotations
+
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+NAMES = ("peak_force", "impulse", "contact_duration", "restitution", "rebound_velocity")
+
+
+@cache
+def tip() -> ao.ContactPoint:
+    """A point of a plate of steel, off its centre."""
+    mesh = ao.box_mesh((0.08, 0.08, 0.01), (6, 6, 1), kind="hexahedron20")
+    return ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.045, 0.035, 0.01))
+
+
+def balls(count: int = 6, **changes: Any) -> list[dict[str, Any]]:
+    """Random balls at random speeds."""
+    rng = np.random.default_rng(1)
+    return [
+        {"projectile": ao.ball(radius, STEEL), "target": tip(), "velocity": velocity} | changes
+        for radius, velocity in rng.uniform((0.006, 0.5), (0.012, 3.0), (count, 2)).tolist()
+    ]
+
+
+def check_errors(cases: list[dict[str, Any]], kept: list[dict[str, float]]) -> None:
+    """Both are within their errors of the truth, and so of each other within their sum."""
+    for case, numbers in zip(cases, kept, strict=True):
+        alone = ao.simulate(**case)
+        for name in NAMES:
+            known = numbers[f"{name}_error"] + alone.error[name].total
+            scale = max(abs(alone.run.value(name)), 0.1 * case["velocity"])
+            assert abs(numbers[name] - alone.run.value(name)) <= known * scale, name
+            assert 0.0 < numbers[f"{name}_error"] < 0.05
+
+
+def test_each_is_what_simulate_gives_within_their_errors() -> None:
+    cases = balls()
+    check_errors(cases, ao.simulate_many(cases, keep=NAMES))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"law": ao.Hertz.between(STEEL, 0.01, STEEL, float("inf")), "duration": 3e-4},
+        {"gap": 1e-4, "solver": ao.Adaptive(rtol=1e-6)},
+        {"law": ao.HuntCrossley(k=1.5e10, damping=0.1, relative_radius=0.01)},
+        {"quantity": "impulse", "rtol": 1e-3},
+    ],
+    ids=["given law and duration", "gap and solver", "damped law", "tolerance"],
+)
+def test_so_it_is_for_other_arguments(changes: dict[str, Any]) -> None:
+    cases = balls(3, **changes)
+    check_errors(cases, ao.simulate_many(cases, keep=NAMES))
+
+
+def test_a_tolerance_that_is_given_is_kept() -> None:
+    cases = balls(quantity="peak_force", rtol=5e-4)
+    kept = ao.simulate_many(cases, keep="peak_force")
+    assert [numbers["peak_force_controlled"] for numbers in kept] == [1.0] * len(cases)
+
+
+def test_two_meshed_bodies_share_both_models() -> None:
+    mesh = ao.sphere_mesh(0.01, 0.008)
+    ball = ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.0, 0.0, -0.01))
+    cases = [case | {"projectile": ball} for case in balls(3)]
+    check_errors(cases, ao.simulate_many(cases, keep=NAMES))
+
+
+def test_kept_numbers_are_those_of_the_results() -> None:
+    cases = balls(3)
+    kept = ao.simulate_many(cases, keep=(*NAMES, "error.time"))
+    for hit, numbers in zip(ao.simulate_many(cases), kept, strict=True):
+        assert numbers.pop("error.time") == hit.error.time
+        for name in NAMES:
+            assert numbers[name] == hit.run.value(name)
+            assert numbers[f"{name}_error"] == pytest.approx(hit.error[name].total, rel=1e-6)
+            assert numbers[f"{name}_controlled"] == (hit.error[name].model <= hit.error.rtol)
+
+
+def test_the_same_bits_in_any_order_from_any_worker(tmp_path: Path) -> None:
+    cases = balls()
+    alone = ao.simulate_many(cases, keep=NAMES)
+    assert ao.simulate_many(cases[::-1], keep=NAMES)[::-1] == alone
+    assert ao.simulate_many(cases, 3, keep=NAMES) == alone
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=context) as executor:
+        assert ao.simulate_many(cases, executor, keep=NAMES) == alone
+    for _ in range(2):  # computed, then read
+        assert ao.simulate_many(cases, keep=NAMES, checkpoint=tmp_path / "cases") == alone
+
+
+def test_a_sweep_shares_them_too() -> None:
+    case = balls(1)[0]
+    speeds = [0.5, 1.0, 2.0]
+    table = ao.sweep(case, {"velocity": speeds}, keep=NAMES)
+    kept = ao.simulate_many([case | {"velocity": speed} for speed in speeds], keep=NAMES)
+    for name in (*NAMES, "peak_force_error"):
+        assert table.data[name].tolist() == [numbers[name] for numbers in kept]
+
+
+def test_a_wrong_case_is_its_own_exception() -> None:
+    cases = balls(3)
+    cases[1] = cases[1] | {"velocity": float("nan")}
+    first, wrong, last = ao.simulate_many(cases, keep="peak_force")
+    assert isinstance(wrong, ao.InputError)
+    assert [first, last] == ao.simulate_many([cases[0], cases[2]], keep="peak_force")
