@@ -66,10 +66,6 @@ class Hertz(HertzianLaw):
         root = MOST_SHARE / (1.5 * self.k) / compliance
         return root * root
 
-    def stroke(self, energy: float) -> float:
-        """Return (5/2 E/k)^(2/5); see `ContactLaw.stroke`."""
-        return math.pow(2.5 * positive("energy", energy, unit="J") / self.k, 0.4)
-
     @classmethod
     def between(
         cls,
