@@ -42,9 +42,19 @@ def static_free(rigid: _F, b: _F, phi_st: _F, /) -> float: ...
 def constraint_project(b: _F, z: _F, x: _F, /) -> None: ...
 def constraint_reflector(b: _F, h: _F, /) -> None: ...
 def constraint_congruence(h: _F, a: _F, work: _F, /) -> None: ...
-def oscillators_project(
-    phi: _F, modal_masses: _F, omega2: _F, m_phi_st: _F, c: _F, m: _F, k: _F, /
-) -> None: ...
+def star_from_constraint_modes(
+    phi_st: _F,
+    m_phi_st: _F,
+    k0: float,
+    phi: _F,
+    m_phi: _F,
+    omega2: _F,
+    m: _F,
+    k: _F,
+    c: _F,
+    of: _I,
+    /,
+) -> tuple[int, float]: ...
 def krylov_extend(
     K: _Sparse,
     M: _Sparse,

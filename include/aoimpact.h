@@ -127,6 +127,28 @@ AOI_API int aoi_star_to_modal(const aoi_star *star, double *omega2, double *part
 AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
                                 double *k0, double *m, double *k, const aoi_pause *pause);
 
+/* The AO model of a body by its constraint modes, (K + mu b) phi = omega2 M phi with b^T phi = 0: eqs. (6), (9), (10), (12).
+ * Modes of equal frequency give one oscillator, those without mass none; a residual mass within rounding is zero. In:
+ *   n            degrees of freedom
+ *   count        modes; all n - 1, or some
+ *   phi_st       n: static mode, eqs. (2), (3)
+ *   m_phi_st     n: M phi_st
+ *   k0           static stiffness, eq. (11); 0 of a free body
+ *   phi          count x n, mode after mode: M-orthogonal, of any norm
+ *   m_phi        count x n: M phi
+ *   omega2       count: ascending
+ * Out:
+ *   star         m0, k0 and the oscillators, ascending in frequency; m and k below
+ *   m, k         count: their masses and stiffnesses
+ *   coefficient  count: c_i of each mode, eq. (9); 0 for one without mass
+ *   oscillator   count: which oscillator each mode is part of; -1 for none
+ * AOI_ERROR_ARGUMENT if omega2 does not ascend, AOI_ERROR_NOT_POSITIVE if a mode with mass has no stiffness or phi_st has
+ * no mass, AOI_ERROR_NOT_FINITE. */
+AOI_API int aoi_star_from_constraint_modes(size_t n, size_t count, const double *phi_st, const double *m_phi_st,
+                                           double k0, const double *phi, const double *m_phi, const double *omega2,
+                                           aoi_star *star, double *m, double *k, double *coefficient,
+                                           int32_t *oscillator);
+
 /* ------------------------------------------------------------------------------ contact laws */
 
 enum { AOI_LAW_PARAMETERS = 8, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };

@@ -25,7 +25,6 @@ from ..base import (
 from ..fem import ContactPoint, StaticMode, refuse_mechanism, static_mode
 from ..linalg import (
     DENSE_DOFS,
-    EQUAL,
     FEW_SOLUTIONS,
     Solver,
     SolverBook,
@@ -54,10 +53,6 @@ _SOLUTIONS_EACH = 20
 # An oscillator with less than this share of the static mass carries none: it is rounding.
 _NO_MASS = 1e-13
 
-# Eigenvalues of LAPACK are known to the largest one's rounding times a modest number (LAPACK Users'
-# Guide, 4.10).
-_LOST = 10.0
-
 # A residual mass of no more than this share of the static mass is none: the rounding of thousands
 # of masses. A contact on a dof without mass has none.
 _ROUNDING_OF_MASS = 1e-11
@@ -79,39 +74,25 @@ class _Oscillators:
 def _oscillators(
     tip: ContactPoint, static: StaticMode, omega2: FloatArray, phi: FloatArray
 ) -> _Oscillators:
-    """Eqs. (6), (9), (12) for M-orthonormal constraint modes; multiple ones are joined."""
-    modal_mass = np.einsum("ij,ij->j", phi, tip.body.M @ phi)
-    coupling = phi.T @ static.m_phi
-    carries = coupling**2 > _least_share(omega2) * static.mass * modal_mass
-    if (omega2[carries] <= 0.0).any():
+    """Eqs. (6), (9), (12) for constraint modes of ascending frequency; multiple ones are joined."""
+    m, k, c = (np.empty(len(omega2)) for _ in range(3))
+    of = np.empty(len(omega2), dtype=np.int32)
+    by_mode, m_by_mode = (np.ascontiguousarray(x.T) for x in (phi, tip.body.M @ phi))
+    try:
+        count, _ = _core.star_from_constraint_modes(
+            static.phi, static.m_phi, static.k0, by_mode, m_by_mode, omega2, m, k, c, of
+        )
+    except SingularError:
         raise SingularError(
             "a constraint mode that carries mass has no stiffness: part of the body is a mechanism"
             ", or K is not positive semidefinite; see body.frequencies(10)"
-        )
-    omega2, phi = omega2[carries], phi[:, carries]
-    c, m, k = (np.empty(len(omega2)) for _ in range(3))
-    _core.oscillators_project(
-        np.ascontiguousarray(phi.T), modal_mass[carries], omega2, static.m_phi, c, m, k
-    )
-    shapes = phi * c
-    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
-    if len(starts) < len(omega2):
-        m, k = np.add.reduceat(m, starts), np.add.reduceat(k, starts)
-        shapes = np.add.reduceat(shapes, starts, axis=1)
-        omega2 = k / m
-    return _Oscillators(omega2, m, k, shapes)
-
-
-def _least_share(omega2: FloatArray) -> FloatArray:
-    """Of the static mass, what each of the modes must have to count as an oscillator.
-
-    Eigenvalues are known to ε of the largest. A mode below that is a mixture: of the lowest mode
-    above it has the part that first-order perturbation gives, that error over their distance.
-    """
-    lost = _LOST * np.finfo(float).eps * float(omega2.max(initial=0.0))
-    above = omega2[omega2 > lost]
-    mixed = lost / float(above.min()) if len(above) else 0.0
-    return np.where(omega2 > lost, _NO_MASS, max(_NO_MASS, mixed**2))
+        ) from None
+    shapes = np.zeros((len(phi), count))
+    for i, oscillator in enumerate(of):
+        if oscillator >= 0:
+            shapes[:, oscillator] += c[i] * phi[:, i]
+    m, k = m[:count], k[:count]
+    return _Oscillators(k / m, m, k, shapes)
 
 
 def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:

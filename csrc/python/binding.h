@@ -119,7 +119,7 @@ PyObject *static_free(PyObject *self, PyObject *args);
 PyObject *constraint_project(PyObject *self, PyObject *args);
 PyObject *constraint_reflector(PyObject *self, PyObject *args);
 PyObject *constraint_congruence(PyObject *self, PyObject *args);
-PyObject *oscillators_project(PyObject *self, PyObject *args);
+PyObject *star_from_constraint_modes(PyObject *self, PyObject *args);
 
 /* krylov.c */
 PyObject *krylov_extend(PyObject *self, PyObject *args);

@@ -5,7 +5,8 @@
 
 #define FUNCTIONS(X)                                                                              \
     X(law_force) X(law_potential) X(static_constrained) X(static_free) X(constraint_project)      \
-    X(constraint_reflector) X(constraint_congruence) X(oscillators_project) X(krylov_extend)      \
+    X(constraint_reflector) X(constraint_congruence) X(star_from_constraint_modes)                \
+    X(krylov_extend)                                                                              \
     X(star_receptance) X(modal_receptance) X(star_to_modal) X(star_from_modal)                    \
     X(factors_find_panels) X(factors_solve) X(newmark_scene) X(blocks_pattern) X(blocks_multiply) \
     X(blocks_subtract) X(blocks_smooth) X(graph_aggregate) X(adaptive) X(track_sample)            \

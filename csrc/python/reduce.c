@@ -95,27 +95,36 @@ PyObject *constraint_congruence(PyObject *self, PyObject *args)
     return finish(&buffers, AOI_OK, "constraint modes");
 }
 
-PyObject *oscillators_project(PyObject *self, PyObject *args)
+PyObject *star_from_constraint_modes(PyObject *self, PyObject *args)
 {
-    PyObject *phi_in, *modal_in, *omega2_in, *static_in, *c_out, *m_out, *k_out;
+    PyObject *static_in, *m_static_in, *phi_in, *m_phi_in, *omega2_in, *m_out, *k_out, *c_out, *oscillator_out;
     buffer_list buffers = {.failed = 0};
     size_t count = (size_t)-1, n = (size_t)-1;
+    aoi_star star = {.n = 0};
+    double k0;
     (void)self;
-    if (!PyArg_ParseTuple(args, "OOOOOOO", &phi_in, &modal_in, &omega2_in, &static_in, &c_out, &m_out,
-                          &k_out)) {
+    if (!PyArg_ParseTuple(args, "OOdOOOOOOO", &static_in, &m_static_in, &k0, &phi_in, &m_phi_in, &omega2_in, &m_out,
+                          &k_out, &c_out, &oscillator_out)) {
         return NULL;
     }
-    const double *modal = doubles(&buffers, modal_in, "modal masses", &count);
-    const double *m_phi_st = doubles(&buffers, static_in, "M phi_st", &n);
+    const double *phi_st = doubles(&buffers, static_in, "phi_st", &n);
+    const double *m_phi_st = doubles(&buffers, m_static_in, "M phi_st", &n);
+    const double *omega2 = doubles(&buffers, omega2_in, "omega2", &count);
     size_t all = n * count;
     const double *phi = doubles(&buffers, phi_in, "phi", &all);
-    const double *omega2 = doubles(&buffers, omega2_in, "omega2", &count);
-    double *c = doubles_out(&buffers, c_out, "c", &count);
+    const double *m_phi = doubles(&buffers, m_phi_in, "M phi", &all);
     double *m = doubles_out(&buffers, m_out, "m", &count);
     double *k = doubles_out(&buffers, k_out, "k", &count);
-    const int status =
-        buffers.failed
-            ? AOI_OK
-            : aoi_oscillators_project(n, count, phi, modal, omega2, m_phi_st, c, m, k);
-    return finish(&buffers, status, "anti-oscillators");
+    double *c = doubles_out(&buffers, c_out, "c", &count);
+    int32_t *oscillator = buffers_take(&buffers, oscillator_out, "oscillator", 'i', 1, &count);
+    int status = AOI_OK;
+    if (!buffers.failed) {
+        Py_BEGIN_ALLOW_THREADS
+        status = aoi_star_from_constraint_modes(n, count, phi_st, m_phi_st, k0, phi, m_phi, omega2, &star, m, k, c,
+                                                oscillator);
+        Py_END_ALLOW_THREADS
+    }
+    PyObject *done = finish(&buffers, status, "anti-oscillators");
+    Py_XDECREF(done);
+    return done ? Py_BuildValue("nd", (Py_ssize_t)star.n, star.m0) : NULL;
 }

@@ -6,6 +6,18 @@
 #include <float.h>
 #include <math.h>
 
+/* Modes with frequencies equal to this are one oscillator. */
+static const double EQUAL = 1e-9;
+
+/* A mode with less than this share of the static mass has none: it is rounding. */
+static const double NO_MASS = 1e-13;
+
+/* A residual mass of less than this share is none: the rounding of thousands of masses. */
+static const double MASS_ROUNDING = 1e-11;
+
+/* Rounding of an eigenvalue as a share of the largest. */
+static const double EIGEN_ROUNDING = 10.0 * DBL_EPSILON;
+
 int aoi_static_constrained(size_t n, const double *b, double *x, double *stiffness)
 {
     const double compliance = aoi_vector_dot(n, b, x);
@@ -100,24 +112,75 @@ void aoi_constraint_congruence(size_t n, const double *h, double *a, double *wor
     }
 }
 
-int aoi_oscillators_project(size_t n, size_t count, const double *phi, const double *modal_mass,
-                            const double *omega2, const double *m_phi_st, double *coefficient,
-                            double *mass, double *stiffness)
+/* The share of the static mass that a mode must have to count: of one whose eigenvalue is within the rounding of the
+ * largest, the second. Such a mode is a mixture: of the lowest mode above it has the part that first-order perturbation
+ * gives, that rounding over their distance. Eigenvalues of LAPACK are known to the rounding of the largest times a modest
+ * number (LAPACK Users' Guide, 4.10). */
+static double least_shares(size_t count, const double *omega2, double share[2])
 {
+    const double lost = count > 0 ? fmax(EIGEN_ROUNDING * omega2[count - 1], 0.0) : 0.0;
+    size_t above = 0;
+    while (above < count && !(omega2[above] > lost)) {
+        above++;
+    }
+    const double mixed = above < count ? lost / omega2[above] : 0.0;
+    share[0] = NO_MASS;
+    share[1] = fmax(NO_MASS, mixed * mixed);
+    return lost;
+}
+
+int aoi_star_from_constraint_modes(size_t n, size_t count, const double *phi_st, const double *m_phi_st, double k0,
+                                   const double *phi, const double *m_phi, const double *omega2, aoi_star *star,
+                                   double *m, double *k, double *coefficient, int32_t *oscillator)
+{
+    const double static_mass = aoi_vector_dot(n, phi_st, m_phi_st);
+    double share[2], last = -HUGE_VAL, residual = static_mass;
+    size_t size = 0;
+    if (count > INT32_MAX) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    if (!isfinite(static_mass) || !isfinite(k0) || !aoi_vector_is_finite(count, omega2)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
+    if (!(static_mass > 0.0) || k0 < 0.0) {
+        return AOI_ERROR_NOT_POSITIVE;
+    }
+    const double lost = least_shares(count, omega2, share);
     for (size_t j = 0; j < count; j++) {
-        const double coupling = aoi_vector_dot(n, phi + j * n, m_phi_st);
-        if (!isfinite(coupling)) {
+        const double *mode = phi + j * n;
+        const double coupling = aoi_vector_dot(n, mode, m_phi_st), own = aoi_vector_dot(n, mode, m_phi + j * n);
+        if (!isfinite(coupling) || !isfinite(own)) {
             return AOI_ERROR_NOT_FINITE;
         }
-        if (!(modal_mass[j] > 0.0) || !(omega2[j] > 0.0)) {
+        if (j > 0 && omega2[j] < omega2[j - 1]) {
+            return AOI_ERROR_ARGUMENT;
+        }
+        coefficient[j] = 0.0;
+        oscillator[j] = -1;
+        if (!(coupling * coupling > share[omega2[j] <= lost] * static_mass * own)) {
+            continue;
+        }
+        if (!(own > 0.0) || !(omega2[j] > 0.0)) {
             return AOI_ERROR_NOT_POSITIVE;
         }
-        coefficient[j] = coupling / modal_mass[j];
-        mass[j] = coupling * coefficient[j];
-        stiffness[j] = omega2[j] * mass[j];
-        if (!isfinite(coefficient[j]) || !isfinite(mass[j]) || !isfinite(stiffness[j])) {
+        coefficient[j] = coupling / own;
+        const double mass = coupling * coefficient[j], stiffness = omega2[j] * mass;
+        if (!isfinite(stiffness) || !isfinite(mass)) {
             return AOI_ERROR_NOT_FINITE;
         }
+        if (size == 0 || omega2[j] - last > EQUAL * omega2[j]) {
+            m[size] = k[size] = 0.0;
+            size++;
+        }
+        last = omega2[j];
+        m[size - 1] += mass;
+        k[size - 1] += stiffness;
+        oscillator[j] = (int32_t)(size - 1);
+        residual -= mass;
     }
+    if (fabs(residual) < MASS_ROUNDING * static_mass) {
+        residual = 0.0;
+    }
+    *star = (aoi_star){size, residual, k0, m, k};
     return AOI_OK;
 }

@@ -31,11 +31,4 @@ int aoi_constraint_reflector(size_t n, const double *b, double *h);
  * then A on the space b^T phi = 0. work: n doubles. */
 void aoi_constraint_congruence(size_t n, const double *h, double *a, double *work);
 
-/* Eqs. (6), (9), (12) for count constraint modes. In: phi (n x count), any norm, each column's
- * omega2 > 0 and modal_mass phi^T M phi > 0, and m_phi_st = M phi_st. Out, per column: c_i in
- * coefficient, m_i in mass, k_i = omega2_i m_i in stiffness. */
-int aoi_oscillators_project(size_t n, size_t count, const double *phi, const double *modal_mass,
-                            const double *omega2, const double *m_phi_st, double *coefficient,
-                            double *mass, double *stiffness);
-
 #endif

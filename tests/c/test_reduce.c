@@ -226,13 +226,13 @@ static void chain_becomes_its_star(int n, int constrained)
 {
     static double phi[CHAIN_MOST * CHAIN_MOST], omega2[CHAIN_MOST], modal_mass[CHAIN_MOST];
     static double static_mode[CHAIN_MOST], c[CHAIN_MOST], m[CHAIN_MOST], k[CHAIN_MOST];
+    static int32_t of[CHAIN_MOST];
     static chain exact;
     const size_t dofs = (size_t)n, count = dofs - 1;
+    aoi_star star;
     chain_make(&exact, n, constrained);
-    double static_mass = 0.0;
     for (int i = 0; i < n; i++) {
         static_mode[i] = constrained ? (i + 1.0) / n : 1.0;
-        static_mass += square(static_mode[i]);
     }
     for (int j = 1; j < n; j++) {
         const double angle = chain_antiresonance_angle(n, constrained, j), norm = j % 2 ? 3.0 : -1e-3;
@@ -244,10 +244,10 @@ static void chain_becomes_its_star(int n, int constrained)
         omega2[j - 1] = square(2.0 * sin(0.5 * angle));
         modal_mass[j - 1] = aoi_vector_dot(dofs, mode, mode);
     }
-    const int status =
-        aoi_oscillators_project(dofs, count, phi, modal_mass, omega2, static_mode, c, m, k);
-    CHECK(status == AOI_OK, "chain of %d", n);
-    double residual = static_mass, stiffness = exact.star.k0;
+    const int status = aoi_star_from_constraint_modes(dofs, count, static_mode, static_mode, exact.star.k0, phi, phi,
+                                                      omega2, &star, m, k, c, of);
+    CHECK(status == AOI_OK && star.n == count && star.k0 == exact.star.k0, "chain of %d", n);
+    double stiffness = star.k0;
     for (size_t j = 0; j < count; j++) {
         const double allowed =
             1e-14 * n * n; /* the mode's sum with phi_st loses up to its own size */
@@ -256,36 +256,64 @@ static void chain_becomes_its_star(int n, int constrained)
         CHECK(near(k[j], exact.k[j], allowed), "k_%zu of %d is %g, not %g", j + 1, n, exact.k[j],
               k[j]);
         CHECK(near(c[j] * c[j] * modal_mass[j], m[j], 1e-14), "m = c^2 phi M phi, eq. (9)");
-        residual -= m[j];
+        CHECK(of[j] == (int32_t)j, "mode %zu is an oscillator of its own", j);
         stiffness += k[j];
     }
-    CHECK(fabs(residual - 1.0) < 1e-14 * n * n, "m0 is the struck mass, not %.17g", residual);
+    CHECK(fabs(star.m0 - 1.0) < 1e-14 * n * n, "m0 is the struck mass, not %.17g", star.m0);
     CHECK(near(stiffness, 1.0, 1e-14 * n), "springs at the struck mass: 1, not %.17g", stiffness);
+}
+
+/* Two equal masses on equal springs beside the struck mass of 2 kg, free to move apart, and a third that the contact does
+ * not move: the first two are one oscillator. */
+static void equal_modes_are_one_oscillator_and_idle_ones_none(void)
+{
+    const double mass[4] = {2.0, 1.0, 3.0, 5.0}, of_static[4] = {1.0, 1.0, 1.0, 0.0}, m_static[4] = {2.0, 1.0, 3.0, 0.0};
+    const double phi[12] = {0.0, 7.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+    const double omega2[3] = {4.0, 4.0, 9.0};
+    double m_phi[12], m[3], k[3], c[3];
+    int32_t of[3];
+    aoi_star star;
+    for (size_t i = 0; i < 12; i++) {
+        m_phi[i] = mass[i % 4] * phi[i];
+    }
+    CHECK(aoi_star_from_constraint_modes(4, 3, of_static, m_static, 0.0, phi, m_phi, omega2, &star, m, k, c, of) ==
+              AOI_OK,
+          "a star");
+    CHECK(star.n == 1 && near(star.m0, 2.0, 1e-15) && star.k0 == 0.0, "%zu oscillators on %g kg", star.n, star.m0);
+    CHECK(near(star.m[0], 4.0, 1e-15) && near(star.k[0], 16.0, 1e-15), "4 kg at 2 rad/s");
+    CHECK(near(c[0], 1.0 / 7.0, 1e-15) && near(c[1], -0.5, 1e-15) && c[2] == 0.0, "eq. (9)");
+    CHECK(of[0] == 0 && of[1] == 0 && of[2] == -1, "which is part of which");
 }
 
 static void oscillators_that_cannot_be(void)
 {
-    double phi[2] = {1.0, 0.0}, mass[1] = {1.0}, omega2[1] = {1.0}, of_static[2] = {1.0, 1.0};
-    double c[1], m[1], k[1];
-    CHECK(aoi_oscillators_project(2, 0, NULL, NULL, NULL, of_static, NULL, NULL, NULL) == AOI_OK,
-          "no oscillators");
-    const double bad[] = {0.0, -1.0, (double)NAN};
-    for (size_t i = 0; i < 3; i++) {
-        mass[0] = bad[i];
-        CHECK(aoi_oscillators_project(2, 1, phi, mass, omega2, of_static, c, m, k) ==
-                  AOI_ERROR_NOT_POSITIVE,
-              "modal mass %g", bad[i]);
-        mass[0] = 1.0;
-        omega2[0] = bad[i];
-        CHECK(aoi_oscillators_project(2, 1, phi, mass, omega2, of_static, c, m, k) ==
-                  AOI_ERROR_NOT_POSITIVE,
-              "omega2 %g", bad[i]);
-        omega2[0] = 1.0;
+    double phi[4] = {1.0, 0.0, 0.0, 1.0}, m_phi[4] = {1.0, 0.0, 0.0, 1.0}, omega2[2] = {1.0, 2.0}, ones[2] = {1.0, 1.0};
+    double c[2], m[2], k[2], k0 = 0.0;
+    int32_t of[2];
+    aoi_star star;
+    const struct {
+        double *where;
+        double value;
+        int status;
+    } bad[] = {
+        {&omega2[0], 0.0, AOI_ERROR_NOT_POSITIVE},  {&omega2[0], -1.0, AOI_ERROR_NOT_POSITIVE},
+        {&omega2[0], 3.0, AOI_ERROR_ARGUMENT},      {&omega2[1], (double)NAN, AOI_ERROR_NOT_FINITE},
+        {&m_phi[0], -1.0, AOI_ERROR_NOT_POSITIVE},  {&phi[0], HUGE_VAL, AOI_ERROR_NOT_FINITE},
+        {&ones[0], -1.0, AOI_OK},                   {&ones[0], (double)NAN, AOI_ERROR_NOT_FINITE},
+        {&k0, -1.0, AOI_ERROR_NOT_POSITIVE},
+    };
+    CHECK(aoi_star_from_constraint_modes(2, 0, ones, ones, 0.0, NULL, NULL, NULL, &star, NULL, NULL, NULL, NULL) ==
+                  AOI_OK &&
+              star.n == 0 && star.m0 == 2.0,
+          "a rigid mass");
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        const double was = *bad[i].where;
+        *bad[i].where = bad[i].value;
+        CHECK(aoi_star_from_constraint_modes(2, 2, ones, ones, k0, phi, m_phi, omega2, &star, m, k, c, of) ==
+                  bad[i].status,
+              "case %zu", i);
+        *bad[i].where = was;
     }
-    phi[0] = (double)INFINITY;
-    CHECK(aoi_oscillators_project(2, 1, phi, mass, omega2, of_static, c, m, k) ==
-              AOI_ERROR_NOT_FINITE,
-          "an infinite mode");
 }
 
 int main(void)
@@ -301,6 +329,7 @@ int main(void)
         chain_becomes_its_star(n, 0);
         chain_becomes_its_star(n, 1);
     }
+    equal_modes_are_one_oscillator_and_idle_ones_none();
     oscillators_that_cannot_be();
     return check_report();
 }

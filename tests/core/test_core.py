@@ -205,9 +205,13 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "constraint_project": (lambda: [np.ones(4), np.ones(4), np.arange(4.0)], {2}),
     "constraint_reflector": (lambda: [np.ones(4), np.zeros(4)], {1}),
     "constraint_congruence": (lambda: [np.ones(4), np.eye(4), np.zeros(4)], {1, 2}),
-    "oscillators_project": (
-        lambda: [np.eye(2, 4), np.ones(2), np.ones(2), np.ones(4), *zeros(2, 2, 2)],
-        {4, 5, 6},
+    "star_from_constraint_modes": (
+        lambda: [
+            *[np.ones(4), np.ones(4), 1.0, np.eye(2, 4), np.eye(2, 4), np.arange(1.0, 3.0)],
+            *zeros(2, 2, 2),
+            np.zeros(2, dtype=np.int32),
+        ],
+        {6, 7, 8, 9},
     ),
     "krylov_extend": (krylov_arguments, {5, 6, 7, 10}),
     "star_receptance": (

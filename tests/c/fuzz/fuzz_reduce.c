@@ -29,11 +29,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         memcpy(a, squares, n * n * sizeof(double));
         aoi_constraint_congruence(n, x, a, work);
     }
-    const double *modal = take_array(&in, count, take_positive), *omega2 = take_array(&in, count, take_any);
-    if (aoi_oscillators_project(n, count, many, modal, omega2, z, c, m, k) == AOI_OK) {
-        REQUIRE(aoi_vector_is_finite(count, c) && aoi_vector_is_finite(count, m) &&
-                aoi_vector_is_finite(count, k));
-        for (size_t j = 0; j < count; j++) {
+    const double *moved = take_array(&in, n * count, some), *omega2 = take_array(&in, count, take_any);
+    int32_t of[MOST];
+    aoi_star star;
+    if (aoi_star_from_constraint_modes(n, count, b, z, 0.0, many, moved, omega2, &star, m, k, c, of) == AOI_OK) {
+        REQUIRE(star.n <= count && isfinite(star.m0) && aoi_vector_is_finite(count, c));
+        for (size_t j = 0; j < star.n; j++) {
             REQUIRE(m[j] >= 0.0 && k[j] >= 0.0);
         }
     }
