@@ -656,8 +656,8 @@ def test_columns_are_where_the_core_writes_them() -> None:
     columns = (dense._START, dense._LENGTH, dense._CONTACTS)
     assert tuple(row.index(f"AOI_TRACK_{name}") for name in named) == columns
     answers = enumerated("python/many.c", "ANSWER_VELOCITIES")
-    ours = [getattr(plain, name.removeprefix("ANSWER")) for name in answers[:-1]]
-    assert [*ours, plain._FIRST, plain._SECOND] == list(range(len(answers) + 1))
+    ours = [plain.Answer[name.removeprefix("ANSWER_")] for name in answers[:-1]]
+    assert [*ours, plain.Answer.FIRST, plain.Answer.SECOND] == list(range(len(answers) + 1))
 
 
 def test_statuses_arrive_as_their_exceptions() -> None:

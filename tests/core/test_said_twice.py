@@ -39,10 +39,10 @@ def test_columns_of_plain_impacts() -> None:
         assert getattr(plain, name.removeprefix("CASE")) == column
     found = enumerated("python/many.c", "ANSWER_STATUS")
     first = found.pop("ANSWER_VELOCITIES")
-    assert (first, first + 1) == (plain._FIRST, plain._SECOND)
+    assert (first, first + 1) == (plain.Answer.FIRST, plain.Answer.SECOND)
     assert found.pop("ANSWER_COLUMNS") == first + 2
     for name, column in found.items():
-        assert getattr(plain, name.removeprefix("ANSWER")) == column
+        assert plain.Answer[name.removeprefix("ANSWER_")] == column
 
 
 def test_shares() -> None:
