@@ -55,7 +55,8 @@ def paper():
 @pytest.mark.parametrize("contact_law", [SPHERES_LAW, LAW], ids=["eq. (13)", "eq. (16)"])
 def test_a_rigid_sphere_gives_the_beams_displacement_but_not_the_force(paper, contact_law):
     """The paper's conclusion, to 3 %, of its sphere and beam over 20 ms."""
-    strike = functools.partial(paper, law=contact_law, duration=20e-3)
+    power = ao.PowerLaw(contact_law.k, 1.5)  # nothing is taken out of it at a node
+    strike = functools.partial(paper, law=power, duration=20e-3)
     mass = strike.keywords["projectile"].static_mass
     beam = whole(strike.keywords["target"])
     full, stiff = strike(target=beam), strike(target=beam, projectile=ao.rigid(mass=mass))
@@ -97,7 +98,13 @@ def test_quantity_and_tolerance_have_defaults(paper):
 
 SCENES = IMPACTS | {
     "the paper's spheres": lambda: (paper_sphere(), paper_sphere(), SPHERES_LAW, 1.0, 1e-4),
-    "the paper's sphere and beam": lambda: (paper_sphere(), paper_beam(), LAW, 1.0, 2.5e-4),
+    "the paper's sphere and beam": lambda: (
+        paper_sphere(),
+        paper_beam(),
+        ao.PowerLaw(LAW.k, 1.5),
+        1.0,
+        2.5e-4,
+    ),
 }
 
 
@@ -254,26 +261,6 @@ def test_models_are_compared_over_the_same_record():
     assert hit.duration == pytest.approx(start + 2.0 * (end - start), rel=0.02)
 
 
-@pytest.mark.slow
-def test_a_coarse_mesh_takes_no_better_models_than_it_deserves():
-    """By default the models' error is a fifth of the mesh's, but .1 at most; `rtol` is kept.
-
-    A ball on a sheet of rubber of hexahedra that lock; the truth is all oscillators of this mesh.
-    """
-    mesh = ao.box_mesh((0.2, 0.15, 0.01), (10, 10, 2))
-    tip = ao.FEModel.from_mesh(mesh, RUBBER, fixed=ENDS).contact(point=(0.09, 0.07, 0.01))
-    run = functools.partial(ao.simulate, projectile=ao.ball(0.02, STEEL), velocity=0.5)
-    with held_warnings():
-        hit, strict = run(target=tip), run(target=tip, rtol=1e-2)
-        full = run(target=whole(hit.models[1].origin.tip), duration=hit.duration)
-    assert hit.models[1].n < 0.7 * strict.models[1].n
-    force = QUANTITIES["force"]
-    assert force.difference(strict, full) <= 1e-2
-    assert force.difference(hit, full) <= 0.1 <= 0.2 * hit.error.mesh
-    assert 1e-2 < hit.error.model <= 0.1
-    assert "models and steps chosen for 10 %" in str(hit)
-
-
 def coarse_plate():
     """An aluminium plate of hexahedra that lock: the mesh's error of the force is about 1."""
     mesh = ao.box_mesh((0.2, 0.15, 0.006), (14, 10, 2))
@@ -282,16 +269,13 @@ def coarse_plate():
 
 
 @pytest.mark.slow
-def test_other_shares_of_the_meshs_error_take_more_oscillators_or_leave_larger_errors(monkeypatch):
+def test_a_tolerance_that_was_left_out_is_a_percent_at_most():
+    """Even where the mesh is far worse; the truth is a tighter tolerance."""
     run = functools.partial(ao.simulate, **coarse_plate(), velocity=1.0)
-    usual, exact = run(), run(rtol=2e-3)
-    n, off = usual.models[1].n, functools.partial(QUANTITIES["force"].difference, exact)
-    for name in ("_SHARE_OF_MESH", "_LOOSEST"):
-        with monkeypatch.context() as patch:
-            patch.setattr(choice, name, getattr(choice, name) / 3.0)
-            assert run().models[1].n > 1.3 * n
-    monkeypatch.setattr(choice, "_LOOSEST", 3.0 * choice._LOOSEST)
-    assert off(run()) > 0.1 > 1.5 * off(usual)
+    with held_warnings():
+        usual, exact = run(), run(rtol=5e-4)
+    assert usual.error.rtol <= 0.0101
+    assert QUANTITIES["force"].difference(usual, exact) <= 0.0101
 
 
 @pytest.mark.slow

@@ -187,8 +187,8 @@ def test_a_refusal_names_the_tolerance_that_can_be_had(endless):
 def test_the_best_that_there_is_comes_with_its_error(endless):
     """Errors 1/(n + 1): 1e-4 would take 10 000."""
     found, _ = search(lambda n: 1.0 + 1.0 / (n + 1), 1e-4, endless(1), best=True)
-    assert found.orders[0] > 300
-    assert 0.99 / (found.orders[0] + 1) <= found.error < 5e-3
+    assert found.orders[0] > 80  # where a default search ends
+    assert 0.99 / (found.orders[0] + 1) <= found.error < 2e-2
     with pytest.raises(ao.ConvergenceError):  # of what does not settle at all there is no answer
         search(lambda n: 1.0 + 2.0 * np.sin(n), 1e-2, endless(1), best=True)
 

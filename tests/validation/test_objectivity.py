@@ -10,6 +10,7 @@ import numpy.typing as npt
 import pytest
 from bodies import ball_of_octants
 
+from aoimpact.base.errors import AOImpactError
 from aoimpact.fem.contact import ContactPoint
 from aoimpact.fem.material import Material
 from aoimpact.fem.model import FEModel
@@ -95,7 +96,14 @@ def sphere_pairs(mesh: str) -> dict[float, Result]:
         sphere(mesh).contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=radius)
         for radius in radii
     )
-    return {radius: pair(tip) for radius, tip in zip(radii, tips, strict=True)}
+    found = {}
+    for radius, tip in zip(radii, tips, strict=True):
+        try:
+            found[radius] = pair(tip)
+        except AOImpactError:  # a node of a fine mesh is more compliant than the law
+            assert radius == 0.0
+            assert mesh not in ("309", "1053")
+    return found
 
 
 @pytest.mark.parametrize("mesh", SPHERE_MESHES)
