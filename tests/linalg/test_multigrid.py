@@ -390,6 +390,7 @@ def test_masses_between_nodes_without_stiffness_between_them_count(at_once, monk
     )
 
 
+@pytest.mark.filterwarnings("ignore:.*numbers are those of corners")
 def test_all_corners_of_a_quadratic_mesh_may_be_held():
     mesh = box_mesh((0.04, 0.02, 0.02), (10, 5, 5), kind="hexahedron20")
     corners = corner_interpolation(mesh)[1]
