@@ -17,7 +17,7 @@ from .hierarchy import (
 )
 from .interest import impact_quantity, scene_quantity
 from .keep import CONTROLLED, Keep, Named, keeper
-from .leftout import Altered, LeftOutFinder, Met, alterations
+from .leftout import Altered, LeftOutFinder, Met, alterations, extrapolated
 from .order import first_guess, larger_orders, models_to_compare, safety_of
 from .stressat import StressAt
 
@@ -38,6 +38,7 @@ __all__ = [
     "checked_linear_solver",
     "checked_rtol",
     "choose_models",
+    "extrapolated",
     "finer_run",
     "first_guess",
     "impact_quantity",

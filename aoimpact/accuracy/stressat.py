@@ -115,7 +115,7 @@ def stress_quantity(wanted: StressAt, number: int) -> Quantity:
             return 0.0
         with held_warnings():
             field = response(run).field(run.t[[int(history.argmax())]])
-        return _roughness(wanted, field.displacement[0]) / largest
+        return _roughness(wanted, field.of_elements[0]) / largest
 
     return Quantity("stress", "Pa", history=stress, each="bodies", lasting=True, local=local)
 

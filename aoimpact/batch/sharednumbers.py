@@ -21,6 +21,7 @@ from ..accuracy import (
     SharedPoint,
     alterations,
     checked_rtol,
+    extrapolated,
     models_to_compare,
     safety_of,
     time_rule,
@@ -64,7 +65,7 @@ class _Impact:
         Of the record, s.
     rows : list of int
         Where the answers for the model and for larger ones stand.
-    altered : list of (float, int, bool)
+    altered : list of ((float, float), int, bool)
         Scales of the changes that show other errors, where these answers stand, and whether the
         errors are by the mesh.
     """
@@ -77,7 +78,7 @@ class _Impact:
     rtol: float
     length: float
     rows: list[int] = field(default_factory=list)
-    altered: list[tuple[float, int, bool]] = field(default_factory=list)
+    altered: list[tuple[tuple[float, float], int, bool]] = field(default_factory=list)
 
     @property
     def first_order(self) -> bool:
@@ -263,7 +264,8 @@ def _alter(of: _Impact, answer: FloatArray, calls: _Calls) -> bool:
             if (plan := altered.plan) is not None:
                 if id(plan) not in rows:
                     rows[id(plan)] = calls.ask(plan.bodies, plan.contacts[0], of.length, of.rtol)
-                of.altered.append((altered.scale, rows[id(plan)], by_mesh))
+                size = altered.size, altered.scale
+                of.altered.append((size, rows[id(plan)], by_mesh))
     return True
 
 
@@ -274,12 +276,13 @@ def _kept(
     count, speeds, events = len(impacts), calls.speeds, calls.events
     rows = np.array([of.rows[0] for of in impacts], dtype=np.intp)
     # Impacts and rows of the runs that theirs are compared with.
-    pairs = [(i, at, of.safety) for i, of in enumerate(impacts) for at in of.rows[1:]]
+    pairs = [(i, at) for i, of in enumerate(impacts) for at in of.rows[1:]]
+    safety = np.array([of.safety for of in impacts])
     of_mesh, of_law = (
         [
-            (i, at, scale)
+            (i, at, *size)
             for i, of in enumerate(impacts)
-            for scale, at, by_mesh in of.altered
+            for size, at, by_mesh in of.altered
             if by_mesh is kind
         ]
         for kind in (True, False)
@@ -291,11 +294,12 @@ def _kept(
         for some, add in ((pairs, np.maximum), (of_mesh, np.add), (of_law, np.add)):
             error = np.zeros(count)
             if some:
-                which, at, scale = (np.array(column) for column in zip(*some, strict=True))
+                which, at, *size = (np.array(column) for column in zip(*some, strict=True))
                 changes = QUANTITIES[name].relative_changes(
                     values[rows[which]], values[at], speeds.before[:, at]
                 )
-                add.at(error, which, scale * changes)
+                scaled = extrapolated(changes, *size) if size else safety[which] * changes
+                add.at(error, which, scaled)
             errors.append(error)
         return values[rows], errors
 

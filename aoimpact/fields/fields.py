@@ -122,6 +122,14 @@ class Field:
         """
         return self._error()
 
+    @property
+    def of_elements(self) -> FloatArray:
+        """The displacement without the half-space's under contacts, in the shape of `displacement`.
+
+        :meta private:
+        """
+        return self.displacement if self._of_elements is None else self._of_elements
+
     def __repr__(self) -> str:
         times = ", ".join(f"{time:.6g}" for time in self.times[:4])
         more = ", …" if len(self.times) > 4 else ""
@@ -165,7 +173,7 @@ class Field:
         place = choice("at", at, ("nodes", "gauss"))
         mesh, material = solid(self.body, "stress")
         evaluate = nodal_stress if place == "nodes" else gauss_stress
-        moved = self.displacement if self._of_elements is None else self._of_elements
+        moved = self.of_elements
         found = evaluate(mesh, material, moved)
         if self._half_space is None:
             return found
