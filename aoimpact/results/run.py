@@ -46,7 +46,7 @@ __all__ = ["Chosen", "Handle", "Run"]
 _DRIFT, _ROUNDING = 100.0, 1e-12
 
 # Error by a mesh of first order that is worth a warning.
-_LARGE = 0.2
+_LARGE = 0.1
 
 _NOTHING_KNOWN = LeftOut()
 
