@@ -233,7 +233,7 @@ def time_rule(solver: Any, tolerance: float, *, given: bool) -> tuple[Any, float
         As the caller gave it.
     tolerance : float
     given : bool
-        Whether it was given, so that the solver must keep it.
+        True if it was given, so that the solver must keep it.
     """
     steps = isinstance(solver, Newmark)
     in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)

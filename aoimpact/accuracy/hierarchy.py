@@ -251,7 +251,7 @@ class SharedPoint(FullModel):
         Those that have been chosen: the model, and larger ones by which its error is estimated,
         the largest last. Others are not tried.
     exact : bool
-        Whether the largest is the whole body.
+        True if the largest is the whole body.
     rtol : float
         The tolerance that they were chosen for.
     """

@@ -53,7 +53,7 @@ class LeftOutFinder:
     interest : callable
         Returns a new quantity of interest, so that what it stores while runs are compared is freed.
     solver : Adaptive or Newmark, optional
-        Of the run.
+        The plan of the run.
     law_errors : sequence of float
         Relative error of each contact's stiffness, by that of the curvatures.
     meshed : bool
@@ -184,7 +184,7 @@ class _End:
     body : int
         Its number in the plan.
     error, varying : float
-        Of the compliance beyond the half-space, by the mesh and by the contact's width, m/N.
+        Errors of the compliance beyond the half-space by the mesh and by the contact's width, m/N.
     softening : float
         Relative error of the stiffness of its springs.
     held : float
@@ -229,7 +229,7 @@ def extrapolated(change: Any, size: Any, scale: Any) -> Any:
 
 
 class Met(NamedTuple):
-    """What a contact has come to.
+    """Duration and depth that a contact reached.
 
     Attributes
     ----------
@@ -258,9 +258,9 @@ def alterations(
     Parameters
     ----------
     plan : Plan
-        Of the run.
+        The plan of the run.
     met : sequence of Met
-        What each of its contacts has come to.
+        Duration and depth of each of its contacts.
     law_errors : sequence of float, optional
         See `LeftOutFinder`.
     """
@@ -341,7 +341,7 @@ def _stiffer(
 
 
 def _met(run: Run, number: int) -> Met:
-    """What a contact of a run has come to."""
+    """Duration and depth that a contact of a run reached."""
     contact, events = run.plan.contacts[number], run.events[number]
     start, end = events.peak_contact or (0.0, 0.0)
     depth = float(run.contacts[number].indentation.max())

@@ -25,7 +25,7 @@ __all__ = ["SharedCase", "share_models"]
 
 _NAMES = ("projectile", "target")
 
-# What must be the same for impacts that share a model; all else may differ.
+# Arguments that must be the same for impacts that share a model; all others may differ.
 _ALIKE = ("quantity", "rtol", "solver", "linear_solver")
 
 # The widest contact of impacts that share a patch over the narrowest: patches with a radius of up
@@ -35,7 +35,7 @@ _AS_WIDE = 3.5
 # Records of more than so many of the shortest contacts need vectors for slow motion as well.
 _LONG = 4.0
 
-# What time integration may add to the error by the models, where no tolerance is given: a tenth of
+# Error of time integration over that of the models, where no tolerance is given: a tenth of
 # this would take 20 to 60 % more time.
 _SHARE_OF_TIME = 0.05
 
@@ -53,7 +53,7 @@ class SharedCase:
     solver : Adaptive, Newmark or None
         As given; if left out, one that suits the models' tolerance.
     plain : bool
-        Whether the hardest impacts had no warnings.
+        True if the hardest impacts had no warnings.
     """
 
     case: Mapping[str, Any]
@@ -124,7 +124,7 @@ def share_models(
 
 
 def _key(case: Mapping[str, Any]) -> tuple[Any, ...] | None:
-    """What a case has in common with those that share its models; None if it shares none."""
+    """Key that cases with the same models have in common; None for a case that shares none."""
     bodies = [case.get(name) for name in _NAMES]
     points = [id(body) if isinstance(body, ContactPoint) else None for body in bodies]
     if not any(points) or not all(isinstance(body, ContactPoint | AOModel) for body in bodies):
@@ -175,7 +175,7 @@ def _as_wide(foreseen: Sequence[tuple[int, Impact]]) -> list[list[tuple[int, Imp
 
 
 def _radius(impact: Impact) -> float:
-    """Of the contact, m; 0 where the law has no surface."""
+    """Radius of the contact, m; 0 where the law has no surface."""
     assert impact.met is not None
     return impact.met.contact_radius or 0.0
 

@@ -89,7 +89,7 @@ class Extraction:
         a, m.
     splitting : Splitting
     mesh_field : ndarray, shape (n_nodes, 3)
-        What the mesh makes of u_B, m/N: the displacement under the force on the nodes less w.
+        The mesh's approximation of u_B, m/N: the displacement under the force on the nodes less w.
     """
 
     removed: float
@@ -130,11 +130,11 @@ def extracted(
     weights : ndarray, shape (n_nodes,)
         Shares of the force that the nodes take.
     direction, point, normal : ndarray, shape (3,)
-        Of the force; on the surface, m; outward.
+        Direction of the force; point of the surface, m; outward normal.
     radius : float
         a, of the contact itself, m.
     solver : LinearSolver
-        Of K + s²M.
+        Factors of K + s²M.
 
     Notes
     -----
@@ -203,7 +203,7 @@ class Splitting:
     space : HalfSpace
         With u_B; its radius is a.
     behind : bool
-        Whether the body reaches behind the contact, so that χ is not 1 everywhere.
+        True if the body reaches behind the contact, so that χ is not 1 everywhere.
     s2 : float
         s², (rad/s)².
     w : ndarray, shape (n_nodes, 3)
@@ -278,7 +278,7 @@ def split(
     radius : float
         a, of the contact itself, m.
     solver : LinearSolver
-        Of K + s²M.
+        Factors of K + s²M.
     """
     mesh, s2 = body.mesh, solver.pencil.s2
     frame = np.vstack([plane_of(-normal), -normal])

@@ -48,7 +48,7 @@ class Points:
     slopes : ndarray, shape (n, q, nodes per cell, 3)
         Their derivatives along x, y, z, 1/m.
     weight : ndarray, shape (n, q)
-        Of cells, m³; of sides 1, since `area` is weighted.
+        Weights of cells, m³; 1 for sides, since `area` is weighted.
     area : ndarray, shape (n, q, 3)
         Outward vector of the area, m²; zero for cells.
     """

@@ -54,7 +54,7 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
     law : ContactLaw
         Between the bodies.
     materials : sequence of Material or None
-        Of the bodies that deform; R follows from k and these. None for one that is not known.
+        Materials of the bodies that deform; R follows from k and these. None for an unknown one.
     """
     if not isinstance(law, HertzianLaw) or getattr(law, "n", _POWER) != _POWER:
         return None

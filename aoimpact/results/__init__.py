@@ -31,12 +31,13 @@ from .quantities import (
 )
 from .record import AS_LONG_AGAIN, RecordLength
 from .result import Result
-from .run import Chosen, Handle, Run
+from .run import FIRST_ORDER_LIMIT, Chosen, Handle, Run
 from .solve import TimeSolver, solve
 
 __all__ = [
     "AS_LONG_AGAIN",
     "COLUMNS",
+    "FIRST_ORDER_LIMIT",
     "IMPACT_CHOICES",
     "QUANTITIES",
     "SCENE_CHOICES",

@@ -40,13 +40,13 @@ from .table import ROLES, body_names, different, run_columns, write_csv
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Chosen", "Handle", "Run"]
+__all__ = ["FIRST_ORDER_LIMIT", "Chosen", "Handle", "Run"]
 
 # The ledger of a run is off by no more than so many times its error, or rounding.
 _DRIFT, _ROUNDING = 100.0, 1e-12
 
-# Error by a mesh of first order that is worth a warning.
-_LARGE = 0.1
+# Error by a mesh of first order from which on it is worth a warning.
+FIRST_ORDER_LIMIT = 0.1
 
 _NOTHING_KNOWN = LeftOut()
 
@@ -705,7 +705,7 @@ def _energy(rows: FloatArray, layout: RecordLayout) -> Energy:
 
 def _warn_of_first_order(run: Run, error: ErrorEstimate) -> None:
     """Warn of a large error by a mesh of first order, which few elements of second order cure."""
-    if error.mesh is None or not error.mesh > _LARGE:
+    if error.mesh is None or not error.mesh > FIRST_ORDER_LIMIT:
         return
     touched = {end for contact in run.plan.contacts for end in contact.ports}
     names = []
