@@ -165,9 +165,6 @@ int aoi_star_from_constraint_modes(size_t n, size_t count, const double *phi_st,
         }
         coefficient[j] = coupling / own;
         const double mass = coupling * coefficient[j], stiffness = omega2[j] * mass;
-        if (!isfinite(stiffness) || !isfinite(mass)) {
-            return AOI_ERROR_NOT_FINITE;
-        }
         if (size == 0 || omega2[j] - last > EQUAL * omega2[j]) {
             m[size] = k[size] = 0.0;
             size++;
@@ -177,6 +174,10 @@ int aoi_star_from_constraint_modes(size_t n, size_t count, const double *phi_st,
         k[size - 1] += stiffness;
         oscillator[j] = (int32_t)(size - 1);
         residual -= mass;
+    }
+    /* One check for the sums: what is not finite in a mode stays so in them. */
+    if (!isfinite(residual) || !aoi_vector_is_finite(size, k)) {
+        return AOI_ERROR_NOT_FINITE;
     }
     if (fabs(residual) < MASS_ROUNDING * static_mass) {
         residual = 0.0;

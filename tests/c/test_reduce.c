@@ -314,6 +314,12 @@ static void oscillators_that_cannot_be(void)
               "case %zu", i);
         *bad[i].where = was;
     }
+    /* Two masses of 1.69e308 kg are numbers; what they leave of the static mass is not. */
+    double large[4] = {1.3e154, 0.0, 0.0, 1.3e154}, small[4] = {1.0 / 1.3e154, 0.0, 0.0, 1.0 / 1.3e154};
+    double slow[2] = {0.25, 0.5};
+    CHECK(aoi_star_from_constraint_modes(2, 2, ones, ones, k0, large, small, slow, &star, m, k, c, of) ==
+              AOI_ERROR_NOT_FINITE,
+          "masses without end");
 }
 
 int main(void)
