@@ -277,7 +277,7 @@ def alterations(
     beyond = [math.fsum(end.error for end in of) for of in ends]
     varying = [math.fsum(end.varying for end in of) for of in ends]
     series, wider = _in_series(plan, slopes, beyond), None
-    if len(met) == 1 and beyond[0]:  # the same alteration, but for its size
+    if len(met) == 1 and varying[0] and beyond[0]:  # the same alteration, but for its size
         ratio = varying[0] / beyond[0]
         wider = replace(series, size=ratio * series.size, scale=ratio * series.scale)
     return Alterations(

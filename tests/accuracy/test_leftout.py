@@ -156,3 +156,13 @@ def test_a_history_of_several_contacts_says_in_which_it_is_off_most() -> None:
     said = re.search(r"at any time \(in contact (\d) of (\d)\) ±", repr(again))
     assert said is not None
     assert 1 < int(said.group(1)) <= int(said.group(2)) == len(again.contacts)
+
+
+@pytest.mark.filterwarnings("ignore:.*elements of first order")
+def test_displacement_without_curvature_under_the_contact_has_no_error_by_its_width() -> None:
+    """Within one face of a linear tetrahedron, mostly to the last digit."""
+    plate = ao.FEModel.from_mesh(ao.box_mesh((0.12, 0.12, 0.02), (4, 4, 1), kind="tetra"), ALU)
+    for place in ((0.005, 0.015), (0.005, 0.045), (0.025, 0.045), (0.045, 0.095)):
+        tip = plate.contact(point=(*place, 0.02), radius=1e-3)
+        error = ao.simulate(BALL, tip, 1.0).error["peak_force"]
+        assert error.contact < 1e-12 < error.mesh
