@@ -25,7 +25,7 @@ from ..base import (
 from ..linalg import LARGEST
 from ..mesh import Mesh, motions_at
 from .labels import label_of
-from .supports import Selector, components, nodes_of_mesh
+from .supports import Selector, components, constrained, nodes_of_mesh
 
 __all__ = ["Mounted", "RigidMass", "SpringSupport", "added_mass", "spring_stiffness"]
 
@@ -121,10 +121,10 @@ def added_mass(mesh: Mesh, masses: Sequence[Mounted] | None, free: IntArray) -> 
             one = sp.diags_array(share.reshape(-1), format="csr")
             one.eliminate_zeros()
         on = np.unique(np.flatnonzero(one.diagonal()) // 3)
-        constrained = len(on) - np.count_nonzero(np.isin(on, free // 3))
-        if constrained:
+        held = len(on) - np.count_nonzero(np.isin(on, free // 3))
+        if held:
             warn(
-                f"{name}: {constrained} of the {len(on)} nodes that carry it are constrained by "
+                f"{name}: {held} of the {len(on)} nodes that carry it are constrained by "
                 "fixed, and their shares do not move; take other nodes, or release these"
             )
         added = one if added is None else added + one
@@ -210,15 +210,14 @@ def spring_stiffness(
     """
     how = 'give a list such as [("mounts", "z", 1e6)]: nodes, letters, N/m'
     total = np.zeros((mesh.n_nodes, 3))
-    constrained = np.ones(mesh.n_nodes * 3, dtype=bool)
-    constrained[free] = False
+    held = constrained(free, mesh.n_nodes)
     for i, entry in enumerate(_listed("springs", springs, how)):
         name = f"springs[{i}]"
         selector, letters, stiffness = _tuple(name, entry, 3, how)
         ids = nodes_of_mesh(name, selector, mesh)
         share = _bounded(f"{name}: the stiffness", stiffness, "N/m") / len(ids)
         for component in components(name, letters):
-            on_support = constrained.reshape(-1, 3)[ids, component]
+            on_support = held[ids, component]
             if on_support.any():
                 first = label_of(int(ids[on_support][0]), mesh.node_labels)
                 raise InputError(

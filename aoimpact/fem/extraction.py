@@ -43,6 +43,7 @@ from .material import Material
 from .patch import spread
 from .stresserror import energy_error, missing_energy
 from .subdivision import cells_towards, sides_towards
+from .supports import constrained
 
 __all__ = ["Extraction", "Splitting", "extracted", "split"]
 
@@ -302,8 +303,7 @@ def split(
     load.add_inertia(s2, at_nodes)
     # L on the free dofs and on the constrained ones, where w = -χ u_B.
     forces, free = load.forces.reshape(-1), body.free
-    fixed = np.ones(len(forces), dtype=bool)
-    fixed[free] = False
+    fixed = constrained(free, mesh.n_nodes).reshape(-1)
     w, right = np.zeros(len(forces)), forces[free]
     compliance = load.self_term + sunk
     if fixed.any():
@@ -357,9 +357,7 @@ def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArra
 
 def _supported(body: Any) -> IntArray:
     """Nodes with a constrained dof."""
-    free = np.zeros(3 * body.mesh.n_nodes, dtype=bool)
-    free[body.free] = True
-    return np.flatnonzero(~free.reshape(-1, 3).all(axis=1))
+    return np.flatnonzero(constrained(body.free, body.mesh.n_nodes).any(axis=1))
 
 
 def _at_contact(body: Any, point: FloatArray) -> tuple[OneMaterial, int | None]:
@@ -502,9 +500,7 @@ class _Load:
             held[body.free] += body.springs * moved[body.free]
         if len(body.free) < len(moved):
             dofs, _, M = self.supported
-            fixed = np.ones(len(moved), dtype=bool)
-            fixed[body.free] = False
-            there = fixed[dofs]
+            there = constrained(body.free, self.mesh.n_nodes).reshape(-1)[dofs]
             held[dofs] += s2 * np.where(
                 there, M @ moved[dofs], M @ np.where(there, moved[dofs], 0.0)
             )

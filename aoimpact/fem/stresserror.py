@@ -28,6 +28,7 @@ from ..mesh import cofactors, jacobians
 from .composition import Layout, OneMaterial, each_of, layout, pieces
 from .material import PAIRS, Material
 from .stress import Stress, batches, elements_at, extrapolation, gauss_of, shown
+from .supports import constrained
 
 __all__ = ["energy_error", "missing_energy", "stresses_around"]
 
@@ -114,9 +115,8 @@ def _free_of_traction(
     surface, material = body.surface, body.material
     assert surface is not None
     assert material is not None
-    supported = np.ones(3 * len(loaded), dtype=bool)
-    supported[body.free] = False
-    kept = loaded | supported.reshape(-1, 3).any(axis=1)
+    assert body.free is not None
+    kept = loaded | constrained(body.free, len(loaded)).any(axis=1)
     if body.attached is not None:
         kept[body.attached] = True
     kept = kept[places.node]

@@ -12,11 +12,25 @@ from ..base import FloatArray, InputError, InputTypeError, IntArray, called, nea
 from ..mesh import Mesh, open_edges
 from .labels import nodes_by_number
 
-__all__ = ["Selector", "Support", "components", "free_dofs", "nodes_of_mesh", "selected_nodes"]
-
+__all__ = [
+    "Selector",
+    "Support",
+    "components",
+    "constrained",
+    "free_dofs",
+    "nodes_of_mesh",
+    "selected_nodes",
+]
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
 Support = tuple[Selector, str]
+
+
+def constrained(free: IntArray, n_nodes: int) -> npt.NDArray[np.bool_]:
+    """Return True for each component of a node that a support holds, shape (n_nodes, 3)."""
+    mask = np.ones(3 * n_nodes, dtype=bool)
+    mask[free] = False
+    return mask.reshape(-1, 3)
 
 
 def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
