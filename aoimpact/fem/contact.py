@@ -275,7 +275,16 @@ class ContactPoint(Frozen):
         assert self.direction is not None
         normal = normal_at(self.body.surface, self.point)
         force = self._nodal_forces @ self.direction, self.direction
-        return extracted(self.body, self.b, *force, self.point, normal, self._width, solver)
+        found = extracted(self.body, self.b, *force, self.point, normal, self._width, solver)
+        given = self.patch is not None and not self.automatic
+        if given and found.excess > 0.5 * found.error:  # more than the mesh explains
+            assert self.patch is not None
+            raise InputError(
+                f"radius={self.patch.radius:g}: the patch is so wide that the body yields less to "
+                "its mean displacement than under the contact; give a smaller radius, or leave it "
+                "out"
+            )
+        return found
 
     def at_impact(self, contact_radius: float, solver: LinearSolver) -> ContactPoint:
         """Return the contact point for a contact of that radius, its compliance computed.

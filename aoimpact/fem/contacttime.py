@@ -36,11 +36,6 @@ SHIFT_TIMES_DURATION = 10.0
 # matrix.
 _NEAR_K = 1e-9
 
-# s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the
-# highest ω²: below ω₁² of all but the longest bodies, and above what rounding takes for a singular
-# matrix.
-_NEAR_K = 1e-9
-
 # ν above which λ is taken as it is there. The half-space's (1 - ν)/G goes on almost as before; λ
 # grows without bound, and with it bᵀKb: at .49 by a factor of four.
 _COMPRESSIBLE = 0.45

@@ -61,7 +61,6 @@ _BEHIND, _FAR_BEHIND = 0.35, 0.8
 # inertia, of linear and quadratic elements: R changes by less than 1e-4 of itself.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
-
 # The mean of w under the pressure has an error of either sign, but a small one even where elements
 # are too large about a sharp inside corner for the energy of w's error to be estimated. It is taken
 # where it is off by more than this multiple of the estimate, and by more than this share of
@@ -82,8 +81,11 @@ class Extraction:
         R, of the body beyond the half-space, m/N, at the frequency s.
     error : float
         Estimated error of R, m/N.
+    excess : float
+        R - G where that is positive, m/N: c is taken as 0 then.
     varying : float
-        How much R changes while the contact grows to the radius a, m/N.
+        How much c changes while the contact grows to the radius a, and over an e-fold of frequency,
+        m/N.
     strain : float
         xᵀKx of the displacement x under the unit force on the nodes, m/N.
     radius : float
@@ -96,6 +98,7 @@ class Extraction:
     removed: float
     beyond: float
     error: float
+    excess: float
     varying: float
     strain: float
     radius: float
@@ -147,8 +150,8 @@ def extracted(
     straight = 1.0 - abs(cosine) < _ALONG
     along = b if straight else np.outer(weights, normal).reshape(-1)[body.free]
     x = solver.solve(along)
-    strain = float(x @ (body.K @ x))
-    compliance = 2.0 * float(along @ x) - strain - splitting.s2 * float(x @ (body.M @ x))
+    strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
+    compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
     false, own = energy_error(body, splitting.w, ~splitting.smooth)
     missing = missing_energy(false, own)
     # At supports -u_B is interpolated between nodes, so that R2 has an error of either sign there.
@@ -158,8 +161,11 @@ def extracted(
     sunk = -splitting.w @ normal
     try:
         mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
-    except RoomError:  # the contact reaches over an edge
-        pass
+    except RoomError as edge:
+        # The share of Hertz's pressure beyond a straight edge at x a is 1/2 - 3 x/4 + x³/4, from
+        # none at x = 1 to a half, where a quarter-space is about twice as soft as a half-space.
+        x = min(edge.room / radius, 1.0)
+        varying = (1.0 - 1.5 * x + 0.5 * x**3) * splitting.space.mean_displacement
     else:
         here = body.surface.nearest(point)[0]
         nodes = body.mesh.cells[body.surface.cell[here.face[0]]]
@@ -173,6 +179,8 @@ def extracted(
             beyond, error = mean + splitting.bent, apart
     # A contact is wider than half its largest radius while the force is above an eighth.
     varying += abs(splitting.by_width) * math.log(2.0)
+    # c of a wide patch on a thin body depends on frequency: dc/d(log s) = 2 s² dc/d(s²).
+    varying += 2.0 * splitting.s2 * abs(splitting.inertia - inertia)
     removed = compliance - beyond
     if not straight:
         nu = splitting.space.nu
@@ -183,6 +191,7 @@ def extracted(
         max(removed, 0.0),
         beyond,
         error + max(-removed, 0.0),
+        max(-removed, 0.0),
         varying,
         strain,
         radius,
@@ -211,6 +220,8 @@ class Splitting:
         m/N.
     compliance : float
         R, m/N.
+    inertia : float
+        -dR/d(s²), kg m²/N².
     bent : float
         The part of R that a curved contact adds to the mean of w under the pressure, m/N.
     by_width : float
@@ -226,6 +237,7 @@ class Splitting:
     s2: float
     w: FloatArray
     compliance: float
+    inertia: float
     bent: float
     by_width: float
     smooth: npt.NDArray[np.bool_]
@@ -299,24 +311,24 @@ def split(
     load = _Load(body, point, frame, space, behind=behind)
     at_nodes = load.field(mesh.nodes)
     sunk = load.add_sides()
-    load.add_cells(s2, at_nodes, own)
-    load.add_inertia(s2, at_nodes)
-    # L on the free dofs and on the constrained ones, where w = -χ u_B.
-    forces, free = load.forces.reshape(-1), body.free
+    load.add_cells(at_nodes, own)
+    load.add_inertia(at_nodes)
+    # L on the free dofs and on the constrained ones, where w = -χ u_B. Of each quantity the parts
+    # that count once and -s² times.
+    forces, free = load.forces.reshape(2, -1), body.free
     fixed = constrained(free, mesh.n_nodes).reshape(-1)
-    w, right = np.zeros(len(forces)), forces[free]
-    compliance = load.self_term + sunk
+    w, parts = np.zeros(3 * mesh.n_nodes), load.self_term + [sunk, 0.0]
     if fixed.any():
         w[fixed] = -at_nodes.reshape(-1)[fixed]
         dofs, K, M = load.supported
-        pulled = np.zeros(len(forces))
-        pulled[dofs] = (K + s2 * M) @ w[dofs]
-        right = right - pulled[free]
-        compliance += float((2.0 * forces - pulled)[fixed] @ w[fixed])
-    moved = solver.solve(right)
+        pulled = np.zeros(forces.shape)
+        pulled[0, dofs], pulled[1, dofs] = K @ w[dofs], -(M @ w[dofs])
+        parts += (2.0 * forces - pulled)[:, fixed] @ w[fixed]
+        forces = forces - pulled
+    right = forces[:, free]
+    moved = solver.solve(right[0] - s2 * right[1])
     w[free] = moved
-    inner = float(moved @ (body.K @ moved)) + s2 * float(moved @ (body.M @ moved))
-    compliance += 2.0 * float(right @ moved) - inner
+    parts += 2.0 * right @ moved - [moved @ (body.K @ moved), -(moved @ (body.M @ moved))]
     touched = np.abs(local[:, 2]) < _FLAT * mesh.size
     touched[_supported(body)] = False
     return Splitting(
@@ -326,7 +338,8 @@ def split(
         behind,
         s2,
         w.reshape(-1, 3),
-        compliance,
+        float(parts[0] - s2 * parts[1]),
+        float(parts[1]),
         sunk,
         _by_width(load, s2, own, sunk, w) if load.curved else 0.0,
         touched,
@@ -348,11 +361,11 @@ def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArra
     )
     half_sunk = half.add_sides()
     at_nodes = half.field(half.mesh.nodes)
-    half.add_cells(s2, at_nodes, own)
-    half.add_inertia(s2, at_nodes)
-    change = half.self_term - load.self_term + half_sunk - sunk
-    change += 2.0 * float((half.forces - load.forces).reshape(-1) @ w)
-    return -change / math.log(2.0)
+    half.add_cells(at_nodes, own)
+    half.add_inertia(at_nodes)
+    change = half.self_term - load.self_term
+    change += 2.0 * (half.forces - load.forces).reshape(2, -1) @ w
+    return -float(change[0] - s2 * change[1] + half_sunk - sunk) / math.log(2.0)
 
 
 def _supported(body: Any) -> IntArray:
@@ -382,15 +395,18 @@ def cutoff(y: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
 
 
 class _Load:
-    """L(v) at the nodes, and the self term L(χ u_B), added up integral by integral."""
+    """L(v) at the nodes, and the self term L(χ u_B), added up integral by integral.
+
+    Both have two parts, of which the second counts -s² times: ∫ ρ χ u_B·v dV.
+    """
 
     def __init__(
         self, body: Any, point: FloatArray, frame: FloatArray, space: HalfSpace, *, behind: bool
     ) -> None:
         self.body, self.mesh = body, body.mesh
         self.point, self.frame, self.space, self.behind = point, frame, space, behind
-        self.forces = np.zeros((self.mesh.n_nodes, 3))
-        self.self_term, self.curved = 0.0, False
+        self.forces = np.zeros((2, self.mesh.n_nodes, 3))
+        self.self_term, self.curved = np.zeros(2), False
 
     def field(self, x: FloatArray) -> FloatArray:
         """χ u_B at places, in global axes, m."""
@@ -404,12 +420,18 @@ class _Load:
         return cutoff(y, self.space.radius)
 
     def _add(
-        self, nodes: IntArray, weight: FloatArray, shape: FloatArray, t: FloatArray, u: FloatArray
+        self,
+        part: int,
+        nodes: IntArray,
+        weight: FloatArray,
+        shape: FloatArray,
+        t: FloatArray,
+        u: FloatArray,
     ) -> None:
         """∫ t·v, and ∫ t·u in the self term; t and u in local axes, shape (n, q, 3)."""
-        self.self_term += float(np.einsum("nq,nqi,nqi->", weight, t, u))
+        self.self_term[part] += float(np.einsum("nq,nqi,nqi->", weight, t, u))
         forces = np.einsum("nq,nqa,nqi->nai", weight, shape, t @ self.frame)
-        np.add.at(self.forces, nodes, forces)
+        np.add.at(self.forces[part], nodes, forces)
 
     def add_sides(self) -> float:
         """∫ (p - χ σ_B n)·v dA over the surface; returns what ∫ p u_z exceeds that of a plane."""
@@ -435,12 +457,12 @@ class _Load:
                 t[..., 2] += p
                 pressed += float(p.sum())
                 sunk += float((p * u[..., 2]).sum())
-                self._add(block.cells[at.rows], at.weight, at.shape, t, chi * u)
+                self._add(0, block.cells[at.rows], at.weight, at.shape, t, chi * u)
         # A plane contact has no pressure on sides that are out of its plane.
         self.curved = pressed > 0.5
         return sunk - pressed * self.space.mean_displacement
 
-    def add_cells(self, s2: float, at_nodes: FloatArray, own: int | None) -> None:
+    def add_cells(self, at_nodes: FloatArray, own: int | None) -> None:
         """Integrals over cells near the contact, behind it, and of other materials than there.
 
         Near the contact u_B is not interpolated well enough for its inertia: what `add_inertia`
@@ -470,9 +492,9 @@ class _Load:
                     u, stress = self.space.displacement(y), None
                 moved = chi[..., None] * u
                 instead = at.shape @ (at_nodes[cells] @ self.frame.T)
-                mass = -s2 * piece.material.rho * at.weight * near[at.rows][:, None]
-                self._add(cells, mass, at.shape, moved, moved)
-                self._add(cells, -mass, at.shape, instead, instead)
+                mass = piece.material.rho * at.weight * near[at.rows][:, None]
+                self._add(1, cells, mass, at.shape, moved, moved)
+                self._add(1, cells, -mass, at.shape, instead, instead)
                 if stress is None:
                     continue
                 tilted = u[..., :, None] * slope[..., None, :]
@@ -484,28 +506,26 @@ class _Load:
                     polarised = np.einsum("ijkl,nqkl->nqij", difference, strain)
                     energy += np.einsum("nq,nqij,nqij->", at.weight, polarised, strain)
                     extra += polarised
-                self.self_term -= float(energy)
+                self.self_term[0] -= float(energy)
                 body_force = np.einsum("nqij,nqj->nqi", stress, slope) @ self.frame
                 inner = self.frame.T @ extra @ self.frame
                 forces = np.einsum("nq,nqa,nqi->nai", at.weight, at.shape, body_force)
                 forces -= np.einsum("nq,nqij,nqaj->nai", at.weight, inner, at.slopes)
-                np.add.at(self.forces, cells, forces)
+                np.add.at(self.forces[0], cells, forces)
 
-    def add_inertia(self, s2: float, at_nodes: FloatArray) -> None:
-        """-s² ∫ ρ χ u_B·v by the mass matrix, and the springs to the ground."""
+    def add_inertia(self, at_nodes: FloatArray) -> None:
+        """∫ ρ χ u_B·v by the mass matrix, and the springs to the ground."""
         body, moved = self.body, at_nodes.reshape(-1)
-        held = np.zeros(len(moved))
-        held[body.free] = s2 * (body.M @ moved[body.free])
+        held = np.zeros((2, len(moved)))
+        held[1, body.free] = body.M @ moved[body.free]
         if body.springs is not None:
-            held[body.free] += body.springs * moved[body.free]
+            held[0, body.free] = -body.springs * moved[body.free]
         if len(body.free) < len(moved):
             dofs, _, M = self.supported
             there = constrained(body.free, self.mesh.n_nodes).reshape(-1)[dofs]
-            held[dofs] += s2 * np.where(
-                there, M @ moved[dofs], M @ np.where(there, moved[dofs], 0.0)
-            )
-        self.self_term -= float(held @ moved)
-        self.forces -= held.reshape(-1, 3)
+            held[1, dofs] += np.where(there, M @ moved[dofs], M @ np.where(there, moved[dofs], 0.0))
+        self.self_term += held @ moved
+        self.forces += held.reshape(self.forces.shape)
 
     @cached_property
     def supported(self) -> tuple[IntArray, Any, Any]:

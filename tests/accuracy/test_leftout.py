@@ -159,10 +159,32 @@ def test_a_history_of_several_contacts_says_in_which_it_is_off_most() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*elements of first order")
-def test_displacement_without_curvature_under_the_contact_has_no_error_by_its_width() -> None:
-    """Within one face of a linear tetrahedron, mostly to the last digit."""
+def test_displacement_without_curvature_under_the_contact_is_taken() -> None:
+    """Within one face of a linear tetrahedron it often varies by nothing at all."""
     plate = ao.FEModel.from_mesh(ao.box_mesh((0.12, 0.12, 0.02), (4, 4, 1), kind="tetra"), ALU)
     for place in ((0.005, 0.015), (0.005, 0.045), (0.025, 0.045), (0.045, 0.095)):
         tip = plate.contact(point=(*place, 0.02), radius=1e-3)
         error = ao.simulate(BALL, tip, 1.0).error["peak_force"]
-        assert error.contact < 1e-12 < error.mesh
+        assert error.contact < error.mesh < 1.0
+
+
+def test_a_patch_wider_than_a_plate_is_thick_is_refused() -> None:
+    """Its mean displacement is that of a softer place than the contact's."""
+    mesh = ao.box_mesh((0.2, 0.15, 0.006), (24, 18, 1), kind="hexahedron20")
+    thin = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    with pytest.raises(ao.InputError, match=r"radius=0\.02: .*smaller radius"):
+        ao.simulate(BALL, thin.contact(point=(0.12, 0.06, 0.006), radius=0.02), 1.0)
+    wide = ao.simulate(BALL, thin.contact(point=(0.12, 0.06, 0.006), radius=0.006), 1.0)
+    assert abs(wide.peak_force / 656.3 - 1.0) < wide.error["peak_force"].total  # of fine meshes
+
+
+def test_a_contact_over_an_edge_has_a_large_error() -> None:
+    """Of its disc of 0.48 mm, an edge cuts off a part."""
+    block = ao.FEModel.from_mesh(
+        ao.box_mesh((0.06, 0.06, 0.03), (6, 6, 3), kind="hexahedron20"), ALU
+    )
+    errors = [
+        ao.simulate(BALL, block.contact(point=(x, 0.03, 0.03)), 1.0).error["peak_force"].contact
+        for x in (0.0004, 0.001)
+    ]
+    assert errors[0] > 0.02 > 4.0 * errors[1]
