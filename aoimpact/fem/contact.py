@@ -380,9 +380,12 @@ class ContactPoint(Frozen):
             return f"ContactPoint({where} of {body})"
         where = ", ".join(f"{x:.4g}" for x in self.point)
         along = ", ".join(f"{x:.4g}" for x in self.direction)
-        what = "point" if self.node is None else f"node {self.node_label}"
         if self.patch is not None:
             what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
+        elif self.node is not None:
+            what = f"node {self.node_label}"
+        else:
+            what = f"functional of {np.count_nonzero(self.b)} dofs"
         return f"ContactPoint({what} at ({where}) m along ({along}) of {body})"
 
     @property
@@ -525,7 +528,7 @@ def _at_dof(body: Body, dof: int) -> ContactPoint:
     if body.nodes is None or body.free is None:
         return ContactPoint(body, b, None, None, None)
     node, component = divmod(int(body.free[dof]), 3)
-    return ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node)
+    return _on_surface(ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node))
 
 
 def _of_functional(body: Body, b: Any, radius: float | str) -> ContactPoint:
@@ -545,8 +548,27 @@ def _of_functional(body: Body, b: Any, radius: float | str) -> ContactPoint:
             tip = replace(tip, direction=tip.resultant / length)
         _warn_of_no_mean(tip, length)
     if radius in ("auto", 0.0):
-        return tip
+        return _on_surface(tip)
     return _with_patch(tip, float(radius))
+
+
+def _on_surface(tip: ContactPoint) -> ContactPoint:
+    """The same functional with the place of the surface that its force presses on, if it does."""
+    surface = tip.body.surface
+    if surface is None or tip.body.material is None or tip.direction is None:
+        return tip
+    assert tip.body.nodes is not None
+    forces = tip._nodal_forces @ tip.direction
+    centre = forces @ tip.body.nodes
+    spread = float(np.sqrt(np.abs(forces) @ ((tip.body.nodes - centre) ** 2).sum(axis=1)))
+    place = surface.nearest(centre)[0]
+    if float(place.distance[0]) > spread + AT_NODE * surface.mesh.size:
+        return tip
+    try:
+        normal = pressed_normal(surface, place.x[0], tip.direction)
+    except InputError:  # along the surface
+        return tip
+    return replace(tip, point=place.x[0], normal=normal, directed=False)
 
 
 def _warn_of_no_mean(tip: ContactPoint, length: float) -> None:

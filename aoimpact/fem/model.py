@@ -562,12 +562,13 @@ class FEModel(Frozen):
             Row of K, in place of `point` and `direction`.
         b : array_like, shape (n_dofs,), optional
             In place of all these: a functional of one's own, so that the contact's displacement is
-            u = bᵀX and its force f loads the body with b f. A law between the bodies is then left
-            as it is, unless `radius` names that of the disc over which b spreads Hertz's pressure.
+            u = bᵀX and its force f loads the body with b f. Where b sums up to one newton and acts
+            at a place of the surface, the compliance of the mesh is taken out of the law as for
+            any other contact.
         radius : float or "auto", optional
-            Of the patch that carries the contact under Hertz's pressure, m. It hardly matters, as
-            long as it is 1.2 times that of the contact or more, since the compliance of the mesh
-            under it is taken out of the law. "auto" takes 1.4 times the `expected` contact radius,
+            Of the patch that carries the contact under Hertz's pressure, m. It hardly matters
+            between 1.2 times that of the contact and half the thickness of the body, since the
+            compliance of the mesh under it is taken out of the law. "auto" takes 1.4 times the `expected` contact radius,
             or the edge of an element; `simulate` takes 1.4 times that of the impact. 0 is a single
             node, as good on coarse meshes. Bodies without a mesh have no patch.
         expected : float, optional
