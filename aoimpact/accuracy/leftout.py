@@ -37,8 +37,8 @@ _IN_PLACE_OF_ALL = 16
 # s T at which the error of the mesh's stiffness is evaluated. Errors of peaks on plates and beams
 # are 0.6 to 1.15 of those by springs softened by the true error at 6/T; at 4/T 0.4 to 0.9, at 10/T
 # 0.65 to 1.45. The energy that stress recovery misses is 0.8 to 1.9 times its estimate. With these
-# factors for linear and quadratic elements 96 % of the peaks of docs/calibration.md are within their
-# error, those of faceted balls left out.
+# factors for linear and quadratic elements 96 % of the peaks of docs/calibration.md are within
+# their error, those of faceted balls left out.
 _SLOW, _SAFETY = 6.0, {False: 1.5, True: 2.0}
 
 # Slopes are taken over this share of the indentation.

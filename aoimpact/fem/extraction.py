@@ -164,8 +164,8 @@ def extracted(
     except RoomError as edge:
         # The share of Hertz's pressure beyond a straight edge at x a is 1/2 - 3 x/4 + x³/4, from
         # none at x = 1 to a half, where a quarter-space is about twice as soft as a half-space.
-        x = min(edge.room / radius, 1.0)
-        varying = (1.0 - 1.5 * x + 0.5 * x**3) * splitting.space.mean_displacement
+        room = min(edge.room / radius, 1.0)
+        varying = (1.0 - 1.5 * room + 0.5 * room**3) * splitting.space.mean_displacement
     else:
         here = body.surface.nearest(point)[0]
         nodes = body.mesh.cells[body.surface.cell[here.face[0]]]
@@ -317,7 +317,7 @@ def split(
     # that count once and -s² times.
     forces, free = load.forces.reshape(2, -1), body.free
     fixed = constrained(free, mesh.n_nodes).reshape(-1)
-    w, parts = np.zeros(3 * mesh.n_nodes), load.self_term + [sunk, 0.0]
+    w, parts = np.zeros(3 * mesh.n_nodes), load.self_term + np.array([sunk, 0.0])
     if fixed.any():
         w[fixed] = -at_nodes.reshape(-1)[fixed]
         dofs, K, M = load.supported

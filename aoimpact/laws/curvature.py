@@ -18,7 +18,7 @@ from ..fem import Material
 
 __all__ = [
     "contact_modulus",
-    "elliptic_stiffness",
+    "elliptic_contact",
     "is_pair",
     "relative_curvatures",
     "relative_radius",
@@ -113,8 +113,8 @@ def relative_curvatures(radii_1: Any, radii_2: Any, angle: Any) -> tuple[float, 
     return low, high
 
 
-def elliptic_stiffness(modulus: float, low: float, high: float) -> float:
-    """Return k, N/m^1.5, of surfaces that part as A x² + B y².
+def elliptic_contact(modulus: float, low: float, high: float) -> tuple[float, float]:
+    """Return k, N/m^1.5, and the ellipse's eccentricity, of surfaces that part as A x² + B y².
 
     With m = 1 - (b/a)² of the ellipse of contact and D(m) = (K - E)/m,
     B/A = (K - D) / ((1-m) D) fixes m, and k² = (2π E*)² D / (9 K³ A): Johnson's eqs. (4.25) to
@@ -140,5 +140,7 @@ def elliptic_stiffness(modulus: float, low: float, high: float) -> float:
     # (b/a)² falls a little slower than (A/B)^(4/3), and is 1 for A = B.
     bottom = 2.0 * math.log(low / high) - 1.0
     root = scipy.optimize.brentq(excess, bottom, 1e-3, xtol=1e-15) if high > low else 0.0
-    complete, d = integrals(min(1.0, math.exp(root)))
-    return 2.0 * math.pi * modulus / 3.0 * math.sqrt(d / (complete**3 * low))
+    complement = min(1.0, math.exp(root))
+    complete, d = integrals(complement)
+    k = 2.0 * math.pi * modulus / 3.0 * math.sqrt(d / (complete**3 * low))
+    return k, math.sqrt(1.0 - complement)

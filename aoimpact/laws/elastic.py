@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from ..base import InputError, positive, real
+from ..base import InputError, nonnegative, positive, real
 from ..fem import Material
 from .curvature import (
     contact_modulus,
-    elliptic_stiffness,
+    elliptic_contact,
     is_pair,
     relative_curvatures,
     relative_radius,
@@ -40,6 +40,8 @@ class Hertz(HertzianLaw):
     relative_radius : float, optional
         R, m: the contact is √(R δ) wide, from which the radius of patches follows. E* follows from
         it and k.
+    eccentricity : float, optional
+        √(1 - b²/a²) of an elliptic contact, from 0 to below 1, for its pressure.
 
     Examples
     --------
@@ -52,11 +54,17 @@ class Hertz(HertzianLaw):
     """
 
     k: float
+    eccentricity: float = field(default=0.0, kw_only=True)
     _name = "hertz"
+    _units: ClassVar[dict[str, str]] = {"relative_radius": "m", "eccentricity": ""}
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        eccentricity = nonnegative("eccentricity", self.eccentricity)
+        if eccentricity >= 1.0:
+            raise InputError(f"eccentricity must be in [0, 1), got {eccentricity:g}")
         object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
+        object.__setattr__(self, "eccentricity", eccentricity)
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k,)
@@ -108,9 +116,9 @@ class Hertz(HertzianLaw):
         if not is_pair(radius_1) and not is_pair(radius_2):
             radius = relative_radius(radius_1, radius_2)
             return cls(4.0 / 3.0 * modulus * math.sqrt(radius), relative_radius=radius)
-        k = elliptic_stiffness(modulus, *relative_curvatures(radius_1, radius_2, angle))
-        # Of the disc with the same law.
-        return cls(k, relative_radius=(0.75 * k / modulus) ** 2)
+        k, eccentricity = elliptic_contact(modulus, *relative_curvatures(radius_1, radius_2, angle))
+        radius = (0.75 * k / modulus) ** 2  # of the spheres with the same law
+        return cls(k, relative_radius=radius, eccentricity=eccentricity)
 
 
 @dataclass(frozen=True)

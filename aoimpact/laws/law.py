@@ -115,8 +115,9 @@ class ContactLaw:
         power = getattr(self, "n", self._power)
         units = self._units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
         given = {entry.name: getattr(self, entry.name) for entry in fields(cast(Any, self))}
-        if "relative_radius" in given:
-            given["relative_radius"] = given.pop("relative_radius")
+        for name in ("relative_radius", "eccentricity"):
+            if value := given.pop(name, None):
+                given[name] = value
         if not given.keys() <= units.keys():
             return repr(self)
         parts = [
@@ -393,8 +394,9 @@ class HertzianLaw(ContactLaw):
 
     def __repr__(self) -> str:
         values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        if (width := values.pop("relative_radius")) is not None:
-            values["relative_radius"] = width
+        for name in ("relative_radius", "eccentricity"):  # last, and only where they are given
+            if value := values.pop(name, None):
+                values[name] = value
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in values.items())})"
 
 

@@ -1,4 +1,4 @@
-"""Hertz's round contact: the radius and the pressure that belong to a force."""
+"""Hertz's contact: the radius and the pressure that belong to a force."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from ..base import FloatArray
 from ..fem import Material
@@ -29,16 +30,30 @@ class RoundContact(NamedTuple):
     modulus : float
         E* of the pair, Pa.
     radius : float
-        R, relative radius of curvature, m.
+        R, relative radius of curvature, m; of an elliptic contact that of spheres with the same k.
+    eccentricity : float
+        √(1 - b²/a²) of an elliptic contact.
     """
 
     k: float
     modulus: float
     radius: float
+    eccentricity: float = 0.0
+
+    @property
+    def narrowing(self) -> float:
+        """√(a b) of an elliptic contact over the radius of a circle of the same force and approach.
+
+        Its semi-axes are 2 K(e)/π times that radius (Johnson, eq. 4.26), and √(1 - e²) times this.
+        """
+        square = self.eccentricity**2
+        wider = float(scipy.special.ellipk(square)) / (0.5 * math.pi)
+        return wider * math.sqrt(math.sqrt(1.0 - square))
 
     def width(self, force: npt.ArrayLike) -> FloatArray:
-        """Return the radius a of the contact, m: a³ = 3 F R/(4 E*)."""
-        return np.asarray(np.cbrt(0.75 * np.asarray(force) * self.radius / self.modulus))
+        """Return the radius of the contact, m: a³ = 3 F R/(4 E*); √(a b) of an ellipse."""
+        radius = np.cbrt(0.75 * np.asarray(force) * self.radius / self.modulus)
+        return np.asarray(self.narrowing * radius)
 
     def pressure(self, force: float) -> float:
         """Return the largest pressure, Pa: 3 F/(2 π a²)."""
@@ -59,9 +74,10 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
     if not isinstance(law, HertzianLaw) or getattr(law, "n", _POWER) != _POWER:
         return None
     k: Any = law.k  # type: ignore[attr-defined]
+    eccentricity: float = getattr(law, "eccentricity", 0.0)
     if (radius := law.relative_radius) is not None:
-        return RoundContact(k, 0.75 * k / math.sqrt(radius), radius)
+        return RoundContact(k, 0.75 * k / math.sqrt(radius), radius, eccentricity)
     if not materials or any(material is None for material in materials):
         return None
     modulus = 1.0 / math.fsum(1.0 / of.plane_strain_modulus for of in materials if of is not None)
-    return RoundContact(k, modulus, (0.75 * k / modulus) ** 2)
+    return RoundContact(k, modulus, (0.75 * k / modulus) ** 2, eccentricity)

@@ -171,7 +171,10 @@ class Result(Eventful):
 
     @property
     def contact_radius(self) -> float:
-        """Radius of the contact at its largest, √(R δ) [m]; NaN where the law has no surface."""
+        """Radius of the contact at its largest, √(R δ) [m]; NaN where the law has no surface.
+
+        √(a b) of an elliptic contact of semi-axes a and b.
+        """
         contact = self.run.plan.contacts[0]
         found = self.run.plan.round_contact(contact)
         if found is None:
@@ -179,11 +182,11 @@ class Result(Eventful):
         depth = float(self.indentation.max(initial=0.0))
         if isinstance(contact.law, PatchLaw):
             depth += contact.law.compliance * self.peak_force
-        return math.sqrt(found.radius * max(depth, 0.0))
+        return found.narrowing * math.sqrt(found.radius * max(depth, 0.0))
 
     @property
     def hertz_pressure(self) -> float:
-        """Largest pressure by Hertz, 3 F/(2 π a²) [Pa]; NaN where the law has no surface."""
+        """Largest pressure by Hertz, 3 F/(2 π a b) [Pa]; NaN where the law has no surface."""
         width = self.contact_radius
         return 1.5 * self.peak_force / (math.pi * width**2) if width > 0.0 else math.nan
 

@@ -364,7 +364,8 @@ def _of_surfaces(table: Mapping[str, Any], surfaces: list[Any]) -> dict[str, flo
     if "relative_radius" in table:
         raise InputError("relative_radius: it follows from the two surfaces of k")
     hertz = Hertz.between(*surfaces, angle=table["k"].get("angle", 0.0))
-    return {"k": hertz.k, "relative_radius": hertz.relative_radius}
+    found: dict[str, float | None] = {"k": hertz.k, "relative_radius": hertz.relative_radius}
+    return found | {"eccentricity": hertz.eccentricity} if table["type"] == "Hertz" else found
 
 
 _REDUCTIONS: dict[str, Callable[..., Any]] = {"antioscillators": antioscillators, "modal": modal}

@@ -275,7 +275,7 @@ def test_a_functional_of_one_s_own_is_the_one_that_is_named() -> None:
     np.testing.assert_allclose(own.point, point.point, atol=1e-6)
     assert own.direction is not None
     np.testing.assert_allclose(own.direction, DOWN, atol=1e-12)
-    assert repr(own).startswith(f"ContactPoint(functional of {np.count_nonzero(point.b)} dofs of")
+    assert repr(own).startswith(f"ContactPoint(functional of {np.count_nonzero(point.b)} dofs at")
     with_patch = BALL.contact(b=point.b, radius=0.003)
     assert with_patch.patch is not None
     assert point.patch is not None

@@ -7,6 +7,7 @@ import math
 import pickle
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -206,3 +207,28 @@ def test_curvatures_that_a_mesh_does_not_show_are_the_first_to_mend() -> None:
     with pytest.raises(ao.InputError, match="do not touch in a point") as no:
         law_between(ball, ContactSurface(STEEL, (-150.0, -150.0)))
     assert "refine" not in str(no.value)
+
+
+def test_the_ellipse_of_contact_carries_the_pressure_that_closes_the_gap() -> None:
+    """Boussinesq's displacement under Hertz's pressure is δ - A x² - B y² (Johnson, eq. 4.21)."""
+    law = ao.Hertz.between(STEEL, 0.05, STEEL, (0.003, math.inf))
+    hit = ao.simulate(ao.ball(0.05, STEEL), ao.rigid(1e3), 0.1, law=law)
+    area, squeeze = hit.contact_radius**2, (1.0 - law.eccentricity**2) ** 0.25
+    a, b = hit.contact_radius / squeeze, hit.contact_radius * squeeze
+    assert hit.hertz_pressure == pytest.approx(1.5 * hit.peak_force / (math.pi * area))
+    modulus = 0.5 * STEEL.plane_strain_modulus
+    depth = (hit.peak_force / law.k) ** (2.0 / 3.0)
+    angles = (np.arange(400) + 0.5) * math.pi / 200
+    along = np.stack([np.cos(angles) / a, np.sin(angles) / b])
+    # Half the curvatures of ball and cylinder, across the cylinder (y) and along it (x).
+    for x, y, A, B in (
+        (0.0, 0.0, 10.0, 0.0),
+        (0.6, 0.0, 10.0, 0.0),
+        (0.0, 0.6, 0.0, 10.0 + 500.0 / 3.0),
+    ):
+        # ∫ p dr along each ray from (x a, y b): p² = p₀² (c - 2 d r - e r²), r ≥ 0.
+        c, d, e = 1.0 - x * x - y * y, np.array([x, y]) @ along, (along**2).sum(axis=0)
+        root = d**2 + e * c
+        ray = 0.5 * (root / e**1.5 * np.arccos(d / np.sqrt(root)) - d * np.sqrt(c) / e)
+        sunk = hit.hertz_pressure / (math.pi * modulus) * ray.mean() * 2.0 * math.pi
+        assert sunk == pytest.approx(depth - A * (x * a) ** 2 - B * (y * b) ** 2, rel=1e-4)
