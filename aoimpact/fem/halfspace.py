@@ -68,6 +68,11 @@ class IsotropicHalfSpace:
         return self.material.nu
 
     @property
+    def equivalent(self) -> IsotropicHalfSpace:
+        """The isotropic half-space of the same E*: this one."""
+        return self
+
+    @property
     def mean_displacement(self) -> float:
         """Mean of u_z under the pressure itself, m/N: 0.6/(a E*) (Johnson, eq. 3.42a)."""
         return 0.6 / (self.radius * self.material.plane_strain_modulus)
@@ -161,6 +166,12 @@ class AnisotropicHalfSpace:
     def mean_displacement(self) -> float:
         """Mean of u_z under the pressure itself, m/N: 0.6/(a E*)."""
         return 0.6 / (self.radius * self.modulus)
+
+    @property
+    def equivalent(self) -> IsotropicHalfSpace:
+        """The isotropic half-space of the same E*."""
+        E = self.modulus * (1.0 - self.nu**2)
+        return IsotropicHalfSpace(Material(E=E, nu=self.nu, rho=1e3), self.radius)
 
     @cached_property
     def _waves(self) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
