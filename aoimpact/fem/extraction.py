@@ -311,7 +311,7 @@ def split(
     load = _Load(body, point, frame, space, behind=behind)
     at_nodes = load.field(mesh.nodes)
     sunk = load.add_sides()
-    load.add_cells(own)
+    load.add_cells(at_nodes, own)
     load.add_inertia(at_nodes)
     # L on the free dofs and on the constrained ones, where w = -χ u_B. Of each quantity the parts
     # that count once and -s² times.
@@ -361,7 +361,7 @@ def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArra
     )
     half_sunk = half.add_sides()
     at_nodes = half.field(half.mesh.nodes)
-    half.add_cells(own)
+    half.add_cells(at_nodes, own)
     half.add_inertia(at_nodes)
     change = half.self_term - load.self_term
     change += 2.0 * (half.forces - load.forces).reshape(2, -1) @ w
@@ -462,16 +462,13 @@ class _Load:
         self.curved = pressed > 0.5
         return sunk - pressed * self.space.mean_displacement
 
-    def add_cells(self, own: int | None) -> None:
+    def add_cells(self, at_nodes: FloatArray, own: int | None) -> None:
         """Integrals over cells near the contact, behind it, and of other materials than there.
 
         Near the contact u_B is not interpolated well enough for its inertia: what `add_inertia`
-        takes for it there is corrected, by how far interpolation is off for the equivalent isotropic
-        half-space.
+        takes for it there is replaced.
         """
-        nodes, mesh, space = self.mesh.nodes, self.mesh, self.space.equivalent
-        places = (nodes - self.point) @ self.frame.T
-        interpolated = self._cutoff(places)[0][:, None] * space.displacement(places)
+        nodes, mesh = self.mesh.nodes, self.mesh
         for piece in pieces(mesh, self.body.material):
             corners = (nodes[piece.cells] - self.point) @ self.frame.T
             size, away = np.ptp(corners, axis=1).max(axis=1), np.linalg.norm(corners, axis=2)
@@ -489,14 +486,17 @@ class _Load:
             for at in cells_towards(nodes, piece.block, rows, self.point, self.space.radius):
                 cells, y = piece.block.cells[at.rows], (at.x - self.point) @ self.frame.T
                 chi, slope = self._cutoff(y)
-                moved = chi[..., None] * space.displacement(y)
-                instead = at.shape @ interpolated[cells]
+                if self.behind or difference is not None:
+                    u, stress = self.space.displacement_stress(y)
+                else:
+                    u, stress = self.space.displacement(y, rough=True), None
+                moved = chi[..., None] * u
+                instead = at.shape @ (at_nodes[cells] @ self.frame.T)
                 mass = piece.material.rho * at.weight * near[at.rows][:, None]
                 self._add(1, cells, mass, at.shape, moved, moved)
                 self._add(1, cells, -mass, at.shape, instead, instead)
-                if not self.behind and difference is None:
+                if stress is None:
                     continue
-                u, stress = self.space.displacement_stress(y)
                 tilted = u[..., :, None] * slope[..., None, :]
                 g = 0.5 * (tilted + tilted.swapaxes(2, 3))
                 extra = np.einsum("ijkl,nqkl->nqij", self.space.stiffness, g)

@@ -31,6 +31,10 @@ _ON_AXIS, _ON_RIM = 1e-4, 1e-9
 # points far out just below the surface; at r = 8 a and z = 0.4 a the error is 1e-4.
 _ANGLES = 128
 
+# A rough displacement takes one of so many angles, for inertia: R of a ply changes by 1e-4 of
+# itself (by 1e-2 with one of four).
+_EVERY = 2
+
 # Equal roots of Stroh's eigenvalue problem, as of an isotropic material, have no eigenvectors of
 # their own. Shear moduli are changed by this share, which leaves half of the digits.
 _APART = 1e-7
@@ -68,16 +72,11 @@ class IsotropicHalfSpace:
         return self.material.nu
 
     @property
-    def equivalent(self) -> IsotropicHalfSpace:
-        """The isotropic half-space of the same E*: this one."""
-        return self
-
-    @property
     def mean_displacement(self) -> float:
         """Mean of u_z under the pressure itself, m/N: 0.6/(a E*) (Johnson, eq. 3.42a)."""
         return 0.6 / (self.radius * self.material.plane_strain_modulus)
 
-    def displacement(self, y: FloatArray) -> FloatArray:
+    def displacement(self, y: FloatArray, *, rough: bool = False) -> FloatArray:
         """Return u at local points `y`, m, shape (..., 3), for a force of 1 N."""
         return self._fields(y)[0]
 
@@ -167,12 +166,6 @@ class AnisotropicHalfSpace:
         """Mean of u_z under the pressure itself, m/N: 0.6/(a E*)."""
         return 0.6 / (self.radius * self.modulus)
 
-    @property
-    def equivalent(self) -> IsotropicHalfSpace:
-        """The isotropic half-space of the same E*."""
-        E = self.modulus * (1.0 - self.nu**2)
-        return IsotropicHalfSpace(Material(E=E, nu=self.nu, rho=1e3), self.radius)
-
     @cached_property
     def _waves(self) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
         """Direction n, roots p and amplitudes A of Stroh's eigenvalue problem for each angle."""
@@ -190,9 +183,9 @@ class AnisotropicHalfSpace:
             waves.append((n, p, a * np.linalg.solve(traction, -m.astype(complex))))
         return waves
 
-    def displacement(self, y: FloatArray) -> FloatArray:
+    def displacement(self, y: FloatArray, *, rough: bool = False) -> FloatArray:
         """Return u at local points `y`, m, shape (..., 3), for a force of 1 N."""
-        return self._fields(y, slopes=False)[0]
+        return self._fields(y, slopes=False, rough=rough)[0]
 
     def displacement_stress(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return u, m, shape (..., 3), and σ, Pa, shape (..., 3, 3), for a force of 1 N."""
@@ -205,12 +198,14 @@ class AnisotropicHalfSpace:
         strain = stress.reshape(*stress.shape[:-2], 9) @ np.linalg.pinv(matrix)
         return np.asarray(strain.reshape(stress.shape))
 
-    def _fields(self, y: FloatArray, *, slopes: bool) -> tuple[FloatArray, FloatArray]:
+    def _fields(
+        self, y: FloatArray, *, slopes: bool, rough: bool = False
+    ) -> tuple[FloatArray, FloatArray]:
         """Displacement and its gradient ∂u_k/∂x_l, which is 0 where it is not asked for."""
         a, points = self.radius, y.reshape(-1, 3)
         depth = np.maximum(points[:, 2:], 1e-7 * a)
         u, slope = np.zeros((len(points), 3)), np.zeros((len(points), 3, 3))
-        for n, p, amplitude in self._waves:
+        for n, p, amplitude in self._waves[_EVERY // 2 if rough else 0 :: _EVERY if rough else 1]:
             place = (points @ n)[:, None] + p * depth
             far = np.abs(place) > _FAR * a
             z = np.where(far, _FAR * a * 1j, place)
@@ -231,7 +226,7 @@ class AnisotropicHalfSpace:
             )
             slope[:, :, :2] += 2.0 * np.real(df @ amplitude.T)[:, :, None] * n[:2]
             slope[:, :, 2] += 2.0 * np.real((df * p) @ amplitude.T)
-        scale = 3.0 / (16.0 * math.pi**2 * a**3) * math.pi / _ANGLES
+        scale = 3.0 / (16.0 * math.pi**2 * a**3) * math.pi / _ANGLES * (_EVERY if rough else 1)
         return scale * u.reshape(y.shape), scale * slope.reshape(*y.shape, 3)
 
 

@@ -43,9 +43,9 @@ __all__ = ["antioscillators"]
 # Dofs up to which LAPACK finds all oscillators: a minute or so; beyond, minutes and gigabytes.
 _DENSE_MOST = 6000
 
-# Steps of Lanczos' method at most: a number, and some and a share of the dofs, so that steps in vain
-# take a tenth of what LAPACK then takes from 2000 dofs on. Residual, relative to the eigenvalue, of
-# a mode found.
+# Steps of Lanczos' method at most: a number, and some and a share of the dofs, so that steps in
+# vain take a tenth of what LAPACK then takes from 2000 dofs on. Residual, relative to the
+# eigenvalue, of a mode found.
 _MOST_STEPS, _SOME, _SHARE_OF_DOFS, _CONVERGED = 600, 60, 1 / 12, 1e-10
 
 # Solutions foreseen for each oscillator: on a beam, a plate and a block 5 to 300 were counted, the
