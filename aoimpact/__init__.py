@@ -31,15 +31,15 @@ Many impacts, and files
     sweep, SweepTable, simulate_many, iterate_many, read_scene, SceneFile
 What a test rig measures
     LoadCell, Signal, read_signal, drop_weight, DropWeight, shock_spectrum, ShockSpectrum
-Which model, which solver
-    compare, Comparison, work_precision, WorkPrecision
+Which model
+    compare, Comparison
 Errors
     AOImpactError and InputError, InputTypeError, MeshError, MissingFileError, SceneFileError,
     SingularError, ConvergenceError, MemoryLimitError, MissingPackageError, WorkerError;
     AOImpactWarning
 
-On the command line: ``aoimpact run file.toml``, ``compare``, ``study``, ``paper``; ``--help`` has
-more. The documentation is a site: ``sphinx-build docs site``.
+On the command line: ``aoimpact run file.toml``, ``compare``, ``paper``; ``--help`` has more.
+The documentation is a site: ``sphinx-build docs site``.
 """
 
 import sys as _sys

@@ -69,9 +69,7 @@ from .results import Run as Run
 from .scenefile import SceneFile as SceneFile
 from .scenefile import read_scene as read_scene
 from .study import Comparison as Comparison
-from .study import WorkPrecision as WorkPrecision
 from .study import compare as compare
-from .study import work_precision as work_precision
 from .testrig import DropWeight as DropWeight
 from .testrig import LoadCell as LoadCell
 from .testrig import ShockSpectrum as ShockSpectrum

@@ -38,6 +38,7 @@ from peers import (
     has_exudyn,
     scipy_runs,
 )
+from scipy_solvers import Outcome
 
 import aoimpact as ao
 from aoimpact import _core
@@ -45,7 +46,6 @@ from aoimpact.base.units import with_unit
 from aoimpact.integrate.dense import adaptive_run
 from aoimpact.integrate.newmark import newmark_scene
 from aoimpact.scene import Contact, Plan, StarBody, scene_body
-from aoimpact.study.scipy_solvers import Outcome
 
 
 def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:

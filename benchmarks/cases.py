@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from impacts import SCENES
+from scipy_solvers import OdeScene, Outcome, ode_scene
 
 import aoimpact as ao
 from aoimpact.integrate.fixed_steps import rigid_contact_time
-from aoimpact.study.scenes import SCENES
-from aoimpact.study.scipy_solvers import OdeScene, Outcome, ode_scene
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import scipy.sparse.linalg as spla
+from impacts import beam_star
 from measuring import Line, best_times, print_table
 
 import aoimpact as ao
@@ -31,7 +32,6 @@ from aoimpact.fem.assembly import stiffness_mass
 from aoimpact.linalg import factorize
 from aoimpact.paper.beam import ALUMINIUM, beam_model
 from aoimpact.scene import FullBody, StarBody
-from aoimpact.study.scenes import beam_star
 
 MASS, HERTZ, VELOCITY = 0.0326725636, 1e10, 1.0
 DT, STEPS = 2e-6, 10_000

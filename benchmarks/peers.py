@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 from cases import Case, Run, best_time, error_of, tolerances
+from scipy_solvers import Outcome
 
 import aoimpact as ao
-from aoimpact.study.scipy_solvers import Outcome
 
 HERE = Path(__file__).parent
 

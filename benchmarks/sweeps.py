@@ -21,10 +21,10 @@ from typing import Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
+from impacts import pair
 from measuring import Line, best_times, print_table
 
 import aoimpact as ao
-from aoimpact.study.scenes import pair
 
 NAMES = ("peak_force", "contact_duration", "rebound_velocity")
 CASES, FEW, BALLS = 4000, 100, 10_000

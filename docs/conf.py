@@ -11,7 +11,8 @@ import matplotlib
 import aoimpact
 
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]  # sitetools; tests/resolved.py
+# sitetools; tests/resolved.py; benchmarks/work_precision.py
+sys.path[:0] = [str(HERE), *(str(HERE.parent / folder) for folder in ("tests", "benchmarks"))]
 matplotlib.use("Agg")
 
 project = "aoimpact"

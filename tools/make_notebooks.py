@@ -25,7 +25,6 @@ PAGES = (
     "how_to/stress",
     "how_to/sweeps",
     "validation/paper",
-    "validation/speed_against_error",
 )
 
 

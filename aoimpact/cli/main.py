@@ -45,7 +45,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="<command>", required=True)
     _add_paper(commands)
-    _add_study(commands)
     _add_run(commands)
     _add_compare(commands)
     return parser
@@ -95,32 +94,6 @@ def _paper(options: argparse.Namespace) -> None:
     print(done)
     print(f"\n{len(done.files)} files in {done.files[0].parent}:")
     print("  " + ", ".join(file.name for file in done.files))
-
-
-def _add_study(commands: Commands) -> None:
-    command = _add(
-        commands,
-        "study",
-        _study,
-        help="measure speed against error, beside other methods",
-        description=(
-            "Measure what Adaptive and Newmark need for what they get right, and SciPy's solvers "
-            "on request, on two impacts: two spheres of one anti-oscillator each, and a rigid "
-            "sphere on a beam of 28 over 20 ms. Takes some seconds, with SciPy a minute or two."
-        ),
-    )
-    command.add_argument("--scene", choices=("pair", "beam"), help="one of them (default: both)")
-    _add_out(command, "tables (CSV) and figures (PNG)", "study-results")
-    command.add_argument("--scipy", action="store_true", help="measure SciPy's solvers as well")
-
-
-def _study(options: argparse.Namespace) -> None:
-    from ..study import SCENES, report
-
-    for scene in (options.scene,) if options.scene else SCENES:
-        study, files = report(scene, options.out, scipy=options.scipy)
-        print(study)
-        print(f"{', '.join(file.name for file in files)} in {files[0].parent}\n")
 
 
 def _add_run(commands: Commands) -> None:

@@ -1,12 +1,6 @@
-"""Studies of one impact: speed against error of the solvers, and error of the models.
-
-Nothing but `cli` uses it.
-"""
+"""Comparison of models of one impact: the cost and the error of each."""
 
 from .compare import compare
 from .comparison import Comparison
-from .scenes import SCENES, report
-from .speed import work_precision
-from .table import WorkPrecision
 
-__all__ = ["SCENES", "Comparison", "WorkPrecision", "compare", "report", "work_precision"]
+__all__ = ["Comparison", "compare"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import os
-import warnings
 from dataclasses import astuple, dataclass, fields
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -55,16 +54,6 @@ class Compared:
     impulse: float
     displacement: float
     failure: str = ""
-
-    @property
-    def duration(self) -> float:
-        """The old name of `contact_duration`."""
-        warnings.warn(
-            "duration of a compared model is now called contact_duration: duration is the record's",
-            DeprecationWarning,
-            stacklevel=2,
-        )
-        return self.contact_duration
 
 
 @dataclass(frozen=True, eq=False, repr=False)

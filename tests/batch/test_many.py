@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from impacts import beam_star, pair
 
 import aoimpact as ao
 from aoimpact.batch.checkpoint import Checkpoint
-from aoimpact.study.scenes import beam_star, pair
 
 NAMES = ("peak_force", "peak_time", "contact_duration", "impulse", "rebound_velocity")
 

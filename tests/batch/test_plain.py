@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 from every_law import LAWS, law_of
+from impacts import beam_star, pair
 
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.batch.plain import PLAIN_NUMBERS, plain_numbers
 from aoimpact.reduction.modalbody import modal_body
 from aoimpact.results import COLUMNS
-from aoimpact.study.scenes import beam_star, pair
 
 NAMES = tuple(sorted(PLAIN_NUMBERS))
 

@@ -141,7 +141,6 @@ MODAL = ao.modal(TIP, 7)
 PORTS = ao.interface([TIP], 8)
 SWEEP = ao.sweep(STRIKE, {"velocity": [1.0]}, keep=["peak_force"], progress=False)
 COMPARED = ao.compare(**STRIKE, oscillators=(0,), modes=(), full=False)
-MEASURED = ao.work_precision(**STRIKE, newmark=[1e-5], adaptive=[1e-3], scipy=(), repeats=1)
 FILE = ao.read_scene(Path(__file__).parents[2] / "examples" / "sphere_on_beam.toml")
 
 
@@ -467,18 +466,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         lambda **given: ao.sweep(STRIKE, {k: [v] for k, v in given.items()}, progress=False),
         {"velocity": 1.0, "law": HERTZ},
     ),
-    "work_precision": (
-        ao.work_precision,
-        STRIKE
-        | {
-            "gap": 0.0,
-            "newmark": [1e-5],
-            "adaptive": [1e-3],
-            "scipy": (),
-            "reference": None,
-            "repeats": 1,
-        },
-    ),
     "ContactLaw.rigid_restitution": (
         ao.HuntCrossley(1e9, 0.1).rigid_restitution,
         {"mass": 1.0, "velocity": 1.0},
@@ -546,9 +533,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "SweepTable.to_csv": (SWEEP.to_csv, {"path": None}),
     "Comparison": _again(COMPARED),
     "Comparison.to_csv": (COMPARED.to_csv, {"path": None}),
-    "WorkPrecision": _again(MEASURED),
-    "WorkPrecision.fastest": (MEASURED.fastest, {"method": "Newmark", "error": 1e-3}),
-    "WorkPrecision.to_csv": (MEASURED.to_csv, {"path": None}),
     "SceneFile": (
         ao.SceneFile,
         {name: getattr(FILE, name) for name in ("path", "data", "text")},
@@ -592,8 +576,6 @@ ALSO = {
     "s2": ("singular to rounding", "singular or not positive definite"),
     "contact_time": ("give the durations",),
     "duration": ("adaptive run at t", "give the durations"),
-    "adaptive": ("rtol",),
-    "newmark": ("dt=",),
     "expected": ("share",),
     "nodes": ("coordinates reach", "the mesh is"),
     "lengths": ("coordinates reach", "the mesh is"),
@@ -613,7 +595,6 @@ ALSO = {
 NOT = {
     "solver": ("function", "class"),
     "linear_solver": ("function", "class"),
-    "repeats": ("long",),
     "velocity": ("recursive",),
     "gap": ("recursive",),
 }

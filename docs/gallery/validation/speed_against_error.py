@@ -3,11 +3,12 @@ Speed against error
 ===================
 
 How long does a result take, and how wrong is it? The two belong together: a time without its error means nothing.
-``ao.work_precision`` measures both for any impact of two AO models, against a reference whose own uncertainty it states;
-``aoimpact study`` does the same from the command line. The times are those of the machine that built this site.
+``benchmarks/work_precision.py`` measures both for any impact of two AO models, against a reference whose own uncertainty
+it states. The times are those of the machine that built this site.
 """
 
 import numpy as np
+from work_precision import work_precision  # benchmarks/work_precision.py
 
 import aoimpact as ao
 
@@ -22,7 +23,7 @@ import aoimpact as ao
 mass = 4 / 3 * np.pi * 0.01**3 * 7800
 steel = ao.Material(E=210e9, nu=0.3, rho=7800)
 sphere = ao.AOModel(m0=0.001 * mass, k0=0.0, m=[0.999 * mass], k=[275.7e6])
-spheres = ao.work_precision(
+spheres = work_precision(
     projectile=sphere,
     target=sphere,
     law=ao.Hertz.between(steel, 0.01, steel, 0.01),
@@ -63,7 +64,7 @@ beam = ao.AOModel(
     m0=17 / 35 * beam_mass - m.sum(), k0=48 * bending, m=m, k=m * (2 * x) ** 4 * bending / beam_mass
 )
 case = {"projectile": ao.rigid(mass=mass), "target": beam, "law": ao.Hertz(k=1e10), "velocity": 1.0}
-study = ao.work_precision(duration=20e-3, newmark=[2e-6, 1e-6, 3e-7], repeats=3, **case)
+study = work_precision(duration=20e-3, newmark=[2e-6, 1e-6, 3e-7], repeats=3, **case)
 print(study)
 
 # %%
@@ -82,7 +83,7 @@ ax = study.plot()
 # A hard case: a heavy ball that bounces on the ringing beam, several contacts, each with many oscillations of the force. The errors
 # are those against its own tightest run.
 
-chatter = ao.work_precision(
+chatter = work_precision(
     projectile=ao.rigid(mass=2.0),
     target=beam.truncated(12),
     law=ao.Hertz(k=1e9),

@@ -9,7 +9,9 @@ from dataclasses import dataclass, fields
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ..base import (
+from scipy_solvers import Outcome
+
+from aoimpact.base import (
     aligned,
     checked,
     choice,
@@ -22,12 +24,9 @@ from ..base import (
     with_unit,
     written_file,
 )
-from .scipy_solvers import Outcome
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-__all__ = ["Measurement", "Reference", "WorkPrecision"]
 
 
 @dataclass(frozen=True)
@@ -107,14 +106,6 @@ class WorkPrecision:
     reference : Reference
     rows : tuple of Measurement
         By method, in the order of the settings.
-
-    Examples
-    --------
-    >>> ball = ao.rigid(mass=0.1)
-    >>> study = ao.work_precision(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0,
-    ...                           duration=1e-3, newmark=[1e-6], repeats=1)
-    >>> sorted({row.method for row in study.rows})
-    ['Adaptive', 'Newmark']
     """
 
     scene: str
@@ -131,23 +122,7 @@ class WorkPrecision:
         return tuple(dict.fromkeys(row.method for row in self.rows))
 
     def fastest(self, method: str, error: float) -> Measurement | None:
-        """Return the fastest run of a method with none of its errors above `error`, or None.
-
-        Examples
-        --------
-        >>> ball = ao.rigid(mass=0.1)
-        >>> study = ao.work_precision(
-        ...     projectile=ball,
-        ...     target=ball,
-        ...     law=ao.Hertz(k=1e9),
-        ...     velocity=1.0,
-        ...     duration=1e-3,
-        ...     newmark=[1e-6],
-        ...     repeats=1,
-        ... )
-        >>> study.fastest("Adaptive", 1e-6).method
-        'Adaptive'
-        """
+        """Return the fastest run of a method with none of its errors above `error`, or None."""
         choice("method", method, self.methods)
         limit = positive("error", error)
         good = [row for row in self.rows if row.method == method and row.error <= limit]
@@ -157,20 +132,6 @@ class WorkPrecision:
         """Draw the worst error over time, both logarithmic; keywords go to ``Axes.plot``.
 
         The reference's own uncertainty is shaded. Returns the axes.
-
-        Examples
-        --------
-        >>> ball = ao.rigid(mass=0.1)
-        >>> study = ao.work_precision(
-        ...     projectile=ball,
-        ...     target=ball,
-        ...     law=ao.Hertz(k=1e9),
-        ...     velocity=1.0,
-        ...     duration=1e-3,
-        ...     newmark=[1e-6],
-        ...     repeats=1,
-        ... )
-        >>> ax = study.plot()
         """
         ax = given_axes(ax)
         known = self.reference.uncertainty
@@ -189,24 +150,7 @@ class WorkPrecision:
         return error_axes(ax, "time of the call (ms)", errors_of)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the table: one row a run, times in s, errors relative.
-
-        Examples
-        --------
-        >>> import tempfile, pathlib
-        >>> folder = pathlib.Path(tempfile.mkdtemp())
-        >>> ball = ao.rigid(mass=0.1)
-        >>> study = ao.work_precision(
-        ...     projectile=ball,
-        ...     target=ball,
-        ...     law=ao.Hertz(k=1e9),
-        ...     velocity=1.0,
-        ...     duration=1e-3,
-        ...     newmark=[1e-6],
-        ...     repeats=1,
-        ... )
-        >>> study.to_csv(folder / "study.csv")
-        """
+        """Write the table: one row a run, times in s, errors relative."""
         names = [field.name for field in fields(Measurement)]
         with (
             written_file("path", path) as given,

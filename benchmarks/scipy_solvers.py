@@ -15,11 +15,9 @@ from typing import Any
 import numpy as np
 import scipy.integrate
 
-from ..base import ConvergenceError, FloatArray, InputError
-from ..laws import ContactLaw, Hertz, Linear, PatchLaw, PowerLaw, own_law
-from ..reduction import AOModel
-
-__all__ = ["METHODS", "OdeScene", "Outcome", "ode_scene"]
+from aoimpact.base import ConvergenceError, FloatArray, InputError
+from aoimpact.laws import ContactLaw, Hertz, Linear, PatchLaw, PowerLaw, own_law
+from aoimpact.reduction import AOModel
 
 Slope = Callable[[float, FloatArray], FloatArray]
 Event = Callable[[float, FloatArray], float]

@@ -1,22 +1,15 @@
-"""The two impacts that speed is reported on, and their study from the command line."""
+"""The two impacts that speed is reported on; tests take their models as well."""
 
 from __future__ import annotations
 
 import math
-import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..base import writable_folder
-from ..fem import Material
-from ..laws import Hertz
-from ..reduction import AOModel, rigid
-from .speed import work_precision
-from .table import WorkPrecision
-
-__all__ = ["SCENES", "beam_star", "report"]
+from aoimpact.fem import Material
+from aoimpact.laws import Hertz
+from aoimpact.reduction import AOModel, rigid
 
 
 def pair() -> dict[str, Any]:
@@ -64,32 +57,3 @@ def sphere_on_beam() -> dict[str, Any]:
 
 
 SCENES = {"pair": pair, "beam": sphere_on_beam}
-
-# The longest of these runs takes a second or two.
-_STEPS = {
-    "pair": (1e-6, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-10),
-    "beam": (2e-6, 1e-6, 3e-7, 1e-7, 3e-8),
-}
-
-
-def report(
-    scene: str, out: str | os.PathLike[str], *, scipy: bool = False
-) -> tuple[WorkPrecision, tuple[Path, Path]]:
-    """Study one of the scenes; write its table (CSV) and figure (PNG) to a folder.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be made or written to.
-    """
-    import matplotlib.pyplot as plt
-
-    folder = writable_folder(out)
-    methods = ("DOP853", "LSODA") if scipy else ()
-    study = work_precision(**SCENES[scene](), newmark=_STEPS[scene], scipy=methods, repeats=3)
-    files = folder / f"study_{scene}.csv", folder / f"study_{scene}.png"
-    study.to_csv(files[0])
-    study.plot()
-    plt.savefig(files[1])
-    plt.close()
-    return study, files
