@@ -1,39 +1,29 @@
-"""A file of finished cases, from which a sweep that was killed resumes.
+"""A file of finished cases, from which a sweep that was stopped resumes.
 
-The file only grows: eight bytes that identify it, then one record per case, which begins with its
-length and checksum. A process that is killed leaves at most the last record incomplete; the next
-process cuts it off. Records are found by the digest of their case, not by their place in the sweep,
-so cases may be changed, added or reordered.
-
-Records are pickles: open only checkpoints that you, or someone you trust, have written.
+It is text: a line of JSON for each case, with its digest, its numbers or its error, and its
+warnings. Nothing in it is executed. Cases are found by their digests, so they may be changed, added
+or reordered. Lines are only added, each by a single write: sweeps may share a file, and a process
+that is killed leaves at most its last line incomplete, which is ignored.
 """
 
 from __future__ import annotations
 
+import json
 import os
-import pickle
-import struct
-import sys
-import threading
-import zlib
-from typing import Any, BinaryIO
+from typing import Any
 
-from ..base import InputError, file_path, warn
-from .fingerprint import DIGEST_SIZE
+from ..base import AOImpactError, InputError, file_path, warn
 
-__all__ = ["Checkpoint"]
+__all__ = ["Checkpoint", "Outcome", "as_json"]
 
-_MAGIC = b"AOICKPT1"
+# What was kept of a case or its exception; and its warnings.
+Outcome = tuple[Any, tuple[str, ...]]
 
-# Length of the pickle, CRC-32 of digest and pickle; then the digest, then the pickle.
-_HEAD = struct.Struct("<QI")
-
-# Bytes of a record that are checked at a time: a long one takes no memory.
-_READ = 2**20
+_HEAD = b'{"aoimpact": "checkpoint"}\n'
 
 
 class Checkpoint:
-    """Finished cases by their digests, on disk; one process at a time.
+    """Finished cases by their digests, on disk.
 
     Parameters
     ----------
@@ -43,45 +33,68 @@ class Checkpoint:
     Raises
     ------
     InputError
-        If the file is something else, cannot be opened, or another sweep is using it.
+        If the file is something else, or cannot be opened.
 
     Warns
     -----
     AOImpactWarning
-        If records were damaged: they are dropped.
+        If lines are damaged: they are ignored.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self._name = str(file_path("checkpoint", path))
-        self._lock = threading.Lock()
-        self._places: dict[bytes, tuple[int, int]] = {}
+        name = str(file_path("checkpoint", path))
+        self._places: dict[str, int] = {}
+        self._new: set[str] = set()
         try:
-            # O_APPEND would not allow an incomplete record to be overwritten.
-            descriptor = os.open(
-                self._name, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666
-            )
+            # Without buffer: each line is written at once.
+            self._written = open(name, "ab", buffering=0)  # noqa: SIM115
+            self._read = open(name, "rb")  # noqa: SIM115
         except OSError as error:
             raise InputError(
-                f"checkpoint {self._name!r} cannot be opened: {error.strerror}; give the path of a "
+                f"checkpoint {name!r} cannot be opened: {error.strerror}; give the path of a "
                 "file that can be written"
             ) from None
-        self._file: BinaryIO = os.fdopen(descriptor, "r+b")
         try:
-            _lock_file(self._file, self._name)
-        except InputError:
-            self._file.close()
-            raise
-        try:
-            self._end = self._read_all()
+            self._read_all(name)
         except BaseException:
             self.close()
             raise
 
-    def __len__(self) -> int:
-        return len(self._places)
+    def _read_all(self, name: str) -> None:
+        """Find all lines; cut off an incomplete last one."""
+        head = self._read.readline()
+        if not _HEAD.startswith(head):
+            raise InputError(
+                f"checkpoint {name!r} is a file of another kind and was left as it is; give "
+                "another path"
+            )
+        if head != _HEAD:  # new, or killed during its first write
+            self._written.truncate(0)
+            self._written.write(_HEAD)
+            return
+        place, damaged = len(head), 0
+        for line in self._read:
+            if not line.endswith(b"\n"):
+                self._written.truncate(place)
+                break
+            try:
+                record = json.loads(line)
+                _outcome(record)
+                self._places[record["case"]] = place
+            except (ValueError, TypeError, LookupError, AttributeError, RecursionError):
+                damaged += line != _HEAD
+            place += len(line)
+        if damaged:
+            warn(
+                f"checkpoint {name!r} is damaged in {damaged} lines: they are ignored, and their "
+                "cases computed again"
+            )
 
-    def __contains__(self, digest: bytes) -> bool:
-        return digest in self._places
+    def __len__(self) -> int:
+        return len(self._places.keys() | self._new)
+
+    def __contains__(self, digest: str) -> bool:
+        return digest in self._places or digest in self._new
 
     def __enter__(self) -> Checkpoint:
         return self
@@ -89,123 +102,56 @@ class Checkpoint:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def get(self, digest: bytes) -> Any:
-        """Return what was put under a digest."""
-        place, length = self._places[digest]
-        with self._lock:
-            self._file.seek(place)
-            data = self._file.read(length)
-        return pickle.loads(data)
+    def had(self, digest: str) -> bool:
+        """Whether the file had a digest when it was opened."""
+        return digest in self._places
 
-    def put(self, digest: bytes, value: Any) -> None:
-        """Write a record; it survives if the process is killed after that."""
-        data = pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL)
-        record = _HEAD.pack(len(data), zlib.crc32(data, zlib.crc32(digest))) + digest + data
-        with self._lock:
-            self._file.seek(self._end)
-            self._file.write(record)
-            self._file.flush()
-            self._places[digest] = self._end + len(record) - len(data), len(data)
-            self._end += len(record)
+    def get(self, digest: str) -> Outcome:
+        """Return the outcome that the file had under a digest when it was opened."""
+        self._read.seek(self._places[digest])
+        return _outcome(json.loads(self._read.readline()))
+
+    def put(self, digest: str, outcome: Outcome) -> None:
+        """Write a line; it survives if the process is killed after that."""
+        value, messages = outcome
+        record: dict[str, Any] = {"case": digest, "warnings": messages}
+        if isinstance(value, AOImpactError):
+            record["error"] = [type(value).__name__, value.args, vars(value)]
+        else:
+            record["value"] = value
+        self._written.write(f"{json.dumps(record, default=str)}\n".encode())
+        self._new.add(digest)
 
     def close(self) -> None:
         """Wait until everything is on the disk, and release the file."""
-        with self._lock:
-            if self._file.closed:
-                return
-            _open_here.discard(_identity(self._file))
-            try:
-                os.fsync(self._file.fileno())
-            finally:
-                self._file.close()
-
-    def _read_all(self) -> int:
-        """Find all whole records; cut off what follows them. Return where they end."""
-        size = os.fstat(self._file.fileno()).st_size
-        self._file.seek(0)
-        start = self._file.read(len(_MAGIC))
-        if not _MAGIC.startswith(start):
-            raise InputError(
-                f"checkpoint {self._name!r} is a file of another kind and was left as it is; give "
-                "another path"
-            )
-        if len(start) < len(_MAGIC):  # new, or killed during its first write
-            self._file.seek(0)
-            self._file.write(_MAGIC)
-            self._file.flush()
-            return len(_MAGIC)
-        end = len(_MAGIC)
-        while (record := self._read_record(end, size)) is not None:
-            digest, length = record
-            end += _HEAD.size + DIGEST_SIZE
-            self._places[digest] = end, length
-            end += length
-        if end < size:
-            self._cut(end, size)
-        return end
-
-    def _read_record(self, place: int, size: int) -> tuple[bytes, int] | None:
-        """Digest and length of the pickle of the record at a place; None if it is not whole."""
-        head = self._file.read(_HEAD.size + DIGEST_SIZE)
-        if len(head) < _HEAD.size + DIGEST_SIZE:
-            return None
-        length, checksum = _HEAD.unpack_from(head)
-        digest = head[_HEAD.size :]
-        if length > size - place - len(head):
-            return None
-        found, left = zlib.crc32(digest), length
-        while left > 0:
-            data = self._file.read(min(left, _READ))
-            found, left = zlib.crc32(data, found), left - len(data)
-        return (digest, length) if found == checksum else None
-
-    def _cut(self, end: int, size: int) -> None:
-        """Drop an incomplete record; warn if the file is damaged otherwise."""
-        self._file.seek(end)
-        head = self._file.read(_HEAD.size)
-        fits = size - end - _HEAD.size - DIGEST_SIZE
-        if len(head) == _HEAD.size and _HEAD.unpack(head)[0] <= fits:  # all there, but wrong
-            warn(
-                f"checkpoint {self._name!r} is damaged after {len(self)} cases: the last "
-                f"{size - end} bytes are dropped, and their cases computed again"
-            )
-        self._file.truncate(end)
+        if not self._written.closed:
+            os.fsync(self._written.fileno())
+            self._written.close()
+            self._read.close()
 
 
-# Files that this process has open as checkpoints, by device and inode: a process is not
-# stopped by its own lock.
-_open_here: set[tuple[int, int]] = set()
+def as_json(value: Any) -> Any:
+    """Return a value as a checkpoint gives it back: of numbers, texts, lists and dicts.
 
-
-def _identity(file: BinaryIO) -> tuple[int, int]:
-    status = os.fstat(file.fileno())
-    return status.st_dev, status.st_ino
-
-
-def _lock_file(file: BinaryIO, name: str) -> None:
-    """Lock the file for this process; the system releases it when the process ends in any way.
-
-    The lock belongs to the process, not to the file as flock's would: workers forked from it do not
-    keep it when it is killed.
+    Raises
+    ------
+    TypeError, ValueError
+        If JSON cannot hold it.
     """
-    busy = f"checkpoint {name!r} is in use by another sweep; wait for it, or give another path"
-    if _identity(file) in _open_here:
-        raise InputError(busy)
-    try:
-        if sys.platform == "win32":
-            import msvcrt
+    return json.loads(json.dumps(value, default=lambda array: array.tolist()))
 
-            # Locked bytes cannot be read by others: one far behind any record is taken.
-            file.seek(2**62)
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
 
-            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (BlockingIOError, PermissionError):
-        raise InputError(busy) from None
-    except OSError as error:
-        raise InputError(
-            f"checkpoint {name!r} cannot be locked: {error.strerror}; give a path on a local disk"
-        ) from None
-    _open_here.add(_identity(file))
+def _outcome(record: Any) -> Outcome:
+    messages = tuple(map(str, record["warnings"]))
+    if "error" not in record:
+        return record["value"], messages
+    name, arguments, state = record["error"]
+    kind = {kind.__name__: kind for kind in _kinds(AOImpactError)}[name]
+    error = kind.__new__(kind, *arguments)  # their own __init__ takes other arguments
+    error.args = tuple(arguments)
+    vars(error).update(state)
+    return error, messages
+
+
+def _kinds(kind: type[AOImpactError]) -> list[type[AOImpactError]]:
+    return [kind, *(lower for each in kind.__subclasses__() for lower in _kinds(each))]

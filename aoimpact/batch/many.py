@@ -24,8 +24,8 @@ from ..base import (
     warn,
 )
 from ..impact import simulate
-from .checkpoint import Checkpoint
-from .fingerprint import Fingerprints
+from .checkpoint import Checkpoint, Outcome, as_json
+from .digest import Digests
 from .plain import PLAIN_NUMBERS, plain_numbers
 from .shared import SharedCase, share_models
 from .sharednumbers import shared_numbers
@@ -36,9 +36,6 @@ __all__ = ["KEYWORDS", "REQUIRED", "Failed", "iterate_many", "simulate_many"]
 _PARAMETERS = inspect.signature(simulate).parameters
 KEYWORDS = tuple(_PARAMETERS)
 REQUIRED = tuple(name for name in KEYWORDS if _PARAMETERS[name].default is inspect.Parameter.empty)
-
-# Of a case: its result, what was kept of it, or its exception; and its warnings.
-Outcome = tuple[Any, tuple[str, ...]]
 
 
 def simulate_many(
@@ -69,9 +66,9 @@ def simulate_many(
         to import. Impacts of two AO models, or that share one, of which only named numbers are kept
         run many in one call of the core.
     checkpoint : path, optional
-        A file that keeps finished cases: the same call resumes where an earlier one was stopped or
-        killed. Cases are recognised by their content; one that has changed is computed again. The
-        file is a pickle: use none from someone you do not trust.
+        A file that keeps finished cases, a line of JSON each: the same call resumes where an
+        earlier one was stopped or killed. Cases are recognised by their content; one that has
+        changed is computed again. It needs `keep`; arrays that a function keeps become lists.
     progress : bool, optional
         Whether to show a progress bar on a terminal when it takes longer than a second.
 
@@ -152,7 +149,12 @@ def iterate_many(
     if empty:
         raise InputError(_EMPTY)
     boolean("progress", progress)
-    job = _Job(keeper(keep))
+    job = _Job(keeper(keep), checkpoint is not None)
+    if job.stored and job.keep is None:
+        raise InputError(
+            "checkpoint: whole results are not kept in a file; name numbers by keep=, such as "
+            "('peak_force', 'impulse')"
+        )
     return _iterate(cases, Workers(workers), job, checkpoint, progress)
 
 
@@ -191,7 +193,7 @@ class _Item(NamedTuple):
     """A case, its digest in the checkpoint, and whether the checkpoint has it already."""
 
     case: Any
-    digest: bytes = b""
+    digest: str = ""
     known: bool = False
 
 
@@ -199,65 +201,50 @@ def _outcomes(
     cases: Iterable[Any], workers: Workers, job: _Job, store: Checkpoint | None
 ) -> Iterator[Outcome]:
     if store is None:
-        for _, made in workers.run(_Task(job), map(_Item, cases), None):
-            yield from made
+        for _, outcome in workers.run(job, map(_Item, cases), None):
+            yield outcome
         return
     kept = store
 
-    def keep_all(batch: Sequence[_Item], made: Sequence[Outcome | None]) -> None:
-        for item, outcome in zip(batch, made, strict=True):
-            _keep(kept, item, outcome)
+    def keep(item: _Item, outcome: Outcome | None) -> None:
+        """Keep results and this package's own errors; other errors may not occur again."""
+        if outcome is None or item.digest in kept:
+            return
+        if not isinstance(outcome[0], Exception) or isinstance(outcome[0], AOImpactError):
+            kept.put(item.digest, outcome)
 
-    items = _recognised(cases, job, store)
-    # Our own threads write each case themselves; those of other executors come back in batches.
-    task, finished = (_Task(job, store), None) if workers.local else (_Task(job), keep_all)
-    for batch, made in workers.run(task, items, finished):
-        keep_all(batch, made)
-        for item, outcome in zip(batch, made, strict=True):
-            yield store.get(item.digest) if outcome is None else outcome
+    for item, outcome in workers.run(job, _recognised(cases, job, store), keep):
+        yield store.get(item.digest) if item.known else outcome
 
 
 def _recognised(cases: Iterable[Any], job: _Job, store: Checkpoint) -> Iterator[_Item]:
-    fingerprints, ours = Fingerprints(), version("aoimpact")
+    digests, ours = Digests(), version("aoimpact")
     for i, case in enumerate(cases):
-        digest = fingerprints.of((ours, job.keep, case), f"case {i}")
-        known = digest in store
+        digest = digests.of((ours, job.keep, case), f"case {i}")
+        known = store.had(digest)
         yield _Item(None if known else case, digest, known)
-
-
-def _keep(store: Checkpoint, item: _Item, outcome: Outcome | None) -> None:
-    """Keep results and this package's own errors; other errors may not occur again."""
-    if outcome is None or item.digest in store:
-        return
-    if not isinstance(outcome[0], Exception) or isinstance(outcome[0], AOImpactError):
-        store.put(item.digest, outcome)
-
-
-@dataclass(frozen=True)
-class _Task:
-    """What a worker does with some cases; returns the seconds that it took as well."""
-
-    job: _Job
-    store: Checkpoint | None = None
-
-    def __call__(self, batch: list[_Item]) -> tuple[list[Outcome | None], float]:
-        start = time.perf_counter()
-        outcomes = self.job.together([item.case for item in batch])
-        for i, item in enumerate(batch):
-            if outcomes[i] is None and not item.known:
-                outcomes[i] = self.job(item.case)
-            if self.store is not None:
-                _keep(self.store, item, outcomes[i])
-        return outcomes, time.perf_counter() - start
 
 
 @dataclass(frozen=True)
 class _Job:
-    """Runs one case and keeps what is wanted of it; returns exceptions instead of raising."""
+    """Runs cases and keeps what is wanted of them; returns exceptions instead of raising.
+
+    stored: whether a checkpoint keeps it, so that it has to be such as JSON holds.
+    """
 
     keep: Keep | None
+    stored: bool = False
 
-    def together(self, cases: Sequence[Any]) -> list[Outcome | None]:
+    def __call__(self, items: Sequence[_Item]) -> tuple[list[Outcome | None], float]:
+        """The outcomes, None for those that are known, and the seconds that they took."""
+        start = time.perf_counter()
+        outcomes = self._together([item.case for item in items])
+        for i, item in enumerate(items):
+            if outcomes[i] is None and not item.known:
+                outcomes[i] = self._alone(item.case)
+        return outcomes, time.perf_counter() - start
+
+    def _together(self, cases: Sequence[Any]) -> list[Outcome | None]:
         """The outcomes of the plain impacts, from one call of the core; None for the others."""
         if not isinstance(self.keep, Named) or not PLAIN_NUMBERS.issuperset(self.keep.names):
             return [None] * len(cases)
@@ -266,14 +253,24 @@ class _Job:
             found[i] = numbers
         return [None if numbers is None else (numbers, ()) for numbers in found]
 
-    def __call__(self, case: Any) -> Outcome:
+    def _alone(self, case: Any) -> Outcome:
         with held_warnings() as messages:
             try:
                 result = _run(case)
                 value = result if self.keep is None else self.keep(result)
+                value = self._as_stored(value) if self.stored else value
             except Exception as error:
                 value = _portable(error)
         return value, tuple(messages)
+
+    def _as_stored(self, value: Any) -> Any:
+        try:
+            return as_json(value)
+        except Exception:
+            raise InputTypeError(
+                "keep: with a checkpoint it must return numbers, texts, lists or dicts of these, "
+                f"got {type(value).__name__}"
+            ) from None
 
 
 @dataclass(frozen=True)

@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..base import InputTypeError, WorkerError, integer
 
 __all__ = ["Workers"]
 
-# What a task returns: the outcomes of its items, and the seconds that it took.
-Done = tuple[Any, float]
-Task = Callable[[list[Any]], Done]
-Finished = Callable[[Sequence[Any], Any], None]
+# Makes the outcomes of some items; returns the seconds that it took as well.
+Task = Callable[[list[Any]], tuple[list[Any], float]]
 
 # Seconds that one task should take, in our threads and in other executors: far above the cost of
 # handing it over, and short enough that all workers finish together.
@@ -28,14 +26,6 @@ _AHEAD = 2
 
 # More threads than any machine serves at once.
 _MOST_THREADS = 4096
-
-
-class _UnderWay(NamedTuple):
-    """A task that was handed over: its items, how to wait for it, and how to cancel it."""
-
-    items: list[Any]
-    result: Callable[[], Done]
-    cancel: Callable[[], Any]
 
 
 class Workers:
@@ -50,8 +40,7 @@ class Workers:
 
     def __init__(self, workers: Any) -> None:
         self._executor: Any = None
-        self.local = not (hasattr(workers, "map") or hasattr(workers, "submit"))
-        if not self.local:
+        if hasattr(workers, "map") or hasattr(workers, "submit"):
             self._executor, self._width = workers, _width(workers)
             return
         try:
@@ -62,102 +51,89 @@ class Workers:
             ) from None
 
     def run(
-        self, task: Task, items: Iterable[Any], finished: Finished | None
-    ) -> Iterator[tuple[list[Any], Any]]:
-        """Yield the items of each task and what it made of them, in order.
+        self, task: Task, items: Iterable[Any], finished: Callable[[Any, Any], None] | None
+    ) -> Iterator[tuple[Any, Any]]:
+        """Yield each item and its outcome, in order.
 
         Parameters
         ----------
         finished : callable, optional
-            Called with the same two as soon as a task has ended, out of order, in any thread.
+            Called with both as soon as their task has ended, out of order, in any thread, and once
+            more before they are yielded.
 
         Raises
         ------
         WorkerError
             If a worker is lost, or items cannot be sent to it.
         """
-        if self.local and self._width > 1:
-            with ThreadPoolExecutor(self._width, thread_name_prefix="aoimpact") as threads:
-                self._executor = threads
-                yield from self._run(task, items, finished)
+        if hasattr(self._executor, "submit"):
+            yield from self._run(self._executor.submit, task, items, finished)
+        elif self._executor is not None or self._width == 1:
+            yield from self._run(None, task, items, finished)
         else:
-            yield from self._run(task, items, finished)
+            with ThreadPoolExecutor(self._width, thread_name_prefix="aoimpact") as threads:
+                yield from self._run(threads.submit, task, items, finished)
 
     def _run(
-        self, task: Task, items: Iterable[Any], finished: Finished | None
-    ) -> Iterator[tuple[list[Any], Any]]:
+        self,
+        submit: Callable[..., Any] | None,
+        task: Task,
+        items: Iterable[Any],
+        finished: Callable[[Any, Any], None] | None,
+    ) -> Iterator[tuple[Any, Any]]:
         source, size = iter(items), 1
-        most = 1 if self._executor is None else _AHEAD * self._width
-        under_way: deque[_UnderWay] = deque()
+        most = 1 if submit is None else _AHEAD * self._width
+        target = _TASK_HERE if self._executor is None else _TASK_AWAY
+        under_way: deque[tuple[list[Any], Any]] = deque()
+
+        def report(batch: list[Any], future: Any) -> None:
+            if finished is not None and not future.cancelled() and not future.exception():
+                for item, outcome in zip(batch, future.result()[0], strict=True):
+                    finished(item, outcome)
+
         try:
             while True:
-                # By halves: a plain map works through all that it is given before it yields.
-                if 2 * len(under_way) <= most:
-                    room = most - len(under_way)
-                    batches = [batch for _ in range(room) if (batch := list(islice(source, size)))]
-                    under_way.extend(self._start(task, batches, finished))
+                while len(under_way) < most and (batch := list(islice(source, size))):
+                    future = self._ask(submit or self._at_once, task, batch)
+                    under_way.append((batch, future))
+                    future.add_done_callback(lambda done, batch=batch: report(batch, done))
                 if not under_way:
                     return
-                batch, result, _ = under_way.popleft()
-                made, seconds = self._sent(result)
-                size = _next_size(len(batch), seconds, _TASK_HERE if self.local else _TASK_AWAY)
-                yield batch, made
+                batch, future = under_way.popleft()
+                outcomes, seconds = self._ask(future.result)
+                report(batch, future)
+                # As many items as take the time wanted, which grows slowly.
+                wanted = target * len(batch) / seconds if seconds > 0.0 else math.inf
+                size = int(max(1.0, min(wanted, 4.0 * len(batch))))
+                yield from zip(batch, outcomes, strict=True)
         finally:
-            for waiting in under_way:
-                waiting.cancel()
+            for _, future in under_way:
+                future.cancel()
 
-    def _start(
-        self, task: Task, batches: list[list[Any]], finished: Finished | None
-    ) -> list[_UnderWay]:
-        if hasattr(self._executor, "submit"):
-            return [self._sent(self._submit, task, batch, finished) for batch in batches]
-        maps = map if self._executor is None else self._executor.map
-        made = iter(self._sent(maps, task, batches))
-        return [_UnderWay(batch, _nexts(made, batch, finished), bool) for batch in batches]
+    def _at_once(self, task: Task, batch: list[Any]) -> Future[Any]:
+        """Run a task in this thread, or by all workers of an executor that has only a map."""
+        future: Future[Any] = Future()
+        if self._executor is None:
+            future.set_result(task(batch))
+            return future
+        size = math.ceil(len(batch) / self._width)
+        parts = [batch[i : i + size] for i in range(0, len(batch), size)]
+        made, seconds = zip(*self._executor.map(task, parts), strict=True)
+        future.set_result(([one for outcomes in made for one in outcomes], max(seconds)))
+        return future
 
-    def _submit(self, task: Task, batch: list[Any], finished: Finished | None) -> _UnderWay:
-        future = self._executor.submit(task, batch)
-        if finished is not None:
-            future.add_done_callback(_reporter(batch, finished))
-        return _UnderWay(batch, future.result, future.cancel)
-
-    def _sent(self, ask: Callable[..., Any], *arguments: Any) -> Any:
+    def _ask(self, ask: Callable[..., Any], *arguments: Any) -> Any:
         """Call an executor; what it raises is its own failure, since tasks raise nothing."""
-        if self.local:
+        if self._executor is None:
             return ask(*arguments)
         try:
             return ask(*arguments)
         except Exception as error:
             raise WorkerError(
                 f"workers: {type(error).__name__}: {error}. A worker was lost, or a case, a law or "
-                "keep could not be sent to it (they must be picklable, functions defined in a "
-                "module); with checkpoint=path what is finished is kept, and the same call goes on "
-                "from there"
+                "keep could not be sent to it: they must be picklable, functions defined in a "
+                "module. With checkpoint=path what is finished is kept"
             ) from error
-
-
-def _nexts(made: Iterator[Done], batch: list[Any], finished: Finished | None) -> Callable[[], Done]:
-    def result() -> Done:
-        done = next(made)
-        if finished is not None:
-            finished(batch, done[0])
-        return done
-
-    return result
-
-
-def _reporter(batch: list[Any], finished: Finished) -> Callable[[Any], None]:
-    def report(future: Any) -> None:
-        if not future.cancelled() and not future.exception():
-            finished(batch, future.result()[0])
-
-    return report
-
-
-def _next_size(size: int, seconds: float, target: float) -> int:
-    """The number of items for which a task takes `target` seconds; it grows slowly."""
-    wanted = target * size / seconds if seconds > 0.0 else math.inf
-    return int(max(1.0, min(wanted, 4.0 * size)))
 
 
 def _width(executor: Any) -> int:

@@ -1,9 +1,8 @@
-"""A checkpoint keeps whole records, whatever happened to the process that wrote them."""
+"""A checkpoint keeps whole lines, whatever happened to the process that wrote them."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import json
 from pathlib import Path
 
 import pytest
@@ -11,18 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import aoimpact as ao
+from aoimpact.base import LawLimitError, RoomError
 from aoimpact.batch.checkpoint import Checkpoint
-from aoimpact.batch.fingerprint import DIGEST_SIZE
 
 
-def key(i: int) -> bytes:
-    return i.to_bytes(DIGEST_SIZE, "big")
+def key(i: int) -> str:
+    return f"{i:032x}"
 
 
 def filled(path: Path, count: int) -> bytes:
     with Checkpoint(path) as store:
         for i in range(count):
-            store.put(key(i), {"peak_force": float(i)})
+            store.put(key(i), ({"peak_force": float(i)}, ()))
     return path.read_bytes()
 
 
@@ -31,11 +30,24 @@ def test_gives_back_what_was_put(tmp_path: Path) -> None:
     filled(path, 3)
     with Checkpoint(path) as store:
         assert len(store) == 3
-        assert store.get(key(1)) == {"peak_force": 1.0}
+        assert store.get(key(1)) == ({"peak_force": 1.0}, ())
         assert key(7) not in store
-        store.put(key(7), ValueError("no"))
-        assert str(store.get(key(7))) == "no"
-        assert store.get(key(2)) == {"peak_force": 2.0}
+        store.put(key(7), (ao.SceneFileError("no"), ("a warning",)))
+        assert key(7) in store
+    with Checkpoint(path) as store:
+        error, messages = store.get(key(7))
+        assert (type(error), str(error), messages) == (ao.SceneFileError, "no", ("a warning",))
+
+
+def test_errors_have_their_attributes_again(tmp_path: Path) -> None:
+    deep, narrow = LawLimitError("too deep", 3), RoomError("no room", 1e-3, "an edge")
+    with Checkpoint(tmp_path / "sweep") as store:
+        store.put(key(0), (deep, ()))
+        store.put(key(1), (narrow, ()))
+    with Checkpoint(tmp_path / "sweep") as store:
+        for i, error in enumerate((deep, narrow)):
+            again = store.get(key(i))[0]
+            assert (type(again), str(again), vars(again)) == (type(error), str(error), vars(error))
 
 
 @pytest.fixture(scope="module")
@@ -44,56 +56,61 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 
 @given(left=st.integers(0, 400))
-def test_cut_anywhere_it_loses_the_torn_record_alone(
+def test_cut_anywhere_it_loses_the_torn_line_alone(
     left: int, whole: bytes, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     path = tmp_path_factory.mktemp("torn") / "sweep"
     path.write_bytes(whole[:left])
-    record = (len(whole) - 8) // 4
-    finished = min(4, max(0, left - 8) // record)
+    finished = max(0, whole[:left].count(b"\n") - 1)
     with Checkpoint(path) as store:
         assert [key(i) in store for i in range(4)] == [i < finished for i in range(4)]
-        for i in range(4):
-            store.put(key(i), {"peak_force": float(i)})
-    with Checkpoint(path) as store:
-        assert [store.get(key(i))["peak_force"] for i in range(4)] == [0.0, 1.0, 2.0, 3.0]
+        for i in range(finished, 4):
+            store.put(key(i), ({"peak_force": float(i)}, ()))
+    assert path.read_bytes() == whole
 
 
-def test_damage_in_the_middle_is_said(whole: bytes, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"{",
+        b"[]",
+        b"\xff\xfe",
+        b'{"case": "1"}',
+        b'{"case": [], "warnings": [], "value": 1}',
+        b'{"case": "1", "warnings": 3, "value": 1}',
+        b'{"case": "1", "warnings": [], "error": ["SystemExit", [], {}]}',
+        b'{"case": "1", "warnings": [], "error": ["InputError", 3, {}]}',
+        b'{"case": "1", "warnings": [], "error": ["InputError", [], 3]}',
+        b"[" * 100_000,
+    ],
+)
+def test_damage_in_the_middle_is_said(line: bytes, whole: bytes, tmp_path: Path) -> None:
     path = tmp_path / "sweep"
-    middle = len(whole) // 2
-    path.write_bytes(whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :])
-    with pytest.warns(ao.AOImpactWarning, match="damaged after 1 cases"):
+    head, *lines = whole.splitlines(keepends=True)
+    path.write_bytes(head + lines[0] + line + b"\n" + lines[2])
+    with pytest.warns(ao.AOImpactWarning, match="damaged in 1 lines"):
         store = Checkpoint(path)
     with store:
-        assert len(store) == 1
+        assert [key(i) in store for i in range(4)] == [True, False, True, False]
 
 
-def test_another_file_is_left_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("content", ["years of work", "AOICKPT1", '{"case": 1}\n'])
+def test_another_file_is_left_alone(content: str, tmp_path: Path) -> None:
     path = tmp_path / "thesis.txt"
-    path.write_text("years of work")
+    path.write_text(content)
     with pytest.raises(ao.InputError, match="another kind"):
         Checkpoint(path)
-    assert path.read_text() == "years of work"
+    assert path.read_text() == content
 
 
-def test_two_sweeps_do_not_share_one(tmp_path: Path) -> None:
+def test_two_sweeps_may_share_one(tmp_path: Path) -> None:
     path = tmp_path / "sweep"
-    with Checkpoint(path), pytest.raises(ao.InputError, match="in use by another sweep"):
-        Checkpoint(path)
+    with Checkpoint(path) as one, Checkpoint(path) as other:
+        for i in range(4):
+            (one, other)[i % 2].put(key(i), (float(i), ()))
     with Checkpoint(path) as store:
-        assert len(store) == 0
-
-
-def test_another_process_is_kept_out(tmp_path: Path) -> None:
-    path = tmp_path / "sweep"
-    program = f"from aoimpact.batch.checkpoint import Checkpoint; Checkpoint({str(path)!r})"
-    with Checkpoint(path):
-        other = subprocess.run(
-            [sys.executable, "-c", program], capture_output=True, text=True, check=False
-        )
-    assert other.returncode != 0
-    assert "InputError" in other.stderr
+        assert [store.get(key(i))[0] for i in range(4)] == [0.0, 1.0, 2.0, 3.0]
+    assert all(json.loads(line) for line in path.read_text().splitlines())
 
 
 @pytest.mark.parametrize("path", ["no/such/folder/sweep", "."])
