@@ -1,133 +1,14 @@
 """What every folder may use: errors, checks of arguments, units, read-only records, tables."""
 
-from .arrays import FloatArray, IntArray
-from .cells import aligned, html_table
-from .checks import (
-    HUGE,
-    boolean,
-    called,
-    choice,
-    file_path,
-    finite_array,
-    instance,
-    instances,
-    integer,
-    nearest,
-    node_ids,
-    nonnegative,
-    place,
-    plain,
-    positive,
-    real,
-    sequence,
-    text,
-    texts,
-    unit_vector,
-    writable_folder,
-    written_file,
-)
-from .decoding import decoded
-from .errors import (
-    AOImpactError,
-    AOImpactWarning,
-    ConvergenceError,
-    InputError,
-    InputTypeError,
-    LawLimitError,
-    MemoryLimitError,
-    MeshError,
-    MissingFileError,
-    MissingPackageError,
-    NotFiniteError,
-    RoomError,
-    SceneFileError,
-    SingularError,
-    WorkerError,
-    held_warnings,
-    warn,
-)
-from .frozen import Frozen, checked
-from .memory import GIB, available, require
-from .packages import optional_package
-from .progress import advance, bar
-from .style import (
-    COLOURS,
-    Curve,
-    draw_curves,
-    error_axes,
-    given_axes,
-    label,
-    legend,
-    new_axes,
-    styled,
-)
-from .threads import at_once
-from .units import Scale, scale_for, with_unit
-
-__all__ = [
-    "COLOURS",
-    "GIB",
-    "HUGE",
-    "AOImpactError",
-    "AOImpactWarning",
-    "ConvergenceError",
-    "Curve",
-    "FloatArray",
-    "Frozen",
-    "InputError",
-    "InputTypeError",
-    "IntArray",
-    "LawLimitError",
-    "MemoryLimitError",
-    "MeshError",
-    "MissingFileError",
-    "MissingPackageError",
-    "NotFiniteError",
-    "RoomError",
-    "Scale",
-    "SceneFileError",
-    "SingularError",
-    "WorkerError",
-    "advance",
-    "aligned",
-    "at_once",
-    "available",
-    "bar",
-    "boolean",
-    "called",
-    "checked",
-    "choice",
-    "decoded",
-    "draw_curves",
-    "error_axes",
-    "file_path",
-    "finite_array",
-    "given_axes",
-    "held_warnings",
-    "html_table",
-    "instance",
-    "instances",
-    "integer",
-    "label",
-    "legend",
-    "nearest",
-    "new_axes",
-    "node_ids",
-    "nonnegative",
-    "optional_package",
-    "place",
-    "plain",
-    "positive",
-    "real",
-    "require",
-    "scale_for",
-    "sequence",
-    "styled",
-    "text",
-    "texts",
-    "unit_vector",
-    "warn",
-    "with_unit",
-    "writable_folder",
-    "written_file",
-]
+from .arrays import *
+from .cells import *
+from .checks import *
+from .decoding import *
+from .errors import *
+from .frozen import *
+from .memory import *
+from .packages import *
+from .progress import *
+from .style import *
+from .threads import *
+from .units import *

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
-import sys
 from pathlib import Path
 
 from .errors import MemoryLimitError
@@ -19,11 +17,11 @@ _CGROUP = Path("/sys/fs/cgroup")
 
 def available() -> float:
     """Return the memory available now, bytes; infinite if the system does not report it."""
-    if sys.platform == "win32":
-        return _windows()
     try:
-        return min(_linux(), _container(), _address_space())
-    except OSError:
+        lines = Path("/proc/meminfo").read_text().splitlines()
+        (kibibytes,) = (line.split()[1] for line in lines if line.startswith("MemAvailable:"))
+        return min(1024.0 * int(kibibytes), _container(), _address_space())
+    except (OSError, ValueError):
         return _physical()
 
 
@@ -47,13 +45,6 @@ def require(n_bytes: float, what: str, cure: str) -> None:
             f"{what} would need some {n_bytes / GIB:.3g} GiB of memory, and {free / GIB:.3g} GiB "
             f"are free: {cure}"
         )
-
-
-def _linux() -> float:
-    for line in Path("/proc/meminfo").read_text().splitlines():
-        if line.startswith("MemAvailable:"):
-            return 1024.0 * int(line.split()[1])
-    return _physical()
 
 
 def _container() -> float:
@@ -82,27 +73,3 @@ def _physical() -> float:
         return float(os.sysconf("SC_PHYS_PAGES")) * float(os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):
         return float("inf")
-
-
-class _MemoryStatus(ctypes.Structure):
-    """MEMORYSTATUSEX of the Windows API."""
-
-    _fields_ = (
-        ("length", ctypes.c_uint32),
-        ("load", ctypes.c_uint32),
-        ("total_physical", ctypes.c_uint64),
-        ("free_physical", ctypes.c_uint64),
-        ("total_page_file", ctypes.c_uint64),
-        ("free_page_file", ctypes.c_uint64),
-        ("total_virtual", ctypes.c_uint64),
-        ("free_virtual", ctypes.c_uint64),
-        ("free_extended_virtual", ctypes.c_uint64),
-    )
-
-
-def _windows() -> float:
-    status = _MemoryStatus(length=ctypes.sizeof(_MemoryStatus))
-    kernel = getattr(ctypes, "windll").kernel32  # noqa: B009  (not there for mypy elsewhere)
-    if not kernel.GlobalMemoryStatusEx(ctypes.byref(status)):
-        return float("inf")
-    return float(status.free_physical)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -57,25 +56,9 @@ _MOST_KEPT = 8
 _PAPER_SPHERE = "paper-sphere"
 
 
-# Numbers of [impact], and the keywords of `simulate` that they are.
-_IMPACT_KEYWORDS = {
-    "velocity": "velocity",
-    "duration": "duration",
-    "gap": "gap",
-    "quantity": "quantity",
-    "rtol": "rtol",
-    "tolerance": "rtol",
-    "linear_solver": "linear_solver",
-}
-
-
-# And of [scene], of `Scene.simulate`.
-_SCENE_KEYWORDS = {
-    "preload": "preload",
-    "rtol": "rtol",
-    "tolerance": "rtol",
-    "linear_solver": "linear_solver",
-}
+# Keywords of `simulate` and of `Scene.simulate` that a file gives as they are.
+_OF_IMPACT = ("velocity", "duration", "gap", "quantity", "rtol", "linear_solver")
+_OF_SCENE = ("preload", "rtol", "linear_solver")
 
 
 @dataclass
@@ -126,8 +109,7 @@ class Builder:
         keywords = {
             **bodies,
             "law": self._law("impact"),
-            **self._keywords("impact", _IMPACT_KEYWORDS),
-            **self._solver("impact"),
+            **self._keywords("impact", _OF_IMPACT),
         }
         wanted = table.get("quantity")
         if isinstance(wanted, Mapping):
@@ -162,28 +144,20 @@ class Builder:
             with self.located("scene", "loads", i):
                 force = (load["times"], load["forces"]) if "times" in load else load["force"]
                 scene.apply(_handle(handles, load["body"]), force=force)
-        keywords = self._solver("scene") | self._keywords("scene", _SCENE_KEYWORDS)
+        keywords = self._keywords("scene", _OF_SCENE)
         if "quantity" in table:
             with self.located("scene", "quantity"):
                 keywords["quantity"] = _scene_quantity(handles, bodies, table["quantity"])
         return SceneCase(scene, keywords), table.get("duration")
 
-    def _keywords(self, kind: str, names: Mapping[str, str]) -> dict[str, Any]:
+    def _keywords(self, kind: str, names: Sequence[str]) -> dict[str, Any]:
         """The keywords of a run that its table gives."""
         table = self.data[kind]
-        if "tolerance" in table:
-            if "rtol" in table:
-                with self.located(kind, "tolerance"):
-                    raise InputError("it is the former name of rtol; leave it out")
-            warnings.warn("tolerance is now called rtol", DeprecationWarning, stacklevel=2)
-        return {keyword: table[name] for name, keyword in names.items() if name in table}
-
-    def _solver(self, kind: str) -> dict[str, Any]:
-        table = self.data[kind]
-        if "solver" not in table:
-            return {}
-        with self.located(kind, "solver"):
-            return {"solver": _made(SOLVERS, table["solver"])}
+        given = {name: table[name] for name in names if name in table}
+        if "solver" in table:
+            with self.located(kind, "solver"):
+                given["solver"] = _made(SOLVERS, table["solver"])
+        return given
 
     # --------------------------------------------------------------------------- bodies
 
@@ -288,18 +262,16 @@ class Builder:
             return read_matrices(**given, **self._damping(name))
 
     def _mesh(self, mesh: str | Mapping[str, Any], **parts: Any) -> Mesh:
-        if mesh == _PAPER_SPHERE:
-            return read_mesh(paper_sphere_mesh(), **parts)
+        source: Any
         if isinstance(mesh, str):
-            return read_mesh(self.folder / mesh, **parts)
-        if "file" in mesh:
-            return read_mesh(self.folder / mesh["file"], scale=mesh.get("scale", 1.0), **parts)
-        return read_mesh(self._generated(mesh), **parts)
-
-    def _generated(self, mesh: Mapping[str, Any]) -> Mesh:
-        if "sphere" in mesh:
-            return sphere_mesh(mesh["sphere"], mesh["size"])
-        return box_mesh(mesh["box"], mesh["divisions"], kind=mesh.get("kind", "hexahedron"))
+            source = paper_sphere_mesh() if mesh == _PAPER_SPHERE else self.folder / mesh
+        elif "file" in mesh:
+            source, parts = self.folder / mesh["file"], {"scale": mesh.get("scale", 1.0)} | parts
+        elif "sphere" in mesh:
+            source = sphere_mesh(mesh["sphere"], mesh["size"])
+        else:
+            source = box_mesh(mesh["box"], mesh["divisions"], kind=mesh.get("kind", "hexahedron"))
+        return read_mesh(source, **parts)
 
     # ---------------------------------------------------------------- materials and laws
 
@@ -338,34 +310,25 @@ class Builder:
         table = dict(table["law"])
         with self.located(*place, "law"):
             if isinstance(table.get("k"), Mapping):
-                surfaces = [
-                    part
-                    for surface in table["k"]["between"]
-                    for part in (self._isotropic(surface["material"]), surface["radius"])
-                ]
+                surfaces: list[Any] = []
+                for surface in table["k"]["between"]:
+                    surfaces += [self._isotropic(surface["material"]), surface["radius"]]
                 if "yield_pressure" in table:
-                    return _yielding(table, surfaces)
-                table |= _of_surfaces(table, surfaces)
+                    if "angle" in table["k"]:
+                        raise InputError(
+                            "angle: with yield_pressure the surfaces are spheres, flats or cups"
+                        )
+                    return Thornton.between(*surfaces, yield_pressure=table["yield_pressure"])
+                if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
+                    raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
+                if "relative_radius" in table:
+                    raise InputError("relative_radius: it follows from the two surfaces of k")
+                hertz = Hertz.between(*surfaces, angle=table["k"].get("angle", 0.0))
+                table |= {"k": hertz.k, "relative_radius": hertz.relative_radius}
+                if table["type"] == "Hertz":
+                    table["eccentricity"] = hertz.eccentricity
             law: ContactLaw = _made(LAWS, table)
             return law
-
-
-def _yielding(table: Mapping[str, Any], surfaces: list[Any]) -> Thornton:
-    """Thornton's law of two surfaces that yield under a pressure."""
-    if "angle" in table["k"]:
-        raise InputError("angle: with yield_pressure the surfaces are spheres, flats or cups")
-    return Thornton.between(*surfaces, yield_pressure=table["yield_pressure"])
-
-
-def _of_surfaces(table: Mapping[str, Any], surfaces: list[Any]) -> dict[str, float | None]:
-    """The parameters of a law that follow from two surfaces by Hertz's theory."""
-    if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
-        raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
-    if "relative_radius" in table:
-        raise InputError("relative_radius: it follows from the two surfaces of k")
-    hertz = Hertz.between(*surfaces, angle=table["k"].get("angle", 0.0))
-    found: dict[str, float | None] = {"k": hertz.k, "relative_radius": hertz.relative_radius}
-    return found | {"eccentricity": hertz.eccentricity} if table["type"] == "Hertz" else found
 
 
 _REDUCTIONS: dict[str, Callable[..., Any]] = {"antioscillators": antioscillators, "modal": modal}

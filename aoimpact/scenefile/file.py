@@ -345,8 +345,6 @@ class SceneFile:
         except (InputError, InputTypeError) as error:
             # The argument that a message begins with is a key of the table more often than not.
             word = str(error).partition(" ")[0].partition("=")[0].rstrip(":")
-            if word == "rtol" and not holds(self.data, (*place, word)):
-                word = "tolerance"  # its former name
             finer = (*place, word) if holds(self.data, (*place, word)) else place
             raise SceneFileError(self._at(finer, str(error))) from error
         except AOImpactError as error:

@@ -1,4 +1,4 @@
-"""What a scene file may contain: the one place that lists its names."""
+"""What a scene file may contain: the one place that lists its names, as schema.py writes kinds."""
 
 from __future__ import annotations
 
@@ -11,24 +11,18 @@ from ..integrate import Adaptive, Newmark
 from ..linalg import SOLVERS as LINEAR_SOLVERS
 from ..mesh import KINDS
 from .schema import (
-    Anything,
+    ANYTHING,
+    FLAG,
+    INTEGER,
+    NUMBER,
+    TEXT,
     Choice,
-    Either,
     Entries,
-    Field,
-    Flag,
-    Integer,
-    Kind,
-    Listed,
-    Number,
     Reference,
     Table,
     Tagged,
-    Text,
     Tree,
     Variants,
-    needed,
-    optional,
 )
 
 __all__ = ["LAWS", "SCENE_FILE", "SOLVERS"]
@@ -38,330 +32,205 @@ LAWS = {name: law for name, law in laws.LAWS.items() if law is not laws.UserLaw}
 
 SOLVERS = {solver.__name__: solver for solver in (Adaptive, Newmark)}
 
-_VECTOR = Listed(Number(), 3)
+_VECTOR = [NUMBER, 3]
+_MATERIAL, _BODY = Reference("materials"), Reference("bodies")
 
+# ------------------------------------------------------------------- materials and bodies
 
-_MATERIAL = Variants(
+_MATERIALS = Variants(
     {
-        "E": Table(
-            {
-                "E": needed(Number("Pa")),
-                "nu": needed(Number()),
-                "rho": needed(Number("kg/m³")),
-                "yield_strength": optional(Number("Pa")),
-            }
-        ),
-        "orthotropic": Table(
-            {
-                "orthotropic": needed(
-                    Table(
-                        {
-                            "E": needed(Listed(Number("Pa"), 3)),
-                            "G": needed(Listed(Number("Pa"), 3)),
-                            "nu": needed(_VECTOR),
-                        }
-                    )
-                ),
-                "rho": needed(Number("kg/m³")),
-                "axes": optional(Listed(_VECTOR)),
-                "turned": optional(Number("rad")),
-            }
-        ),
+        "E": {"E": "Pa", "nu": NUMBER, "rho": "kg/m³", "yield_strength?": "Pa"},
+        "orthotropic": {
+            "orthotropic": {"E": ["Pa", 3], "G": ["Pa", 3], "nu": _VECTOR},
+            "rho": "kg/m³",
+            "axes?": [_VECTOR],
+            "turned?": "rad",
+        },
     }
 )
 
 _MESH = Variants(
     {
-        "file": Table({"file": needed(Text()), "scale": optional(Number())}),
-        "sphere": Table({"sphere": needed(Number("m, the radius")), "size": needed(Number("m"))}),
-        "box": Table(
-            {
-                "box": needed(_VECTOR),
-                "divisions": needed(Listed(Integer(), 3)),
-                "kind": optional(Choice(KINDS)),
-            }
-        ),
+        "file": {"file": TEXT, "scale?": NUMBER},
+        "sphere": {"sphere": "m, the radius", "size": "m"},
+        "box": {"box": _VECTOR, "divisions": [INTEGER, 3], "kind?": Choice(KINDS)},
     }
 )
 
 # Nodes: a set, numbers, or all on some planes.
-_NODES = {
-    "nodes": optional(Either((Text(), Listed(Integer())))),
-    "x": optional(Number("m")),
-    "y": optional(Number("m")),
-    "z": optional(Number("m")),
-}
-
-_SUPPORT = Table({"hold": needed(Text())} | _NODES)
-
-_ADDED = Table(
-    {
-        "mass": needed(Number("kg")),
-        "centre": optional(_VECTOR),
-        "inertia": optional(Either((_VECTOR, Listed(_VECTOR, 3)))),
-    }
-    | _NODES
-)
-
-_SPRING = Table({"along": needed(Text()), "stiffness": needed(Number("N/m"))} | _NODES)
+_NODES = {"nodes?": (TEXT, [INTEGER]), "x?": "m", "y?": "m", "z?": "m"}
 
 # How a place is pressed on.
-_PRESSED = {
-    "direction": optional(_VECTOR),
-    "radius": optional(Either((Number("m"), Choice(("auto",))))),
-    "expected": optional(Number("m")),
-}
+_PRESSED = {"direction?": _VECTOR, "radius?": ("m", Choice(("auto",))), "expected?": "m"}
 
 _CONTACT = Variants(
     {
-        "point": Table({"point": needed(_VECTOR)} | _PRESSED),
-        "node": Table({"node": needed(Integer())} | _PRESSED),
-        "dof": Table({"dof": needed(Integer())}),
+        "point": {"point": _VECTOR} | _PRESSED,
+        "node": {"node": INTEGER} | _PRESSED,
+        "dof": {"dof": INTEGER},
     }
 )
 
-_MATRIX = Either((Text(), Listed(Text(), 2)))
+_MATRIX = (TEXT, [TEXT, 2])
 
-_MATRICES = Table(
-    {
-        "K": needed(_MATRIX),
-        "M": optional(_MATRIX),
-        "dofs": optional(Text()),
-        "nodes": optional(Text()),
-        "length": optional(Number("m")),
-        "mass": optional(Number("kg")),
-        "mesh": optional(Text()),
-        "material": optional(Reference("materials")),
-    }
-)
+_MATRICES = {
+    "K": _MATRIX,
+    "M?": _MATRIX,
+    "dofs?": TEXT,
+    "nodes?": TEXT,
+    "length?": "m",
+    "mass?": "kg",
+    "mesh?": TEXT,
+    "material?": _MATERIAL,
+}
 
-_LINEAR_SOLVER = optional(Choice(LINEAR_SOLVERS))
+_LINEAR_SOLVER = Choice(LINEAR_SOLVERS)
 
 # What a model is fitted to.
-_FITTED = {"contact_time": optional(Number("s")), "duration": optional(Number("s"))}
+_FITTED = {"contact_time?": "s", "duration?": "s"}
 
 _MODEL = Tagged(
     "type",
     {
-        "antioscillators": Table(
-            {
-                "n": optional(Integer()),
-                "method": optional(Text()),
-                "order": optional(Text()),
-                "solver": _LINEAR_SOLVER,
-            }
-            | _FITTED
-        ),
-        "modal": Table({"n": needed(Integer()), "solver": _LINEAR_SOLVER}),
-        "interface": Table({"n": needed(Integer()), "solver": _LINEAR_SOLVER} | _FITTED),
-        "full": Table({}),
+        "antioscillators": {"n?": INTEGER, "method?": TEXT, "order?": TEXT}
+        | {"solver?": _LINEAR_SOLVER}
+        | _FITTED,
+        "modal": {"n": INTEGER, "solver?": _LINEAR_SOLVER},
+        "interface": {"n": INTEGER, "solver?": _LINEAR_SOLVER} | _FITTED,
+        "full": {},
     },
 )
 
-_DAMPING = Table(
-    {
-        "alpha": optional(Number("1/s")),
-        "beta": optional(Number("s")),
-        "ratio": optional(Number()),
-    }
-)
+_DAMPING = {"alpha?": "1/s", "beta?": "s", "ratio?": NUMBER}
 
 # How a body of finite elements is touched, and what represents it.
-_TOUCHED = {
-    "contact": needed(Either((_CONTACT, Listed(_CONTACT)))),
-    "model": optional(_MODEL),
-}
+_TOUCHED = {"contact": (_CONTACT, [_CONTACT]), "model?": _MODEL, "damping?": _DAMPING}
 
-_BODY = Variants(
+_BODIES = Variants(
     {
-        "mass": Table({"mass": needed(Number("kg"))}),
-        "ball": Table({"ball": needed(Number("m")), "material": needed(Reference("materials"))}),
-        "m0": Table(
-            {
-                "m0": needed(Number("kg")),
-                "k0": optional(Number("N/m")),
-                "m": optional(Listed(Number("kg"))),
-                "k": optional(Listed(Number("N/m"))),
-                "damping": optional(_DAMPING),
-            }
-        ),
-        "mesh": Table(
-            {
-                "mesh": needed(Either((Text(), _MESH))),
-                "material": needed(
-                    Either((Reference("materials"), Entries(Reference("materials"))))
-                ),
-                "part": optional(Either((Text(), Listed(Text())))),
-                "order": optional(Integer()),
-                "fixed": optional(Listed(_SUPPORT)),
-                "masses": optional(Listed(_ADDED)),
-                "springs": optional(Listed(_SPRING)),
-                "damping": optional(_DAMPING),
-            }
-            | _TOUCHED
-        ),
-        "matrices": Table(
-            {"matrices": needed(_MATRICES), "damping": optional(_DAMPING)} | _TOUCHED
-        ),
+        "mass": {"mass": "kg"},
+        "ball": {"ball": "m", "material": _MATERIAL},
+        "m0": {"m0": "kg", "k0?": "N/m", "m?": ["kg"], "k?": ["N/m"], "damping?": _DAMPING},
+        "mesh": {
+            "mesh": (TEXT, _MESH),
+            "material": (_MATERIAL, Entries(_MATERIAL)),
+            "part?": (TEXT, [TEXT]),
+            "order?": INTEGER,
+            "fixed?": [{"hold": TEXT} | _NODES],
+            "masses?": [
+                {"mass": "kg", "centre?": _VECTOR, "inertia?": (_VECTOR, [_VECTOR, 3])} | _NODES
+            ],
+            "springs?": [{"along": TEXT, "stiffness": "N/m"} | _NODES],
+        }
+        | _TOUCHED,
+        "matrices": {"matrices": _MATRICES} | _TOUCHED,
     }
 )
 
-_RADIUS = Either((Number("m"), Listed(Number("m"), 2)))
-_SURFACE = Table({"material": needed(Reference("materials")), "radius": needed(_RADIUS)})
-_SURFACES = Table({"between": needed(Listed(_SURFACE, 2)), "angle": optional(Number("rad"))})
+# ------------------------------------------------------------------------ laws and solvers
 
+_SURFACE = {"material": _MATERIAL, "radius": ("m", ["m", 2])}
+_SURFACES = Table({"between": [_SURFACE, 2], "angle?": "rad"})
 
 # By the annotation of a parameter.
-_KIND_OF: dict[Any, Kind] = {
-    **dict.fromkeys((float, float | None), Number()),
-    bool: Flag(),
-    str: Text(),
-}
+_KIND_OF: dict[Any, Any] = {float: NUMBER, float | None: NUMBER, bool: FLAG, str: TEXT}
 
 
-def _parameters(cls: Any) -> Table:
+def _parameters(cls: Any) -> dict[str, Any]:
     """The parameters of a frozen object of numbers, words and flags, by its own fields."""
     types = get_type_hints(cls)
-    names = {entry.name: _KIND_OF[types[entry.name]] for entry in fields(cls)}
-    if issubclass(cls, laws.HertzianLaw):  # its k may be that of Hertz's theory
-        names["k"] = Either((Number(), _SURFACES))
-    left_out = {entry.name for entry in fields(cls) if entry.default is not MISSING}
-    return Table({name: Field(kind, name not in left_out) for name, kind in names.items()})
+    written = {}
+    for entry in fields(cls):
+        kind = _KIND_OF[types[entry.name]]
+        if entry.name == "k" and issubclass(cls, laws.HertzianLaw):  # may be that of Hertz's theory
+            kind = (NUMBER, _SURFACES)
+        written[entry.name + ("" if entry.default is MISSING else "?")] = kind
+    return written
 
 
-def _law(cls: Any) -> Kind:
+def _law(cls: Any) -> Any:
     """A law by its own parameters, or by its restitution or yield pressure."""
     if cls is laws.Tabulated:
-        return _CURVE
+        return {"indentation": ["m"], "force": ["N"]}
     own = _parameters(cls)
     if hasattr(cls, "from_restitution"):
-        names = inspect.signature(cls.from_restitution).parameters
-        given = {
-            name: own.fields.get(name, Field(Number(), entry.default is inspect.Parameter.empty))
-            for name, entry in names.items()
-        }
-        follows = next(name for name in own.fields if name not in names)
-        return Variants({follows: own, "restitution": Table(given)})
+        given = inspect.signature(cls.from_restitution).parameters
+        other = {}
+        for name, entry in given.items():
+            mark = "" if entry.default is inspect.Parameter.empty else "?"
+            other[name + mark] = own.get(name, own.get(name + "?", NUMBER))
+        follows = next(name for name in own if name.rstrip("?") not in given)
+        return Variants({follows.rstrip("?"): own, "restitution": other})
     if cls is laws.Thornton:
-        yielding = {"k": needed(_SURFACES), "yield_pressure": needed(Number("Pa"))}
-        return Variants({"yield_force": own, "yield_pressure": Table(yielding)})
+        yielding = {"k": _SURFACES, "yield_pressure": "Pa"}
+        return Variants({"yield_force": own, "yield_pressure": yielding})
     return own
 
 
-_CURVE = Table({"indentation": needed(Listed(Number("m"))), "force": needed(Listed(Number("N")))})
-
 _LAW = Tagged("type", {name: _law(cls) for name, cls in LAWS.items()})
-
 _SOLVER = Tagged("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
+
+# ---------------------------------------------------------------- impacts, scenes and sweeps
 
 # How a run is made, and what it reports.
 _RUN = {
-    "duration": optional(Number("s")),
-    "solver": optional(_SOLVER),
-    "report": optional(Listed(Text())),
+    "duration?": "s",
+    "solver?": _SOLVER,
+    "report?": [TEXT],
+    "rtol?": NUMBER,
+    "linear_solver?": _LINEAR_SOLVER,
 }
 
 
-def _displacement(body: Kind, **more: Table) -> Kind:
+def _displacement(body: Any, **more: Any) -> Variants:
     """A place whose displacement is the quantity of interest."""
-    point = {"body": needed(body), "point": needed(_VECTOR), "direction": needed(_VECTOR)}
-    return Variants({"point": Table(point), **more})
+    return Variants({"point": {"body": body, "point": _VECTOR, "direction": _VECTOR}, **more})
 
 
-_IMPACT = Table(
-    {
-        "projectile": needed(Reference("bodies")),
-        "target": needed(Reference("bodies")),
-        "velocity": needed(Number("m/s")),
-        "gap": optional(Number("m")),
-        "law": optional(_LAW),
-        "quantity": optional(Either((Text(), _displacement(Reference("bodies"))))),
-        "rtol": optional(Number()),
-        "tolerance": optional(Number()),  # the former name of rtol
-        "linear_solver": _LINEAR_SOLVER,
-    }
-    | _RUN
-)
+_IMPACT = {
+    "projectile": _BODY,
+    "target": _BODY,
+    "velocity": "m/s",
+    "gap?": "m",
+    "law?": _LAW,
+    "quantity?": (TEXT, _displacement(_BODY)),
+} | _RUN
 
-_MEMBER = Table(
-    {
-        "body": needed(Reference("bodies")),
-        "name": optional(Text()),
-        "velocity": optional(Number("m/s")),
-        "position": optional(Number("m")),
-    }
-)
+_END = (TEXT, {"body": TEXT, "port?": INTEGER})
 
-_END = Either((Text(), Table({"body": needed(Text()), "port": optional(Integer())})))
-
-_BETWEEN = Table(
-    {
-        "between": needed(Listed(_END, 2)),
-        "law": optional(_LAW),
-        "gap": optional(Number("m")),
-        "name": optional(Text()),
-    }
-)
-
-_LOAD = Variants(
-    {
-        "force": Table({"body": needed(_END), "force": needed(Number("N"))}),
-        "times": Table(
+_SCENE = {
+    "quantity?": (TEXT, _displacement(TEXT, port={"body": TEXT, "port": INTEGER})),
+    "gravity?": "m/s²",
+    "preload?": FLAG,
+    "bodies": [{"body": _BODY, "name?": TEXT, "velocity?": "m/s", "position?": "m"}],
+    "contacts?": [{"between": [_END, 2], "law?": _LAW, "gap?": "m", "name?": TEXT}],
+    "loads?": [
+        Variants(
             {
-                "body": needed(_END),
-                "times": needed(Listed(Number("s"))),
-                "forces": needed(Listed(Number("N"))),
+                "force": {"body": _END, "force": "N"},
+                "times": {"body": _END, "times": ["s"], "forces": ["N"]},
             }
-        ),
-    }
-)
-
-_PORT = Table({"body": needed(Text()), "port": needed(Integer())})
-
-_SCENE = Table(
-    {
-        "quantity": optional(Either((Text(), _displacement(Text(), port=_PORT)))),
-        "rtol": optional(Number()),
-        "tolerance": optional(Number()),  # the former name of rtol
-        "linear_solver": _LINEAR_SOLVER,
-        "gravity": optional(Number("m/s²")),
-        "preload": optional(Flag()),
-        "bodies": needed(Listed(_MEMBER)),
-        "contacts": optional(Listed(_BETWEEN)),
-        "loads": optional(Listed(_LOAD)),
-    }
-    | _RUN
-)
+        )
+    ],
+} | _RUN
 
 _RANGE = Table(
-    {
-        "from": needed(Number()),
-        "to": needed(Number()),
-        "count": needed(Integer()),
-        "spacing": optional(Choice(("linear", "log"))),
-    },
+    {"from": NUMBER, "to": NUMBER, "count": INTEGER, "spacing?": Choice(("linear", "log"))},
     called="a range such as { from = 0.0, to = 1.0, count = 5 }",
 )
 
-_SWEEP = Table(
-    {
-        "over": needed(Tree(Either((Listed(Anything()), _RANGE)), mark="from")),
-        "keep": optional(Listed(Text())),
-        "workers": optional(Integer()),
-        "checkpoint": optional(Text()),
-    }
-)
-
 _SHARED = {
-    "title": optional(Text()),
-    "materials": optional(Entries(_MATERIAL)),
-    "bodies": needed(Entries(_BODY)),
-    "sweep": optional(_SWEEP),
+    "title?": TEXT,
+    "materials?": Entries(_MATERIALS),
+    "bodies": Entries(_BODIES),
+    "sweep?": {
+        "over": Tree(([ANYTHING], _RANGE), mark="from"),
+        "keep?": [TEXT],
+        "workers?": INTEGER,
+        "checkpoint?": TEXT,
+    },
 }
 
 SCENE_FILE = Variants(
-    {
-        "impact": Table(_SHARED | {"impact": needed(_IMPACT)}),
-        "scene": Table(_SHARED | {"scene": needed(_SCENE)}),
-    }
+    {"impact": _SHARED | {"impact": _IMPACT}, "scene": _SHARED | {"scene": _SCENE}}
 )

@@ -1,36 +1,22 @@
 """What a table of names and values may contain, as data: kinds of values, and their problems.
 
-Problems are pairs of a place, a tuple of names and numbers from the top, and a message.
+Kinds are written short: a text is a number of that unit, a list ``[kind]`` or ``[kind, length]``
+a list of values of one kind, a tuple one of several kinds, and a dict a table, in which names that
+end in "?" may be left out. Problems are pairs of a place, a tuple of names and numbers from the
+top, and a message.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from ..base import nearest
 from .toml_lines import Place
 
 __all__ = [
-    "Anything",
-    "Choice",
-    "Either",
-    "Entries",
-    "Field",
-    "Flag",
-    "Integer",
-    "Listed",
-    "Number",
-    "Problem",
-    "Reference",
-    "Table",
-    "Tagged",
-    "Text",
-    "Tree",
-    "Variants",
-    "needed",
-    "optional",
+    *("ANYTHING", "FLAG", "INTEGER", "NUMBER", "TEXT", "Choice", "Either", "Entries", "Kind"),
+    *("Listed", "Problem", "Reference", "Table", "Tagged", "Tree", "Variants"),
 ]
 
 Problem = tuple[Place, str]
@@ -38,16 +24,24 @@ Root = Mapping[str, Any]
 
 
 class Kind:
-    """A kind of value."""
+    """A kind of value.
 
-    @property
-    def wanted(self) -> str:
-        """What it is called in messages."""
-        raise NotImplementedError
+    Parameters
+    ----------
+    wanted : str
+        What messages call it.
+    types : type
+        Those of its values.
+    """
+
+    def __init__(self, wanted: str, *types: type) -> None:
+        self.wanted, self.types = wanted, types
 
     def fits(self, value: Any) -> bool:
-        """Whether a value is of this kind's type, whatever may be wrong inside."""
-        raise NotImplementedError
+        """Whether a value is of this kind's types, whatever may be wrong inside."""
+        if isinstance(value, bool):  # which is an int for Python
+            return bool in self.types or object in self.types
+        return isinstance(value, self.types)
 
     def problems(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         """Yield what is wrong with a value; `root` is the whole file."""
@@ -61,36 +55,22 @@ class Kind:
         return iter(())
 
 
-@dataclass(frozen=True)
-class Field:
-    """A key of a table."""
-
-    kind: Kind
-    needed: bool
-
-
-def needed(kind: Kind) -> Field:
-    """Return a key that must be there."""
-    return Field(kind, True)
+def _kind(written: Any) -> Kind:
+    """The kind that is written short."""
+    if isinstance(written, Kind):
+        return written
+    if isinstance(written, str):
+        return Number(written)
+    if isinstance(written, list):
+        return Listed(*written)
+    return Either(written) if isinstance(written, tuple) else Table(written)
 
 
-def optional(kind: Kind) -> Field:
-    """Return a key that may be left out."""
-    return Field(kind, False)
-
-
-@dataclass(frozen=True)
 class Number(Kind):
     """A number, integers included, of a unit."""
 
-    unit: str = ""
-
-    @property
-    def wanted(self) -> str:
-        return f"a number ({self.unit})" if self.unit else "a number"
-
-    def fits(self, value: Any) -> bool:
-        return isinstance(value, (int, float)) and not isinstance(value, bool)
+    def __init__(self, unit: str = "") -> None:
+        super().__init__(f"a number ({unit})" if unit else "a number", int, float)
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         try:
@@ -99,66 +79,19 @@ class Number(Kind):
             yield place, "must be finite, got an integer beyond 1.8e308"
 
 
-@dataclass(frozen=True)
-class Integer(Kind):
-    """A whole number."""
-
-    @property
-    def wanted(self) -> str:
-        return "a whole number"
-
-    def fits(self, value: Any) -> bool:
-        return isinstance(value, int) and not isinstance(value, bool)
+ANYTHING = Kind("a value", object)
+FLAG = Kind("true or false", bool)
+INTEGER = Kind("a whole number", int)
+NUMBER = Number()
+TEXT = Kind("text", str)
 
 
-@dataclass(frozen=True)
-class Flag(Kind):
-    """True or false."""
-
-    @property
-    def wanted(self) -> str:
-        return "true or false"
-
-    def fits(self, value: Any) -> bool:
-        return isinstance(value, bool)
-
-
-@dataclass(frozen=True)
-class Anything(Kind):
-    """Whatever a place elsewhere in the file may hold."""
-
-    @property
-    def wanted(self) -> str:
-        return "a value"
-
-    def fits(self, value: Any) -> bool:
-        return True
-
-
-@dataclass(frozen=True)
-class Text(Kind):
-    """Any text."""
-
-    @property
-    def wanted(self) -> str:
-        return "text"
-
-    def fits(self, value: Any) -> bool:
-        return isinstance(value, str)
-
-
-@dataclass(frozen=True)
 class Choice(Kind):
     """One of some words."""
 
-    options: tuple[str, ...]
-
-    @property
-    def wanted(self) -> str:
-        return "one of " + ", ".join(f'"{option}"' for option in self.options)
-
-    def fits(self, value: Any) -> bool:
-        return isinstance(value, str)
+    def __init__(self, options: Iterable[str]) -> None:
+        self.options = tuple(options)
+        super().__init__("one of " + ", ".join(f'"{option}"' for option in self.options), str)
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         if value not in self.options:
@@ -166,18 +99,12 @@ class Choice(Kind):
             yield place, f"must be {self.wanted}, got {_shown(value)}{hint}"
 
 
-@dataclass(frozen=True)
 class Reference(Kind):
     """The name of an entry of a table at the top, such as a material."""
 
-    table: str
-
-    @property
-    def wanted(self) -> str:
-        return f"a name from [{self.table}]"
-
-    def fits(self, value: Any) -> bool:
-        return isinstance(value, str)
+    def __init__(self, table: str) -> None:
+        self.table = table
+        super().__init__(f"a name from [{table}]", str)
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         known = root.get(self.table, {})
@@ -187,20 +114,13 @@ class Reference(Kind):
             yield place, f"[{self.table}] has no {value!r}{nearest(value, names)}; it has {listed}"
 
 
-@dataclass(frozen=True)
 class Listed(Kind):
     """A list of values of one kind, of any length or of `length`."""
 
-    of: Kind
-    length: int | None = None
-
-    @property
-    def wanted(self) -> str:
-        each = "" if isinstance(self.of, Anything) else f", each {self.of.wanted}"
-        return f"a list of {self.length or 'values'}{each}"
-
-    def fits(self, value: Any) -> bool:
-        return isinstance(value, list)
+    def __init__(self, of: Any, length: int | None = None) -> None:
+        self.of, self.length = _kind(of), length
+        each = "" if self.of is ANYTHING else f", each {self.of.wanted}"
+        super().__init__(f"a list of {length or 'values'}{each}", list)
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         if self.length is not None and len(value) != self.length:
@@ -209,15 +129,12 @@ class Listed(Kind):
             yield from self.of.problems(entry, (*place, i), root)
 
 
-@dataclass(frozen=True)
 class Either(Kind):
     """A value of the first of several kinds whose type it has."""
 
-    kinds: tuple[Kind, ...]
-
-    @property
-    def wanted(self) -> str:
-        return ", or ".join(kind.wanted for kind in self.kinds)
+    def __init__(self, kinds: Iterable[Any]) -> None:
+        self.kinds = tuple(map(_kind, kinds))
+        super().__init__(", or ".join(kind.wanted for kind in self.kinds))
 
     def fits(self, value: Any) -> bool:
         return any(kind.fits(value) for kind in self.kinds)
@@ -227,42 +144,29 @@ class Either(Kind):
         return kind.inside(value, place, root)
 
 
-class _OfTable(Kind):
-    """Anything written as a table."""
-
-    @property
-    def wanted(self) -> str:
-        return "a table"
-
-    def fits(self, value: Any) -> bool:
-        return isinstance(value, Mapping)
-
-
-@dataclass(frozen=True)
-class Table(_OfTable):
+class Table(Kind):
     """A table of known keys."""
 
-    fields: Mapping[str, Field]
-    called: str = "a table"
-
-    @property
-    def wanted(self) -> str:
-        return self.called
+    def __init__(self, fields: Mapping[str, Any], called: str = "a table") -> None:
+        super().__init__(called, Mapping)
+        self.fields = {name.rstrip("?"): _kind(of) for name, of in fields.items()}
+        self.needed = {name for name in fields if not name.endswith("?")}
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         yield from _unknown(value, self.fields, place)
-        for name, entry in self.fields.items():
+        for name, kind in self.fields.items():
             if name in value:
-                yield from entry.kind.problems(value[name], (*place, name), root)
-            elif entry.needed:
-                yield place, f"{name!r} is missing, {entry.kind.wanted}"
+                yield from kind.problems(value[name], (*place, name), root)
+            elif name in self.needed:
+                yield place, f"{name!r} is missing, {kind.wanted}"
 
 
-@dataclass(frozen=True)
-class Variants(_OfTable):
+class Variants(Kind):
     """A table of one of several sorts, distinguished by a key of which each has its own."""
 
-    tables: Mapping[str, Table]
+    def __init__(self, tables: Mapping[str, Any]) -> None:
+        super().__init__("a table", Mapping)
+        self.tables = {mark: Table(fields) for mark, fields in tables.items()}
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         marks = [mark for mark in self.tables if mark in value]
@@ -276,41 +180,42 @@ class Variants(_OfTable):
             yield place, f"one of {', '.join(map(repr, self.tables))} is missing"
 
 
-@dataclass(frozen=True)
-class Tagged(_OfTable):
+class Tagged(Kind):
     """A table of one of several sorts, distinguished by the word under one key."""
 
-    key: str
-    tables: Mapping[str, Kind]
+    def __init__(self, key: str, tables: Mapping[str, Any]) -> None:
+        super().__init__("a table", Mapping)
+        self.key, self.tables = key, {word: _kind(table) for word, table in tables.items()}
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
+        choice, word = Choice(self.tables), value.get(self.key)
         if self.key not in value:
-            yield place, f"{self.key!r} is missing, {Choice(tuple(self.tables)).wanted}"
-        elif not (isinstance(value[self.key], str) and value[self.key] in self.tables):
-            choice = Choice(tuple(self.tables))
-            yield from choice.problems(value[self.key], (*place, self.key), root)
+            yield place, f"{self.key!r} is missing, {choice.wanted}"
+        elif not (isinstance(word, str) and word in self.tables):
+            yield from choice.problems(word, (*place, self.key), root)
         else:
             rest = {name: entry for name, entry in value.items() if name != self.key}
-            yield from self.tables[value[self.key]].inside(rest, place, root)
+            yield from self.tables[word].inside(rest, place, root)
 
 
-@dataclass(frozen=True)
-class Entries(_OfTable):
+class Entries(Kind):
     """Entries under names of the user's choice."""
 
-    of: Kind
+    def __init__(self, of: Any) -> None:
+        super().__init__("a table", Mapping)
+        self.of = _kind(of)
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         for name, entry in value.items():
             yield from self.of.problems(entry, (*place, name), root)
 
 
-@dataclass(frozen=True)
-class Tree(_OfTable):
+class Tree(Entries):
     """Entries of one kind in tables of any depth; a table that has `mark` is an entry itself."""
 
-    of: Kind
-    mark: str
+    def __init__(self, of: Any, mark: str) -> None:
+        super().__init__(of)
+        self.mark = mark
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         for name, entry in value.items():

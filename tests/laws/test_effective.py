@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from aoimpact.batch.fingerprint import Fingerprints
 
 import aoimpact as ao
 from aoimpact import laws
 from aoimpact.base import LawLimitError, units
-from aoimpact.batch.fingerprint import Fingerprints
 from aoimpact.laws import PatchLaw, effective_law, own_law
 from aoimpact.results import QUANTITIES
 from aoimpact.scene import law_of_models

@@ -673,7 +673,7 @@ def test_what_is_wrong_with_a_sweep(old: str, new: str, at: str, text: str, tmp_
 def names(kind: Kind) -> set[str]:
     """Every name that a kind of value knows."""
     if isinstance(kind, Table):
-        inside = {name for field in kind.fields.values() for name in names(field.kind)}
+        inside = {name for field in kind.fields.values() for name in names(field)}
         return set(kind.fields) | inside
     if isinstance(kind, Variants):
         return {name for table in kind.tables.values() for name in names(table)}
@@ -801,17 +801,6 @@ contacts = [{ between = ["ball", "block"] }]
 """
     run = ao.read_scene(written(tmp_path, text + scene)).simulate()
     assert run.contacts[0].peak_force == pytest.approx(hit.peak_force, rel=0.05)
-
-
-def test_the_former_name_of_rtol_is_told(tmp_path: Path) -> None:
-    text = BAR.replace('model = { type = "antioscillators", n = 2 }', "")
-    former = text.replace("velocity = 1.0", "velocity = 1.0\ntolerance = 0.05")
-    with pytest.warns(DeprecationWarning, match="tolerance is now called rtol"):
-        hit = ao.read_scene(written(tmp_path, former)).simulate()
-    assert hit.error.rtol == 0.05
-    both = former.replace("tolerance", "rtol = 0.05\ntolerance")
-    with pytest.raises(ao.SceneFileError, match="former name of rtol"):
-        ao.read_scene(written(tmp_path, both)).simulate()
 
 
 # ------------------------------------------------------------- several materials, masses, springs
