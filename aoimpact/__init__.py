@@ -29,8 +29,6 @@ Results
     Result, Run
 Many impacts, and files
     sweep, SweepTable, simulate_many, iterate_many, read_scene, SceneFile
-What a test rig measures
-    LoadCell, Signal, read_signal, drop_weight, DropWeight, shock_spectrum, ShockSpectrum
 Which model
     compare, Comparison
 Errors
@@ -39,7 +37,8 @@ Errors
     AOImpactWarning
 
 On the command line: ``aoimpact run file.toml``, ``compare``, ``paper``; ``--help`` has more.
-The documentation is a site: ``sphinx-build docs site``.
+Quantities of test rigs are in `aoimpact.testrig`. The documentation is a site: ``sphinx-build docs
+site``.
 """
 
 import sys as _sys

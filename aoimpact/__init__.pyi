@@ -70,12 +70,5 @@ from .scenefile import SceneFile as SceneFile
 from .scenefile import read_scene as read_scene
 from .study import Comparison as Comparison
 from .study import compare as compare
-from .testrig import DropWeight as DropWeight
-from .testrig import LoadCell as LoadCell
-from .testrig import ShockSpectrum as ShockSpectrum
-from .testrig import Signal as Signal
-from .testrig import drop_weight as drop_weight
-from .testrig import read_signal as read_signal
-from .testrig import shock_spectrum as shock_spectrum
 
 __version__: str

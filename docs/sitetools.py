@@ -48,4 +48,5 @@ def parameter(app: Any, env: Any, node: Any, text: Any) -> Any:
 def returned(app: Any, what: str, name: str, *_: Any) -> tuple[str, None] | None:
     """Leave out how a class is constructed of which users only meet what calls return."""
     own = name in ("aoimpact.Run", "aoimpact.Result", "aoimpact.Handle")
-    return ("", None) if what == "class" and (own or name.count(".") > 1) else None
+    within = name.removeprefix("aoimpact.testrig.").count(".") > 1
+    return ("", None) if what == "class" and (own or within) else None

@@ -1,7 +1,7 @@
-"""What a test rig reports: filtered signals, a load cell, drop-weight energies, shock spectra.
+"""Quantities of test rigs: filtered signals, a load cell, drop-weight energies, shock spectra.
 
-Measured signals and simulated impacts are treated alike: each is first a `Signal`. Public; it
-reads results, and nothing in the package uses it.
+Measured signals and simulated impacts are treated alike: each is first a `Signal`. Public under
+this name, ``from aoimpact import testrig``; it reads results, and nothing in the package uses it.
 """
 
 from .dropweight import DropWeight, Point, drop_weight

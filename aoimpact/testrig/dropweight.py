@@ -88,7 +88,7 @@ class DropWeight(Frozen):
     --------
     >>> tup, plate = ao.rigid(mass=5.0), ao.AOModel(m0=0.1, k0=5e6, m=[0.2], k=[4e7])
     >>> hit = ao.simulate(projectile=tup, target=plate, law=ao.Hertz(k=1e9), velocity=2.0)
-    >>> round(ao.drop_weight(hit).impact_energy, 6)  # J
+    >>> round(drop_weight(hit).impact_energy, 6)  # J
     10.0
     """
 
@@ -171,7 +171,7 @@ class DropWeight(Frozen):
         --------
         >>> ball = ao.rigid(mass=0.1)
         >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
-        >>> test = ao.drop_weight(hit)
+        >>> test = drop_weight(hit)
         >>> ax = test.plot_deflection()
         """
         shown = self._touching
@@ -202,7 +202,7 @@ class DropWeight(Frozen):
         --------
         >>> ball = ao.rigid(mass=0.1)
         >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
-        >>> test = ao.drop_weight(hit)
+        >>> test = drop_weight(hit)
         >>> ax = test.plot_energy(over="deflection")
         """
         if choice("over", over, ("time", "deflection")) == "time":
@@ -222,7 +222,7 @@ class DropWeight(Frozen):
         --------
         >>> ball = ao.rigid(mass=0.1)
         >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
-        >>> test = ao.drop_weight(hit)
+        >>> test = drop_weight(hit)
         >>> ax = test.plot_force()
         """
         shown = self._shown
@@ -253,7 +253,7 @@ class DropWeight(Frozen):
         >>> folder = pathlib.Path(tempfile.mkdtemp())
         >>> ball = ao.rigid(mass=0.1)
         >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
-        >>> test = ao.drop_weight(hit)
+        >>> test = drop_weight(hit)
         >>> test.to_csv(folder / "drop.csv")
         """
         rows = np.column_stack([self.t, self.force, self.velocity, self.deflection, self.energy])
@@ -343,10 +343,10 @@ def drop_weight(
     >>> import aoimpact as ao
     >>> tup, plate = ao.rigid(mass=5.4), ao.AOModel(m0=0.1, k0=5e6, m=[0.2], k=[4e7])
     >>> hit = ao.simulate(projectile=tup, target=plate, law=ao.Hertz(k=1e9), velocity=2.0)
-    >>> measured = (hit.t, hit.force)  # or ao.read_signal("drop.csv", time_unit="ms", unit="kN")
-    >>> signal = ao.Signal.of(measured).resampled(1e6)
-    >>> test = ao.drop_weight(signal, mass=5.4, velocity=2.0, gravity=0.0, cfc=1000)
-    >>> same = ao.drop_weight(hit, cfc=1000)
+    >>> measured = (hit.t, hit.force)  # or read_signal("drop.csv", time_unit="ms", unit="kN")
+    >>> signal = Signal.of(measured).resampled(1e6)
+    >>> test = drop_weight(signal, mass=5.4, velocity=2.0, gravity=0.0, cfc=1000)
+    >>> same = drop_weight(hit, cfc=1000)
     >>> ax = test.plot_energy(label="measured")
     >>> ax = same.plot_energy(ax, label="computed")
     >>> f"{test.peak.force:.0f} N, {same.peak.force:.0f} N"

@@ -115,7 +115,7 @@ class LoadCell:
 
         Examples
         --------
-        >>> cell = ao.LoadCell(nose=0.2, carriage=2.2, stiffness=6e8)
+        >>> cell = LoadCell(nose=0.2, carriage=2.2, stiffness=6e8)
         >>> round(float(cell.gain(0.0)), 4) == round(cell.share, 4)
         True
         """
@@ -141,7 +141,7 @@ class LoadCell:
         Examples
         --------
         >>> import aoimpact as ao
-        >>> cell = ao.LoadCell(nose=0.3, carriage=5.0, stiffness=5e8, damping_ratio=0.02)
+        >>> cell = LoadCell(nose=0.3, carriage=5.0, stiffness=5e8, damping_ratio=0.02)
         >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800)
         >>> cell.tup(radius=0.008, material=steel)
         AOModel('tup', 1 oscillators, 5.3 kg, free)
@@ -185,7 +185,7 @@ class LoadCell:
         Examples
         --------
         >>> import aoimpact as ao
-        >>> cell = ao.LoadCell(nose=0.3, carriage=5.0, stiffness=5e8, damping_ratio=0.02)
+        >>> cell = LoadCell(nose=0.3, carriage=5.0, stiffness=5e8, damping_ratio=0.02)
         >>> plate = ao.AOModel(m0=0.1, k0=5e6)
         >>> law = ao.Hertz(k=1e10)
         >>> hit = ao.simulate(projectile=cell.tup(), target=plate, law=law, velocity=2.0)

@@ -65,7 +65,7 @@ class ShockSpectrum(Frozen):
     --------
     >>> tup, plate = ao.rigid(mass=5.0), ao.AOModel(m0=0.1, k0=5e6, m=[0.2], k=[4e7])
     >>> hit = ao.simulate(projectile=tup, target=plate, law=ao.Hertz(k=1e9), velocity=2.0)
-    >>> spectrum = ao.shock_spectrum(hit, frequencies=[100.0, 1000.0])
+    >>> spectrum = shock_spectrum(hit, frequencies=[100.0, 1000.0])
     >>> spectrum.frequencies
     array([ 100., 1000.])
     """
@@ -101,8 +101,8 @@ class ShockSpectrum(Frozen):
         Examples
         --------
         >>> time = np.linspace(0.0, 1e-3, 101)
-        >>> signal = ao.Signal(time, np.sin(2e3 * np.pi * time))
-        >>> ax = ao.shock_spectrum(signal, np.geomspace(100, 5e3, 9)).plot(parts=True)
+        >>> signal = Signal(time, np.sin(2e3 * np.pi * time))
+        >>> ax = shock_spectrum(signal, np.geomspace(100, 5e3, 9)).plot(parts=True)
         """
         named = f"{100.0 * self.damping_ratio:.3g} % damping"
         ax = given_axes(ax)

@@ -159,7 +159,7 @@ class Signal(Frozen):
         >>> import aoimpact as ao
         >>> ball = ao.rigid(mass=0.0327)
         >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
-        >>> ao.Signal.of(hit, rate=1e6)
+        >>> Signal.of(hit, rate=1e6)
         Signal(force, 125 samples at 1 MHz, largest 968.8 N)
         """
         space = nonnegative("margin", margin, unit="s")
@@ -225,7 +225,7 @@ class Signal(Frozen):
         Examples
         --------
         >>> time = np.linspace(0.0, 1e-3, 101)
-        >>> signal = ao.Signal(time, np.sin(2e3 * np.pi * time))
+        >>> signal = Signal(time, np.sin(2e3 * np.pi * time))
         >>> len(signal.resampled(200e3).t)
         201
         """
@@ -295,7 +295,7 @@ class Signal(Frozen):
         Examples
         --------
         >>> time = np.linspace(0.0, 1e-3, 101)
-        >>> signal = ao.Signal(time, np.sin(2e3 * np.pi * time))
+        >>> signal = Signal(time, np.sin(2e3 * np.pi * time))
         >>> ax = signal.plot()
         """
         if self.raw is not None:

@@ -12,15 +12,16 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact import testrig
 from aoimpact.base.errors import AOImpactWarning
 
 M, V, F0, T = 5.0, 2.0, 7000.0, 4e-3
 
 
-def sine(gravity: float = 0.0, before: float = 0.0, rate: float = 1e6) -> ao.DropWeight:
+def sine(gravity: float = 0.0, before: float = 0.0, rate: float = 1e6) -> testrig.DropWeight:
     t = np.arange(round((T + 2.0 * before) * rate) + 1) / rate - before
     force = np.where((t > 0.0) & (t < T), F0 * np.sin(np.pi * t / T), 0.0)
-    return ao.drop_weight((t, force), mass=M, velocity=V, gravity=gravity, start=0.0)
+    return testrig.drop_weight((t, force), mass=M, velocity=V, gravity=gravity, start=0.0)
 
 
 @pytest.mark.parametrize("gravity", [0.0, 9.80665])
@@ -69,7 +70,7 @@ def test_the_start_of_a_measured_force_is_found() -> None:
     t = np.arange(2000) / rate
     begin = 5e-3
     force = np.where((t > begin) & (t < begin + T), F0 * np.sin(np.pi * (t - begin) / T), 0.0)
-    test = ao.drop_weight((t, force), mass=M, velocity=V)
+    test = testrig.drop_weight((t, force), mass=M, velocity=V)
     assert test.start == pytest.approx(begin, abs=3e-5)
     assert test.end == pytest.approx(begin + T, abs=3e-5)
     assert test.gravity == 9.80665
@@ -79,7 +80,7 @@ def test_puncture_is_where_the_force_has_halved_on_the_way_in() -> None:
     """A triangle that falls to nothing while the impactor goes on (ISO 6603-2)."""
     t = np.linspace(0.0, 6e-3, 6001)
     force = np.interp(t, [0.0, 3e-3, 5e-3, 6e-3], [0.0, 2000.0, 0.0, 0.0])
-    test = ao.drop_weight((t, force), mass=20.0, velocity=4.0)
+    test = testrig.drop_weight((t, force), mass=20.0, velocity=4.0)
     assert test.puncture is not None
     assert test.puncture.time == pytest.approx(4e-3)
     assert test.puncture.force == pytest.approx(1000.0)
@@ -105,7 +106,7 @@ def test_what_no_test_can_be_is_said(change: Any, words: str) -> None:
     force = change(np.where(t < T, F0 * np.sin(np.pi * t / T), 0.0))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        ao.drop_weight((t[: len(force)], force), mass=M, velocity=V, gravity=0.0, start=0.0)
+        testrig.drop_weight((t[: len(force)], force), mass=M, velocity=V, gravity=0.0, start=0.0)
     said = "\n".join(str(one.message) for one in caught)
     assert re.search(words, said) if words else not said
 
@@ -115,7 +116,7 @@ def test_noise_before_the_touch_is_no_touch() -> None:
     t = np.arange(15_000) * 1e-6 - 5e-3
     force = np.where((t > 0.0) & (t < T), F0 * np.sin(np.pi * t / T), 0.0)
     noise = 30.0 * np.random.default_rng(7).normal(size=len(t))
-    test = ao.drop_weight((t, force + noise), mass=M, velocity=V, gravity=0.0)
+    test = testrig.drop_weight((t, force + noise), mass=M, velocity=V, gravity=0.0)
     quiet = sine()
     assert abs(test.start) < 0.02 * T
     assert test.end == pytest.approx(T, rel=0.02)
@@ -129,7 +130,7 @@ def test_a_class_that_takes_out_the_contact_is_said() -> None:
     t = np.arange(20_000) * 1e-6 - 5e-3
     force = np.where((t > 0.0) & (t < 1e-4), 9e4 * np.sin(np.pi * t / 1e-4), 0.0)
     with pytest.warns(AOImpactWarning, match="which class 1000 takes out: its peak is .* of 90 kN"):
-        ao.drop_weight((t, force), mass=M, velocity=V, gravity=0.0, cfc=1000)
+        testrig.drop_weight((t, force), mass=M, velocity=V, gravity=0.0, cfc=1000)
 
 
 def test_noise_does_not_make_a_contact_longer() -> None:
@@ -137,7 +138,7 @@ def test_noise_does_not_make_a_contact_longer() -> None:
     force = np.where((t > 0.0) & (t < 1e-4), 9e4 * np.sin(np.pi * t / 1e-4), 0.0)
     noise = 360.0 * np.random.default_rng(7).normal(size=len(t))
     with pytest.warns(AOImpactWarning, match="which class 1000 takes out"):
-        ao.drop_weight((t, force + noise), mass=M, velocity=V, gravity=0.0, cfc=1000)
+        testrig.drop_weight((t, force + noise), mass=M, velocity=V, gravity=0.0, cfc=1000)
 
 
 def test_an_impactor_that_goes_on_does_not_turn() -> None:
@@ -145,7 +146,7 @@ def test_an_impactor_that_goes_on_does_not_turn() -> None:
     hit = ao.simulate(
         projectile=ao.rigid(mass=M), target=ao.rigid(mass=0.1), law=LAW, velocity=V, duration=1e-3
     )
-    test = ao.drop_weight(hit)
+    test = testrig.drop_weight(hit)
     assert test.rebound_velocity > 0.9 * V
     assert test.turn is None
     assert "turn               none" in repr(test)
@@ -167,7 +168,7 @@ def strike(**given: Any) -> ao.Result:
 
 def test_a_simulated_impact_agrees_with_its_own_motion_and_energies() -> None:
     hit = strike()
-    test = ao.drop_weight(hit)
+    test = testrig.drop_weight(hit)
     at = hit.at(test.t)
     np.testing.assert_allclose(test.velocity, at.projectile.centre_velocity, atol=1e-4)
     way = at.projectile.centre_displacement - 1e-3
@@ -181,7 +182,7 @@ def test_a_simulated_impact_agrees_with_its_own_motion_and_energies() -> None:
 
 def test_a_filter_changes_neither_impulse_nor_rebound() -> None:
     hit = strike()
-    plain, smooth = ao.drop_weight(hit), ao.drop_weight(hit, cfc=180)
+    plain, smooth = testrig.drop_weight(hit), testrig.drop_weight(hit, cfc=180)
     assert smooth.velocity[-1] == pytest.approx(plain.velocity[-1], rel=1e-6)
     assert smooth.signal.raw is not None
     assert smooth.signal.raw.values.max() == pytest.approx(hit.peak_force, rel=1e-3)
@@ -190,9 +191,9 @@ def test_a_filter_changes_neither_impulse_nor_rebound() -> None:
 
 def test_measurement_and_simulation_are_treated_alike() -> None:
     hit = strike()
-    measured = ao.Signal.of(hit, rate=500e3, margin=0.01)
-    test = ao.drop_weight(measured, mass=5.4, velocity=2.0, gravity=0.0, cfc=1000)
-    same = ao.drop_weight(hit, cfc=1000)
+    measured = testrig.Signal.of(hit, rate=500e3, margin=0.01)
+    test = testrig.drop_weight(measured, mass=5.4, velocity=2.0, gravity=0.0, cfc=1000)
+    same = testrig.drop_weight(hit, cfc=1000)
     assert test.peak.force == pytest.approx(same.peak.force, rel=1e-4)
     close = 1e-3 * same.impact_energy
     assert test.absorbed_energy == pytest.approx(same.absorbed_energy, abs=close)
@@ -207,22 +208,22 @@ def test_a_drop_under_gravity_is_evaluated_from_its_scene() -> None:
     tup = scene.add(TUP, velocity=0.1)
     scene.connect(tup, scene.add(ao.rigid(mass=np.inf)), ao.Linear(2e5))
     run = scene.simulate(duration=0.05)
-    signal = ao.Signal.of(run, contact=0, rate=200e3)
-    test = ao.drop_weight(signal, mass=5.4, velocity=0.1, gravity=9.81, start=0.0)
+    signal = testrig.Signal.of(run, contact=0, rate=200e3)
+    test = testrig.drop_weight(signal, mass=5.4, velocity=0.1, gravity=9.81, start=0.0)
     at = run.at(test.t)
     np.testing.assert_allclose(test.velocity, at[tup].centre_velocity, atol=1e-5)
     np.testing.assert_allclose(test.deflection, at[tup].centre_displacement, atol=1e-7)
     lost = 0.5 * 5.4 * (0.1**2 - at[tup].velocity ** 2) + 5.4 * 9.81 * at[tup].displacement
     np.testing.assert_allclose(test.energy, lost, atol=1e-4 * lost.max())
     with pytest.raises(ao.InputError, match="contact must be from 0 to 0, got 1"):
-        ao.Signal.of(run, contact=1)
+        testrig.Signal.of(run, contact=1)
 
 
 def test_a_simulated_plate_is_never_punctured() -> None:
     """A light plate's force falls by half while a heavy impactor goes on: a vibration."""
     light = ao.AOModel(m0=0.5, k0=1e5)
     hit = strike(projectile=ao.rigid(mass=50.0), target=light, duration=0.05, gap=0.0)
-    test = ao.drop_weight(hit)
+    test = testrig.drop_weight(hit)
     top = int(np.argmax(test.force))
     falls = np.flatnonzero(test.force[top:] <= 0.5 * test.force[top])
     assert test.velocity[top + falls[0]] > 0.0
@@ -244,22 +245,22 @@ def test_what_cannot_be_evaluated_is_refused(given: dict[str, Any], words: str) 
     t = np.linspace(0.0, T, 21)
     force = F0 * np.sin(np.pi * t / T)
     with pytest.raises(ao.InputError, match=words):
-        ao.drop_weight((t, force), **{"mass": M, "velocity": V} | given)
+        testrig.drop_weight((t, force), **{"mass": M, "velocity": V} | given)
 
 
 def test_a_force_of_the_wrong_sign_is_said() -> None:
     t = np.linspace(0.0, T, 401)
     with pytest.raises(ao.InputError, match=r"never positive .* change the sign"):
-        ao.drop_weight((t, -F0 * np.sin(np.pi * t / T)), mass=M, velocity=V)
+        testrig.drop_weight((t, -F0 * np.sin(np.pi * t / T)), mass=M, velocity=V)
 
 
 def test_bodies_that_do_not_meet_are_said() -> None:
     with pytest.warns(ao.AOImpactWarning), pytest.raises(ao.InputError, match="do not touch"):
-        ao.drop_weight(strike(gap=1.0, duration=1e-3))
+        testrig.drop_weight(strike(gap=1.0, duration=1e-3))
 
 
 def test_curves_and_files(tmp_path: Path) -> None:
-    test = ao.drop_weight(strike(), cfc=1000)
+    test = testrig.drop_weight(strike(), cfc=1000)
     assert len(test.plot_force().get_lines()) == 2
     ax = test.plot_energy(label="one")
     assert ax.get_xlabel() == "time (ms)"
@@ -276,6 +277,6 @@ def test_curves_and_files(tmp_path: Path) -> None:
         test.plot_energy(over="force")  # type: ignore[arg-type]
     plt.close("all")
     test.to_csv(tmp_path / "test.csv")
-    signal = ao.read_signal(tmp_path / "test.csv", values="force")
+    signal = testrig.read_signal(tmp_path / "test.csv", values="force")
     np.testing.assert_array_equal(signal.values, test.force)
     assert "absorbed energy" in repr(test)

@@ -10,8 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import aoimpact as ao
+from aoimpact import testrig
 
-CELL = ao.LoadCell(nose=0.4, carriage=5.0, stiffness=3e8, damping_ratio=0.03)
+CELL = testrig.LoadCell(nose=0.4, carriage=5.0, stiffness=3e8, damping_ratio=0.03)
 LAW = ao.Hertz(k=2e9)
 PLATE = ao.AOModel(m0=0.15, k0=4e6, m=[0.1, 0.05], k=[2e7, 8e7])
 
@@ -33,7 +34,7 @@ def test_a_sine_is_read_with_the_gain_of_the_formula() -> None:
 
 def test_a_sudden_force_is_read_almost_twice() -> None:
     """Without damping m_c/(m_n + m_c) (1 - cos ωt)."""
-    cell = ao.LoadCell(nose=0.4, carriage=5.0, stiffness=3e8)
+    cell = testrig.LoadCell(nose=0.4, carriage=5.0, stiffness=3e8)
     t = np.arange(20_001) * 1e-7
     read = cell.read((t, np.where(t > 0.0, 1000.0, 0.0)))
     exact = 1000.0 * cell.share * (1.0 - np.cos(2.0 * np.pi * cell.frequency * t))
@@ -67,7 +68,7 @@ def test_the_tup_in_an_impact_reads_what_moves_its_carriage() -> None:
     carriage = (CELL.mass * at.centre_velocity - CELL.nose * at.velocity) / CELL.carriage
     by_motion = -CELL.carriage * np.gradient(carriage, read.t)
     np.testing.assert_allclose(read.values[1:-1], by_motion[1:-1], atol=4e-3 * read.values.max())
-    again = CELL.read(ao.Signal.of(hit, rate=2e6))
+    again = CELL.read(testrig.Signal.of(hit, rate=2e6))
     both = np.interp(read.t, again.t, again.values)
     np.testing.assert_allclose(read.values, both, atol=5e-4 * read.values.max())
 
@@ -98,7 +99,7 @@ def test_two_masses_under_a_force_by_a_direct_solution() -> None:
 
 def test_a_rigid_projectile_reads_nearly_what_the_tup_reads() -> None:
     """Of a cell far stiffer than the contact."""
-    stiff = ao.LoadCell(nose=0.4, carriage=5.0, stiffness=3e11, damping_ratio=0.03)
+    stiff = testrig.LoadCell(nose=0.4, carriage=5.0, stiffness=3e11, damping_ratio=0.03)
     soft = ao.AOModel(m0=0.0, k0=1e6, m=[0.5], k=[1e6])
     given: dict[str, Any] = {"target": soft, "law": LAW, "velocity": 2.0, "duration": 9e-3}
     tup = ao.simulate(projectile=stiff.tup(), **given)
@@ -153,6 +154,6 @@ def test_a_round_nose_brings_its_law() -> None:
 )
 def test_what_is_no_cell_is_refused(given: dict[str, float], words: str) -> None:
     with pytest.raises(ao.InputError, match=words):
-        ao.LoadCell(**{"nose": 0.1, "carriage": 1.0, "stiffness": 1e8} | given)
+        testrig.LoadCell(**{"nose": 0.1, "carriage": 1.0, "stiffness": 1e8} | given)
     with pytest.raises(ao.InputError, match="both radius and material"):
         CELL.tup(radius=0.01)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact import testrig
 
 TIMES, FORCES = [0.0, 1e-4, 2e-4], [0.0, 1500.0, 300.0]
 
@@ -47,7 +48,7 @@ def test_dialects(tmp_path: Path, text: str, given: dict[str, Any]) -> None:
     if "load (kN)" in text:
         given = given | {"time_unit": "ms", "unit": "kN"}
     (tmp_path / "drop.csv").write_text(text, encoding="utf-8")
-    signal = ao.read_signal(tmp_path / "drop.csv", **given)
+    signal = testrig.read_signal(tmp_path / "drop.csv", **given)
     np.testing.assert_allclose(signal.t, TIMES, rtol=1e-12)
     np.testing.assert_allclose(signal.values, FORCES, rtol=1e-12)
     assert signal.unit == "N"
@@ -68,7 +69,7 @@ def test_dialects(tmp_path: Path, text: str, given: dict[str, Any]) -> None:
 )
 def test_units(tmp_path: Path, unit: str, factor: float, base: str) -> None:
     (tmp_path / "a.csv").write_text("0,1\n1,2\n")
-    signal = ao.read_signal(tmp_path / "a.csv", unit=unit, name="channel")
+    signal = testrig.read_signal(tmp_path / "a.csv", unit=unit, name="channel")
     np.testing.assert_allclose(signal.values, [factor, 2.0 * factor])
     assert (signal.unit, signal.name) == (base, "channel")
 
@@ -81,9 +82,9 @@ def test_encodings(tmp_path: Path, encoding: str, end: str) -> None:
     (tmp_path / "drop.txt").write_bytes(content)
     if encoding == "utf-16-le":
         with pytest.raises(ao.InputError, match="is binary"):
-            ao.read_signal(tmp_path / "drop.txt")
+            testrig.read_signal(tmp_path / "drop.txt")
         return
-    signal = ao.read_signal(tmp_path / "drop.txt", time="t", time_unit="µs")
+    signal = testrig.read_signal(tmp_path / "drop.txt", time="t", time_unit="µs")
     np.testing.assert_allclose(signal.values, FORCES)
 
 
@@ -91,7 +92,7 @@ def test_what_the_package_writes_is_read_back(tmp_path: Path) -> None:
     ball = ao.rigid(mass=0.03)
     hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
     hit.to_csv(tmp_path / "hit.csv")
-    signal = ao.read_signal(tmp_path / "hit.csv", values="force")
+    signal = testrig.read_signal(tmp_path / "hit.csv", values="force")
     np.testing.assert_array_equal(signal.t, hit.t)
     np.testing.assert_array_equal(signal.values, hit.force)
 
@@ -128,9 +129,9 @@ def test_what_is_wrong_is_said(
 ) -> None:
     (tmp_path / "drop.csv").write_text(text)
     with pytest.raises(ao.AOImpactError, match=words):
-        ao.read_signal(tmp_path / "drop.csv", **given)
+        testrig.read_signal(tmp_path / "drop.csv", **given)
 
 
 def test_a_file_that_is_not_there_is_said(tmp_path: Path) -> None:
     with pytest.raises(ao.InputError, match=r"cannot read .*no\.csv"):
-        ao.read_signal(tmp_path / "no.csv")
+        testrig.read_signal(tmp_path / "no.csv")

@@ -11,15 +11,16 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter, lsim
 
 import aoimpact as ao
+from aoimpact import testrig
 from aoimpact.testrig.oscillator import Oscillator
 
 A, TAU = 500.0, 0.01
 
 
-def half_sine(rate: float = 1e6, tail: float = 0.0) -> ao.Signal:
+def half_sine(rate: float = 1e6, tail: float = 0.0) -> testrig.Signal:
     t = np.arange(round((TAU + tail) * rate) + 1) / rate
     values = np.where(t <= TAU, A * np.sin(np.pi * t / TAU), 0.0)
-    return ao.Signal(t, values, unit="m/s²", name="acceleration")
+    return testrig.Signal(t, values, unit="m/s²", name="acceleration")
 
 
 FREQUENCIES = np.array([3.0, 20.0, 45.0, 62.0, 80.0, 130.0, 240.0, 900.0])
@@ -27,7 +28,7 @@ FREQUENCIES = np.array([3.0, 20.0, 45.0, 62.0, 80.0, 130.0, 240.0, 900.0])
 
 def test_half_sine_without_damping_is_its_closed_form() -> None:
     """x'' = A/(1 - β²) (sin Ωt - β sin ωt) in the pulse; 2Aβ cos(π/2β)/(1 - β²) after it."""
-    spectrum = ao.shock_spectrum(half_sine(), FREQUENCIES, damping_ratio=0.0)
+    spectrum = testrig.shock_spectrum(half_sine(), FREQUENCIES, damping_ratio=0.0)
     t = np.linspace(0.0, TAU, 200_001)
     for i, f in enumerate(FREQUENCIES):
         beta = 1.0 / (2.0 * f * TAU)
@@ -41,7 +42,7 @@ def test_half_sine_without_damping_is_its_closed_form() -> None:
 def test_the_largest_amplification_of_a_half_sine() -> None:
     """1.768 at fτ = 0.81: Harris' Shock and Vibration Handbook, chapter on shock spectra."""
     f = np.geomspace(40.0, 200.0, 161)
-    spectrum = ao.shock_spectrum(half_sine(), f, damping_ratio=0.0)
+    spectrum = testrig.shock_spectrum(half_sine(), f, damping_ratio=0.0)
     assert spectrum.maximax.max() / A == pytest.approx(1.768, abs=2e-3)
     assert f[spectrum.maximax.argmax()] * TAU == pytest.approx(0.81, abs=0.02)
 
@@ -49,18 +50,18 @@ def test_the_largest_amplification_of_a_half_sine() -> None:
 def test_a_very_soft_oscillator_feels_the_change_of_velocity() -> None:
     soft = np.array([1e-3, 1e-2, 0.1])
     kind = "pseudo-velocity"
-    spectrum = ao.shock_spectrum(half_sine(), soft, damping_ratio=0.0, kind=kind)
+    spectrum = testrig.shock_spectrum(half_sine(), soft, damping_ratio=0.0, kind=kind)
     np.testing.assert_allclose(spectrum.maximax, A * 2.0 * TAU / np.pi, rtol=1e-4)
 
 
 def test_a_very_stiff_oscillator_follows_its_base() -> None:
-    spectrum = ao.shock_spectrum(half_sine(), [20e3], damping_ratio=0.05)
+    spectrum = testrig.shock_spectrum(half_sine(), [20e3], damping_ratio=0.05)
     assert spectrum.positive[0] == pytest.approx(A, rel=1e-3)
 
 
-def noise(n: int = 400, rate: float = 10e3) -> ao.Signal:
+def noise(n: int = 400, rate: float = 10e3) -> testrig.Signal:
     values = np.random.default_rng(7).normal(size=n)
-    return ao.Signal(np.arange(n) / rate, values, unit="m/s²", name="acceleration")
+    return testrig.Signal(np.arange(n) / rate, values, unit="m/s²", name="acceleration")
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.5, 0.95])
@@ -107,7 +108,7 @@ def test_a_direct_solution_gives_the_same_extremes(kind: str, f: float, zeta: fl
     response = z[0]
     if kind == "absolute acceleration":
         response = -2.0 * zeta * omega * z[1] - omega**2 * z[0]
-    spectrum = ao.shock_spectrum(signal, [f], damping_ratio=zeta, kind=kind)
+    spectrum = testrig.shock_spectrum(signal, [f], damping_ratio=zeta, kind=kind)
     assert spectrum.positive[0] == pytest.approx(response.max(), rel=4e-3)
     assert spectrum.negative[0] == pytest.approx(-response.min(), rel=4e-3)
     later = np.abs(response[t >= end]).max()
@@ -117,9 +118,9 @@ def test_a_direct_solution_gives_the_same_extremes(kind: str, f: float, zeta: fl
 def test_peaks_between_samples_are_found() -> None:
     """A step seen by four samples a period: the largest response is twice the step."""
     rate = 1e4
-    step = ao.Signal(np.arange(400) / rate, np.ones(400))
+    step = testrig.Signal(np.arange(400) / rate, np.ones(400))
     with pytest.warns(ao.AOImpactWarning, match="sample it faster"):
-        spectrum = ao.shock_spectrum(step, [rate / 4.0], damping_ratio=0.0)
+        spectrum = testrig.shock_spectrum(step, [rate / 4.0], damping_ratio=0.0)
     # A ramp up over a quarter of a period: 1 + sinc(1/4).
     assert spectrum.primary[0] == pytest.approx(1.0 + np.sinc(0.25), rel=4e-3)
 
@@ -127,7 +128,7 @@ def test_peaks_between_samples_are_found() -> None:
 def test_very_low_frequencies_lose_no_digits() -> None:
     """Displacement of the base itself, by its double integral, ω/rate = 6e-9."""
     signal = half_sine(rate=1e6)
-    found = ao.shock_spectrum(signal, [1e-3], damping_ratio=0.0, kind="relative displacement")
+    found = testrig.shock_spectrum(signal, [1e-3], damping_ratio=0.0, kind="relative displacement")
     assert found.primary[0] == pytest.approx(A * TAU**2 / np.pi, rel=1e-6)
 
 
@@ -137,7 +138,7 @@ def test_an_impact_is_the_deceleration_of_its_projectile() -> None:
         projectile=ao.rigid(mass=2.0), target=ao.rigid(mass=1e9), law=law, velocity=1.0
     )
     peak, tau = hit.peak_force / 2.0, hit.contact_duration
-    spectrum = ao.shock_spectrum(hit, np.geomspace(0.5, 1.2, 60) / tau, damping_ratio=0.0)
+    spectrum = testrig.shock_spectrum(hit, np.geomspace(0.5, 1.2, 60) / tau, damping_ratio=0.0)
     assert spectrum.maximax.max() / peak == pytest.approx(1.768, abs=2e-3)
 
 
@@ -152,11 +153,11 @@ def test_an_impact_is_the_deceleration_of_its_projectile() -> None:
 )
 def test_what_makes_no_spectrum_is_refused(given: dict[str, Any], words: str) -> None:
     with pytest.raises(ao.InputError, match=words):
-        ao.shock_spectrum(noise(), **given)
+        testrig.shock_spectrum(noise(), **given)
 
 
 def test_it_is_drawn_with_its_parts() -> None:
-    ax = ao.shock_spectrum(half_sine()).plot(parts=True)
+    ax = testrig.shock_spectrum(half_sine()).plot(parts=True)
     assert [line.get_label() for line in ax.get_lines()] == [
         "maximax, 5 % damping",
         "primary",

@@ -10,22 +10,23 @@ import pytest
 from scipy import signal as scipy_signal
 
 import aoimpact as ao
+from aoimpact import testrig
 
 CLASSES = (60, 180, 600, 1000)
 
 
-def pulse(rate: float = 100e3, length: float = 0.2, seed: int = 3) -> ao.Signal:
+def pulse(rate: float = 100e3, length: float = 0.2, seed: int = 3) -> testrig.Signal:
     """Noise under a smooth window, so that nothing is at its ends."""
     t = np.arange(round(rate * length)) / rate
     noise = np.random.default_rng(seed).normal(size=len(t))
-    return ao.Signal(t, noise * np.hanning(len(t)) ** 2)
+    return testrig.Signal(t, noise * np.hanning(len(t)) ** 2)
 
 
 def gain(cfc: float, frequency: float, rate: float = 50e3) -> float:
     """Amplitude of a sine after the filter, away from its ends."""
     t = np.arange(round(40 * rate / min(frequency, 50.0))) / rate
     wave = np.exp(2j * np.pi * frequency * t)
-    kept = [ao.Signal(t, part).filtered(cfc).values for part in (wave.real, wave.imag)]
+    kept = [testrig.Signal(t, part).filtered(cfc).values for part in (wave.real, wave.imag)]
     middle = slice(len(t) // 3, 2 * len(t) // 3)
     found: float = np.abs(np.mean((kept[0] + 1j * kept[1])[middle] / wave[middle]))
     return found
@@ -74,7 +75,7 @@ def test_it_is_the_recursion_that_the_standard_prints(cfc: float) -> None:
         for x2, x1, x0 in zip(values, values[1:], values[2:], strict=False):
             y.append(a0 * x0 + a1 * x1 + a2 * x2 + b1 * y[-1] + b2 * y[-2])
         values = y[::-1]
-    ours = ao.Signal(np.arange(len(padded)) * step, padded).filtered(cfc)
+    ours = testrig.Signal(np.arange(len(padded)) * step, padded).filtered(cfc)
     np.testing.assert_allclose(ours.values, values, atol=1e-12 * np.abs(x).max())
 
 
@@ -87,7 +88,7 @@ def test_scipy_designs_the_same_filter() -> None:
 
 def test_it_shifts_nothing_and_keeps_the_impulse() -> None:
     t = np.linspace(-0.05, 0.05, 10001)
-    hill = ao.Signal(t, np.where(np.abs(t) < 1e-3, np.cos(500 * np.pi * t), 0.0))
+    hill = testrig.Signal(t, np.where(np.abs(t) < 1e-3, np.cos(500 * np.pi * t), 0.0))
     smooth = hill.filtered(180)
     np.testing.assert_allclose(smooth.values, smooth.values[::-1], atol=1e-9)
     assert np.trapezoid(smooth.values, t) == pytest.approx(np.trapezoid(hill.values, t), rel=1e-9)
@@ -97,20 +98,20 @@ def test_it_shifts_nothing_and_keeps_the_impulse() -> None:
 @pytest.mark.parametrize("values", [lambda t: 0.0 * t + 7.0, lambda t: 3.0 + 100.0 * t])
 def test_a_line_passes_up_to_its_ends(values: Any) -> None:
     t = np.arange(2000) / 20e3
-    line = ao.Signal(t, values(t))
+    line = testrig.Signal(t, values(t))
     np.testing.assert_allclose(line.filtered(180).values, line.values, rtol=1e-6)
 
 
 def test_too_few_samples_for_a_class_are_refused() -> None:
     t = np.arange(1000) / 5e3
     with pytest.raises(ao.InputError, match=r"cfc = 1000 needs 10 kHz .* the signal has 5000 Hz"):
-        ao.Signal(t, np.sin(t)).filtered(1000)
-    ao.Signal(t, np.sin(t)).filtered(180)
+        testrig.Signal(t, np.sin(t)).filtered(1000)
+    testrig.Signal(t, np.sin(t)).filtered(180)
 
 
 def test_uneven_samples_are_refused_and_resampled() -> None:
     t = np.sort(np.random.default_rng(1).uniform(0.0, 0.1, 5001))
-    uneven = ao.Signal(t, np.sin(2 * np.pi * 30 * t))
+    uneven = testrig.Signal(t, np.sin(2 * np.pi * 30 * t))
     with pytest.raises(ao.InputError, match=r"'force' are not evenly spaced.*resampled\(rate\)"):
         uneven.filtered(60)
     even = uneven.resampled(200e3)
@@ -122,7 +123,7 @@ def test_uneven_samples_are_refused_and_resampled() -> None:
 
 def test_times_written_with_few_digits_are_even() -> None:
     t = np.round(np.arange(1000) * 1e-5, 7)
-    assert ao.Signal(t, t).rate == pytest.approx(1e5)
+    assert testrig.Signal(t, t).rate == pytest.approx(1e5)
 
 
 @pytest.mark.parametrize(
@@ -136,7 +137,7 @@ def test_times_written_with_few_digits_are_even() -> None:
 )
 def test_what_is_no_signal_is_refused(t: Any, values: Any, words: str) -> None:
     with pytest.raises(ao.InputError, match=words):
-        ao.Signal(t, values)
+        testrig.Signal(t, values)
 
 
 def strike(duration: float | None = None, solver: Any = None) -> ao.Result:
@@ -153,24 +154,24 @@ def strike(duration: float | None = None, solver: Any = None) -> ao.Result:
 
 def test_an_impact_is_sampled_evenly_and_exactly() -> None:
     hit = strike()
-    signal = ao.Signal.of(hit, rate=1e6, margin=1e-3)
+    signal = testrig.Signal.of(hit, rate=1e6, margin=1e-3)
     inside = (signal.t >= 0.0) & (signal.t <= hit.duration)
     np.testing.assert_array_equal(signal.values[inside], hit.at(signal.t[inside]).force)
     assert not signal.values[~inside].any()
     assert signal.t[0] == pytest.approx(-1e-3)
-    assert ao.Signal.of(hit).values.max() == pytest.approx(hit.peak_force, rel=1e-4)
+    assert testrig.Signal.of(hit).values.max() == pytest.approx(hit.peak_force, rel=1e-4)
 
 
 def test_a_record_that_ends_in_contact_gets_no_silence() -> None:
     with pytest.warns(ao.AOImpactWarning, match="ends in contact"):
         hit = strike(duration=1e-3)
     with pytest.raises(ao.InputError, match="ends in contact"):
-        ao.Signal.of(hit, margin=1e-3)
+        testrig.Signal.of(hit, margin=1e-3)
 
 
 def test_steps_of_newmark_are_taken_as_they_are() -> None:
     hit = strike(duration=5e-3, solver=ao.Newmark(dt=1e-5))
-    signal = ao.Signal.of(hit)
+    signal = testrig.Signal.of(hit)
     np.testing.assert_allclose(signal.values, hit.force, atol=1e-9 * hit.peak_force)
 
 
@@ -187,18 +188,18 @@ def test_a_probe_gives_the_acceleration_of_its_point() -> None:
     )
     times = np.linspace(0.0, 1e-3, 4001)
     probe = hit.target.probe((0.0, 0.01, 0.01), direction=(1, 0, 0), times=times)
-    signal = ao.Signal.of(probe)
+    signal = testrig.Signal.of(probe)
     assert (signal.unit, signal.name) == ("m/s²", "acceleration")
     gained = np.trapezoid(signal.values, times)
     assert gained == pytest.approx(probe.velocity[-1] - probe.velocity[0], rel=1e-3)
     with pytest.raises(ao.InputError, match="one point's motion along one direction"):
-        ao.Signal.of(hit.target.probe((0.0, 0.01, 0.01), times=times))
+        testrig.Signal.of(hit.target.probe((0.0, 0.01, 0.01), times=times))
 
 
 @pytest.mark.parametrize("source", [3.0, "drop.csv", [1, 2, 3], None])
 def test_what_is_no_source_is_refused(source: Any) -> None:
     with pytest.raises(ao.InputTypeError, match="source must be a Signal"):
-        ao.Signal.of(source)
+        testrig.Signal.of(source)
 
 
 def test_the_raw_signal_is_drawn_behind_the_filtered_one() -> None:

@@ -16,6 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import aoimpact as ao
+from aoimpact import testrig
 
 steel = ao.Material(E=210e9, nu=0.3, rho=7800)
 aluminium = ao.Material(E=70e9, nu=0.33, rho=2700)
@@ -23,7 +24,7 @@ mesh = ao.box_mesh((0.15, 0.1, 0.006), (24, 16, 2), kind="hexahedron20")
 sides = [(side, "xyz") for side in ("xmin", "xmax", "ymin", "ymax")]
 plate = ao.FEModel.from_mesh(mesh, aluminium, fixed=sides, name="plate")
 
-cell = ao.LoadCell(nose=0.2, carriage=2.2, stiffness=6e8, damping_ratio=0.02)
+cell = testrig.LoadCell(nose=0.2, carriage=2.2, stiffness=6e8, damping_ratio=0.02)
 tup = cell.tup(radius=0.008, material=steel)
 middle = plate.contact(point=(0.075, 0.05, 0.006))
 law = ao.Thornton.between(steel, 0.008, aluminium, np.inf, yield_pressure=1.6 * 250e6)
@@ -36,17 +37,17 @@ print(hit)
 # A measured channel is read from the file of the data logger. Here that file is written first, by what the load cell
 # reads of the simulated impact and of 5 ms of silence before and after it, in milliseconds and kilonewtons:
 
-contact = ao.Signal.of(hit, rate=400e3, margin=5e-3)
+contact = testrig.Signal.of(hit, rate=400e3, margin=5e-3)
 reading = cell.read(contact)
 folder = tempfile.TemporaryDirectory()
 file = Path(folder.name) / "drop.csv"
 columns = np.column_stack([1e3 * reading.t, 1e-3 * reading.values])
 np.savetxt(file, columns, delimiter=";", header="time [ms];force [kN]", comments="")
 
-measured = ao.read_signal(file, time_unit="ms", unit="kN")
-force = ao.Signal(measured.t, measured.values / cell.share)
-test = ao.drop_weight(force, mass=cell.mass, velocity=0.6, gravity=0, start=0, cfc=1000)
-same = ao.drop_weight(hit, cfc=1000)
+measured = testrig.read_signal(file, time_unit="ms", unit="kN")
+force = testrig.Signal(measured.t, measured.values / cell.share)
+test = testrig.drop_weight(force, mass=cell.mass, velocity=0.6, gravity=0, start=0, cfc=1000)
+same = testrig.drop_weight(hit, cfc=1000)
 ax = test.plot_energy(label="load cell")
 ax = same.plot_energy(ax, label="contact force")
 
@@ -69,7 +70,7 @@ print(same)
 
 print(f"share {cell.share:.3f}, frequency {cell.frequency:.0f} Hz")
 print(f"gain at 1 kHz {cell.gain(1000.0):.3f}, at 8 kHz {cell.gain(8000.0):.3f}")
-uncorrected = ao.drop_weight(measured, mass=cell.mass, velocity=0.6, gravity=0)
+uncorrected = testrig.drop_weight(measured, mass=cell.mass, velocity=0.6, gravity=0)
 print(
     f"absorbed, uncorrected: {1e3 * uncorrected.absorbed_energy:.0f} mJ of {1e3 * test.impact_energy:.0f}"
 )
@@ -77,7 +78,7 @@ print(
 # %%
 # The filter
 # ----------
-# `Signal.filtered` is the filter of SAE J211-1, forward and backward, so that no phase is shifted. The signal before it
+# :meth:`~aoimpact.testrig.Signal.filtered` is the filter of SAE J211-1, forward and backward, so that no phase is shifted. The signal before it
 # stays in ``raw``. The ringing of the load cell goes, and some of the peak of the force with it:
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained", sharey=True)
@@ -86,7 +87,7 @@ reading.plot(left, label="load cell", linestyle="--")
 left.set(xlim=(-0.2, 2.0), ylabel="force (N)")
 right.set(xlim=(-0.2, 1.8))
 for cfc, dashes in ((1000, "-"), (600, "--")):
-    ao.drop_weight(hit, cfc=cfc).plot_force(
+    testrig.drop_weight(hit, cfc=cfc).plot_force(
         right, raw=cfc == 1000, label=f"CFC {cfc}", linestyle=dashes
     )
 label = right.set_ylabel("")
@@ -122,6 +123,6 @@ fig.legend(loc="outside upper center", ncols=2)
 
 times = np.linspace(0, hit.duration, 20001)
 probe = hit.target.probe((0.03, 0.05, 0.006), direction=(0, 0, -1), times=times)
-spectrum = ao.shock_spectrum(probe, np.geomspace(100, 20e3, 80), damping_ratio=0.05)
+spectrum = testrig.shock_spectrum(probe, np.geomspace(100, 20e3, 80), damping_ratio=0.05)
 ax = spectrum.plot(parts=True)
 folder.cleanup()
