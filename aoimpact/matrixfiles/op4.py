@@ -128,7 +128,7 @@ class _Binary:
         """Enter the next record; return its end."""
         (length,) = struct.unpack_from(self._order + "i", self._content, self._at)
         start = self._at + 4
-        end = start + length
+        end: int = start + length
         if length < 0 or end + 4 > len(self._content):
             raise self.wrong(f"a record of {length} bytes goes beyond its end: it is cut short")
         if self._content[end : end + 4] != self._content[self._at : start]:

@@ -20,19 +20,17 @@ from ..mesh import box_mesh
 from ..reduction import AOModel, FullModel, ModalModel, antioscillators, full, modal, rigid
 from ..results import Result
 from .sphere import BALL_MASS, RADIUS, STEEL, VELOCITY, SphereStudy, at_one_dof
-from .table import Row, Table
+from .table import Table, printed
 
 ALUMINIUM = Material(E=70e9, nu=0.3, rho=2400.0)
 LENGTH, WIDTH = 1.0, 0.02
 BEAM_MASS = ALUMINIUM.rho * LENGTH * WIDTH**2
 LAW = Hertz.between(STEEL, RADIUS, ALUMINIUM, math.inf)
 
-PAPER_FREQUENCIES = ("58", "233", "315", "520", "915")
+PAPER_FREQUENCIES = (58.0, 233.0, 315.0, 520.0, 915.0)  # Hz
 
 # A mode whose kinetic energy is to more than this share vertical is one of vertical bending.
 _VERTICAL = 0.75
-
-_ALIKE = "The paper: the same. Largest difference over the record, relative to the largest value."
 
 
 def bending_frequency(order: int) -> float:
@@ -182,116 +180,58 @@ class BeamStudy:
 def table_4(study: BeamStudy) -> Table:
     """Table 4, and eqs. (16), (17): the beam and Hertz's stiffness."""
     assert study.body.mass is not None
-    return Table(
-        "Table 4 and eq. (16): the beam",
-        (
-            Row("free degrees of freedom", study.body.n_dofs, "1362"),
-            Row("mass", 1e3 * study.body.mass, "", "g"),
-            Row("k_H, eq. (16)", LAW.k / 1e10, "", "×10¹⁰ N/m^1.5"),
-        ),
-    )
+    return printed("table_4", study.body.n_dofs, 1e3 * study.body.mass, LAW.k / 1e10)
 
 
 def table_5(study: BeamStudy) -> Table:
     """Table 5: natural frequencies, and what they should be."""
     frequencies = study.modes.frequencies
     vertical = frequencies[study.vertical > _VERTICAL]
-    listed = ", ".join(f"{f:.0f}" for f in frequencies)
-    notes = {
-        "315": "No support tried gives 315 Hz. With three nodes pinned and three on rollers the "
-        f"modes are at {listed} Hz; those beside the paper's are of vertical bending, the others "
-        "of lateral bending.",
-        "915": "Depends on where the supports are over the height: at half the height it is "
-        f"{study.raised[-1]:.0f} Hz. The static mass (Figure 8) speaks for the bottom.",
-    }
-    rows = []
-    for paper in PAPER_FREQUENCIES:
-        among, kind = (frequencies, "any mode") if paper == "315" else (vertical, "vertical")
-        nearest = float(among[np.argmin(np.abs(among - float(paper)))])
-        rows.append(Row(f"{paper} Hz, nearest {kind}", nearest, paper, "Hz", notes.get(paper, "")))
-    locking = (
-        "58 Hz is the locking of linear bricks, two over the height; quadratic bricks come to the "
-        "Euler-Bernoulli beam's frequency."
+    nearest = []
+    for paper in PAPER_FREQUENCIES:  # 315 Hz is near no vertical one
+        among = frequencies if paper == 315.0 else vertical
+        nearest.append(float(among[np.argmin(np.abs(among - paper))]))
+    return printed(
+        "table_5",
+        *(*nearest, float(study.locking_free[0]), bending_frequency(1)),
+        listed=", ".join(f"{f:.0f}" for f in frequencies),
+        raised=study.raised[-1],
     )
-    rows.append(Row("f1, quadratic bricks", float(study.locking_free[0]), "58", "Hz", locking))
-    rows.append(Row("f1, Euler-Bernoulli", bending_frequency(1), "58", "Hz", locking))
-    return Table("Table 5: natural frequencies of the beam", tuple(rows))
 
 
 def oscillator_table(study: BeamStudy) -> Table:
     """Figure 8: the masses of the beam's anti-oscillators."""
     star = study.star
     fractions, lowest = 100.0 * star.mass_fractions, 100.0 * study.lowest.mass_fractions
-    return Table(
-        "Figure 8, section 4: the beam's anti-oscillators",
-        (
-            Row("static mass", 1e3 * star.static_mass, "467", "g"),
-            Row("first AO of the static mass", float(fractions.max()), "53", "%"),
-            Row(
-                f"{star.n} AOs of lowest frequency",
-                float(lowest.sum()),
-                "98",
-                "%",
-                "The paper seems to count by frequency; the 28 of largest mass hold more, and are "
-                "the ones used here.",
-            ),
-            Row(f"{star.n} AOs of largest mass", float(fractions.sum()), "98", "%"),
-        ),
-    )
+    values = 1e3 * star.static_mass, fractions.max(), lowest.sum(), fractions.sum()
+    return printed("oscillator", *values, n=star.n)
 
 
 def force_table(study: BeamStudy) -> Table:
     """Figure 9: the force."""
-    ao, hard = study.ao_short, study.rigid_short
-    fine = study.converged.peak_force
-    return Table(
-        "Figure 9, section 4: the sphere on the beam at 1 m/s, force",
-        (
-            Row("one-AO sphere, peak force", ao.peak_force, "", "N"),
-            Row("one-AO sphere, contact duration", 1e6 * ao.contact_duration, "", "µs"),
-            Row("rigid sphere, peak force", hard.peak_force, "", "N"),
-            Row("rigid sphere, contact duration", 1e6 * hard.contact_duration, "", "µs"),
-            Row("29 or 1362 dofs", apart(ao.force, study.full_short.force), "", "%", _ALIKE),
-            Row(
-                "peak force, 2 µs against 0.02 µs",
-                100.0 * (ao.peak_force / fine - 1.0),
-                "",
-                "%",
-                "The error of the paper's time step.",
-            ),
-        ),
+    ao, hard, fine = study.ao_short, study.rigid_short, study.converged
+    return printed(
+        "force",
+        *(ao.peak_force, 1e6 * ao.contact_duration),
+        *(hard.peak_force, 1e6 * hard.contact_duration),
+        apart(ao.force, study.full_short.force),
+        100.0 * (ao.peak_force / fine.peak_force - 1.0),
     )
 
 
 def displacement_table(study: BeamStudy) -> Table:
     """Figures 10 and 11: how far the beam goes."""
-    hit = study.ao_short
+    hit, exact = study.ao_short, study.full_short.target.displacement
     pushed = 1e6 * find_impulse(hit.t, hit.force * (hit.t[-1] - hit.t)) / BEAM_MASS
-    moved = (
-        f"The contact force alone moves 960 g by ∫∫F dt²/M = {pushed:.1f} µm in 200 µs, and waves "
-        "need 80 µs to the supports; the middle of the beam goes farther than 25 µm. What the "
-        "paper gives 25 µm for remains open."
-    )
-    short, exact = study.ao_short.target, study.full_short.target
     long, hard, full = (
         hit.target.centre_displacement for hit in (study.ao_long, study.rigid_long, study.full_long)
     )
-    centre, middle = (
-        1e6 * float(np.abs(history).max())
-        for history in (short.centre_displacement, short.displacement)
-    )
-    dofs = apart(short.displacement, exact.displacement)
-    return Table(
-        "Figures 10 and 11, section 4: the sphere on the beam at 1 m/s, displacement",
-        (
-            Row("centre of mass, largest in 200 µs", centre, "25", "µm", moved),
-            Row("middle of the beam, largest in 200 µs", middle, "25", "µm", moved),
-            Row("29 or 1362 dofs, middle, 200 µs", dofs, "", "%", _ALIKE),
-            Row("29 or 1362 dofs, centre of mass, 20 ms", apart(long, full), "", "%", _ALIKE),
-            Row(
-                "one-AO or rigid sphere, centre of mass, 20 ms", apart(hard, long), "", "%", _ALIKE
-            ),
-        ),
+    return printed(
+        "displacement",
+        1e6 * float(np.abs(hit.target.centre_displacement).max()),
+        1e6 * float(np.abs(hit.target.displacement).max()),
+        *(apart(hit.target.displacement, exact), apart(long, full), apart(hard, long)),
+        pushed=pushed,
     )
 
 

@@ -6,7 +6,6 @@ Every function returns a figure of its own, which belongs to no window.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from .sphere import (
     RESOLVED_FORCE,
     MeshCase,
     SphereStudy,
+    excesses,
     local_over_nonlocal,
 )
 
@@ -93,17 +93,13 @@ def figure_4(study: SphereStudy) -> Figure:
     left.set(xlim=(0, 90), ylim=(0, 1100))
     full = study.full
     counts = list(study.modal)
-    force = [100.0 * (hit.peak_force / full.peak_force - 1.0) for hit in study.modal.values()]
-    time = [
-        100.0 * (hit.contact_duration / full.contact_duration - 1.0) for hit in study.modal.values()
-    ]
+    force, time = zip(*(excesses(hit, full) for hit in study.modal.values()), strict=True)
     right.plot(counts, force, "o-", color=COLOURS[0], label="peak force")
     right.plot(counts, time, "s-", color=COLOURS[1], label="duration")
     right.plot([1000, 1000], [7, -5], "x", color="black", markersize=8, label="the paper")
     right.axhline(0.0, color="black", linewidth=0.8)
     right.set(xlabel="number of modes", ylabel="difference from the full model (%)")
     right.margins(x=0.05)
-    right.grid(True, alpha=0.3)
     legend(right)
     return figure
 
@@ -144,7 +140,6 @@ def figure_7(study: SphereStudy) -> Figure:
     depth = np.linspace(0.0, 32e-6, 200)
     left.plot(1e6 * depth, LAW.force(depth), color="black", label="Hertz's law")
     left.set(xlabel="approach (µm)", ylabel="contact force (N)", xlim=(0, 45), ylim=(0, 2000))
-    left.grid(True, alpha=0.3)
     legend(left)
     speeds = list(study.by_speed)
     ratios = [local_over_nonlocal(hit) for hit in study.by_speed.values()]
@@ -170,7 +165,6 @@ def figure_8(study: BeamStudy) -> Figure:
     printed_line(ax, 53.0, "paper, first AO 53 %")
     label = f"share of the static mass, {1e3 * study.star.static_mass:.0f} g (%)"
     ax.set(xlabel="anti-oscillator", ylabel=label, ylim=(0, 110), xlim=(0, 29))
-    ax.grid(True, alpha=0.3)
     legend(ax)
     return figure
 
@@ -219,7 +213,6 @@ def figure_10(study: BeamStudy) -> Figure:
         ax.plot(micro, 1e6 * hit.target.displacement, **middle, label=f"beam's middle, {name}")
     printed_line(ax, 25.0, "paper, beam 25 µm")
     ax.set(xlabel="time (µs)", ylabel="displacement (µm)", xlim=(0, 200))
-    ax.grid(True, alpha=0.3)
     legend(ax)
     return figure
 
@@ -237,7 +230,6 @@ def figure_11(study: BeamStudy) -> Figure:
     ):
         ax.plot(1e3 * hit.t, 1e6 * hit.target.centre_displacement, label=name, **style)
     ax.set(xlabel="time (ms)", ylabel="displacement (µm)", xlim=(0, 20))
-    ax.grid(True, alpha=0.3)
     legend(ax)
     return figure
 
@@ -268,20 +260,8 @@ def figure_mesh(study: SphereStudy, cases: dict[float, MeshCase]) -> Figure:
         ax.set_xticks([300, 1000, 3000, 10000], ["300", "1000", "3000", "10 000"])
         ax.minorticks_off()
         ax.set_xlim(200, 10_000)
-        ax.grid(True, alpha=0.3)
     return figure
 
 
-SPHERE_FIGURES: dict[str, Callable[[SphereStudy], Figure]] = {
-    "figure_03": figure_3,
-    "figure_04": figure_4,
-    "figure_05": figure_5,
-    "figure_06": figure_6,
-    "figure_07": figure_7,
-}
-BEAM_FIGURES: dict[str, Callable[[BeamStudy], Figure]] = {
-    "figure_08": figure_8,
-    "figure_09": figure_9,
-    "figure_10": figure_10,
-    "figure_11": figure_11,
-}
+SPHERE_FIGURES = (figure_3, figure_4, figure_5, figure_6, figure_7)
+BEAM_FIGURES = (figure_8, figure_9, figure_10, figure_11)

@@ -7,7 +7,7 @@ step.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -70,38 +70,29 @@ def paper_tables(
     spheres: SphereStudy, beam: BeamStudy, meshes: dict[float, MeshCase]
 ) -> tuple[Table, ...]:
     """Return all comparisons, in the order of the paper, then what it does not say."""
-    of_spheres: Iterable[Callable[[SphereStudy], Table]] = (
-        paper_sphere.table_1,
-        paper_sphere.table_2,
-        paper_sphere.table_3,
-        paper_sphere.impact_table,
-        paper_sphere.method_table,
-        paper_sphere.modal_table,
-        paper_sphere.energy_table,
-    )
-    of_beam: Iterable[Callable[[BeamStudy], Table]] = (
-        paper_beam.table_4,
-        paper_beam.table_5,
-        paper_beam.oscillator_table,
-        paper_beam.force_table,
-        paper_beam.displacement_table,
+    of = paper_sphere
+    of_spheres = (of.table_1, of.table_2, of.table_3, of.impact_table, of.method_table)
+    of_energies = (of.modal_table, of.energy_table)
+    of_beam = (
+        *(paper_beam.table_4, paper_beam.table_5, paper_beam.oscillator_table),
+        *(paper_beam.force_table, paper_beam.displacement_table),
     )
     return (
-        *(table(spheres) for table in of_spheres),
+        *(table(spheres) for table in (*of_spheres, *of_energies)),
         *(table(beam) for table in of_beam),
-        paper_sphere.resolved_table(spheres),
-        paper_sphere.mesh_table(meshes),
+        of.resolved_table(spheres),
+        of.mesh_table(meshes),
     )
 
 
 def paper_figures(
     spheres: SphereStudy, beam: BeamStudy, meshes: dict[float, MeshCase]
-) -> Iterable[tuple[str, Figure]]:
+) -> Iterator[tuple[str, Figure]]:
     """Yield all figures with their names."""
-    for name, of_spheres in SPHERE_FIGURES.items():
-        yield name, of_spheres(spheres)
-    for name, of_beam in BEAM_FIGURES.items():
-        yield name, of_beam(beam)
+    for number, of_spheres in enumerate(SPHERE_FIGURES, start=3):
+        yield f"figure_{number:02d}", of_spheres(spheres)
+    for number, of_beam in enumerate(BEAM_FIGURES, start=8):
+        yield f"figure_{number:02d}", of_beam(beam)
     yield "figure_mesh", figure_mesh(spheres, meshes)
 
 

@@ -19,7 +19,7 @@ from ..laws import Hertz
 from ..mesh import paper_sphere_mesh, sphere_mesh
 from ..reduction import AOModel, FullModel, ModalModel, antioscillators, full, modal, rigid
 from ..results import Result
-from .table import Row, Table
+from .table import Row, Table, printed
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 RADIUS = 0.01
@@ -215,37 +215,15 @@ def mesh_case(study: SphereStudy, size: float) -> MeshCase:
 
 def table_1(study: SphereStudy) -> Table:
     """Table 1, and eq. (13): the sphere and Hertz's stiffness."""
-    return Table(
-        "Table 1 and eq. (13): the sphere",
-        (
-            Row("mass, 4/3 πR³ρ", 1e3 * BALL_MASS, "32.7", "g"),
-            Row("mass of the finite elements", 1e3 * study.mass, "32.7", "g"),
-            Row(
-                "k_H, eq. (13)",
-                LAW.k / 1e10,
-                "1",
-                "×10¹⁰ N/m^1.5",
-                "The paper rounds to one digit; its rigid peak of 999.9 N needs the full number.",
-            ),
-        ),
-    )
+    return printed("table_1", 1e3 * BALL_MASS, 1e3 * study.mass, LAW.k / 1e10)
 
 
 def table_2(study: SphereStudy) -> Table:
     """Table 2: natural frequencies."""
-    first, second, third = multiplets(study.frequencies[6:])[:3]
-    exact = "A sphere has multiple frequencies; this is the mean of {} of the mesh."
-    lamb = " Exact (Lamb; torsional, ωR/c_t = 2.50113): 0.1281 MHz."
-    other = " Exact (Lamb; spheroidal, ωR/c_t = 2.64622): 0.1355 MHz."
-    return Table(
-        "Table 2: natural frequencies of the sphere",
-        (
-            Row("rigid modes, f1", float(np.abs(study.frequencies[:6]).max()), "0", "Hz"),
-            Row("f2", 1e-6 * first.mean(), "0.13", "MHz", exact.format(len(first)) + lamb),
-            Row("f3", 1e-6 * second.mean(), "0.14", "MHz", exact.format(len(second)) + other),
-            Row("f4", 1e-6 * third.mean(), "0.18", "MHz", exact.format(len(third))),
-        ),
-    )
+    groups = multiplets(study.frequencies[6:])[:3]
+    rigid_modes = float(np.abs(study.frequencies[:6]).max())
+    counts = {f"f{i}": len(group) for i, group in enumerate(groups, 2)}
+    return printed("table_2", rigid_modes, *(1e-6 * group.mean() for group in groups), **counts)
 
 
 def multiplets(frequencies: FloatArray, apart: float = 0.03) -> list[FloatArray]:
@@ -257,140 +235,52 @@ def multiplets(frequencies: FloatArray, apart: float = 0.03) -> list[FloatArray]
 def table_3(study: SphereStudy) -> Table:
     """Table 3: the anti-oscillator of the sphere."""
     model = study.oscillator
-    return Table(
-        "Table 3: one anti-oscillator for the sphere",
-        (
-            Row("k0", model.k0, "0", "N/m"),
-            Row("m0 / m", 100.0 * model.m0 / study.mass, "0.10", "%"),
-            Row(
-                "k1",
-                1e-6 * float(model.k[0]),
-                "275.7",
-                "MN/m",
-                "k1 belongs to the mesh, not to the sphere: a load on one node indents a solid "
-                "without bound as the mesh is refined. The paper's own mesh is not published; this "
-                "one has its numbers of nodes and elements, and was chosen without a look at k1.",
-            ),
-            Row("m1 / m", 100.0 * float(model.m[0]) / study.mass, "99.90", "%"),
-        ),
-    )
+    m0, m1 = (100.0 * m / study.mass for m in (model.m0, float(model.m[0])))
+    return printed("table_3", model.k0, m0, 1e-6 * float(model.k[0]), m1)
 
 
 def impact_table(study: SphereStudy) -> Table:
     """The numbers of Figure 3 and section 3."""
     full, one, hard = study.full, study.one_ao, study.rigid
-    mesh = "Follows k1: it belongs to the mesh."
-    time = (
-        "Follows k1. The paper's own m0 and k1 give 70.7 µs; and 60.0 µs, the rigid pair's, are "
-        "16 % less than 71.4 µs but 17 % less than 72 µs."
-    )
-    return Table(
-        "Figure 3, section 3.1: two spheres at 1 m/s",
-        (
-            Row("full model, peak force", full.peak_force, "811.5", "N", mesh),
-            Row("full model, duration", 1e6 * full.contact_duration, "72", "µs", time),
-            Row("one AO each, peak force", one.peak_force, "812.6", "N", mesh),
-            Row(
-                "rigid, peak force",
-                hard.peak_force,
-                "999.9",
-                "N",
-                "Closed form: 1001.536 N with m = 4/3 πR³ρ. The paper's 999.9 N is that of "
-                "m = 32.58 g, the mass of a faceted mesh.",
-            ),
-            _excess("rigid over full, force", hard.peak_force, full.peak_force, "23", mesh),
-            _excess(
-                "rigid over full, duration",
-                hard.contact_duration,
-                full.contact_duration,
-                "-16",
-                time,
-            ),
-        ),
+    return printed(
+        "impact",
+        *(full.peak_force, 1e6 * full.contact_duration, one.peak_force, hard.peak_force),
+        *excesses(hard, full),
     )
 
 
-def _excess(name: str, value: float, base: float, paper: str = "", why: str = "") -> Row:
-    return Row(name, 100.0 * (value / base - 1.0), paper, "%", why)
+def excesses(hit: Result, base: Result) -> tuple[float, float]:
+    """By how much peak force and duration exceed those of another run, %."""
+    force = hit.peak_force / base.peak_force
+    duration = hit.contact_duration / base.contact_duration
+    return 100.0 * (force - 1.0), 100.0 * (duration - 1.0)
 
 
 def method_table(study: SphereStudy) -> Table:
-    """What does not depend on the mesh: the method itself."""
-    full, one = study.full, study.one_ao
+    """Numbers that do not depend on the mesh: the method itself."""
     peak, duration = hertz_pair(LAW.k, 0.5 * BALL_MASS, VELOCITY)
-    own_hit = study.printed(BALL_MASS)
-    same = "812.6 over 811.5 N."
-    own = "The paper's m0 and k1 of Table 3, put in by hand."
-    return Table(
-        "Section 3.1: the method, whatever the mesh",
-        (
-            _excess("one AO over full, force", one.peak_force, full.peak_force, "0.14", same),
-            _excess("one AO over full, duration", one.contact_duration, full.contact_duration),
-            Row(
-                "Table 3's AO, m = 32.67 g", study.printed(BALL_MASS).peak_force, "812.6", "N", own
-            ),
-            Row(
-                "Table 3's AO, m = 32.58 g",
-                study.printed(0.03258).peak_force,
-                "812.6",
-                "N",
-                own + " 32.58 g is the mass that its rigid 999.9 N implies. A step of 0.1 ... 1 µs "
-                "takes another 0.2 ... 1.5 N off; the paper's is not given.",
-            ),
-            Row("Table 3's AO, duration", 1e6 * own_hit.contact_duration, "72", "µs", own),
-            Row("rigid, closed form, peak force", peak, "", "N"),
-            Row("rigid, closed form, duration", 1e6 * duration, "", "µs"),
-        ),
+    own, light = study.printed(BALL_MASS), study.printed(0.03258)
+    return printed(
+        "method",
+        *excesses(study.one_ao, study.full),
+        *(own.peak_force, light.peak_force, 1e6 * own.contact_duration),
+        *(peak, 1e6 * duration),
     )
 
 
 def modal_table(study: SphereStudy) -> Table:
     """Figure 4: the modal series."""
-    full, last = study.full, study.modal[1000]
-    why = "As the paper finds: too hard, too short, slow to converge. How far off follows the mesh."
-    rows = [_excess("1000 modes, force", last.peak_force, full.peak_force, "7", why)]
-    rows.append(
-        _excess("1000 modes, duration", last.contact_duration, full.contact_duration, "-5", why)
-    )
-    for n in (50, 200, 500):
-        rows.append(_excess(f"{n} modes, force", study.modal[n].peak_force, full.peak_force))
-    return Table("Figure 4: modal series, against the full model", tuple(rows))
+    forces = (excesses(study.modal[n], study.full)[0] for n in (50, 200, 500))
+    return printed("modal", *excesses(study.modal[1000], study.full), *forces)
 
 
 def energy_table(study: SphereStudy) -> Table:
     """Figures 5 and 7: where the energy goes."""
-    first = 0.5 * study.mass * VELOCITY**2
+    percent = 100.0 / (0.5 * study.mass * VELOCITY**2)
     target = study.one_ao.energy.target
-    ratios = [local_over_nonlocal(study.by_speed[speed]) for speed in (1e-4, 1.0, 10.0)]
-    return Table(
-        "Figures 5 and 7, section 3.2: energies, one AO each",
-        (
-            Row(
-                "kinetic energy passed on",
-                100.0 * float(target.kinetic[-1]) / first,
-                "",
-                "%",
-                'The paper: "totally transferred".',
-            ),
-            Row(
-                "nonlocal energy left in the target",
-                100.0 * float(target.elastic[-1]) / first,
-                "",
-                "%",
-                'The paper: "negligible".',
-            ),
-            Row(
-                "local / nonlocal at 1e-4 m/s",
-                ratios[0],
-                "200",
-                "",
-                "At the peak: k_H against one sphere's k1. With k_H rounded to 1e10 and "
-                "k1 = 275.7 MN/m it is 192.",
-            ),
-            Row("local / nonlocal at 1 m/s", ratios[1]),
-            Row("local / nonlocal at 10 m/s", ratios[2]),
-        ),
-    )
+    ratios = (local_over_nonlocal(study.by_speed[speed]) for speed in (1e-4, 1.0, 10.0))
+    kept = percent * float(target.kinetic[-1]), percent * float(target.elastic[-1])
+    return printed("energy", *kept, *ratios)
 
 
 def local_over_nonlocal(hit: Result) -> float:
@@ -400,24 +290,11 @@ def local_over_nonlocal(hit: Result) -> float:
 
 
 def resolved_table(study: SphereStudy) -> Table:
-    """What resolved contact mechanics gives, and how far off each model is."""
-    rows = []
-    patch = "one AO each, patch of 3 mm"
-    runs = (("full model", study.full), ("rigid", study.rigid), (patch, study.patched))
-    for name, hit in runs:
-        peak, time = f"{RESOLVED_FORCE}", f"{1e6 * RESOLVED_DURATION:.2f}"
-        why = {
-            "full model": "One loaded node makes the sphere too soft: Hertz's law already contains "
-            "the indentation that the mesh adds. Finer meshes make it worse, not better.",
-            "rigid": "Hertz's law with rigid masses is nearly right: two spheres in contact "
-            "for this long are quasi-static. The paper's +23 % is mostly its single node.",
-            patch: "With the half-space's part of the patch's indentation taken out of the law the "
-            "force does not follow the mesh.",
-        }[name]
-        rows.append(Row(f"{name}, peak force", hit.peak_force, peak, "N", why))
-        rows.append(Row(f"{name}, duration", 1e6 * hit.contact_duration, time, "µs", why))
-    rows.append(Row("the paper's full model, peak force", 811.5, f"{RESOLVED_FORCE}", "N"))
-    return Table("The truth: resolved contact of the two spheres", tuple(rows), against="resolved")
+    """Resolved contact mechanics, and how far off each model is."""
+    values: list[float] = []
+    for hit in (study.full, study.rigid, study.patched):
+        values += [hit.peak_force, 1e6 * hit.contact_duration]
+    return printed("resolved", *values, 811.5)
 
 
 def mesh_table(cases: dict[float, MeshCase]) -> Table:

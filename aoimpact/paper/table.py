@@ -9,8 +9,11 @@ from __future__ import annotations
 import csv
 import os
 import textwrap
+import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib import resources
+from typing import Any
 
 from ..base import aligned, html_table
 
@@ -111,6 +114,27 @@ class Table:
     def _repr_html_(self) -> str:
         rows = [(*row.cells(), row.why) for row in self.rows]
         return html_table((*_headings(self), ""), rows, caption=[self.title])
+
+
+def printed(name: str, *values: float, **notes: Any) -> Table:
+    """Return a table of data/paper.toml with computed values beside the paper's numbers.
+
+    Parameters
+    ----------
+    name : str
+    values : float
+        In the order of its rows.
+    notes : optional
+        Fill the braces in its texts.
+    """
+    written = tomllib.loads(
+        (resources.files("aoimpact") / "data" / "paper.toml").read_text("utf-8")
+    )
+    rows = []
+    for (quantity, *row), value in zip(written[name]["rows"], values, strict=True):
+        paper, unit, why = (*row, "")[:3]
+        rows.append(Row(quantity.format(**notes), value, paper, unit, why.format(**notes)))
+    return Table(written[name]["title"], tuple(rows), written[name].get("against", "paper"))
 
 
 def _headings(table: Table) -> tuple[str, ...]:
