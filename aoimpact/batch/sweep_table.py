@@ -19,19 +19,14 @@ from ..base import (
     InputError,
     InputTypeError,
     aligned,
-    checked,
     choice,
     given_axes,
     html_table,
-    instance,
-    integer,
     label,
     legend,
     optional_package,
     plain,
     scale_for,
-    sequence,
-    texts,
     with_unit,
     written_file,
 )
@@ -85,21 +80,6 @@ class SweepTable(Frozen):
     shape: tuple[int, ...]
     errors: Mapping[int, Exception]
 
-    def __post_init__(self) -> None:
-        checked(self, data=(np.ndarray,), parameters=texts, quantities=texts)
-        if self.data.ndim != 1 or self.data.dtype.names != self.columns:
-            raise InputError(
-                "data must have one axis, and the parameters and quantities as its fields: "
-                f"{', '.join(self.columns)}"
-            )
-        shape = sequence("shape", self.shape)
-        lengths = tuple(integer("shape", length, low=1) for length in shape)
-        if len(lengths) != len(self.parameters) or math.prod(lengths) != len(self.data):
-            raise InputError(f"shape {lengths} is not that of {len(self.data)} cases")
-        object.__setattr__(self, "shape", lengths)
-        checked(self, errors=_row_errors)
-        super().__post_init__()
-
     def __len__(self) -> int:
         return len(self.data)
 
@@ -131,7 +111,8 @@ class SweepTable(Frozen):
         pandas = optional_package("pandas", "to_dataframe", otherwise)
         columns = {name: self.data[name] for name in self.columns}
         if self.errors:
-            columns["error"] = np.array(self._messages(), dtype=object)
+            told = [_message(self.errors.get(i)) for i in range(len(self))]
+            columns["error"] = np.array(told, dtype=object)
         return pandas.DataFrame(columns)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -220,9 +201,6 @@ class SweepTable(Frozen):
             lines.append((named, self.data[along][rows], self.data[name][rows]))
         return lines
 
-    def _messages(self) -> list[str]:
-        return [_message(self.errors.get(i)) for i in range(len(self))]
-
     def _shown(self) -> list[list[str]]:
         """Headings, then the rows that are printed: numbers nobody controlled are marked."""
         names = [name for name in self.columns if not name.endswith(CONTROLLED)]
@@ -230,7 +208,8 @@ class SweepTable(Frozen):
         for of in self.data[:_SHOWN]:
             row = dict(zip(self.columns, of.item(), strict=True))
             marks = [_MARK if row.get(name + CONTROLLED) == 0.0 else "" for name in names]
-            rows.append([_cell(row[name]) + mark for name, mark in zip(names, marks, strict=True)])
+            shown = (f"{row[n]:.6g}" if isinstance(row[n], float) else _text(row[n]) for n in names)
+            rows.append([cell + mark for cell, mark in zip(shown, marks, strict=True)])
         return [[_heading(name) for name in names], *rows]
 
     def _note(self) -> str:
@@ -250,12 +229,6 @@ class SweepTable(Frozen):
     def _repr_html_(self) -> str:
         headings, *rows = self._shown()
         return html_table(headings, rows, below=[self._note()])
-
-
-def _row_errors(name: str, value: Any) -> Mapping[int, Exception]:
-    if not isinstance(value, Mapping):
-        raise InputTypeError(f"{name} must be a dict of row numbers and exceptions, got {value!r}")
-    return {integer(name, i): instance(name, one, Exception) for i, one in value.items()}
 
 
 def sweep_table(grid: Mapping[str, Sequence[Any]], values: Iterable[Any], keep: Any) -> SweepTable:
@@ -308,39 +281,25 @@ def _structured(
         if name in grid:
             raise InputError(f"keep: {name!r} is a parameter of the grid; give it another name")
     axes = {name: _column(entries) for name, entries in grid.items()}
-    data = np.empty(
-        math.prod(len(axis) for axis in axes.values()),
-        dtype=[(name, axis.dtype) for name, axis in axes.items()]
-        + [(name, np.float64) for name in columns],
-    )
-    after, before = len(data), 1
-    for name, axis in axes.items():
-        after //= len(axis)
-        data[name] = np.tile(np.repeat(axis, after), before)
-        before *= len(axis)
-    for name, column in columns.items():
+    places = np.indices([len(axis) for axis in axes.values()]).reshape(len(axes), -1)
+    filled = {name: axis[i] for (name, axis), i in zip(axes.items(), places, strict=True)}
+    filled |= columns
+    kinds = [(name, column.dtype) for name, column in filled.items()]
+    data = np.empty(places.shape[1], dtype=kinds)
+    for name, column in filled.items():
         data[name] = column
     return data
 
 
 def _column(values: Sequence[Any]) -> npt.NDArray[Any]:
     """Numbers as numbers, text as text, anything else as the objects themselves."""
-    kinds = set(map(_kind, values))
+    single = (bool, int, float, str, np.generic)
+    kinds = {np.asarray(one).dtype.kind if isinstance(one, single) else "O" for one in values}
     if kinds <= set("iuf") or kinds in ({"b"}, {"U"}):
         return np.array(values)
     column = np.empty(len(values), dtype=object)
-    for i, value in enumerate(values):
-        column[i] = value
+    column[:] = values
     return column
-
-
-def _kind(value: Any) -> str:
-    """Of a single number or text that of NumPy; of anything else that of an object."""
-    try:
-        array = np.asarray(value)
-    except ValueError:  # lists of different lengths
-        return "O"
-    return "O" if array.ndim else array.dtype.kind
 
 
 def _heading(name: str) -> str:
@@ -361,10 +320,6 @@ def _setting(name: str, value: Any) -> str:
     """A parameter's value as a legend says it."""
     unit = _PARAMETERS.get(name)
     return f"{name} = {with_unit(float(value), unit) if unit else _text(value)}"
-
-
-def _cell(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else _text(value)
 
 
 def _message(error: Exception | None) -> str:

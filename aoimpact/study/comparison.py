@@ -5,17 +5,13 @@ from __future__ import annotations
 import csv
 import os
 from dataclasses import astuple, dataclass, fields
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..base import (
     aligned,
-    checked,
     error_axes,
     given_axes,
     html_table,
-    instances,
-    text,
     with_unit,
     written_file,
 )
@@ -86,10 +82,6 @@ class Comparison:
     exact_error: float | None
     rows: tuple[Compared, ...]
     linear_solver: str = ""
-
-    def __post_init__(self) -> None:
-        checked(self, scene=text, exact=text, linear_solver=text)
-        checked(self, exact_error=(float, type(None)), rows=partial(instances, kind=Compared))
 
     def __getitem__(self, model: str) -> Compared:
         """Return the row of a model, such as "AO(3)"."""
