@@ -25,7 +25,7 @@ from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, is_valid_f
 from ..results import QUANTITIES, Speeds, warning_limits
 from ..scene import normal_gap
 
-__all__ = ["ANSWERS", "ERROR", "PLAIN_NUMBERS", "Answer", "plain_numbers"]
+__all__ = ["ANSWERS", "ERROR", "PLAIN_NUMBERS", "Answer", "events_of", "plain_numbers", "speeds_of"]
 
 ERROR = "error.time"
 
@@ -259,22 +259,27 @@ def _columns(
     of: Any,
 ) -> dict[str, FloatArray]:
     """The named numbers, shape (cases,) each."""
-    velocity = given[:, _VELOCITY]
-    rebound = returned[:, Answer.FIRST] + np.array([pair.drift for pair in pairs])[of] * velocity
-    # One contact and two bodies, with columns in place of numbers.
-    at: Any = returned.T
-    events = Events(
-        at[Answer.PEAK_FORCE],
-        at[Answer.PEAK_TIME],
-        ((at[Answer.START], at[Answer.END]),),
-        at[Answer.IMPULSE],
-    )
-    speeds = Speeds(
-        np.array([velocity, np.zeros_like(velocity)]),
-        np.array([rebound, at[Answer.SECOND]]),
-        np.array([pair.fixed for pair in pairs])[of].T,
-    )
+    drift = np.array([pair.drift for pair in pairs])[of]
+    fixed = np.array([pair.fixed for pair in pairs])[of]
+    events, speeds = events_of(returned), speeds_of(returned, given[:, _VELOCITY], drift, fixed)
     return {
         name: given[:, _RTOL] if name == ERROR else QUANTITIES[name].of_plain(events, speeds)
         for name in names
     }
+
+
+def events_of(answers: FloatArray) -> Events:
+    """The events of runs of one contact, with columns in place of numbers."""
+    at: Any = answers.T
+    span = at[Answer.START], at[Answer.END]
+    return Events(at[Answer.PEAK_FORCE], at[Answer.PEAK_TIME], (span,), at[Answer.IMPULSE])
+
+
+def speeds_of(answers: FloatArray, velocity: Any, drift: Any, fixed: Any) -> Speeds:
+    """The velocities of runs of two bodies, of which the first keeps a share whatever happens."""
+    after = answers[:, Answer.FIRST] + np.asarray(drift) * velocity
+    return Speeds(
+        np.array([velocity, np.zeros_like(velocity)]),
+        np.array([after, answers[:, Answer.SECOND]]),
+        np.asarray(fixed).T,
+    )

@@ -27,12 +27,12 @@ from ..accuracy import (
     time_rule,
 )
 from ..base import AOImpactError, FloatArray, held_warnings
-from ..integrate import Adaptive, Events
+from ..integrate import Adaptive
 from ..laws import ContactLaw, Hertz, own_law
 from ..reduction import ModalBody
 from ..results import AS_LONG_AGAIN, FIRST_ORDER_LIMIT, QUANTITIES, Speeds, warning_limits
 from ..scene import Contact, Plan, SceneBody, scene_body
-from .plain import ANSWERS, ERROR, Answer
+from .plain import ANSWERS, ERROR, Answer, events_of, speeds_of
 from .shared import SharedCase
 
 __all__ = ["shared_numbers"]
@@ -153,19 +153,7 @@ class _Calls:
     def speeds(self) -> Speeds:
         """The velocities of all runs."""
         velocity = np.array([numbers[0] for numbers in self._numbers])
-        after = self.answers[:, Answer.FIRST] + np.array(self._drifts) * velocity
-        return Speeds(
-            np.array([velocity, np.zeros_like(velocity)]),
-            np.array([after, self.answers[:, Answer.SECOND]]),
-            np.array(self._fixed).T,
-        )
-
-    @property
-    def events(self) -> Events:
-        """The events of all runs."""
-        of: Any = self.answers.T
-        span = of[Answer.START], of[Answer.END]
-        return Events(of[Answer.PEAK_FORCE], of[Answer.PEAK_TIME], (span,), of[Answer.IMPULSE])
+        return speeds_of(self.answers, velocity, self._drifts, self._fixed)
 
 
 def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict[str, float]]:
@@ -274,7 +262,7 @@ def _kept(
     impacts: Sequence[_Impact], names: Sequence[str], calls: _Calls
 ) -> list[dict[str, float] | None]:
     """The numbers of impacts with their errors, as `Named` keeps them; None of one not plain."""
-    count, speeds, events = len(impacts), calls.speeds, calls.events
+    count, speeds, events = len(impacts), calls.speeds, events_of(calls.answers)
     rows = np.array([of.rows[0] for of in impacts], dtype=np.intp)
     # Impacts and rows of the runs that theirs are compared with.
     pairs = [(i, at) for i, of in enumerate(impacts) for at in of.rows[1:]]
