@@ -1,4 +1,4 @@
-"""What every folder may use: errors, checks of arguments, units, read-only records, tables."""
+"""Tools of every folder: errors, checks of arguments, units, read-only records, tables."""
 
 from .arrays import *
 from .cells import *

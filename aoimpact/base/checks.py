@@ -337,12 +337,12 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
     Parameters
     ----------
     name : str
-        Of the argument.
+        The argument.
     value : array_like of int
     count : int or None
-        How many there are; None where numbers are labels, which may be any.
+        Number of them; None where numbers are labels, which may be any.
     what : str, optional
-        What is numbered.
+        Noun for messages.
 
     Raises
     ------

@@ -81,11 +81,11 @@ class RoomError(InputError):
     Attributes
     ----------
     room : float
-        How large it may be at most, about, m.
+        Largest radius that fits, approximately, m.
     reason : str
-        What is in its way, and where.
+        The obstacle and its place.
     cure : str
-        What to do where no patch has room.
+        The remedy where no patch fits.
     """
 
     def __init__(
@@ -226,11 +226,11 @@ def core_error(
     code : int
         The status, not 0.
     what : str
-        What the core was doing.
+        The operation of the core.
     time : float
         Simulated time of the failing step, s; negative where time has no meaning.
     indentation, rate : float, optional
-        Where a contact law gave no force, m and m/s; NaN: not known.
+        State at which a contact law gave no force, m and m/s; NaN: not known.
     contact : int, optional
         That went deeper than its law stands for; negative: not known.
     """

@@ -1,4 +1,4 @@
-"""How much memory there is, so that what would not fit is refused and not begun."""
+"""Available memory: work that would not fit is refused before it begins."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def require(n_bytes: float, what: str, cure: str) -> None:
     Parameters
     ----------
     n_bytes : float
-        An estimate of what is needed.
+        Estimated need.
     what, cure : str
-        For the message: what would need it, and what to do instead.
+        Parts of the message: the work that needs the memory, and the alternative.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def _container() -> float:
 
 
 def _address_space() -> float:
-    """What a limit of this process (``ulimit -v``, batch systems) leaves it."""
+    """Bytes left under a limit of this process (``ulimit -v``, batch systems)."""
     import resource  # not there on Windows
 
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)

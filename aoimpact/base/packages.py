@@ -16,11 +16,11 @@ def optional_package(name: str, what: str, otherwise: str = "") -> Any:
     Parameters
     ----------
     name : str
-        Of the module; it is also what pip installs, and an extra of aoimpact.
+        Name of the module, of the package for pip, and of an extra of aoimpact.
     what : str
-        What needs it, such as "to_dataframe".
+        The function that needs it, such as "to_dataframe".
     otherwise : str, optional
-        What to do without it, such as "take .to_csv(path)".
+        The alternative, such as "take .to_csv(path)".
 
     Raises
     ------

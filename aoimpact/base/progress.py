@@ -21,17 +21,17 @@ _open = threading.local()
 
 @dataclass
 class Progress:
-    """How far something has come.
+    """Progress of a task.
 
     Attributes
     ----------
     n : float
     drawn : tqdm, optional
-        What shows it, if anything does.
+        The bar on the screen, if there is one.
     unit : str
-        What the outermost bar counts.
+        Unit that the outermost bar counts.
     part, total : str, float
-        What is done within the outermost bar, and how far it will go.
+        Name and total of a task within the outermost bar.
     """
 
     n: float = 0
@@ -49,7 +49,7 @@ class Progress:
             self.drawn.update(n)
 
     def tell(self) -> None:
-        """Say beside the outermost bar how far its part has come."""
+        """Show the share of this part beside the outermost bar."""
         if self.drawn is not None:
             share = f" {min(self.n / self.total, 1.0):.0%}" if self.total else ""
             self.drawn.set_postfix_str(self.part + share, refresh=False)
@@ -58,16 +58,16 @@ class Progress:
 
 @contextmanager
 def bar(what: str, total: float | None = None, unit: str = "step") -> Iterator[Progress]:
-    """Show how far something has come, if it takes longer than a second.
+    """Show the progress of a task that takes longer than a second.
 
     A bar within another one is shown beside that. In logs, files and tests there is none.
 
     Parameters
     ----------
     what : str
-        What is being done.
+        Name of the task.
     total : float, optional
-        How far ``update`` will go.
+        Sum of all updates.
     unit : str, optional
 
     Examples
@@ -117,7 +117,7 @@ def _on_terminal() -> bool:
 
 
 def _in_notebook() -> bool:
-    """Whether a kernel draws what is written; its standard error is no terminal."""
+    """True if a notebook kernel draws what is written; its standard error is no terminal."""
     if "ipykernel" not in sys.modules:
         return False
     from IPython import get_ipython  # type: ignore[attr-defined, unused-ignore]

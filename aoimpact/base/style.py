@@ -1,4 +1,4 @@
-"""How figures look, in one place: colours, lines, labels with units, legends beside the curves.
+"""Style of all figures: colours, lines, labels with units, legends beside the curves.
 
 The colours are those of M. Okabe and K. Ito, *Color Universal Design* (2008), which colour-blind
 readers tell apart; lines differ in their dashes as well, for print without colour.
@@ -32,7 +32,7 @@ __all__ = [
     "styled",
 ]
 
-# What is drawn, and keywords of ``Axes.plot``.
+# Values of a curve, and keywords of ``Axes.plot``.
 Curve = tuple[FloatArray, dict[str, Any]]
 
 # Blue, vermilion, green, purple, orange, sky blue, black.
@@ -154,11 +154,11 @@ def draw_curves(
     Parameters
     ----------
     ax : Axes or None
-        Of a new figure if None. Where they bear curves of these units, the prefixes stay.
+        None stands for those of a new figure. Axes with curves of these units keep their prefixes.
     across : (values, name, unit)
-        Of the horizontal axis.
+        The horizontal axis.
     name, unit : str
-        Of the vertical axis.
+        The vertical axis.
     curves : list of (values, keywords of ``Axes.plot``)
     kwargs : dict, optional
         For all curves.

@@ -16,7 +16,7 @@ from ..base import AOImpactError, InputError, file_path, warn
 
 __all__ = ["Checkpoint", "Outcome", "as_json"]
 
-# What was kept of a case or its exception; and its warnings.
+# Value kept of a case, or its exception; and its warnings.
 Outcome = tuple[Any, tuple[str, ...]]
 
 _HEAD = b'{"aoimpact": "checkpoint"}\n'
@@ -103,7 +103,7 @@ class Checkpoint:
         self.close()
 
     def had(self, digest: str) -> bool:
-        """Whether the file had a digest when it was opened."""
+        """True if the file had a digest when it was opened."""
         return digest in self._places
 
     def get(self, digest: str) -> Outcome:

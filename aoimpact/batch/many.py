@@ -59,7 +59,7 @@ def simulate_many(
         concurrent.futures and mpi4py.futures, a dask.distributed Client. The results are the same
         to the last bit whoever computes them.
     keep : names or function, optional
-        What to keep of each case instead of its result, which holds whole histories: names of
+        Numbers to keep of each case instead of its result, which holds whole histories: names of
         numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, each with
         its error, such as "impulse_error" (`ErrorParts.total`), and "impulse_controlled",
         where models are chosen; or a function of the result, which other processes must be able
@@ -70,7 +70,7 @@ def simulate_many(
         earlier one was stopped or killed. Cases are recognised by their content; one that has
         changed is computed again. It needs `keep`; arrays that a function keeps become lists.
     progress : bool, optional
-        Whether to show a progress bar on a terminal when it takes longer than a second.
+        True to show a progress bar on a terminal when it takes longer than a second.
 
     Returns
     -------

@@ -72,11 +72,11 @@ class _Pair:
     Attributes
     ----------
     places : tuple of int
-        Of projectile, target and law among `_Parts`.
+        Places of projectile, target and law in `_Parts`.
     drift : float
         Share of the projectile's velocity that its centre of mass keeps whatever happens.
     fixed : tuple of bool
-        Whether projectile and target are constrained, or walls.
+        For projectile and target, True if it is constrained, or a wall.
     fits : tuple of float
         Durations of the contact, s, between which the models are valid without a further check.
     models : tuple
@@ -92,7 +92,7 @@ class _Pair:
     warning_limits: tuple[float, float]
 
     def valid(self, contact_duration: float) -> bool:
-        """Whether the models are valid for a contact that long, s."""
+        """True if the models are valid for a contact that long, s."""
         least, most = self.fits
         return least <= contact_duration <= most or all(
             is_valid_for(model, contact_duration) for model in self.models
@@ -164,7 +164,7 @@ def plain_numbers(cases: Sequence[Any], names: Iterable[str]) -> list[dict[str, 
     cases : sequence
         As of `simulate_many`.
     names : iterable of str
-        Of PLAIN_NUMBERS.
+        Names in PLAIN_NUMBERS.
     """
     parts = _Parts()
     places: list[int] = []
@@ -224,7 +224,7 @@ def _given(case: Any) -> tuple[float, ...] | None:
 
 
 def _run(parts: _Parts, of: Any, given: FloatArray) -> FloatArray:
-    """What the core returns of pairs with these numbers, shape (cases, 10)."""
+    """Answers of the core for pairs with these numbers, shape (cases, 10)."""
     returned = np.empty((len(of), ANSWERS))
     _core.briefs(
         tuple(body.for_core() for body in parts.bodies),
@@ -238,7 +238,7 @@ def _run(parts: _Parts, of: Any, given: FloatArray) -> FloatArray:
 
 
 def _once_and_parted(given: FloatArray, returned: FloatArray) -> Any:
-    """Whether all went well, with one touch that has ended, shape (cases,)."""
+    """True if all went well, with one touch that has ended, shape (cases,)."""
     parted = (returned[:, Answer.LASTING] == 0.0) & (
         returned[:, Answer.END] < given[:, _DURATION] * (1.0 - 1e-12)
     )
@@ -246,7 +246,7 @@ def _once_and_parted(given: FloatArray, returned: FloatArray) -> Any:
 
 
 def _plausible(given: FloatArray, returned: FloatArray, pairs: Sequence[_Pair], of: Any) -> Any:
-    """Whether force and speed need no warning, shape (cases,)."""
+    """True if force and speed need no warning, shape (cases,)."""
     force, speed = np.array([pair.warning_limits for pair in pairs])[of].T
     return (returned[:, Answer.PEAK_FORCE] <= force) & (given[:, _VELOCITY] <= speed)
 

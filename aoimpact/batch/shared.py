@@ -65,7 +65,7 @@ class SharedCase:
     def quantity(self) -> Any:
         """The quantity whose error by the models must be within the tolerance.
 
-        Where nothing is given, the peak force stands for the force.
+        The peak force stands for the force if neither is given.
         """
         if self.case.get("rtol") is None and self.case.get("quantity") in (None, "force"):
             return "peak_force"
@@ -181,13 +181,13 @@ def _radius(impact: Impact) -> float:
 
 
 def _time(impact: Impact) -> float:
-    """How long the contact lasts, s."""
+    """Duration of the contact, s."""
     assert impact.met is not None
     return impact.met.contact_time
 
 
 def _length(impact: Impact) -> float:
-    """How long the motion matters, s."""
+    """Length of the motion that matters, s."""
     if impact.record.given:
         return max(impact.record.length - impact.numbers.gap / abs(impact.numbers.velocity), 0.0)
     return 2.0 * _time(impact)

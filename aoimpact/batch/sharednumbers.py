@@ -65,7 +65,7 @@ class _Impact:
     length : float
         Length of the record, s.
     rows : list of int
-        Where the answers for the model and for larger ones stand.
+        Rows of the answers for the model and for larger ones.
     altered : list of ((float, float), int, bool)
         Scales of the changes that show other errors, where these answers stand, and whether the
         errors are by the mesh.
@@ -164,7 +164,7 @@ def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict
     cases : sequence
         Those that are no `SharedCase` are left out.
     names : iterable of str
-        Of PLAIN_NUMBERS.
+        Names in PLAIN_NUMBERS.
     """
     started = {i: _started(case) for i, case in enumerate(cases) if isinstance(case, SharedCase)}
     impacts = {i: of for i, of in started.items() if of is not None}

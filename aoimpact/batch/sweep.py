@@ -196,7 +196,7 @@ def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
 
 
 def _on_one_body(base: Any, grid: Mapping[str, Sequence[Any]]) -> bool:
-    """Whether cases may share the model of a contact point, for which all must be known."""
+    """True if cases may share the model of a contact point, for which all must be known."""
     values = itertools.chain(base.values() if isinstance(base, Mapping) else (), *grid.values())
     return isinstance(base, Mapping) and any(isinstance(one, ContactPoint) for one in values)
 

@@ -51,7 +51,7 @@ _MARK = "*"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SweepTable(Frozen):
-    """What a sweep gave.
+    """Results of a sweep.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class SweepTable(Frozen):
     shape : tuple of int
         Numbers of values of the parameters: a column reshaped to it is an array over the grid.
     errors : dict of int to exception
-        Of the rows that failed; their quantities are NaN. So is a number that there is not: the
+        By row that failed; its quantities are NaN. A number that does not exist is NaN as well: the
         restitution of bodies that have not parted.
 
     Examples

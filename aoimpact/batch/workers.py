@@ -137,7 +137,7 @@ class Workers:
 
 
 def _width(executor: Any) -> int:
-    """How many workers an executor has; the number of cores where it is not known."""
+    """Number of workers of an executor; of cores where that is not known."""
     for name in ("num_workers", "_max_workers"):
         if isinstance(number := getattr(executor, name, None), int) and number > 0:
             return number

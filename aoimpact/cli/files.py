@@ -72,8 +72,8 @@ def _fields(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
     return files
 
 
-# What ``aoimpact run --out`` writes of a result; each returns the files that it made, and says in
-# capitals what they are. Of a sweep `write_sweep` writes a table and a figure instead.
+# Formats that ``aoimpact run --out`` writes of a result; each returns the files that it made, and
+# names its kind in capitals. Of a sweep `write_sweep` writes a table and a figure instead.
 FORMATS: tuple[Callable[[SceneFile, Result | Run, Path], list[Path]], ...] = (
     _histories,
     _figures,

@@ -24,12 +24,12 @@ _LEAST_BYTES, _LEAST_DENSE = 6, 2
 
 
 def is_market(head: bytes) -> bool:
-    """Whether a file begins as Matrix Market's do."""
+    """True if a file begins as Matrix Market's do."""
     return head[:14].lower() == b"%%matrixmarket"
 
 
 def is_triples(head: bytes) -> bool:
-    """Whether a file begins with lines of row, column and value."""
+    """True if a file begins with lines of row, column and value."""
     return _TRIPLE.match(head.split(b"\n", 1)[0]) is not None
 
 

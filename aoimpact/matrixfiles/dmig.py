@@ -35,7 +35,7 @@ _ROW = np.dtype([("mark", "S8"), ("node", "S16"), ("component", "S16"), ("value"
 
 
 def is_dmig(head: bytes) -> bool:
-    """Whether a file has DMIG entries near its beginning."""
+    """True if a file has DMIG entries near its beginning."""
     return _ENTRY.search(head) is not None
 
 

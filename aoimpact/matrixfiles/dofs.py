@@ -1,4 +1,4 @@
-"""Which dof each row of a matrix is: CalculiX' .dof, Ansys' mapping file, or an array."""
+"""Dofs of the rows of a matrix: CalculiX' .dof, Ansys' mapping file, or an array."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _COMPONENTS = {"UX": 1, "UY": 2, "UZ": 3, "ROTX": 4, "ROTY": 5, "ROTZ": 6}
 # A row of a mapping file: the equation, the node, and the component's word or number.
 _MAPPED = re.compile(r"^\s*(\d+)\s+(-?\d+)\s+([A-Z]+|\d+)\s*$", re.MULTILINE)
 
-# Of a .dof file, or one of pairs.
+# A line of a .dof file, or of one of pairs.
 _PAIR = re.compile(r"^\s*(-?\d+)(?:\.|[\s,]+)(\d+)\s*$")
 
 

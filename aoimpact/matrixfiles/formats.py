@@ -15,21 +15,21 @@ from .op4 import is_op4, read_op4
 
 __all__ = ["FORMATS", "read_file"]
 
-# What is looked at to recognise a format; punched files begin with other entries.
+# Bytes that are searched to recognise a format; punched files begin with other entries.
 _HEAD = 2**20
 
 
 @dataclass(frozen=True)
 class Format:
-    """How a format is recognised, and read.
+    """A format: its recognition and its reader.
 
     Attributes
     ----------
     name : str
     matches : callable
-        Of the first bytes.
+        Test of the first bytes.
     read : callable
-        Of the file and its size; returns all of its matrices.
+        Reader of the file, given its size; returns all of its matrices.
     """
 
     name: str
@@ -46,7 +46,7 @@ FORMATS = (
     Format("Abaqus MATRIX INPUT", is_nodal, read_nodal),
 )
 
-# What other programs' files begin with, and what to do instead.
+# Marks at the beginning of other programs' files, and the alternative.
 _OTHERS = {
     b"MATLAB 5.0": "of MATLAB; load it with scipy.io.loadmat and make FEModel(K=, M=)",
     b"\x89HDF": "of HDF5; read it with h5py and make FEModel(K=, M=)",

@@ -1,4 +1,4 @@
-"""What a matrix file holds, as its reader leaves it, and what every reader needs for errors."""
+"""Contents of a matrix file, as its reader returns them, and errors of every reader."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Found:
     ----------
     file : Path
     name : str
-        Of the matrix, in capitals; empty where the file has one without a name.
+        Name of the matrix, in capitals; empty if the file gives none.
     size : int or None
         Number of rows; None where the file does not state it.
     rows, cols : ndarray of int
@@ -39,9 +39,9 @@ class Found:
     labels : ndarray of int, shape (size, 2), or None
         Node and component of each row.
     unique : bool
-        Whether an entry given twice is an error; else the two add up.
+        True if an entry given twice is an error; else the two add up.
     triangle : bool
-        Whether the file says that it holds one triangle only.
+        True if the file says that it holds one triangle only.
     unfit : str
         Why it is neither stiffness nor mass: complex, not square, empty.
     before : int or None

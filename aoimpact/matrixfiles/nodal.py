@@ -25,7 +25,7 @@ _LARGEST_NODE, _COMPONENTS = 2**40, 64
 
 
 def is_nodal(head: bytes) -> bool:
-    """Whether a file begins with entries by labels, after comments and a keyword."""
+    """True if a file begins with entries by labels, after comments and a keyword."""
     for line in head.split(b"\n"):
         if line.startswith(b"*") or not line.strip():
             continue

@@ -17,12 +17,12 @@ from .found import Found, spoilt
 
 __all__ = ["is_npz", "read_npz"]
 
-# What zlib makes of one byte at most is some 1000; arrays of a matrix hold less than this.
+# Largest compression of arrays of a matrix; zlib itself reaches some 1000.
 _MOST_RATIO = 200
 
 
 def is_npz(head: bytes) -> bool:
-    """Whether a file is an archive."""
+    """True if a file is an archive."""
     return head.startswith(b"PK\x03\x04")
 
 

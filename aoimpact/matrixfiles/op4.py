@@ -37,7 +37,7 @@ _NAMED = re.compile(rb"\s*[A-Za-z]|.{8}\s*1P,")
 
 
 def is_op4(head: bytes) -> bool:
-    """Whether a file begins with a header of OUTPUT4, in text or binary."""
+    """True if a file begins with a header of OUTPUT4, in text or binary."""
     text = _TEXT.match(head)
     return _binary(head) is not None or (text is not None and bool(_NAMED.match(text[5])))
 

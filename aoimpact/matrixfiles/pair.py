@@ -120,7 +120,7 @@ def _at(pair: Pair, row: int) -> str:
 
 
 def _multiplier(pair: Pair, row: int) -> bool:
-    """Whether a row without stiffness of its own is one of Abaqus' internal ones."""
+    """True if a row without stiffness of its own is one of Abaqus' internal ones."""
     return pair.labels is not None and bool(pair.labels[row, 0] <= 0)
 
 

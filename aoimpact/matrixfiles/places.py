@@ -1,4 +1,4 @@
-"""Where the nodes are: coordinates by label from a deck, a mesh file, or an array."""
+"""Coordinates of the nodes by label from a deck, a mesh file, or an array."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ def read_matrices(
 
 
 def _places(nodes: Any, mesh: Any, length: float) -> Places | None:
-    """Where the nodes are, in the files' unit: as given, or those of the mesh."""
+    """Coordinates of the nodes in the files' unit: as given, or those of the mesh."""
     if nodes is not None or mesh is None:
         return None if nodes is None else read_places(nodes)
     if isinstance(mesh, (str, os.PathLike)):
@@ -199,5 +199,5 @@ def _coordinates(pair: Pair, places: Places, length: float) -> dict[str, Any]:
 
 
 def _moves_without(pair: Pair) -> bool:
-    """Whether nodes without rows are no supports: without them the body is free."""
+    """True if nodes without rows are not supports: without them the body is free."""
     return _body(pair, None, 1.0, None, "").mass is not None

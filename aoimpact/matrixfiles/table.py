@@ -40,15 +40,15 @@ def blocks(
     Parameters
     ----------
     integers : int
-        How many whole numbers stand before the value on each line.
+        Number of integers before the value on each line.
     what : str
-        What a line should have, for messages.
+        Contents of a line, for messages.
     before : int, optional
         Lines of the file that have been read.
     comma : bool, optional
-        Whether numbers are separated by commas.
+        True if commas separate numbers.
     comments : str, optional
-        What comments begin with.
+        First character of comments.
 
     Raises
     ------

@@ -61,7 +61,7 @@ class BeamStudy:
     Parameters
     ----------
     spheres : SphereStudy
-        Where the projectile's anti-oscillator comes from.
+        Source of the projectile's anti-oscillator.
     dt : float
         Newmark's step, s; the paper's.
     short, long : float

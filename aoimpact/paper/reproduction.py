@@ -44,7 +44,7 @@ def reproduce(out: str | os.PathLike[str], *, progress: bool = True) -> Reproduc
         Folder for ``figure_03.png`` ... ``figure_11.png``, ``figure_mesh.png``, ``results.csv`` and
         ``results.md``; made if there is none.
     progress : bool, optional
-        Whether to show a progress bar (only ever on a terminal).
+        True to show a progress bar (only ever on a terminal).
 
     Raises
     ------
@@ -99,7 +99,7 @@ def paper_figures(
 def _jobs(
     spheres: SphereStudy, beam: BeamStudy, meshes: dict[float, MeshCase]
 ) -> list[tuple[str, Callable[[], object]]]:
-    """What takes long, with a name each; the studies keep what they have computed."""
+    """Computations that take long, each with its name; the studies keep their results."""
 
     def mesh(size: float) -> Callable[[], object]:
         return lambda: meshes.setdefault(size, mesh_case(spheres, size))

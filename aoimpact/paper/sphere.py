@@ -27,7 +27,7 @@ VELOCITY = 1.0
 BALL_MASS = 4.0 / 3.0 * math.pi * RADIUS**3 * STEEL.rho
 LAW = Hertz.between(STEEL, RADIUS, STEEL, RADIUS)
 
-# What resolved contact mechanics gives for these two spheres: fine axisymmetric finite elements
+# Resolved contact mechanics of these two spheres: fine axisymmetric finite elements
 # (6 ... 40 µm at the contact) with unilateral contact, explicit, converged; force ± 0.5 N.
 RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 
@@ -71,7 +71,7 @@ def at_one_dof(body: FEModel, point: tuple[float, float, float], direction: int)
     ----------
     body : FEModel
     point : tuple of float
-        Of a node, m.
+        Coordinates of a node, m.
     direction : int
         1, 2, 3 for x, y, z, or negative.
     """
@@ -298,7 +298,7 @@ def resolved_table(study: SphereStudy) -> Table:
 
 
 def mesh_table(cases: dict[float, MeshCase]) -> Table:
-    """How k1 and the force follow the mesh."""
+    """Dependence of k1 and the force on the mesh."""
     rows = []
     for size, case in cases.items():
         name = f"{case.nodes} nodes ({1e3 * size:g} mm)"

@@ -37,7 +37,7 @@ class Row:
     Attributes
     ----------
     quantity : str
-        What it is.
+        Name of the quantity.
     computed : float
         Recomputed, in `unit`.
     paper : str
@@ -45,7 +45,7 @@ class Row:
     unit : str
         Unit of both.
     why : str
-        Where a difference comes from, or what to know about the number.
+        Reason of a difference, or a note on the number.
     """
 
     quantity: str

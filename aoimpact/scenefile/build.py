@@ -1,4 +1,4 @@
-"""Builds what a scene file describes: bodies, laws, and the impact or the scene."""
+"""Builds the objects that a scene file describes: bodies, laws, and the impact or the scene."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class Builder:
         That its paths start from.
     kept : Kept
     located : callable
-        Of a place: a context that adds the line to errors of bad input.
+        Context for a place of the file, which adds the line to errors of bad input.
     """
 
     data: Mapping[str, Any]
@@ -236,12 +236,12 @@ class Builder:
             for key in ("fixed", "masses", "springs")
             if table.get(key)
         }
-        # Of several lists the message names the one that is wrong.
+        # With several lists the message itself names the one that is wrong.
         with self.located(*place, *(entries if len(entries) == 1 else ())):
             return FEModel.from_mesh(mesh, material, **entries, name=name, **self._damping(name))
 
     def _entries(self, name: str, key: str, mesh: Mesh) -> list[Any]:
-        """What is fastened to a body: supports, masses or springs, as `from_mesh` takes them."""
+        """Supports, masses or springs of a body, as `from_mesh` takes them."""
         made = []
         for i, entry in enumerate(self.data["bodies"][name][key]):
             with self.located("bodies", name, key, i):

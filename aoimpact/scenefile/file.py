@@ -34,7 +34,7 @@ from .toml_lines import Place, holds, line_of
 
 __all__ = ["SceneFile", "read_scene"]
 
-# What tomllib says of a text that is no TOML.
+# Message of tomllib for a text that is not TOML.
 _UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
 
 # Problems of a file that are shown: as many as fit on a screen.
@@ -152,7 +152,7 @@ class SceneFile:
 
     @property
     def kind(self) -> str:
-        """What it describes: "impact" of two bodies, or "scene" of any number."""
+        """Kind of the file: "impact" of two bodies, or "scene" of any number."""
         return "impact" if "impact" in self.data else "scene"
 
     @property
@@ -180,7 +180,7 @@ class SceneFile:
 
     @property
     def members(self) -> tuple[tuple[str, str], ...]:
-        """What the files of each body are called, and its name in [bodies].
+        """Name of the output files of each body, and its name in [bodies].
 
         Its name in its scene; in an impact that in [bodies], or its role if both bodies are one.
         """
@@ -192,7 +192,7 @@ class SceneFile:
         return tuple((member_name(member), member["body"]) for member in table["bodies"])
 
     def has_mesh(self, body: str) -> bool:
-        """Whether a body of [bodies] is made of finite elements.
+        """True if a body of [bodies] is made of finite elements.
 
         :meta private:
         """

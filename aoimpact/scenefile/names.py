@@ -1,4 +1,4 @@
-"""What a scene file may contain: the one place that lists its names, as schema.py writes kinds."""
+"""Contents of a scene file: the one place that lists its names, as schema.py writes kinds."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ _MESH = Variants(
 # Nodes: a set, numbers, or all on some planes.
 _NODES = {"nodes?": (TEXT, [INTEGER]), "x?": "m", "y?": "m", "z?": "m"}
 
-# How a place is pressed on.
+# Options of a contact point.
 _PRESSED = {"direction?": _VECTOR, "radius?": ("m", Choice(("auto",))), "expected?": "m"}
 
 _CONTACT = Variants(
@@ -86,7 +86,7 @@ _MATRICES = {
 
 _LINEAR_SOLVER = Choice(LINEAR_SOLVERS)
 
-# What a model is fitted to.
+# Times that a model is fitted to.
 _FITTED = {"contact_time?": "s", "duration?": "s"}
 
 _MODEL = Tagged(
@@ -103,7 +103,7 @@ _MODEL = Tagged(
 
 _DAMPING = {"alpha?": "1/s", "beta?": "s", "ratio?": NUMBER}
 
-# How a body of finite elements is touched, and what represents it.
+# Contact points, model and damping of a body of finite elements.
 _TOUCHED = {"contact": (_CONTACT, [_CONTACT]), "model?": _MODEL, "damping?": _DAMPING}
 
 _BODIES = Variants(
@@ -172,7 +172,7 @@ _SOLVER = Tagged("type", {name: _parameters(solver) for name, solver in SOLVERS.
 
 # ---------------------------------------------------------------- impacts, scenes and sweeps
 
-# How a run is made, and what it reports.
+# Options of a run.
 _RUN = {
     "duration?": "s",
     "solver?": _SOLVER,

@@ -138,7 +138,7 @@ def _values(entry: Any) -> list[Any]:
 
 
 def _tried(base: Mapping[str, Any], kind: str, name: Place, value: Any) -> list[str]:
-    """What is wrong with the file that has the value there."""
+    """Problems of the file that has the value there."""
     data = copy.deepcopy(dict(base))
     table, key = at_place(data, kind, [str(part) for part in name])
     table[key] = value

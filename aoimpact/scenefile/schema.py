@@ -1,4 +1,4 @@
-"""What a table of names and values may contain, as data: kinds of values, and their problems.
+"""Contents of a table of names and values, as data: kinds of values, and their problems.
 
 Kinds are written short: a text is a number of that unit, a list ``[kind]`` or ``[kind, length]``
 a list of values of one kind, a tuple one of several kinds, and a dict a table, in which names that
@@ -29,7 +29,7 @@ class Kind:
     Parameters
     ----------
     wanted : str
-        What messages call it.
+        Its name in messages.
     types : type
         Those of its values.
     """
@@ -38,7 +38,7 @@ class Kind:
         self.wanted, self.types = wanted, types
 
     def fits(self, value: Any) -> bool:
-        """Whether a value is of this kind's types, whatever may be wrong inside."""
+        """True if a value is of this kind's types, whatever may be wrong inside."""
         if isinstance(value, bool):  # which is an int for Python
             return bool in self.types or object in self.types
         return isinstance(value, self.types)

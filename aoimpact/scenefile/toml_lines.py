@@ -65,7 +65,7 @@ def holds(data: Any, place: Place) -> bool:
 
 
 def _closings(text: str) -> list[str]:
-    """What closes the string, arrays and tables in braces that are open at the end of each line."""
+    """Characters that close the string, arrays and braces open at the end of each line."""
     found: list[str] = []
     brackets = ""
     for token in map(re.Match.group, _TOKEN.finditer(text)):

@@ -58,10 +58,10 @@ def compare(
     modes : iterable of int, optional
         Numbers of natural modes of classical truncations.
     full : bool, optional
-        Whether to run the finite-element bodies themselves, by Newmark's rule. Errors are relative
+        True to run the finite-element bodies themselves, by Newmark's rule. Errors are relative
         to that; without it, to the model of the most oscillators.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-        What solves for the reduced models, as `solver` of `antioscillators`.
+        Linear solver of the reduced models, as `solver` of `antioscillators`.
 
     Raises
     ------

@@ -31,7 +31,7 @@ class Compared:
     model : str
         "rigid", "AO(3)", "modal(40)", "full".
     dofs : int
-        Of both bodies.
+        Degrees of freedom of both bodies.
     build, run : float
         Time to make the models, from the finite elements on, and to run them, s.
     force, contact_duration, impulse, displacement : float
@@ -59,14 +59,14 @@ class Comparison:
     Attributes
     ----------
     scene : str
-        What was simulated.
+        The impact.
     exact : str
         The model that the errors are relative to.
     exact_error : float or None
-        What is known of its own error from time integration, relative.
+        Its own relative error of time integration, as far as it is known.
     rows : tuple of Compared
     linear_solver : str
-        What solved for the reduced models; empty where dense matrices served.
+        Linear solver of the reduced models; empty for dense matrices.
 
     Examples
     --------

@@ -37,10 +37,10 @@ __all__ = ["DropWeight", "Point", "drop_weight"]
 # the first long before a touch, and does not pass the second.
 _BEGINS, _RISEN = 0.01, 0.1
 
-# Of its peak, a force with which no record of a contact should end.
+# Share of the peak force; no record of a contact should end with more.
 _STILL = 0.1
 
-# Of the impact energy: what a channel's errors come to, and less than a struck specimen takes.
+# Share of the impact energy, larger than errors of a channel and less than a struck specimen takes.
 _TAKEN = 0.02
 
 # Room for the filter before and after a simulated force, in periods of its class.
@@ -73,8 +73,8 @@ class DropWeight(Frozen):
     force : ndarray, shape (n,)
         N; filtered where a class was given.
     velocity, deflection, energy : ndarrays, shape (n,)
-        Of the impactor, m/s and m from where it touched; and the energy that the specimen has taken
-        up, J.
+        Velocity of the impactor, m/s; its way from where it touched, m; and the energy that the
+        specimen has taken up, J.
     signal : Signal
         The force; ``signal.raw`` is what it was before it was filtered.
     mass, impact_velocity, gravity : float
@@ -82,7 +82,7 @@ class DropWeight(Frozen):
     start, end : float
         First and last touch, s.
     simulated : bool
-        Whether the bodies are those of a simulation, which cannot break.
+        True if the bodies are those of a simulation, which cannot break.
 
     Examples
     --------
@@ -124,7 +124,7 @@ class DropWeight(Frozen):
 
     @property
     def puncture(self) -> Point | None:
-        """Where the force has fallen to half of its peak while the impactor goes on (ISO 6603-2).
+        """Fall of the force to half of its peak while the impactor goes on (ISO 6603-2).
 
         None where it turned back before, and of every simulated impact: its bodies do not break,
         and a force that falls is a vibration.
@@ -144,9 +144,9 @@ class DropWeight(Frozen):
 
     @property
     def absorbed_energy(self) -> float:
-        """What the specimen has kept when the contact ends, E_a(t_T), J (D7136).
+        """Energy that the specimen has kept when the contact ends, E_a(t_T), J (D7136).
 
-        Of elastic bodies it is what goes on vibrating in them.
+        In elastic bodies it is the energy of their vibration.
         """
         return self.last.energy
 
@@ -308,7 +308,7 @@ def drop_weight(
         The force on the impactor, N: measured, simulated, or what a `LoadCell` reads of it. Of a
         scene, with its gravity, ``Signal.of(run, contact=0)``, with mass and velocity.
     mass : float, optional
-        Of the impactor, kg; of a result the projectile's.
+        Mass of the impactor, kg; by default that of a result's projectile.
     velocity : float, optional
         v_i, m/s; of a result its own.
     gravity : float, optional
@@ -338,7 +338,7 @@ def drop_weight(
 
     Examples
     --------
-    What a rig measured beside what was computed, both through the same filter:
+    A measurement and a computation, both through the same filter:
 
     >>> import aoimpact as ao
     >>> tup, plate = ao.rigid(mass=5.4), ao.AOModel(m0=0.1, k0=5e6, m=[0.2], k=[4e7])
@@ -401,7 +401,7 @@ def _impactor(
 
 
 def _doubts(test: DropWeight, cfc: float | None) -> list[str]:
-    """What no test can be, and the likely cause."""
+    """Contradictions in a test, and their likely cause."""
     said = []
     raw = test.signal.raw or test.signal
     if cfc is not None and (shorter := _shorter_than(raw, cfc)):
@@ -433,7 +433,7 @@ def _doubts(test: DropWeight, cfc: float | None) -> list[str]:
 
 
 def _shorter_than(raw: Signal, cfc: float) -> float | None:
-    """How long the force acts, s, if that is less than half a period of the class's frequency."""
+    """Duration of the force, s, if that is less than half a period of the class's frequency."""
     begin, end = _span(raw.values, raw.values)
     acts = float(raw.t[end] - raw.t[begin])
     return acts if 0.0 < acts < 0.5 / cfc else None

@@ -82,12 +82,12 @@ class LoadCell:
 
     @property
     def mass(self) -> float:
-        """Of nose and carriage, kg."""
+        """Mass of nose and carriage, kg."""
         return self.nose + self.carriage
 
     @property
     def share(self) -> float:
-        """What the cell reads of a slow contact force: the carriage's share of the mass."""
+        """Reading over a slow contact force: the carriage's share of the mass."""
         return self.carriage / self.mass
 
     @property
@@ -102,7 +102,7 @@ class LoadCell:
 
     @property
     def damping(self) -> float:
-        """Of the dashpot, c = 2ζω μ, N s/m."""
+        """Constant of the dashpot, c = 2ζω μ, N s/m."""
         return 2.0 * self.damping_ratio * self.omega * self.nose * self.share
 
     def gain(self, frequency: npt.ArrayLike) -> Any:
@@ -111,7 +111,7 @@ class LoadCell:
         Parameters
         ----------
         frequency : array_like
-            Of the force, Hz, any shape.
+            Frequency of the force, Hz, any shape.
 
         Examples
         --------
@@ -133,8 +133,8 @@ class LoadCell:
         Parameters
         ----------
         radius : float, optional
-            Of the nose's round end, m, and its material, so that a contact law can be had from
-            them; without them give the law to `simulate`.
+            Radius of the nose's round end, m, which with its material gives a contact law; without
+            them give the law to `simulate`.
         material : Material, optional
         name : str, optional
 
@@ -161,7 +161,7 @@ class LoadCell:
         )
 
     def read(self, source: Any, *, rate: float | None = None) -> Signal:
-        """Return what the cell reads.
+        """Return the reading of the cell.
 
         Parameters
         ----------
@@ -215,7 +215,7 @@ class LoadCell:
         return Signal(times, values, name="load cell")
 
     def _strikes(self, hit: Result) -> bool:
-        """Whether the projectile is this cell's tup."""
+        """True if the projectile is this cell's tup."""
         model, own = hit.run.plan.bodies[0].model, self.tup()
         return (
             isinstance(model, AOModel)

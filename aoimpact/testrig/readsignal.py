@@ -101,14 +101,14 @@ def read_signal(
     time, values : int or str, optional
         Columns, by number from 0 or by what stands over them (without the unit will do).
     time_unit : str, optional
-        Of the times in the file: "s", "ms", "µs" (or "us").
+        Unit of the times in the file: "s", "ms", "µs" (or "us").
     unit : str, optional
-        Of the values in the file: "N", "kN", "lbf", "m/s²", "g", "mm", ….
+        Unit of the values in the file: "N", "kN", "lbf", "m/s²", "g", "mm", ….
     decimal : {".", ","}, optional
         Decimal mark of the numbers. Found from the file if not given; a file that can be read in
         both ways, as one in which all numbers are like 1,500, is refused.
     name : str, optional
-        What axes and messages call it.
+        Name on axes and in messages.
 
     Returns
     -------
@@ -231,7 +231,7 @@ def _reading(
     wanted : dict of str to int or str
         The columns by argument.
     doubtful : bool
-        Whether decimal commas may have split cells in two.
+        True if decimal commas may have split cells in two.
 
     Raises
     ------

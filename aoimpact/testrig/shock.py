@@ -1,4 +1,4 @@
-"""The shock response spectrum: what a shock does to oscillators of all frequencies."""
+"""The shock response spectrum: largest responses of oscillators of all frequencies to a shock."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ class ShockSpectrum(Frozen):
     primary, residual : ndarrays, shape (n,)
         The largest response of any sign while the signal lasts, and after it.
     kind, unit : str
-        What responds, and its unit.
+        The response, and its unit.
     damping_ratio : float
-        Of all oscillators.
+        Damping ratio of all oscillators.
 
     Examples
     --------

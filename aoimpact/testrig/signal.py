@@ -56,7 +56,7 @@ _CORNER = 2.0775
 # 100 samples at least.
 _CONTINUED, _CONTINUED_SAMPLES = 0.01, 100
 
-# How a signal is drawn behind its filtered self.
+# Style of a signal behind its filtered self.
 UNFILTERED = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
 
 
@@ -71,9 +71,9 @@ class Signal(Frozen):
     values : array_like, shape (n,)
         In SI units.
     unit : str, optional
-        Of the values: "N", "m/s²", ….
+        Unit of the values: "N", "m/s²", ….
     name : str, optional
-        What axes and messages call it.
+        Name on axes and in messages.
     raw : Signal, optional
         The signal before it was filtered; set by `filtered`.
 
@@ -139,7 +139,7 @@ class Signal(Frozen):
         Parameters
         ----------
         source : Signal, (t, values), Result, Run or Probe
-            Of a result, the contact force; of a probe along a direction, the acceleration of its
+            A result gives its contact force; a probe along a direction the acceleration of its
             point, from differences of its velocity: give it times close enough.
         contact : int, optional
             Which contact of a scene's run, in the order of `Scene.connect`.
@@ -147,7 +147,7 @@ class Signal(Frozen):
             Samples a second, Hz, of a result; by itself 500 in the hardest contact, and those of a
             solver of fixed steps, between which lines are straight.
         margin : float, optional
-            Of a result, how long before and after the record the force is 0, s: room for a filter.
+            Length of zero force before and after the record of a result, s: room for a filter.
 
         Raises
         ------
@@ -187,7 +187,7 @@ class Signal(Frozen):
 
     @property
     def even(self) -> bool:
-        """Whether the samples are evenly spaced, to a twentieth of a step."""
+        """True if the samples are evenly spaced, to a twentieth of a step."""
         grid = np.linspace(self.t[0], self.t[-1], len(self.t))
         return bool((np.abs(self.t - grid) * self.mean_rate <= _UNEVEN).all())
 
