@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from dataclasses import dataclass, fields
@@ -22,7 +21,7 @@ from aoimpact.base import (
     positive,
     text,
     with_unit,
-    written_file,
+    write_csv,
 )
 
 if TYPE_CHECKING:
@@ -152,14 +151,8 @@ class WorkPrecision:
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table: one row a run, times in s, errors relative."""
         names = [field.name for field in fields(Measurement)]
-        with (
-            written_file("path", path) as given,
-            open(given, "w", newline="", encoding="utf-8") as file,
-        ):
-            writer = csv.writer(file)
-            writer.writerow([*names[:3], *(f"error of {name}" for name in names[3:6]), *names[6:]])
-            for row in self.rows:
-                writer.writerow([getattr(row, name) for name in names])
+        heading = [*names[:3], *(f"error of {name}" for name in names[3:6]), *names[6:]]
+        write_csv(path, heading, ([getattr(row, name) for name in names] for row in self.rows))
 
     def __repr__(self) -> str:
         lines = aligned([_HEADINGS, *(_cells(row) for row in self.rows)], left={0, 1})

@@ -1,11 +1,15 @@
-"""Rows of cells as a table: aligned for a terminal, HTML for a notebook."""
+"""Rows of cells as a table: aligned for a terminal, HTML for a notebook, CSV in a file."""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Collection, Iterable, Sequence
 from html import escape
+from typing import Any
 
-__all__ = ["aligned", "html_table"]
+from .checks import written_file
+
+__all__ = ["aligned", "html_table", "write_csv"]
 
 
 def aligned(rows: Iterable[Sequence[str]], *, left: Collection[int] = ()) -> list[str]:
@@ -38,3 +42,20 @@ def html_table(
         + f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
         + (f"<p>{notes}</p>" if notes else "")
     )
+
+
+def write_csv(path: Any, heading: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Write a heading and rows to a file; numbers are written so that they read back bit for bit.
+
+    Raises
+    ------
+    InputTypeError, InputError
+        If `path` is not one of a file that can be written; see `written_file`.
+    """
+    with (
+        written_file("path", path) as given,
+        open(given, "w", newline="", encoding="utf-8") as file,
+    ):
+        writer = csv.writer(file)
+        writer.writerow(heading)
+        writer.writerows(rows)

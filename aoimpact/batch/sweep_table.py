@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -28,7 +27,7 @@ from ..base import (
     plain,
     scale_for,
     with_unit,
-    written_file,
+    write_csv,
 )
 from ..fem import ContactPoint
 from ..results import quantity_unit
@@ -127,15 +126,10 @@ class SweepTable(Frozen):
         >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
         >>> table.to_csv(folder / "sweep.csv")
         """
-        with (
-            written_file("path", path) as given,
-            open(given, "w", newline="", encoding="utf-8") as file,
-        ):
-            writer = csv.writer(file)
-            writer.writerow([*map(_heading, self.columns), *(["error"] if self.errors else [])])
-            for i, row in enumerate(self.data):
-                error = [_message(self.errors.get(i))] if self.errors else []
-                writer.writerow([*map(_text, row.item()), *error])
+        told = [[_message(self.errors.get(i))] if self.errors else [] for i in range(len(self))]
+        heading = [*map(_heading, self.columns), *(["error"] if self.errors else [])]
+        rows = zip(self.data, told, strict=True)
+        write_csv(path, heading, ([*map(_text, row.item()), *error] for row, error in rows))
 
     def plot(
         self, x: str | None = None, y: str | None = None, ax: Axes | None = None, **kwargs: Any

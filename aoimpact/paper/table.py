@@ -6,7 +6,6 @@ prints, is *close* within 1 % of it (one point, for percentages), and *differs* 
 
 from __future__ import annotations
 
-import csv
 import os
 import textwrap
 import tomllib
@@ -15,7 +14,7 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
-from ..base import aligned, html_table
+from ..base import aligned, html_table, write_csv
 
 # The relative difference up to which numbers of other printed digits are "close".
 _CLOSE = 0.01
@@ -181,13 +180,10 @@ def markdown(tables: Iterable[Table]) -> str:
 
 def write_comparison(tables: Iterable[Table], path: str | os.PathLike[str]) -> None:
     """Write the rows of all tables to one CSV file, numbers in full."""
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(_COLUMNS)
-        for table in tables:
-            for row in table.rows:
-                change = "" if row.difference is None else repr(float(row.difference))
-                numbers = [row.paper, repr(float(row.computed)), change, row.verdict]
-                writer.writerow(
-                    [table.title, table.against, row.quantity, row.unit, *numbers, row.why]
-                )
+    rows = []
+    for table in tables:
+        for row in table.rows:
+            change = "" if row.difference is None else repr(float(row.difference))
+            numbers = [row.paper, repr(float(row.computed)), change, row.verdict]
+            rows.append([table.title, table.against, row.quantity, row.unit, *numbers, row.why])
+    write_csv(path, _COLUMNS, rows)

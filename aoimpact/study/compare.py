@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -151,32 +152,25 @@ def _called(body: BodyModel) -> str:
     return body.name or body.label
 
 
+@dataclass
 class _Try:
     """One pair of models: the time to build and to run it, or why that failed."""
 
-    def __init__(self, label: str) -> None:
-        self.label, self.dofs = label, 0
-        self.solvers: list[str] = []
-        self.build = self.run = math.nan
-        self.result: Result | None = None
-        self.failure = ""
+    label: str
+    dofs: int = 0
+    build: float = math.nan
+    run: float = math.nan
+    result: Result | None = None
+    failure: str = ""
+    solvers: tuple[str, ...] = ()
 
     def compared(self, exact: Result) -> Compared:
-        force, contact_duration, impulse, displacement = (
-            math.nan if self.result is None else quantity.difference(self.result, exact)
-            for quantity in _COMPARED
+        result = self.result
+        force, touch, impulse, displacement = (
+            math.nan if result is None else of.difference(result, exact) for of in _COMPARED
         )
-        return Compared(
-            self.label,
-            self.dofs,
-            self.build,
-            self.run,
-            force,
-            contact_duration,
-            impulse,
-            displacement,
-            self.failure,
-        )
+        errors = force, touch, impulse, displacement
+        return Compared(self.label, self.dofs, self.build, self.run, *errors, self.failure)
 
 
 def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -> _Try:
@@ -186,7 +180,7 @@ def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -
         models = make()
         done.build = time.perf_counter() - start
         done.dofs = sum(model.dofs for model in models)
-        done.solvers = [model.linear_solver for model in models if model.linear_solver]
+        done.solvers = tuple(model.linear_solver for model in models if model.linear_solver)
         start = time.perf_counter()
         done.result = run(models)
         done.run = time.perf_counter() - start

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from dataclasses import astuple, dataclass, fields
 from typing import TYPE_CHECKING, Any
@@ -13,7 +12,7 @@ from ..base import (
     given_axes,
     html_table,
     with_unit,
-    written_file,
+    write_csv,
 )
 
 if TYPE_CHECKING:
@@ -143,13 +142,8 @@ class Comparison:
         ... )
         >>> table.to_csv(folder / "models.csv")
         """
-        with (
-            written_file("path", path) as given,
-            open(given, "w", newline="", encoding="utf-8") as file,
-        ):
-            writer = csv.writer(file)
-            writer.writerow([field.name for field in fields(Compared)])
-            writer.writerows(astuple(row) for row in self.rows)
+        heading = [field.name for field in fields(Compared)]
+        write_csv(path, heading, (astuple(row) for row in self.rows))
 
     def __repr__(self) -> str:
         lines = aligned([_HEADINGS, *(_cells(row) for row in self.rows)], left={0})

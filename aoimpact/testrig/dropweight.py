@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -21,7 +20,7 @@ from ..base import (
     real,
     warn,
     with_unit,
-    written_file,
+    write_csv,
 )
 from ..results import Result
 from .readsignal import STANDARD_GRAVITY
@@ -257,15 +256,8 @@ class DropWeight(Frozen):
         >>> test.to_csv(folder / "drop.csv")
         """
         rows = np.column_stack([self.t, self.force, self.velocity, self.deflection, self.energy])
-        with (
-            written_file("path", path) as given,
-            open(given, "w", newline="", encoding="utf-8") as file,
-        ):
-            writer = csv.writer(file)
-            writer.writerow(
-                ["t [s]", "force [N]", "velocity [m/s]", "deflection [m]", "energy [J]"]
-            )
-            writer.writerows(rows.tolist())
+        heading = ("t [s]", "force [N]", "velocity [m/s]", "deflection [m]", "energy [J]")
+        write_csv(path, heading, rows.tolist())
 
     def __repr__(self) -> str:
         def described(point: Point) -> str:
