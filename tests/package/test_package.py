@@ -9,17 +9,14 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable
-from functools import cached_property, partial
+from functools import cached_property
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact import _core
 
 PACKAGE = Path(str(ao.__file__)).parent
 
@@ -150,41 +147,6 @@ def test_contributing_names_only_functions_that_are_there() -> None:
         text = (folder / file).read_text("utf-8")
         for name in re.findall(r"\w+", names):
             assert re.search(rf"\b(?:def|class) {name}\b|^{name}\b.* = ", text, re.M), (file, name)
-
-
-def first_core_call(monkeypatch: pytest.MonkeyPatch, *bodies: Any, **options: Any) -> str:
-    """Name of the function of the core that `simulate` calls first."""
-
-    def stop(name: str) -> Callable[..., None]:
-        def call(*_: object) -> None:
-            raise InterruptedError(name)
-
-        return call
-
-    with monkeypatch.context() as patch:
-        for name, _ in inspect.getmembers(_core, inspect.isbuiltin):
-            patch.setattr(_core, name, stop(name))
-        with pytest.raises(InterruptedError) as caught:
-            ao.simulate(*bodies, 1.0, law=ao.Hertz(k=1e9), **options)
-    return str(caught.value)
-
-
-def test_the_core_is_first_called_where_contributing_says(monkeypatch: pytest.MonkeyPatch) -> None:
-    ball, steel = ao.rigid(mass=0.1), ao.Material(E=210e9, nu=0.3, rho=7800.0)
-    body = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), steel)
-    tip = body.contact(point=(0.01, 0, 0), radius=0)
-    star = ao.AOModel(m0=0.1, k0=1e5)
-    first = partial(first_core_call, monkeypatch)
-    assert first(ball, star, duration=1e-3) == "star_to_modal"
-    assert first(ball, star) == "law_potential"
-    for meshed in (tip, ao.full(tip), ao.antioscillators(tip, n=1)):
-        assert first(ball, meshed, duration=1e-3) == "law_potential"
-    assert first(ball, ao.modal(tip, 7)) == "star_from_modal"
-    with_step = {"duration": 1e-3, "solver": ao.Newmark(dt=1e-6)}
-    assert first(ball, ball, **with_step) == "newmark_scene"
-    assert first(ball, star, **with_step) == "newmark_scene"
-    without_step = {"duration": 1e-3, "solver": ao.Newmark()}
-    assert first(ball, star, **without_step) == "law_potential"
 
 
 def own_members(thing: object) -> set[str]:
