@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base import FloatArray, IntArray
 from .found import Found, entry_line, spoilt
-from .table import NUMBER, blocks, shown
+from .table import NUMBER, columns, shown
 
 __all__ = ["is_market", "is_triples", "read_market", "read_triples"]
 
@@ -110,34 +110,28 @@ def _entries(
     file: Path, stream: BinaryIO, before: int, most: int | None = None
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Rows and columns from 0, and values, of lines that have them from 1."""
-    parts = []
-    read = 0
-    limit = most or 2**31
-    for row, col, value in blocks(file, stream, 2, _ENTRY, before=before):
-        if min(row.min(), col.min()) < 1 or max(row.max(), col.max()) > limit:
-            wrong = (row < 1) | (row > limit) | (col < 1) | (col > limit)
-            first = int(np.flatnonzero(wrong)[0])
-            raise spoilt(
-                file,
-                f"row {row[first]}, column {col[first]} should be from 1 to "
-                f"{most or 'the number of dofs'}"
-                + ("; internal dofs of Abaqus need FORMAT=MATRIX INPUT" if most is None else ""),
-                entry_line(file, before, read + first + 1),
-            )
-        parts.append((row - 1, col - 1, value))
-        read += len(row)
-    if not parts:
+    rows, cols, values = columns(file, stream, 2, _ENTRY, before=before)
+    if not len(values):
         raise spoilt(file, "it has no entries: it is cut short")
-    rows, cols, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return rows, cols, values
+    limit = most or 2**31
+    wrong = np.flatnonzero((rows < 1) | (rows > limit) | (cols < 1) | (cols > limit))
+    if len(wrong):
+        first = int(wrong[0])
+        cure = "" if most else "; internal dofs of Abaqus need FORMAT=MATRIX INPUT"
+        raise spoilt(
+            file,
+            f"row {rows[first]}, column {cols[first]} should be from 1 to "
+            f"{most or 'the number of dofs'}{cure}",
+            entry_line(file, before, first + 1),
+        )
+    return rows - 1, cols - 1, values
 
 
 def _dense(
     file: Path, stream: BinaryIO, n: int, triangle: bool, before: int
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """All numbers of a matrix, column by column, of a triangle from the diagonal down."""
-    parts = [block[0] for block in blocks(file, stream, 0, "a number", before=before)]
-    values = np.concatenate([np.zeros(0), *parts])
+    (values,) = columns(file, stream, 0, "a number", before=before)
     cols, rows = np.triu_indices(n) if triangle else np.divmod(np.arange(n * n), n)
     if len(values) != len(rows):  # refused by the caller
         rows = cols = np.zeros(len(values), dtype=np.int64)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from .found import Found, spoilt
-from .table import NUMBER, blocks
+from .table import NUMBER, columns
 
 __all__ = ["is_nodal", "label_codes", "read_nodal"]
 
@@ -35,22 +35,20 @@ def is_nodal(head: bytes) -> bool:
 
 def read_nodal(file: Path, size: int) -> list[Found]:
     """Read entries by labels."""
-    parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     with file.open("rb") as stream:
         first = next(line for line in stream if line.strip() and not line.startswith(b"*"))
         stream.seek(0)
-        for node, c, other, d, value in blocks(
+        node, c, other, d, values = columns(
             file, stream, 4, _WHAT, comma=b"," in first, comments="*"
-        ):
-            wrong = min(c.min(), d.min()) < 0 or max(c.max(), d.max()) >= _COMPONENTS
-            if wrong or max(np.abs(node).max(), np.abs(other).max()) >= _LARGEST_NODE:
-                raise spoilt(
-                    file,
-                    f"a component is not within 0 … {_COMPONENTS - 1}, or a node too large: are "
-                    "its columns mixed up?",
-                )
-            parts.append((node * _COMPONENTS + c, other * _COMPONENTS + d, value))
-    rows, cols, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+        )
+    wrong = min(c.min(), d.min()) < 0 or max(c.max(), d.max()) >= _COMPONENTS
+    if wrong or max(np.abs(node).max(), np.abs(other).max()) >= _LARGEST_NODE:
+        raise spoilt(
+            file,
+            f"a component is not within 0 … {_COMPONENTS - 1}, or a node too large: are its "
+            "columns mixed up?",
+        )
+    rows, cols = node * _COMPONENTS + c, other * _COMPONENTS + d
     codes, places = np.unique(np.concatenate([rows, cols]), return_inverse=True)
     labels = np.stack([codes // _COMPONENTS, codes % _COMPONENTS], axis=1)
     rows, cols = places[: len(rows)], places[len(rows) :]

@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 import re
 import warnings
-from collections.abc import Iterator
-from itertools import chain
 from pathlib import Path
 from typing import BinaryIO
 
@@ -15,17 +13,14 @@ import numpy as np
 from ..base import InputError, warn
 from .found import spoilt
 
-__all__ = ["NUMBER", "blocks", "shown"]
+__all__ = ["NUMBER", "columns", "shown"]
 
 NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 _FORTRAN = re.compile(rb"(\d\.?)[dD](?=[-+]?\d)")
 
-# Lines parsed at a time.
-_LINES = 2_000_000
 
-
-def blocks(
+def columns(
     file: Path,
     stream: BinaryIO,
     integers: int,
@@ -34,8 +29,8 @@ def blocks(
     before: int = 0,
     comma: bool = False,
     comments: str | None = None,
-) -> Iterator[list[np.ndarray]]:
-    """Yield the columns of the lines that follow, the integers and the value, in blocks.
+) -> list[np.ndarray]:
+    """Return the columns of the lines that follow: the integers and the value.
 
     Parameters
     ----------
@@ -55,30 +50,25 @@ def blocks(
     InputError
         At the first line that is something else.
     """
-    # Whole numbers are parsed as such: that is twice as fast, and refuses others.
+    # Integers are parsed as such: that is twice as fast, and refuses other numbers.
     kind = np.dtype([*((f"i{i}", np.int64) for i in range(integers)), ("value", np.float64)])
-    lines = chain(stream)
-    while True:
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of no data, at the end
-                table = np.loadtxt(
-                    lines,
-                    dtype=kind,
-                    comments=comments,
-                    delimiter="," if comma else None,
-                    max_rows=_LINES,
-                    ndmin=1,
-                    encoding="latin-1",
-                )
-        except (ValueError, OverflowError, RuntimeError) as error:
-            raise _located(file, integers, what, before, comma, comments, str(error)) from None
-        if not table.size:
-            _warn_of_last_line(file)
-            return
-        if not np.isfinite(table["value"]).all():
-            raise _located(file, integers, what, before, comma, comments, "one is not finite")
-        yield [np.ascontiguousarray(table[name]) for name in kind.names or ()]
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of no data
+            table = np.loadtxt(
+                stream,
+                dtype=kind,
+                comments=comments,
+                delimiter="," if comma else None,
+                ndmin=1,
+                encoding="latin-1",
+            )
+    except (ValueError, OverflowError, RuntimeError) as error:
+        raise _located(file, integers, what, before, comma, comments, str(error)) from None
+    if not np.isfinite(table["value"]).all():
+        raise _located(file, integers, what, before, comma, comments, "one is not finite")
+    _warn_of_last_line(file)
+    return [np.ascontiguousarray(table[name]) for name in kind.names or ()]
 
 
 def _warn_of_last_line(file: Path) -> None:
