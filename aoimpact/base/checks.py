@@ -199,8 +199,7 @@ def file_path(name: str, value: Any) -> Path:
     except UnicodeEncodeError as error:
         bad = path[error.start]
         raise InputError(
-            f"{name} must be a path, got {path!r}, which has {bad!r} in it, as no file's name "
-            "can; leave it out"
+            f"{name} must be a path, got {path!r}, with {bad!r}; leave that out"
         ) from None
     return Path(path)
 
@@ -221,8 +220,7 @@ def written_file(name: str, value: Any) -> Iterator[Path]:
         yield file
     except OSError as error:
         raise InputError(
-            f"{name}={str(file)!r} cannot be written: {error.strerror or error}; give another "
-            "path, of a file in a folder that is there"
+            f"{name}={str(file)!r} cannot be written: {error.strerror or error}; give another path"
         ) from None
 
 

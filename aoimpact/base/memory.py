@@ -42,8 +42,7 @@ def require(n_bytes: float, what: str, cure: str) -> None:
     free = available()
     if n_bytes > free:
         raise MemoryLimitError(
-            f"{what} would need some {n_bytes / GIB:.3g} GiB of memory, and {free / GIB:.3g} GiB "
-            f"are free: {cure}"
+            f"{what} needs {n_bytes / GIB:.3g} GiB of memory, {free / GIB:.3g} are free: {cure}"
         )
 
 

@@ -51,8 +51,7 @@ class Checkpoint:
             self._read = open(name, "rb")  # noqa: SIM115
         except OSError as error:
             raise InputError(
-                f"checkpoint {name!r} cannot be opened: {error.strerror}; give the path of a "
-                "file that can be written"
+                f"checkpoint {name!r} cannot be opened: {error.strerror}; give another path"
             ) from None
         try:
             self._read_all(name)
@@ -64,10 +63,7 @@ class Checkpoint:
         """Find all lines; cut off an incomplete last one."""
         head = self._read.readline()
         if not _HEAD.startswith(head):
-            raise InputError(
-                f"checkpoint {name!r} is a file of another kind and was left as it is; give "
-                "another path"
-            )
+            raise InputError(f"checkpoint {name!r} is a file of another kind; give another path")
         if head != _HEAD:  # new, or killed during its first write
             self._written.truncate(0)
             self._written.write(_HEAD)
@@ -85,10 +81,7 @@ class Checkpoint:
                 damaged += line != _HEAD
             place += len(line)
         if damaged:
-            warn(
-                f"checkpoint {name!r} is damaged in {damaged} lines: they are ignored, and their "
-                "cases computed again"
-            )
+            warn(f"checkpoint {name!r} is damaged in {damaged} lines: their cases are run again")
 
     def __len__(self) -> int:
         return len(self._places.keys() | self._new)

@@ -152,8 +152,7 @@ def iterate_many(
     job = _Job(keeper(keep), checkpoint is not None)
     if job.stored and job.keep is None:
         raise InputError(
-            "checkpoint: whole results are not kept in a file; name numbers by keep=, such as "
-            "('peak_force', 'impulse')"
+            "checkpoint keeps no whole results; name numbers, such as keep='peak_force'"
         )
     return _iterate(cases, Workers(workers), job, checkpoint, progress)
 
@@ -268,8 +267,7 @@ class _Job:
             return as_json(value)
         except Exception:
             raise InputTypeError(
-                "keep: with a checkpoint it must return numbers, texts, lists or dicts of these, "
-                f"got {type(value).__name__}"
+                f"keep must return what JSON holds for a checkpoint, got {type(value).__name__}"
             ) from None
 
 

@@ -122,8 +122,7 @@ def sweep_file(
 def _checked_grid(grid: Any) -> dict[str, list[Any]]:
     if not isinstance(grid, Mapping):
         raise InputTypeError(
-            'grid must be a dict of names and values, such as {"velocity": [0.5, 1.0]}, got '
-            f"{type(grid).__name__}"
+            f'grid must be a dict such as {{"velocity": [0.5, 1.0]}}, got {type(grid).__name__}'
         )
     if not grid:
         raise InputError("grid has no parameters: there is nothing to sweep over")

@@ -248,8 +248,8 @@ def sweep_table(grid: Mapping[str, Sequence[Any]], values: Iterable[Any], keep: 
                 columns.setdefault(name, np.full(math.prod(shape), math.nan))
         elif numbers.keys() != columns.keys():
             raise InputError(
-                f"keep gave {', '.join(numbers)} for case {i} and {', '.join(columns)} before; it "
-                "must give the same names for every case"
+                f"keep must give the same names for every case: {', '.join(columns)}, then "
+                f"{', '.join(numbers)}"
             )
         for name, number in numbers.items():
             columns[name][i] = number

@@ -131,8 +131,7 @@ class Workers:
         except Exception as error:
             raise WorkerError(
                 f"workers: {type(error).__name__}: {error}. A worker was lost, or a case, a law or "
-                "keep could not be sent to it: they must be picklable, functions defined in a "
-                "module. With checkpoint=path what is finished is kept"
+                "keep could not be sent to it: they must be picklable, functions of a module"
             ) from error
 
 

@@ -134,8 +134,7 @@ def _run(options: argparse.Namespace) -> None:
     scene = read_scene(options.scene)
     if not scene.grid and (options.workers is not None or options.checkpoint):
         raise InputError(
-            f"{scene.path}: --workers and --checkpoint are for files with a [sweep], of which this "
-            "one has none"
+            f"{scene.path}: --workers and --checkpoint need a [sweep], which this file lacks"
         )
     result: Any
     with held_warnings() as warnings:

@@ -91,8 +91,7 @@ def _named(role: str, file: Path, matrices: list[Found], wanted: str) -> Found:
     if found.size is None or found.size > len(found.values):
         raise spoilt(
             file,
-            f"{found.name or 'its matrix'} has {found.size} rows, but {len(found.values)} entries, "
-            "not one on each row's diagonal: is the file cut short?",
+            f"{found.size} rows have only {len(found.values)} entries: is the file cut short?",
         )
     return found
 
@@ -119,6 +118,6 @@ def given_labels(dofs: Any, stiffness: Found, inertia: Found) -> IntArray | None
                 short += f", which ends with line {end},"
         raise InputError(
             f"dofs: {source} has {len(found)} dofs, but {stiffness.called} {stiffness.size} rows: "
-            f"is {short} cut short, or is one of them of another model?"
+            f"is {short} cut short?"
         )
     return checked_labels(found, len(found))

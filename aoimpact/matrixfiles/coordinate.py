@@ -54,8 +54,7 @@ def read_market(file: Path, size: int) -> list[Found]:
     if len(values) != entries:
         raise spoilt(
             file,
-            f"it announces {entries} entries, but has {len(values)}: it is cut short, or a count "
-            "is wrong",
+            f"it announces {entries} entries, but has {len(values)}: it is cut short",
             entry_line(file, number, max(1, len(values))),
         )
     if kind == "coordinate":
@@ -99,8 +98,7 @@ def _counts(
     if least > size:
         raise spoilt(
             file,
-            f"it announces {n} rows and {entries} entries, which a file of {size} bytes cannot "
-            "hold: it is cut short, or a count is wrong",
+            f"it announces {n} rows and {entries} entries in {size} bytes: it is cut short",
             number,
         )
     return n, entries, number

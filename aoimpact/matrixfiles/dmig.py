@@ -72,8 +72,7 @@ def _form(file: Path, line: bytes, i: int) -> int:
     if line[16:24].strip() not in (b"0", b""):  # a node, where a header has 0
         raise spoilt(
             file,
-            "DMIG in small fields, whose numbers have few digits; punch it (EXTSEOUT(DMIGPCH) or "
-            "MATPCH), or write columns as DMIG* in fields of 16",
+            "DMIG in small fields; punch it (EXTSEOUT(DMIGPCH) or MATPCH), or write DMIG*",
             i + 1,
         )
     form, kind = (_integer(file, line[a : a + 8], i) for a in (24, 32))
@@ -118,8 +117,7 @@ def _first_wrong(file: Path, lines: list[bytes], which: list[int]) -> Exception:
             shown = lines[i].decode("latin-1")[:60]
             return spoilt(
                 file,
-                f"*, node, component and value in fields of 16 should stand here, got {shown!r}: "
-                "is the file cut short?",
+                f"*, node, component and value should stand here, got {shown!r}: is it cut short?",
                 i + 1,
             )
     return spoilt(file, "its numbers cannot be read")

@@ -69,8 +69,7 @@ def _mapping(file: Path, found: list[tuple[str, str, str]]) -> IntArray:
     if len(wrong):
         raise spoilt(
             file,
-            f"its {len(equations)} equations should be 1 … {len(equations)}, each once; "
-            f"{wrong[0] + 1} is not there or there twice: is the file cut short?",
+            f"equation {wrong[0] + 1} of {len(equations)} is not there once: is it cut short?",
         )
     words = [int(word) if word.isdigit() else _COMPONENTS.get(word, 0) for _, _, word in found]
     labels = np.stack([nodes, np.array(words, dtype=np.int64)], axis=1)
@@ -86,7 +85,7 @@ def _pairs(file: Path, text: str) -> IntArray:
         elif line.strip() and labels:
             raise spoilt(
                 file,
-                f"a dof such as 123.1 should stand here, got {line[:60]!r}: is the file cut short?",
+                f"a dof such as 123.1 should stand here, got {line[:60]!r}: is it cut short?",
                 number,
             )
     if not labels:

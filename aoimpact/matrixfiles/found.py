@@ -136,8 +136,7 @@ def symmetric(found: Found, size: int) -> sp.csr_array:
     if found.triangle and paired:
         raise spoilt(
             found.file,
-            "it says that it is symmetric, which means one triangle, but holds entries of both; "
-            "say general, or leave one of the triangles out",
+            "it says symmetric, but has entries of both triangles; say general",
         )
     largest = float(np.abs(found.values).max(initial=0.0))
     if (
@@ -146,8 +145,7 @@ def symmetric(found: Found, size: int) -> sp.csr_array:
     ):
         raise spoilt(
             found.file,
-            f"of {off} entries off the diagonal {off - paired} are there without the transposed "
-            f"one, and {paired} with it: is the file cut short, or two files joined?",
+            f"{off - paired} of {off} entries lack the transposed one: is the file cut short?",
         )
     return matrix
 

@@ -45,8 +45,7 @@ def read_nodal(file: Path, size: int) -> list[Found]:
     if wrong or max(np.abs(node).max(), np.abs(other).max()) >= _LARGEST_NODE:
         raise spoilt(
             file,
-            f"a component is not within 0 … {_COMPONENTS - 1}, or a node too large: are its "
-            "columns mixed up?",
+            f"a component is beyond {_COMPONENTS - 1}, or a node too large: are columns mixed up?",
         )
     rows, cols = node * _COMPONENTS + c, other * _COMPONENTS + d
     codes, places = np.unique(np.concatenate([rows, cols]), return_inverse=True)

@@ -44,8 +44,7 @@ def joined(stiffness: Found, inertia: Found, given: IntArray | None) -> Pair:
         size = stiffness.size
         if size != inertia.size or size is None:
             raise InputError(
-                f"{called}: K has {stiffness.size} rows and M {inertia.size}: is one of them cut "
-                "short, or of another model?"
+                f"{called}: K has {stiffness.size} rows and M {inertia.size}: is one cut short?"
             )
         return Pair(symmetric(stiffness, size), symmetric(inertia, size), given, called)
     both = np.concatenate([stiffness.labels, inertia.labels])
@@ -56,8 +55,7 @@ def joined(stiffness: Found, inertia: Found, given: IntArray | None) -> Pair:
     if len(without):
         node, component = labels[without[0]]
         raise InputError(
-            f"{called}: M has {len(without)} dofs that K has not, the first is {node}.{component}: "
-            "is K cut short, or of another model?"
+            f"{called}: K lacks {len(without)} dofs of M, as {node}.{component}: is it cut short?"
         )
     made = [
         symmetric(
@@ -96,8 +94,8 @@ def check_exchange(pair: Pair) -> None:
     heaviest = float(np.abs(pair.M.diagonal()).max(initial=0.0))
     if 0.0 < largest < _LEAST_OMEGA2 * heaviest:
         raise InputError(
-            f"{pair.called}: entries of K are up to {largest:.3g} and those of M up to "
-            f"{heaviest:.3g}, so that no frequency reaches 1 rad/s: are K and M exchanged?"
+            f"{pair.called}: K is up to {largest:.3g} and M up to {heaviest:.3g}, so that no "
+            "frequency reaches 1 rad/s: are K and M exchanged?"
         )
 
 
@@ -106,8 +104,8 @@ def _check_diagonal(pair: Pair, name: str, matrix: Any) -> None:
     without = np.flatnonzero((matrix.diagonal() == 0.0) & (size > 0.0))
     if len(without) and not (name == "K" and _multiplier(pair, int(without[0]))):
         raise InputError(
-            f"{pair.called}: {name} has no entry on the diagonal of {_at(pair, without[0])}, "
-            f"but others in its row ({len(without)} such rows): is the file cut short?"
+            f"{pair.called}: {name} lacks the diagonal of {_at(pair, without[0])} and of "
+            f"{len(without) - 1} more rows: is the file cut short?"
         )
 
 
@@ -147,8 +145,7 @@ def condensed(pair: Pair) -> Pair:
     if (light & ~inner).any():
         raise InputError(
             f"{pair.called}: {light.sum()} of {len(light)} dofs have no mass, the first is {at}: "
-            "is M cut short, or lumped? Write a consistent mass matrix, or give K and M as arrays "
-            "to FEModel"
+            "is M cut short, or lumped? Write a consistent mass matrix"
         )
     K = pair.K
     across = K[light][:, ~light].toarray()
@@ -156,8 +153,8 @@ def condensed(pair: Pair) -> Pair:
         solved = factorize(K[light][:, light], what="K of the dofs without mass").solve(across)
     except SingularError as error:
         raise InputError(
-            f"{pair.called}: {light.sum()} dofs have no mass and cannot be condensed ({error}): "
-            "multipliers of constraints, of hybrid elements or couplings? Model without them"
+            f"{pair.called}: {light.sum()} dofs without mass cannot be condensed ({error}); model "
+            "without multipliers, as of hybrid elements and couplings"
         ) from None
     kept = _kept(pair, ~light)
     full = kept.K.toarray() - across.T @ solved

@@ -80,8 +80,7 @@ def _labelled(file: Path | None, table: FloatArray) -> Places:
     if len(twice):
         where = "nodes" if file is None else f"nodes {str(file)!r}"
         raise InputError(
-            f"{where}: node {labels[order][twice[0]]} is there twice; labels must be unique, as "
-            "those of one part"
+            f"{where}: node {labels[order][twice[0]]} is there twice; give those of one part"
         )
     return labels[order], table[order, 1:]
 

@@ -164,8 +164,7 @@ def _coordinates(pair: Pair, places: Places, length: float) -> dict[str, Any]:
     if pair.labels is None:
         if size != 3 * len(where):
             raise InputError(
-                f"nodes: {len(where)} nodes have {3 * len(where)} dofs, but {pair.called} {size} "
-                "rows; give dofs, which says what the rows are"
+                f"nodes: {len(where)} nodes do not have the {size} rows of {pair.called}; give dofs"
             )
         return {"nodes": length * where}
     if ((pair.labels[:, 1] < 1) | (pair.labels[:, 1] > 3)).any():
@@ -174,8 +173,7 @@ def _coordinates(pair: Pair, places: Places, length: float) -> dict[str, Any]:
     if numbers is None:
         if len(where) != len(used):
             raise InputError(
-                f"nodes has {len(where)} rows, but the matrices have {len(used)} nodes; give "
-                "labels and coordinates, shape (n, 4)"
+                f"nodes has {len(where)} rows for {len(used)} nodes; give labels, shape (n, 4)"
             )
         numbers = used
     missing = np.setdiff1d(used, numbers)
@@ -183,9 +181,8 @@ def _coordinates(pair: Pair, places: Places, length: float) -> dict[str, Any]:
         cause = "is it another model's file?"
         if missing[0] > numbers.max():
             cause = (
-                f"are they inner ones of elements (as of CalculiX' C3D8I), numbered after the last "
-                f"node, {numbers.max()}? Take elements without, or leave nodes out and give each "
-                "contact its node and direction; else it is another model's file"
+                "are they inner nodes of elements, as of CalculiX' C3D8I? Take other elements, or "
+                "leave nodes out"
             )
         raise InputError(
             f"nodes: {len(missing)} nodes of {pair.called} are not there, the first is "

@@ -76,10 +76,7 @@ def _warn_of_last_line(file: Path) -> None:
     with file.open("rb") as stream:
         stream.seek(-1, os.SEEK_END)
         if stream.read(1) not in b"\n\r":
-            warn(
-                f"matrix file {str(file)!r} ends within a line: its last number may be cut short; "
-                "copy it anew, or, if it is whole, end its last line"
-            )
+            warn(f"matrix file {str(file)!r} ends within a line: its last number may be cut short")
 
 
 def _located(

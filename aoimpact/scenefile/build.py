@@ -200,8 +200,7 @@ class Builder:
         with self.located(*place, "model"):
             if kind not in (None, "full") and several != (kind == "interface"):
                 raise InputError(
-                    "type: a list of contacts needs the model 'interface' or 'full', and "
-                    "'interface' a list of them"
+                    "type: a list of contacts needs 'interface' or 'full', 'interface' a list"
                 )
         tips = []
         for i, contact in enumerate(touched if several else [touched]):
@@ -295,8 +294,7 @@ class Builder:
         material = self._material(name)
         if isinstance(material, Orthotropic):
             raise InputError(
-                f"material: {name!r} is orthotropic; a ball and a surface of a law need an "
-                "isotropic one"
+                f"material: {name!r} is orthotropic; balls and surfaces need an isotropic one"
             )
         return material
 

@@ -89,10 +89,7 @@ def check_apart(data: Any, kind: str, names: Sequence[Sequence[str]]) -> None:
     *before, last = ([*_resolved(data, kind, name)] for name in names)
     for other, name in zip(before, names, strict=False):
         if all(one == another for one, another in zip(last, other, strict=False)):
-            raise InputError(
-                f"is in the same place as {'.'.join(name)!r}, and would write over its values: "
-                "keep one of them"
-            )
+            raise InputError(f"is in the same place as {'.'.join(name)!r}: keep one of them")
 
 
 def _from_the_top(kind: str, name: Sequence[str]) -> list[str]:

@@ -352,8 +352,8 @@ def drop_weight(
         energy = 0.5 * kilograms * (speed - v) * (speed + v) + kilograms * pull * deflection
     if not np.isfinite(energy).all():
         raise InputError(
-            f"mass = {kilograms:g} kg, velocity = {speed:g} m/s and gravity = {pull:g} m/s² with "
-            "this force lead to energies beyond all numbers; are they in these units?"
+            f"mass = {kilograms:g} kg, velocity = {speed:g} m/s, gravity = {pull:g} m/s²: energies "
+            "overflow; are they in these units?"
         )
     test = DropWeight(
         t=signal.t,
@@ -458,8 +458,7 @@ def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, f
     peak = float(force.values.max())
     if peak <= 0.0:
         raise InputError(
-            f"the force is never positive (its least is {force.values.min():g} N): compression "
-            "must count as positive; change the sign"
+            f"the force is never positive, down to {force.values.min():g} N; change the sign"
         )
     if signal.values.max() <= 0.0:
         raise InputError("cfc: this class leaves nothing of the force; take a higher one")
@@ -469,8 +468,7 @@ def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, f
         begin = float(force.t[first])
     if not force.t[0] <= begin < end:
         raise InputError(
-            f"start must lie in the record before the force ends, {force.t[0]:g} to "
-            f"{end:g} s, got {begin:g} s"
+            f"start must lie in the record, from {force.t[0]:g} to {end:g} s, got {begin:g} s"
         )
     return begin, end
 

@@ -229,6 +229,6 @@ class LoadCell:
         if mass is None or abs(mass - self.mass) > _SAME_MASS * self.mass:
             given = "not known" if mass is None else f"{mass:g} kg"
             warn(
-                f"the projectile's mass, {given}, is not that of nose and carriage, {self.mass:g} "
-                "kg: the force is that of another impact; strike with cell.tup()"
+                f"the projectile's mass, {given}, is not {self.mass:g} kg, nose and carriage; "
+                "strike with cell.tup()"
             )

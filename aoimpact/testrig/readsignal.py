@@ -157,8 +157,8 @@ def read_signal(
     still = np.flatnonzero(np.diff(times) <= 0.0)
     if len(still):
         raise InputError(
-            f"{file}, line {found.lines[still[0] + 1]}: the time does not rise from the line "
-            f"before; is column {found.columns[0]} the time, and is it written with digits enough?"
+            f"{file}, line {found.lines[still[0] + 1]}: the time does not rise; is it the right "
+            "column, with digits enough?"
         )
     return Signal(times, factor * found.numbers[:, 1], unit=base, name=text("name", name))
 
@@ -276,8 +276,8 @@ def _reading(
         )
     if doubtful and 1 < _filled(heading) < _filled(first) <= 2 * _filled(heading):
         raise _UnreadError(
-            f"line {lines[0]}: {_filled(first)} cells are under {_filled(heading)} headings; if "
-            "commas within numbers are not quoted, give another separator, else decimal='.'",
+            f"line {lines[0]}: {_filled(first)} cells are under {_filled(heading)} headings; give "
+            "decimal='.', or quote numbers with commas",
             len(lines),
             width,
         )

@@ -209,8 +209,7 @@ def _base_acceleration(source: Any) -> Signal:
     force, mass = Signal.of(source), source.projectile.mass
     if mass is None or not math.isfinite(mass):
         raise InputError(
-            "the projectile's mass is not known, so its acceleration is not; give a probe of one "
-            "of its points, or (t, acceleration)"
+            "the projectile's mass is not known; give a probe of one of its points, or (t, values)"
         )
     return Signal(force.t, force.values / mass, unit="m/s²", name="acceleration")
 
@@ -227,14 +226,13 @@ def _frequencies(signal: Signal, given: npt.ArrayLike | None) -> FloatArray:
     top = float(wanted.max())
     if top > 0.5 * rate:
         raise InputError(
-            f"frequencies must not be above half of the signal's {rate:g} samples a second, got "
-            f"{top:g} Hz; sample it faster"
+            f"frequencies must not exceed half of the rate {rate:g} Hz, got {top:g} Hz"
         )
     if top > _HIGHEST * rate * (1.0 + 1e-9):
         lost = 1.0 - float(np.sinc(top / rate)) ** 2
         warn(
-            f"frequencies go up to {top:g} Hz, above a tenth of the signal's {rate:g} samples a "
-            f"second: its spectrum may be {100.0 * lost:.0f} % too low there; sample it faster"
+            f"frequencies exceed a tenth of the rate {rate:g} Hz: at {top:g} Hz the result may be "
+            f"{100.0 * lost:.0f} % too low; sample faster"
         )
     return wanted
 

@@ -113,8 +113,7 @@ class Signal(Frozen):
         if len(still):
             i = int(still[0])
             raise InputError(
-                f"t must rise, but t[{i}] = {times[i]:g} s comes before t[{i + 1}] = "
-                f"{times[i + 1]:g} s; sort the samples and drop those of the same time"
+                f"t must rise, but t[{i}] = {times[i]:g} s and t[{i + 1}] = {times[i + 1]:g} s"
             )
         object.__setattr__(self, "t", times)
         object.__setattr__(self, "values", values)
@@ -174,8 +173,8 @@ class Signal(Frozen):
         if isinstance(source, tuple) and len(source) == 2:
             return cls.of(cls(*source), rate=rate)
         raise InputTypeError(
-            "source must be a Signal, a pair (t, values), the result of simulate, the run of a "
-            f"scene, or a probe of one of their bodies, got {type(source).__name__}"
+            "source must be a Signal, a pair (t, values), a Result, a Run or a probe, got "
+            f"{type(source).__name__}"
         )
 
     # ------------------------------------------------------------------- its samples
@@ -203,9 +202,8 @@ class Signal(Frozen):
         if not self.even:
             steps = np.diff(self.t)
             raise InputError(
-                f"the samples of the signal {self.name!r} are not evenly spaced: steps are from "
-                f"{with_unit(float(steps.min()), 's')} to {with_unit(float(steps.max()), 's')}; "
-                "take signal.resampled(rate) first"
+                f"samples of {self.name!r} are not evenly spaced, {with_unit(steps.min(), 's')} to "
+                f"{with_unit(steps.max(), 's')} apart; take signal.resampled(rate) first"
             )
         return self.mean_rate
 
@@ -233,8 +231,7 @@ class Signal(Frozen):
         if wanted < self.mean_rate * (1.0 - 1e-9):
             raise InputError(
                 f"rate = {with_unit(wanted, 'Hz')} is below the {with_unit(self.mean_rate, 'Hz')} "
-                "of the signal, and what is fast would appear as slow; filter it, and take every "
-                "k-th sample"
+                "of the signal; filter it, and take every k-th sample"
             )
         times = _times(float(self.t[0]), float(self.t[-1]), wanted)
         return replace(self, t=times, values=np.interp(times, self.t, self.values))
@@ -270,21 +267,18 @@ class Signal(Frozen):
         if self.rate < _SAMPLES_OF_CLASS * frequency * (1.0 - 1e-9):
             raise InputError(
                 f"cfc = {frequency:g} needs {with_unit(_SAMPLES_OF_CLASS * frequency, 'Hz')} of "
-                f"samples at least (SAE J211), and the signal has {with_unit(self.rate, 'Hz')}; "
-                "sample it faster or take a lower class"
+                f"samples (SAE J211), it has {with_unit(self.rate, 'Hz')}; take a lower class"
             )
         if frequency < _SLOWEST * self.rate:
             raise InputError(
-                f"cfc = {frequency:g} is too low for {with_unit(self.rate, 'Hz')} of samples: the "
-                "filter would be all rounding; take every k-th sample first"
+                f"cfc = {frequency:g} is too low for {with_unit(self.rate, 'Hz')} of samples; take "
+                "every k-th sample first"
             )
-        from scipy.signal import filtfilt  # slow to import
+        from scipy.signal import butter, filtfilt  # slow to import
 
         ends = max(_CONTINUED_SAMPLES, math.ceil(_CONTINUED * self.rate))
-        numerator, denominator = _two_poles(frequency, self.rate)
-        smooth = filtfilt(
-            numerator, denominator, self.values, padlen=min(ends, len(self.values) - 1)
-        )
+        poles = butter(2, _CORNER * frequency, fs=self.rate)
+        smooth = filtfilt(*poles, self.values, padlen=min(ends, len(self.values) - 1))
         return replace(self, values=smooth, raw=self)
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
@@ -305,24 +299,11 @@ class Signal(Frozen):
         return draw_curves(ax, (self.t, "time", "s"), self.name, self.unit, curves, kwargs)
 
 
-def _two_poles(cfc: float, rate: float) -> tuple[FloatArray, FloatArray]:
-    """Coefficients of one pass, SAE J211-1, appendix C, as scipy takes them."""
-    w = math.tan(math.pi * _CORNER * cfc / rate)
-    below = 1.0 + math.sqrt(2.0) * w + w * w
-    a0 = w * w / below
-    b1 = -2.0 * (w * w - 1.0) / below
-    b2 = (-1.0 + math.sqrt(2.0) * w - w * w) / below
-    return np.array([a0, 2.0 * a0, a0]), np.array([1.0, -b1, -b2])
-
-
 def _contact_force(run: Run, contact: int, rate: float | None, margin: float) -> Signal:
     """Return a contact's force, evenly sampled, with zeros before and after the record."""
     events = run.events[integer("contact", contact, low=0, high=len(run.events) - 1)]
     if margin > 0.0 and events.last_until(run.duration):
-        raise InputError(
-            "the record ends in contact, and what the force does afterwards is not known; call "
-            "simulate(..., duration=...) with a longer one"
-        )
+        raise InputError("margin: the record ends in contact; simulate it with a longer duration")
     own, dense = Signal(run.t, run.forces[contact]), run.recorder.dense
     if rate is None:
         rate = _PER_CONTACT / _hardest(events, run.duration) if dense else own.mean_rate
@@ -330,8 +311,7 @@ def _contact_force(run: Run, contact: int, rate: float | None, margin: float) ->
     force = run.at(times).forces[contact] if dense else np.interp(times, own.t, own.values)
     if margin * rate > _MOST:
         raise InputError(
-            f"margin = {with_unit(margin, 's')} is more than {_MOST} samples of "
-            f"{with_unit(1.0 / rate, 's')}; take a shorter one"
+            f"margin = {with_unit(margin, 's')} is more than {_MOST} samples; take a shorter one"
         )
     before = round(margin * rate)
     zeros = np.zeros(before)
@@ -358,8 +338,7 @@ def _times(start: float, end: float, rate: float) -> FloatArray:
 def _acceleration(probe: Probe) -> Signal:
     if probe.velocity.ndim != 1:
         raise InputError(
-            "a signal is one point's motion along one direction: call "
-            "body.probe(point, direction=..., times=...)"
+            "source must be one point's motion along one direction: probe(..., direction=...)"
         )
     values = np.gradient(probe.velocity, probe.t)
     return Signal(probe.t, values, unit="m/s²", name="acceleration")

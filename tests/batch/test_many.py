@@ -407,7 +407,7 @@ def test_a_lost_worker_is_said_and_what_is_finished_is_kept(tmp_path: Path) -> N
         ({"keep": (3,)}, "must hold names"),
         ({"keep": 3}, "must be names"),
         ({"progress": 1}, "progress must be True or False"),
-        ({"checkpoint": "cases"}, "whole results are not kept"),
+        ({"checkpoint": "cases"}, "keeps no whole results"),
     ],
 )
 def test_bad_arguments_are_refused(arguments: dict[str, Any], text: str) -> None:
@@ -425,7 +425,7 @@ def test_a_name_that_leads_nowhere_fails_its_case(name: str) -> None:
 def test_a_checkpoint_takes_what_json_holds(tmp_path: Path) -> None:
     (error,) = ao.simulate_many([balls(1.0)], keep=lambda hit: hit.run, checkpoint=tmp_path / "a")
     assert isinstance(error, ao.InputTypeError)
-    assert "must return numbers" in str(error)
+    assert "must return what JSON holds" in str(error)
 
 
 def test_what_cannot_be_sent_is_said() -> None:

@@ -245,7 +245,7 @@ def test_a_sweep_of_which_nothing_works(scene: Path, capsys: pytest.CaptureFixtu
 
 def test_workers_are_for_sweeps(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", str(scene), "--workers", "2"]) == 2
-    assert "are for files with a [sweep]" in capsys.readouterr().err
+    assert "need a [sweep]" in capsys.readouterr().err
 
 
 def test_run_says_the_line(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -48,7 +48,7 @@ def test_rows_are_known_from_a_file(text: str, files: tuple[Path, Path], tmp_pat
     ("text", "words"),
     [
         (mapping(range(50)), r"has 50 dofs, but K\.mtx 72 rows"),
-        (mapping([*range(40), *range(41, 72)]), "its 71 equations should be .*; 41 is not there"),
+        (mapping([*range(40), *range(41, 72)]), "equation 41 of 71 is not there once"),
         ("1.1\n1.2\nx\n", r"rows\.txt', line 3: a dof such as 123\.1 should stand here, got 'x'"),
         ("hello\n", r"it has no lines such as 123\.1, nor such as 1 123 UX"),
         ("1.1\n" * 72, "dofs: labels: rows 0 and 1 are both dof 1.1"),
@@ -132,7 +132,7 @@ def test_nodes_in_the_order_of_their_labels(files: tuple[Path, Path]) -> None:
     body = ao.read_matrices(*files, dofs=LABELS, nodes=NODES[used, 1:])
     assert body.nodes is not None
     np.testing.assert_array_equal(body.nodes, NODES[used, 1:])
-    with pytest.raises(ao.InputError, match=r"nodes has 30 rows, but the matrices have 24 nodes"):
+    with pytest.raises(ao.InputError, match=r"nodes has 30 rows for 24 nodes"):
         ao.read_matrices(*files, dofs=LABELS, nodes=NODES[:, 1:])
 
 

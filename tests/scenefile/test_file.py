@@ -302,7 +302,7 @@ law = { type = "Linear", k = 1e6 }
         ao.read_scene(written(tmp_path, asked)).simulate()
     assert f":{line(asked, 'quantity')}: " in str(error.value)
     wrong = text.replace(model, 'type = "modal", n = 6')
-    with pytest.raises(ao.SceneFileError, match="a list of contacts needs the model 'interface'"):
+    with pytest.raises(ao.SceneFileError, match="a list of contacts needs 'interface'"):
         ao.read_scene(written(tmp_path, wrong)).simulate()
 
 

@@ -123,7 +123,7 @@ def test_a_tup_on_a_plate_is_recorded_until_the_impact_is_over() -> None:
 
 
 def test_another_mass_warns() -> None:
-    with pytest.warns(ao.AOImpactWarning, match=r"mass, 2 kg, is not .* 5\.4 kg"):
+    with pytest.warns(ao.AOImpactWarning, match=r"mass, 2 kg, is not 5\.4 kg"):
         CELL.read(strike(ao.rigid(mass=2.0)))
 
 
