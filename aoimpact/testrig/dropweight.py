@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -392,43 +393,35 @@ def _impactor(
     )
 
 
-def _doubts(test: DropWeight, cfc: float | None) -> list[str]:
+def _doubts(test: DropWeight, cfc: float | None) -> Iterator[str]:
     """Contradictions in a test, and their likely cause."""
-    said = []
     raw = test.signal.raw or test.signal
-    if cfc is not None and (shorter := _shorter_than(raw, cfc)):
-        said.append(
-            f"the force lasts {with_unit(shorter, 's')}, half a period of {0.5 / shorter:.3g} Hz, "
+    first, last = _span(raw.values, raw.values)
+    acts, largest = float(raw.t[last] - raw.t[first]), float(raw.values.max())
+    if cfc is not None and 0.0 < acts < 0.5 / cfc:
+        yield (
+            f"the force lasts {with_unit(acts, 's')}, half a period of {0.5 / acts:.3g} Hz, "
             f"which class {cfc:g} takes out: its peak is {with_unit(test.peak.force, 'N')} instead "
-            f"of {with_unit(float(raw.values.max()), 'N')}; leave cfc out or take a higher class"
+            f"of {with_unit(largest, 'N')}"
         )
     if test.simulated:
-        return said
+        return
     taken, velocity = test.absorbed_energy, test.rebound_velocity
-    if raw.values[-1] > _STILL * float(raw.values.max()):
-        said.append(
-            f"the record ends at a force of {with_unit(float(raw.values[-1]), 'N')}: the contact "
-            "is not over, and rebound and absorbed energy are those so far"
+    if raw.values[-1] > _STILL * largest:
+        yield (
+            f"the record ends at a force of {with_unit(float(raw.values[-1]), 'N')}: rebound and "
+            "absorbed energy are those so far"
         )
     elif taken < -_TAKEN * test.impact_energy:
-        said.append(
-            f"the absorbed energy is {with_unit(taken, 'J')}: no specimen gives back more than it "
-            "got; is the force too large (its unit, a zero that is off), or mass or velocity too "
-            "small?"
+        yield (
+            f"the absorbed energy is {with_unit(taken, 'J')}: is the force too large (its unit, a "
+            "zero that is off), or mass or velocity too small?"
         )
     elif velocity > 0.0 and (test.puncture is None or taken < _TAKEN * test.impact_energy):
-        said.append(
+        yield (
             f"the impactor still goes on at {velocity:.4g} of {test.impact_velocity:.4g} m/s when "
             "the force ends: is the force in N (not kN), and the mass in kg?"
         )
-    return said
-
-
-def _shorter_than(raw: Signal, cfc: float) -> float | None:
-    """Duration of the force, s, if that is less than half a period of the class's frequency."""
-    begin, end = _span(raw.values, raw.values)
-    acts = float(raw.t[end] - raw.t[begin])
-    return acts if 0.0 < acts < 0.5 / cfc else None
 
 
 def _force(source: Any, cfc: float | None) -> Signal:

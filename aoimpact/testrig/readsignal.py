@@ -52,8 +52,6 @@ class _Reading:
 
     Attributes
     ----------
-    columns : tuple of int
-        Those of times and values.
     lines : list of int
         The line of each row, counted from 1.
     numbers : ndarray, shape (rows, 2)
@@ -62,7 +60,6 @@ class _Reading:
         All cells of each row.
     """
 
-    columns: tuple[int, ...]
     lines: list[int]
     numbers: FloatArray
     rows: list[list[str]]
@@ -281,7 +278,7 @@ def _reading(
             len(lines),
             width,
         )
-    return _Reading(columns, lines, np.array(numbers), rows)
+    return _Reading(lines, np.array(numbers), rows)
 
 
 def _filled(row: list[str]) -> int:
