@@ -9,7 +9,7 @@ each.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any
@@ -156,14 +156,14 @@ class _Parts:
         return self._places[id(body)]
 
 
-def plain_numbers(cases: Sequence[Any], names: Iterable[str]) -> list[dict[str, float] | None]:
+def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, float] | None]:
     """Return the named numbers of the plain ones among some cases; None for the others.
 
     Parameters
     ----------
     cases : sequence
         As of `simulate_many`.
-    names : iterable of str
+    names : sequence of str
         Names in PLAIN_NUMBERS.
     """
     parts = _Parts()
@@ -181,17 +181,35 @@ def plain_numbers(cases: Sequence[Any], names: Iterable[str]) -> list[dict[str, 
     if not places:
         return found
     given, of = np.array(rows), np.array(numbered)
-    returned = _run(parts, of, given)
-    wanted = tuple(names)
-    columns = _columns(wanted, given, returned, parts.pairs, of)
-    plain = _once_and_parted(given, returned) & _plausible(given, returned, parts.pairs, of)
-    durations = (returned[:, Answer.END] - returned[:, Answer.START]).tolist()
-    values = zip(*(columns[name].tolist() for name in wanted), strict=True)
+    answers = np.empty((len(of), ANSWERS))
+    _core.briefs(
+        tuple(body.for_core() for body in parts.bodies),
+        tuple(body.moving for body in parts.bodies),
+        tuple(parts.laws),
+        np.array([pair.places for pair in parts.pairs], dtype=np.int32)[of],
+        given,
+        answers,
+    )
+    velocity = given[:, _VELOCITY]
+    parted = answers[:, Answer.END] < given[:, _DURATION] * (1.0 - 1e-12)
+    once = (answers[:, Answer.TOUCHES] == 1.0) & (answers[:, Answer.LASTING] == 0.0) & parted
+    force, speed = np.array([pair.warning_limits for pair in parts.pairs])[of].T
+    quiet = (answers[:, Answer.PEAK_FORCE] <= force) & (velocity <= speed)
+    plain = (answers[:, Answer.STATUS] == 0.0) & once & quiet
+    drift = np.array([pair.drift for pair in parts.pairs])[of]
+    fixed = np.array([pair.fixed for pair in parts.pairs])[of]
+    events, speeds = events_of(answers), speeds_of(answers, velocity, drift, fixed)
+    columns = [
+        given[:, _RTOL] if name == ERROR else QUANTITIES[name].of_plain(events, speeds)
+        for name in names
+    ]
+    durations = (answers[:, Answer.END] - answers[:, Answer.START]).tolist()
+    values = zip(*(column.tolist() for column in columns), strict=True)
     for i, pair, is_plain, duration, row in zip(
         places, numbered, plain.tolist(), durations, values, strict=True
     ):
         if is_plain and parts.pairs[pair].valid(duration):  # simulate warns of the others
-            found[i] = dict(zip(wanted, row, strict=True))
+            found[i] = dict(zip(names, row, strict=True))
     return found
 
 
@@ -221,51 +239,6 @@ def _given(case: Any) -> tuple[float, ...] | None:
             return None
         gap = normal_gap(gap)
     return velocity, gap, duration, solver.rtol
-
-
-def _run(parts: _Parts, of: Any, given: FloatArray) -> FloatArray:
-    """Answers of the core for pairs with these numbers, shape (cases, 10)."""
-    returned = np.empty((len(of), ANSWERS))
-    _core.briefs(
-        tuple(body.for_core() for body in parts.bodies),
-        tuple(body.moving for body in parts.bodies),
-        tuple(parts.laws),
-        np.array([pair.places for pair in parts.pairs], dtype=np.int32)[of],
-        given,
-        returned,
-    )
-    return returned
-
-
-def _once_and_parted(given: FloatArray, returned: FloatArray) -> Any:
-    """True if all went well, with one touch that has ended, shape (cases,)."""
-    parted = (returned[:, Answer.LASTING] == 0.0) & (
-        returned[:, Answer.END] < given[:, _DURATION] * (1.0 - 1e-12)
-    )
-    return (returned[:, Answer.STATUS] == 0.0) & (returned[:, Answer.TOUCHES] == 1.0) & parted
-
-
-def _plausible(given: FloatArray, returned: FloatArray, pairs: Sequence[_Pair], of: Any) -> Any:
-    """True if force and speed need no warning, shape (cases,)."""
-    force, speed = np.array([pair.warning_limits for pair in pairs])[of].T
-    return (returned[:, Answer.PEAK_FORCE] <= force) & (given[:, _VELOCITY] <= speed)
-
-
-def _columns(
-    names: Iterable[str],
-    given: FloatArray,
-    returned: FloatArray,
-    pairs: Sequence[_Pair],
-    of: Any,
-) -> dict[str, FloatArray]:
-    """The named numbers, shape (cases,) each."""
-    drift = np.array([pair.drift for pair in pairs])[of]
-    fixed = np.array([pair.fixed for pair in pairs])[of]
-    events, speeds = events_of(returned), speeds_of(returned, given[:, _VELOCITY], drift, fixed)
-    return {
-        name: given[:, _RTOL] if name == ERROR else QUANTITIES[name].of_plain(events, speeds)
-        for name in names
-    }
 
 
 def events_of(answers: FloatArray) -> Events:

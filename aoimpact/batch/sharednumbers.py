@@ -217,16 +217,15 @@ def _started(case: SharedCase) -> _Impact | None:
     if messages or not all(body.centre_known for body in plan.bodies):
         return None
     speeds = impact.numbers.velocity, 0.0
-    larger = [tuple(map(_scene_body, models, speeds)) for models in models[1:]]
+    larger = [
+        tuple(scene_body("body", *one) for one in zip(bodies, speeds, strict=True))
+        for bodies in models[1:]
+    ]
     points = [body for body in impact.bodies if isinstance(body, SharedPoint)]
     quantity = QUANTITIES[case.case.get("quantity") or "force"]
     safety = safety_of(quantity, exact=all(point.exact for point in points))
     length = impact.record.length * (1.0 if impact.record.given else _FIRST_LENGTH)
     return _Impact(case, plan, larger, safety, points[0].rtol, rule.rtol, length)
-
-
-def _scene_body(model: Any, velocity: float) -> SceneBody:
-    return scene_body("body", model, velocity)
 
 
 def _alter(of: _Impact, answer: FloatArray, calls: _Calls) -> bool:

@@ -82,7 +82,10 @@ def sweep(
         )
     plan = _Plan(_maker(base, checked), checked)
     _check_fits(checked, keep)
-    cases = list(plan) if _on_one_body(base, checked) else plan
+    # Cases may share the model of a contact point, for which all must be known.
+    given = itertools.chain(base.values() if isinstance(base, Mapping) else (), *checked.values())
+    shares = isinstance(base, Mapping) and any(isinstance(one, ContactPoint) for one in given)
+    cases = list(plan) if shares else plan
     values = iterate_many(cases, workers, keep=keep, checkpoint=checkpoint, progress=progress)
     return sweep_table(checked, values, keep)
 
@@ -192,12 +195,6 @@ def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
         "base: sweep needs a function, a dict of simulate's keywords, a scene file or a scene, "
         f"got {base!r}"
     )
-
-
-def _on_one_body(base: Any, grid: Mapping[str, Sequence[Any]]) -> bool:
-    """True if cases may share the model of a contact point, for which all must be known."""
-    values = itertools.chain(base.values() if isinstance(base, Mapping) else (), *grid.values())
-    return isinstance(base, Mapping) and any(isinstance(one, ContactPoint) for one in values)
 
 
 def _check_names(names: Iterable[str], known: Sequence[str]) -> None:

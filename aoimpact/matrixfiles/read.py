@@ -188,13 +188,9 @@ def _coordinates(pair: Pair, places: Places, length: float) -> dict[str, Any]:
             f"nodes: {len(missing)} nodes of {pair.called} are not there, the first is "
             f"{missing[0]}: {cause}"
         )
-    if len(numbers) > len(used) and _moves_without(pair):
+    # Nodes without rows are no supports if the body is free without them.
+    if len(numbers) > len(used) and _body(pair, None, 1.0, None, "").mass is not None:
         keep = np.isin(numbers, used)
         numbers, where = numbers[keep], where[keep]
     free = 3 * np.searchsorted(numbers, pair.labels[:, 0]) + pair.labels[:, 1] - 1
     return {"nodes": length * where, "free": free}
-
-
-def _moves_without(pair: Pair) -> bool:
-    """True if nodes without rows are not supports: without them the body is free."""
-    return _body(pair, None, 1.0, None, "").mass is not None

@@ -93,17 +93,14 @@ def _located(
                 continue
             if comments and line.lstrip().startswith(comments.encode()):
                 continue
-            if not entry.match(line) or not np.isfinite(_value(line)):
+            if not entry.match(line) or not np.isfinite(
+                float(line.replace(b",", b" ").split()[-1])
+            ):
                 cause = "is the file cut short, or of another format?"
                 if entry.match(_FORTRAN.sub(rb"\1E", line)):
                     cause = "write exponents with E, not Fortran's D"
                 return spoilt(file, f"{what} should stand here, got {shown(line)}: {cause}", number)
     return spoilt(file, f"{what} should stand on each line: {why}")
-
-
-def _value(line: bytes) -> float:
-    words = line.replace(b",", b" ").split()
-    return float(words[-1])
 
 
 def shown(line: bytes) -> str:
