@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from aoimpact.batch.fingerprint import Fingerprints
+from aoimpact.batch.digest import Digests
 
 import aoimpact as ao
 from aoimpact import laws
@@ -293,7 +293,7 @@ def test_laws_of_contacts_of_different_width_are_not_equal(make: Any) -> None:
     assert plain != knowing
     assert knowing == make(relative_radius=WIDTH)
     assert hash(knowing) == hash(make(relative_radius=WIDTH))
-    assert Fingerprints().of(plain) != Fingerprints().of(knowing)
+    assert Digests().of(plain) != Digests().of(knowing)
     assert "relative_radius" not in repr(plain)
     for copy in (pickle.loads(pickle.dumps(knowing)), eval(repr(knowing), vars(laws))):
         assert copy == knowing
