@@ -229,7 +229,10 @@ class Builder:
             parts = {key: table[key] for key in ("part", "order") if key in table}
             mesh = self._mesh(table["mesh"], **parts)
         with self.located(*place, "material"):
-            material = materials_of(mesh, self._materials(table["material"]))
+            of = table["material"]  # of a body, or by group of elements
+            named = isinstance(of, str)
+            made = self._material(of) if named else {key: self._material(of[key]) for key in of}
+            material = materials_of(mesh, made)
         entries: dict[str, Any] = {
             key: self._entries(name, key, mesh)
             for key in ("fixed", "masses", "springs")
@@ -282,12 +285,6 @@ class Builder:
             axes = {"axes": table["axes"]} if "axes" in table else {}
             made = Orthotropic(**table["orthotropic"], rho=table["rho"], **axes)
             return made.turned(table["turned"], made.axes[2]) if "turned" in table else made
-
-    def _materials(self, named: str | Mapping[str, str]) -> OneMaterial | dict[str, OneMaterial]:
-        """The material of a body, or those of its groups of elements."""
-        if isinstance(named, str):
-            return self._material(named)
-        return {group: self._material(each) for group, each in named.items()}
 
     def _isotropic(self, name: str) -> Material:
         """A material that a ball or a law's surface needs."""

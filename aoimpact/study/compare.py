@@ -109,7 +109,9 @@ def compare(
         tries.append(_try(f"modal({n})", partial(_with_modes, bodies, n, linear), quick))
     exact = tries[len(orders)]
     if full:
-        exact = _try("full", lambda: bodies, partial(_in_full, run))
+        meshed = any(isinstance(body, FullModel) for body in bodies)
+        solver = Newmark() if meshed else Adaptive(rtol=_IN_TIME)
+        exact = _try("full", lambda: bodies, lambda pair: run(*pair, solver=solver))
         tries.append(exact)
     if exact.result is None:
         raise InputError(f"{exact.label}: {exact.failure}")
@@ -133,7 +135,8 @@ def _of_oscillators(
     tries = [_try("rigid", lambda: tuple(each.model(0) for each in hierarchies), run)]
     spent = 0.0
     for n in orders:
-        tries.append(_try(f"AO({n})", partial(_with_oscillators, hierarchies, n), run))
+        make = partial(lambda n: tuple(each.model(n + each.first) for each in hierarchies), n)
+        tries.append(_try(f"AO({n})", make, run))
         if not tries[-1].failure:
             spent += tries[-1].build  # the bases are nested: each model adds to the one before
             tries[-1].build = spent
@@ -189,11 +192,6 @@ def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -
     return done
 
 
-def _with_oscillators(hierarchies: tuple[Hierarchy, ...], n: int) -> Models:
-    first, second = (each.model(n + each.first) for each in hierarchies)
-    return first, second
-
-
 def _with_modes(bodies: Models, n: int, linear: Solver) -> Models:
     first, second = (
         modal(body.tips[0], min(n, body.body.n_dofs), solver=linear)
@@ -202,9 +200,3 @@ def _with_modes(bodies: Models, n: int, linear: Solver) -> Models:
         for body in bodies
     )
     return first, second
-
-
-def _in_full(run: Callable[..., Result], models: Models) -> Result:
-    meshed = any(isinstance(body, FullModel) for body in models)
-    solver = Newmark() if meshed else Adaptive(rtol=_IN_TIME)
-    return run(projectile=models[0], target=models[1], solver=solver)
