@@ -64,8 +64,8 @@ def hertz_pair(k: float, mass: float, velocity: float) -> tuple[float, float]:
 def at_one_dof(body: FEModel, point: tuple[float, float, float], direction: int) -> ContactPoint:
     """Return the paper's contact functional, eq. (1): ± the unit vector of a dof at a node.
 
-    Nothing is known of a surface then, so that the law keeps all of its indentation, as the
-    paper's does.
+    Made without a place on the surface, so that the law keeps all of its indentation, as the
+    paper's does; `FEModel.contact` would take the compliance of the mesh out of it.
 
     Parameters
     ----------
@@ -78,9 +78,9 @@ def at_one_dof(body: FEModel, point: tuple[float, float, float], direction: int)
     assert body.nodes is not None
     assert body.free is not None
     node = int(np.linalg.norm(body.nodes - point, axis=1).argmin())
-    b = np.zeros(3 * len(body.nodes))
-    b[3 * node + abs(direction) - 1] = np.sign(direction)
-    return body.contact(b=b[body.free])
+    b, axis = np.zeros(3 * len(body.nodes)), np.zeros(3)
+    b[3 * node + abs(direction) - 1] = axis[abs(direction) - 1] = np.sign(direction)
+    return ContactPoint(body, b[body.free], axis)
 
 
 @dataclass(frozen=True, eq=False)
