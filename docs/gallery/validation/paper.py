@@ -34,14 +34,14 @@ for name, printed, some in (
     beside(name, printed, frequencies[some].mean(), "MHz")
 
 # %%
-# The contact is one degree of freedom of the node at the pole, eq. (1). Given as such, by ``b=``, nothing is known of a
-# surface there, and the law stays as it is.
+# The contact is one degree of freedom of the node at the pole, eq. (1). Made as a `ContactPoint` of its own, it has no place on
+# the surface, and the law stays as it is.
 
 
 def at_one_dof(body, point, component, sign):
     b = np.zeros(3 * len(body.nodes))
     b[3 * np.linalg.norm(body.nodes - point, axis=1).argmin() + component] = sign
-    return body.contact(b=b[body.free])
+    return ao.ContactPoint(body, b[body.free], sign * np.eye(3)[component])
 
 
 tip = at_one_dof(ball, (0.01, 0, 0), component=0, sign=1)
