@@ -162,7 +162,7 @@ def choose_models(
         run = record.run(plan_of(found.models, energies), timed)
     if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
-    return replace(run, chosen=_chosen(run, found, quantity, tolerance), left_out=finder)
+    return replace(run, chosen=_chosen(found, quantity, tolerance), left_out=finder)
 
 
 def _trial(
@@ -187,12 +187,11 @@ def _trial(
     return trial
 
 
-def _chosen(run: Run, found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
+def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
     """The record of the chosen models, and the errors of the run's numbers by them."""
-    models = tuple(body.model for body in run.plan.bodies)
     numbers = number_errors(found.run, found.larger, found.safety) | {quantity.name: found.error}
     largest = _largest(quantity, found.run)
-    return Chosen(models, quantity.name, quantity.lasting, tolerance, numbers, largest)
+    return Chosen(quantity.name, tolerance, numbers, largest)
 
 
 def _largest(quantity: Quantity, run: Run) -> str:

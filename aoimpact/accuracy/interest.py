@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ..base import FloatArray, InputError, choice, warn
+from ..base import FloatArray, InputError, choice
 from ..fem import ContactPoint
 from ..reduction import BodyModel, FullModel
 from ..results import (
@@ -22,9 +22,6 @@ from .stressat import StressAt, stress_quantity
 __all__ = ["impact_quantity", "scene_quantity"]
 
 _DEFAULT = "force"
-
-# Other names of quantities; the second kind warns, since it means something else elsewhere.
-_SHORT, _RENAMED = {"rebound": "rebound_velocity"}, {"duration": "contact_duration"}
 
 
 def impact_quantity(quantity: Any, projectile: BodyModel, target: BodyModel) -> Quantity:
@@ -43,12 +40,9 @@ def impact_quantity(quantity: Any, projectile: BodyModel, target: BodyModel) -> 
             several="both projectile and target",
             contact="the contact's own are 'projectile_displacement' and 'target_displacement'",
         )
-    if isinstance(quantity, str) and quantity in _RENAMED:
-        warn(
-            f"quantity={quantity!r} is called {_RENAMED[quantity]!r} now: duration is the record's"
-        )
-    name = (_SHORT | _RENAMED).get(quantity, quantity) if isinstance(quantity, str) else quantity
-    return QUANTITIES[choice("quantity", _DEFAULT if name is None else name, IMPACT_CHOICES)]
+    return QUANTITIES[
+        choice("quantity", _DEFAULT if quantity is None else quantity, IMPACT_CHOICES)
+    ]
 
 
 def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
@@ -75,8 +69,11 @@ def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
             several="several of the scene's bodies",
             contact="for a contact's own displacement give its handle",
         )
-    name = _SHORT.get(quantity, quantity) if isinstance(quantity, str) else quantity
-    return QUANTITIES[choice("quantity", _DEFAULT if name is None else name, SCENE_CHOICES)]
+    return _named(quantity, SCENE_CHOICES)
+
+
+def _named(quantity: Any, choices: Sequence[str]) -> Quantity:
+    return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, choices)]
 
 
 def _of_point(

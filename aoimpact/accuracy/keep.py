@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import numbers
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ..base import InputError, InputTypeError, nearest, sequence
-from ..results import QUANTITIES, Result, Run, find_number, like_number
+from ..results import QUANTITIES, Result, Run, look_up
 
 __all__ = ["CONTROLLED", "Keep", "Named", "keeper"]
 
@@ -34,10 +31,10 @@ class Named:
         1 if the error by the models is below the tolerance, else 0.
         """
         kept = {}
-        run = result.run if isinstance(result, Result) else result
-        error = result.error if isinstance(run, Run) and run.chosen is not None else None
+        chosen = isinstance(result, Run) and result.chosen is not None
+        error = result.error if chosen else None
         for name in self.names:
-            kept[name] = _number(name, _look_up(result, name))
+            kept[name] = look_up(result, name, "keep")
             if error is not None and name in error:
                 kept[f"{name}_error"] = error[name].total
                 kept[f"{name}{CONTROLLED}"] = float(error[name].model <= error.rtol)
@@ -77,24 +74,6 @@ def keeper(keep: Any) -> Keep | None:
     return Named(names)
 
 
-def _look_up(result: Any, name: str) -> Any:
-    """A quantity of interest of a result, or any attribute."""
-    run = result.run if isinstance(result, Result) else result
-    if isinstance(run, Run) and (number := find_number(run, name)) is not None:
-        return number
-    found = result
-    for part in name.split("."):
-        try:
-            found = found[int(part)] if part.isdigit() else getattr(found, part)
-        except (AttributeError, IndexError, TypeError):
-            like = like_number(run, name) if isinstance(run, Run) else ""
-            raise InputError(
-                f"keep: {name!r}: {type(found).__name__} has no {part!r}"
-                f"{like or nearest(part, _public(found))}"
-            ) from None
-    return found
-
-
 def _public(thing: Any) -> list[str]:
     fields = getattr(thing, "__dataclass_fields__", {})
     return [name for name in {*dir(thing), *fields} if not name.startswith("_")]
@@ -102,11 +81,3 @@ def _public(thing: Any) -> list[str]:
 
 # What the first part of a name may be, beside a quantity.
 _KNOWN = frozenset((*_public(Result), *_public(Run)))
-
-
-def _number(name: str, value: Any) -> float:
-    if value is None:  # an error estimate where nothing is known
-        return float("nan")
-    if isinstance(value, (numbers.Real, np.bool_)):
-        return float(value)
-    raise InputTypeError(f"keep: {name!r} is no number but {type(value).__name__}; keep=function")

@@ -86,7 +86,7 @@ class SharedCase:
             hit = simulate(**_with(self.case, self.impact.bodies) | {"solver": self.solver})
         except AOImpactError:
             return None
-        chosen = hit.run.chosen
+        chosen = hit.chosen
         assert chosen is not None
         name = "peak_force" if self.quantity == "peak_force" else chosen.quantity
         return hit if chosen.numbers[name] <= chosen.rtol else None
@@ -220,9 +220,9 @@ def _share(cases: Sequence[Any], alike: Sequence[tuple[int, Impact]], found: lis
             for i, impact in _hardest(alike):
                 hit = simulate(**_with(cases[i], _bodies(cases[i], impact.turns, fresh)))
                 _ = hit.error  # which may warn
-                assert hit.run.chosen is not None
-                rtol = max(rtol, hit.run.chosen.rtol)
-                if hit.run.chosen.numbers[hit.run.chosen.quantity] > rtol:
+                assert hit.chosen is not None
+                rtol = max(rtol, hit.chosen.rtol)
+                if hit.chosen.numbers[hit.chosen.quantity] > rtol:
                     return  # no models meet it; each is as good as it can be by itself
                 for name, turn, model in zip(_NAMES, impact.turns, hit.models, strict=True):
                     chosen.setdefault((id(cases[i][name]), turn), []).append(model)

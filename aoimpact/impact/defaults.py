@@ -8,12 +8,13 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..accuracy import SharedPoint
-from ..base import AOImpactError, InputError, plain, warn, with_unit
-from ..fem import PATCH_OVER_CONTACT, SHIFT_TIMES_DURATION, ContactPoint, contact_within
+from ..base import AOImpactError, InputError, plain
+from ..fem import PATCH_OVER_CONTACT, SHIFT_TIMES_DURATION, contact_within
 from ..integrate import rigid_contact_time
 from ..laws import ContactLaw, LawFromSurfaces, law_between, round_contact
 from ..linalg import LinearSolver
 from ..reduction import BodyModel, FullModel
+from ..results import warn_of_size
 
 __all__ = [
     "Meeting",
@@ -24,10 +25,6 @@ __all__ = [
     "meeting",
     "turns",
 ]
-
-# A ball's radius over the other body's size above which a warning is given: millimetres may have
-# been taken for metres, a factor of 1000.
-_FAR_LARGER = 5.0
 
 
 def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = False) -> bool:
@@ -95,10 +92,11 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
                 "FEModel.from_mesh(...).contact(point=...), or ball(radius, material)"
             )
         surfaces.append(surface)
-    for (body, _), tip, name, other in zip(
-        ends, reversed(tips), names, reversed(names), strict=True
+    for (body, _), surface, tip, name, other in zip(
+        ends, surfaces, reversed(tips), names, reversed(names), strict=True
     ):
-        _warn_of_size(body, tip, name, other)
+        if not body.contact_points:
+            warn_of_size(abs(surface.radii[0]), tip, name, other)
     along = [None if tip is None else tip.direction for tip in tips]
     try:
         return law_between(
@@ -106,19 +104,6 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
         )
     except InputError as error:
         raise InputError(f"law: it was left out, but {error}") from None
-
-
-def _warn_of_size(body: BodyModel, other: ContactPoint | None, name: str, other_name: str) -> None:
-    """Warn of a rigid ball far larger than the body it meets: metres taken for millimetres."""
-    surface = None if body.contact_points else body.surface_at()
-    if surface is None or other is None or other.body.mesh is None:
-        return
-    radius, size = abs(surface.radii[0]), other.body.mesh.size
-    if _FAR_LARGER * size < radius < math.inf:
-        warn(
-            f"{name} is a ball with a radius of {with_unit(radius, 'm', 3)}, and {other_name} is "
-            f"{with_unit(size, 'm', 3)} long: is the radius in metres?"
-        )
 
 
 class Meeting(NamedTuple):

@@ -27,12 +27,11 @@ from ..results import (
     Run,
     TimeSolver,
     solve,
-    warn_of_lag,
+    warn_of_bodies,
     warn_of_misfit,
     warn_of_run,
 )
 from ..scene import Plan
-from .checks import warn_of_centres, warn_of_places
 
 __all__ = ["PlanOf", "RunOptions", "run_models"]
 
@@ -123,14 +122,11 @@ def run_models(
         plan = plan_of(bodies, options.energies)
         run = record.run(plan, partial(solve, solver=options.solver))
         if meshed:
-            warn_of_misfit(run.plan, run, names)
+            warn_of_misfit(run, names)
             if plan.contacts:
                 finder = LeftOutFinder(interest, options.solver, law_errors)
                 run = replace(run, left_out=finder)
     record.warn_if_cut()
-    warn_of_lag(run.plan, run, names)
-    if meshed:
-        warn_of_centres(run.plan, names)
-        warn_of_places(run, names)
+    warn_of_bodies(run, names)
     warn_of_run(run)
     return replace(run, finer=partial(finer_run, solver=options.solver)) if meshed else run

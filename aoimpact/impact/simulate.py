@@ -14,9 +14,9 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, LawFromSurfaces
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model
-from ..results import RecordLength, Result, TimeSolver
+from ..results import RecordLength, Result, TimeSolver, warn_of_exchange
 from ..scene import Contact, Plan, SceneBody, law_of_models, normal_gap, scene_body
-from .checks import checked_duration, checked_speed, warn_of_exchange
+from .checks import checked_duration, checked_speed
 from .defaults import Meeting, chosen_law, contact_width, fitted_pair, meeting, turns
 from .run import RunOptions, run_models
 
@@ -138,7 +138,7 @@ def simulate(
         checked_rtol(rtol)
         interest()
     impact = complete_impact(*bodies, law, numbers)
-    run = run_models(
+    result = run_models(
         impact.plan,
         impact.bodies,
         options,
@@ -149,8 +149,7 @@ def simulate(
         began=began,
         factors=impact.factors,
     )
-    gap = run.plan.contacts[0].gap
-    result = Result(run=run, velocity=run.plan.velocities[0], gap=gap, law=impact.law)
+    assert isinstance(result, Result)
     if result.in_contact_at_end and duration is not None:
         warn(
             f"the record of {result.duration:.4g} s ends in contact: impulse and the last "

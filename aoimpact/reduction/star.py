@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
@@ -166,15 +165,6 @@ class AOModel(Frozen, ReducedModel):
     def constrained(self) -> bool:
         """Whether the body is constrained: by its ground spring, or as a wall."""
         return self.k0 > 0.0 or math.isinf(self.m0)
-
-    @property
-    def held(self) -> bool:
-        """The former name of `constrained`.
-
-        :meta private:
-        """
-        warnings.warn("held is now called constrained", DeprecationWarning, stacklevel=2)
-        return self.constrained
 
     @property
     def weightless(self) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,7 +14,7 @@ import numpy.typing as npt
 
 from ..base import FloatArray, Frozen, InputError, with_unit
 from ..fields import Field, Probe, Response, relative_error, rest, warn_if_wrong
-from ..integrate import Eventful, Events
+from ..integrate import Events
 
 __all__ = [
     "BodyEnergy",
@@ -23,6 +22,7 @@ __all__ = [
     "ContactResult",
     "Cost",
     "Energy",
+    "Eventful",
 ]
 
 
@@ -126,15 +126,6 @@ class BodyResult(Frozen):
         mass = "" if self.mass is None else f", {self.mass:.4g} kg"
         way = "constrained" if self.constrained else "free"
         return f"BodyResult({self.name}: {self.label}{mass}, {way})"
-
-    @property
-    def held(self) -> bool:
-        """The former name of `constrained`.
-
-        :meta private:
-        """
-        warnings.warn("held is now called constrained", DeprecationWarning, stacklevel=2)
-        return self.constrained
 
     @property
     def displacement(self) -> FloatArray:
@@ -313,6 +304,42 @@ class BodyResult(Frozen):
         return response
 
 
+class Eventful:
+    """The numbers of one contact's events, as attributes."""
+
+    @property
+    def _own_events(self) -> Events:
+        raise NotImplementedError
+
+    @property
+    def peak_force(self) -> float:
+        """Largest force of the record [N]; 0.0 without contact."""
+        return self._own_events.peak_force
+
+    @property
+    def peak_time(self) -> float:
+        """When the largest force acts [s]."""
+        return self._own_events.peak_time
+
+    @property
+    def impulse(self) -> float:
+        """Integral of the force over the record [N s]."""
+        return self._own_events.impulse
+
+    @property
+    def contact_duration(self) -> float:
+        """Duration of the first contact [s]; 0.0 without contact.
+
+        A contact that the record cuts off counts up to the record's end.
+        """
+        return self._own_events.contact_duration
+
+    @property
+    def contact_count(self) -> int:
+        """How often the bodies touch."""
+        return self._own_events.contact_count
+
+
 @dataclass(frozen=True, eq=False)
 class ContactResult(Frozen, Eventful):
     """One contact over time.
@@ -336,6 +363,10 @@ class ContactResult(Frozen, Eventful):
     elastic: FloatArray | None
     dissipated: FloatArray | None
     events: Events
+
+    @property
+    def _own_events(self) -> Events:
+        return self.events
 
     @property
     def intervals(self) -> list[tuple[float, float]]:

@@ -10,6 +10,7 @@ new one.
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -17,11 +18,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, nearest, text
+from ..base import FloatArray, InputError, InputTypeError
 from ..integrate import Events
+from .errors import suggestion
 
 if TYPE_CHECKING:
-    from .result import Result
     from .run import Run
 
 __all__ = [
@@ -31,9 +32,7 @@ __all__ = [
     "SCENE_CHOICES",
     "Quantity",
     "Speeds",
-    "find_number",
-    "like_number",
-    "named_number",
+    "look_up",
     "number_errors",
     "quantity_unit",
     "recorded",
@@ -179,30 +178,29 @@ class Quantity:
             for i, value in enumerate(self._values(run))
         }
 
-    def difference(self, run: Run | Result, exact: Run | Result) -> float:
+    def difference(self, run: Run, exact: Run) -> float:
         """Return how far a run is from a more exact one: the largest `deviation`."""
         return float(np.abs(self.deviation(run, exact)).max(initial=0.0))
 
-    def deviation(self, run: Run | Result, exact: Run | Result) -> FloatArray:
+    def deviation(self, run: Run, exact: Run) -> FloatArray:
         """Return by how much a run gives more than a more exact one, relative.
 
         Flat, contact by contact, of histories at the times of the more exact run. Relative to the
         largest value of the history, or to the number; in a scene to no less than a tenth of the
         largest of all contacts.
         """
-        ours, theirs = _run_of(run), _run_of(exact)
         if self.history is not None:
-            mine, right = (self.history(one, exact.t) for one in (ours, theirs))
+            mine, right = (self.history(one, exact.t) for one in (run, exact))
             size = np.abs(right).max(axis=1)
         else:
-            mine, right = (np.array(self._values(one, known=False)) for one in (ours, theirs))
+            mine, right = (np.array(self._values(one, known=False)) for one in (run, exact))
             there = ~(np.isnan(mine) & np.isnan(right))
             if not there.any():  # nothing that would tell one from the other
                 return np.array([math.inf])
             mine, right = mine[there], right[there]
             size = np.abs(right)
         scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
-        before = np.array(theirs.plan.velocities)
+        before = np.array(exact.plan.velocities)
         return _relative(mine - right, self._at_least(scales, before)).ravel()
 
     def changes(self, run: Run, exact: Run) -> FloatArray:
@@ -223,12 +221,11 @@ class Quantity:
         """
         return np.abs(_relative(ours - theirs, self._at_least(np.abs(theirs), before)))
 
-    def span(self, run: Run | Result) -> float:
+    def span(self, run: Run) -> float:
         """Return the time, s, over which the motion affects this quantity.
 
         Bodies without gravity, loads or preload do not deform until the first contact.
         """
-        run = _run_of(run)
         touched = [of.contacts for of in run.events if of.contacts]
         plan = run.plan
         loaded = plan.preload or plan.gravity or plan.loads
@@ -237,12 +234,11 @@ class Quantity:
             return run.duration - first
         return max((each[-1][1] for each in touched), default=first) - first
 
-    def contact_time(self, run: Run | Result) -> float | None:
+    def contact_time(self, run: Run) -> float | None:
         """Return the duration of the first contact, s, or None where none ends in the record.
 
         Of a scene that of the shortest of the hard contacts, where its force is largest.
         """
-        run = _run_of(run)
         if not run.plan.scene:
             return run.events[0].contact_duration or None
         hardest = max((of.peak_force for of in run.events), default=0.0)
@@ -268,34 +264,48 @@ class Quantity:
         return scales if self.least is None else np.maximum(scales, self.least(before))
 
 
-def find_number(run: Run, name: str) -> float | None:
-    """Return a number of a run by its name, as of `Quantity.named`; None where there is none."""
-    quantity = QUANTITIES.get(name.rpartition(".")[2])
-    if quantity is None or quantity.is_history:
-        return None
-    return quantity.named(run).get(name)
+def look_up(result: Any, name: str, argument: str) -> float:
+    """Return a number of a run by its name, as of `Quantity.named`, or else any attribute of it.
 
-
-def named_number(run: Run, name: str) -> float:
-    """Return a number of a run by its name.
+    Parameters
+    ----------
+    result : Run
+    name : str
+        Attributes are dotted, with numbers for places in lists.
+    argument : str
+        For messages: what the name was given as.
 
     Raises
     ------
     InputError, InputTypeError
         If the run has no such number.
     """
-    if (found := find_number(run, text("name", name))) is not None:
-        return found
-    names = [one for of in QUANTITIES.values() if not of.is_history for one in of.named(run)]
-    cure = like_number(run, name) or nearest(name, names)
-    raise InputError(f"name: the run has no number {name!r}{cure}")
-
-
-def like_number(run: Run, name: str) -> str:
-    """Return which number of the same quantity a run has, for messages; empty if it has none."""
-    quantity = QUANTITIES.get(name.rpartition(".")[2])
-    names = [] if quantity is None or quantity.is_history else [*quantity.named(run)]
-    return f": take {names[0]!r}" if names else ""
+    quantity, of_run = QUANTITIES.get(name.rpartition(".")[2]), hasattr(result, "plan")
+    if of_run and quantity is not None and not quantity.is_history:
+        number = quantity.named(result).get(name)
+        if number is not None:
+            return number
+    found = result
+    for part in name.split("."):
+        try:
+            found = found[int(part)] if part.isdigit() else getattr(found, part)
+        except (AttributeError, IndexError, TypeError):
+            known = [one for one in dir(found) if not one.startswith("_")]
+            if of_run:
+                all_of = [of for of in QUANTITIES.values() if not of.is_history]
+                known = [*(one for of in all_of for one in of.named(result)), *known]
+            raise InputError(
+                f"{argument}: {name!r}: {type(found).__name__} has no {part!r}"
+                f"{suggestion(name, known)}"
+            ) from None
+    if found is None:  # an error that is not known
+        return math.nan
+    if not isinstance(found, (numbers.Real, np.bool_)):
+        raise InputTypeError(
+            f"{argument}: {name!r} is no number but {type(found).__name__}; name one, such as "
+            "'peak_force'"
+        )
+    return float(found)
 
 
 def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[str, float]:
@@ -320,12 +330,6 @@ def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[
         name = f"contacts.{i}.intervals" if run.plan.scene else "contacts"
         errors[name] = 0.0 if as_many else math.inf
     return errors
-
-
-def _run_of(run: Run | Result) -> Run:
-    found: Any = run
-    whole: Run = getattr(found, "run", found)
-    return whole
 
 
 def _speeds(run: Run, *, known: bool) -> Speeds:

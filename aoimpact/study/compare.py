@@ -96,9 +96,7 @@ def compare(
         with held_warnings():
             return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
 
-    contact_time, span = first_guess(
-        bodies, lambda models: quick(models).run, QUANTITIES["target_displacement"]
-    )
+    contact_time, span = first_guess(bodies, quick, QUANTITIES["target_displacement"])
     linear = checked_solver(linear_solver, name="linear_solver")
     hierarchies = tuple(
         model_hierarchy(body, contact_time, max(span, duration), linear) for body in bodies

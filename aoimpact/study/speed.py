@@ -213,7 +213,7 @@ def _scipy_run(
 
 
 def _outcome(result: Result) -> Outcome:
-    return Outcome(result.peak_force, result.contact_duration, result.run.compared_velocities[0])
+    return Outcome(result.peak_force, result.contact_duration, result.compared_velocities[0])
 
 
 def _simulation(scene: dict[str, Any], solver: Newmark | Adaptive) -> Callable[[], Outcome]:

@@ -563,7 +563,7 @@ def test_a_contact_that_the_record_cuts_is_as_exact_as_claimed(solver, duration)
     }
     hit = ao.simulate(**scene, solver=ao.Newmark(**solver))
     exact = ao.simulate(**scene, solver=ao.Adaptive(rtol=1e-10))
-    assert hit.t[-1] == hit.run.duration == duration
+    assert hit.t[-1] == hit.duration == duration
     assert hit.t[1] <= solver.get("dt", 1.0)
     np.testing.assert_allclose(np.diff(hit.t), hit.t[1], rtol=1e-9)
     assert abs(hit.peak_force / exact.peak_force - 1.0) <= hit.error.time

@@ -51,7 +51,7 @@ def test_it_is_never_reduced(options: dict[str, object]) -> None:
 def test_a_contact_point_stands_for_a_model_that_gives_the_force_to_a_percent() -> None:
     """The full model is what its force is right to; the tolerance is that asked for by name."""
     whole, by_point = struck(ao.full(TIP), rtol=1e-3), struck(TIP)
-    model = by_point.run.plan.bodies[1].model
+    model = by_point.plan.bodies[1].model
     assert isinstance(model, ao.AOModel)
     assert model.n < BODY.n_dofs / 4
     assert QUANTITIES["force"].difference(by_point, whole) <= 1e-2

@@ -1,8 +1,10 @@
-"""Whether a run is what was meant: no impact at all, and what linear elasticity is not for.
+"""Every warning about a run: its models, its contacts, and what linear elasticity is not for.
 
-Bodies that yield, contacts as wide as the bodies are curved, plates that stretch, and speeds that
-are not small beside that of waves have no small error: each has one warning a run, with its cure.
-What is not known of a body is not checked, so that models given by numbers cost nothing.
+A model fitted to a contact of duration T has the receptance of its body at the frequency i s,
+s ~ 10/T. The forces that it leaves unbalanced at the frequency of the contact that it has met show
+how exact it is for that one. Bodies that yield, contacts as wide as the bodies are curved, plates
+that stretch, and speeds near that of waves have no small error: each has one warning a run, with
+its cure. What is not known of a body is not checked, so models given by numbers cost nothing.
 """
 
 from __future__ import annotations
@@ -10,12 +12,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..base import FloatArray, warn, with_unit
-from ..fem import ContactPoint, Material
+from ..base import FloatArray, plain, warn, with_unit
+from ..fem import ContactPoint, Material, Rayleigh
 from ..laws import (
     ContactLaw,
     RoundContact,
@@ -25,13 +27,283 @@ from ..laws import (
     yield_force,
     yield_pressure,
 )
-from ..reduction import AOModel
+from ..reduction import AOModel, is_valid_for
 
 if TYPE_CHECKING:
     from ..scene import Contact, Plan
+    from .errors import ErrorEstimate
     from .run import Run
 
-__all__ = ["limits", "warn_of_run", "warning_limits"]
+__all__ = [
+    "FIRST_ORDER_LIMIT",
+    "follows",
+    "limits",
+    "warn_of_bodies",
+    "warn_of_exchange",
+    "warn_of_first_order",
+    "warn_of_ledger",
+    "warn_of_misfit",
+    "warn_of_run",
+    "warn_of_size",
+    "warning_limits",
+]
+
+# ------------------------------------------------------------------- models fitted to a contact
+
+# Unbalanced force, relative, up to which later contacts are right: on five bodies that ring between
+# two to four contacts the impulse was wrong by .02 to .45 above 6e-5, and by less than .001 below
+# 2e-5.
+_BALANCED_AGAIN = 3e-5
+
+# Unbalanced force, relative, up to which the displacement after a contact is right: on twelve
+# bodies it was wrong by .15 to 1.3 above this, but for a light body that moves as a whole, and by
+# less than .1 below a tenth of this.
+_BALANCED_AFTER = 1e-3
+
+
+def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
+    """Warn where a model was fitted to quite another duration than that of its contact.
+
+    The duration of the contact of the peak force counts, and how long the body is touched in all:
+    its motion between two contacts makes the force of the second.
+
+    Parameters
+    ----------
+    run : Run
+    names : sequence of str
+        Of the bodies, for messages.
+    """
+    plan = run.plan
+    said = set()
+    for contact, events in zip(plan.contacts, run.events, strict=True):
+        for body, port in contact.ports:
+            model = plan.bodies[body].model
+            fitted = model.contact_time
+            if fitted is None or body in said or not events.contacts:
+                continue
+            start, end = events.peak_contact or (0.0, 0.0)
+            # A contact that the record cuts off would have lasted at least as long as fitted.
+            contact_time = max(end - start, fitted) if end >= run.duration else end - start
+            starts, ends = zip(*_touches(run, body), strict=True)
+            touched_for = max(ends) - min(starts) if max(starts) > min(ends) else 0.0
+            told = f"{names[body]} was fitted to a contact of {with_unit(fitted, 's')}, but "
+            if not is_valid_for(model, contact_time, port):
+                said.add(body)
+                warn(
+                    f"{told}the one of the peak force lasts {with_unit(contact_time, 's')}: at "
+                    "that time scale the model is not exact enough for its force to be right; "
+                    f"make it with contact_time={contact_time:.2g}, or give the finite-element "
+                    "body itself and rtol"
+                )
+            elif not is_valid_for(model, touched_for, port, _BALANCED_AGAIN):
+                said.add(body)
+                warn(
+                    f"{told}is touched again and again for {with_unit(touched_for, 's')}: its "
+                    "motion in between is not exact enough for the later forces, impulse and "
+                    f"rebound to be right; make it with duration={touched_for:.2g} and some more "
+                    "oscillators, or give the finite-element body itself and rtol"
+                )
+
+
+def follows(run: Run, body: int) -> bool:
+    """Return whether a body's displacement is known to be right after the contact.
+
+    By the forces that its model leaves unbalanced at that time scale. This costs a few products
+    with K and M; the error itself costs another run.
+    """
+    model, touches = run.plan.bodies[body].model, _touches(run, body)
+    if model.contact_time is None or not touches or not len(run.t):
+        return not touches
+    since = float(run.t[-1]) - min(touches)[0]
+    ports = {contact.port_of(body) for contact in run.plan.contacts if contact.touches(body)}
+    return since <= model.contact_time or all(
+        is_valid_for(model, since, port, _BALANCED_AFTER) for port in ports
+    )
+
+
+def _touches(run: Run, body: int) -> list[tuple[float, float]]:
+    """Start and end of every contact of a body, s."""
+    return [
+        touch
+        for contact, of in zip(run.plan.contacts, run.events, strict=True)
+        if contact.touches(body)
+        for touch in of.contacts
+    ]
+
+
+# ------------------------------------------------------------------- bodies and contact points
+
+# β over the duration of the contact from which dashpots at a massless contact count: a body of one
+# oscillator is wrong by 2e-4 in the peak and 9e-4 in the rebound velocity there.
+_LAGS = 1e-4
+# Share of the body's mass that changes the force by about as much.
+_LIGHT = 1e-6
+
+# Directions more than 10° off the normal are warned of; facets of coarse meshes are that far off.
+_OBLIQUE = math.cos(math.radians(10.0))
+
+# Points of two bodies closer than this share of the first body's size count as one.
+_SHARED = 1e-3
+
+# A ball's radius over the other body's size above which a warning is given: millimetres may have
+# been taken for metres, a factor of 1000.
+_FAR_LARGER = 5.0
+
+
+def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
+    """Warn of bodies and contact points outside the range of the method.
+
+    Damping that would hold a massless contact back, rebounds that are not known, directions oblique
+    to the surface, and bodies on the same side of a point that they share.
+
+    Parameters
+    ----------
+    run : Run
+    names : sequence of str
+        Of the bodies, for messages.
+    """
+    plan = run.plan
+    for number, body in enumerate(plan.bodies):
+        if isinstance(damping := body.model.damping, Rayleigh) and body.massless:
+            _warn_of_lag(damping.beta, body.static_mass, _touches(run, number), names[number])
+        moves = plan.velocities[number] != 0.0 or not body.constrained
+        if not body.centre_known and moves:
+            warn(
+                f"{names[number]}: the centre of mass of a body given by K and M alone is known "
+                "only where it is free and struck through it; the centre's displacement, its "
+                "velocity and what follows from it (rebound_velocity, restitution) are NaN: give "
+                "the nodes as well, FEModel(K=, M=, nodes=)"
+            )
+    checked = set()
+    for contact in plan.contacts:
+        tips = [plan.bodies[of].model.touched_at(port) for of, port in contact.ports]
+        for tip, (number, _) in zip(tips, contact.ports, strict=True):
+            if tip is not None and (number, tip) not in checked:
+                checked.add((number, tip))
+                _warn_of_direction(tip, names[number])
+        first, second = tips
+        if first is not None and second is not None:
+            _warn_of_side(first, second, [names[number] for number, _ in contact.ports])
+
+
+def _warn_of_lag(
+    beta: float, mass: float, touches: Sequence[tuple[float, float]], name: str
+) -> None:
+    """Warn where stiffness-proportional damping would hold a massless contact back.
+
+    The dashpots β k on a contact without mass let it follow its force with the time constant β;
+    the compliance of such a contact is taken without them (`Rayleigh`).
+    """
+    longest = max((end - start for start, end in touches), default=math.inf)
+    if beta > _LAGS * longest:
+        warn(
+            f"{name} has no mass at its contact (m0 = 0), where damping with beta = "
+            f"{with_unit(beta, 's')} does not act: in a contact of {with_unit(longest, 's')} force "
+            f"and rebound are not those of a light contact mass; give one, m0={_LIGHT * mass:.1g}"
+        )
+
+
+def _warn_of_direction(tip: ContactPoint, name: str) -> None:
+    """Warn of a direction off the normal: only the normal velocity takes part in the contact."""
+    if tip.normal is None or tip.direction is None or tip.point is None:
+        return
+    cosine = min(1.0, abs(float(tip.normal @ tip.direction)))
+    if cosine < _OBLIQUE:
+        angle = math.degrees(math.acos(cosine))
+        warn(
+            f"{name} is touched along {plain(tip.direction)}, {angle:.0f}° off the normal of its "
+            f"surface at {plain(tip.point)} m: contact is along the normal and without friction, "
+            "so this is the impact of bodies that are guided along that direction; if they are "
+            "not, leave direction out and give the speed along the normal, "
+            f"{cosine:.3g} of it"
+        )
+
+
+def _warn_of_side(first: ContactPoint, second: ContactPoint, names: Sequence[str]) -> None:
+    """Warn of bodies on the same side of a common point, if they share coordinates."""
+    if first.body is second.body or first.point is None or second.point is None:
+        return
+    if first.direction is None or second.direction is None or first.body.nodes is None:
+        return
+    near = _SHARED * float(np.ptp(first.body.nodes, axis=0).max())
+    opposite = float(first.direction @ second.direction) < 0.0
+    if opposite and np.linalg.norm(first.point - second.point) <= near:
+        warn(
+            f"{names[0]} and {names[1]} touch at {plain(first.point)} m with outward normals on "
+            "the same side: if their coordinates are the same, they are inside each other, and one "
+            "is touched on its far side; choose the point that faces the other body"
+        )
+
+
+def warn_of_exchange(projectile: Any, target: Any) -> None:
+    """Warn of a finite-element projectile with supports, where the target is free.
+
+    A projectile on springs only is not warned of: it may move as a tup on its guide does.
+    """
+    tip = projectile.model.touched_at()
+    if tip is None or not projectile.constrained or target.fixed or tip.body.nodes is None:
+        return
+    if tip.body.free is not None and len(tip.body.free) < tip.body.nodes.size:
+        warn(
+            "projectile moves though supports hold it, and nothing holds the target: it moves as "
+            "it would deflect under a force at the contact, and swings back. If it is what is "
+            "struck, exchange projectile and target; if it flies, leave its supports (fixed=) out"
+        )
+
+
+def warn_of_size(radius: float, other: ContactPoint | None, name: str, other_name: str) -> None:
+    """Warn of a rigid ball, of a radius in m, far larger than the body it meets: a wrong unit."""
+    if other is None or other.body.mesh is None:
+        return
+    size = other.body.mesh.size
+    if _FAR_LARGER * size < radius < math.inf:
+        warn(
+            f"{name} is a ball with a radius of {with_unit(radius, 'm', 3)}, and {other_name} is "
+            f"{with_unit(size, 'm', 3)} long: is the radius in metres?"
+        )
+
+
+# ------------------------------------------------------------------- errors
+
+# Energy drift, over the error of the run or rounding, from which a run is not to be trusted.
+_DRIFT, _LEAST_ERROR = 100.0, 1e-12
+
+# Error by a mesh of first order from which on it is worth a warning.
+FIRST_ORDER_LIMIT = 0.1
+
+
+def warn_of_first_order(run: Run, error: ErrorEstimate) -> None:
+    """Warn of a large error by a mesh of first order, which few elements of second order cure."""
+    if error.mesh is None or not error.mesh > FIRST_ORDER_LIMIT:
+        return
+    touched = {end for contact in run.plan.contacts for end in contact.ports}
+    names = []
+    for body, port in sorted(touched):
+        tip = run.plan.bodies[body].model.touched_at(port)
+        if tip is not None and tip.body.mesh is not None and not tip.body.mesh.quadratic:
+            names.append(run.names[body])
+    if names:
+        warn(
+            f"{' and '.join(dict.fromkeys(names))}: elements of first order make an error of "
+            f"{100.0 * error.mesh:.2g} % in the {error.quantity or 'force'}; add midside nodes "
+            "with FEModel.from_mesh(..., order=2)"
+        )
+
+
+def warn_of_ledger(energy: float, error: float | None) -> None:
+    """Warn where the energy of a run to a tolerance drifts by far more than its error.
+
+    Over 600 random scenes it drifted by at most 0.3 times that, at contacts without mass by 10.
+    """
+    if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
+        warn(
+            f"the run's energy ledger is off by {energy:.2g} of the largest energy stored, though "
+            f"its error should be {error:.2g}: the run is not to be trusted, unless it is a law's "
+            "own energy that is not the work of its force"
+        )
+
+
+# ------------------------------------------------------------------- limits of linear elasticity
 
 # Radius of a contact over that of curvature. Sneddon's punch with the shape of a sphere, instead of
 # Hertz's paraboloid, has 1 % less force here and 3 % at .5; strains are .2 of it (Tabor).
@@ -137,18 +409,10 @@ def warn_of_run(run: Run) -> None:
             if value > limit:
                 excess = value / limit if limit else math.inf
                 worst[kind] = max(worst.get(kind, (0.0, 0)), (excess, number))
-    if plan.contacts and not pressed:
-        _warn(_missed(run))
-    for kind, (_, number) in worst.items():
-        _warn(_TEXTS[kind](run, number))
-
-
-def _warn(text: str) -> None:
-    if text:
+    texts = [_missed(run)] if plan.contacts and not pressed else []
+    texts += [_TEXTS[kind](run, number) for kind, (_, number) in worst.items()]
+    for text in filter(None, texts):
         warn(text)
-
-
-# ------------------------------------------------------------------- what is known
 
 
 def _yield(
@@ -163,9 +427,6 @@ def _yield(
         if of is not None and of.yield_strength
     ]
     return min(forces, key=lambda pair: pair[0], default=(math.inf, None))
-
-
-# ------------------------------------------------------------------- deflection
 
 
 def _deflecting(plan: Plan, contact: Contact) -> Iterator[float]:
@@ -211,9 +472,6 @@ def _stretches(tip: ContactPoint) -> bool:
         if (straight & (along < 0.0)).any() and (straight & (along > 0.0)).any():
             return True
     return False
-
-
-# ------------------------------------------------------------------- warnings
 
 
 def _said_of_pressure(run: Run, number: int) -> str:
