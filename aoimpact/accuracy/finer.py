@@ -16,54 +16,56 @@ from dataclasses import replace
 from typing import Any
 
 from ..base import AOImpactError, held_warnings
-from ..reduction import AOModel, InterfaceModel, InterfaceSpace, KrylovSpace
+from ..reduction import (
+    AOModel,
+    BodyModel,
+    FullModel,
+    InterfaceModel,
+    InterfaceSpace,
+    KrylovSpace,
+)
 from ..results import Run, TimeSolver, solve
-from ..scene import FullBody
 
 __all__ = ["finer_run"]
 
 # Oscillators, for each contact point, by which the finer models are larger.
 _MORE = 8
 
-# Models do not change: where they keep the finer one.
-_KEPT = "_finer"
-
 
 def finer_run(run: Run, solver: TimeSolver | None) -> Run | None:
     """Return the same run with finer models; None where no body has one, or it cannot be run."""
     plan = run.plan
-    if any(isinstance(body, FullBody) for body in plan.bodies):
+    if any(isinstance(body, FullModel) for body in plan.bodies):
         return None
     try:
         with held_warnings():
-            models = [_finer(body.model) for body in plan.bodies]
-            if all(model is None for model in models):
+            if not any(map(_of_elements, plan.bodies)):
                 return None
-            bodies = tuple(
-                body if model is None else replace(body, model=model)
-                for body, model in zip(plan.bodies, models, strict=True)
-            )
+            bodies = tuple(map(_finer, plan.bodies))
             return solve(replace(plan, bodies=bodies, energies=False), solver)
     except AOImpactError:  # e.g. a contact wider than its patch
         return None
 
 
-def _finer(model: Any) -> AOModel | InterfaceModel | None:
-    """The finer model of one that was made of a body's elements, made once.
-
-    That of a whole body is itself.
-    """
-    if not model.contact_points or math.isinf(getattr(model, "m0", 0.0)):
-        return None
-    kept: dict[str, Any] = vars(model)
-    if _KEPT not in kept:
-        tips, fit = model.contact_points, {"contact_time": model.contact_time, "duration": math.inf}
+def _finer(model: BodyModel) -> BodyModel:
+    """The finer model of one that was made of a body's elements, made once; of others itself."""
+    if not _of_elements(model):
+        return model
+    if "finer" not in model.kept:
+        assert isinstance(model, AOModel | InterfaceModel)
+        tips = model.contact_points
+        fit: Any = {"contact_time": model.contact_time, "duration": math.inf}
         size = model.n + _MORE * len(tips)
         if isinstance(model, InterfaceModel):
             larger: Any = InterfaceSpace(tips, **fit).of_vectors(size)
         else:
             star = KrylovSpace(tips[0], **fit).of_vectors(size)
             larger = replace(star, damping=model.damping, surface=model.surface)
-        kept[_KEPT] = larger if larger.n > model.n else model
-    found: AOModel | InterfaceModel = kept[_KEPT]
+        model.kept["finer"] = larger if larger.n > model.n else model
+    found: BodyModel = model.kept["finer"]
     return found
+
+
+def _of_elements(model: BodyModel) -> bool:
+    """Whether it has a finer model, or is that of a whole body."""
+    return bool(model.contact_points) and not math.isinf(getattr(model, "m0", 0.0))

@@ -19,9 +19,9 @@ import numpy as np
 
 from ..base import AOImpactError, held_warnings
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
-from ..reduction import FullModel, ReducedModel
+from ..reduction import BodyModel, FullModel, ReducedModel
 from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
-from ..scene import Contact, FullBody, Plan, SceneBody, extraction_of, scene_body
+from ..scene import Contact, Plan, extraction_of
 from .hierarchy import model_hierarchy
 
 __all__ = ["Altered", "LeftOutFinder", "Met", "alterations", "extrapolated"]
@@ -72,7 +72,7 @@ class LeftOutFinder:
         plan = run.plan
         if not self.meshed:
             return LeftOut()
-        full = [body.model.body for body in plan.bodies if isinstance(body, FullBody)]
+        full = [body.body for body in plan.bodies if isinstance(body, FullModel)]
         if full:
             if any(body.mesh is None for body in full) or not any(of.contacts for of in run.events):
                 return LeftOut()
@@ -157,12 +157,12 @@ def _with_models(run: Run) -> Run:
     shortest = min((time for time in times if time > 0.0), default=run.duration)
     slow = run.duration if run.duration > shortest else None
     made: dict[FullModel, Any] = {}
-    bodies: list[SceneBody] = []
+    bodies: list[BodyModel] = []
     for body in run.plan.bodies:
-        if isinstance(model := body.model, FullModel):
-            if model not in made:
-                made[model] = model_hierarchy(model, shortest, slow).finished(_IN_PLACE_OF_ALL)
-            body = scene_body("body", made[model], body.velocity)
+        if isinstance(body, FullModel):
+            if body not in made:
+                made[body] = model_hierarchy(body, shortest, slow).finished(_IN_PLACE_OF_ALL)
+            body = made[body]
         bodies.append(body)
     plan = replace(run.plan, bodies=tuple(bodies), energies=False)
     with held_warnings():
@@ -298,7 +298,7 @@ def _of_contact(plan: Plan, number: int, contact_time: float) -> list[_End] | No
     law = own_law(contact.law)
     found = []
     for body, port in contact.ports:
-        model = plan.bodies[body].model
+        model = plan.bodies[body]
         tip = model.touched_at(port)
         if tip is None or (tip.patch is None and not isinstance(law, HertzianLaw)):
             continue  # numbers, or a law that does not contain the bodies' indentation
@@ -329,10 +329,9 @@ def _stiffer(
     scale = 2.0 ** max(0, math.ceil(math.log2(largest / _SMALL)))
     bodies = list(plan.bodies)
     for body, share in shares.items():
-        model = bodies[body].model
+        model = bodies[body]
         assert isinstance(model, ReducedModel)
-        factor = 1.0 / (1.0 + sign * share / scale)
-        bodies[body] = replace(bodies[body], model=model.stiffened(factor))
+        bodies[body] = model.stiffened(1.0 / (1.0 + sign * share / scale))
     contacts = [
         contact._replace(law=_with_compliance(contact.law, -change / scale))
         for contact, change in zip(plan.contacts, changes, strict=True)

@@ -139,7 +139,7 @@ class _Parts:
             return None
         omitted = plan.omitted[0]
         self.laws.append(plan.contacts[0].law.for_core())
-        run = tuple(body.model for body in plan.bodies)
+        run = tuple(plan.bodies)
         return _Pair(
             (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
             0.0 if omitted is None else omitted.share,

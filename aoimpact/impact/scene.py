@@ -28,7 +28,7 @@ from ..laws import ContactLaw, own_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model
 from ..results import Handle, Quantity, RecordLength, Run, TimeSolver
-from ..scene import Contact, Load, Plan, SceneBody, law_of_models, normal_gap, scene_body
+from ..scene import Contact, Load, Plan, law_of_models, normal_gap
 from .checks import checked_duration, checked_gravity, checked_speed
 from .defaults import Meeting, chosen_law, contact_width, fitted, meeting, turns
 from .run import RunOptions, run_models
@@ -73,7 +73,6 @@ class Scene:
     def __init__(self, *, gravity: float = 0.0) -> None:
         self.gravity = checked_gravity(gravity)
         self._bodies: list[BodyModel] = []
-        self._scene_bodies: list[SceneBody] = []
         self._velocities: list[float] = []
         self._positions: list[float] = []
         self._names: list[str] = []
@@ -85,10 +84,10 @@ class Scene:
         self._mark = _Mark(uuid.uuid4().hex)
 
     def __repr__(self) -> str:
-        labels = ", ".join(body.label for body in self._scene_bodies[:6])
-        more = ", …" if len(self._scene_bodies) > 6 else ""
+        labels = ", ".join(body.label for body in self._bodies[:6])
+        more = ", …" if len(self._bodies) > 6 else ""
         return (
-            f"Scene(gravity={self.gravity:g}): {len(self._scene_bodies)} bodies ({labels}{more}), "
+            f"Scene(gravity={self.gravity:g}): {len(self._bodies)} bodies ({labels}{more}), "
             f"{len(self._contacts)} contacts, {len(self._loads)} loads"
         )
 
@@ -131,11 +130,10 @@ class Scene:
         speed = checked_speed("velocity", velocity)
         model = body_model("body", body)
         self._bodies.append(model)
-        self._scene_bodies.append(scene_body("body", model, speed))
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
         self._names.append(called)
-        return Handle(len(self._scene_bodies) - 1, name=called, scene=self._mark.name)
+        return Handle(len(self._bodies) - 1, name=called, scene=self._mark.name)
 
     def connect(
         self,
@@ -186,7 +184,7 @@ class Scene:
             )
         if law is not None and not isinstance(law, ContactLaw):
             raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-        if all(math.isinf(self._scene_bodies[end.body].static_mass) for end in (first, second)):
+        if all(math.isinf(self._bodies[end.body].static_mass) for end in (first, second)):
             raise InputError(
                 f"{names[0]} and {names[1]} are both of infinite mass: there is no motion between "
                 "them"
@@ -251,7 +249,7 @@ class Scene:
                 )
         else:
             times, forces = np.zeros(1), np.array([real("force", force, unit="N")])
-        if math.isinf(self._scene_bodies[end.body].static_mass):
+        if math.isinf(self._bodies[end.body].static_mass):
             called = self._called(end.body)
             raise InputError(f"{called} is a wall: no force moves it; load another body")
         self._loads.append(Load(end.body, end.at, times.copy(), forces.copy()))
@@ -259,12 +257,12 @@ class Scene:
     def _known(self, name: str, handle: Any) -> Handle:
         if not isinstance(handle, Handle):
             raise InputTypeError(f"{name} must be a handle that scene.add returned, got {handle!r}")
-        if handle.scene != self._mark.name or handle.body >= len(self._scene_bodies):
+        if handle.scene != self._mark.name or handle.body >= len(self._bodies):
             raise InputError(
                 f"{name}={handle!r} is of another scene; add the body to this one and take the "
                 "handle that scene.add returns"
             )
-        ports = self._scene_bodies[handle.body].ports
+        ports = self._bodies[handle.body].ports
         if not 0 <= handle.at < ports:
             raise InputError(
                 f"{name}: {self._called(handle.body)} may be touched in {ports} place(s), there is "
@@ -273,7 +271,7 @@ class Scene:
         return handle
 
     def _called(self, body: int) -> str:
-        name = self._names[body] or self._scene_bodies[body].name
+        name = self._names[body] or self._bodies[body].name
         return f"body {body}" + (f" ({name})" if name else "")
 
     # ------------------------------------------------------------------- running
@@ -348,7 +346,7 @@ class Scene:
         length = None if duration is None else checked_duration(duration)
         boolean("energies", energies)
         boolean("preload", preload)
-        if not self._scene_bodies:
+        if not self._bodies:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
@@ -502,17 +500,11 @@ class Scene:
         preload: bool,
     ) -> Plan:
         """The plan of the bodies, or of models in their place."""
-        scene_bodies = self._scene_bodies
-        if any(model != body for model, body in zip(bodies, self._bodies, strict=True)):
-            scene_bodies = [
-                scene_body("body", body, speed)
-                for body, speed in zip(bodies, self._velocities, strict=True)
-            ]
         contacts = [
-            _between(contact, bodies, scene_bodies, width)
+            _between(contact, bodies, width)
             for contact, width in zip(self._contacts, widths, strict=True)
         ]
-        for body in scene_bodies:
+        for body in bodies:
             if self.gravity and body.weightless:
                 warn(
                     f"gravity has no effect on {body.label}: the supports of an AO model given by "
@@ -520,7 +512,7 @@ class Scene:
                     "antioscillators(...) of a body with nodes"
                 )
         return Plan(
-            tuple(scene_bodies),
+            tuple(bodies),
             tuple(self._velocities),
             tuple(contacts),
             tuple(self._loads),
@@ -581,11 +573,10 @@ def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
 def _between(
     contact: Contact,
     bodies: Sequence[Any],
-    scene_bodies: Sequence[SceneBody],
     width: float | None,
 ) -> Contact:
     """The contact with the law for the models that replace its bodies."""
-    if all(math.isinf(scene_bodies[body].static_mass) for body in (contact.first, contact.second)):
+    if all(math.isinf(bodies[body].static_mass) for body in (contact.first, contact.second)):
         raise InputError(
             "both bodies of a contact are of infinite mass: there is no motion between them"
         )

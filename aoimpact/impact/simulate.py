@@ -15,7 +15,7 @@ from ..laws import ContactLaw, LawFromSurfaces
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model
 from ..results import RecordLength, Result, TimeSolver, warn_of_exchange
-from ..scene import Contact, Plan, SceneBody, law_of_models, normal_gap, scene_body
+from ..scene import Contact, Plan, law_of_models, normal_gap
 from .checks import checked_duration, checked_speed
 from .defaults import Meeting, chosen_law, contact_width, fitted_pair, meeting, turns
 from .run import RunOptions, run_models
@@ -198,7 +198,7 @@ class Impact(NamedTuple):
         )
         pair = _pair(first, second, self.numbers.velocity)
         length, gap = self.record.length, self.numbers.gap
-        return _planned(pair, self.law, self.width, length, gap, energies)
+        return _planned(pair, self.law, self.width, self.numbers.velocity, length, gap, energies)
 
 
 def complete_impact(
@@ -292,14 +292,16 @@ def plan_impact(
     _check_law(law)
     numbers = checked_numbers(velocity, duration, gap, energies)
     pair = _pair(projectile, target, numbers.velocity)
-    width = _width(law, [body.model for body in pair], numbers.velocity)
-    return _planned(pair, law, width, checked_duration(duration), numbers.gap, energies)
+    width = _width(law, pair, numbers.velocity)
+    length = checked_duration(duration)
+    return _planned(pair, law, width, numbers.velocity, length, numbers.gap, energies)
 
 
 def _planned(
-    bodies: tuple[SceneBody, SceneBody],
+    bodies: tuple[BodyModel, BodyModel],
     law: ContactLaw,
     width: float | None,
+    velocity: float,
     length: float,
     distance: float,
     energies: bool,
@@ -308,14 +310,14 @@ def _planned(
         raise InputError(
             "projectile and target are both of infinite mass: there is no motion between them"
         )
-    between = law_of_models(law, [(body.model, 0) for body in bodies], width)
+    between = law_of_models(law, [(body, 0) for body in bodies], width)
     contact = Contact(0, 0, 1, 0, between, normal_gap(distance))
-    return Plan(bodies, (bodies[0].velocity, 0.0), (contact,), (), 0.0, length, energies)
+    return Plan(bodies, (velocity, 0.0), (contact,), (), 0.0, length, energies)
 
 
-def _pair(projectile: Any, target: Any, speed: float) -> tuple[SceneBody, SceneBody]:
+def _pair(projectile: Any, target: Any, speed: float) -> tuple[BodyModel, BodyModel]:
     """The bodies of an impact, refused where they cannot meet in one."""
-    bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
+    bodies = body_model("projectile", projectile), body_model("target", target)
     for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1:
             raise InputTypeError(

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fem import ContactPoint, refuse_massless
 from ..linalg import Solver, lowest
-from .full import checked_ports
+from .bodymodel import checked_ports
 from .interface import InterfaceModel, of_modes
 from .modes import ModalModel, natural_modes
 

@@ -23,6 +23,7 @@ from ..base import (
 from ..fem import Body, ContactPoint, ContactSurface, Patch
 from ..linalg import EQUAL, Solver, checked_solver, lowest, warn_of_rounding
 from .bodymodel import FiniteElementModel
+from .modalbody import ModalBody
 from .origin import origin_of
 from .star import AOModel, described
 
@@ -108,6 +109,19 @@ class ModalModel(Frozen, FiniteElementModel):
     def contact_points(self) -> tuple[ContactPoint, ...]:
         """The contact point on its body."""
         return (self.tip,)
+
+    @property
+    def static_mass(self) -> float:
+        """The mass that an impact moves statically, kg, eq. (10)."""
+        return self.star.static_mass
+
+    @property
+    def modal(self) -> ModalBody:
+        """The modes that the contact excites.
+
+        :meta private:
+        """
+        return self.star.modal
 
     @property
     def dofs(self) -> int:

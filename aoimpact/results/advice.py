@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from ..laws import (
     yield_force,
     yield_pressure,
 )
-from ..reduction import AOModel, is_valid_for
+from ..reduction import AOModel, BodyModel, is_valid_for
 
 if TYPE_CHECKING:
     from ..scene import Contact, Plan
@@ -77,7 +77,7 @@ def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
     said = set()
     for contact, events in zip(plan.contacts, run.events, strict=True):
         for body, port in contact.ports:
-            model = plan.bodies[body].model
+            model = plan.bodies[body]
             fitted = model.contact_time
             if fitted is None or body in said or not events.contacts:
                 continue
@@ -111,7 +111,7 @@ def follows(run: Run, body: int) -> bool:
     By the forces that its model leaves unbalanced at that time scale. This costs a few products
     with K and M; the error itself costs another run.
     """
-    model, touches = run.plan.bodies[body].model, _touches(run, body)
+    model, touches = run.plan.bodies[body], _touches(run, body)
     if model.contact_time is None or not touches or not len(run.t):
         return not touches
     since = float(run.t[-1]) - min(touches)[0]
@@ -164,7 +164,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     """
     plan = run.plan
     for number, body in enumerate(plan.bodies):
-        if isinstance(damping := body.model.damping, Rayleigh) and body.massless:
+        if isinstance(damping := body.damping, Rayleigh) and body.massless:
             _warn_of_lag(damping.beta, body.static_mass, _touches(run, number), names[number])
         moves = plan.velocities[number] != 0.0 or not body.constrained
         if not body.centre_known and moves:
@@ -176,7 +176,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
             )
     checked = set()
     for contact in plan.contacts:
-        tips = [plan.bodies[of].model.touched_at(port) for of, port in contact.ports]
+        tips = [plan.bodies[of].touched_at(port) for of, port in contact.ports]
         for tip, (number, _) in zip(tips, contact.ports, strict=True):
             if tip is not None and (number, tip) not in checked:
                 checked.add((number, tip))
@@ -235,12 +235,12 @@ def _warn_of_side(first: ContactPoint, second: ContactPoint, names: Sequence[str
         )
 
 
-def warn_of_exchange(projectile: Any, target: Any) -> None:
+def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
     """Warn of a finite-element projectile with supports, where the target is free.
 
     A projectile on springs only is not warned of: it may move as a tup on its guide does.
     """
-    tip = projectile.model.touched_at()
+    tip = projectile.touched_at()
     if tip is None or not projectile.constrained or target.fixed or tip.body.nodes is None:
         return
     if tip.body.free is not None and len(tip.body.free) < tip.body.nodes.size:
@@ -279,7 +279,7 @@ def warn_of_first_order(run: Run, error: ErrorEstimate) -> None:
     touched = {end for contact in run.plan.contacts for end in contact.ports}
     names = []
     for body, port in sorted(touched):
-        tip = run.plan.bodies[body].model.touched_at(port)
+        tip = run.plan.bodies[body].touched_at(port)
         if tip is not None and tip.body.mesh is not None and not tip.body.mesh.quadratic:
             names.append(run.names[body])
     if names:
@@ -377,7 +377,7 @@ def _limits_of_numbers(law: ContactLaw) -> Limits:
 
 def warning_limits(plan: Plan) -> tuple[float, float]:
     """Return up to which force, N, and velocity, m/s, an impact needs no warning."""
-    most, mass = limits(plan, plan.contacts[0]), plan.bodies[0].mass
+    most, mass = limits(plan, plan.contacts[0]), plan.bodies[0].known_mass
     speed = most.speed
     if most.deflection < math.inf:
         speed = min(speed, math.sqrt(2.0 * most.deflection / mass) if mass else 0.0)
@@ -435,10 +435,9 @@ def _deflecting(plan: Plan, contact: Contact) -> Iterator[float]:
     k0 u²/2 is the least energy of a deflection u; 0 where no such limit is known.
     """
     for body, port in contact.ports:
-        scene_body = plan.bodies[body]
-        model = scene_body.model
+        model = plan.bodies[body]
         tip = model.touched_at(port)
-        if tip is None or not scene_body.constrained or _allowed(tip) == math.inf:
+        if tip is None or not model.constrained or _allowed(tip) == math.inf:
             continue
         alone = not plan.gravity and not plan.loads
         if alone and isinstance(model, AOModel):
@@ -449,7 +448,9 @@ def _deflecting(plan: Plan, contact: Contact) -> Iterator[float]:
 
 def _energy(plan: Plan) -> float:
     """Of all bodies at the start, J; infinite where a mass is, or is not known."""
-    moving = [(body.mass, v) for body, v in zip(plan.bodies, plan.velocities, strict=True) if v]
+    moving = [
+        (body.known_mass, v) for body, v in zip(plan.bodies, plan.velocities, strict=True) if v
+    ]
     return math.fsum(0.5 * (math.inf if mass is None else mass) * v * v for mass, v in moving)
 
 
@@ -509,7 +510,7 @@ def _said_of_deflection(run: Run, number: int) -> str:
     """The warning, if the motion itself confirms it."""
     contact = run.plan.contacts[number]
     for body, port in contact.ports:
-        tip = run.plan.bodies[body].model.touched_at(port)
+        tip = run.plan.bodies[body].touched_at(port)
         if tip is None or not run.plan.bodies[body].constrained or _allowed(tip) == math.inf:
             continue
         assert tip.body.mesh is not None

@@ -59,7 +59,7 @@ def _span(hit: Result) -> tuple[float, float]:
 
 def moving_bodies(hit: Result, times: FloatArray) -> tuple[list[MovingBody], FloatArray]:
     """Return the bodies that can be drawn, where they meet, and the direction of travel."""
-    first, second = (_tip(body.model) for body in hit.plan.bodies)
+    first, second = (_tip(body) for body in hit.plan.bodies)
     shown = [tip for tip in (second, first) if tip is not None]
     if not shown:
         raise InputError(
@@ -101,7 +101,7 @@ def _body(
 
 def _ball(hit: Result, times: FloatArray, place: FloatArray, down: FloatArray) -> list[MovingBody]:
     """A rigid projectile that is round, before the place where it touches; none of another."""
-    surface = hit.plan.bodies[0].model.surface_at()
+    surface = hit.plan.bodies[0].surface_at()
     if surface is None or not np.isfinite(surface.radii[0]) or surface.radii[0] <= 0.0:
         return []
     radius = surface.radii[0]

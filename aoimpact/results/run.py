@@ -166,7 +166,7 @@ class Run:
     @property
     def models(self) -> tuple[Any, ...]:
         """The bodies' models in the order of `add`: those chosen, or as given."""
-        return tuple(body.model for body in self.plan.bodies)
+        return tuple(self.plan.bodies)
 
     @property
     def solver(self) -> str:
@@ -262,7 +262,7 @@ class Run:
         return BodyResult(
             name=self.names[index],
             label=body.label,
-            mass=body.mass,
+            mass=body.known_mass,
             constrained=body.constrained,
             _centre=rows.displacement if body.centre_known else unknown,
             _centre_rate=rows.velocity if body.centre_known else unknown.copy(),
@@ -463,7 +463,7 @@ class Run:
     @property
     def _whole(self) -> bool:
         """Whether full finite-element models took part, and no reduced ones."""
-        models = [body.model for body in self.plan.bodies]
+        models = self.plan.bodies
         full = [isinstance(model, FullModel) for model in models]
         return any(full) and all(
             whole or not model.contact_points for whole, model in zip(full, models, strict=True)

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from ..base import InputTypeError, LawLimitError, warn, with_unit
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import PatchLaw, wider
-from ..scene import Contact, FullBody, Plan
+from ..reduction import FullModel
+from ..scene import Contact, Plan
 from .run import Result, Run
 
 __all__ = ["AS_LONG_AGAIN", "RecordLength", "TimeSolver", "solve"]
@@ -30,7 +31,7 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
         If a contact grows wider than its patches, or deeper than its table; with its number.
     """
     if solver is None:
-        full = any(isinstance(body, FullBody) for body in plan.bodies)
+        full = any(isinstance(body, FullModel) for body in plan.bodies)
         solver = Newmark() if full else _BY_DEFAULT
     if not isinstance(solver, (Adaptive, Newmark)):
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
@@ -54,7 +55,7 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
 def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: float) -> LawLimitError:
     """The error of a contact that is stiffer than the meshes under it, with the cure."""
     assert isinstance(contact.law, PatchLaw)
-    tips = [plan.bodies[body].model.touched_at(port) for body, port in contact.ports]
+    tips = [plan.bodies[body].touched_at(port) for body, port in contact.ports]
     radii = [tip.patch.radius for tip in tips if tip is not None and tip.patch is not None]
     cure = "leave radius out, so that a patch carries the contact"
     if radii:

@@ -15,7 +15,7 @@ from .errors import ROUNDING, ErrorParts, percent
 from .quantities import QUANTITIES, Quantity
 
 if TYPE_CHECKING:
-    from ..scene import SceneBody
+    from ..reduction import BodyModel
     from .motion import BodyResult
     from .run import Result, Run
 
@@ -65,7 +65,7 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
     """Return (name, value with unit) of the bodies and contacts of a scene."""
     rows = []
     for name, body in zip(run.names[:SHOWN], run.plan.bodies, strict=False):
-        tips = body.model.contact_points[:_PLACES]
+        tips = body.contact_points[:_PLACES]
         places = "".join(place_words(tip, rigid=body.label == "rigid") for tip in tips)
         rows.append((name, f"{body.label}{support_words(body)}{places}"))
     error = run.error
@@ -109,12 +109,12 @@ def _body(result: Result, which: str) -> str:
     if body.mass == math.inf:
         mass = ""
     name = "" if body.name == which else f"{body.name}: "
-    model = result.plan.bodies[0 if which == "projectile" else 1].model
+    model = result.plan.bodies[0 if which == "projectile" else 1]
     place = place_words(model.touched_at(), rigid=body.label in _RIGID)
     return f"{name}{body.label}{mass}{support_words(body)}{place}"
 
 
-def support_words(body: BodyResult | SceneBody) -> str:
+def support_words(body: BodyResult | BodyModel) -> str:
     """Return whether a body is constrained, for those that can be."""
     if body.label in _RIGID:
         return ""
@@ -177,7 +177,7 @@ def error_row(run: Run) -> tuple[str, str]:
     error = run.error
     parts = error[error.quantity or "force"]
     listed = parts.listed()
-    if parts.mesh is None and not any(body.model.contact_points for body in run.plan.bodies):
+    if parts.mesh is None and not any(body.contact_points for body in run.plan.bodies):
         listed = listed[listed.index("model") :]  # there are no meshes
     if error.quantity is None and parts.mesh is None:
         return "error of the peak", f"{listed} %"

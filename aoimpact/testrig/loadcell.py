@@ -216,7 +216,7 @@ class LoadCell:
 
     def _strikes(self, hit: Result) -> bool:
         """Whether the projectile is this cell's tup."""
-        model, own = hit.plan.bodies[0].model, self.tup()
+        model, own = hit.plan.bodies[0], self.tup()
         return (
             isinstance(model, AOModel)
             and (model.m0, model.k0, model.damping) == (own.m0, 0.0, own.damping)
