@@ -13,9 +13,10 @@ import numpy as np
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn, with_unit
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
+from ..reduction import AOModel
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
-from .hierarchy import Models, only_models
+from .hierarchy import FixedModel, Models, only_models
 from .leftout import LeftOutFinder
 from .order import LOOSEST, Orders, proven_orders, shared_orders
 
@@ -81,6 +82,7 @@ def choose_models(
     rtol: float | None,
     solver: Any,
     *,
+    truncated: bool,
     energies: bool,
     record: RecordLength,
     law_errors: Sequence[float] = (),
@@ -93,13 +95,14 @@ def choose_models(
     ----------
     plan_of : callable
         Returns the plan for a model of each body, and whether to record energies.
-    bodies : sequence
-        As of `proven_orders`.
+    bodies : sequence of BodyModel
     interest : callable
         Returns the quantity of interest.
     rtol : float, optional
         Relative.
     solver : Adaptive or Newmark, optional
+    truncated : bool
+        Whether AO models that were given are truncated, too; other models stay as they are.
     energies : bool
     record : RecordLength
         How long the scene is recorded.
@@ -126,7 +129,14 @@ def choose_models(
     given = rtol is not None
     rule, in_time = time_rule(solver, tolerance, given=given)
     timed = partial(solve, solver=rule)
-    meshed = any(getattr(body, "given", body).contact_points for body in bodies)
+    meshed = any(body.contact_points for body in bodies)
+    kept = {
+        body: body
+        if body.reducible or (truncated and isinstance(body, AOModel))
+        else FixedModel(body)
+        for body in bodies
+    }
+    bodies = [kept[body] for body in bodies]
     finder = LeftOutFinder(interest, rule, law_errors, meshed)
 
     in_models = tolerance - in_time

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..base import AOImpactError, FloatArray, held_warnings
+from ..base import AOImpactError, FloatArray, boolean, held_warnings
 from ..impact import checked_numbers, plan_impact
 from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
@@ -214,7 +214,8 @@ def _given(case: Any) -> tuple[float, ...] | None:
         and (gap == 0.0 or _SMALL <= gap <= _LARGE)
     ):
         try:
-            velocity, duration, gap = checked_numbers(velocity, duration, gap, energies)
+            boolean("energies", energies)
+            velocity, duration, gap = checked_numbers(velocity, duration, gap)
         except AOImpactError:  # simulate raises it
             return None
         if duration is None or velocity < 0.0:

@@ -219,14 +219,14 @@ def _started(case: SharedCase) -> _Impact | None:
     impact, solver, rtol = case.impact, case.solver, case.case.get("rtol")
     if not case.plain or not (solver is None or isinstance(solver, Adaptive)):
         return None
-    if type(own_law(impact.law)) is not Hertz or impact.numbers.velocity < 0.0:
+    if type(own_law(impact.law)) is not Hertz or impact.velocity < 0.0:
         return None
     if case.quantity not in _PLAIN:
         return None
     models = models_to_compare(impact.bodies)
     with held_warnings() as messages:
         try:
-            plan = impact.plan(models[0], False)
+            plan = impact.plan(models[0], impact.record.length)
             rule, _ = time_rule(solver, checked_rtol(rtol), given=rtol is not None)
         except AOImpactError:
             return None

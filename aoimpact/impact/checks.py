@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..base import HUGE, InputError, positive, real
+from ..base import HUGE, InputError, nonnegative, positive, real
 
 __all__ = [
     "checked_duration",
     "checked_gravity",
+    "checked_numbers",
     "checked_speed",
 ]
 
@@ -63,3 +64,18 @@ def checked_gravity(value: Any) -> float:
             f"{_HEAVIEST:g} m/s²"
         )
     return pull
+
+
+def checked_numbers(velocity: Any, duration: Any, gap: Any) -> tuple[float, float | None, float]:
+    """Return velocity, m/s, duration, s, if given, and gap, m, of an impact.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    """
+    speed = checked_speed("velocity", velocity)
+    if speed == 0.0:
+        raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
+    length = None if duration is None else checked_duration(duration)
+    return speed, length, nonnegative("gap", gap, unit="m")

@@ -175,7 +175,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
                 "the nodes as well, FEModel(K=, M=, nodes=)"
             )
     checked = set()
-    for contact in plan.contacts:
+    for contact in plan.contacts if any(body.contact_points for body in plan.bodies) else ():
         tips = [plan.bodies[of].touched_at(port) for of, port in contact.ports]
         for tip, (number, _) in zip(tips, contact.ports, strict=True):
             if tip is not None and (number, tip) not in checked:

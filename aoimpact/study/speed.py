@@ -106,7 +106,7 @@ def work_precision(
     """
     count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
     instance("law", law, ContactLaw)
-    velocity, _, gap = checked_numbers(velocity, None, gap, False)
+    velocity, _, gap = checked_numbers(velocity, None, gap)
     duration = checked_duration(duration)
     names = _methods(scipy)
     bodies = _star("projectile", projectile), _star("target", target)
