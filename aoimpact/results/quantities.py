@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
@@ -32,6 +32,7 @@ __all__ = [
     "SCENE_CHOICES",
     "Quantity",
     "Speeds",
+    "all_numbers",
     "look_up",
     "number_errors",
     "quantity_unit",
@@ -167,16 +168,12 @@ class Quantity:
             number = self.of_speeds(speeds)[0]
         return np.broadcast_to(np.asarray(number, dtype=np.float64), speeds.before.shape[1:])
 
-    def named(self, run: Run) -> dict[str, float]:
-        """Return the numbers of a run by the names that they are kept by.
+    def names(self, run: Run) -> list[str]:
+        """Return the names that its numbers are kept by.
 
         Such as "peak_force" of an impact, "contacts.0.peak_force" of a scene.
         """
-        each = self.each if run.plan.scene else ""
-        return {
-            f"{each}.{i}.{self.name}" if each else self.name: value
-            for i, value in enumerate(self._values(run))
-        }
+        return [name for name in run.numbers if name.rpartition(".")[2] == self.name]
 
     def difference(self, run: Run, exact: Run) -> float:
         """Return how far a run is from a more exact one: the largest `deviation`."""
@@ -193,7 +190,7 @@ class Quantity:
             mine, right = (self.history(one, exact.t) for one in (run, exact))
             size = np.abs(right).max(axis=1)
         else:
-            mine, right = (np.array(self._values(one, known=False)) for one in (run, exact))
+            mine, right = run.compared[self.name], exact.compared[self.name]
             there = ~(np.isnan(mine) & np.isnan(right))
             if not there.any():  # nothing that would tell one from the other
                 return np.array([math.inf])
@@ -202,11 +199,6 @@ class Quantity:
         scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
         before = np.array(exact.plan.velocities)
         return _relative(mine - right, self._at_least(scales, before)).ravel()
-
-    def changes(self, run: Run, exact: Run) -> FloatArray:
-        """Return by how much each number of a run differs from that of a more exact one."""
-        ours, theirs = (np.array(self._values(one, known=False)) for one in (run, exact))
-        return self.relative_changes(ours, theirs, np.array(exact.plan.velocities))
 
     def relative_changes(
         self, ours: FloatArray, theirs: FloatArray, before: FloatArray
@@ -249,15 +241,15 @@ class Quantity:
         ]
         return min((end - start for start, end in spans if end > start), default=None)
 
-    def _values(self, run: Run, *, known: bool = True) -> list[float]:
-        """The numbers; not known: those to compare runs by, where any motion will do."""
+    def values(self, run: Run, speeds: Speeds) -> FloatArray:
+        """Return its numbers of a run, shape (k,)."""
         if self.of_contact is not None:
-            values = [float(self.of_contact(events)) for events in run.events]
+            values = np.array([self.of_contact(of) for of in run.events], dtype=np.float64)
         elif self.of_speeds is not None:
-            values = self.of_speeds(_speeds(run, known=known)).tolist()
+            values = self.of_speeds(speeds)
         else:
             assert self.of_run is not None
-            values = self.of_run(run).tolist()
+            values = self.of_run(run)
         return values if run.plan.scene else values[:1]
 
     def _at_least(self, scales: FloatArray, before: FloatArray) -> FloatArray:
@@ -280,20 +272,15 @@ def look_up(result: Any, name: str, argument: str) -> float:
     InputError, InputTypeError
         If the run has no such number.
     """
-    quantity, of_run = QUANTITIES.get(name.rpartition(".")[2]), hasattr(result, "plan")
-    if of_run and quantity is not None and not quantity.is_history:
-        number = quantity.named(result).get(name)
-        if number is not None:
-            return number
+    numbers_of: Mapping[str, float] = getattr(result, "numbers", {})
+    if name in numbers_of:
+        return numbers_of[name]
     found = result
     for part in name.split("."):
         try:
             found = found[int(part)] if part.isdigit() else getattr(found, part)
         except (AttributeError, IndexError, TypeError):
-            known = [one for one in dir(found) if not one.startswith("_")]
-            if of_run:
-                all_of = [of for of in QUANTITIES.values() if not of.is_history]
-                known = [*(one for of in all_of for one in of.named(result)), *known]
+            known = [*numbers_of, *(one for one in dir(found) if not one.startswith("_"))]
             raise InputError(
                 f"{argument}: {name!r}: {type(found).__name__} has no {part!r}"
                 f"{suggestion(name, known)}"
@@ -318,13 +305,15 @@ def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[
     """
     forces = (QUANTITIES["force"].difference(run, other) for other in larger)
     errors = {"force": safety * max(forces, default=0.0)}
-    for quantity in QUANTITIES.values():
-        if quantity.is_history:
-            continue
-        changes = [quantity.changes(run, other) for other in larger]
-        for i, (name, value) in enumerate(quantity.named(run).items()):
-            most = float(np.max([change[i] for change in changes], initial=0.0))
-            errors[name] = math.nan if math.isnan(value) else safety * most
+    before, changes = np.array(run.plan.velocities), [np.zeros(len(run.numbers))]
+    for other in larger:
+        apart = [
+            QUANTITIES[name].relative_changes(ours, other.compared[name], before)
+            for name, ours in run.compared.items()
+        ]
+        changes.append(np.concatenate(apart))
+    for (name, value), most in zip(run.numbers.items(), np.max(changes, axis=0), strict=True):
+        errors[name] = math.nan if math.isnan(value) else safety * float(most)
     for i, events in enumerate(run.events):
         as_many = all(len(other.events[i].contacts) == len(events.contacts) for other in larger)
         name = f"contacts.{i}.intervals" if run.plan.scene else "contacts"
@@ -332,18 +321,30 @@ def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[
     return errors
 
 
-def _speeds(run: Run, *, known: bool) -> Speeds:
-    """Of a run; not known: after the contacts or at the record's end, of whatever is recorded."""
-    bodies, contacts, after = run.plan.bodies, run.plan.contacts, run.compared_velocities
-    if known:
-        parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
-        after = run.parting if parted else np.full_like(after, np.nan)
-    return Speeds(
-        np.array(run.plan.velocities, dtype=np.float64),
-        after,
-        np.array([body.fixed for body in bodies]),
-        (contacts[0].first, contacts[0].second) if len(contacts) == 1 else None,
-    )
+def all_numbers(run: Run) -> tuple[dict[str, float], dict[str, FloatArray]]:
+    """Return the numbers of a run by name, and by quantity those that runs are compared by.
+
+    The latter have velocities at the record's end where contact has not ended, and the mean over
+    the static mode where a centre of mass is not known.
+    """
+    plan, compared = run.plan, {}
+    pair = (plan.contacts[0].first, plan.contacts[0].second) if len(plan.contacts) == 1 else None
+    fixed, before = np.array([of.fixed for of in plan.bodies]), np.array(plan.velocities, float)
+    any_motion = Speeds(before, run.compared_velocities, fixed, pair)
+    parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
+    after = run.parting if parted else np.full_like(before, np.nan)
+    known = Speeds(before, after, fixed, pair)
+    numbers_of = {}
+    for quantity in QUANTITIES.values():
+        if quantity.is_history:
+            continue
+        compared[quantity.name] = values = quantity.values(run, any_motion)
+        if quantity.of_speeds is not None:
+            values = quantity.values(run, known)
+        each = quantity.each if plan.scene else ""
+        for i, value in enumerate(values.tolist()):
+            numbers_of[f"{each}.{i}.{quantity.name}" if each else quantity.name] = value
+    return numbers_of, compared
 
 
 def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:

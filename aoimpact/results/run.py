@@ -38,7 +38,7 @@ from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
 from .movie import write_impact_movie
 from .plot import During
-from .quantities import look_up, number_errors
+from .quantities import all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
 from .table import ROLES, as_dataframe, as_dataset, body_names, columns, different, write_csv
 
@@ -409,10 +409,27 @@ class Run:
 
     # ---------------------------------------------------------------------- events
 
-    @property
+    @cached_property
     def events(self) -> tuple[Events, ...]:
         """Of each contact: the solver's own where it locates them, else found between the steps."""
         return self.recorder.events
+
+    @cached_property
+    def _all_numbers(self) -> tuple[dict[str, float], dict[str, FloatArray]]:
+        return all_numbers(self)
+
+    @property
+    def numbers(self) -> Mapping[str, float]:
+        """All numbers that sum up the run, by the names that `value` takes."""
+        return self._all_numbers[0]
+
+    @property
+    def compared(self) -> Mapping[str, FloatArray]:
+        """Numbers by quantity, for comparison with other runs; see `all_numbers`.
+
+        :meta private:
+        """
+        return self._all_numbers[1]
 
     def value(self, name: str) -> float:
         """Return a number that sums up the run, by its name.

@@ -213,7 +213,7 @@ def _interest(run: Run, parts: ErrorParts) -> str:
         largest = f", {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
         scale = f" of its largest value{largest}" if "±" in bound else ""
         return f"{words} at any time{_when(run)}{bound}{scale}"
-    values = interest.named(run)
+    values = {of: run.numbers[of] for of in interest.names(run)}
     if interest.count:  # a share of a number of contacts is none
         sure = not any((parts.mesh, parts.contact, parts.model))
         bound = f", {'certain' if sure else 'more or less'}"
