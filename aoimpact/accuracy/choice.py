@@ -18,7 +18,7 @@ from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import FixedModel, Models, only_models
 from .leftout import LeftOutFinder
-from .order import LOOSEST, Orders, proven_orders, shared_orders
+from .order import LOOSEST, Orders, Search, shared_orders
 
 __all__ = ["checked_linear_solver", "checked_rtol", "choose_models", "time_rule"]
 
@@ -111,7 +111,7 @@ def choose_models(
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
     factors : dict of body to LinearSolver, optional
-        See `proven_orders`.
+        See `Search`.
 
     Returns
     -------
@@ -151,16 +151,19 @@ def choose_models(
         found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
     else:
         known = shared_orders(bodies, trial, quantity)
-        found = known or proven_orders(
-            bodies,
-            run=trial,
-            quantity=quantity,
-            rtol=in_models,
-            solver=linear_solver,
-            factors=factors,
-            anew=None if record.given else record.reopen,
-            best=not given,
-            looser=looser if meshed and not given else None,
+        found = (
+            known
+            or Search(
+                bodies,
+                run=trial,
+                quantity=quantity,
+                rtol=in_models,
+                solver=linear_solver,
+                factors=factors,
+                anew=None if record.given else record.reopen,
+                best=not given,
+                looser=looser if meshed and not given else None,
+            ).proven()
         )
         if known is not None:
             tolerance = known.rtol  # who shares models sees to it
