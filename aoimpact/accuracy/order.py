@@ -289,7 +289,8 @@ class Search:
         """The models with which `_grow` ended, and their runs."""
         orders = self._at_most(self.orders)
         found = tuple(orders[place] for place in self.places)
-        models = tuple(self.hierarchies[place].finished(orders[place]) for place in self.places)
+        finished = [of.finished(n) for of, n in zip(self.hierarchies, orders, strict=True)]
+        models = tuple(finished[place] for place in self.places)
         done = (self._at(each) for each in (orders, *self._larger()))
         run, *larger = (run for run in done if run is not None)  # all, since their errors are small
         error = max(self._errors())

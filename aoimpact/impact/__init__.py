@@ -4,8 +4,14 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 `scenefile`, `batch`, `study` and `paper`.
 """
 
-from .checks import checked_duration, checked_numbers
-from .defaults import Meeting, contact_width, fitted, fitted_pair, meeting
+from .defaults import (
+    Meeting,
+    checked_duration,
+    checked_numbers,
+    contact_width,
+    fitted,
+    fitted_pair,
+)
 from .scene import Scene, SceneCase
 from .simulate import Impact, plan_impact, simulate
 
@@ -19,7 +25,6 @@ __all__ = [
     "contact_width",
     "fitted",
     "fitted_pair",
-    "meeting",
     "plan_impact",
     "simulate",
 ]

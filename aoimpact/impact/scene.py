@@ -47,8 +47,17 @@ from ..results import (
     warn_of_run,
 )
 from ..scene import Contact, Load, Plan, law_of_models, normal_gap
-from .checks import checked_duration, checked_gravity, checked_speed
-from .defaults import Meeting, chosen_law, contact_width, fitted, meeting, turns
+from .defaults import (
+    Meeting,
+    checked_duration,
+    checked_gravity,
+    checked_speed,
+    chosen_law,
+    contact_width,
+    fitted,
+    meeting,
+    turns,
+)
 
 __all__ = ["Scene", "SceneCase"]
 

@@ -15,8 +15,7 @@ from ..linalg import Solver
 from ..reduction import BodyModel, body_model
 from ..results import Quantity, RecordLength, Result, TimeSolver, warn_of_exchange
 from ..scene import Plan
-from .checks import checked_numbers
-from .defaults import Meeting, turns
+from .defaults import Meeting, checked_numbers, turns
 from .scene import Scene
 
 __all__ = ["Impact", "plan_impact", "simulate"]

@@ -10,13 +10,12 @@ from .bodymodel import BodyModel, ReducedModel
 from .full import FullModel, body_model, full
 from .interface import InterfaceModel, InterfaceSpace, interface
 from .krylov import KrylovSpace
-from .modal import modal, whole_interface
 from .modalbody import ModalBody
-from .modes import ModalModel
+from .modes import ModalModel, modal
 from .recovery import PACE, SOLVED, GeneralizedCoordinates, Recovery
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid
-from .validity import fitted_times, is_valid_for, unbalanced
+from .validity import fitted_times, is_valid_for
 
 __all__ = [
     "PACE",
@@ -41,6 +40,4 @@ __all__ = [
     "is_valid_for",
     "modal",
     "rigid",
-    "unbalanced",
-    "whole_interface",
 ]

@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..base import FloatArray, InputError, InputTypeError
+from ..base import HUGE, FloatArray, InputError, InputTypeError, finite_array
 from ..fem import (
     Body,
     ContactPoint,
@@ -29,6 +29,7 @@ __all__ = [
     "BodyModel",
     "FiniteElementModel",
     "ReducedModel",
+    "ascending",
     "checked_ports",
 ]
 
@@ -393,3 +394,11 @@ def checked_ports(name: str, tips: Any) -> tuple[ContactPoint, ...]:
             f"{name} has contact points on different bodies: make one model for each body"
         )
     return ports
+
+
+def ascending(name: str, value: Any) -> FloatArray:
+    """Return `value`, of one mode at least, as frequencies or their squares that do not fall."""
+    values = finite_array(name, value, ndim=1, most=HUGE)
+    if not len(values) or values[0] < 0.0 or (np.diff(values) < 0.0).any():
+        raise InputError(f"{name} must be one number at least, none negative, in ascending order")
+    return values

@@ -21,9 +21,8 @@ from ..fem import (
 )
 from .bodymodel import BodyModel, FiniteElementModel, checked_ports
 from .interface import InterfaceModel
-from .modal import modal, whole_interface
 from .modalbody import ModalBody
-from .modes import ModalModel
+from .modes import ModalModel, modal, whole_interface
 from .reduction import antioscillators
 from .star import AOModel
 

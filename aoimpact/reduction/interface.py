@@ -38,10 +38,10 @@ from ..linalg import Solver
 from .bodymodel import (
     FiniteElementModel,
     ReducedModel,
+    ascending,
     checked_ports,
 )
 from .modalbody import ModalBody
-from .modes import ascending
 from .recovery import GeneralizedCoordinates
 from .star import described
 from .subspace import Subspace
