@@ -145,7 +145,15 @@ def choose_models(
         """The models' tolerance where the error by the mesh is much larger."""
         return min(_SHARE_OF_MESH * finder(run).mesh.get(quantity.name, 0.0), LOOSEST) - in_time
 
-    trial = _trial(plan_of, bodies, lambda plan, last: record.run(plan, timed, last=last))
+    def trial(models: Models) -> Run:
+        """A run whose bodies determine the length of the record, unless they are yet rigid."""
+        flexible = all(
+            _order(model) or _order(getattr(body, "given", body)) == 0
+            for model, body in zip(models, bodies, strict=True)
+        )
+        with held_warnings():  # the last run repeats those of the chosen models
+            return record.run(plan_of(models, False), timed, last=flexible)
+
     if models := only_models(bodies):
         run = record.run(plan_of(models, energies), timed)
         found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
@@ -175,44 +183,13 @@ def choose_models(
         run = record.run(plan_of(found.models, energies), timed)
     if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
-    return replace(run, chosen=_chosen(found, quantity, tolerance), left_out=finder)
-
-
-def _trial(
-    plan_of: Callable[[Models, bool], Plan],
-    bodies: Sequence[Any],
-    run: Callable[[Plan, bool], Run],
-) -> Callable[[Models], Run]:
-    """The run of models that are tried.
-
-    run: of a plan, and whether its bodies determine the length of the record; see
-    `RecordLength.run`.
-    """
-
-    def trial(models: Models) -> Run:
-        flexible = all(
-            _order(model) or _order(getattr(body, "given", body)) == 0
-            for model, body in zip(models, bodies, strict=True)
-        )
-        with held_warnings():  # the last run repeats those of the chosen models
-            return run(plan_of(models, False), flexible)
-
-    return trial
-
-
-def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
-    """The record of the chosen models, and the errors of the run's numbers by them."""
     numbers = number_errors(found.run, found.larger, found.safety) | {quantity.name: found.error}
-    largest = _largest(quantity, found.run)
-    return Chosen(quantity.name, tolerance, numbers, largest)
-
-
-def _largest(quantity: Quantity, run: Run) -> str:
-    """The largest value of a history, with its unit; empty of numbers."""
-    if quantity.history is None:
-        return ""
-    largest = float(np.abs(quantity.history(run, run.t)).max(initial=0.0))
-    return "" if math.isnan(largest) else with_unit(largest, quantity.unit, 5)
+    largest = ""
+    if quantity.history is not None:
+        most = float(np.abs(quantity.history(found.run, found.run.t)).max(initial=0.0))
+        largest = "" if math.isnan(most) else with_unit(most, quantity.unit, 5)
+    chosen = Chosen(quantity.name, tolerance, numbers, largest)
+    return replace(run, chosen=chosen, left_out=finder)
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:

@@ -211,7 +211,7 @@ def _share(cases: Sequence[Any], alike: Sequence[tuple[int, Impact]], found: lis
             whole = fitted(body_model("body", tip.reversed() if turn else tip), 0, met, factors)
             (there,) = whole.contact_points
             factor = factors.get(there.body) if linear_solver == "auto" else None
-            hierarchy = KrylovHierarchy(there, shortest, slow, linear_solver, factor)
+            hierarchy = KrylovHierarchy((there,), shortest, slow, linear_solver, factor)
             points[key] = SharedPoint((there,), hierarchy=hierarchy)
         return points[key]
 

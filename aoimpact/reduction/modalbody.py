@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,8 @@ from ..base import FloatArray
 __all__ = ["ModalBody", "oscillator_gain"]
 
 
-_PARTS = _core.MODES.split()  # of a body as the core takes it, in its order
+# The parts of a body as the core takes it, in its order.
+_PARTS = itemgetter(*_core.MODES.split())
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +104,8 @@ class ModalBody:
     ) -> tuple[Any, ...]:
         acting = {"gravity": gravity, "load_time": times, "load_force": forces}
         parts = vars(self) | acting
-        return tuple(parts[name] for name in _PARTS)
+        found: tuple[Any, ...] = _PARTS(parts)
+        return found
 
     def coordinates(self, x: FloatArray) -> FloatArray:
         """Return the model's own coordinates (or rates) of the modes', shape (n,) or (n, times).
