@@ -116,7 +116,7 @@ def choose_models(
     Returns
     -------
     Run
-        Of the chosen models; `Run.chosen` has what was chosen, and its errors by the models.
+        Run of the chosen models; `Run.chosen` has the quantity, and its errors by the models.
 
     Raises
     ------

@@ -178,5 +178,5 @@ def _public(thing: Any) -> list[str]:
     return [name for name in {*dir(thing), *fields} if not name.startswith("_")]
 
 
-# What the first part of a name may be, beside a quantity.
+# First parts of names that are no quantity.
 _KNOWN = frozenset((*_public(Result), *_public(Run)))

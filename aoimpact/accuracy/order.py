@@ -81,7 +81,7 @@ class Orders:
     Attributes
     ----------
     orders : tuple of int
-        Of the bodies; 0 is rigid.
+        Order of each body; 0 is rigid.
     models : tuple of AOModel or InterfaceModel
     error : float
         Estimated relative error of the quantity from the models' orders.

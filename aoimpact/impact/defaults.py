@@ -105,7 +105,7 @@ def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = 
     Parameters
     ----------
     name : str
-        What to call the body.
+        Name of the body.
     body : model
     port : int
         Which of its places.
@@ -146,7 +146,7 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
     ends : sequence of (model, int)
         Projectile and target, and at which of their places they touch.
     names : sequence of str
-        What to call them.
+        Names of both.
 
     Raises
     ------

@@ -136,9 +136,9 @@ class Scene:
         velocity : float, optional
             m/s.
         position : float, optional
-            Of its contact coordinate (of all of them) at t = 0, m.
+            Place of its contact coordinate (of all of them) at t = 0, m.
         name : str, optional
-            What results, tables and plots call it; by default as the body itself.
+            Name in results, tables and plots; by default that of the body itself.
 
         Returns
         -------
@@ -189,7 +189,7 @@ class Scene:
         gap : float, optional
             m; may be negative where positions are given.
         name : str, optional
-            What results, tables and plots call the contact.
+            Name of the contact in results, tables and plots.
 
         Returns
         -------
@@ -369,7 +369,7 @@ class Scene:
             relative to the largest value, that of a contact relative to no less than a tenth of the
             largest of all contacts. A solver that does not keep it is refused.
         linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-            What solves for these reduced models, as `solver` of `antioscillators`.
+            Linear solver for these reduced models, as `solver` of `antioscillators`.
 
         Raises
         ------
@@ -607,7 +607,7 @@ class Scene:
         models : sequence
             One for each body.
         around, widths : sequences, optional
-            Of bodies with meshes: `_turns` and `_widths`.
+            For bodies with meshes: `_turns` and `_widths`.
         """
         bodies, contacts = tuple(models), self._contacts
         if around:

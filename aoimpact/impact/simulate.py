@@ -50,7 +50,7 @@ def simulate(
         oscillators is best made by ``antioscillators(tip, n, method="krylov", contact_time=)``. A
         patch whose radius was left out is 1.4 times as wide as the contact of rigid bodies.
     velocity : float
-        Of the projectile along the direction of travel, m/s, not zero; negative only if the
+        Speed of the projectile along the direction of travel, m/s, not zero; negative only if the
         projectile is constrained, so that it swings back.
     law : ContactLaw, optional
         Force of the indentation δ = x_projectile - x_target - gap. If left out, Hertz's, from the
@@ -82,7 +82,7 @@ def simulate(
         where no models tried meet it, so is the tolerance if it was given, and else the best of
         them are taken, with a warning. `Result.error` has the errors of mesh and contact as well.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-        What solves for these reduced models, as `solver` of `antioscillators`; named in the result.
+        Linear solver for the reduced models, as `solver` of `antioscillators`; the result names it.
 
     Returns
     -------

@@ -56,12 +56,12 @@ class BodyModel(ABC):
     @property
     @abstractmethod
     def name(self) -> str:
-        """What results, tables and plots call the body; empty if it has no name."""
+        """Name of the body in results, tables and plots; empty if it has none."""
 
     @property
     @abstractmethod
     def label(self) -> str:
-        """What the model is, in a word."""
+        """Kind of the model, such as "rigid" or "AO(3)"."""
 
     @property
     @abstractmethod
@@ -71,7 +71,7 @@ class BodyModel(ABC):
     @property
     @abstractmethod
     def mass(self) -> float | None:
-        """Of the whole body, kg; None where its matrices do not determine it."""
+        """Mass of the whole body, kg; None where its matrices do not determine it."""
 
     @property
     @abstractmethod
@@ -88,7 +88,7 @@ class BodyModel(ABC):
 
     @property
     def damping(self) -> Damping | None:
-        """Of the natural modes; None where nothing is damped."""
+        """Damping of the natural modes; None where nothing is damped."""
         return None
 
     @property
@@ -103,7 +103,7 @@ class BodyModel(ABC):
 
     @property
     def known_mass(self) -> float | None:
-        """Of the whole body, kg; None where its centre of mass is not known.
+        """Mass of the whole body, kg; None where its centre of mass is not known.
 
         :meta private:
         """
@@ -354,7 +354,7 @@ class FiniteElementModel(BodyModel):
 
     @property
     def mass(self) -> float | None:
-        """Of the whole body, kg; None where its matrices do not determine it."""
+        """Mass of the whole body, kg; None where its matrices do not determine it."""
         return self.body.mass
 
     @property

@@ -89,7 +89,7 @@ class FullModel(Frozen, FiniteElementModel):
 
     @property
     def known_mass(self) -> float | None:
-        """Of the whole body, kg; None where its centre of mass is not known.
+        """Mass of the whole body, kg; None where its centre of mass is not known.
 
         :meta private:
         """
@@ -185,7 +185,7 @@ class FullModel(Frozen, FiniteElementModel):
 
     @property
     def label(self) -> str:
-        """What the model is, in a word."""
+        """Kind of the model, "full(3159)"."""
         return f"full({self.dofs})"
 
     def turned(self, ports: Sequence[int]) -> Self:

@@ -218,7 +218,7 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
 
     @property
     def label(self) -> str:
-        """What the model is, in a word."""
+        """Kind of the model, "interface(40)"."""
         return f"interface({self.n})"
 
     @property
@@ -426,7 +426,7 @@ class InterfaceSpace:
     rigid_count : int
         Number of the body's rigid motions.
     contact_time : float
-        What it is fitted to, s.
+        Contact time that it is fitted to, s.
     """
 
     def __init__(

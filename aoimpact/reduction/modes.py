@@ -131,7 +131,7 @@ class ModalModel(Frozen, FiniteElementModel):
 
     @property
     def label(self) -> str:
-        """What the model is, in a word."""
+        """Kind of the model, "modal(40)"."""
         return f"modal({self.n})"
 
     def turned(self, ports: Sequence[int]) -> Self:
@@ -185,9 +185,9 @@ def star_of_modes(
     modes : ndarray, shape (n_dofs, n), or with coordinates (n_dofs, r)
         The modes, or M-orthonormal vectors of which they are combinations.
     label : str
-        What made the modes: "modal" or "AO".
+        Kind of model that the modes were made for: "modal" or "AO".
     coordinates : ndarray, shape (r, n), optional
-        Of the modes on such vectors.
+        Coordinates of the modes on such vectors.
     vectors : callable, optional
         Returns these vectors, with coordinates: the star's shapes are left to be multiplied out.
     solver : str, optional

@@ -39,7 +39,7 @@ PACE = 10.0
 # and a flange, 20 mm from where they are struck, are off by 4e-8 at most (2e-7 with 1e-4).
 SOLVED = 1e-6
 
-# What is unbalanced, over its parts, up to which it is not corrected. Rough solutions leave each
+# Unbalanced force, over its parts, up to which it is not corrected. Rough solutions leave each
 # vector that much, in a direction of its own; without them one direction for each force stands out,
 # and rounding leaves 1e-12. Those stresses, and a beam's, are off by 9e-5 at most for it (models of
 # 9 … 67 oscillators; 3e-5 with a third of it), and a probe takes a fifth of the time.
@@ -91,7 +91,7 @@ class Recovery:
     ----------
     reduced : GeneralizedCoordinates
     s : float
-        Of the correction, rad/s; positive.
+        Frequency of the correction, rad/s; positive.
     inverse : callable or None
         s² ↦ the solver of K + s²M, where models of one body share it.
     """
@@ -166,7 +166,7 @@ class Recovery:
     def _correction(self) -> tuple[FloatArray, FloatArray]:
         """(K + s²M)⁻¹ r per coordinate and force, as shapes (n_dofs, k) times weights (k, n + p).
 
-        What is unbalanced is orthogonal to the model's shapes. Anti-oscillators and Krylov vectors
+        Unbalanced forces are orthogonal to the model's shapes. Anti-oscillators and Krylov vectors
         leave only one direction of it for each force, however many they are: K times their space
         lies in M times it and the loads. So one solution for each force serves all.
         """

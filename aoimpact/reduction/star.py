@@ -49,7 +49,7 @@ __all__ = ["AOModel", "ball", "rigid"]
 # Masses, kg, and stiffnesses, N/m, beside each other: their squares and ratios are numbers.
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
-# Of a rigid body, kg: its weight, momentum and energy are numbers.
+# Masses of a rigid body, kg, whose weight, momentum and energy are numbers.
 _HEAVIEST, _LIGHTEST = 1e200, 1e-200
 
 # ω² that differ by no more than their rounding, two units in the last place, are one.
@@ -72,11 +72,11 @@ class AOModel(Frozen, ReducedModel):
     origin : Origin, optional
         The body that the numbers came from; set by `antioscillators` and `modal`.
     damping : Rayleigh or ModalDamping, optional
-        Of the model's natural modes.
+        Damping of the model's natural modes.
     surface : ContactSurface, optional
         Material and curvatures at the contact; by default those of `origin`.
     name : str, optional
-        What results, tables and plots are to call the body; by default as that of `origin`.
+        Name in results, tables and plots; by default that of `origin`.
 
     Raises
     ------
@@ -270,7 +270,7 @@ class AOModel(Frozen, ReducedModel):
 
     @property
     def label(self) -> str:
-        """What the model is, in a word: "rigid", "wall", "AO(3)", "modal(40)"."""
+        """Kind of the model: "rigid", "wall", "AO(3)", "modal(40)"."""
         if math.isinf(self.m0):
             return "wall"
         if self.origin is not None and self.origin.label == "modal":
@@ -404,7 +404,7 @@ class AOModel(Frozen, ReducedModel):
 
     @property
     def omitted_translation(self) -> FloatArray | None:
-        """What a free body struck off its centre has beside the static mode, eq. (3).
+        """The motion of a free body struck off its centre beyond its static mode, eq. (3).
 
         :meta private:
         """
@@ -714,7 +714,7 @@ def rigid(mass: float, *, name: str = "") -> AOModel:
     mass : float
         kg, positive; ``math.inf`` is a fixed wall.
     name : str, optional
-        What results, tables and plots are to call it.
+        Name in results, tables and plots.
 
     Examples
     --------
@@ -733,7 +733,7 @@ def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
         r, m. The mass is 4/3 π r³ ρ.
     material : Material
     name : str, optional
-        What results, tables and plots are to call it.
+        Name in results, tables and plots.
 
     Examples
     --------

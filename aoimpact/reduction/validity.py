@@ -15,7 +15,7 @@ __all__ = ["fitted_times", "is_valid_for", "unbalanced"]
 # twelve impacts with three and eight oscillators, down to there the force is hardly worse.
 _SHORTER = 3.0
 
-# And by which the times grow at which longer ones are checked: of three oscillators a contact 1.5
+# Factor between the times at which longer contacts are checked: of three oscillators a contact 1.5
 # times as long may have a fifth of the force wrong, where eight know one of three times.
 _LONGER = 1.15
 

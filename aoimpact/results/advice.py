@@ -71,7 +71,7 @@ def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
     ----------
     run : Run
     names : sequence of str
-        Of the bodies, for messages.
+        Names of the bodies, for messages.
     """
     plan = run.plan
     said = set()
@@ -160,7 +160,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     ----------
     run : Run
     names : sequence of str
-        Of the bodies, for messages.
+        Names of the bodies, for messages.
     """
     plan = run.plan
     for number, body in enumerate(plan.bodies):
@@ -321,7 +321,7 @@ _THICKNESS, _SIZE = 0.5, 0.1
 # drawing in.
 _ACROSS = 0.5
 
-# Of displacements.
+# Share of the displacements below which gaps are rounding.
 _ROUNDING = 1e-12
 
 # Times at which bodies that never touch are looked at: so many in each of the shortest periods, at
@@ -352,7 +352,7 @@ _UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf)
 
 
 def limits(plan: Plan, contact: Contact) -> Limits:
-    """Return what a contact may come to, as far as its law and bodies are known."""
+    """Return the limits of a contact, as far as its law and bodies are known."""
     own, materials = own_law(contact.law), plan.materials(contact)
     if not any(materials):
         return _UNLIMITED if own.relative_radius is None else _limits_of_numbers(own)
@@ -447,7 +447,7 @@ def _deflecting(plan: Plan, contact: Contact) -> Iterator[float]:
 
 
 def _energy(plan: Plan) -> float:
-    """Of all bodies at the start, J; infinite where a mass is, or is not known."""
+    """Kinetic energy of all bodies at the start, J; infinite where a mass is, or is not known."""
     moving = [
         (body.known_mass, v) for body, v in zip(plan.bodies, plan.velocities, strict=True) if v
     ]
@@ -553,7 +553,7 @@ _TEXTS: dict[str, Callable[[Run, int], str]] = {
 
 
 def _contact(run: Run, number: int) -> str:
-    """What to call a contact."""
+    """Name of a contact."""
     contact = run.plan.contacts[number]
     if contact.name:
         return contact.name
@@ -561,7 +561,7 @@ def _contact(run: Run, number: int) -> str:
 
 
 def _missed(run: Run) -> str:
-    """What the bodies did that never pressed on each other: of those that came closest."""
+    """The warning of bodies that never pressed on each other, for those that came closest."""
     recorder, layout = run.recorder, run.plan.layout
     t = _times_between(run) if recorder.dense else recorder.times
     rows = recorder.rows(t, energies=False)

@@ -51,13 +51,13 @@ class Energy(Frozen):
     Attributes
     ----------
     kinetic, elastic : arrays
-        Of all bodies together; `elastic` is the paper's nonlocal deformation energy.
+        Energies of all bodies together; `elastic` is the paper's nonlocal deformation energy.
     contact : array
         Stored in the contact laws: the paper's local deformation energy.
     dissipated : array
         Lost in the contact laws and in the bodies' damping since t = 0.
     work : array
-        Of gravity and applied forces since t = 0.
+        Work of gravity and applied forces since t = 0.
     total : array
         kinetic + elastic + contact + dissipated − work: constant in an exact run.
     bodies : tuple of BodyEnergy
@@ -98,7 +98,7 @@ class BodyResult(Frozen):
     constrained : bool
         Whether supports or a ground spring constrain it.
     port_displacements, port_velocities : (p, n) arrays
-        Of all contact coordinates [m, m/s].
+        Displacements and velocities of all contact coordinates [m, m/s].
     energy : BodyEnergy or None
         None if the run was made with ``energies=False``.
     coordinates, rates : arrays
@@ -129,7 +129,7 @@ class BodyResult(Frozen):
 
     @property
     def displacement(self) -> FloatArray:
-        """Of the contact coordinate (the first one) [m], shape (n,).
+        """Displacement of the (first) contact coordinate [m], shape (n,).
 
         Warns where it may be badly wrong, as the other histories do; see `error`.
         """
@@ -137,12 +137,12 @@ class BodyResult(Frozen):
 
     @property
     def velocity(self) -> FloatArray:
-        """Of the contact coordinate (the first one) [m/s], shape (n,)."""
+        """Velocity of the (first) contact coordinate [m/s], shape (n,)."""
         return self._told("velocity")
 
     @property
     def centre_displacement(self) -> FloatArray:
-        """Of the centre of mass [m], shape (n,).
+        """Displacement of the centre of mass [m], shape (n,).
 
         NaN where that is not known: of a body given by K and M without nodes, unless it is free
         and struck through its centre.
@@ -151,7 +151,7 @@ class BodyResult(Frozen):
 
     @property
     def centre_velocity(self) -> FloatArray:
-        """Of the centre of mass [m/s], shape (n,); see `centre_displacement`."""
+        """Velocity of the centre of mass [m/s], shape (n,); see `centre_displacement`."""
         return self._told("centre_velocity")
 
     @cached_property
@@ -211,7 +211,7 @@ class BodyResult(Frozen):
         Parameters
         ----------
         point : array_like, shape (3,) or (p, 3), optional
-            Of the undeformed body, m; anywhere in it or on its surface.
+            Coordinates in the undeformed body, m; anywhere in it or on its surface.
         direction : array_like, shape (3,), optional
             Along which to measure, any length but zero; all three components if left out.
         nodes : str, callable or array_like, optional
@@ -376,7 +376,7 @@ class ContactResult(Frozen, Eventful):
 
 @dataclass(frozen=True)
 class Cost:
-    """What a result cost, s.
+    """Computing time of a result, s.
 
     Attributes
     ----------

@@ -222,7 +222,7 @@ def plot_forces(
 
 
 def _bodies_named(run: Run, number: int) -> str:
-    """What a contact is called, with its bodies where only these have names."""
+    """Name of a contact, with its bodies where only these have names."""
     contact, called = run.plan.contacts[number], run.contact_names[number]
     first, second = (run.plan.body_names[body] for body in (contact.first, contact.second))
     return called if contact.name or not (first and second) else f"{called}: {first} on {second}"

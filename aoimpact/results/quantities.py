@@ -101,7 +101,7 @@ class Quantity:
     ----------
     name, unit : str
     of_contact : callable, optional
-        Of the `Events` of a contact: its number. It is called for contacts that never touched, too:
+        Number of a contact, from its `Events`. It is called for contacts that never touched, too:
         `contacts` is then empty, and force, impulse and duration are 0. The fast path of
         `simulate_many` calls it for many impacts at once, as if each touched once, with an array of
         shape (impacts,) in place of each number. So a quotient such as impulse / contact_duration
@@ -110,11 +110,11 @@ class Quantity:
         Of `Speeds`: numbers, shape (k,) or (k, impacts). This and `of_contact` are all that the
         fast path of `simulate_many` has; other numbers take an impact off it.
     of_run : callable, optional
-        Of a `Run`: numbers, shape (k,).
+        Numbers of a `Run`, shape (k,).
     history : callable, optional
-        Of a `Run` and times, s: shape (rows, times).
+        Histories of a `Run` at times, s: shape (rows, times).
     each : {"contacts", "bodies", ""}
-        What has the k numbers, or the histories: each contact, each body, or the run as a whole,
+        Owner of the k numbers, or the histories: each contact, each body, or the run as a whole,
         which has then one or, where there is no such number in its scene, none. A single number
         that is not known is NaN.
     scenes : bool
@@ -126,10 +126,9 @@ class Quantity:
     lasting : bool
         Whether the motion after the last contact is part of it.
     least : callable, optional
-        Of the velocities at the start, as `Speeds.before`: errors are relative to no less.
+        Least scale of relative errors, from the velocities at the start, as `Speeds.before`.
     local : callable, optional
-        Of a `Run`: what the elements leave out of it where it is taken, relative, though the force
-        be right.
+        Relative error by the elements where it is taken in a `Run`, though the force be right.
     """
 
     name: str
@@ -229,7 +228,7 @@ class Quantity:
     def contact_time(self, run: Run) -> float | None:
         """Return the duration of the first contact, s, or None where none ends in the record.
 
-        Of a scene that of the shortest of the hard contacts, where its force is largest.
+        In a scene, that of the shortest hard contact, about its largest force.
         """
         if not run.plan.scene:
             return run.events[0].contact_duration or None
@@ -356,7 +355,7 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
 
 
 def _rebounds(of: Speeds) -> FloatArray:
-    """Of every body but those that are held at rest, unless all are, m/s."""
+    """Velocities after contact, m/s; NaN for bodies held at rest, unless all are."""
     return np.where(of.still & ~of.still.all(axis=0), np.nan, of.after)
 
 
@@ -412,7 +411,7 @@ _ALL = (
 
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}
 
-# What ``quantity=`` may be in an impact and in a scene, and what a sweep keeps by default.
+# Names for ``quantity=`` in an impact and in a scene, and columns that a sweep keeps by default.
 IMPACT_CHOICES = tuple(QUANTITIES)
 SCENE_CHOICES = tuple(one.name for one in _ALL if one.scenes)
 COLUMNS = tuple(one.name for one in _ALL if one.column)

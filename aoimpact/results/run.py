@@ -109,7 +109,7 @@ class Run:
     Attributes
     ----------
     time_error : float or None
-        Of peak force and impulse, relative, from integrating in time.
+        Relative error of peak force and impulse from integration in time.
     chosen : Chosen or None
         How the bodies' models were chosen, where `simulate` was left to do so.
     modelled : float
@@ -180,7 +180,7 @@ class Run:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """What the bodies are called, each by another name."""
+        """Names of the bodies, all different."""
         others = (
             ROLES if not self.plan.scene else [f"body {i}" for i in range(len(self.plan.bodies))]
         )
@@ -188,7 +188,7 @@ class Run:
 
     @cached_property
     def contact_names(self) -> tuple[str, ...]:
-        """What the contacts are called, each by another name."""
+        """Names of the contacts, all different."""
         given = [contact.name for contact in self.plan.contacts]
         return different(given, [f"contact {i}" for i in range(len(given))])
 
@@ -230,7 +230,7 @@ class Run:
 
     @cached_property
     def forces(self) -> FloatArray:
-        """Of all contacts, N, shape (contacts, n); made without the motions, which cost more."""
+        """Contact forces, N, shape (contacts, n); made without the motions, which cost more."""
         if "_rows" in self.__dict__:
             return self._layout.forces(self._rows)
         forces = self.recorder.forces(self.t)
@@ -291,7 +291,7 @@ class Run:
 
     @property
     def mean_velocities(self) -> FloatArray:
-        """Of the bodies' centres of mass, m/s, shape (bodies, n); NaN where one is not known."""
+        """Velocities of the centres of mass, m/s, shape (bodies, n); NaN where not known."""
         return self._of_known_centres(self._layout.centre_velocities(self._rows))
 
     @cached_property
@@ -411,7 +411,7 @@ class Run:
 
     @cached_property
     def events(self) -> tuple[Events, ...]:
-        """Of each contact: the solver's own where it locates them, else found between the steps."""
+        """Events of each contact, from the solver, or interpolated between fixed steps."""
         return self.recorder.events
 
     @cached_property
@@ -520,7 +520,7 @@ class Run:
         ----------
         path : path
         names : sequence of str, optional
-            Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
+            Names of the bodies in the order of `add`; by default their own, or "body 0", …
 
         Examples
         --------
@@ -543,7 +543,7 @@ class Run:
         Parameters
         ----------
         names : sequence of str, optional
-            Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
+            Names of the bodies in the order of `add`; by default their own, or "body 0", …
 
         Raises
         ------
@@ -569,7 +569,7 @@ class Run:
         Parameters
         ----------
         names : sequence of str, optional
-            Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
+            Names of the bodies in the order of `add`; by default their own, or "body 0", …
 
         Raises
         ------
@@ -773,7 +773,7 @@ class Result(Eventful, Run):
         Parameters
         ----------
         during : {"contact", "record"} or (float, float), optional
-            What is drawn: the contacts with a little before and after, all of the record, or from
+            Span to draw: the contacts with a little before and after, all of the record, or from
             one time to another, s.
 
         Returns

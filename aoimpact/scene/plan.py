@@ -49,7 +49,7 @@ class Plan:
     scene : str
         The mark of the scene's handles.
     names : sequence of str
-        Of the bodies in the scene, before their own; empty where they have no other.
+        Names of the bodies in the scene, before their own; empty where they have no other.
     """
 
     bodies: Sequence[BodyModel]
@@ -65,7 +65,7 @@ class Plan:
 
     @property
     def body_names(self) -> tuple[str, ...]:
-        """What the bodies are called; empty of one without a name."""
+        """Names of the bodies; empty for one without a name."""
         given = self.names or [""] * len(self.bodies)
         return tuple(name or body.name for name, body in zip(given, self.bodies, strict=True))
 
@@ -96,7 +96,7 @@ class Plan:
 
     @cached_property
     def omitted(self) -> tuple[OmittedMass | None, ...]:
-        """What each of the bodies, where it is reduced, does not contain of its moving mass."""
+        """Moving mass that each of the bodies, where it is reduced, does not contain."""
         return tuple(
             self._omitted(*body.omitted, velocity)
             for body, velocity in zip(self.bodies, self.velocities, strict=True)
