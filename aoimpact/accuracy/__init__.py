@@ -13,7 +13,7 @@ from .hierarchy import (
     model_hierarchy,
 )
 from .interest import CONTROLLED, Keep, Named, impact_quantity, keeper, scene_quantity
-from .leftout import LeftOutFinder, Met, alterations, extrapolated, finer_run
+from .leftout import Met, alterations, errors_left_out, extrapolated, finer_run
 from .order import first_guess, larger_orders, models_to_compare, safety_of
 from .stressat import StressAt
 
@@ -22,7 +22,6 @@ __all__ = [
     "Hierarchy",
     "Keep",
     "KrylovHierarchy",
-    "LeftOutFinder",
     "Met",
     "Named",
     "SharedPoint",
@@ -31,6 +30,7 @@ __all__ = [
     "checked_linear_solver",
     "checked_rtol",
     "choose_models",
+    "errors_left_out",
     "extrapolated",
     "finer_run",
     "first_guess",

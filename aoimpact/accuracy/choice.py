@@ -17,7 +17,7 @@ from ..reduction import AOModel
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import FixedModel, Models, only_models
-from .leftout import LeftOutFinder
+from .leftout import errors_left_out
 from .order import LOOSEST, Orders, Search, shared_orders
 
 __all__ = ["checked_linear_solver", "checked_rtol", "choose_models", "time_rule"]
@@ -107,7 +107,7 @@ def choose_models(
     record : RecordLength
         How long the scene is recorded.
     law_errors : sequence of float, optional
-        See `LeftOutFinder`.
+        See `errors_left_out`.
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
     factors : dict of body to LinearSolver, optional
@@ -137,13 +137,13 @@ def choose_models(
         for body in bodies
     }
     bodies = [kept[body] for body in bodies]
-    finder = LeftOutFinder(interest, rule, law_errors, meshed)
+    left_out = partial(errors_left_out, interest=interest, solver=rule, law_errors=law_errors)
 
     in_models = tolerance - in_time
 
     def looser(run: Run) -> float:
         """The models' tolerance where the error by the mesh is much larger."""
-        return min(_SHARE_OF_MESH * finder(run).mesh.get(quantity.name, 0.0), LOOSEST) - in_time
+        return min(_SHARE_OF_MESH * left_out(run).mesh.get(quantity.name, 0.0), LOOSEST) - in_time
 
     def trial(models: Models) -> Run:
         """A run whose bodies determine the length of the record, unless they are yet rigid."""
@@ -189,7 +189,8 @@ def choose_models(
         most = float(np.abs(quantity.history(found.run, found.run.t)).max(initial=0.0))
         largest = "" if math.isnan(most) else with_unit(most, quantity.unit, 5)
     chosen = Chosen(quantity.name, tolerance, numbers, largest)
-    return replace(run, chosen=chosen, left_out=finder)
+    run = replace(run, chosen=chosen)
+    return replace(run, left_out=left_out) if meshed else run
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:

@@ -40,7 +40,7 @@ from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, Plan, extraction_of
 from .hierarchy import model_hierarchy
 
-__all__ = ["LeftOutFinder", "Met", "alterations", "extrapolated", "finer_run"]
+__all__ = ["Met", "alterations", "errors_left_out", "extrapolated", "finer_run"]
 
 # A run is repeated with laws and bodies stiffer or softer by no more than this, and the change is
 # extrapolated.
@@ -61,61 +61,95 @@ _SLOW, _SAFETY = 6.0, {False: 1.5, True: 2.0}
 _DIFFERENCE = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
-class LeftOutFinder:
-    """Estimates the errors of a run by meshes and laws, when they are read.
+def errors_left_out(
+    run: Run,
+    *,
+    interest: Callable[[], Quantity],
+    solver: TimeSolver | None,
+    law_errors: Sequence[float] = (),
+) -> LeftOut:
+    """Return the errors of a run by its meshes and laws; none where a body's are not known.
 
-    Attributes
+    Parameters
     ----------
+    run : Run
     interest : callable
         Returns a new quantity of interest, so that what it stores while runs are compared is freed.
     solver : Adaptive or Newmark, optional
-        The plan of the run.
+        As of the run.
     law_errors : sequence of float
         Relative error of each contact's stiffness, by that of the curvatures.
-    meshed : bool
-        Whether any body was given with a mesh, even if its model is a wall. Errors of models given
-        by numbers are not known.
     """
-
-    interest: Callable[[], Quantity]
-    solver: TimeSolver | None
-    law_errors: Sequence[float] = ()
-    meshed: bool = True
-
-    def __call__(self, run: Run) -> LeftOut:
-        """Return the errors; None where a body's are not known."""
+    plan = run.plan
+    full = [body.body for body in plan.bodies if isinstance(body, FullModel)]
+    if full:
+        if any(body.mesh is None for body in full) or not any(of.contacts for of in run.events):
+            return LeftOut()
+        run, solver = _with_models(run), None
         plan = run.plan
-        if not self.meshed:
-            return LeftOut()
-        full = [body.body for body in plan.bodies if isinstance(body, FullModel)]
-        if full:
-            if any(body.mesh is None for body in full) or not any(of.contacts for of in run.events):
-                return LeftOut()
-            return replace(self, solver=None)(_with_models(run))
-        with held_warnings():  # the quantity has had its warnings
-            quantity = self.interest()
-        met = [_met(run, i) for i in range(len(plan.contacts))]
-        altered = alterations(plan, met, self.law_errors)
-        if altered is None:
-            return LeftOut()
-        solved = _Solved(self.solver)
-        mesh = _sum(quantity, run, altered.mesh, solved)
-        contact = _sum(quantity, run, altered.contact, solved)
-        larger = max(mesh, contact, key=lambda change: change.errors[quantity.name])
-        if quantity.local is not None:
-            mesh.errors[quantity.name] += quantity.local(run)
-        return LeftOut(mesh.errors, contact.errors, larger.when)
+    with held_warnings():  # the quantity has had its warnings
+        quantity = interest()
+    met = [_met(run, i) for i in range(len(plan.contacts))]
+    if (altered := alterations(plan, met, law_errors)) is None:
+        return LeftOut()
+    changes = _Changes(quantity, run, solver)
+    mesh, contact = changes.sum(altered.mesh), changes.sum(altered.contact)
+    larger = max(mesh, contact, key=lambda change: change.errors[quantity.name])
+    if quantity.local is not None:
+        mesh.errors[quantity.name] += quantity.local(run)
+    return LeftOut(mesh.errors, contact.errors, larger.when)
 
 
-class _Solved:
-    """Runs of altered plans, each made once; None where one cannot run."""
+class _Change(NamedTuple):
+    """Relative changes of numbers by name, and when a history changes most, s."""
 
-    def __init__(self, solver: TimeSolver | None) -> None:
-        self._solver = solver
+    errors: dict[str, float]
+    when: float | None
+
+
+class _Changes:
+    """Changes of a quantity, and of each number, from a run to altered ones, each made once."""
+
+    def __init__(self, quantity: Quantity, run: Run, solver: TimeSolver | None) -> None:
+        self._quantity, self._run, self._solver = quantity, run, solver
         self._runs: dict[Plan, Run | None] = {}
 
-    def __call__(self, plan: Plan) -> Run | None:
+    def sum(self, causes: Sequence[Iterable[Altered]]) -> _Change:
+        """Return the sum of the changes by several causes."""
+        name = self._quantity.name
+        changes = [self._first(ways) for ways in causes]
+        largest = max(changes, key=lambda change: change.errors[name])
+        errors = {one: math.fsum(of.errors[one] for of in changes) for one in largest.errors}
+        return _Change(errors, largest.when)
+
+    def _first(self, ways: Iterable[Altered]) -> _Change:
+        """The change by the first alteration that can run."""
+        for altered in ways:
+            change = self._by(altered)
+            if math.isfinite(change.errors[self._quantity.name]):
+                break
+        return change
+
+    def _by(self, altered: Altered) -> _Change:
+        quantity, run = self._quantity, self._run
+        other = run if altered.plan is None else self._altered(altered.plan)
+        if other is run or other is None:
+            names = [*number_errors(run, ()), quantity.name]
+            return _Change(dict.fromkeys(names, 0.0 if other is run else math.inf), None)
+
+        def extended(change: float) -> float:
+            return float(extrapolated(change, altered.size, altered.scale))
+
+        changes = np.abs(quantity.deviation(run, other))
+        change = extended(changes.max(initial=0.0))
+        when = None
+        if quantity.is_history and change:
+            when = float(other.t[changes.argmax() % len(other.t)])
+        errors = {name: extended(error) for name, error in number_errors(run, [other]).items()}
+        return _Change(errors | {quantity.name: change}, when)
+
+    def _altered(self, plan: Plan) -> Run | None:
+        """The run of an altered plan; None where it cannot run."""
         if plan not in self._runs:
             try:
                 with held_warnings():
@@ -123,45 +157,6 @@ class _Solved:
             except AOImpactError:  # a contact beyond the range of its law
                 self._runs[plan] = None
         return self._runs[plan]
-
-
-def _sum(
-    quantity: Quantity, run: Run, causes: Sequence[Iterable[Altered]], solved: _Solved
-) -> _Change:
-    """The sum of the changes by several causes, each by the first alteration that can run."""
-    changes = [_first_change(quantity, run, ways, solved) for ways in causes]
-    largest = max(changes, key=lambda change: change.errors[quantity.name])
-    errors = {name: math.fsum(change.errors[name] for change in changes) for name in largest.errors}
-    return _Change(errors, largest.when)
-
-
-def _first_change(
-    quantity: Quantity, run: Run, ways: Iterable[Altered], solved: _Solved
-) -> _Change:
-    for altered in ways:
-        change = _changes(quantity, run, altered, solved)
-        if math.isfinite(change.errors[quantity.name]):
-            break
-    return change
-
-
-def _changes(quantity: Quantity, run: Run, altered: Altered, solved: _Solved) -> _Change:
-    """The change of the quantity and of each number, and the time of a history's largest."""
-    names = [*number_errors(run, ()), quantity.name]
-    if altered.plan is None:
-        return _Change(dict.fromkeys(names, 0.0), None)
-    if (other := solved(altered.plan)) is None:
-        return _Change(dict.fromkeys(names, math.inf), None)
-    changes = np.abs(quantity.deviation(run, other))
-    change = float(extrapolated(changes.max(initial=0.0), altered.size, altered.scale))
-    when = None
-    if quantity.is_history and change:
-        when = float(other.t[changes.argmax() % len(other.t)])
-    numbers = {
-        name: float(extrapolated(error, altered.size, altered.scale))
-        for name, error in number_errors(run, [other]).items()
-    }
-    return _Change(numbers | {quantity.name: change}, when)
 
 
 def _with_models(run: Run) -> Run:
@@ -183,13 +178,6 @@ def _with_models(run: Run) -> Run:
     plan = replace(run.plan, bodies=tuple(bodies), energies=False)
     with held_warnings():
         return solve(plan, None)
-
-
-class _Change(NamedTuple):
-    """Relative changes of numbers by name, and when a history changes most, s."""
-
-    errors: dict[str, float]
-    when: float | None
 
 
 @dataclass(frozen=True)
@@ -279,7 +267,7 @@ def alterations(
     met : sequence of Met
         Duration and depth of each of its contacts.
     law_errors : sequence of float, optional
-        See `LeftOutFinder`.
+        See `errors_left_out`.
     """
     ends: list[list[_End]] = []
     for number, of in enumerate(met):

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from ..accuracy import (
-    LeftOutFinder,
     StressAt,
     checked_linear_solver,
     choose_models,
+    errors_left_out,
     finer_run,
     scene_quantity,
 )
@@ -488,7 +488,8 @@ class Scene:
             if run.chosen is None:
                 warn_of_misfit(run, names)
                 if run.plan.contacts:
-                    run = replace(run, left_out=LeftOutFinder(interest, solver, self._law_errors))
+                    find = partial(errors_left_out, interest=interest, solver=solver)
+                    run = replace(run, left_out=partial(find, law_errors=self._law_errors))
             run = replace(run, finer=partial(finer_run, solver=solver))
         record.warn_if_cut()
         warn_of_bodies(run, names)
