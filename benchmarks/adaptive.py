@@ -45,7 +45,8 @@ from aoimpact import _core
 from aoimpact.base.units import with_unit
 from aoimpact.integrate.dense import adaptive_run
 from aoimpact.integrate.newmark import newmark_scene
-from aoimpact.scene import Contact, Plan, StarBody, scene_body
+from aoimpact.reduction import body_model
+from aoimpact.scene import Contact, Plan, stepped
 
 
 def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
@@ -58,10 +59,7 @@ def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
 
 def plan_of(scene: dict[str, Any]) -> Plan:
     """The scene as `simulate` hands it on."""
-    bodies = (
-        scene_body("projectile", scene["projectile"], scene["velocity"]),
-        scene_body("target", scene["target"], 0.0),
-    )
+    bodies = body_model("projectile", scene["projectile"]), body_model("target", scene["target"])
     contact = Contact(0, 0, 1, 0, scene["law"], scene.get("gap", 0.0))
     speeds = scene["velocity"], 0.0
     return Plan(bodies, speeds, (contact,), (), 0.0, scene["duration"], True)
@@ -108,13 +106,14 @@ def newmark_call(case: Case, exact: Outcome) -> Iterator[Run]:
 
 def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
     scene = case.scene
-    bodies = StarBody(case.stars[0], scene["velocity"]), StarBody(case.stars[1], 0.0)
+    starts = zip(case.stars, (scene["velocity"], 0.0), strict=True)
+    bodies = tuple(starts)
     for dt in newmark_steps(case):
         rule = ao.Newmark(dt=dt, estimate=False)
 
         def run(dt: float = dt, rule: ao.Newmark = rule) -> None:
             newmark_scene(
-                [body.stepped() for body in bodies],
+                [stepped(*body) for body in bodies],
                 [Contact(0, 0, 1, 0, scene["law"], 0.0)],
                 rule=rule,
                 dt=dt,

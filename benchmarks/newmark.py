@@ -31,7 +31,7 @@ from aoimpact import _core
 from aoimpact.fem.assembly import stiffness_mass
 from aoimpact.linalg import factorize
 from aoimpact.paper.beam import ALUMINIUM, beam_model
-from aoimpact.scene import FullBody, StarBody
+from aoimpact.scene import stepped
 
 MASS, HERTZ, VELOCITY = 0.0326725636, 1e10, 1.0
 DT, STEPS = 2e-6, 10_000
@@ -40,14 +40,14 @@ ROWS = 4 + 2 * 8  # of a contact and two bodies with a port each
 
 def core_run(target: Any, steps: int, energies: bool) -> Callable[[], np.ndarray]:
     """Return a run of the core alone: a rigid sphere on `target`, at rest again each time."""
-    ball, target_body = StarBody(ao.rigid(mass=MASS), VELOCITY), target.stepped()
+    ball, target_body = ao.rigid(mass=MASS), stepped(target)
     u, v, body = target_body.u, target_body.v, target_body.for_core(DT, 0.25, 0.5)
     law = ao.Hertz(k=HERTZ).for_core()
     record = np.zeros((ROWS, steps + 1))
 
     def run() -> np.ndarray:
         u[:] = v[:] = 0.0
-        first = ball.stepped().for_core(DT, 0.25, 0.5)
+        first = stepped(ball, VELOCITY).for_core(DT, 0.25, 0.5)
         contacts = ((0, 0, 1, 0, 0.0, law),)
         _core.newmark_scene((first, body), contacts, (), DT, 0.25, 0.5, record, energies, None)
         return record
@@ -93,8 +93,8 @@ def call_run(star: ao.AOModel) -> Callable[[], ao.Result]:
 
 def measure_star(folder: str) -> list[Line]:
     star = beam_star(28)
-    lean, rich = (core_run(StarBody(star, 0.0), STEPS, energies) for energies in (False, True))
-    few, many = (core_run(StarBody(beam_star(n), 0.0), STEPS, False) for n in (8, 48))
+    lean, rich = (core_run(star, STEPS, energies) for energies in (False, True))
+    few, many = (core_run(beam_star(n), STEPS, False) for n in (8, 48))
     plain = plain_c_run(star, folder)
     record = rich()
     other = np.empty_like(record)
@@ -165,9 +165,7 @@ def measure_full() -> list[Line]:
     model = beam_model()
     tip = model.contact(point=(0.5, 0.01, 0.02), direction=(0.0, 0.0, -1.0), radius=0)
     steps = 200
-    lean, rich = (
-        core_run(FullBody(ao.full(tip), 0.0), steps, energies) for energies in (False, True)
-    )
+    lean, rich = (core_run(ao.full(tip), steps, energies) for energies in (False, True))
     factors = factorize(model.M + 0.25 * DT**2 * model.K).for_core()
     work, x = np.empty(model.n_dofs), np.ones(model.n_dofs)
     u = np.random.default_rng(0).standard_normal(model.n_dofs)
@@ -218,7 +216,7 @@ def measure_assembly() -> list[Line]:
 
 
 def measure_threads() -> list[Line]:
-    star = StarBody(beam_star(28), 0.0)
+    star = beam_star(28)
     runs = [core_run(star, 20 * STEPS, False) for _ in range(2)]
 
     def one_after_the_other() -> None:

@@ -36,8 +36,9 @@ from aoimpact.base import (
 from aoimpact.impact import checked_duration, checked_numbers, contact_width, simulate
 from aoimpact.integrate import Adaptive, Newmark, rigid_contact_time
 from aoimpact.laws import ContactLaw
+from aoimpact.reduction import AOModel, body_model
 from aoimpact.results import Result
-from aoimpact.scene import SceneBody, StarBody, law_of_models, reduced_mass, scene_body
+from aoimpact.scene import law_of_models, reduced_mass
 
 # Steps of Newmark's rule by scene: the longest of these runs takes a second or two.
 _STEPS = {
@@ -112,10 +113,10 @@ def work_precision(
     """
     count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
     instance("law", law, ContactLaw)
-    velocity, _, gap = checked_numbers(velocity, None, gap, False)
+    velocity, _, gap = checked_numbers(velocity, None, gap)
     duration = checked_duration(duration)
     names = _methods(scipy)
-    bodies = _star_body("projectile", projectile, velocity), _star_body("target", target, 0.0)
+    bodies = _star("projectile", projectile), _star("target", target)
     scene = {
         "projectile": projectile,
         "target": target,
@@ -126,13 +127,13 @@ def work_precision(
         "energies": False,
     }
     exact = _given(reference) if reference is not None else _reference(scene)
-    width = contact_width(law, [body.model for body in bodies], velocity)
-    between = law_of_models(law, [(body.model, 0) for body in bodies], width)
+    width = contact_width(law, bodies, velocity)
+    between = law_of_models(law, [(body, 0) for body in bodies], width)
     contact_time = _contact_time(bodies, between, velocity)
     ode = None
     if names:
         ode = ode_scene(
-            (bodies[0].model, bodies[1].model),
+            bodies,
             between,
             velocity=velocity,
             duration=duration,
@@ -159,9 +160,9 @@ class _Run(NamedTuple):
     run: Callable[[], Outcome]
 
 
-def _star_body(name: str, body: Any, velocity: float) -> StarBody:
-    made = scene_body(name, body, velocity)
-    if not isinstance(made, StarBody):
+def _star(name: str, body: Any) -> AOModel:
+    made = body_model(name, body)
+    if not isinstance(made, AOModel):
         raise InputTypeError(
             f"{name} must be an AOModel or a modal model, got {body!r}: reduce it by "
             "antioscillators(...) first"
@@ -184,7 +185,7 @@ def _settings(
     return tuple(positive(name, value) for value in sequence(name, values))
 
 
-def _contact_time(bodies: tuple[SceneBody, SceneBody], law: ContactLaw, velocity: float) -> float:
+def _contact_time(bodies: tuple[AOModel, AOModel], law: ContactLaw, velocity: float) -> float:
     return rigid_contact_time(law, reduced_mass(*bodies), abs(velocity))
 
 
@@ -207,7 +208,7 @@ def _adaptive_runs(scene: dict[str, Any], tolerances: Iterable[float] | None) ->
 
 
 def _scipy_run(
-    ode: OdeScene | None, projectile: SceneBody, velocity: float, method: str, rtol: float
+    ode: OdeScene | None, projectile: AOModel, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
     omitted = projectile.omitted[0] * velocity
@@ -220,7 +221,7 @@ def _scipy_run(
 
 
 def _outcome(result: Result) -> Outcome:
-    return Outcome(result.peak_force, result.contact_duration, result.run.compared_velocities[0])
+    return Outcome(result.peak_force, result.contact_duration, result.compared_velocities[0])
 
 
 def _simulation(scene: dict[str, Any], solver: Newmark | Adaptive) -> Callable[[], Outcome]:
@@ -245,7 +246,7 @@ def _given(reference: Result | Reference) -> Reference:
 
 
 def _with_independent(
-    reference: Reference, ode: OdeScene, projectile: SceneBody, velocity: float
+    reference: Reference, ode: OdeScene, projectile: AOModel, velocity: float
 ) -> Reference:
     """The reference with its distance from SciPy, unless that takes too long."""
     try:

@@ -16,8 +16,7 @@ import aoimpact as ao
 from aoimpact.impact.simulate import plan_impact
 from aoimpact.integrate.fixed_steps import SteppedRecorder
 from aoimpact.integrate.newmark import Record
-from aoimpact.results.result import Result
-from aoimpact.results.run import Run
+from aoimpact.results import Result
 
 FloatArray = NDArray[np.float64]
 
@@ -115,5 +114,4 @@ class HalfSine:
         at_rest = np.zeros(1), np.zeros(1)
         run = Record(t, record, (at_rest, at_rest), float(t[1]))
         recorder = SteppedRecorder(plan, ao.Newmark(), run)
-        run = Run(plan, recorder, time_error=1e-3)
-        return Result(run=run, velocity=self.velocity, gap=self.gap, law=self.law)
+        return Result(plan, recorder, time_error=1e-3)

@@ -13,11 +13,12 @@ import numpy as np
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn, with_unit
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
+from ..reduction import AOModel
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
-from .hierarchy import Models, only_models
-from .leftout import LeftOutFinder
-from .order import LOOSEST, Orders, proven_orders, shared_orders
+from .hierarchy import FixedModel, Models, only_models
+from .leftout import errors_left_out
+from .order import LOOSEST, Orders, Search, shared_orders
 
 __all__ = ["checked_linear_solver", "checked_rtol", "choose_models", "time_rule"]
 
@@ -81,6 +82,7 @@ def choose_models(
     rtol: float | None,
     solver: Any,
     *,
+    truncated: bool,
     energies: bool,
     record: RecordLength,
     law_errors: Sequence[float] = (),
@@ -93,27 +95,28 @@ def choose_models(
     ----------
     plan_of : callable
         Returns the plan for a model of each body, and whether to record energies.
-    bodies : sequence
-        As of `proven_orders`.
+    bodies : sequence of BodyModel
     interest : callable
         Returns the quantity of interest.
     rtol : float, optional
         Relative.
     solver : Adaptive or Newmark, optional
+    truncated : bool
+        Whether AO models that were given are truncated, too; other models stay as they are.
     energies : bool
     record : RecordLength
         How long the scene is recorded.
     law_errors : sequence of float, optional
-        See `LeftOutFinder`.
+        See `errors_left_out`.
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
     factors : dict of body to LinearSolver, optional
-        See `proven_orders`.
+        See `Search`.
 
     Returns
     -------
     Run
-        Of the chosen models; `Run.chosen` has what was chosen, and its errors by the models.
+        Run of the chosen models; `Run.chosen` has the quantity, and its errors by the models.
 
     Raises
     ------
@@ -126,31 +129,49 @@ def choose_models(
     given = rtol is not None
     rule, in_time = time_rule(solver, tolerance, given=given)
     timed = partial(solve, solver=rule)
-    meshed = any(getattr(body, "given", body).contact_points for body in bodies)
-    finder = LeftOutFinder(interest, rule, law_errors, meshed)
+    meshed = any(body.contact_points for body in bodies)
+    kept = {
+        body: body
+        if body.reducible or (truncated and isinstance(body, AOModel))
+        else FixedModel(body)
+        for body in bodies
+    }
+    bodies = [kept[body] for body in bodies]
+    left_out = partial(errors_left_out, interest=interest, solver=rule, law_errors=law_errors)
 
     in_models = tolerance - in_time
 
     def looser(run: Run) -> float:
         """The models' tolerance where the error by the mesh is much larger."""
-        return min(_SHARE_OF_MESH * finder(run).mesh.get(quantity.name, 0.0), LOOSEST) - in_time
+        return min(_SHARE_OF_MESH * left_out(run).mesh.get(quantity.name, 0.0), LOOSEST) - in_time
 
-    trial = _trial(plan_of, bodies, lambda plan, last: record.run(plan, timed, last=last))
+    def trial(models: Models) -> Run:
+        """A run whose bodies determine the length of the record, unless they are yet rigid."""
+        flexible = all(
+            _order(model) or _order(getattr(body, "given", body)) == 0
+            for model, body in zip(models, bodies, strict=True)
+        )
+        with held_warnings():  # the last run repeats those of the chosen models
+            return record.run(plan_of(models, False), timed, last=flexible)
+
     if models := only_models(bodies):
         run = record.run(plan_of(models, energies), timed)
         found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
     else:
         known = shared_orders(bodies, trial, quantity)
-        found = known or proven_orders(
-            bodies,
-            run=trial,
-            quantity=quantity,
-            rtol=in_models,
-            solver=linear_solver,
-            factors=factors,
-            anew=None if record.given else record.reopen,
-            best=not given,
-            looser=looser if meshed and not given else None,
+        found = (
+            known
+            or Search(
+                bodies,
+                run=trial,
+                quantity=quantity,
+                rtol=in_models,
+                solver=linear_solver,
+                factors=factors,
+                anew=None if record.given else record.reopen,
+                best=not given,
+                looser=looser if meshed and not given else None,
+            ).proven()
         )
         if known is not None:
             tolerance = known.rtol  # who shares models sees to it
@@ -162,45 +183,14 @@ def choose_models(
         run = record.run(plan_of(found.models, energies), timed)
     if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
-    return replace(run, chosen=_chosen(run, found, quantity, tolerance), left_out=finder)
-
-
-def _trial(
-    plan_of: Callable[[Models, bool], Plan],
-    bodies: Sequence[Any],
-    run: Callable[[Plan, bool], Run],
-) -> Callable[[Models], Run]:
-    """The run of models that are tried.
-
-    run: of a plan, and whether its bodies determine the length of the record; see
-    `RecordLength.run`.
-    """
-
-    def trial(models: Models) -> Run:
-        flexible = all(
-            _order(model) or _order(getattr(body, "given", body)) == 0
-            for model, body in zip(models, bodies, strict=True)
-        )
-        with held_warnings():  # the last run repeats those of the chosen models
-            return run(plan_of(models, False), flexible)
-
-    return trial
-
-
-def _chosen(run: Run, found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
-    """The record of the chosen models, and the errors of the run's numbers by them."""
-    models = tuple(body.model for body in run.plan.bodies)
     numbers = number_errors(found.run, found.larger, found.safety) | {quantity.name: found.error}
-    largest = _largest(quantity, found.run)
-    return Chosen(models, quantity.name, quantity.lasting, tolerance, numbers, largest)
-
-
-def _largest(quantity: Quantity, run: Run) -> str:
-    """The largest value of a history, with its unit; empty of numbers."""
-    if quantity.history is None:
-        return ""
-    largest = float(np.abs(quantity.history(run, run.t)).max(initial=0.0))
-    return "" if math.isnan(largest) else with_unit(largest, quantity.unit, 5)
+    largest = ""
+    if quantity.history is not None:
+        most = float(np.abs(quantity.history(found.run, found.run.t)).max(initial=0.0))
+        largest = "" if math.isnan(most) else with_unit(most, quantity.unit, 5)
+    chosen = Chosen(quantity.name, tolerance, numbers, largest)
+    run = replace(run, chosen=chosen)
+    return replace(run, left_out=left_out) if meshed else run
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:

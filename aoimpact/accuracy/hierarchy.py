@@ -29,9 +29,9 @@ from ..reduction import (
 
 __all__ = [
     "AOHierarchy",
+    "ElementHierarchy",
     "FixedModel",
     "Hierarchy",
-    "InterfaceHierarchy",
     "KrylovHierarchy",
     "Model",
     "Models",
@@ -122,26 +122,67 @@ class FixedModel(Hierarchy):
 
 
 @dataclass(eq=False)
-class KrylovHierarchy(Hierarchy):
-    """A finite-element body: scene-fitted models, and the whole body where it is small."""
+class ElementHierarchy(Hierarchy):
+    """A finite-element body: models that are fitted to a scene, each made once.
 
-    tip: ContactPoint
+    Attributes
+    ----------
+    tips : tuple of ContactPoint
+    contact_time : float
+        That the models are fitted to, s.
+    duration : float or None
+        How long their motion must be right after that, s.
+    solver : str or callable
+        The linear solver.
+    known : LinearSolver or None
+        One that has been set up; see `KrylovSpace`.
+    """
+
+    tips: tuple[ContactPoint, ...]
     contact_time: float
     duration: float | None
     solver: Solver = "auto"
     known: LinearSolver | None = None
     _most: int = field(init=False)
-    _models: dict[int, AOModel] = field(init=False, default_factory=dict)
+    _models: dict[int, Any] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._most = self.tip.body.n_dofs
+        self._most = self.dofs
+
+    @property
+    def dofs(self) -> int:
+        """Number of degrees of freedom of the body."""
+        return self.tips[0].body.n_dofs
+
+    @property
+    def resolved(self) -> float:
+        """The contact time, s, or the shortest that the mesh resolves."""
+        return max(self.contact_time, *map(shortest_contact_time, self.tips))
+
+    def model(self, order: int) -> Any:
+        order = self.at_most(order)
+        if order not in self._models:
+            self._models[order], exhausted = self._made(order)
+            if exhausted:
+                self._most = order
+        return self._models[order]
+
+    @abstractmethod
+    def _made(self, order: int) -> tuple[Model, bool]:
+        """The model, and whether there is none of a higher order."""
+
+    def at_most(self, order: int) -> int:
+        return min(order, self._most)
+
+
+class KrylovHierarchy(ElementHierarchy):
+    """A body touched in one place: AO models, and the whole body where it is small."""
 
     @cached_property
     def _space(self) -> KrylovSpace:
-        resolved = max(self.contact_time, shortest_contact_time(self.tip))
         space = KrylovSpace(
-            self.tip,
-            contact_time=resolved,
+            self.tips[0],
+            contact_time=self.resolved,
             sharpened=True,
             solver=self.solver,
             known=self.known,
@@ -156,37 +197,24 @@ class KrylovHierarchy(Hierarchy):
 
     @cached_property
     def first(self) -> int:
-        return 0 if moves_rigidly(self.tip) else 1
-
-    def model(self, order: int) -> AOModel:
-        order = self.at_most(order)
-        if order not in self._models:
-            self._models[order] = self._made(order)
-        return self._models[order]
+        return 0 if moves_rigidly(self.tips[0]) else 1
 
     def finished(self, order: int) -> AOModel:
-        return self.model(order).multiplied_out()
+        found: AOModel = self.model(order).multiplied_out()
+        return found
 
-    def _made(self, order: int) -> AOModel:
+    def _made(self, order: int) -> tuple[AOModel, bool]:
+        tip = self.tips[0]
         if order < self.first:
-            return rigid(mass=math.inf, name=self.tip.name)
-        if self._small and order == self.tip.body.n_dofs:
-            return antioscillators(self.tip, order="frequency")
+            return rigid(mass=math.inf, name=tip.name), False
+        if order == self.dofs <= _SMALL_BODY:
+            return antioscillators(tip, order="frequency"), False
         model = self._space.factored(order - self.first)
-        if self._space.exhausted:
-            self._most = order
-        return model if order > 0 else _rigid(model)
-
-    def at_most(self, order: int) -> int:
-        return min(order, self._most)
+        return model if order > 0 else _rigid(model), self._space.exhausted
 
     def reference_order(self, order: int) -> int:
-        dofs = self.tip.body.n_dofs
-        return dofs if self._small and order > _SHARE_OF_DOFS * dofs else order
-
-    @property
-    def _small(self) -> bool:
-        return self.tip.body.n_dofs <= _SMALL_BODY
+        small = self.dofs <= _SMALL_BODY
+        return self.dofs if small and order > _SHARE_OF_DOFS * self.dofs else order
 
 
 def _rigid(model: AOModel) -> AOModel:
@@ -194,29 +222,17 @@ def _rigid(model: AOModel) -> AOModel:
     return rigid(mass=math.inf, name=model.name) if model.constrained else model
 
 
-@dataclass(eq=False)
-class InterfaceHierarchy(Hierarchy):
-    """A finite-element body touched in several places: as many vectors for each as the order.
+class InterfaceHierarchy(ElementHierarchy):
+    """A body touched in several places: as many vectors for each as the order.
 
     A constrained one has at least one vector for each place, and is no wall.
     """
 
-    tips: tuple[ContactPoint, ...]
-    contact_time: float
-    duration: float | None
-    solver: Solver = "auto"
-    _most: int = field(init=False)
-    _models: dict[int, InterfaceModel] = field(init=False, default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self._most = self.tips[0].body.n_dofs
-
     @cached_property
     def _space(self) -> InterfaceSpace:
-        resolved = max(self.contact_time, *map(shortest_contact_time, self.tips))
         return InterfaceSpace(
             self.tips,
-            contact_time=resolved,
+            contact_time=self.resolved,
             duration=self.duration,
             sharpened=True,
             solver=self.solver,
@@ -226,17 +242,9 @@ class InterfaceHierarchy(Hierarchy):
     def first(self) -> int:
         return 0 if self._space.rigid_count else 1
 
-    def model(self, order: int) -> InterfaceModel:
-        order = self.at_most(order)
-        if order not in self._models:
-            vectors = self._space.rigid_count + max(order, self.first) * len(self.tips)
-            self._models[order] = self._space.of_vectors(min(vectors, self.tips[0].body.n_dofs))
-            if self._space.exhausted:
-                self._most = order
-        return self._models[order]
-
-    def at_most(self, order: int) -> int:
-        return min(order, self._most)
+    def _made(self, order: int) -> tuple[InterfaceModel, bool]:
+        vectors = self._space.rigid_count + max(order, self.first) * len(self.tips)
+        return self._space.of_vectors(min(vectors, self.dofs)), self._space.exhausted
 
 
 @dataclass(frozen=True, repr=False)
@@ -293,9 +301,8 @@ def model_hierarchy(
         return AOHierarchy(body)
     if not isinstance(body, FullModel):
         return FixedModel(body)
-    if len(body.tips) == 1:
-        return KrylovHierarchy(body.tips[0], contact_time, duration, solver, known)
-    return InterfaceHierarchy(body.tips, contact_time, duration, solver)
+    kind = KrylovHierarchy if len(body.tips) == 1 else InterfaceHierarchy
+    return kind(body.tips, contact_time, duration, solver, known)
 
 
 def only_models(bodies: Sequence[Any]) -> Models | None:

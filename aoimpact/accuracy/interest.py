@@ -1,11 +1,13 @@
-"""What a caller's ``quantity=`` means: a name, a body of a scene, or a point of a body."""
+"""The meaning of ``quantity=`` and ``keep=``: names, bodies of a scene, points of a body."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from ..base import FloatArray, InputError, choice, warn
+from ..base import FloatArray, InputError, InputTypeError, choice, nearest, sequence
 from ..fem import ContactPoint
 from ..reduction import BodyModel, FullModel
 from ..results import (
@@ -14,17 +16,16 @@ from ..results import (
     SCENE_CHOICES,
     Handle,
     Quantity,
+    Result,
     Run,
+    look_up,
     recorded,
 )
 from .stressat import StressAt, stress_quantity
 
-__all__ = ["impact_quantity", "scene_quantity"]
+__all__ = ["CONTROLLED", "Keep", "Named", "impact_quantity", "keeper", "scene_quantity"]
 
 _DEFAULT = "force"
-
-# Other names of quantities; the second kind warns, since it means something else elsewhere.
-_SHORT, _RENAMED = {"rebound": "rebound_velocity"}, {"duration": "contact_duration"}
 
 
 def impact_quantity(quantity: Any, projectile: BodyModel, target: BodyModel) -> Quantity:
@@ -43,12 +44,9 @@ def impact_quantity(quantity: Any, projectile: BodyModel, target: BodyModel) -> 
             several="both projectile and target",
             contact="the contact's own are 'projectile_displacement' and 'target_displacement'",
         )
-    if isinstance(quantity, str) and quantity in _RENAMED:
-        warn(
-            f"quantity={quantity!r} is called {_RENAMED[quantity]!r} now: duration is the record's"
-        )
-    name = (_SHORT | _RENAMED).get(quantity, quantity) if isinstance(quantity, str) else quantity
-    return QUANTITIES[choice("quantity", _DEFAULT if name is None else name, IMPACT_CHOICES)]
+    return QUANTITIES[
+        choice("quantity", _DEFAULT if quantity is None else quantity, IMPACT_CHOICES)
+    ]
 
 
 def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
@@ -75,8 +73,11 @@ def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
             several="several of the scene's bodies",
             contact="for a contact's own displacement give its handle",
         )
-    name = _SHORT.get(quantity, quantity) if isinstance(quantity, str) else quantity
-    return QUANTITIES[choice("quantity", _DEFAULT if name is None else name, SCENE_CHOICES)]
+    return _named(quantity, SCENE_CHOICES)
+
+
+def _named(quantity: Any, choices: Sequence[str]) -> Quantity:
+    return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, choices)]
 
 
 def _of_point(
@@ -108,3 +109,74 @@ def _of_point(
         return run.bodies[on[0]].displacement_of(point.b, times)[None]
 
     return Quantity("displacement", "m", history=displacement, each="bodies", lasting=True)
+
+
+# Ends the name of a column that says which numbers of another were controlled.
+CONTROLLED = "_controlled"
+
+_NAME = re.compile(r"[A-Za-z_]\w*(\.\w+)*")
+
+
+@dataclass(frozen=True)
+class Named:
+    """Keeps quantities by name: attributes, dotted, with numbers for places in lists."""
+
+    names: tuple[str, ...]
+
+    def __call__(self, result: Any) -> dict[str, float]:
+        """Return them; where models were chosen, with their errors and what was controlled.
+
+        These are called name + "_error", which is `ErrorParts.total`, and name + "_controlled":
+        1 if the error by the models is below the tolerance, else 0.
+        """
+        kept = {}
+        chosen = isinstance(result, Run) and result.chosen is not None
+        error = result.error if chosen else None
+        for name in self.names:
+            kept[name] = look_up(result, name, "keep")
+            if error is not None and name in error:
+                kept[f"{name}_error"] = error[name].total
+                kept[f"{name}{CONTROLLED}"] = float(error[name].model <= error.rtol)
+        return kept
+
+
+Keep = Named | Callable[[Any], Any]
+
+
+def keeper(keep: Any) -> Keep | None:
+    """Return what a caller's `keep` means; None keeps whole results.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If it is neither a function nor names, or a name is misspelt.
+    """
+    if keep is None or callable(keep):
+        return keep  # type: ignore[no-any-return]
+    names = (keep,) if isinstance(keep, str) else keep
+    try:
+        names = tuple(sequence("keep", names))
+    except InputTypeError:
+        raise InputTypeError(
+            f"keep must be names such as ('peak_force', 'impulse') or a function, got {keep!r}"
+        ) from None
+    if not names:
+        raise InputError("keep has no names: give some, such as ('peak_force', 'impulse')")
+    known = _KNOWN.union(one.name for one in QUANTITIES.values() if not one.is_history)
+    for name in names:
+        if not isinstance(name, str):
+            raise InputTypeError(f"keep must hold names, got {name!r}")
+        if not _NAME.fullmatch(name):
+            raise InputError(f"keep: {name!r} is no name of a quantity, such as 'peak_force'")
+        if (first := name.partition(".")[0]) not in known:
+            raise InputError(f"keep: results have no {first!r}{nearest(first, known)}")
+    return Named(names)
+
+
+def _public(thing: Any) -> list[str]:
+    fields = getattr(thing, "__dataclass_fields__", {})
+    return [name for name in {*dir(thing), *fields} if not name.startswith("_")]
+
+
+# First parts of names that are no quantity.
+_KNOWN = frozenset((*_public(Result), *_public(Run)))

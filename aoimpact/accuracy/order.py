@@ -24,10 +24,10 @@ from .hierarchy import AOHierarchy, Hierarchy, Models, SharedPoint, model_hierar
 __all__ = [
     "LOOSEST",
     "Orders",
+    "Search",
     "first_guess",
     "larger_orders",
     "models_to_compare",
-    "proven_orders",
     "safety_of",
     "shared_orders",
 ]
@@ -81,7 +81,7 @@ class Orders:
     Attributes
     ----------
     orders : tuple of int
-        Of the bodies; 0 is rigid.
+        Order of each body; 0 is rigid.
     models : tuple of AOModel or InterfaceModel
     error : float
         Estimated relative error of the quantity from the models' orders.
@@ -122,71 +122,6 @@ class TimeScales(NamedTuple):
         return alike and (self.slow is not None or others.slow is None)
 
 
-def proven_orders(
-    bodies: Sequence[BodyModel],
-    *,
-    run: Callable[[Models], Run],
-    quantity: Quantity,
-    rtol: float,
-    solver: Solver = "auto",
-    factors: dict[Any, LinearSolver] | None = None,
-    anew: Callable[[], None] | None = None,
-    best: bool = False,
-    looser: Callable[[Run], float] | None = None,
-) -> Orders:
-    """Return small orders of bodies that give a quantity to `rtol` of the whole bodies.
-
-    Parameters
-    ----------
-    bodies : sequence
-        AOModel, InterfaceModel or FullModel.
-    run : callable
-        Simulates with given models, one for each body.
-    quantity : Quantity
-    rtol : float
-        Relative.
-    solver : str or callable, optional
-        The linear solver of the bodies; see `FEModel.inverse`.
-    factors : dict of body to LinearSolver, optional
-        Those that have been set up, and can be taken from here.
-    anew : callable, optional
-        Called before larger models are tried: properties of the scene that they determine, such as
-        the length of the record, hold for all models that are compared with them.
-    best : bool, optional
-        Whether, where no models tried meet the tolerance, those of the least error are returned,
-        if it is below 1.
-    looser : callable, optional
-        Where no tolerance was given: returns that which applies to a run, if it is larger than
-        `rtol`, since other errors, such as the mesh's, are larger. Models that would need a third
-        more vectors than for `LOOSEST` meet that one only.
-
-    Raises
-    ------
-    ConvergenceError
-        If not even the largest models tried agree to within the tolerance.
-    """
-    scales, fits = first_guess(bodies, run, quantity), 1
-    if any(isinstance(body, SharedPoint) for body in bodies):
-        fits = _MOST_FITS  # its vectors stay as they are
-    while True:
-        # Equal bodies with the same contact point, such as two equal spheres, share one basis.
-        made = {
-            body: model_hierarchy(
-                body, scales.contact_time, scales.slow, solver, _taken(factors, body, solver)
-            )
-            for body in dict.fromkeys(bodies)
-        }
-        places = tuple(list(made).index(body) for body in bodies)
-        search = _Search(
-            tuple(made.values()), places, run, quantity, rtol, anew, best=best, looser=looser
-        )
-        found = (_scales(quantity, larger, scales) for larger in search.grow())
-        misfit = next((one for one in found if fits < _MOST_FITS and not scales.suit(one)), None)
-        if misfit is None:
-            return search.proven()
-        scales, fits = misfit, fits + 1
-
-
 def _taken(
     factors: dict[Any, LinearSolver] | None, body: Any, solver: Solver
 ) -> LinearSolver | None:
@@ -215,50 +150,106 @@ def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:
     return TimeScales(quantity.contact_time(run) or otherwise.contact_time, quantity.span(run))
 
 
-class _Search:
-    """Models of hierarchies, and the run of each set of them, made once.
+class Search:
+    """The search for small orders of bodies that give a quantity to `rtol` of the whole bodies.
+
+    Every set of models is run once.
 
     Parameters
     ----------
-    hierarchies : tuple of Hierarchy
-        All different; `orders` below are theirs.
-    places : tuple of int
-        For each body which of them is its own.
-    run, quantity, rtol, anew, best, looser
-        As of `proven_orders`.
+    bodies : sequence
+        AOModel, InterfaceModel, FullModel or Hierarchy.
+    run : callable
+        Simulates with given models, one for each body.
+    quantity : Quantity
+    rtol : float
+        Relative.
+    solver : str or callable, optional
+        The linear solver of the bodies; see `FEModel.inverse`.
+    factors : dict of body to LinearSolver, optional
+        Those that have been set up, and can be taken from here.
+    anew : callable, optional
+        Called before larger models are tried: properties of the scene that they determine, such as
+        the length of the record, hold for all models that are compared with them.
+    best : bool, optional
+        Whether, where no models tried meet the tolerance, those of the least error are returned,
+        if it is below 1.
+    looser : callable, optional
+        Where no tolerance was given: returns that which applies to a run, if it is larger than
+        `rtol`, since other errors, such as the mesh's, are larger. Models that would need a third
+        more vectors than for `LOOSEST` meet that one only.
     """
 
     def __init__(
         self,
-        hierarchies: tuple[Hierarchy, ...],
-        places: tuple[int, ...],
+        bodies: Sequence[Any],
+        *,
         run: Callable[[Models], Run],
         quantity: Quantity,
         rtol: float,
+        solver: Solver = "auto",
+        factors: dict[Any, LinearSolver] | None = None,
         anew: Callable[[], None] | None = None,
-        *,
         best: bool = False,
         looser: Callable[[Run], float] | None = None,
     ) -> None:
-        self.hierarchies, self.places, self.best = hierarchies, places, best
-        self.anew = anew
-        self.looser: Callable[[Run], float] | None = looser
+        self.bodies, self.solver, self.factors = bodies, solver, factors
         self.run: Callable[[Models], Run] = run
         self.quantity, self.rtol, self.least_rtol = quantity, rtol, rtol
+        self.anew, self.best = anew, best
+        self.looser: Callable[[Run], float] | None = looser
+
+    def proven(self) -> Orders:
+        """Return the orders, with models that are fitted to the time scales of their runs.
+
+        Raises
+        ------
+        ConvergenceError
+            If not even the largest models tried agree to within the tolerance.
+        """
+        scales, fits = first_guess(self.bodies, self.run, self.quantity), 1
+        if any(isinstance(body, SharedPoint) for body in self.bodies):
+            fits = _MOST_FITS  # its vectors stay as they are
+        while True:
+            self._fit(scales)
+            found = (_scales(self.quantity, larger, scales) for larger in self._grow())
+            misfit = next((of for of in found if fits < _MOST_FITS and not scales.suit(of)), None)
+            if misfit is None:
+                return self._found()
+            scales, fits = misfit, fits + 1
+
+    def _fit(self, scales: TimeScales) -> None:
+        """Begin with models that are fitted to these time scales."""
+        # Equal bodies with the same contact point, such as two equal spheres, share one basis.
+        made = {
+            body: model_hierarchy(
+                body,
+                scales.contact_time,
+                scales.slow,
+                self.solver,
+                _taken(self.factors, body, self.solver),
+            )
+            for body in dict.fromkeys(self.bodies)
+        }
+        which = {body: i for i, body in enumerate(made)}
+        self.hierarchies = tuple(made.values())  # `orders` below are theirs
+        self.places = tuple(which[body] for body in self.bodies)
         self.most = math.inf
         self.results: dict[_Orders, Run | None] = {}
         self.differences: dict[tuple[_Orders, _Orders], float] = {}
         self.failures: dict[_Orders, AOImpactError] = {}
-        # Within the tolerance as soon as `grow` ends.
-        oscillators = max(1, round(-_FIRST * math.log10(rtol)))
-        self.orders = tuple(one.first + oscillators for one in hierarchies)
+        oscillators = max(1, round(-_FIRST * math.log10(self.least_rtol)))
+        self.orders = tuple(one.first + oscillators for one in self.hierarchies)
 
-    def grow(self) -> Iterator[Run]:
+    def _grow(self) -> Iterator[Run]:
         """Raise the orders until the error estimate is within the tolerance; yield larger runs."""
         too_wide = 0
         while True:
             *_, largest = self._larger()
-            self._begin()
+            if self.anew is not None:  # the largest models determine the length of the record
+                self.results.clear()
+                self.differences.clear()
+                self.anew()
             if (run := self._at(largest)) is not None:
                 yield run
             if self._is_enough(run, largest):
@@ -276,16 +267,11 @@ class _Search:
 
     def _is_enough(self, run: Run | None, largest: _Orders) -> bool:
         """Whether the models meet the tolerance, or the looser one of a tolerance left out."""
-        self.rtol = self.least_rtol
-        if self._meet():
+        if self._meet(self.least_rtol):
             return True
-        if run is None or self.looser is None:
+        if run is None or self.looser is None or not self._meet(LOOSEST):
             return False
-        self.rtol = LOOSEST
-        if not self._meet():
-            return False
-        self.rtol = max(self.least_rtol, self.looser(run))
-        if self._meet():
+        if self._meet(max(self.least_rtol, self.looser(run))):
             return True
         self.rtol = self.least_rtol
         self.most = min(self.most, _WORTH * max(largest))
@@ -294,21 +280,17 @@ class _Search:
         self.rtol = LOOSEST
         return True
 
-    def _meet(self) -> bool:
-        return all(error <= self.rtol for error in self._errors())
+    def _meet(self, rtol: float) -> bool:
+        """Whether the models meet a tolerance, which applies from here on."""
+        self.rtol = rtol
+        return all(error <= rtol for error in self._errors())
 
-    def _begin(self) -> None:
-        """Discard the runs of a record whose length the largest models are about to change."""
-        if self.anew is not None:
-            self.results.clear()
-            self.differences.clear()
-            self.anew()
-
-    def proven(self) -> Orders:
-        """Return the models with which `grow` ended, and their runs."""
+    def _found(self) -> Orders:
+        """The models with which `_grow` ended, and their runs."""
         orders = self._at_most(self.orders)
         found = tuple(orders[place] for place in self.places)
-        models = tuple(self.hierarchies[place].finished(orders[place]) for place in self.places)
+        finished = [of.finished(n) for of, n in zip(self.hierarchies, orders, strict=True)]
+        models = tuple(finished[place] for place in self.places)
         done = (self._at(each) for each in (orders, *self._larger()))
         run, *larger = (run for run in done if run is not None)  # all, since their errors are small
         error = max(self._errors())
@@ -319,10 +301,10 @@ class _Search:
         error = next(error for error in self._errors() if error > self.rtol)
         growth = min(max(_LEAST_GROWTH, error / self.rtol), _GROWTH)
         allowed = self.rtol / len(self.orders) / self._safety()
-        poor = [
-            self._difference(_with(largest, which, order), largest) > allowed
-            for which, order in enumerate(self.orders)
-        ]
+        poor = []
+        for which, order in enumerate(self.orders):
+            alone = (*largest[:which], order, *largest[which + 1 :])
+            poor.append(self._difference(alone, largest) > allowed)
         return self._at_most(
             math.ceil(growth * order) if is_poor or not any(poor) else order
             for order, is_poor in zip(self.orders, poor, strict=True)
@@ -331,16 +313,15 @@ class _Search:
     def _larger(self) -> tuple[_Orders, ...]:
         return larger_orders(self.hierarchies, self.orders)
 
-    def _is_whole(self, orders: _Orders) -> bool:
-        return _are_whole(self.hierarchies, orders)
-
     def _safety(self) -> float:
-        return safety_of(self.quantity, exact=self._is_whole(self._larger()[-1]))
+        exact = _are_whole(self.hierarchies, self._larger()[-1])
+        return safety_of(self.quantity, exact=exact)
 
     def _errors(self) -> Iterator[float]:
         """Estimates of the error by each of the larger models, by the largest first."""
-        safety = self._safety()
-        return (safety * self._difference(self.orders, one) for one in reversed(self._larger()))
+        larger = self._larger()
+        safety = safety_of(self.quantity, exact=_are_whole(self.hierarchies, larger[-1]))
+        return (safety * self._difference(self.orders, one) for one in reversed(larger))
 
     def _difference(self, orders: _Orders, larger: _Orders) -> float:
         """Relative difference of the quantity; infinite where a run or its number is missing."""
@@ -427,7 +408,7 @@ def shared_orders(
     Parameters
     ----------
     bodies, run, quantity
-        As of `proven_orders`.
+        As of `Search`.
     """
     shared = [body for body in bodies if isinstance(body, SharedPoint) and body.models]
     if not shared:
@@ -458,7 +439,3 @@ def _given(body: Any) -> Any:
 def _beyond(order: int, share: float) -> int:
     """The order at this share of the distance to the largest one for comparison."""
     return order + math.ceil(share * max(_BEYOND, _SHARE_BEYOND * order))
-
-
-def _with(orders: _Orders, which: int, order: int) -> _Orders:
-    return (*orders[:which], order, *orders[which + 1 :])

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..base import AOImpactError, FloatArray, held_warnings
+from ..base import AOImpactError, FloatArray, boolean, held_warnings
 from ..impact import checked_numbers, plan_impact
 from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
@@ -139,7 +139,7 @@ class _Parts:
             return None
         omitted = plan.omitted[0]
         self.laws.append(plan.contacts[0].law.for_core())
-        run = tuple(body.model for body in plan.bodies)
+        run = tuple(plan.bodies)
         return _Pair(
             (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
             0.0 if omitted is None else omitted.share,
@@ -232,7 +232,8 @@ def _given(case: Any) -> tuple[float, ...] | None:
         and (gap == 0.0 or _SMALL <= gap <= _LARGE)
     ):
         try:
-            velocity, duration, gap = checked_numbers(velocity, duration, gap, energies)
+            boolean("energies", energies)
+            velocity, duration, gap = checked_numbers(velocity, duration, gap)
         except AOImpactError:  # simulate raises it
             return None
         if duration is None or velocity < 0.0:

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..accuracy import KrylovHierarchy, SharedPoint, larger_orders
-from ..base import AOImpactError, held_warnings, warn
+from ..base import AOImpactError, boolean, held_warnings, warn
 from ..fem import ContactPoint
-from ..impact import Impact, Meeting, checked_numbers, complete_impact, fitted, simulate
+from ..impact import Impact, Meeting, fitted, simulate
 from ..integrate import Adaptive
 from ..linalg import LinearSolver
 from ..reduction import AOModel, BodyModel, body_model
@@ -86,7 +86,7 @@ class SharedCase:
             hit = simulate(**_with(self.case, self.impact.bodies) | {"solver": self.solver})
         except AOImpactError:
             return None
-        chosen = hit.run.chosen
+        chosen = hit.chosen
         assert chosen is not None
         name = "peak_force" if self.quantity == "peak_force" else chosen.quantity
         return hit if chosen.numbers[name] <= chosen.rtol else None
@@ -141,10 +141,11 @@ def _foreseen(case: Mapping[str, Any], points: Mapping[int, SharedPoint]) -> Imp
     """
     with held_warnings() as messages:
         try:
-            given = (case["velocity"], case.get("duration"), case.get("gap", 0.0))
-            numbers = checked_numbers(*given, case.get("energies", True))
             bodies = _bodies(case, (False, False), lambda tip, _: points[id(tip)])
-            impact = complete_impact(*bodies, case.get("law"), numbers)
+            given = {name: case[name] for name in ("gap", "duration") if name in case}
+            boolean("energies", case.get("energies", True))
+            impact = Impact(*bodies, case["velocity"], **given)
+            impact.touch(case.get("law"))
         except AOImpactError:
             return None
     return None if messages or impact.met is None else impact
@@ -189,7 +190,7 @@ def _time(impact: Impact) -> float:
 def _length(impact: Impact) -> float:
     """Length of the motion that matters, s."""
     if impact.record.given:
-        return max(impact.record.length - impact.numbers.gap / abs(impact.numbers.velocity), 0.0)
+        return max(impact.record.length - impact.gap / abs(impact.velocity), 0.0)
     return 2.0 * _time(impact)
 
 
@@ -210,7 +211,7 @@ def _share(cases: Sequence[Any], alike: Sequence[tuple[int, Impact]], found: lis
             whole = fitted(body_model("body", tip.reversed() if turn else tip), 0, met, factors)
             (there,) = whole.contact_points
             factor = factors.get(there.body) if linear_solver == "auto" else None
-            hierarchy = KrylovHierarchy(there, shortest, slow, linear_solver, factor)
+            hierarchy = KrylovHierarchy((there,), shortest, slow, linear_solver, factor)
             points[key] = SharedPoint((there,), hierarchy=hierarchy)
         return points[key]
 
@@ -218,20 +219,20 @@ def _share(cases: Sequence[Any], alike: Sequence[tuple[int, Impact]], found: lis
     try:
         with held_warnings() as messages:
             for i, impact in _hardest(alike):
-                hit = simulate(**_with(cases[i], _bodies(cases[i], impact.turns, fresh)))
+                hit = simulate(**_with(cases[i], _bodies(cases[i], impact.turned, fresh)))
                 _ = hit.error  # which may warn
-                assert hit.run.chosen is not None
-                rtol = max(rtol, hit.run.chosen.rtol)
-                if hit.run.chosen.numbers[hit.run.chosen.quantity] > rtol:
+                assert hit.chosen is not None
+                rtol = max(rtol, hit.chosen.rtol)
+                if hit.chosen.numbers[hit.chosen.quantity] > rtol:
                     return  # no models meet it; each is as good as it can be by itself
-                for name, turn, model in zip(_NAMES, impact.turns, hit.models, strict=True):
+                for name, turn, model in zip(_NAMES, impact.turned, hit.models, strict=True):
                     chosen.setdefault((id(cases[i][name]), turn), []).append(model)
     except AOImpactError:
         return  # each by itself, with its own message
     settled = {key: _settled(point, chosen[key], rtol) for key, point in points.items()}
     for i, impact in alike:
-        bodies = _bodies(cases[i], impact.turns, lambda tip, turn: settled[id(tip), turn])
-        shared = impact._replace(bodies=bodies, turns=(False, False))
+        bodies = _bodies(cases[i], impact.turned, lambda tip, turn: settled[id(tip), turn])
+        shared = impact.with_bodies(bodies)
         solver = cases[i].get("solver")
         if solver is None and cases[i].get("rtol") is None:
             solver = Adaptive(rtol=_SHARE_OF_TIME * rtol)
@@ -247,7 +248,7 @@ def _hardest(alike: Sequence[tuple[int, Impact]]) -> list[tuple[int, Impact]]:
     """The impacts with the shortest and the longest contact, and with the longest record."""
 
     def speed(impact: Impact) -> float:
-        return abs(impact.numbers.velocity)
+        return abs(impact.velocity)
 
     by_time = sorted(alike, key=lambda of: (_time(of[1]), speed(of[1])))
     by_length = max(alike, key=lambda of: (_length(of[1]), speed(of[1])))

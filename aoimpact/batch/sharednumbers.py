@@ -29,9 +29,9 @@ from ..accuracy import (
 from ..base import AOImpactError, FloatArray, held_warnings
 from ..integrate import Adaptive
 from ..laws import ContactLaw, Hertz, own_law
-from ..reduction import ModalBody
+from ..reduction import BodyModel, ModalBody
 from ..results import AS_LONG_AGAIN, FIRST_ORDER_LIMIT, QUANTITIES, Speeds, warning_limits
-from ..scene import Contact, Plan, SceneBody, scene_body
+from ..scene import Contact, Plan
 from .plain import ANSWERS, ERROR, Answer, events_of, speeds_of
 from .shared import SharedCase
 
@@ -54,7 +54,7 @@ class _Impact:
     Attributes
     ----------
     plan : Plan
-    larger : list of tuple of SceneBody
+    larger : list of tuple of BodyModel
         The bodies with larger models.
     safety : float
         An error by the models is at most so many times the largest change by larger ones.
@@ -73,7 +73,7 @@ class _Impact:
 
     case: SharedCase
     plan: Plan
-    larger: list[tuple[SceneBody, ...]]
+    larger: Sequence[tuple[BodyModel, ...]]
     safety: float
     most_model: float
     rtol: float
@@ -112,7 +112,8 @@ class _Calls:
 
     def ask(
         self,
-        bodies: Sequence[SceneBody],
+        bodies: Sequence[BodyModel],
+        velocity: float,
         contact: Contact,
         length: float,
         rtol: float,
@@ -121,7 +122,7 @@ class _Calls:
         first, second = bodies
         one, other = (self._place(self._bodies, body.modal) for body in bodies)
         self._rows.append((one, other, self._place(self._laws, contact.law)))
-        self._numbers.append((first.velocity, contact.gap, length, rtol))
+        self._numbers.append((velocity, contact.gap, length, rtol))
         share, mass = first.omitted
         self._drifts.append(share if mass else 0.0)
         self._fixed.append((first.fixed, second.fixed))
@@ -173,7 +174,9 @@ def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict
     calls = _Calls()
     # The largest model determines the length of a record that is left out.
     for of in impacts.values():
-        of.rows = [calls.ask(of.larger[-1], of.plan.contacts[0], of.length, of.rtol)]
+        of.rows = [
+            calls.ask(of.larger[-1], of.plan.velocities[0], of.plan.contacts[0], of.length, of.rtol)
+        ]
     answers = calls.run()
     impacts = {i: of for i, of in impacts.items() if of.plain_at(answers[of.rows[0]])}
     for of in impacts.values():
@@ -181,7 +184,8 @@ def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict
             start, end = answers[of.rows[0], Answer.START : Answer.END + 1].tolist()
             of.length = start + AS_LONG_AGAIN * (end - start)
         others = [of.plan.bodies, *of.larger[:-1]]
-        rows = [calls.ask(bodies, of.plan.contacts[0], of.length, of.rtol) for bodies in others]
+        speed, joint = of.plan.velocities[0], of.plan.contacts[0]
+        rows = [calls.ask(bodies, speed, joint, of.length, of.rtol) for bodies in others]
         of.rows = [*rows, *of.rows]
     answers = calls.run()
     impacts = {
@@ -203,24 +207,20 @@ def _started(case: SharedCase) -> _Impact | None:
     impact, solver, rtol = case.impact, case.solver, case.case.get("rtol")
     if not case.plain or not (solver is None or isinstance(solver, Adaptive)):
         return None
-    if type(own_law(impact.law)) is not Hertz or impact.numbers.velocity < 0.0:
+    if type(own_law(impact.law)) is not Hertz or impact.velocity < 0.0:
         return None
     if case.quantity not in _PLAIN:
         return None
     models = models_to_compare(impact.bodies)
     with held_warnings() as messages:
         try:
-            plan = impact.plan(models[0], False)
+            plan = impact.plan(models[0], impact.record.length)
             rule, _ = time_rule(solver, checked_rtol(rtol), given=rtol is not None)
         except AOImpactError:
             return None
     if messages or not all(body.centre_known for body in plan.bodies):
         return None
-    speeds = impact.numbers.velocity, 0.0
-    larger = [
-        tuple(scene_body("body", *one) for one in zip(bodies, speeds, strict=True))
-        for bodies in models[1:]
-    ]
+    larger = models[1:]
     points = [body for body in impact.bodies if isinstance(body, SharedPoint)]
     quantity = QUANTITIES[case.case.get("quantity") or "force"]
     safety = safety_of(quantity, exact=all(point.exact for point in points))
@@ -251,7 +251,8 @@ def _alter(of: _Impact, answer: FloatArray, calls: _Calls) -> bool:
         for altered in (next(iter(ways)) for ways in causes):
             if (plan := altered.plan) is not None:
                 if id(plan) not in rows:
-                    rows[id(plan)] = calls.ask(plan.bodies, plan.contacts[0], of.length, of.rtol)
+                    contact, speed = plan.contacts[0], plan.velocities[0]
+                    rows[id(plan)] = calls.ask(plan.bodies, speed, contact, of.length, of.rtol)
                 size = altered.size, altered.scale
                 of.altered.append((size, rows[id(plan)], by_mesh))
     return True

@@ -25,9 +25,7 @@ _FIGURES = ("force", "indentation", "displacement", "energy")
 _FRAMES = 20
 
 
-def write_files(
-    scene: SceneFile, result: Result | Run, out: str | os.PathLike[str]
-) -> tuple[Path, ...]:
+def write_files(scene: SceneFile, result: Run, out: str | os.PathLike[str]) -> tuple[Path, ...]:
     """Write a result in every format of `FORMATS` to a folder, made if there is none.
 
     Raises
@@ -39,31 +37,24 @@ def write_files(
     return tuple(file for write in FORMATS for file in write(scene, result, folder))
 
 
-def _histories(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
+def _histories(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
     """All histories, as CSV."""
     file = folder / "histories.csv"
     result.to_csv(file)
     return [file]
 
 
-def _figures(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
+def _figures(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
     """Histories, as PNG."""
-    if isinstance(result, Run):
-        figures = {
-            "force": result.plot_force(),
-            "displacement": result.plot_displacement(),
-            "energy": result.plot_energy(),
-        }
-    else:
-        figures = {name: getattr(result, f"plot_{name}")() for name in _FIGURES}
+    drawn = [name for name in _FIGURES if hasattr(result, f"plot_{name}")]
+    figures = {name: getattr(result, f"plot_{name}")() for name in drawn}
     return [_saved(axes, folder / f"{name}.png") for name, axes in figures.items()]
 
 
-def _fields(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
+def _fields(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
     """Each body with a mesh: PNG at the peak force; .pvd, which names VTU files, for ParaView."""
-    bodies = result.bodies if isinstance(result, Run) else (result.projectile, result.target)
     files = []
-    for (name, member), body in zip(scene.members, bodies, strict=True):
+    for (name, member), body in zip(scene.members, result.bodies, strict=True):
         if scene.has_mesh(member):
             peak = body.field()
             times = np.union1d(np.linspace(0.0, result.t[-1], _FRAMES), peak.times)
@@ -74,7 +65,7 @@ def _fields(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
 
 # Formats that ``aoimpact run --out`` writes of a result; each returns the files that it made, and
 # names its kind in capitals. Of a sweep `write_sweep` writes a table and a figure instead.
-FORMATS: tuple[Callable[[SceneFile, Result | Run, Path], list[Path]], ...] = (
+FORMATS: tuple[Callable[[SceneFile, Run, Path], list[Path]], ...] = (
     _histories,
     _figures,
     _fields,
@@ -92,14 +83,14 @@ def _saved(axes: Any, file: Path) -> Path:
 _ERRORS = "total", "mesh", "contact", "model", "time", "energy"
 
 
-def numbers(result: Result | Run, quantities: Sequence[str]) -> dict[str, Any]:
+def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
     """Return what JSON can hold of a result; null where a number is not known."""
     kept: Any = keeper(quantities) if quantities else None
     errors = {name: getattr(result.error, name) for name in _ERRORS}
     return {
         "quantities": _finite(kept(result) if quantities else {}),
-        "bodies": list(_run(result).names),
-        "contact_names": list(_run(result).contact_names),
+        "bodies": list(result.names),
+        "contact_names": list(result.contact_names),
         "contacts": _contacts(result),
         "in_contact_at_end": result.in_contact_at_end,
         "relative_errors": _finite(errors),
@@ -139,15 +130,11 @@ def rows(table: SweepTable) -> dict[str, Any]:
     }
 
 
-def _run(result: Result | Run) -> Run:
-    return result if isinstance(result, Run) else result.run
-
-
-def _contacts(result: Result | Run) -> list[Any]:
+def _contacts(result: Run) -> list[Any]:
     """Start and end of each touch; by contact, where there may be several."""
-    if isinstance(result, Run):
-        return [[list(interval) for interval in of.intervals] for of in result.contacts]
-    return [list(interval) for interval in result.contacts]
+    if isinstance(result, Result):
+        return [list(interval) for interval in result.contacts]
+    return [[list(interval) for interval in of.intervals] for of in result.contacts]
 
 
 def as_json(report: dict[str, Any]) -> str:

@@ -71,7 +71,7 @@ class Indentation:
 def indentations(plan: Plan, body: int) -> tuple[Indentation, ...]:
     """Return the fields of a body's contacts in a plan, one for each of its contact points."""
     found: dict[int, Indentation] = {}
-    model = plan.bodies[body].model
+    model = plan.bodies[body]
     for contact in plan.contacts:
         port = contact.port_of(body)
         if not contact.touches(body) or port in found:

@@ -10,8 +10,8 @@ import numpy as np
 from ..base import FloatArray
 from ..integrate import Events, Motion, Recorder
 from ..linalg import LinearSolver
-from ..reduction import PACE, Recovery
-from ..scene import FreeMotion, FullBody, Plan
+from ..reduction import PACE, BodyModel, FullModel, Recovery, ReducedModel
+from ..scene import FreeMotion, Plan
 from .indentation import indentations
 from .response import OmittedMotion, Response
 
@@ -47,11 +47,11 @@ def response_of(
     """
     model = plan.bodies[body]
     largest, peak_time = _largest_contact(plan, events, recorder.duration, body)
-    if isinstance(model, FullBody) and not recorder.dense:
+    if isinstance(model, FullModel) and not recorder.dense:
         motion = recorder.motion(body)
         under = indentations(plan, body)
-        return Response(model.tip.body, motion, None, None, peak_time, indentations=under)
-    reduced = plan.modal[body].model.coordinates(plan.gravity)
+        return Response(model.body, motion, None, None, peak_time, indentations=under)
+    reduced = _reduced(model).coordinates(plan.gravity)
     if reduced is None:
         return None
     motion = recorder.motion(body)
@@ -65,6 +65,13 @@ def response_of(
         static_deflection=_static_deflection(motion, recovery) if plan.preload else None,
         indentations=indentations(plan, body),
     )
+
+
+def _reduced(model: BodyModel) -> ReducedModel:
+    """The model whose modes a dense run is recorded in."""
+    found = model.whole if isinstance(model, FullModel) else model
+    assert isinstance(found, ReducedModel)
+    return found
 
 
 def _shift(contact_time: float) -> float:
@@ -106,5 +113,5 @@ def _omitted_motion(plan: Plan, body: int) -> OmittedMotion | None:
     velocity = plan.velocities[body]
     if velocity == 0.0 and plan.gravity == 0.0:
         return None
-    omitted = plan.modal[body].model.omitted_translation
+    omitted = _reduced(plan.bodies[body]).omitted_translation
     return None if omitted is None else OmittedMotion(omitted, FreeMotion(velocity, plan.gravity))

@@ -4,17 +4,16 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 `scenefile`, `batch`, `study` and `paper`.
 """
 
-from .checks import checked_duration
-from .defaults import Meeting, contact_width, fitted, fitted_pair, meeting
-from .scene import Scene, SceneCase
-from .simulate import (
-    Impact,
+from .defaults import (
+    Meeting,
+    checked_duration,
     checked_numbers,
-    complete_impact,
-    left_out_law,
-    plan_impact,
-    simulate,
+    contact_width,
+    fitted,
+    fitted_pair,
 )
+from .scene import Scene, SceneCase
+from .simulate import Impact, plan_impact, simulate
 
 __all__ = [
     "Impact",
@@ -23,12 +22,9 @@ __all__ = [
     "SceneCase",
     "checked_duration",
     "checked_numbers",
-    "complete_impact",
     "contact_width",
     "fitted",
     "fitted_pair",
-    "left_out_law",
-    "meeting",
     "plan_impact",
     "simulate",
 ]

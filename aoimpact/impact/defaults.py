@@ -1,4 +1,4 @@
-"""Defaults of what a caller leaves out, from the bodies: direction, law, patches, duration."""
+"""Checks of the arguments of a run, and defaults from the bodies for those left out."""
 
 from __future__ import annotations
 
@@ -8,15 +8,20 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..accuracy import SharedPoint
-from ..base import AOImpactError, InputError, plain, warn, with_unit
-from ..fem import PATCH_OVER_CONTACT, SHIFT_TIMES_DURATION, ContactPoint, contact_within
+from ..base import HUGE, AOImpactError, InputError, nonnegative, plain, positive, real
+from ..fem import PATCH_OVER_CONTACT, SHIFT_TIMES_DURATION, contact_within
 from ..integrate import rigid_contact_time
 from ..laws import ContactLaw, LawFromSurfaces, law_between, round_contact
 from ..linalg import LinearSolver
 from ..reduction import BodyModel, FullModel
+from ..results import warn_of_size
 
 __all__ = [
     "Meeting",
+    "checked_duration",
+    "checked_gravity",
+    "checked_numbers",
+    "checked_speed",
     "chosen_law",
     "contact_width",
     "fitted",
@@ -25,9 +30,73 @@ __all__ = [
     "turns",
 ]
 
-# A ball's radius over the other body's size above which a warning is given: millimetres may have
-# been taken for metres, a factor of 1000.
-_FAR_LARGER = 5.0
+
+# m/s; squares and energies of speeds beyond these overflow, or vanish.
+_SLOWEST, _FASTEST = 1e-60, 1e60
+
+# s; their cubes are numbers, and so is the distance that the fastest body covers.
+_SHORTEST, _LONGEST = 1.0 / HUGE, HUGE
+
+# m/s², the most on a neutron star. Above ten times as much, depths of contacts are no more than the
+# rounding of the ways that bodies fall, and drawn scenes were wrong by 1e-7 to 1e-4.
+_HEAVIEST = 1e12
+
+
+def checked_duration(duration: Any) -> float:
+    """Return the length of a record, s, over which displacements do not overflow."""
+    length = positive("duration", duration, unit="s")
+    if not _SHORTEST <= length <= _LONGEST:
+        raise InputError(
+            f"duration={length:g} s is beyond what can be computed: {_SHORTEST:g} to {_LONGEST:g} s"
+        )
+    return length
+
+
+def checked_speed(name: str, value: Any) -> float:
+    """Return a speed, m/s, whose square neither overflows nor vanishes.
+
+    Raises
+    ------
+    InputError
+    """
+    speed = real(name, value, unit="m/s")
+    if speed != 0.0 and not _SLOWEST <= abs(speed) <= _FASTEST:
+        raise InputError(
+            f"{name}={speed:g} m/s: its square is beyond the range of numbers; give a speed from "
+            f"{_SLOWEST:g} to {_FASTEST:g} m/s"
+        )
+    return speed
+
+
+def checked_gravity(value: Any) -> float:
+    """Return an acceleration, m/s², beside which contacts are still resolved.
+
+    Raises
+    ------
+    InputError
+    """
+    pull = real("gravity", value, unit="m/s²")
+    if abs(pull) > _HEAVIEST:
+        raise InputError(
+            f"gravity={pull:g} m/s² is beyond what contacts can be resolved beside: give up to "
+            f"{_HEAVIEST:g} m/s²"
+        )
+    return pull
+
+
+def checked_numbers(velocity: Any, duration: Any, gap: Any) -> tuple[float, float | None, float]:
+    """Return velocity, m/s, duration, s, if given, and gap, m, of an impact.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    """
+    speed = checked_speed("velocity", velocity)
+    if speed == 0.0:
+        raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
+    length = None if duration is None else checked_duration(duration)
+    return speed, length, nonnegative("gap", gap, unit="m")
 
 
 def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = False) -> bool:
@@ -36,7 +105,7 @@ def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = 
     Parameters
     ----------
     name : str
-        What to call the body.
+        Name of the body.
     body : model
     port : int
         Which of its places.
@@ -77,7 +146,7 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
     ends : sequence of (model, int)
         Projectile and target, and at which of their places they touch.
     names : sequence of str
-        What to call them.
+        Names of both.
 
     Raises
     ------
@@ -95,10 +164,11 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
                 "FEModel.from_mesh(...).contact(point=...), or ball(radius, material)"
             )
         surfaces.append(surface)
-    for (body, _), tip, name, other in zip(
-        ends, reversed(tips), names, reversed(names), strict=True
+    for (body, _), surface, tip, name, other in zip(
+        ends, surfaces, reversed(tips), names, reversed(names), strict=True
     ):
-        _warn_of_size(body, tip, name, other)
+        if not body.contact_points:
+            warn_of_size(abs(surface.radii[0]), tip, name, other)
     along = [None if tip is None else tip.direction for tip in tips]
     try:
         return law_between(
@@ -106,19 +176,6 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
         )
     except InputError as error:
         raise InputError(f"law: it was left out, but {error}") from None
-
-
-def _warn_of_size(body: BodyModel, other: ContactPoint | None, name: str, other_name: str) -> None:
-    """Warn of a rigid ball far larger than the body it meets: metres taken for millimetres."""
-    surface = None if body.contact_points else body.surface_at()
-    if surface is None or other is None or other.body.mesh is None:
-        return
-    radius, size = abs(surface.radii[0]), other.body.mesh.size
-    if _FAR_LARGER * size < radius < math.inf:
-        warn(
-            f"{name} is a ball with a radius of {with_unit(radius, 'm', 3)}, and {other_name} is "
-            f"{with_unit(size, 'm', 3)} long: is the radius in metres?"
-        )
 
 
 class Meeting(NamedTuple):

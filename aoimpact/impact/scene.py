@@ -1,22 +1,30 @@
-"""Scenes of any number of bodies and contacts along one direction of travel."""
+"""Scenes of any number of bodies and contacts along one direction of travel, and their runs."""
 
 from __future__ import annotations
 
 import math
 import uuid
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from ..accuracy import StressAt, checked_linear_solver, scene_quantity
+from ..accuracy import (
+    StressAt,
+    checked_linear_solver,
+    choose_models,
+    errors_left_out,
+    finer_run,
+    scene_quantity,
+)
 from ..base import (
     InputError,
     InputTypeError,
     LawLimitError,
+    bar,
     boolean,
     finite_array,
     real,
@@ -27,11 +35,29 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, own_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model
-from ..results import Handle, Quantity, RecordLength, Run, TimeSolver
-from ..scene import Contact, Load, Plan, SceneBody, law_of_models, normal_gap, scene_body
-from .checks import checked_duration, checked_gravity, checked_speed
-from .defaults import Meeting, chosen_law, contact_width, fitted, meeting, turns
-from .run import RunOptions, run_models
+from ..results import (
+    Handle,
+    Quantity,
+    RecordLength,
+    Run,
+    TimeSolver,
+    solve,
+    warn_of_bodies,
+    warn_of_misfit,
+    warn_of_run,
+)
+from ..scene import Contact, Load, Plan, law_of_models, normal_gap
+from .defaults import (
+    Meeting,
+    checked_duration,
+    checked_gravity,
+    checked_speed,
+    chosen_law,
+    contact_width,
+    fitted,
+    meeting,
+    turns,
+)
 
 __all__ = ["Scene", "SceneCase"]
 
@@ -71,9 +97,11 @@ class Scene:
     """
 
     def __init__(self, *, gravity: float = 0.0) -> None:
-        self.gravity = checked_gravity(gravity)
+        self._begin(checked_gravity(gravity), uuid.uuid4().hex)
+
+    def _begin(self, gravity: float, mark: str) -> None:
+        self.gravity = gravity
         self._bodies: list[BodyModel] = []
-        self._scene_bodies: list[SceneBody] = []
         self._velocities: list[float] = []
         self._positions: list[float] = []
         self._names: list[str] = []
@@ -81,14 +109,14 @@ class Scene:
         self._law_errors: list[float] = []  # of laws that were found from the surfaces
         self._between: dict[tuple[int, int, int, int], list[int]] = {}  # contacts at the same place
         self._loads: list[Load] = []
-        # Copies and pickles keep it: their handles are as good.
-        self._mark = _Mark(uuid.uuid4().hex)
+        # Copies and pickles keep it: their handles are as good. An impact of two bodies has none.
+        self._mark = _Mark(mark)
 
     def __repr__(self) -> str:
-        labels = ", ".join(body.label for body in self._scene_bodies[:6])
-        more = ", …" if len(self._scene_bodies) > 6 else ""
+        labels = ", ".join(body.label for body in self._bodies[:6])
+        more = ", …" if len(self._bodies) > 6 else ""
         return (
-            f"Scene(gravity={self.gravity:g}): {len(self._scene_bodies)} bodies ({labels}{more}), "
+            f"Scene(gravity={self.gravity:g}): {len(self._bodies)} bodies ({labels}{more}), "
             f"{len(self._contacts)} contacts, {len(self._loads)} loads"
         )
 
@@ -108,9 +136,9 @@ class Scene:
         velocity : float, optional
             m/s.
         position : float, optional
-            Of its contact coordinate (of all of them) at t = 0, m.
+            Place of its contact coordinate (of all of them) at t = 0, m.
         name : str, optional
-            What results, tables and plots call it; by default as the body itself.
+            Name in results, tables and plots; by default that of the body itself.
 
         Returns
         -------
@@ -129,13 +157,16 @@ class Scene:
         """
         called = text("name", name)
         speed = checked_speed("velocity", velocity)
-        model = body_model("body", body)
+        self._append(body_model("body", body), speed, real("position", position, unit="m"), called)
+        return Handle(len(self._bodies) - 1, name=called, scene=self._mark.name)
+
+    def _append(
+        self, model: BodyModel, velocity: float, position: float = 0.0, name: str = ""
+    ) -> None:
         self._bodies.append(model)
-        self._scene_bodies.append(scene_body("body", model, speed))
-        self._velocities.append(speed)
-        self._positions.append(real("position", position, unit="m"))
-        self._names.append(called)
-        return Handle(len(self._scene_bodies) - 1, name=called, scene=self._mark.name)
+        self._velocities.append(velocity)
+        self._positions.append(position)
+        self._names.append(name)
 
     def connect(
         self,
@@ -158,7 +189,7 @@ class Scene:
         gap : float, optional
             m; may be negative where positions are given.
         name : str, optional
-            What results, tables and plots call the contact.
+            Name of the contact in results, tables and plots.
 
         Returns
         -------
@@ -179,28 +210,45 @@ class Scene:
         0
         """
         first, second = self._known("a", a), self._known("b", b)
-        names = self._called(first.body), self._called(second.body)
         if first.body == second.body:
             raise InputError(
-                f"a and b are both {names[0]}: a body cannot touch itself; connect it to another"
-            )
-        if law is not None and not isinstance(law, ContactLaw):
-            raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-        if all(math.isinf(self._scene_bodies[end.body].static_mass) for end in (first, second)):
-            raise InputError(
-                f"{names[0]} and {names[1]} are both of infinite mass: there is no motion between "
-                "them"
+                f"a and b are both {self._called(first.body)}: a body cannot touch itself; connect "
+                "it to another"
             )
         apart = real("gap", gap, unit="m")
         apart += self._positions[second.body] - self._positions[first.body]
+        return self._join((first.body, first.at), (second.body, second.at), law, apart, name)
+
+    def _join(
+        self,
+        first: tuple[int, int],
+        second: tuple[int, int],
+        law: ContactLaw | None,
+        gap: float,
+        name: str = "",
+        turned: Sequence[bool] = (False, False),
+    ) -> int:
+        """Add a contact of two (body, port) with that distance, m, at the start.
+
+        turned: of each, whether its direction of travel must be reversed.
+        """
+        if law is not None and not isinstance(law, ContactLaw):
+            raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
+        ends = first, second
+        if all(math.isinf(self._bodies[body].static_mass) for body, _ in ends):
+            raise InputError(
+                f"{' and '.join(self._called(body) for body, _ in ends)} are both of infinite "
+                "mass: there is no motion between them"
+            )
         law_error = 0.0
         if law is None:
-            models = [(self._bodies[end.body], end.at) for end in (first, second)]
-            found = chosen_law(models, names)
+            models = [
+                (self._bodies[body].turned((port,) if turn else ()), port)
+                for (body, port), turn in zip(ends, turned, strict=True)
+            ]
+            found = chosen_law(models, [self._called(body) for body, _ in ends])
             law, law_error = found.law, found.error
-        gap = normal_gap(apart)
-        called = text("name", name)
-        contact = Contact(first.body, first.at, second.body, second.at, law, gap, called)
+        contact = Contact(*first, *second, law, normal_gap(gap), text("name", name))
         self._refuse_again(contact)
         self._between.setdefault(contact[:4], []).append(len(self._contacts))
         self._contacts.append(contact)
@@ -251,7 +299,7 @@ class Scene:
                 )
         else:
             times, forces = np.zeros(1), np.array([real("force", force, unit="N")])
-        if math.isinf(self._scene_bodies[end.body].static_mass):
+        if math.isinf(self._bodies[end.body].static_mass):
             called = self._called(end.body)
             raise InputError(f"{called} is a wall: no force moves it; load another body")
         self._loads.append(Load(end.body, end.at, times.copy(), forces.copy()))
@@ -259,12 +307,12 @@ class Scene:
     def _known(self, name: str, handle: Any) -> Handle:
         if not isinstance(handle, Handle):
             raise InputTypeError(f"{name} must be a handle that scene.add returned, got {handle!r}")
-        if handle.scene != self._mark.name or handle.body >= len(self._scene_bodies):
+        if handle.scene != self._mark.name or handle.body >= len(self._bodies):
             raise InputError(
                 f"{name}={handle!r} is of another scene; add the body to this one and take the "
                 "handle that scene.add returns"
             )
-        ports = self._scene_bodies[handle.body].ports
+        ports = self._bodies[handle.body].ports
         if not 0 <= handle.at < ports:
             raise InputError(
                 f"{name}: {self._called(handle.body)} may be touched in {ports} place(s), there is "
@@ -273,8 +321,11 @@ class Scene:
         return handle
 
     def _called(self, body: int) -> str:
-        name = self._names[body] or self._scene_bodies[body].name
-        return f"body {body}" + (f" ({name})" if name else "")
+        name, role = self._names[body] or self._bodies[body].name, self._role(body)
+        return f"{role} ({name})" if name else role
+
+    def _role(self, body: int) -> str:
+        return f"body {body}"
 
     # ------------------------------------------------------------------- running
 
@@ -318,7 +369,7 @@ class Scene:
             relative to the largest value, that of a contact relative to no less than a tenth of the
             largest of all contacts. A solver that does not keep it is refused.
         linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-            What solves for these reduced models, as `solver` of `antioscillators`.
+            Linear solver for these reduced models, as `solver` of `antioscillators`.
 
         Raises
         ------
@@ -348,58 +399,102 @@ class Scene:
         length = None if duration is None else checked_duration(duration)
         boolean("energies", energies)
         boolean("preload", preload)
-        if not self._scene_bodies:
+        if not self._bodies:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
-        options = RunOptions(quantity, rtol, solver, energies, linear_solver)
-        checked_linear_solver(linear_solver, chosen=options.chooses(self._bodies))
-        record = self._record(length)
-        run = partial(self._run, quantity, options, record, began=began, preload=preload)
+        linear = checked_linear_solver(linear_solver, chosen=self._chooses(quantity, rtol))
+        run = partial(
+            self._run,
+            self._record(length),
+            quantity=quantity,
+            rtol=rtol,
+            solver=solver,
+            energies=energies,
+            preload=preload,
+            linear_solver=linear,
+            began=began,
+        )
         try:
-            return run(wider=1.0)
+            return run()
         except LawLimitError:
             # Loads and other bodies may press a contact further than its two bodies alone would.
             if not any(tip.automatic for body in self._bodies for tip in body.contact_points):
                 raise
         return run(wider=_WIDER)
 
+    def _chooses(self, quantity: Any, rtol: float | None) -> bool:
+        """Whether models are to be chosen: always where a body is given by contact points."""
+        controlled = quantity is not None or rtol is not None
+        return controlled or any(body.reducible for body in self._bodies)
+
     def _run(
         self,
-        quantity: Any,
-        options: RunOptions,
         record: RecordLength,
         *,
+        quantity: Any,
+        rtol: float | None,
+        solver: TimeSolver | None,
+        energies: bool,
+        preload: bool = False,
+        linear_solver: Solver,
         began: float,
-        preload: bool,
-        wider: float,
+        wider: float = 1.0,
     ) -> Run:
-        """Run with patches `wider` times as wide as two bodies alone would need."""
-        around = self._turns()
+        """Run the bodies as they are, or small models of them that give a quantity to a tolerance.
+
+        Parameters
+        ----------
+        record : RecordLength
+        quantity, rtol, solver, energies, preload, linear_solver
+            As of `simulate`.
+        began : float
+            When the call began, by `perf_counter`, s.
+        wider : float, optional
+            How many times wider patches are than two bodies alone would need.
+        """
+        bodies, plan_of = self._bodies, partial(self._plan, record, preload)
+        meshed = any(body.contact_points for body in bodies)
         factors: dict[Any, LinearSolver] = {}
-        fitted = self._fitted(factors, wider)
-        for i, body in enumerate(fitted):
-            # A model with several contact points needs the direction of travel of each.
-            if len(body.contact_points) > 1:
-                fitted[i], around[i] = body.turned(around[i]), ()
-        bodies, which = _different(fitted)
-        widths = self._widths()
-
-        def plan_of(models: Sequence[Any], energies: bool) -> Plan:
-            placed = [models[i].turned(ports) for i, ports in zip(which, around, strict=True)]
-            return self._plan(placed, widths, record.length, energies, preload)
-
-        return run_models(
-            plan_of,
-            bodies,
-            options,
-            record=record,
-            names=[self._called(body) for body in range(len(self._bodies))],
-            interest=partial(self._interest, quantity, fitted),
-            law_errors=self._law_errors,
-            began=began,
-            factors=factors,
-        )
+        if meshed:
+            bodies, around = self._fitted(factors, wider), self._turns()
+            for i, body in enumerate(bodies):
+                # A model with several contact points needs the direction of travel of each.
+                if len(body.contact_points) > 1:
+                    bodies[i], around[i] = body.turned(around[i]), ()
+            plan_of = partial(plan_of, around=around, widths=self._widths())
+        interest = partial(self._interest, quantity, bodies)
+        if self._chooses(quantity, rtol):
+            with bar("models", unit="solution"):
+                run = choose_models(
+                    plan_of,
+                    bodies,
+                    interest,
+                    rtol,
+                    solver,
+                    truncated=quantity is not None or rtol is not None,
+                    energies=energies,
+                    record=record,
+                    law_errors=self._law_errors,
+                    linear_solver=linear_solver,
+                    factors=factors,
+                )
+            # The cost of the models: all but the run itself.
+            run = replace(run, modelled=max(perf_counter() - began - run.recorder.seconds, 0.0))
+        else:
+            run = record.run(plan_of(bodies, energies), partial(solve, solver=solver))
+        names = [self._called(body) for body in range(len(bodies))]
+        if meshed:
+            if run.chosen is None:
+                warn_of_misfit(run, names)
+                if run.plan.contacts:
+                    find = partial(errors_left_out, interest=interest, solver=solver)
+                    run = replace(run, left_out=partial(find, law_errors=self._law_errors))
+            run = replace(run, finer=partial(finer_run, solver=solver))
+        record.warn_if_cut()
+        warn_of_bodies(run, names)
+        warn_of_run(run)
+        return run
 
     def _record(self, length: float | None) -> RecordLength:
         if length is not None:
@@ -495,24 +590,45 @@ class Scene:
 
     def _plan(
         self,
-        bodies: Sequence[Any],
-        widths: Sequence[float | None],
-        length: float,
-        energies: bool,
+        record: RecordLength,
         preload: bool,
+        models: Sequence[Any],
+        energies: bool,
+        *,
+        around: Sequence[tuple[int, ...]] = (),
+        widths: Sequence[float | None] = (),
     ) -> Plan:
-        """The plan of the bodies, or of models in their place."""
-        scene_bodies = self._scene_bodies
-        if any(model != body for model, body in zip(bodies, self._bodies, strict=True)):
-            scene_bodies = [
-                scene_body("body", body, speed)
-                for body, speed in zip(bodies, self._velocities, strict=True)
+        """The plan of the bodies, or of models in their place.
+
+        Parameters
+        ----------
+        record : RecordLength
+        preload, energies : bool
+            As of `simulate`.
+        models : sequence
+            One for each body.
+        around, widths : sequences, optional
+            For bodies with meshes: `_turns` and `_widths`.
+        """
+        bodies, contacts = tuple(models), self._contacts
+        if around:
+            bodies = tuple(of.turned(ports) for of, ports in zip(models, around, strict=True))
+            contacts = [
+                of._replace(
+                    law=law_of_models(
+                        of.law, [(bodies[body], port) for body, port in of.ports], width
+                    )
+                )
+                for of, width in zip(contacts, widths, strict=True)
             ]
-        contacts = [
-            _between(contact, bodies, scene_bodies, width)
-            for contact, width in zip(self._contacts, widths, strict=True)
-        ]
-        for body in scene_bodies:
+        if bodies != tuple(self._bodies):
+            for contact in contacts:
+                if all(math.isinf(bodies[body].static_mass) for body, _ in contact.ports):
+                    raise InputError(
+                        "both bodies of a contact are of infinite mass: there is no motion between "
+                        "them"
+                    )
+        for body in bodies:
             if self.gravity and body.weightless:
                 warn(
                     f"gravity has no effect on {body.label}: the supports of an AO model given by "
@@ -520,12 +636,12 @@ class Scene:
                     "antioscillators(...) of a body with nodes"
                 )
         return Plan(
-            tuple(scene_bodies),
+            bodies,
             tuple(self._velocities),
             tuple(contacts),
             tuple(self._loads),
             self.gravity,
-            length,
+            record.length,
             energies,
             preload,
             self._mark.name,
@@ -569,28 +685,6 @@ class Scene:
                     "start; change position or gap, or start with preload=True from the rest that "
                     "gravity and loads press them to"
                 )
-
-
-def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
-    """The different bodies, and for each body its number among them."""
-    different = list(dict.fromkeys(bodies))
-    places = {body: i for i, body in enumerate(different)}
-    return different, [places[body] for body in bodies]
-
-
-def _between(
-    contact: Contact,
-    bodies: Sequence[Any],
-    scene_bodies: Sequence[SceneBody],
-    width: float | None,
-) -> Contact:
-    """The contact with the law for the models that replace its bodies."""
-    if all(math.isinf(scene_bodies[body].static_mass) for body in (contact.first, contact.second)):
-        raise InputError(
-            "both bodies of a contact are of infinite mass: there is no motion between them"
-        )
-    ends = [(bodies[body], port) for body, port in contact.ports]
-    return contact._replace(law=law_of_models(contact.law, ends, width))
 
 
 @dataclass(frozen=True)

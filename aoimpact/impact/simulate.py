@@ -2,42 +2,25 @@
 
 from __future__ import annotations
 
-import math
+import copy
 from collections.abc import Sequence
-from functools import partial
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..accuracy import StressAt, checked_linear_solver, checked_rtol, impact_quantity
-from ..base import InputError, InputTypeError, boolean, nonnegative, warn
+from ..base import InputError, InputTypeError, boolean, warn
 from ..fem import ContactPoint
-from ..laws import ContactLaw, LawFromSurfaces
-from ..linalg import LinearSolver, Solver
-from ..reduction import BodyModel, FullModel, body_model
-from ..results import RecordLength, Result, TimeSolver
-from ..scene import Contact, Plan, SceneBody, law_of_models, normal_gap, scene_body
-from .checks import checked_duration, checked_speed, warn_of_exchange
-from .defaults import Meeting, chosen_law, contact_width, fitted_pair, meeting, turns
-from .run import RunOptions, run_models
+from ..laws import ContactLaw, own_law
+from ..linalg import Solver
+from ..reduction import BodyModel, body_model
+from ..results import Quantity, RecordLength, Result, TimeSolver, warn_of_exchange
+from ..scene import Plan
+from .defaults import Meeting, checked_numbers, turns
+from .scene import Scene
 
-__all__ = [
-    "Impact",
-    "checked_numbers",
-    "complete_impact",
-    "left_out_law",
-    "plan_impact",
-    "simulate",
-]
+__all__ = ["Impact", "plan_impact", "simulate"]
 
 _NAMES = "projectile", "target"
-
-
-class ImpactNumbers(NamedTuple):
-    """Velocity, m/s, duration, s, if given, and gap, m, of an impact."""
-
-    velocity: float
-    duration: float | None
-    gap: float
 
 
 def simulate(
@@ -67,7 +50,7 @@ def simulate(
         oscillators is best made by ``antioscillators(tip, n, method="krylov", contact_time=)``. A
         patch whose radius was left out is 1.4 times as wide as the contact of rigid bodies.
     velocity : float
-        Of the projectile along the direction of travel, m/s, not zero; negative only if the
+        Speed of the projectile along the direction of travel, m/s, not zero; negative only if the
         projectile is constrained, so that it swings back.
     law : ContactLaw, optional
         Force of the indentation δ = x_projectile - x_target - gap. If left out, Hertz's, from the
@@ -99,7 +82,7 @@ def simulate(
         where no models tried meet it, so is the tolerance if it was given, and else the best of
         them are taken, with a warning. `Result.error` has the errors of mesh and contact as well.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-        What solves for these reduced models, as `solver` of `antioscillators`; named in the result.
+        Linear solver for the reduced models, as `solver` of `antioscillators`; the result names it.
 
     Returns
     -------
@@ -127,31 +110,26 @@ def simulate(
     (1001.5, 10.88)
     """
     began = perf_counter()
-    numbers = checked_numbers(velocity, duration, gap, energies)
-    options = RunOptions(quantity, rtol, solver, energies, linear_solver)
-    bodies = body_model("projectile", projectile), body_model("target", target)
-    warn_of_exchange(*_pair(*bodies, numbers.velocity))
-    interest = partial(impact_quantity, quantity, *bodies)
+    impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
+    boolean("energies", energies)
+    warn_of_exchange(*impact.bodies)
     # Bad input is refused before any work is done.
-    checked_linear_solver(linear_solver, chosen=options.chooses(bodies))
-    if options.controlled:
+    linear = checked_linear_solver(linear_solver, chosen=impact._chooses(quantity, rtol))
+    if quantity is not None or rtol is not None:
         checked_rtol(rtol)
-        interest()
-    impact = complete_impact(*bodies, law, numbers)
-    run = run_models(
-        impact.plan,
-        impact.bodies,
-        options,
-        record=impact.record,
-        names=_called(bodies),
-        interest=interest,
-        law_errors=(impact.law_error,),
+        impact_quantity(quantity, *impact.bodies)
+    impact.touch(law)
+    result = impact._run(
+        impact.record,
+        quantity=quantity,
+        rtol=rtol,
+        solver=solver,
+        energies=energies,
+        linear_solver=linear,
         began=began,
-        factors=impact.factors,
     )
-    gap = run.plan.contacts[0].gap
-    result = Result(run=run, velocity=run.plan.velocities[0], gap=gap, law=impact.law)
-    if result.in_contact_at_end and duration is not None:
+    assert isinstance(result, Result)
+    if duration is not None and result.in_contact_at_end:
         warn(
             f"the record of {result.duration:.4g} s ends in contact: impulse and the last "
             "contact's end are those so far, and there is no rebound (NaN); take a longer duration"
@@ -159,203 +137,122 @@ def simulate(
     return result
 
 
-class Impact(NamedTuple):
-    """An impact with defaults for all that its caller left out.
+class Impact(Scene):
+    """The scene of a projectile that moves towards a target at rest.
 
-    Attributes
+    Parameters
     ----------
-    bodies : tuple
-        With patches fitted to the impact.
-    turns : tuple of bool
-        Whether the direction of travel of each body must be reversed.
-    law : ContactLaw
-    law_error : float
-        Relative error of its stiffness, where it was found from the surfaces.
-    numbers : ImpactNumbers
-    record : RecordLength
-    met : Meeting or None
-        What is foreseen of the contact, where something was left to foresee.
-    width : float or None
-        Radius of the contact, m.
-    factors : dict of body to LinearSolver
-        Those that have been set up for the defaults.
-    """
-
-    bodies: tuple[BodyModel, BodyModel]
-    turns: tuple[bool, bool]
-    law: ContactLaw
-    law_error: float
-    numbers: ImpactNumbers
-    record: RecordLength
-    met: Meeting | None
-    width: float | None
-    factors: dict[Any, LinearSolver]
-
-    def plan(self, models: Sequence[Any], energies: bool) -> Plan:
-        """Return the plan of its bodies, or of models in their place."""
-        first, second = (
-            model.turned((0,)) if turn else model
-            for model, turn in zip(models, self.turns, strict=True)
-        )
-        pair = _pair(first, second, self.numbers.velocity)
-        length, gap = self.record.length, self.numbers.gap
-        return _planned(pair, self.law, self.width, length, gap, energies)
-
-
-def complete_impact(
-    projectile: BodyModel, target: BodyModel, law: ContactLaw | None, numbers: ImpactNumbers
-) -> Impact:
-    """Return an impact with defaults for all that was left out.
+    projectile, target, velocity, gap, duration
+        As of `simulate`.
 
     Raises
     ------
     InputError, InputTypeError
-        If a law or a duration that was left out is not known, or a direction is wrong.
+        For an argument that makes no sense.
     """
-    bodies, factors = (projectile, target), dict[Any, LinearSolver]()
-    around = _turns(*bodies)
-    error, met = 0.0, None
-    if law is None:
-        found = _law_of_surfaces(bodies, around)
-        law, error = found.law, found.error
-    _check_law(law)
-    length = numbers.duration
-    if length is None or any(isinstance(body, FullModel) for body in bodies):
-        met = meeting(law, bodies, numbers.velocity)
-        bodies = fitted_pair(*bodies, met, factors)
-        if length is None:
-            if met is None:
-                raise InputError("duration was left out, and cannot be foreseen here; give it")
-            record = RecordLength(
-                numbers.gap / abs(numbers.velocity) + met.contact_time, given=False
+
+    def __init__(
+        self,
+        projectile: Any,
+        target: Any,
+        velocity: float,
+        *,
+        gap: float = 0.0,
+        duration: float | None = None,
+    ) -> None:
+        self._begin(0.0, "")
+        self.velocity, self.duration, self.gap = checked_numbers(velocity, duration, gap)
+        for name, body in zip(_NAMES, (projectile, target), strict=True):
+            model = body_model(name, body)
+            if model.ports > 1:
+                raise InputTypeError(
+                    f"{name} is touched in several places: build a Scene, and connect its ports"
+                )
+            self._append(model, 0.0 if self._bodies else self.velocity)
+        if self.velocity < 0.0 and not self._bodies[0].constrained:
+            raise InputError(
+                f"velocity={self.velocity:g} m/s: the projectile flies away from the target, and "
+                "nothing turns it round; give the speed at which it comes, or build a Scene with "
+                "what brings it back (gravity, a load, a body behind it)"
             )
-    if length is not None:
-        record = RecordLength(length, given=True)
-    width = _width(law, (projectile, target), numbers.velocity)
-    return Impact(bodies, around, law, error, numbers, record, met, width, factors)
 
+    def touch(self, law: ContactLaw | None) -> None:
+        """Let the two bodies touch under a law, or Hertz's of their surfaces if it is left out."""
+        turned = (False, False) if law is not None else self.turned
+        self._join((0, 0), (1, 0), law, self.gap, turned=turned)
 
-def _width(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> float | None:
-    """The radius of the contact, m, where a body is known by its mesh; see `law_of_models`."""
-    meshed = any(body.contact_points for body in bodies)
-    return contact_width(law, bodies, velocity) if meshed else None
+    @property
+    def bodies(self) -> tuple[BodyModel, BodyModel]:
+        """Projectile and target, as they were given."""
+        first, second = self._bodies
+        return first, second
 
+    def with_bodies(self, bodies: Sequence[BodyModel]) -> Impact:
+        """Return the same impact of others in the place of its bodies."""
+        other = copy.copy(self)
+        other._bodies = list(bodies)
+        return other
 
-def _law_of_surfaces(bodies: Sequence[BodyModel], turned: Sequence[bool]) -> LawFromSurfaces:
-    ends = [
-        (body.turned((0,)) if turn else body, 0) for body, turn in zip(bodies, turned, strict=True)
-    ]
-    return chosen_law(ends, _called(bodies))
+    @property
+    def turned(self) -> tuple[bool, bool]:
+        """Whether the direction of travel of each body must be reversed; see `turns`."""
+        first, second = self._bodies
+        tip = first.touched_at()
+        like = tip is not None and tip is second.touched_at()
+        return (
+            turns("projectile", first, 0, outward=True, like=like),
+            turns("target", second, 0, outward=False, like=like),
+        )
 
+    @property
+    def law(self) -> ContactLaw:
+        """The law between the bodies themselves."""
+        return own_law(self._contacts[0].law)
 
-def left_out_law(projectile: Any, target: Any, law: ContactLaw | None) -> ContactLaw:
-    """Return the law of an impact: as given, or that which `simulate` takes where it is left out.
+    @property
+    def law_error(self) -> float:
+        """Relative error of its stiffness, where it was found from the surfaces."""
+        return self._law_errors[0]
 
-    Raises
-    ------
-    InputError, InputTypeError
-        If it is none, or was left out and is not known.
-    """
-    if law is not None:
-        _check_law(law)
-        return law
-    bodies = body_model("projectile", projectile), body_model("target", target)
-    return _law_of_surfaces(bodies, _turns(*bodies)).law
+    @property
+    def met(self) -> Meeting | None:
+        """The contact that is foreseen, by rigid bodies."""
+        return self._meeting(self._contacts[0], self._fastest)
 
+    @property
+    def record(self) -> RecordLength:
+        """The length of the record, or a first guess of it."""
+        return self._record(self.duration)
 
-def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:
-    """Whether the direction of travel of each body must be reversed; see `turns`."""
-    tip = projectile.touched_at()
-    like = tip is not None and tip is target.touched_at()
-    return (
-        turns("projectile", projectile, 0, outward=True, like=like),
-        turns("target", target, 0, outward=False, like=like),
-    )
+    def plan(self, models: Sequence[Any], length: float, *, energies: bool = False) -> Plan:
+        """Return the plan of models of its bodies over a time, s."""
+        record, around = RecordLength(length, given=True), self._turns()
+        return self._plan(record, False, models, energies, around=around, widths=self._widths())
+
+    def _role(self, body: int) -> str:
+        return _NAMES[body]
+
+    def _interest(self, quantity: Any, bodies: Sequence[Any]) -> Quantity:
+        return impact_quantity(quantity, bodies[0], bodies[1])
 
 
 def plan_impact(
     projectile: Any,
     target: Any,
-    law: ContactLaw,
+    law: ContactLaw | None,
     *,
     velocity: float,
     duration: float,
     gap: float = 0.0,
     energies: bool = True,
 ) -> Plan:
-    """Check what `simulate` is given, and return it as the solvers take it.
+    """Check the arguments of `simulate`, and return them as the solvers take them.
 
     Raises
     ------
     InputError, InputTypeError
         For an argument that makes no sense.
     """
-    _check_law(law)
-    numbers = checked_numbers(velocity, duration, gap, energies)
-    pair = _pair(projectile, target, numbers.velocity)
-    width = _width(law, [body.model for body in pair], numbers.velocity)
-    return _planned(pair, law, width, checked_duration(duration), numbers.gap, energies)
-
-
-def _planned(
-    bodies: tuple[SceneBody, SceneBody],
-    law: ContactLaw,
-    width: float | None,
-    length: float,
-    distance: float,
-    energies: bool,
-) -> Plan:
-    if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
-        raise InputError(
-            "projectile and target are both of infinite mass: there is no motion between them"
-        )
-    between = law_of_models(law, [(body.model, 0) for body in bodies], width)
-    contact = Contact(0, 0, 1, 0, between, normal_gap(distance))
-    return Plan(bodies, (bodies[0].velocity, 0.0), (contact,), (), 0.0, length, energies)
-
-
-def _pair(projectile: Any, target: Any, speed: float) -> tuple[SceneBody, SceneBody]:
-    """The bodies of an impact, refused where they cannot meet in one."""
-    bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
-    for name, body in zip(_NAMES, bodies, strict=True):
-        if body.ports > 1:
-            raise InputTypeError(
-                f"{name} is touched in several places: build a Scene, and connect its ports"
-            )
-    if speed < 0.0 and not bodies[0].constrained:
-        raise InputError(
-            f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing "
-            "turns it round; give the speed at which it comes, or build a Scene with what brings "
-            "it back (gravity, a load, a body behind it)"
-        )
-    return bodies
-
-
-def _called(bodies: Sequence[BodyModel]) -> list[str]:
-    """Names of the bodies in messages: their role, and their own name."""
-    return [
-        f"{role} ({body.name})" if body.name else role
-        for role, body in zip(_NAMES, bodies, strict=True)
-    ]
-
-
-def _check_law(law: Any) -> None:
-    if not isinstance(law, ContactLaw):
-        raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-
-
-def checked_numbers(velocity: Any, duration: Any, gap: Any, energies: Any) -> ImpactNumbers:
-    """Check what `simulate` is given beside its bodies.
-
-    Raises
-    ------
-    InputError, InputTypeError
-        For an argument that makes no sense.
-    """
-    speed = checked_speed("velocity", velocity)
-    if speed == 0.0:
-        raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
-    length = None if duration is None else checked_duration(duration)
-    distance = nonnegative("gap", gap, unit="m")
-    boolean("energies", energies)
-    return ImpactNumbers(speed, length, distance)
+    impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
+    impact.touch(law)
+    return impact.plan(impact.bodies, impact.record.length, energies=boolean("energies", energies))

@@ -6,7 +6,7 @@ folders take the solvers' settings and `Events` from here.
 """
 
 from .adaptive import Adaptive
-from .events import Eventful, Events, find_impulse
+from .events import Events, find_impulse
 from .fixed_steps import rigid_contact_time, solve_newmark
 from .motion import Motion
 from .newmark import Newmark
@@ -17,7 +17,6 @@ from .tolerances import TIGHTEST
 __all__ = [
     "TIGHTEST",
     "Adaptive",
-    "Eventful",
     "Events",
     "Motion",
     "Newmark",

@@ -138,7 +138,7 @@ def _times_apart(ones: _Touches, others: _Touches) -> float:
 
 def _at_rest(run: DenseRecorder) -> float:
     """The velocity below which bodies that loads press together are at rest, m/s."""
-    known = [body.mass for body in run.plan.bodies if body.mass is not None]
+    known = [body.known_mass for body in run.plan.bodies if body.known_mass is not None]
     return AT_REST * float(_sums(run).max(initial=0.0)) / min(known, default=np.inf)
 
 

@@ -7,7 +7,7 @@ solver that locates its events itself hands them over as an :class:`Events` inst
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,43 +66,6 @@ class Events(NamedTuple):
     def last_until(self, end: float) -> bool:
         """Return whether the last contact lasts until the record's end [s], which cuts it off."""
         return bool(self.contacts) and self.contacts[-1][1] >= end * (1.0 - _ROUNDING)
-
-
-class _HasEvents(Protocol):
-    @property
-    def events(self) -> Events: ...
-
-
-class Eventful:
-    """The numbers of `events` as attributes, for the classes that have them."""
-
-    @property
-    def peak_force(self: _HasEvents) -> float:
-        """Largest force of the record [N]; 0.0 without contact."""
-        return self.events.peak_force
-
-    @property
-    def peak_time(self: _HasEvents) -> float:
-        """When the largest force acts [s]."""
-        return self.events.peak_time
-
-    @property
-    def impulse(self: _HasEvents) -> float:
-        """Integral of the force over the record [N s]."""
-        return self.events.impulse
-
-    @property
-    def contact_duration(self: _HasEvents) -> float:
-        """Duration of the first contact [s]; 0.0 without contact.
-
-        A contact that the record cuts off counts up to the record's end.
-        """
-        return self.events.contact_duration
-
-    @property
-    def contact_count(self: _HasEvents) -> int:
-        """How often the bodies touch."""
-        return self.events.contact_count
 
 
 def find_events(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from time import perf_counter
 from typing import ClassVar, NamedTuple
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputError, NotFiniteError, warn
 from ..laws import ContactLaw, check_width
-from ..scene import Plan
+from ..scene import Plan, coordinates, stepped
 from .events import Events, find_events
 from .motion import ForcedMotion
 from .newmark import Newmark, Record, newmark_scene, steps_of
@@ -86,7 +86,7 @@ class SteppedRecorder:
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         model, (u, v) = self.plan.bodies[body], self.record.final[body]
-        return model.coordinates(u), model.coordinates(v)
+        return coordinates(model, u), coordinates(model, v)
 
     @cached_property
     def events(self) -> tuple[Events, ...]:
@@ -100,13 +100,16 @@ class SteppedRecorder:
 
     def motion(self, body: int) -> ForcedMotion:
         plan, model = self.plan, self.plan.bodies[body]
-        start = model.stepped(
+        start = stepped(
+            model,
+            plan.velocities[body],
             gravity=plan.weight_of(body),
             state=plan.start_of(body),
             ports=self.ports[body] if self.ports else None,
         )
         forces = plan.port_forces(body, self.times, plan.layout.forces(self.record.rows))
-        return ForcedMotion(start.equations, self.rule, self.record.dt, forces, model.coordinates)
+        back = partial(coordinates, model)
+        return ForcedMotion(start.equations, self.rule, self.record.dt, forces, back)
 
 
 def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | None]:
@@ -207,7 +210,9 @@ class _Stepping:
     def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
         plan = self.plan
         bodies = [
-            body.stepped(
+            stepped(
+                body,
+                plan.velocities[i],
                 gravity=plan.weight_of(i),
                 state=plan.start_of(i),
                 ports=start.ports[i],

@@ -1,24 +1,21 @@
 """Reduced models of a body at its contact: anti-oscillators, modes, several places.
 
-Every model of a body derives from `BodyModel` (bodymodel.py). body.py says which model each
-thing that `simulate` takes stands for; modalbody.py finds its modes, which the core steps. For
-`scene` and all folders above it; `accuracy` asks for models of rising order (hierarchy.py there).
+Every model of a body derives from `BodyModel` (bodymodel.py), and is a body of a scene as it is.
+full.py (`body_model`) says which model each thing that `simulate` takes stands for; `modal` of a
+model has its modes with their ports (modalbody.py), which the core steps. For `scene` and all
+folders above it; `accuracy` asks for models of rising order (hierarchy.py there).
 """
 
-from .body import body_model
 from .bodymodel import BodyModel, ReducedModel
-from .coordinates import GeneralizedCoordinates
-from .full import FullModel, full
+from .full import FullModel, body_model, full
 from .interface import InterfaceModel, InterfaceSpace, interface
 from .krylov import KrylovSpace
-from .modal import modal, whole_interface
-from .modalbody import ModalBody, modal_body
-from .modes import ModalModel
-from .recovery import PACE, SOLVED, Recovery
+from .modalbody import ModalBody
+from .modes import ModalModel, modal
+from .recovery import PACE, SOLVED, GeneralizedCoordinates, Recovery
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid
-from .starmodes import StarModes, star_modes
-from .validity import fitted_times, is_valid_for, unbalanced
+from .validity import fitted_times, is_valid_for
 
 __all__ = [
     "PACE",
@@ -34,7 +31,6 @@ __all__ = [
     "ModalModel",
     "Recovery",
     "ReducedModel",
-    "StarModes",
     "antioscillators",
     "ball",
     "body_model",
@@ -43,9 +39,5 @@ __all__ = [
     "interface",
     "is_valid_for",
     "modal",
-    "modal_body",
     "rigid",
-    "star_modes",
-    "unbalanced",
-    "whole_interface",
 ]

@@ -17,8 +17,7 @@ import numpy as np
 
 from ..base import FloatArray, warn, with_unit
 from ..fem import SHIFT_TIMES_DURATION, ContactPoint, highest_shift, near_static
-from .coordinates import GeneralizedCoordinates
-from .recovery import Recovery
+from .recovery import GeneralizedCoordinates, Recovery
 
 __all__ = ["Band", "band_of"]
 

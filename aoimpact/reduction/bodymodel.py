@@ -1,16 +1,17 @@
-"""The base of every model of a body: what other folders ask of one, whatever its kind."""
+"""The one interface of every model of a body: what a scene, an integrator or a user asks of it."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import fields
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
-from ..base import FloatArray
+from ..base import HUGE, FloatArray, InputError, InputTypeError, finite_array
 from ..fem import (
     Body,
     ContactPoint,
@@ -21,27 +22,46 @@ from ..fem import (
     missing_energy,
 )
 from .band import Band, band_of
-from .coordinates import GeneralizedCoordinates
+from .modalbody import ModalBody
+from .recovery import GeneralizedCoordinates
 
-__all__ = ["BodyModel", "FiniteElementModel", "ReducedModel"]
+__all__ = [
+    "BodyModel",
+    "FiniteElementModel",
+    "ReducedModel",
+    "ascending",
+    "checked_ports",
+]
 
 
 class BodyModel(ABC):
     """A model of a body, and the places where it is touched: its ports.
 
-    A new kind derives from this class or from those below, and `scene/bodies.py` says which scene
-    body the integrators take for it.
+    A new kind derives from this class or from those below. `modal` is what the adaptive method
+    takes; `scene/bodies.py` says what Newmark's rule steps for it.
     """
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle and copy without what is derived from the fields: it is cheap to find again."""
+        return {one.name: vars(self)[one.name] for one in fields(self)}  # type: ignore[arg-type]
+
+    @cached_property
+    def kept(self) -> dict[Any, Any]:
+        """Results of others that are derived from this model alone, which does not change.
+
+        :meta private:
+        """
+        return {}
 
     @property
     @abstractmethod
     def name(self) -> str:
-        """What results, tables and plots call the body; empty if it has no name."""
+        """Name of the body in results, tables and plots; empty if it has none."""
 
     @property
     @abstractmethod
     def label(self) -> str:
-        """What the model is, in a word."""
+        """Kind of the model, such as "rigid" or "AO(3)"."""
 
     @property
     @abstractmethod
@@ -51,7 +71,7 @@ class BodyModel(ABC):
     @property
     @abstractmethod
     def mass(self) -> float | None:
-        """Of the whole body, kg; None where its matrices do not determine it."""
+        """Mass of the whole body, kg; None where its matrices do not determine it."""
 
     @property
     @abstractmethod
@@ -68,8 +88,105 @@ class BodyModel(ABC):
 
     @property
     def damping(self) -> Damping | None:
-        """Of the natural modes; None where nothing is damped."""
+        """Damping of the natural modes; None where nothing is damped."""
         return None
+
+    @property
+    @abstractmethod
+    def constrained(self) -> bool:
+        """Whether supports or a ground spring constrain it."""
+
+    @property
+    def centre_known(self) -> bool:
+        """Whether its centre of mass is known; else the mean over the static mode stands in."""
+        return True
+
+    @property
+    def known_mass(self) -> float | None:
+        """Mass of the whole body, kg; None where its centre of mass is not known.
+
+        :meta private:
+        """
+        return self.mass if self.centre_known else None
+
+    @property
+    def wall(self) -> bool:
+        """Whether it is of infinite mass.
+
+        :meta private:
+        """
+        return self.known_mass is not None and math.isinf(self.known_mass)
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it stays in its place: constrained, or a wall.
+
+        :meta private:
+        """
+        return self.constrained or self.wall
+
+    @property
+    @abstractmethod
+    def static_mass(self) -> float:
+        """The mass that an impact on its lightest port moves statically, kg, eq. (10)."""
+
+    @property
+    @abstractmethod
+    def modal(self) -> ModalBody:
+        """The body in its natural modes; of a full model in all of them.
+
+        :meta private:
+        """
+
+    @property
+    def ports(self) -> int:
+        """Number of places where it may be touched.
+
+        :meta private:
+        """
+        return max(1, len(self.contact_points))
+
+    @property
+    def weightless(self) -> bool:
+        """Whether gravity has no effect on it, since its supports are not known.
+
+        :meta private:
+        """
+        return False
+
+    @property
+    def massless(self) -> bool:
+        """Whether a port moves at once with the force on it.
+
+        :meta private:
+        """
+        return self.modal.residual is not None
+
+    @property
+    def omitted(self) -> tuple[float, float]:
+        """Share of the centre of mass's velocity, and mass, kg, that the model does not contain.
+
+        :meta private:
+        """
+        return 0.0, 0.0
+
+    def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
+        """Return Σ |r_p| |r_q| / ω² of modes above a frequency, rad/s, or a bound of it.
+
+        Returns
+        -------
+        by_forces : ndarray, shape (ports, ports)
+            m/N.
+        by_weight : ndarray, shape (ports,)
+            m per m/s² of gravity; zero unless `weighed`.
+
+        :meta private:
+        """
+        modal = self.modal
+        fast = modal.omega > slowest
+        shape = np.abs(modal.shape[:, fast]) / modal.omega[fast] ** 2
+        by_weight = shape @ np.abs(modal.weight[fast]) if weighed else np.zeros(self.ports)
+        return shape @ np.abs(modal.push[:, fast].T), by_weight
 
     @property
     def contact_time(self) -> float | None:
@@ -199,7 +316,8 @@ class ReducedModel(BodyModel):
         """
         octave = round(math.log2(s))
         key = octave, port
-        if key not in self._stiffness_errors:
+        found: dict[tuple[int, int], float] = self.kept.setdefault("stiffness", {})
+        if key not in found:
             point, known = self.contact_points[port], self.extraction_at(port)
             if known is None:
                 return 0.0
@@ -210,12 +328,8 @@ class ReducedModel(BodyModel):
             beyond = math.copysign(1.0, inward) * moved.reshape(-1, 3) - known.mesh_field
             false, own = energy_error(point.body, beyond, ~known.splitting.smooth)
             whole = float(own.sum())
-            self._stiffness_errors[key] = missing_energy(false, own) / whole if whole else 0.0
-        return self._stiffness_errors[key]
-
-    @cached_property
-    def _stiffness_errors(self) -> dict[tuple[int, int], float]:
-        return {}
+            found[key] = missing_energy(false, own) / whole if whole else 0.0
+        return found[key]
 
     @abstractmethod
     def stiffened(self, factor: float) -> Self:
@@ -240,7 +354,7 @@ class FiniteElementModel(BodyModel):
 
     @property
     def mass(self) -> float | None:
-        """Of the whole body, kg; None where its matrices do not determine it."""
+        """Mass of the whole body, kg; None where its matrices do not determine it."""
         return self.body.mass
 
     @property
@@ -257,3 +371,34 @@ class FiniteElementModel(BodyModel):
         if self.body.rigid_modes.shape[1] == 0:
             return math.inf
         return float(self.body.M.diagonal().sum()) if self.mass is None else self.mass
+
+
+def checked_ports(name: str, tips: Any) -> tuple[ContactPoint, ...]:
+    """Return the places on one body.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If they are not that.
+    """
+    if not isinstance(tips, Sequence) or isinstance(tips, str):
+        raise InputTypeError(f"{name} must be a list of contact points, got {tips!r}")
+    ports = tuple(tips)
+    for tip in ports:
+        if not isinstance(tip, ContactPoint):
+            raise InputTypeError(f"{name} must come from FEModel.contact(...), got {tip!r}")
+    if not ports:
+        raise InputError(f"{name} is empty: a body needs a place where it is touched")
+    if any(tip.body is not ports[0].body for tip in ports):
+        raise InputError(
+            f"{name} has contact points on different bodies: make one model for each body"
+        )
+    return ports
+
+
+def ascending(name: str, value: Any) -> FloatArray:
+    """Return `value`, of one mode at least, as frequencies or their squares that do not fall."""
+    values = finite_array(name, value, ndim=1, most=HUGE)
+    if not len(values) or values[0] < 0.0 or (np.diff(values) < 0.0).any():
+        raise InputError(f"{name} must be one number at least, none negative, in ascending order")
+    return values

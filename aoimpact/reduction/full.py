@@ -4,13 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Self
 
-from ..base import Frozen, InputError, InputTypeError, boolean, checked
-from ..fem import ContactPoint
-from .bodymodel import FiniteElementModel
+import numpy as np
 
-__all__ = ["FullModel", "checked_ports", "full"]
+from ..base import FloatArray, Frozen, InputError, InputTypeError, boolean, checked
+from ..fem import (
+    ContactPoint,
+    FEModel,
+    ModalDamping,
+    centre_of,
+    moves_rigidly,
+    static_mode,
+    translates,
+)
+from .bodymodel import BodyModel, FiniteElementModel, checked_ports
+from .interface import InterfaceModel
+from .modalbody import ModalBody
+from .modes import ModalModel, modal, whole_interface
+from .reduction import antioscillators
+from .star import AOModel
+
+__all__ = ["FullModel", "body_model", "full"]
+
+# All modes of a body with so many dofs take some ten seconds and a third of a GiB.
+_MODAL_MOST = 3000
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,9 +74,118 @@ class FullModel(Frozen, FiniteElementModel):
         """Number of the body's free degrees of freedom."""
         return self.body.n_dofs
 
+    @cached_property
+    def centre(self) -> tuple[FloatArray, float, bool]:
+        """Functional of the centre of mass, mass, kg, and whether they are known.
+
+        :meta private:
+        """
+        return centre_of(self.tips[0], lambda: static_mode(self.tips[0]).phi)
+
+    @property
+    def centre_known(self) -> bool:
+        """Whether its centre of mass is known; else the mean over the static mode stands in."""
+        return self.centre[2]
+
+    @property
+    def known_mass(self) -> float | None:
+        """Mass of the whole body, kg; None where its centre of mass is not known.
+
+        :meta private:
+        """
+        return self.centre[1] if self.centre_known else None
+
+    @cached_property
+    def constrained(self) -> bool:
+        """Whether no contact point can move without a deformation."""
+        return not any(moves_rigidly(tip) for tip in self.tips)
+
+    @cached_property
+    def static_mass(self) -> float:
+        """The mass that an impact on its lightest port moves statically, kg, eq. (10)."""
+        return min(static_mode(tip).mass for tip in self.tips)
+
+    @cached_property
+    def whole(self) -> AOModel | InterfaceModel:
+        """The reduced model that leaves nothing out which acts at its contact points.
+
+        :meta private:
+        """
+        return antioscillators(self.tips[0]) if self.ports == 1 else whole_interface(self.tips)
+
+    @property
+    def modal(self) -> ModalBody:
+        """All natural modes that its contact points excite.
+
+        :meta private:
+        """
+        return self.whole.modal
+
+    @property
+    def massless(self) -> bool:
+        """Not as it is stepped: an implicit step resolves what its matrices have.
+
+        :meta private:
+        """
+        return False
+
+    @cached_property
+    def moving(self) -> FloatArray:
+        """Velocities of the dofs at the start, for a unit velocity, shape (n_dofs,).
+
+        The body translates where it may, or is touched in several places, whose modes know no other
+        way to move as a whole; else it moves in φ_st.
+
+        :meta private:
+        """
+        tip = self.tips[0]
+        if tip.direction is not None and (self.ports > 1 or translates(tip)):
+            return self.body.translation(tip.direction)
+        return static_mode(tip).phi
+
+    def weight(self, gravity: float) -> FloatArray:
+        """Return the forces of gravity, m/s², on the dofs, N.
+
+        :meta private:
+        """
+        if self.body.mass is None or self.tips[0].direction is None:
+            raise InputError("gravity needs the body's nodes: make it from a mesh, or with nodes")
+        forces: FloatArray = gravity * self.body.mass * self.centre[0]
+        return forces
+
+    def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
+        """Return a bound without the modes: Σ r² / ω² above s is at most 2 bᵀ (K + s²M)⁻¹ b.
+
+        And Σ |r_p| |r_q| / ω² at most the root of both ports' sums (Cauchy and Schwarz).
+
+        :meta private:
+        """
+        loads = [tip.b for tip in self.tips]
+        forces = np.column_stack([*loads, self.weight(1.0)] if weighed else loads)
+        moved = self.body.inverse(slowest**2).solve(forces)
+        root = np.sqrt(2.0 * (forces * moved).sum(axis=0))
+        ports = root[: self.ports]
+        return np.outer(ports, ports), ports * root[-1] if weighed else np.zeros(self.ports)
+
+    @cached_property
+    def damped_modes(self) -> ModalModel | None:
+        """All natural modes, where damping is given by them; else None.
+
+        :meta private:
+        """
+        if not isinstance(self.body.damping, ModalDamping):
+            return None
+        if self.dofs > _MODAL_MOST:
+            raise InputError(
+                f"damping={self.body.damping!r} on the full model of {self.dofs} dofs needs all of "
+                f"its modes, which are computed up to {_MODAL_MOST} dofs; give Rayleigh(alpha=, "
+                "beta=), or simulate a reduced model: antioscillators(tip) or modal(tip, n)"
+            )
+        return modal(self.tips[0], self.dofs)
+
     @property
     def label(self) -> str:
-        """What the model is, in a word."""
+        """Kind of the model, "full(3159)"."""
         return f"full({self.dofs})"
 
     def turned(self, ports: Sequence[int]) -> Self:
@@ -94,24 +222,32 @@ def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
     return FullModel((tips,) if isinstance(tips, ContactPoint) else checked_ports("tips", tips))
 
 
-def checked_ports(name: str, tips: Any) -> tuple[ContactPoint, ...]:
-    """Return the places on one body.
+def body_model(name: str, body: Any) -> BodyModel:
+    """Return the model that a caller's body is or stands for.
+
+    A contact point, or a list of them, stands for a full model that may be reduced; a modal model
+    is the AO model that it is in other coordinates.
 
     Raises
     ------
     InputError, InputTypeError
-        If they are not that.
+        If it is no model of a body, or the contact points are on different ones.
     """
-    if not isinstance(tips, Sequence) or isinstance(tips, str):
-        raise InputTypeError(f"{name} must be a list of contact points, got {tips!r}")
-    ports = tuple(tips)
-    for tip in ports:
-        if not isinstance(tip, ContactPoint):
-            raise InputTypeError(f"{name} must come from FEModel.contact(...), got {tip!r}")
-    if not ports:
-        raise InputError(f"{name} is empty: a body needs a place where it is touched")
-    if any(tip.body is not ports[0].body for tip in ports):
-        raise InputError(
-            f"{name} has contact points on different bodies: make one model for each body"
+    if isinstance(body, ModalModel):
+        return body.star
+    if isinstance(body, BodyModel):
+        return body
+    if isinstance(body, ContactPoint):
+        return FullModel((body,), reducible=True)
+    if isinstance(body, list | tuple):
+        return FullModel(checked_ports(name, body), reducible=True)
+    if isinstance(body, FEModel):
+        raise InputTypeError(
+            f"{name} is a whole {body!r}: say where it is touched by body.contact(...), such as "
+            f"{name}=body.contact(point=(x, y, z))"
         )
-    return ports
+    raise InputTypeError(
+        f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
+        "the full model (full(tip)), or a ContactPoint (body.contact(...); a list of them where it "
+        f"is touched in several places), got {body!r}"
+    )

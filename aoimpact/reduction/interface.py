@@ -35,10 +35,14 @@ from ..fem import (
     translates,
 )
 from ..linalg import Solver
-from .bodymodel import FiniteElementModel, ReducedModel
-from .coordinates import GeneralizedCoordinates
-from .full import checked_ports
-from .modes import ascending
+from .bodymodel import (
+    FiniteElementModel,
+    ReducedModel,
+    ascending,
+    checked_ports,
+)
+from .modalbody import ModalBody
+from .recovery import GeneralizedCoordinates
 from .star import described
 from .subspace import Subspace
 
@@ -149,6 +153,43 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
         """The ports."""
         return self.tips
 
+    @cached_property
+    def static_mass(self) -> float:
+        """The mass that an impact on its lightest port moves at first, kg."""
+        return float(1.0 / (self.participation**2).sum(axis=1).max())
+
+    @cached_property
+    def modal(self) -> ModalBody:
+        """Its modes.
+
+        Raises
+        ------
+        InputError
+            If its centre of mass is not known.
+
+        :meta private:
+        """
+        mass = self.mass
+        if mass is None:
+            raise InputError(
+                "the mass of a body touched in several places is not known: make it with nodes"
+            )
+        centre = np.ascontiguousarray(self.centre_weights)
+        damping = self.body.damping
+        participation = np.ascontiguousarray(self.participation)
+        return ModalBody(
+            omega=self.omega,
+            decay=None if damping is None else np.ascontiguousarray(damping.decay(self.omega)),
+            shape=participation,
+            push=participation,
+            residual=self.residual if self.residual.any() else None,
+            weight=mass * centre,
+            inertia=np.ones(self.n),
+            centre=centre,
+            centre_residual=None,
+            moving=mass * centre,
+        )
+
     def deflection(self, s: float, port: int = 0) -> FloatArray:
         """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
 
@@ -177,7 +218,7 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
 
     @property
     def label(self) -> str:
-        """What the model is, in a word."""
+        """Kind of the model, "interface(40)"."""
         return f"interface({self.n})"
 
     @property
@@ -385,7 +426,7 @@ class InterfaceSpace:
     rigid_count : int
         Number of the body's rigid motions.
     contact_time : float
-        What it is fitted to, s.
+        Contact time that it is fitted to, s.
     """
 
     def __init__(

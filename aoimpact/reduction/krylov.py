@@ -9,7 +9,6 @@ it is constrained, on its static mode, without which the model of few vectors is
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import replace
 from functools import partial
 
@@ -186,14 +185,6 @@ class KrylovSpace:
             solver=self._space.solver_name,
             contact_time=self.contact_time,
         )
-
-    def seen(self, n: int) -> AOModel:
-        """Return what `factored` does, by its former name.
-
-        :meta private:
-        """
-        warnings.warn("seen is now called factored", DeprecationWarning, stacklevel=2)
-        return self.factored(n)
 
     @property
     def exhausted(self) -> bool:

@@ -6,23 +6,21 @@ masses of any size stay apart; modes of a body with several ports are mass-norma
 
 from __future__ import annotations
 
-import copy
-import math
 from dataclasses import dataclass, field
-from typing import Any, cast
+from functools import cached_property
+from operator import itemgetter
+from typing import Any
 
 import numpy as np
 
 from .. import _core
-from ..base import FloatArray, InputError
-from .interface import InterfaceModel
-from .star import AOModel
-from .starmodes import StarModes, star_modes
+from ..base import FloatArray
 
-__all__ = ["ModalBody", "modal_body"]
+__all__ = ["ModalBody", "oscillator_gain"]
 
 
-_PARTS = _core.MODES.split()  # of a body as the core takes it, in its order
+# The parts of a body as the core takes it, in its order.
+_PARTS = itemgetter(*_core.MODES.split())
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +46,8 @@ class ModalBody:
         And by forces, m/N.
     moving : ndarray, shape (n,)
         ẋ of the body moving undeformed with unit velocity.
-    modes : StarModes or InterfaceModel
-        Where they come from.
+    antiresonance : ndarray, shape (oscillators,), or None
+        ω² of the oscillators of a star, (rad/s)²; None where the modes are the model's coordinates.
     """
 
     omega: FloatArray
@@ -62,7 +60,7 @@ class ModalBody:
     centre: FloatArray
     centre_residual: FloatArray | None
     moving: FloatArray
-    modes: StarModes | InterfaceModel
+    antiresonance: FloatArray | None = None
     _still: tuple[Any, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -78,10 +76,11 @@ class ModalBody:
         """Number of contact functionals."""
         return len(self.shape)
 
-    @property
-    def model(self) -> AOModel | InterfaceModel:
-        """The model whose natural modes these are."""
-        return self.modes if isinstance(self.modes, InterfaceModel) else self.modes.star
+    @cached_property
+    def gain(self) -> FloatArray:
+        """How far oscillator i moves per unit of the contact in mode j, shape (oscillators, n)."""
+        assert self.antiresonance is not None
+        return oscillator_gain(self.antiresonance, self.omega)
 
     def for_core(
         self, gravity: float = 0.0, load: tuple[FloatArray, FloatArray] | None = None
@@ -105,89 +104,21 @@ class ModalBody:
     ) -> tuple[Any, ...]:
         acting = {"gravity": gravity, "load_time": times, "load_force": forces}
         parts = vars(self) | acting
-        return tuple(parts[name] for name in _PARTS)
+        found: tuple[Any, ...] = _PARTS(parts)
+        return found
 
     def coordinates(self, x: FloatArray) -> FloatArray:
         """Return the model's own coordinates (or rates) of the modes', shape (n,) or (n, times).
 
         Without what a massless contact moves under the force of the moment.
         """
-        if isinstance(self.modes, InterfaceModel):
+        if self.antiresonance is None:
             return x
-        return np.concatenate([x.sum(axis=0, keepdims=True), self.modes.gain @ x])
+        return np.concatenate([x.sum(axis=0, keepdims=True), self.gain @ x])
 
 
-def modal_body(model: AOModel | InterfaceModel) -> ModalBody:
-    """Return a model in its natural modes; found once for each model.
-
-    Raises
-    ------
-    InputError
-        If an interface model's centre of mass is not known.
-    """
-    known = vars(model).get(_KEPT)
-    if known is None:
-        known = _of_star(model) if isinstance(model, AOModel) else _of_interface(model)
-        vars(model)[_KEPT] = known
-    return cast(ModalBody, known)
-
-
-# Where a model keeps its modes: models do not change, and serve many impacts.
-_KEPT = "_modal_body"
-
-
-def _of_star(star: AOModel) -> ModalBody:
-    modes = star_modes(copy.copy(star))  # not the model that will keep these: no cycle
-    omega, push = modes.omega, modes.participation**2
-    n = len(omega)
-    if math.isinf(star.m0):
-        still = np.zeros(n)
-        return ModalBody(
-            omega, None, np.ones((1, n)), np.zeros((1, n)), None, still, still, np.ones(n), None,
-            np.ones(n), modes,
-        )  # fmt: skip
-    centre, centre_residual = modes.centre
-    moving = push * star.k0 / omega**2 if star.k0 > 0.0 else np.where(omega == 0.0, 1.0, 0.0)
-    # Its own weight acts on a star's coordinates by their share in the centre of mass; on a free
-    # one's as a whole: exactly, or what falls side by side would press by rounding. What holds a
-    # star given by numbers is not known, so neither is what its weight does to it.
-    weight = np.zeros(n) if star.constrained else moving
-    if star.constrained and not star.weightless:
-        weight = star.mass * push * centre
-    massless = modes.residual > 0.0
-    return ModalBody(
-        omega=omega,
-        decay=None if star.damping is None else np.ascontiguousarray(star.damping.decay(omega)),
-        shape=np.ones((1, n)),
-        push=push[None, :],
-        residual=np.array([[modes.residual]]) if massless else None,
-        weight=weight,
-        inertia=1.0 / push,
-        centre=np.ascontiguousarray(centre),
-        centre_residual=np.array([centre_residual * modes.residual]) if massless else None,
-        moving=moving,
-        modes=modes,
-    )
-
-
-def _of_interface(model: InterfaceModel) -> ModalBody:
-    mass = model.mass
-    if mass is None:
-        raise InputError(
-            "the mass of a body touched in several places is not known: make it with nodes"
-        )
-    centre = np.ascontiguousarray(model.centre_weights)
-    damping = model.body.damping
-    return ModalBody(
-        omega=model.omega,
-        decay=None if damping is None else np.ascontiguousarray(damping.decay(model.omega)),
-        shape=np.ascontiguousarray(model.participation),
-        push=np.ascontiguousarray(model.participation),
-        residual=model.residual if model.residual.any() else None,
-        weight=mass * centre,
-        inertia=np.ones(model.n),
-        centre=centre,
-        centre_residual=None,
-        moving=mass * centre,
-        modes=model,
-    )
+def oscillator_gain(antiresonance: FloatArray, omega: FloatArray) -> FloatArray:
+    """Return ω_i²/(ω_i² - ω_j²), shape (oscillators, n)."""
+    distance = np.subtract.outer(antiresonance, omega**2)
+    gain: FloatArray = antiresonance[:, None] / np.where(distance == 0.0, np.inf, distance)
+    return gain

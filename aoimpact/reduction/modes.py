@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Self
+from typing import Self, overload
 
 import numpy as np
 
@@ -20,13 +20,15 @@ from ..base import (
     integer,
     warn,
 )
-from ..fem import Body, ContactPoint, ContactSurface, Patch
+from ..fem import Body, ContactPoint, ContactSurface, Patch, refuse_massless
 from ..linalg import EQUAL, Solver, checked_solver, lowest, warn_of_rounding
-from .bodymodel import FiniteElementModel
+from .bodymodel import FiniteElementModel, ascending, checked_ports
+from .interface import InterfaceModel, of_modes
+from .modalbody import ModalBody
 from .origin import origin_of
 from .star import AOModel, described
 
-__all__ = ["ModalModel", "ascending", "natural_modes", "star_of_modes"]
+__all__ = ["ModalModel", "modal", "natural_modes", "star_of_modes", "whole_interface"]
 
 
 # Modes and oscillators with less than this share of the whole count as not excited by the contact.
@@ -110,13 +112,26 @@ class ModalModel(Frozen, FiniteElementModel):
         return (self.tip,)
 
     @property
+    def static_mass(self) -> float:
+        """The mass that an impact moves statically, kg, eq. (10)."""
+        return self.star.static_mass
+
+    @property
+    def modal(self) -> ModalBody:
+        """The modes that the contact excites.
+
+        :meta private:
+        """
+        return self.star.modal
+
+    @property
     def dofs(self) -> int:
         """Number of modes."""
         return self.n
 
     @property
     def label(self) -> str:
-        """What the model is, in a word."""
+        """Kind of the model, "modal(40)"."""
         return f"modal({self.n})"
 
     def turned(self, ports: Sequence[int]) -> Self:
@@ -149,14 +164,6 @@ class ModalModel(Frozen, FiniteElementModel):
         return star_of_modes(self.tip, self.omega2, self.modes, "modal")
 
 
-def ascending(name: str, value: Any) -> FloatArray:
-    """Return `value`, of one mode at least, as frequencies or their squares that do not fall."""
-    values = finite_array(name, value, ndim=1, most=HUGE)
-    if not len(values) or values[0] < 0.0 or (np.diff(values) < 0.0).any():
-        raise InputError(f"{name} must be one number at least, none negative, in ascending order")
-    return values
-
-
 def star_of_modes(
     tip: ContactPoint,
     omega2: FloatArray,
@@ -178,9 +185,9 @@ def star_of_modes(
     modes : ndarray, shape (n_dofs, n), or with coordinates (n_dofs, r)
         The modes, or M-orthonormal vectors of which they are combinations.
     label : str
-        What made the modes: "modal" or "AO".
+        Kind of model that the modes were made for: "modal" or "AO".
     coordinates : ndarray, shape (r, n), optional
-        Of the modes on such vectors.
+        Coordinates of the modes on such vectors.
     vectors : callable, optional
         Returns these vectors, with coordinates: the star's shapes are left to be multiplied out.
     solver : str, optional
@@ -252,3 +259,70 @@ def natural_modes(body: Body, n: int, *, solver: Solver = "auto") -> tuple[Float
             f"n must be at most {len(omega2)}, got {n}: the other motions have no mass"
         )
     return omega2, modes
+
+
+@overload
+def modal(tips: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel: ...
+@overload
+def modal(tips: Sequence[ContactPoint], n: int, *, solver: Solver = "auto") -> InterfaceModel: ...
+def modal(
+    tips: ContactPoint | Sequence[ContactPoint], n: int, *, solver: Solver = "auto"
+) -> ModalModel | InterfaceModel:
+    """Return the classical modal truncation of a body: its `n` lowest natural modes.
+
+    Parameters
+    ----------
+    tips : ContactPoint or sequence of ContactPoint
+        Where it is touched, from `FEModel.contact`: one place, or several of one body.
+    n : int
+        Number of modes, rigid ones included, 1 … n_dofs.
+    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
+
+    Returns
+    -------
+    ModalModel or InterfaceModel
+        The latter for a sequence.
+
+    Raises
+    ------
+    InputError
+        If `n` is out of range, or there are fewer modes, the other motions having no mass; if the
+        tips are not on one body, or act on dofs without mass.
+
+    Warns
+    -----
+    AOImpactWarning
+        If `n` takes in some of the rigid motions only.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> end, middle = (bar.contact(point=(x, 0.005, 0.01)) for x in (0.09, 0.05))
+    >>> ao.modal(end, n=8).omega2.shape
+    (8,)
+    >>> ao.modal([end, middle], n=8).participation.shape
+    (2, 8)
+    """
+    ports = (tips,) if isinstance(tips, ContactPoint) else checked_ports("tips", tips)
+    refuse_massless(ports)
+    omega2, modes = natural_modes(ports[0].body, n, solver=solver)
+    if isinstance(tips, ContactPoint):
+        return ModalModel(tips, omega2, modes)
+    return of_modes(ports, np.sqrt(omega2), modes, "")
+
+
+def whole_interface(tips: Sequence[ContactPoint]) -> InterfaceModel:
+    """Return the model of all natural modes of a body, at the cost of finding these.
+
+    Raises
+    ------
+    InputError
+        If the tips are not on one body.
+    """
+    ports = checked_ports("tips", tips)
+    refuse_massless(ports)
+    body = ports[0].body
+    omega2, modes = lowest(body.K, body.M, body.n_dofs, known=body.rigid_modes)
+    return of_modes(ports, np.sqrt(omega2), modes, "dense eigensolver")

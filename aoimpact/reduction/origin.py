@@ -1,4 +1,4 @@
-"""What a reduced model keeps of the finite-element body that it was made from."""
+"""The finite-element body of a reduced model, and the shapes of its coordinates."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Origin", "origin_of"]
 
 @dataclass(frozen=True, eq=False)
 class Origin:
-    """What a star keeps of the finite-element body that it was made from.
+    """The finite-element body that a star was made from, and the shapes of its coordinates.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Origin:
     centre : ndarray, shape (n_dofs,)
         h with hᵀX the displacement of the centre of mass along the direction of travel.
     mass : float
-        Of the whole body, kg; more than the static mass where part of it does not respond to
+        Mass of the whole body, kg; more than the static mass where part of it does not respond to
         the contact.
     centre_known : bool
         Whether these two are so; else the mean over the static mode and its mass stand for them.

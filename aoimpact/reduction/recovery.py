@@ -25,10 +25,10 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray
+from ..fem import Body
 from ..linalg import ROUGH, LinearSolver
-from .coordinates import GeneralizedCoordinates
 
-__all__ = ["PACE", "SOLVED", "Recovery"]
+__all__ = ["PACE", "SOLVED", "GeneralizedCoordinates", "Recovery"]
 
 
 # s T for a contact of duration T. Measured on beams struck at midspan and at the end, supported and
@@ -39,11 +39,46 @@ PACE = 10.0
 # and a flange, 20 mm from where they are struck, are off by 4e-8 at most (2e-7 with 1e-4).
 SOLVED = 1e-6
 
-# What is unbalanced, over its parts, up to which it is not corrected. Rough solutions leave each
+# Unbalanced force, over its parts, up to which it is not corrected. Rough solutions leave each
 # vector that much, in a direction of its own; without them one direction for each force stands out,
 # and rounding leaves 1e-12. Those stresses, and a beam's, are off by 9e-5 at most for it (models of
 # 9 … 67 oscillators; 3e-5 with a third of it), and a probe takes a fifth of the time.
 _BALANCED = ROUGH
+
+
+@dataclass(frozen=True, eq=False)
+class GeneralizedCoordinates:
+    """X = basis q with mass q̈ + stiffness q = basisᵀ loads f.
+
+    Attributes
+    ----------
+    body : FEModel
+    basis : ndarray, shape (n_dofs, n)
+    mass : ndarray, shape (n,)
+        Diagonal; may have zeros, whose coordinates have no inertia.
+    stiffness : ndarray, shape (n, n)
+    loads : ndarray, shape (n_dofs, p)
+        Forces on the dofs per unit of each of the forces f: the functionals b of the ports; under
+        gravity the weight, N, after them.
+    """
+
+    body: Body
+    basis: FloatArray
+    mass: FloatArray
+    stiffness: FloatArray
+    loads: FloatArray
+
+    @property
+    def n(self) -> int:
+        """Number of coordinates."""
+        return len(self.mass)
+
+    @property
+    def accelerations(self) -> tuple[FloatArray, FloatArray]:
+        """q̈ of the coordinates, shape (n, n), and of the forces, (n, p), without damping."""
+        with np.errstate(divide="ignore"):
+            inverse = np.where(self.mass > 0.0, 1.0 / self.mass, 0.0)[:, None]
+        return -inverse * self.stiffness, inverse * (self.basis.T @ self.loads)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +91,7 @@ class Recovery:
     ----------
     reduced : GeneralizedCoordinates
     s : float
-        Of the correction, rad/s; positive.
+        Frequency of the correction, rad/s; positive.
     inverse : callable or None
         s² ↦ the solver of K + s²M, where models of one body share it.
     """
@@ -66,7 +101,7 @@ class Recovery:
     inverse: Callable[[float], LinearSolver] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        # What is quickly made again does not travel.
+        # Do not pickle what is cheap to recompute.
         return {"reduced": self.reduced, "s": self.s}
 
     def displacement(self, coordinates: FloatArray, forces: FloatArray) -> FloatArray:
@@ -131,7 +166,7 @@ class Recovery:
     def _correction(self) -> tuple[FloatArray, FloatArray]:
         """(K + s²M)⁻¹ r per coordinate and force, as shapes (n_dofs, k) times weights (k, n + p).
 
-        What is unbalanced is orthogonal to the model's shapes. Anti-oscillators and Krylov vectors
+        Unbalanced forces are orthogonal to the model's shapes. Anti-oscillators and Krylov vectors
         leave only one direction of it for each force, however many they are: K times their space
         lies in M times it and the loads. So one solution for each force serves all.
         """

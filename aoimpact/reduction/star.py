@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
@@ -40,8 +39,9 @@ from ..fem import (
     damping_or_none,
 )
 from .bodymodel import ReducedModel
-from .coordinates import GeneralizedCoordinates
+from .modalbody import ModalBody, oscillator_gain
 from .origin import Origin
+from .recovery import GeneralizedCoordinates
 
 __all__ = ["AOModel", "ball", "rigid"]
 
@@ -49,7 +49,7 @@ __all__ = ["AOModel", "ball", "rigid"]
 # Masses, kg, and stiffnesses, N/m, beside each other: their squares and ratios are numbers.
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
-# Of a rigid body, kg: its weight, momentum and energy are numbers.
+# Masses of a rigid body, kg, whose weight, momentum and energy are numbers.
 _HEAVIEST, _LIGHTEST = 1e200, 1e-200
 
 # ω² that differ by no more than their rounding, two units in the last place, are one.
@@ -72,11 +72,11 @@ class AOModel(Frozen, ReducedModel):
     origin : Origin, optional
         The body that the numbers came from; set by `antioscillators` and `modal`.
     damping : Rayleigh or ModalDamping, optional
-        Of the model's natural modes.
+        Damping of the model's natural modes.
     surface : ContactSurface, optional
         Material and curvatures at the contact; by default those of `origin`.
     name : str, optional
-        What results, tables and plots are to call the body; by default as that of `origin`.
+        Name in results, tables and plots; by default that of `origin`.
 
     Raises
     ------
@@ -166,15 +166,6 @@ class AOModel(Frozen, ReducedModel):
     def constrained(self) -> bool:
         """Whether the body is constrained: by its ground spring, or as a wall."""
         return self.k0 > 0.0 or math.isinf(self.m0)
-
-    @property
-    def held(self) -> bool:
-        """The former name of `constrained`.
-
-        :meta private:
-        """
-        warnings.warn("held is now called constrained", DeprecationWarning, stacklevel=2)
-        return self.constrained
 
     @property
     def weightless(self) -> bool:
@@ -279,7 +270,7 @@ class AOModel(Frozen, ReducedModel):
 
     @property
     def label(self) -> str:
-        """What the model is, in a word: "rigid", "wall", "AO(3)", "modal(40)"."""
+        """Kind of the model: "rigid", "wall", "AO(3)", "modal(40)"."""
         if math.isinf(self.m0):
             return "wall"
         if self.origin is not None and self.origin.label == "modal":
@@ -387,10 +378,9 @@ class AOModel(Frozen, ReducedModel):
     def _damped_receptance(self, damping: Damping, frequency: FloatArray) -> Any:
         omega2, participation = self.to_modal()
         omega = np.sqrt(omega2)
-        residual = 0.0 if self.m0 > 0.0 else 1.0 / (self.k0 + math.fsum(self.k))
         real, imaginary = np.empty(frequency.shape), np.empty(frequency.shape)
         weight, decay = participation**2, damping.decay(omega)
-        _core.modal_receptance(omega, decay, weight, residual, frequency, real, imaginary)
+        _core.modal_receptance(omega, decay, weight, self.residual, frequency, real, imaginary)
         result = real + 1j * imaginary
         return result if result.ndim else complex(result)
 
@@ -414,7 +404,7 @@ class AOModel(Frozen, ReducedModel):
 
     @property
     def omitted_translation(self) -> FloatArray | None:
-        """What a free body struck off its centre has beside the static mode, eq. (3).
+        """The motion of a free body struck off its centre beyond its static mode, eq. (3).
 
         :meta private:
         """
@@ -429,6 +419,82 @@ class AOModel(Frozen, ReducedModel):
         origin = self.origin
         return self if origin is None else replace(self, origin=origin.reversed())
 
+    @property
+    def omitted(self) -> tuple[float, float]:
+        """A free body struck off its centre also turns, which its AO model does not contain.
+
+        :meta private:
+        """
+        if self.origin is None or not self.origin.translates:
+            return 0.0, 0.0
+        return 1.0 - float(self.centre_weights.sum()), self.mass - self.static_mass
+
+    @property
+    def massless(self) -> bool:
+        """Whether the contact has no mass.
+
+        :meta private:
+        """
+        return self.m0 == 0.0
+
+    @property
+    def residual(self) -> float:
+        """Compliance that no mode has, m/N: where the contact has no mass.
+
+        :meta private:
+        """
+        return 0.0 if self.m0 > 0.0 else 1.0 / (self.k0 + math.fsum(self.k))
+
+    @cached_property
+    def modal(self) -> ModalBody:
+        """The model in its natural modes; a wall has one that no force moves.
+
+        :meta private:
+        """
+        if math.isinf(self.m0):
+            one, still = np.ones(1), np.zeros(1)
+            return ModalBody(
+                omega=still,
+                decay=None,
+                shape=np.ones((1, 1)),
+                push=np.zeros((1, 1)),
+                residual=None,
+                weight=still,
+                inertia=still,
+                centre=one,
+                centre_residual=None,
+                moving=one,
+                antiresonance=self.k,
+            )
+        omega2, participation = self.to_modal()
+        omega, push, weights = np.sqrt(omega2), participation**2, self.centre_weights
+        antiresonance = self.k / self.m
+        if self.constrained:
+            centre = weights[0] + weights[1:] @ oscillator_gain(antiresonance, omega)
+            moving = push * self.k0 / omega**2
+            # Its own weight acts on a star's coordinates by their share in the centre of mass. The
+            # supports of one given by numbers are not known, so neither is its deflection.
+            weight = np.zeros(len(omega)) if self.weightless else self.mass * push * centre
+        else:  # elastic modes do not move the centre of mass
+            centre = np.where(omega == 0.0, weights.sum(), 0.0)
+            # A free star falls as a whole: exactly, or bodies that fall side by side would press
+            # on each other by rounding.
+            weight = moving = np.where(omega == 0.0, 1.0, 0.0)
+        by_force = np.array([weights[0] * self.residual]) if self.constrained else np.zeros(1)
+        return ModalBody(
+            omega=omega,
+            decay=None if self.damping is None else np.ascontiguousarray(self.damping.decay(omega)),
+            shape=np.ones((1, len(omega))),
+            push=push[None, :],
+            residual=np.array([[self.residual]]) if self.massless else None,
+            weight=weight,
+            inertia=1.0 / push,
+            centre=np.ascontiguousarray(centre),
+            centre_residual=by_force if self.massless else None,
+            moving=moving,
+            antiresonance=antiresonance,
+        )
+
     def turned(self, ports: Sequence[int]) -> AOModel:
         """Return the same model with its body's direction of travel the other way round.
 
@@ -441,13 +507,10 @@ class AOModel(Frozen, ReducedModel):
 
         :meta private:
         """
-        if factor not in self._stiffened:
-            self._stiffened[factor] = replace(self, k0=factor * self.k0, k=factor * self.k)
-        return self._stiffened[factor]
-
-    @cached_property
-    def _stiffened(self) -> dict[float, AOModel]:
-        return {}
+        made: dict[float, AOModel] = self.kept.setdefault("stiffened", {})
+        if factor not in made:
+            made[factor] = replace(self, k0=factor * self.k0, k=factor * self.k)
+        return made[factor]
 
     def multiplied_out(self) -> AOModel:
         """The same model, with shapes of its own: see `Origin.vectors`.
@@ -651,7 +714,7 @@ def rigid(mass: float, *, name: str = "") -> AOModel:
     mass : float
         kg, positive; ``math.inf`` is a fixed wall.
     name : str, optional
-        What results, tables and plots are to call it.
+        Name in results, tables and plots.
 
     Examples
     --------
@@ -670,7 +733,7 @@ def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
         r, m. The mass is 4/3 π r³ ρ.
     material : Material
     name : str, optional
-        What results, tables and plots are to call it.
+        Name in results, tables and plots.
 
     Examples
     --------

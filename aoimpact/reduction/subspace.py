@@ -69,7 +69,7 @@ _STATIC = 1e-4
 # spoils the others: up to 3 on bodies of full mass; from 2000 on modes are lost, M being singular.
 _WITHOUT_MASS = 300.0
 
-# What is left of b beside the rigid motions, over |b|, that is rounding.
+# Part of b beyond the rigid motions, over |b|, that is rounding.
 _RIGID_ONLY = 1e-13
 
 
@@ -94,7 +94,7 @@ class Subspace:
     Attributes
     ----------
     solver_name : str
-        What solved; empty before the first solution.
+        Linear solver in use; empty before the first solution.
     """
 
     def __init__(

@@ -15,7 +15,7 @@ __all__ = ["fitted_times", "is_valid_for", "unbalanced"]
 # twelve impacts with three and eight oscillators, down to there the force is hardly worse.
 _SHORTER = 3.0
 
-# And by which the times grow at which longer ones are checked: of three oscillators a contact 1.5
+# Factor between the times at which longer contacts are checked: of three oscillators a contact 1.5
 # times as long may have a fifth of the force wrong, where eight know one of three times.
 _LONGER = 1.15
 
@@ -44,16 +44,11 @@ def is_valid_for(model: BodyModel, lasted: float, port: int = 0, most: float = _
     if lasted < fitted:
         return unbalanced(model, SHIFT_TIMES_DURATION / lasted, port) <= most
     wanted = math.ceil(math.log(lasted / fitted) / math.log(_LONGER))
-    kept: dict[int, list[float]] = vars(model).setdefault(_KEPT, {})
-    found = kept.setdefault(port, [])
+    found: list[float] = model.kept.setdefault(("unbalanced", port), [])
     while len(found) < wanted and max(found, default=0.0) <= most:
         shift = SHIFT_TIMES_DURATION / (fitted * _LONGER ** (len(found) + 1))
         found.append(unbalanced(model, shift, port))
     return max(found[:wanted], default=0.0) <= most
-
-
-# Models do not change: where they keep for how long forces may act.
-_KEPT = "_known_times"
 
 
 def unbalanced(model: ReducedModel, s: float, port: int = 0) -> float:

@@ -1,21 +1,22 @@
-"""A plan is run here, and what comes of it: histories, events, energies, tables, plots.
+"""A plan is run here, and its results: histories, events, energies, tables, plots, advice.
 
-`solve` runs a plan by its solver, `RecordLength` for as long as it needs; a `Run` is what has run,
-a `Result` the same of two bodies; quantities.py is the table of the numbers that sum them up. For
-`accuracy`, which compares runs, and `impact`, which returns them; `batch`, `cli` and `study` print
-them.
+`solve` runs a plan by its solver, `RecordLength` for as long as it needs; a `Run` is the result, a
+`Result` the same of two bodies; quantities.py is the table of the numbers that sum them up, and
+advice.py has every warning about a run. For `accuracy`, which compares runs, and `impact`, which
+returns them; `batch`, `cli` and `study` print them.
 """
 
-from .errors import ErrorEstimate, ErrorParts, LeftOut
-from .misfit import warn_of_lag, warn_of_misfit
-from .motion import (
-    BodyEnergy,
-    BodyResult,
-    ContactResult,
-    Cost,
-    Energy,
+from .advice import (
+    FIRST_ORDER_LIMIT,
+    warn_of_bodies,
+    warn_of_exchange,
+    warn_of_misfit,
+    warn_of_run,
+    warn_of_size,
+    warning_limits,
 )
-from .plausibility import warn_of_run, warning_limits
+from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
+from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy
 from .quantities import (
     COLUMNS,
     IMPACT_CHOICES,
@@ -23,16 +24,13 @@ from .quantities import (
     SCENE_CHOICES,
     Quantity,
     Speeds,
-    find_number,
-    like_number,
+    look_up,
     number_errors,
     quantity_unit,
     recorded,
 )
-from .record import AS_LONG_AGAIN, RecordLength
-from .result import Result
-from .run import FIRST_ORDER_LIMIT, Chosen, Handle, Run
-from .solve import TimeSolver, solve
+from .run import Handle, Result, Run
+from .solve import AS_LONG_AGAIN, RecordLength, TimeSolver, solve
 
 __all__ = [
     "AS_LONG_AGAIN",
@@ -57,14 +55,15 @@ __all__ = [
     "Run",
     "Speeds",
     "TimeSolver",
-    "find_number",
-    "like_number",
+    "look_up",
     "number_errors",
     "quantity_unit",
     "recorded",
     "solve",
-    "warn_of_lag",
+    "warn_of_bodies",
+    "warn_of_exchange",
     "warn_of_misfit",
     "warn_of_run",
+    "warn_of_size",
     "warning_limits",
 ]

@@ -3,15 +3,37 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 
 from ..base import InputError, nearest, text
 
-__all__ = ["ErrorEstimate", "ErrorParts", "LeftOut", "percent"]
+__all__ = ["Chosen", "ErrorEstimate", "ErrorParts", "LeftOut", "percent", "suggestion"]
 
 # Smaller relative errors are rounding.
 ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """The quantity that a run's models were chosen for, and the errors by these models.
+
+    Attributes
+    ----------
+    quantity : str
+    rtol : float
+        The tolerance that was requested for it, relative.
+    numbers : mapping of str to float
+        The estimated error from the models of the quantity, and of each number that sums up the
+        run.
+    largest : str
+        Largest value of a history over the record, with its unit.
+    """
+
+    quantity: str
+    rtol: float
+    numbers: Mapping[str, float]
+    largest: str = ""
 
 
 @dataclass(frozen=True)
@@ -132,9 +154,7 @@ class ErrorEstimate:
 
     def __getitem__(self, name: str) -> ErrorParts:
         if (found := self.parts.get(text("name", name))) is None:
-            like = [one for one in self.parts if one.rpartition(".")[2] == name]
-            cure = f": take {like[0]!r}" if like else nearest(name, self.parts)
-            raise InputError(f"error: the run has no number {name!r}{cure}")
+            raise InputError(f"error: the run has no number {name!r}{suggestion(name, self.parts)}")
         return found
 
     def __iter__(self) -> Iterator[str]:
@@ -187,3 +207,10 @@ def percent(share: float | None) -> str:
         return "not bounded"
     digits = f"{100.0 * share:.2g}" if share >= ROUNDING else "0"
     return f"{float(digits):.0f}" if 1.0 <= share < 1e3 else digits  # 120, not 1.2e+02
+
+
+def suggestion(name: str, names: Iterable[str]) -> str:
+    """Return the name of the same quantity, or else the nearest one, for messages."""
+    quantity = name.rpartition(".")[2]
+    same = [one for one in names if one.rpartition(".")[2] == quantity]
+    return f": take {same[0]!r}" if same else nearest(name, names)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,7 +14,7 @@ import numpy.typing as npt
 
 from ..base import FloatArray, Frozen, InputError, with_unit
 from ..fields import Field, Probe, Response, relative_error, rest, warn_if_wrong
-from ..integrate import Eventful, Events
+from ..integrate import Events
 
 __all__ = [
     "BodyEnergy",
@@ -23,6 +22,7 @@ __all__ = [
     "ContactResult",
     "Cost",
     "Energy",
+    "Eventful",
 ]
 
 
@@ -51,13 +51,13 @@ class Energy(Frozen):
     Attributes
     ----------
     kinetic, elastic : arrays
-        Of all bodies together; `elastic` is the paper's nonlocal deformation energy.
+        Energies of all bodies together; `elastic` is the paper's nonlocal deformation energy.
     contact : array
         Stored in the contact laws: the paper's local deformation energy.
     dissipated : array
         Lost in the contact laws and in the bodies' damping since t = 0.
     work : array
-        Of gravity and applied forces since t = 0.
+        Work of gravity and applied forces since t = 0.
     total : array
         kinetic + elastic + contact + dissipated − work: constant in an exact run.
     bodies : tuple of BodyEnergy
@@ -98,7 +98,7 @@ class BodyResult(Frozen):
     constrained : bool
         Whether supports or a ground spring constrain it.
     port_displacements, port_velocities : (p, n) arrays
-        Of all contact coordinates [m, m/s].
+        Displacements and velocities of all contact coordinates [m, m/s].
     energy : BodyEnergy or None
         None if the run was made with ``energies=False``.
     coordinates, rates : arrays
@@ -128,17 +128,8 @@ class BodyResult(Frozen):
         return f"BodyResult({self.name}: {self.label}{mass}, {way})"
 
     @property
-    def held(self) -> bool:
-        """The former name of `constrained`.
-
-        :meta private:
-        """
-        warnings.warn("held is now called constrained", DeprecationWarning, stacklevel=2)
-        return self.constrained
-
-    @property
     def displacement(self) -> FloatArray:
-        """Of the contact coordinate (the first one) [m], shape (n,).
+        """Displacement of the (first) contact coordinate [m], shape (n,).
 
         Warns where it may be badly wrong, as the other histories do; see `error`.
         """
@@ -146,12 +137,12 @@ class BodyResult(Frozen):
 
     @property
     def velocity(self) -> FloatArray:
-        """Of the contact coordinate (the first one) [m/s], shape (n,)."""
+        """Velocity of the (first) contact coordinate [m/s], shape (n,)."""
         return self._told("velocity")
 
     @property
     def centre_displacement(self) -> FloatArray:
-        """Of the centre of mass [m], shape (n,).
+        """Displacement of the centre of mass [m], shape (n,).
 
         NaN where that is not known: of a body given by K and M without nodes, unless it is free
         and struck through its centre.
@@ -160,7 +151,7 @@ class BodyResult(Frozen):
 
     @property
     def centre_velocity(self) -> FloatArray:
-        """Of the centre of mass [m/s], shape (n,); see `centre_displacement`."""
+        """Velocity of the centre of mass [m/s], shape (n,); see `centre_displacement`."""
         return self._told("centre_velocity")
 
     @cached_property
@@ -220,7 +211,7 @@ class BodyResult(Frozen):
         Parameters
         ----------
         point : array_like, shape (3,) or (p, 3), optional
-            Of the undeformed body, m; anywhere in it or on its surface.
+            Coordinates in the undeformed body, m; anywhere in it or on its surface.
         direction : array_like, shape (3,), optional
             Along which to measure, any length but zero; all three components if left out.
         nodes : str, callable or array_like, optional
@@ -313,6 +304,42 @@ class BodyResult(Frozen):
         return response
 
 
+class Eventful:
+    """The numbers of one contact's events, as attributes."""
+
+    @property
+    def _own_events(self) -> Events:
+        raise NotImplementedError
+
+    @property
+    def peak_force(self) -> float:
+        """Largest force of the record [N]; 0.0 without contact."""
+        return self._own_events.peak_force
+
+    @property
+    def peak_time(self) -> float:
+        """When the largest force acts [s]."""
+        return self._own_events.peak_time
+
+    @property
+    def impulse(self) -> float:
+        """Integral of the force over the record [N s]."""
+        return self._own_events.impulse
+
+    @property
+    def contact_duration(self) -> float:
+        """Duration of the first contact [s]; 0.0 without contact.
+
+        A contact that the record cuts off counts up to the record's end.
+        """
+        return self._own_events.contact_duration
+
+    @property
+    def contact_count(self) -> int:
+        """How often the bodies touch."""
+        return self._own_events.contact_count
+
+
 @dataclass(frozen=True, eq=False)
 class ContactResult(Frozen, Eventful):
     """One contact over time.
@@ -338,6 +365,10 @@ class ContactResult(Frozen, Eventful):
     events: Events
 
     @property
+    def _own_events(self) -> Events:
+        return self.events
+
+    @property
     def intervals(self) -> list[tuple[float, float]]:
         """Start and end [s] of every interval in which the force acts."""
         return list(self.events.contacts)
@@ -345,7 +376,7 @@ class ContactResult(Frozen, Eventful):
 
 @dataclass(frozen=True)
 class Cost:
-    """What a result cost, s.
+    """Computing time of a result, s.
 
     Attributes
     ----------

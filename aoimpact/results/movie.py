@@ -17,7 +17,7 @@ from ..mesh import sphere_mesh
 from ..reduction import BodyModel
 
 if TYPE_CHECKING:
-    from .result import Result
+    from .run import Result
 
 __all__ = ["moving_bodies", "rotation", "write_impact_movie"]
 
@@ -59,7 +59,7 @@ def _span(hit: Result) -> tuple[float, float]:
 
 def moving_bodies(hit: Result, times: FloatArray) -> tuple[list[MovingBody], FloatArray]:
     """Return the bodies that can be drawn, where they meet, and the direction of travel."""
-    first, second = (_tip(body.model) for body in hit.run.plan.bodies)
+    first, second = (_tip(body) for body in hit.plan.bodies)
     shown = [tip for tip in (second, first) if tip is not None]
     if not shown:
         raise InputError(
@@ -101,12 +101,12 @@ def _body(
 
 def _ball(hit: Result, times: FloatArray, place: FloatArray, down: FloatArray) -> list[MovingBody]:
     """A rigid projectile that is round, before the place where it touches; none of another."""
-    surface = hit.run.plan.bodies[0].model.surface_at()
+    surface = hit.plan.bodies[0].surface_at()
     if surface is None or not np.isfinite(surface.radii[0]) or surface.radii[0] <= 0.0:
         return []
     radius = surface.radii[0]
     mesh = sphere_mesh(radius, _SIZE * radius)
-    moved = hit.at(times) if hit.run.recorder.dense else None
+    moved = hit.at(times) if hit.recorder.dense else None
     way = (
         np.interp(times, hit.t, hit.projectile.centre_displacement)
         if moved is None

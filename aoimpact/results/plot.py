@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
@@ -28,16 +27,17 @@ from ..base import (
     with_unit,
 )
 from ..laws import own_law
-from .table import body_names
+from .table import ROLES, body_names
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .motion import BodyEnergy, Energy
-    from .result import Result
-    from .run import Run
+    from .run import Handle, Result, Run
 
 During = Literal["contact", "record"] | tuple[float, float]
+
+AnyRun = TypeVar("AnyRun", bound="Run")
 
 # Shown before and after the contact, as a share of its length.
 _MARGIN = 0.1
@@ -46,7 +46,7 @@ _MARGIN = 0.1
 _PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
 
 
-def shown(run: Run, during: During) -> tuple[Run, slice]:
+def shown(run: AnyRun, during: During) -> tuple[AnyRun, slice]:
     """Return a run that has points enough within a span of time, and which of them lie in it.
 
     What was stepped, or read at chosen times, keeps these; what is known between them is read as
@@ -92,7 +92,7 @@ def plot_panels(result: Result, during: During) -> Any:
     result.plot_force(axes[0, 0], during=during)
     result.plot_indentation(axes[0, 1], during=during)
     result.plot_displacement(axes[1, 0], during=during)
-    if result.run.energies:
+    if result.energies:
         result.plot_energy(axes[1, 1], during=during)
     else:
         axes[1, 1].set_axis_off()
@@ -113,8 +113,8 @@ def plot_indentation(
     result: Result, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
 ) -> Axes:
     """Draw the indentation over time; while the bodies are apart there is none."""
-    run, which = shown(result.run, during)
-    depth, force = run.contacts[0].indentation[which], run.contacts[0].force[which]
+    run, which = shown(result, during)
+    depth, force = run.indentation[which], run.force[which]
     apart = (depth < 0.0) & (force == 0.0)
     curves: list[Curve] = [(depth if apart.all() else np.where(apart, np.nan, depth), {})]
     return draw_curves(ax, (run.t[which], "time", "s"), "indentation", "m", curves, kwargs)
@@ -124,7 +124,7 @@ def plot_energy(
     run: Run,
     ax: Axes | None = None,
     *,
-    body: Literal["projectile", "target"] | None = None,
+    body: Handle | int | str | None = None,
     during: During = "record",
     **kwargs: Any,
 ) -> Axes:
@@ -133,14 +133,15 @@ def plot_energy(
     Raises
     ------
     InputError
-        If `body` is another name, or the run recorded no energies.
+        If `body` is no body, or the run recorded no energies.
     """
     run, which = shown(run, during)
     energy = run.energy
     share: Energy | BodyEnergy = energy
     if body is not None:
-        name = choice("body", body, ("projectile", "target"))
-        share = energy.projectile if name == "projectile" else energy.target
+        if isinstance(body, str) or not run.plan.scene:
+            body = ROLES.index(choice("body", body, ROLES))
+        share = run[body].energy or energy
     blue, vermilion, green, purple = COLOURS[:4]
     styles: list[tuple[FloatArray, str, str, str]] = [
         (share.kinetic, "kinetic", "-", blue),
@@ -159,22 +160,32 @@ def plot_energy(
 
 
 def plot_displacement(
-    result: Result, ax: Axes | None = None, *, during: During = "record", **kwargs: Any
+    run: Run,
+    ax: Axes | None = None,
+    *,
+    names: Sequence[str] | None = None,
+    during: During = "record",
+    **kwargs: Any,
 ) -> Axes:
-    """Draw displacements over time: contact points, and centres of mass dashed (Fig. 10).
+    """Draw displacements over time: contact points and, of an impact, centres of mass dashed.
 
     Of a rigid body both are one curve.
     """
-    run, which = shown(result.run, during)
+    called = body_names(run, names)
+    run, which = shown(run, during)
     curves: list[Curve] = []
-    for colour, body in zip(COLOURS, run.bodies, strict=False):
-        place, centre = body.displacement[which], body.centre_displacement[which]
+    for i, (name, body) in enumerate(zip(called, run.bodies, strict=True)):
+        place = body.displacement[which]
+        if run.plan.scene:
+            curves.append((place, {"label": name}))
+            continue
+        centre, style = body.centre_displacement[which], {"color": COLOURS[i]}
         rigid = bool(np.array_equal(place, centre))
-        name = body.name if rigid else f"{body.name}, contact point"
-        curves.append((place, {"label": name, "color": colour, "linestyle": "-"}))
+        point = name if rigid else f"{name}, contact point"
+        curves.append((place, style | {"label": point, "linestyle": "-"}))
         if not rigid and np.isfinite(centre).all():
-            dashed = {"label": f"{body.name}, centre of mass", "color": colour, "linestyle": "--"}
-            curves.append((centre, dashed))
+            dashed = {"label": f"{name}, centre of mass", "linestyle": "--"}
+            curves.append((centre, style | dashed))
     return draw_curves(ax, (run.t[which], "time", "s"), "displacement", "m", curves, kwargs)
 
 
@@ -183,8 +194,7 @@ def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> A
 
     The first is the modified interaction law of the paper: what rigid masses would need.
     """
-    run, which = shown(result.run, "contact")
-    at = replace(result, run=run)
+    at, which = shown(result, "contact")
     touching = np.flatnonzero(at.force > 0.0)
     which = slice(0, int(touching[-1]) + 2) if touching.size else which
     across = (at.approach[which], "approach of the centres of mass", "m")
@@ -203,34 +213,16 @@ def plot_forces(
 ) -> Axes:
     """Draw the force of each contact over time (paper, Figs. 3 and 9)."""
     run, which = shown(run, during)
-    several = len(run.contacts) > 1
+    several = len(run.each_contact) > 1
     curves: list[Curve] = [
         (contact.force[which], {"label": _bodies_named(run, number)} if several else {})
-        for number, contact in enumerate(run.contacts)
+        for number, contact in enumerate(run.each_contact)
     ]
     return draw_curves(ax, (run.t[which], "time", "s"), "contact force", "N", curves, kwargs)
 
 
 def _bodies_named(run: Run, number: int) -> str:
-    """What a contact is called, with its bodies where only these have names."""
+    """Name of a contact, with its bodies where only these have names."""
     contact, called = run.plan.contacts[number], run.contact_names[number]
     first, second = (run.plan.body_names[body] for body in (contact.first, contact.second))
     return called if contact.name or not (first and second) else f"{called}: {first} on {second}"
-
-
-def plot_places(
-    run: Run,
-    ax: Axes | None = None,
-    *,
-    names: Sequence[str] | None = None,
-    during: During = "record",
-    **kwargs: Any,
-) -> Axes:
-    """Draw the displacements of the contact coordinates of a scene's bodies over time."""
-    called = body_names(run, names)
-    run, which = shown(run, during)
-    curves: list[Curve] = [
-        (body.displacement[which], {"label": name})
-        for name, body in zip(called, run.bodies, strict=True)
-    ]
-    return draw_curves(ax, (run.t[which], "time", "s"), "displacement", "m", curves, kwargs)

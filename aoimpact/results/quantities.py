@@ -10,18 +10,19 @@ new one.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import numbers
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, nearest, text
+from ..base import FloatArray, InputError, InputTypeError
 from ..integrate import Events
+from .errors import suggestion
 
 if TYPE_CHECKING:
-    from .result import Result
     from .run import Run
 
 __all__ = [
@@ -31,9 +32,8 @@ __all__ = [
     "SCENE_CHOICES",
     "Quantity",
     "Speeds",
-    "find_number",
-    "like_number",
-    "named_number",
+    "all_numbers",
+    "look_up",
     "number_errors",
     "quantity_unit",
     "recorded",
@@ -101,7 +101,7 @@ class Quantity:
     ----------
     name, unit : str
     of_contact : callable, optional
-        Of the `Events` of a contact: its number. It is called for contacts that never touched, too:
+        Number of a contact, from its `Events`. It is called for contacts that never touched, too:
         `contacts` is then empty, and force, impulse and duration are 0. The fast path of
         `simulate_many` calls it for many impacts at once, as if each touched once, with an array of
         shape (impacts,) in place of each number. So a quotient such as impulse / contact_duration
@@ -110,11 +110,11 @@ class Quantity:
         Of `Speeds`: numbers, shape (k,) or (k, impacts). This and `of_contact` are all that the
         fast path of `simulate_many` has; other numbers take an impact off it.
     of_run : callable, optional
-        Of a `Run`: numbers, shape (k,).
+        Numbers of a `Run`, shape (k,).
     history : callable, optional
-        Of a `Run` and times, s: shape (rows, times).
+        Histories of a `Run` at times, s: shape (rows, times).
     each : {"contacts", "bodies", ""}
-        What has the k numbers, or the histories: each contact, each body, or the run as a whole,
+        Owner of the k numbers, or the histories: each contact, each body, or the run as a whole,
         which has then one or, where there is no such number in its scene, none. A single number
         that is not known is NaN.
     scenes : bool
@@ -126,10 +126,9 @@ class Quantity:
     lasting : bool
         Whether the motion after the last contact is part of it.
     least : callable, optional
-        Of the velocities at the start, as `Speeds.before`: errors are relative to no less.
+        Least scale of relative errors, from the velocities at the start, as `Speeds.before`.
     local : callable, optional
-        Of a `Run`: what the elements leave out of it where it is taken, relative, though the force
-        be right.
+        Relative error by the elements where it is taken in a `Run`, though the force be right.
     """
 
     name: str
@@ -168,47 +167,37 @@ class Quantity:
             number = self.of_speeds(speeds)[0]
         return np.broadcast_to(np.asarray(number, dtype=np.float64), speeds.before.shape[1:])
 
-    def named(self, run: Run) -> dict[str, float]:
-        """Return the numbers of a run by the names that they are kept by.
+    def names(self, run: Run) -> list[str]:
+        """Return the names that its numbers are kept by.
 
         Such as "peak_force" of an impact, "contacts.0.peak_force" of a scene.
         """
-        each = self.each if run.plan.scene else ""
-        return {
-            f"{each}.{i}.{self.name}" if each else self.name: value
-            for i, value in enumerate(self._values(run))
-        }
+        return [name for name in run.numbers if name.rpartition(".")[2] == self.name]
 
-    def difference(self, run: Run | Result, exact: Run | Result) -> float:
+    def difference(self, run: Run, exact: Run) -> float:
         """Return how far a run is from a more exact one: the largest `deviation`."""
         return float(np.abs(self.deviation(run, exact)).max(initial=0.0))
 
-    def deviation(self, run: Run | Result, exact: Run | Result) -> FloatArray:
+    def deviation(self, run: Run, exact: Run) -> FloatArray:
         """Return by how much a run gives more than a more exact one, relative.
 
         Flat, contact by contact, of histories at the times of the more exact run. Relative to the
         largest value of the history, or to the number; in a scene to no less than a tenth of the
         largest of all contacts.
         """
-        ours, theirs = _run_of(run), _run_of(exact)
         if self.history is not None:
-            mine, right = (self.history(one, exact.t) for one in (ours, theirs))
+            mine, right = (self.history(one, exact.t) for one in (run, exact))
             size = np.abs(right).max(axis=1)
         else:
-            mine, right = (np.array(self._values(one, known=False)) for one in (ours, theirs))
+            mine, right = run.compared[self.name], exact.compared[self.name]
             there = ~(np.isnan(mine) & np.isnan(right))
             if not there.any():  # nothing that would tell one from the other
                 return np.array([math.inf])
             mine, right = mine[there], right[there]
             size = np.abs(right)
         scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
-        before = np.array(theirs.plan.velocities)
+        before = np.array(exact.plan.velocities)
         return _relative(mine - right, self._at_least(scales, before)).ravel()
-
-    def changes(self, run: Run, exact: Run) -> FloatArray:
-        """Return by how much each number of a run differs from that of a more exact one."""
-        ours, theirs = (np.array(self._values(one, known=False)) for one in (run, exact))
-        return self.relative_changes(ours, theirs, np.array(exact.plan.velocities))
 
     def relative_changes(
         self, ours: FloatArray, theirs: FloatArray, before: FloatArray
@@ -223,12 +212,11 @@ class Quantity:
         """
         return np.abs(_relative(ours - theirs, self._at_least(np.abs(theirs), before)))
 
-    def span(self, run: Run | Result) -> float:
+    def span(self, run: Run) -> float:
         """Return the time, s, over which the motion affects this quantity.
 
         Bodies without gravity, loads or preload do not deform until the first contact.
         """
-        run = _run_of(run)
         touched = [of.contacts for of in run.events if of.contacts]
         plan = run.plan
         loaded = plan.preload or plan.gravity or plan.loads
@@ -237,12 +225,11 @@ class Quantity:
             return run.duration - first
         return max((each[-1][1] for each in touched), default=first) - first
 
-    def contact_time(self, run: Run | Result) -> float | None:
+    def contact_time(self, run: Run) -> float | None:
         """Return the duration of the first contact, s, or None where none ends in the record.
 
-        Of a scene that of the shortest of the hard contacts, where its force is largest.
+        In a scene, that of the shortest hard contact, about its largest force.
         """
-        run = _run_of(run)
         if not run.plan.scene:
             return run.events[0].contact_duration or None
         hardest = max((of.peak_force for of in run.events), default=0.0)
@@ -253,49 +240,58 @@ class Quantity:
         ]
         return min((end - start for start, end in spans if end > start), default=None)
 
-    def _values(self, run: Run, *, known: bool = True) -> list[float]:
-        """The numbers; not known: those to compare runs by, where any motion will do."""
+    def values(self, run: Run, speeds: Speeds) -> FloatArray:
+        """Return its numbers of a run, shape (k,)."""
         if self.of_contact is not None:
-            values = [float(self.of_contact(events)) for events in run.events]
+            values = np.array([self.of_contact(of) for of in run.events], dtype=np.float64)
         elif self.of_speeds is not None:
-            values = self.of_speeds(_speeds(run, known=known)).tolist()
+            values = self.of_speeds(speeds)
         else:
             assert self.of_run is not None
-            values = self.of_run(run).tolist()
+            values = self.of_run(run)
         return values if run.plan.scene else values[:1]
 
     def _at_least(self, scales: FloatArray, before: FloatArray) -> FloatArray:
         return scales if self.least is None else np.maximum(scales, self.least(before))
 
 
-def find_number(run: Run, name: str) -> float | None:
-    """Return a number of a run by its name, as of `Quantity.named`; None where there is none."""
-    quantity = QUANTITIES.get(name.rpartition(".")[2])
-    if quantity is None or quantity.is_history:
-        return None
-    return quantity.named(run).get(name)
+def look_up(result: Any, name: str, argument: str) -> float:
+    """Return a number of a run by its name, as of `Quantity.named`, or else any attribute of it.
 
-
-def named_number(run: Run, name: str) -> float:
-    """Return a number of a run by its name.
+    Parameters
+    ----------
+    result : Run
+    name : str
+        Attributes are dotted, with numbers for places in lists.
+    argument : str
+        For messages: what the name was given as.
 
     Raises
     ------
     InputError, InputTypeError
         If the run has no such number.
     """
-    if (found := find_number(run, text("name", name))) is not None:
-        return found
-    names = [one for of in QUANTITIES.values() if not of.is_history for one in of.named(run)]
-    cure = like_number(run, name) or nearest(name, names)
-    raise InputError(f"name: the run has no number {name!r}{cure}")
-
-
-def like_number(run: Run, name: str) -> str:
-    """Return which number of the same quantity a run has, for messages; empty if it has none."""
-    quantity = QUANTITIES.get(name.rpartition(".")[2])
-    names = [] if quantity is None or quantity.is_history else [*quantity.named(run)]
-    return f": take {names[0]!r}" if names else ""
+    numbers_of: Mapping[str, float] = getattr(result, "numbers", {})
+    if name in numbers_of:
+        return numbers_of[name]
+    found = result
+    for part in name.split("."):
+        try:
+            found = found[int(part)] if part.isdigit() else getattr(found, part)
+        except (AttributeError, IndexError, TypeError):
+            known = [*numbers_of, *(one for one in dir(found) if not one.startswith("_"))]
+            raise InputError(
+                f"{argument}: {name!r}: {type(found).__name__} has no {part!r}"
+                f"{suggestion(name, known)}"
+            ) from None
+    if found is None:  # an error that is not known
+        return math.nan
+    if not isinstance(found, (numbers.Real, np.bool_)):
+        raise InputTypeError(
+            f"{argument}: {name!r} is no number but {type(found).__name__}; name one, such as "
+            "'peak_force'"
+        )
+    return float(found)
 
 
 def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[str, float]:
@@ -308,13 +304,15 @@ def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[
     """
     forces = (QUANTITIES["force"].difference(run, other) for other in larger)
     errors = {"force": safety * max(forces, default=0.0)}
-    for quantity in QUANTITIES.values():
-        if quantity.is_history:
-            continue
-        changes = [quantity.changes(run, other) for other in larger]
-        for i, (name, value) in enumerate(quantity.named(run).items()):
-            most = float(np.max([change[i] for change in changes], initial=0.0))
-            errors[name] = math.nan if math.isnan(value) else safety * most
+    before, changes = np.array(run.plan.velocities), [np.zeros(len(run.numbers))]
+    for other in larger:
+        apart = [
+            QUANTITIES[name].relative_changes(ours, other.compared[name], before)
+            for name, ours in run.compared.items()
+        ]
+        changes.append(np.concatenate(apart))
+    for (name, value), most in zip(run.numbers.items(), np.max(changes, axis=0), strict=True):
+        errors[name] = math.nan if math.isnan(value) else safety * float(most)
     for i, events in enumerate(run.events):
         as_many = all(len(other.events[i].contacts) == len(events.contacts) for other in larger)
         name = f"contacts.{i}.intervals" if run.plan.scene else "contacts"
@@ -322,24 +320,30 @@ def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[
     return errors
 
 
-def _run_of(run: Run | Result) -> Run:
-    found: Any = run
-    whole: Run = getattr(found, "run", found)
-    return whole
+def all_numbers(run: Run) -> tuple[dict[str, float], dict[str, FloatArray]]:
+    """Return the numbers of a run by name, and by quantity those that runs are compared by.
 
-
-def _speeds(run: Run, *, known: bool) -> Speeds:
-    """Of a run; not known: after the contacts or at the record's end, of whatever is recorded."""
-    bodies, contacts, after = run.plan.bodies, run.plan.contacts, run.compared_velocities
-    if known:
-        parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
-        after = run.parting if parted else np.full_like(after, np.nan)
-    return Speeds(
-        np.array(run.plan.velocities, dtype=np.float64),
-        after,
-        np.array([body.fixed for body in bodies]),
-        (contacts[0].first, contacts[0].second) if len(contacts) == 1 else None,
-    )
+    The latter have velocities at the record's end where contact has not ended, and the mean over
+    the static mode where a centre of mass is not known.
+    """
+    plan, compared = run.plan, {}
+    pair = (plan.contacts[0].first, plan.contacts[0].second) if len(plan.contacts) == 1 else None
+    fixed, before = np.array([of.fixed for of in plan.bodies]), np.array(plan.velocities, float)
+    any_motion = Speeds(before, run.compared_velocities, fixed, pair)
+    parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
+    after = run.parting if parted else np.full_like(before, np.nan)
+    known = Speeds(before, after, fixed, pair)
+    numbers_of = {}
+    for quantity in QUANTITIES.values():
+        if quantity.is_history:
+            continue
+        compared[quantity.name] = values = quantity.values(run, any_motion)
+        if quantity.of_speeds is not None:
+            values = quantity.values(run, known)
+        each = quantity.each if plan.scene else ""
+        for i, value in enumerate(values.tolist()):
+            numbers_of[f"{each}.{i}.{quantity.name}" if each else quantity.name] = value
+    return numbers_of, compared
 
 
 def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
@@ -351,7 +355,7 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
 
 
 def _rebounds(of: Speeds) -> FloatArray:
-    """Of every body but those that are held at rest, unless all are, m/s."""
+    """Velocities after contact, m/s; NaN for bodies held at rest, unless all are."""
     return np.where(of.still & ~of.still.all(axis=0), np.nan, of.after)
 
 
@@ -407,7 +411,7 @@ _ALL = (
 
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}
 
-# What ``quantity=`` may be in an impact and in a scene, and what a sweep keeps by default.
+# Names for ``quantity=`` in an impact and in a scene, and columns that a sweep keeps by default.
 IMPACT_CHOICES = tuple(QUANTITIES)
 SCENE_CHOICES = tuple(one.name for one in _ALL if one.scenes)
 COLUMNS = tuple(one.name for one in _ALL if one.column)

@@ -1,4 +1,8 @@
-"""The result of a scene: the motions of its bodies, its contacts and its energies over time."""
+"""The result of a run: motions of the bodies, contacts and energies over time, and its numbers.
+
+Histories are read-only arrays over `Run.t`. Displacements, velocities and centres of mass are
+measured along the direction of travel, from where the bodies were at t = 0.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,8 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -20,33 +25,27 @@ from ..base import (
     finite_array,
     integer,
     text,
-    warn,
     with_unit,
 )
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
+from ..laws import PatchLaw, own_law
 from ..reduction import FullModel
-from ..scene import Plan, RecordLayout, SceneBody
+from ..scene import Plan, RecordLayout
 from . import plot
-from .errors import ErrorEstimate, ErrorParts, LeftOut
-from .export import as_dataframe, as_dataset
-from .misfit import follows
-from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy
+from .advice import follows, warn_of_first_order, warn_of_ledger
+from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
+from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
+from .movie import write_impact_movie
 from .plot import During
-from .quantities import named_number, number_errors
-from .summary import SHOWN, error_row, place_words, support_words, within
-from .table import ROLES, body_names, different, run_columns, write_csv
+from .quantities import all_numbers, look_up, number_errors
+from .summary import impact_rows, scene_rows, summary_html, summary_text
+from .table import ROLES, as_dataframe, as_dataset, body_names, columns, different, write_csv
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["FIRST_ORDER_LIMIT", "Chosen", "Handle", "Run"]
-
-# The ledger of a run is off by no more than so many times its error, or rounding.
-_DRIFT, _ROUNDING = 100.0, 1e-12
-
-# Error by a mesh of first order from which on it is worth a warning.
-FIRST_ORDER_LIMIT = 0.1
+__all__ = ["Handle", "Result", "Run"]
 
 _NOTHING_KNOWN = LeftOut()
 
@@ -101,34 +100,6 @@ class Handle:
         return replace(self, at=at)
 
 
-@dataclass(frozen=True, eq=False)
-class Chosen:
-    """Models that were chosen for a quantity, and what is known of the run with them.
-
-    Attributes
-    ----------
-    models : tuple
-        In the order of the bodies.
-    quantity : str
-    lasting : bool
-        Whether the motion after the last contact is part of it.
-    rtol : float
-        The tolerance that was requested for it, relative.
-    numbers : mapping of str to float
-        The estimated error from these models of the quantity, and of each number that sums up the
-        run.
-    largest : str
-        Of a history, its largest value over the record, with its unit.
-    """
-
-    models: tuple[Any, ...]
-    quantity: str
-    lasting: bool
-    rtol: float
-    numbers: Mapping[str, float]
-    largest: str = ""
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
     """A scene over time; curves are computed when they are read.
@@ -138,7 +109,7 @@ class Run:
     Attributes
     ----------
     time_error : float or None
-        Of peak force and impulse, relative, from integrating in time.
+        Relative error of peak force and impulse from integration in time.
     chosen : Chosen or None
         How the bodies' models were chosen, where `simulate` was left to do so.
     modelled : float
@@ -170,7 +141,7 @@ class Run:
     modelled: float = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
-        """What has been computed on the way does not travel, but what finds errors cannot."""
+        """Drop caches; evaluate the error estimate first, since its callable is not picklable."""
         state = {item.name: getattr(self, item.name) for item in fields(self)}
         return state | {"left_out": self._left_out}
 
@@ -195,9 +166,7 @@ class Run:
     @property
     def models(self) -> tuple[Any, ...]:
         """The bodies' models in the order of `add`: those chosen, or as given."""
-        if self.chosen is not None:
-            return self.chosen.models
-        return tuple(body.model for body in self.plan.bodies)
+        return tuple(self.plan.bodies)
 
     @property
     def solver(self) -> str:
@@ -211,7 +180,7 @@ class Run:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """What the bodies are called, each by another name."""
+        """Names of the bodies, all different."""
         others = (
             ROLES if not self.plan.scene else [f"body {i}" for i in range(len(self.plan.bodies))]
         )
@@ -219,7 +188,7 @@ class Run:
 
     @cached_property
     def contact_names(self) -> tuple[str, ...]:
-        """What the contacts are called, each by another name."""
+        """Names of the contacts, all different."""
         given = [contact.name for contact in self.plan.contacts]
         return different(given, [f"contact {i}" for i in range(len(given))])
 
@@ -261,7 +230,7 @@ class Run:
 
     @cached_property
     def forces(self) -> FloatArray:
-        """Of all contacts, N, shape (contacts, n); made without the motions, which cost more."""
+        """Contact forces, N, shape (contacts, n); made without the motions, which cost more."""
         if "_rows" in self.__dict__:
             return self._layout.forces(self._rows)
         forces = self.recorder.forces(self.t)
@@ -293,7 +262,7 @@ class Run:
         return BodyResult(
             name=self.names[index],
             label=body.label,
-            mass=body.mass,
+            mass=body.known_mass,
             constrained=body.constrained,
             _centre=rows.displacement if body.centre_known else unknown,
             _centre_rate=rows.velocity if body.centre_known else unknown.copy(),
@@ -305,7 +274,7 @@ class Run:
             _times=self.t,
             _respond=partial(self._response, index),
             _finer=partial(self._of_finer, index),
-            _follows=partial(follows, self.plan, self, index),
+            _follows=partial(follows, self, index),
         )
 
     @cached_property
@@ -322,7 +291,7 @@ class Run:
 
     @property
     def mean_velocities(self) -> FloatArray:
-        """Of the bodies' centres of mass, m/s, shape (bodies, n); NaN where one is not known."""
+        """Velocities of the centres of mass, m/s, shape (bodies, n); NaN where not known."""
         return self._of_known_centres(self._layout.centre_velocities(self._rows))
 
     @cached_property
@@ -360,9 +329,17 @@ class Run:
         found[[not body.centre_known for body in self.plan.bodies]] = np.nan
         return found
 
+    @property
+    def contacts(self) -> Any:
+        """The contacts, in the order of `connect`; see `ContactResult`."""
+        return self.each_contact
+
     @cached_property
-    def contacts(self) -> tuple[ContactResult, ...]:
-        """The contacts, in the order of `connect`."""
+    def each_contact(self) -> tuple[ContactResult, ...]:
+        """The contacts of any run.
+
+        :meta private:
+        """
         found = []
         for number, events in enumerate(self.events):
             rows = self._layout.contact(self._rows, number)
@@ -387,7 +364,7 @@ class Run:
             )
         return _energy(self._rows, self._layout)
 
-    def at(self, times: npt.ArrayLike) -> Run:
+    def at(self, times: npt.ArrayLike) -> Self:
         """Return the same run at other times: dense output, as exact as the run itself.
 
         Parameters
@@ -432,10 +409,27 @@ class Run:
 
     # ---------------------------------------------------------------------- events
 
-    @property
+    @cached_property
     def events(self) -> tuple[Events, ...]:
-        """Of each contact: the solver's own where it locates them, else found between the steps."""
+        """Events of each contact, from the solver, or interpolated between fixed steps."""
         return self.recorder.events
+
+    @cached_property
+    def _all_numbers(self) -> tuple[dict[str, float], dict[str, FloatArray]]:
+        return all_numbers(self)
+
+    @property
+    def numbers(self) -> Mapping[str, float]:
+        """All numbers that sum up the run, by the names that `value` takes."""
+        return self._all_numbers[0]
+
+    @property
+    def compared(self) -> Mapping[str, FloatArray]:
+        """Numbers by quantity, for comparison with other runs; see `all_numbers`.
+
+        :meta private:
+        """
+        return self._all_numbers[1]
 
     def value(self, name: str) -> float:
         """Return a number that sums up the run, by its name.
@@ -443,8 +437,9 @@ class Run:
         Parameters
         ----------
         name : str
-            "restitution", of a scene of one contact, "contacts.0.peak_force" or any other number
-            of a contact, "bodies.0.rebound_velocity": the names of `ErrorEstimate`.
+            "restitution", or any other quantity of interest that is a number; of a scene
+            "contacts.0.peak_force" or any other number of a contact, "bodies.0.rebound_velocity":
+            the names of `ErrorEstimate`. Or an attribute, such as "error.time".
 
         Returns
         -------
@@ -467,7 +462,7 @@ class Run:
         >>> round(run.value("restitution"), 6), round(run.value("bodies.0.rebound_velocity"), 6)
         (1.0, -1.0)
         """
-        return named_number(self, name)
+        return look_up(self, text("name", name), "name")
 
     @property
     def in_contact_at_end(self) -> bool:
@@ -485,7 +480,7 @@ class Run:
     @property
     def _whole(self) -> bool:
         """Whether full finite-element models took part, and no reduced ones."""
-        models = [body.model for body in self.plan.bodies]
+        models = self.plan.bodies
         full = [isinstance(model, FullModel) for model in models]
         return any(full) and all(
             whole or not model.contact_points for whole, model in zip(full, models, strict=True)
@@ -499,7 +494,7 @@ class Run:
             ledger = replace(self, asked=self.recorder.marks) if self.recorder.dense else self
             energy = energy_range(ledger.energy)
             if self.recorder.dense and energy is not None:
-                _warn_of_ledger(energy, self.time_error)
+                warn_of_ledger(energy, self.time_error)
         names = number_errors(self, ())
         quantity = rtol = None
         models: Mapping[str, float] = dict.fromkeys(names, 0.0) if self._whole else {}
@@ -513,7 +508,7 @@ class Run:
             for name in {**names, **models}
         }
         estimate = ErrorEstimate(parts, energy, quantity, rtol, out.worst_time)
-        _warn_of_first_order(self, estimate)
+        warn_of_first_order(self, estimate)
         return estimate
 
     # ---------------------------------------------------------------------- output
@@ -525,7 +520,7 @@ class Run:
         ----------
         path : path
         names : sequence of str, optional
-            Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
+            Names of the bodies in the order of `add`; by default their own, or "body 0", …
 
         Examples
         --------
@@ -538,7 +533,7 @@ class Run:
         >>> run = scene.simulate(duration=1e-3)
         >>> run.to_csv(folder / "scene.csv")
         """
-        write_csv(run_columns(self, names), path)
+        write_csv(columns(self, names), path)
 
     def to_dataframe(self, *, names: Sequence[str] | None = None) -> Any:
         """Return all histories as a pandas DataFrame, a row a time.
@@ -548,7 +543,7 @@ class Run:
         Parameters
         ----------
         names : sequence of str, optional
-            Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
+            Names of the bodies in the order of `add`; by default their own, or "body 0", …
 
         Raises
         ------
@@ -560,11 +555,11 @@ class Run:
         >>> import aoimpact as ao
         >>> ball = ao.rigid(mass=0.0327)
         >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
-        >>> table = hit.run.to_dataframe()
-        >>> float(table["contact 0 force [N]"].max()) == hit.peak_force
+        >>> table = hit.to_dataframe()
+        >>> float(table["force [N]"].max()) == hit.peak_force
         True
         """
-        return as_dataframe(run_columns(self, names))
+        return as_dataframe(columns(self, names))
 
     def to_xarray(self, *, names: Sequence[str] | None = None) -> Any:
         """Return all histories as an xarray Dataset, with units.
@@ -574,7 +569,7 @@ class Run:
         Parameters
         ----------
         names : sequence of str, optional
-            Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
+            Names of the bodies in the order of `add`; by default their own, or "body 0", …
 
         Raises
         ------
@@ -586,7 +581,7 @@ class Run:
         >>> import aoimpact as ao
         >>> ball = ao.rigid(mass=0.0327)
         >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
-        >>> data = hit.run.to_xarray()
+        >>> data = hit.to_xarray()
         >>> data.force.attrs["units"], float(data.force.max()) == hit.peak_force
         ('N', True)
         """
@@ -621,6 +616,8 @@ class Run:
     ) -> Axes:
         """Draw how far each body's contact coordinate has moved over time.
 
+        Of an impact also the centres of mass, dashed (paper, Fig. 10).
+
         Examples
         --------
         >>> scene = ao.Scene()
@@ -630,12 +627,19 @@ class Run:
         >>> run = scene.simulate(duration=1e-3)
         >>> ax = run.plot_displacement()
         """
-        return plot.plot_places(self, ax, names=names, during=during, **kwargs)
+        return plot.plot_displacement(self, ax, names=names, during=during, **kwargs)
 
     def plot_energy(
-        self, ax: Axes | None = None, *, during: During = "record", **kwargs: Any
+        self,
+        ax: Axes | None = None,
+        *,
+        body: Handle | int | str | None = None,
+        during: During = "record",
+        **kwargs: Any,
     ) -> Axes:
-        """Draw the energies over time.
+        """Draw the energies over time, of all bodies or of one (paper, Fig. 5).
+
+        `body` is the handle of a body, its number or, in an impact, "projectile" or "target".
 
         Examples
         --------
@@ -646,46 +650,224 @@ class Run:
         >>> run = scene.simulate(duration=1e-3)
         >>> ax = run.plot_energy()
         """
-        return plot.plot_energy(self, ax, during=during, **kwargs)
-
-    def _lines(self) -> list[tuple[str, str]]:
-        lines = [
-            (self.names[i], f"{body.label}{support_words(body)}{_places(body)}")
-            for i, body in enumerate(self.plan.bodies[:SHOWN])
-        ]
-        error = self.error
-        for i, events in enumerate(self.events[:SHOWN]):
-            peak = with_unit(events.peak_force, "N", 5)
-            peak += within(error[f"contacts.{i}.peak_force"], listed=True)
-            peak += f" at {with_unit(events.peak_time, 's')}"
-            peak += within(error[f"contacts.{i}.peak_time"])
-            count = len(events.contacts)
-            uncertain = error[f"contacts.{i}.intervals"].total == math.inf
-            times = f"{count} contact{'s' if count > 1 else ''}"
-            times += ", more or less" if uncertain else ""
-            lines.append((self.contact_names[i], f"{peak}, {times}" if count else "none"))
-        bodies, contacts = len(self.plan.bodies), len(self.events)
-        if max(bodies, contacts) > SHOWN:
-            lines.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
-        if self.chosen is not None:
-            lines.append(error_row(self))
-        lines += [("solver", self.solver), ("cost", str(self.cost))]
-        return lines
+        return plot.plot_energy(self, ax, body=body, during=during, **kwargs)
 
     def __repr__(self) -> str:
-        head = f"Run of {with_unit(self.duration, 's')}"
-        lines = self._lines()
-        width = max(12, *(len(name) for name, _ in lines))
-        return "\n".join([head, *(f"  {name:<{width}} {value}" for name, value in lines)])
+        return summary_text(f"Run of {with_unit(self.duration, 's')}", scene_rows(self), 12)
 
 
-def _places(body: SceneBody) -> str:
-    tips = body.model.contact_points
-    return "".join(place_words(tip, rigid=body.label == "rigid") for tip in tips[:_PLACES])
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Eventful, Run):
+    """An impact of a projectile on a target: a `Run` of two bodies, with its contact's numbers.
 
+    Examples
+    --------
+    >>> ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800))
+    >>> hit = ao.simulate(projectile=ball, target=ball, velocity=1.0)
+    >>> round(hit.peak_force, 1), hit.contacts[0][0], round(hit.restitution, 6)
+    (1001.5, 0.0, 1.0)
+    >>> hit.at([1e-5, 3e-5]).force.round(1)
+    array([ 331.8, 1001.5])
+    >>> round(float(hit.energy.total[0]), 6)  # J
+    0.016336
+    """
 
-# Number of a body's contact points that are listed.
-_PLACES = 2
+    @property
+    def velocity(self) -> float:
+        """Initial velocity of the projectile [m/s]."""
+        return self.plan.velocities[0]
+
+    @property
+    def gap(self) -> float:
+        """Initial gap [m]."""
+        return self.plan.contacts[0].gap
+
+    @property
+    def law(self) -> Any:
+        """The contact law, as it was given or found from the surfaces."""
+        return own_law(self.plan.contacts[0].law)
+
+    @property
+    def force(self) -> FloatArray:
+        """Contact force, ≥ 0 in compression [N], shape (n,)."""
+        return self.each_contact[0].force
+
+    @property
+    def indentation(self) -> FloatArray:
+        """Projectile's minus target's contact coordinate minus the initial gap [m], shape (n,)."""
+        return self.each_contact[0].indentation
+
+    @property
+    def projectile(self) -> BodyResult:
+        """The projectile's motion."""
+        return self.bodies[0]
+
+    @property
+    def target(self) -> BodyResult:
+        """The target's motion."""
+        return self.bodies[1]
+
+    @property
+    def approach(self) -> FloatArray:
+        """Approach of the centres of mass, projectile's minus target's minus the gap [m].
+
+        The force over it is the paper's modified interaction law (Fig. 7): what two rigid masses
+        would have to have between them.
+        """
+        centres = self.projectile.centre_displacement - self.target.centre_displacement
+        approach: FloatArray = centres - self.gap
+        return approach
+
+    @property
+    def _own_events(self) -> Events:
+        return self.events[0]
+
+    @property
+    def contacts(self) -> list[tuple[float, float]]:
+        """Start and end [s] of every contact; empty without contact."""
+        return list(self.events[0].contacts)
+
+    @property
+    def contact_radius(self) -> float:
+        """Radius of the contact at its largest, √(R δ) [m]; NaN where the law has no surface.
+
+        √(a b) of an elliptic contact of semi-axes a and b.
+        """
+        contact = self.plan.contacts[0]
+        found = self.plan.round_contact(contact)
+        if found is None:
+            return math.nan
+        depth = float(self.indentation.max(initial=0.0))
+        if isinstance(contact.law, PatchLaw):
+            depth += contact.law.compliance * self.peak_force
+        return found.narrowing * math.sqrt(found.radius * max(depth, 0.0))
+
+    @property
+    def hertz_pressure(self) -> float:
+        """Largest pressure by Hertz, 3 F/(2 π a b) [Pa]; NaN where the law has no surface."""
+        width = self.contact_radius
+        return 1.5 * self.peak_force / (math.pi * width**2) if width > 0.0 else math.nan
+
+    @property
+    def rebound_velocity(self) -> float:
+        """Velocity of the projectile's centre of mass after the last contact [m/s].
+
+        NaN without a rebound, if the bodies have not met or the record ends in contact, and where
+        the centre of mass is not known (see `BodyResult`).
+        """
+        return self.value("rebound_velocity")
+
+    @property
+    def restitution(self) -> float:
+        """Coefficient of restitution, by the centres of mass after the last contact.
+
+        (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is
+        constrained or of infinite mass. NaN without a rebound, and where a centre of mass
+        is not known.
+        """
+        return self.value("restitution")
+
+    def plot(self, *, during: During = "contact") -> Any:
+        """Draw force, indentation, displacements and energies in four panels.
+
+        Parameters
+        ----------
+        during : {"contact", "record"} or (float, float), optional
+            Span to draw: the contacts with a little before and after, all of the record, or from
+            one time to another, s.
+
+        Returns
+        -------
+        ndarray of Axes, shape (2, 2)
+            ``axes[0, 0].figure`` is the figure, to be saved or changed.
+
+        Examples
+        --------
+        >>> import aoimpact as ao
+        >>> ball = ao.rigid(mass=0.0327)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+        >>> axes = hit.plot()
+        >>> axes[0, 0].figure.savefig("impact.png")  # doctest: +SKIP
+        """
+        return plot.plot_panels(self, during)
+
+    def plot_indentation(
+        self, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
+    ) -> Axes:
+        """Draw the indentation over time; `during` is as for `plot`. Returns the axes.
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> ax = hit.plot_indentation()
+        """
+        return plot.plot_indentation(self, ax, during=during, **kwargs)
+
+    def plot_interaction(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the force over the approach of the centres of mass (paper, Fig. 7).
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> ax = hit.plot_interaction()
+        """
+        return plot.plot_interaction(self, ax, **kwargs)
+
+    def movie(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        times: npt.ArrayLike | None = None,
+        frames: int = 60,
+        scale: float | None = None,
+        fps: float = 15.0,
+    ) -> Path:
+        """Write a movie of the two bodies as they meet, coloured by von Mises' stress.
+
+        Displacements are enlarged, by a factor that stands in the picture, those of the approach as
+        well. The target stands where its mesh is; the projectile is turned and moved to where it
+        touches it. Nothing but a rigid ball is drawn of what has no elements. Colours are shared;
+        the highest 2 % of the stresses, mostly under the contact, keep the last one.
+
+        Parameters
+        ----------
+        path : path
+            Ending in .gif or .mp4.
+        times : array_like, shape (k,), optional
+            Ascending, within the record, s; a frame each. By themselves `frames` times from shortly
+            before the contact to shortly after it.
+        frames : int, optional
+        scale : float, optional
+            How many times displacements are enlarged; by itself 1, 2 or 5 times a power of ten that
+            makes them visible.
+        fps : float, optional
+            Frames a second.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        MissingPackageError
+            If PyVista or, for .mp4, imageio and imageio-ffmpeg are not installed.
+        InputError
+            If no body has elements, the path is no place for a movie, or a time is outside the
+            record.
+
+        Examples
+        --------
+        >>> hit.movie("impact.gif", frames=40)  # doctest: +SKIP
+        """
+        return write_impact_movie(self, path, times=times, frames=frames, scale=scale, fps=fps)
+
+    def __repr__(self) -> str:
+        return summary_text("Impact", impact_rows(self), 18)
+
+    def _repr_html_(self) -> str:
+        return summary_html(self)
 
 
 def _energy(rows: FloatArray, layout: RecordLayout) -> Energy:
@@ -701,37 +883,6 @@ def _energy(rows: FloatArray, layout: RecordLayout) -> Energy:
     dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
     total = kinetic + elastic + contact + dissipated - work
     return Energy(kinetic, elastic, contact, dissipated, work, total, bodies)
-
-
-def _warn_of_first_order(run: Run, error: ErrorEstimate) -> None:
-    """Warn of a large error by a mesh of first order, which few elements of second order cure."""
-    if error.mesh is None or not error.mesh > FIRST_ORDER_LIMIT:
-        return
-    touched = {end for contact in run.plan.contacts for end in contact.ports}
-    names = []
-    for body, port in sorted(touched):
-        tip = run.plan.bodies[body].model.touched_at(port)
-        if tip is not None and tip.body.mesh is not None and not tip.body.mesh.quadratic:
-            names.append(run.names[body])
-    if names:
-        warn(
-            f"{' and '.join(dict.fromkeys(names))}: elements of first order make an error of "
-            f"{100.0 * error.mesh:.2g} % in the {error.quantity or 'force'}; add midside nodes "
-            "with FEModel.from_mesh(..., order=2)"
-        )
-
-
-def _warn_of_ledger(energy: float, error: float | None) -> None:
-    """Warn where the energy of a run to a tolerance drifts by far more than its error.
-
-    Over 600 random scenes it drifted by at most 0.3 times that, at contacts without mass by 10.
-    """
-    if error is not None and energy > _DRIFT * max(error, _ROUNDING):
-        warn(
-            f"the run's energy ledger is off by {energy:.2g} of the largest energy stored, though "
-            f"its error should be {error:.2g}: the run is not to be trusted, unless it is a law's "
-            "own energy that is not the work of its force"
-        )
 
 
 def energy_range(energy: Energy) -> float | None:

@@ -1,14 +1,19 @@
-"""One run of a plan, by the solver that was given or the one that suits its bodies."""
+"""One run of a plan, for a given time or until its impact is over."""
 
 from __future__ import annotations
 
-from ..base import InputTypeError, LawLimitError
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from ..base import InputTypeError, LawLimitError, warn, with_unit
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import PatchLaw, wider
-from ..scene import Contact, FullBody, Plan
-from .run import Run
+from ..reduction import FullModel
+from ..scene import Contact, Plan
+from .run import Result, Run
 
-__all__ = ["TimeSolver", "solve"]
+__all__ = ["AS_LONG_AGAIN", "RecordLength", "TimeSolver", "solve"]
 
 TimeSolver = Adaptive | Newmark
 
@@ -26,14 +31,15 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
         If a contact grows wider than its patches, or deeper than its table; with its number.
     """
     if solver is None:
-        full = any(isinstance(body, FullBody) for body in plan.bodies)
+        full = any(isinstance(body, FullModel) for body in plan.bodies)
         solver = Newmark() if full else _BY_DEFAULT
     if not isinstance(solver, (Adaptive, Newmark)):
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
     try:
+        kind = Run if plan.scene else Result
         if isinstance(solver, Adaptive):
-            return Run(plan, *solve_adaptive(plan, solver))
-        return Run(plan, *solve_newmark(plan, solver))
+            return kind(plan, *solve_adaptive(plan, solver))
+        return kind(plan, *solve_newmark(plan, solver))
     except LawLimitError as error:
         if error.contact is None:
             raise
@@ -49,7 +55,7 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
 def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: float) -> LawLimitError:
     """The error of a contact that is stiffer than the meshes under it, with the cure."""
     assert isinstance(contact.law, PatchLaw)
-    tips = [plan.bodies[body].model.touched_at(port) for body, port in contact.ports]
+    tips = [plan.bodies[body].touched_at(port) for body, port in contact.ports]
     radii = [tip.patch.radius for tip in tips if tip is not None and tip.patch is not None]
     cure = "leave radius out, so that a patch carries the contact"
     if radii:
@@ -59,3 +65,88 @@ def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: floa
         f"{contact.law.compliance:.3g} m/N, leaves nothing of the law; {cure}",
         error.contact,
     )
+
+
+# Longest record in units of the first guess, for contacts that do not end, as under gravity.
+_MOST = 4096.0
+
+# Length of the record in units of the time from the first contact's start to the last one's end.
+AS_LONG_AGAIN = 2.0
+
+
+@dataclass
+class RecordLength:
+    """How long a scene is recorded, s.
+
+    Attributes
+    ----------
+    length : float
+        The duration given, or a first guess.
+    given : bool
+        Whether it was given.
+    """
+
+    length: float
+    given: bool
+
+    def __post_init__(self) -> None:
+        self._first = self.length
+        self._longest = self.length if self.given else _MOST * self.length
+        self._settled = self.given
+        self._cut = False
+
+    def reopen(self) -> None:
+        """Let the next run determine the length of the record, unless it was given.
+
+        It starts from the first guess: the result does not depend on earlier, smaller models.
+        """
+        if not self.given:
+            self.length, self._settled = self._first, False
+
+    def run(self, plan: Plan, solve: Callable[[Plan], Run], *, last: bool = True) -> Run:
+        """Run a plan for this length, or, where that is open, until its impact is over.
+
+        Parameters
+        ----------
+        plan : Plan
+        solve : callable
+        last : bool, optional
+            Whether this run determines the length: not one with bodies that are rigid for a trial.
+        """
+        if self._settled:
+            return solve(_lasting(plan, self.length))
+        length = self.length
+        while True:
+            run = solve(_lasting(plan, length))
+            wanted = _until_over(run)
+            if wanted <= length or length >= self._longest:
+                break
+            further = wanted if math.isfinite(wanted) else AS_LONG_AGAIN * length
+            length = min(further, self._longest)
+        self._cut = wanted > length and any(events.contacts for events in run.events)
+        self.length = min(wanted, length)
+        self._settled = last
+        return run if self.length == length else solve(_lasting(plan, self.length))
+
+    def warn_if_cut(self) -> None:
+        """Warn where the impact was not over after the longest record."""
+        if self._cut:
+            warn(
+                f"duration: it was left out, and after {with_unit(self.length, 's')} the impact is "
+                "not over: its numbers are those until then; give duration="
+            )
+
+
+def _lasting(plan: Plan, length: float) -> Plan:
+    """The plan with that duration, s."""
+    return plan if plan.duration == length else replace(plan, duration=length)
+
+
+def _until_over(run: Run) -> float:
+    """How long the record must be, s; infinite where that is not known yet."""
+    intervals = [interval for events in run.events for interval in events.contacts]
+    if not intervals or run.in_contact_at_end:
+        return math.inf
+    start = min(first for first, _ in intervals)
+    end = max(last for _, last in intervals)
+    return start + AS_LONG_AGAIN * (end - start)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,10 +15,9 @@ from .errors import ROUNDING, ErrorParts, percent
 from .quantities import QUANTITIES, Quantity
 
 if TYPE_CHECKING:
-    from ..scene import SceneBody
+    from ..reduction import BodyModel
     from .motion import BodyResult
-    from .result import Result
-    from .run import Run
+    from .run import Result, Run
 
 
 _RIGID = "rigid", "wall"
@@ -25,16 +25,19 @@ _RIGID = "rigid", "wall"
 # A summary of more bodies or contacts than these helps nobody.
 SHOWN = 12
 
+# Number of a body's contact points that are listed.
+_PLACES = 2
+
 # Coordinates that are rounding, m.
 _NOTHING = 1e-12
 
 
-def summary_rows(result: Result) -> list[tuple[str, str]]:
+def impact_rows(result: Result) -> list[tuple[str, str]]:
     """Return (name, value with unit) for everything that a user asks first."""
     rows = [
         ("projectile", _body(result, "projectile")),
         ("target", _body(result, "target")),
-        ("law", str(result.run.plan.contacts[0].law)),
+        ("law", str(result.plan.contacts[0].law)),
         ("velocity", f"{result.velocity:.6g} m/s" + _gap(result)),
     ]
     if not result.contacts:
@@ -48,7 +51,7 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
     rows += [
         ("rebound velocity", _rebound(result, "rebound_velocity")),
         ("restitution", _rebound(result, "restitution")),
-        error_row(result.run),
+        error_row(result),
         ("solver", result.solver),
     ]
     made_by = [model.linear_solver for model in result.models]
@@ -58,10 +61,36 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
     return rows
 
 
-def summary_text(result: Result) -> str:
-    """Return the summary as lines of text."""
-    lines = [f"  {name:<18} {value}" for name, value in summary_rows(result)]
-    return "\n".join(["Impact", *lines])
+def scene_rows(run: Run) -> list[tuple[str, str]]:
+    """Return (name, value with unit) of the bodies and contacts of a scene."""
+    rows = []
+    for name, body in zip(run.names[:SHOWN], run.plan.bodies, strict=False):
+        tips = body.contact_points[:_PLACES]
+        places = "".join(place_words(tip, rigid=body.label == "rigid") for tip in tips)
+        rows.append((name, f"{body.label}{support_words(body)}{places}"))
+    error = run.error
+    for i, events in enumerate(run.events[:SHOWN]):
+        peak = with_unit(events.peak_force, "N", 5)
+        peak += within(error[f"contacts.{i}.peak_force"], listed=True)
+        peak += f" at {with_unit(events.peak_time, 's')}"
+        peak += within(error[f"contacts.{i}.peak_time"])
+        count = len(events.contacts)
+        uncertain = error[f"contacts.{i}.intervals"].total == math.inf
+        times = f"{count} contact{'s' if count > 1 else ''}"
+        times += ", more or less" if uncertain else ""
+        rows.append((run.contact_names[i], f"{peak}, {times}" if count else "none"))
+    bodies, contacts = len(run.plan.bodies), len(run.events)
+    if max(bodies, contacts) > SHOWN:
+        rows.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
+    if run.chosen is not None:
+        rows.append(error_row(run))
+    return [*rows, ("solver", run.solver), ("cost", str(run.cost))]
+
+
+def summary_text(head: str, rows: Sequence[tuple[str, str]], width: int) -> str:
+    """Return a summary as lines of text, names in a column at least that wide."""
+    width = max(width, *(len(name) for name, _ in rows))
+    return "\n".join([head, *(f"  {name:<{width}} {value}" for name, value in rows)])
 
 
 def summary_html(result: Result) -> str:
@@ -69,7 +98,7 @@ def summary_html(result: Result) -> str:
     cells = "".join(
         f'<tr><th style="text-align:left">{html.escape(name)}</th>'
         f'<td style="text-align:left">{html.escape(value)}</td></tr>'
-        for name, value in summary_rows(result)
+        for name, value in impact_rows(result)
     )
     return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"
 
@@ -80,12 +109,12 @@ def _body(result: Result, which: str) -> str:
     if body.mass == math.inf:
         mass = ""
     name = "" if body.name == which else f"{body.name}: "
-    model = result.run.plan.bodies[0 if which == "projectile" else 1].model
+    model = result.plan.bodies[0 if which == "projectile" else 1]
     place = place_words(model.touched_at(), rigid=body.label in _RIGID)
     return f"{name}{body.label}{mass}{support_words(body)}{place}"
 
 
-def support_words(body: BodyResult | SceneBody) -> str:
+def support_words(body: BodyResult | BodyModel) -> str:
     """Return whether a body is constrained, for those that can be."""
     if body.label in _RIGID:
         return ""
@@ -112,7 +141,7 @@ def _rebound(result: Result, name: str) -> str:
     interest, value, error = QUANTITIES[name], result.value(name), result.error[name]
     if math.isnan(value):
         return "none" if result.in_contact_at_end or not result.contacts else "not known"
-    absolute = _absolute(result.run, interest, value, error.total)
+    absolute = _absolute(result, interest, value, error.total)
     return f"{_number(interest, value)}{absolute or within(error)}"
 
 
@@ -148,7 +177,7 @@ def error_row(run: Run) -> tuple[str, str]:
     error = run.error
     parts = error[error.quantity or "force"]
     listed = parts.listed()
-    if parts.mesh is None and not any(body.model.contact_points for body in run.plan.bodies):
+    if parts.mesh is None and not any(body.contact_points for body in run.plan.bodies):
         listed = listed[listed.index("model") :]  # there are no meshes
     if error.quantity is None and parts.mesh is None:
         return "error of the peak", f"{listed} %"
@@ -184,7 +213,7 @@ def _interest(run: Run, parts: ErrorParts) -> str:
         largest = f", {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
         scale = f" of its largest value{largest}" if "±" in bound else ""
         return f"{words} at any time{_when(run)}{bound}{scale}"
-    values = interest.named(run)
+    values = {of: run.numbers[of] for of in interest.names(run)}
     if interest.count:  # a share of a number of contacts is none
         sure = not any((parts.mesh, parts.contact, parts.model))
         bound = f", {'certain' if sure else 'more or less'}"

@@ -1,55 +1,49 @@
-"""A result's histories as one table, and the CSV file of it."""
+"""A run's histories as one table: for a CSV file, pandas and xarray."""
 
 from __future__ import annotations
 
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, texts, written_file
+from ..base import FloatArray, InputError, optional_package, texts, written_file
+from ..laws import own_law
 
 if TYPE_CHECKING:
     from .motion import BodyResult
-    from .result import Result
     from .run import Run
 
 
-# What the bodies of an impact are called without names of their own.
+# Names of the bodies of an impact that have none of their own.
 ROLES = ("projectile", "target")
 
+# Unit and description of each kind of history.
+_UNITS = {
+    "force": ("N", "contact force, positive in compression"),
+    "indentation": ("m", "first body's minus second body's contact coordinate minus the gap"),
+    "displacement": ("m", "of the contact coordinate"),
+    "velocity": ("m/s", "of the contact coordinate"),
+    "centre_displacement": ("m", "of the centre of mass"),
+    "centre_velocity": ("m/s", "of the centre of mass"),
+    "kinetic_energy": ("J", "of each body"),
+    "elastic_energy": ("J", "strain energy of each body"),
+    "contact_energy": ("J", "stored in the contact laws"),
+    "dissipated_energy": ("J", "lost in contact laws and damping since t = 0"),
+    "total_energy": ("J", "constant in an exact run"),
+}
 
-def columns(result: Result) -> dict[str, FloatArray]:
+
+def columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
     """Return every history by its heading, "name [unit]", in the order of the CSV file."""
-    first = {"t [s]": result.t, "force [N]": result.force, "indentation [m]": result.indentation}
-    return first | _of_bodies(result.run, result.run.names)
-
-
-def run_columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
-    """Return every history of a scene: contacts and bodies by name, or by number."""
     table = {"t [s]": run.t}
-    for contact in run.contacts:
-        table[f"{contact.name} force [N]"] = contact.force
-        table[f"{contact.name} indentation [m]"] = contact.indentation
-    return table | _of_bodies(run, body_names(run, names))
-
-
-def different(names: Sequence[str], others: Sequence[str]) -> tuple[str, ...]:
-    """Return names, each another: `others` where there is none, and after a shared one."""
-    called = [name or other for name, other in zip(names, others, strict=True)]
-    times = Counter(called)
-    return tuple(
-        f"{name} ({other})" if times[name] > 1 else name
-        for name, other in zip(called, others, strict=True)
-    )
-
-
-def _of_bodies(run: Run, names: Sequence[str]) -> dict[str, FloatArray]:
-    """The histories of the bodies, and the energies where they are recorded."""
-    table: dict[str, FloatArray] = {}
-    for name, body in zip(names, run.bodies, strict=True):
+    for contact in run.each_contact:
+        called = f"{contact.name} " if run.plan.scene else ""
+        table[f"{called}force [N]"] = contact.force
+        table[f"{called}indentation [m]"] = contact.indentation
+    for name, body in zip(body_names(run, names), run.bodies, strict=True):
         table |= _body_columns(name, body)
     if run.energies:
         table |= {
@@ -60,8 +54,33 @@ def _of_bodies(run: Run, names: Sequence[str]) -> dict[str, FloatArray]:
     return table
 
 
+def _body_columns(name: str, body: BodyResult) -> dict[str, FloatArray]:
+    table = {
+        f"{name} displacement [m]": body.displacement,
+        f"{name} velocity [m/s]": body.velocity,
+        f"{name} centre displacement [m]": body.centre_displacement,
+        f"{name} centre velocity [m/s]": body.centre_velocity,
+    }
+    if body.energy is not None:
+        table |= {
+            f"{name} kinetic energy [J]": body.energy.kinetic,
+            f"{name} elastic energy [J]": body.energy.elastic,
+        }
+    return table
+
+
+def different(names: Sequence[str], others: Sequence[str]) -> tuple[str, ...]:
+    """Return distinct names: `others` in place of an empty one, and after a shared one."""
+    called = [name or other for name, other in zip(names, others, strict=True)]
+    times = Counter(called)
+    return tuple(
+        f"{name} ({other})" if times[name] > 1 else name
+        for name, other in zip(called, others, strict=True)
+    )
+
+
 def body_names(run: Run, names: Sequence[str] | None) -> Sequence[str]:
-    """Return what the bodies of a scene are called: by their own names if no others are given.
+    """Return the names of a run's bodies: their own if no others are given.
 
     Raises
     ------
@@ -90,16 +109,42 @@ def write_csv(table: Mapping[str, FloatArray], path: str | os.PathLike[str]) -> 
         )
 
 
-def _body_columns(name: str, body: BodyResult) -> dict[str, FloatArray]:
-    table = {
-        f"{name} displacement [m]": body.displacement,
-        f"{name} velocity [m/s]": body.velocity,
-        f"{name} centre displacement [m]": body.centre_displacement,
-        f"{name} centre velocity [m/s]": body.centre_velocity,
+def as_dataframe(table: Mapping[str, FloatArray]) -> Any:
+    """Return columns "name [unit]", times first, as a pandas DataFrame with times for its index."""
+    pandas = optional_package("pandas", "to_dataframe", "take .to_csv(path)")
+    times, *others = table
+    index = pandas.Index(table[times], name=times)
+    return pandas.DataFrame({name: table[name] for name in others}, index=index)
+
+
+def as_dataset(run: Run, names: Sequence[str]) -> Any:
+    """Return a run as an xarray Dataset with dimensions time, contact and body."""
+    xarray = optional_package("xarray", "to_xarray", "take .to_csv(path) or the arrays themselves")
+    data: dict[str, Any] = {}
+
+    def add(name: str, dims: tuple[str, ...], values: Any) -> None:
+        unit, meaning = _UNITS[name]
+        data[name] = (dims, np.array(values), {"units": unit, "long_name": meaning})
+
+    for name in ("force", "indentation"):
+        rows = [getattr(contact, name) for contact in run.each_contact]
+        add(name, ("contact", "time"), np.reshape(rows, (len(rows), len(run.t))))
+    for name in ("displacement", "velocity", "centre_displacement", "centre_velocity"):
+        add(name, ("body", "time"), [getattr(body, name) for body in run.bodies])
+    if run.energies:
+        for name in ("kinetic", "elastic"):
+            rows = [getattr(share, name) for share in run.energy.bodies]
+            add(f"{name}_energy", ("body", "time"), rows)
+        for name in ("contact", "dissipated", "total"):
+            add(f"{name}_energy", ("time",), getattr(run.energy, name))
+    coordinates = {
+        "time": ("time", run.t, {"units": "s", "long_name": "time"}),
+        "contact": list(run.contact_names),
+        "body": list(names),
     }
-    if body.energy is not None:
-        table |= {
-            f"{name} kinetic energy [J]": body.energy.kinetic,
-            f"{name} elastic energy [J]": body.energy.elastic,
-        }
-    return table
+    dataset = xarray.Dataset(data, coordinates, {"solver": run.solver})
+    if run.plan.scene:
+        return dataset
+    known = {"velocity": run.plan.velocities[0], "gap": run.plan.contacts[0].gap}
+    dataset = dataset.squeeze("contact", drop=True)  # of the one contact of an impact
+    return dataset.assign_attrs(known | {"law": str(own_law(run.plan.contacts[0].law))})

@@ -4,8 +4,7 @@ A `Plan` is all that a run needs to know. `impact` makes plans, `integrate` runs
 reads them; what a user calls a `Scene` stands in `impact`.
 """
 
-from .bodies import StarBody, scene_body
-from .body import SceneBody
+from .bodies import coordinates, stepped
 from .contact import (
     Contact,
     CoreContact,
@@ -15,7 +14,6 @@ from .contact import (
     law_of_models,
     normal_gap,
 )
-from .full_body import FullBody
 from .plan import Plan, reduced_mass
 from .rows import RecordLayout
 from .stepped import Equations, SteppedBody
@@ -25,16 +23,14 @@ __all__ = [
     "CoreContact",
     "Equations",
     "FreeMotion",
-    "FullBody",
     "Load",
     "Plan",
     "RecordLayout",
-    "SceneBody",
-    "StarBody",
     "SteppedBody",
+    "coordinates",
     "extraction_of",
     "law_of_models",
     "normal_gap",
     "reduced_mass",
-    "scene_body",
+    "stepped",
 ]

@@ -1,4 +1,4 @@
-"""What joins the bodies of a scene and what acts on them: contacts, loads and free motion."""
+"""Contacts between the bodies of a scene, loads on them, and free motion."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class Contact(NamedTuple):
         Numbers of the bodies in the plan, and of the places where they are touched; the indentation
         is the first's coordinate minus the second's minus the gap.
     law : ContactLaw
-        What acts between the models: without the compliance of their meshes at the contact.
+        Law between the models: without the compliance of their meshes at the contact.
     gap : float
         Distance at the start, m.
     name : str
@@ -190,7 +190,7 @@ class OmittedMass:
     Attributes
     ----------
     share : float
-        Of its motion in that of the centre of mass.
+        Share of its motion in that of the centre of mass.
     mass : float
         kg.
     motion : FreeMotion

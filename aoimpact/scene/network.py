@@ -39,7 +39,7 @@ class ContactNetwork:
     ----------
     bodies : sequence of ModalBody
     ends : sequence of (Port, Port)
-        Of each contact; the indentation is the first's coordinate minus the second's.
+        Two ends of each contact; the indentation is the first's coordinate minus the second's.
     """
 
     bodies: Sequence[ModalBody]
@@ -70,7 +70,7 @@ class ContactNetwork:
 
     @cached_property
     def stiffness(self) -> FloatArray:
-        """Of the coordinates, shape (n,)."""
+        """Stiffnesses of the coordinates, shape (n,)."""
         modes = [body.inertia * body.omega**2 for body in self.bodies]
         return np.concatenate([*modes, *(stiffness for _, stiffness, _ in self._massless)])
 
@@ -83,7 +83,7 @@ class ContactNetwork:
 
     @cached_property
     def _shapes(self) -> list[list[tuple[IntArray, FloatArray]]]:
-        """Of each body, pairs of coordinates, shape (n,), and their shapes (p, n)."""
+        """For each body, pairs of coordinates, shape (n,), and their shapes (p, n)."""
         found = [
             [(np.arange(first, last), body.shape)]
             for body, (first, last) in zip(self.bodies, itertools.pairwise(self.first), strict=True)
@@ -96,7 +96,7 @@ class ContactNetwork:
 
     @cached_property
     def directions(self) -> sp.csr_array:
-        """Of the contacts, shape (contacts, n): its indentation is a row times x minus its gap."""
+        """Shape (contacts, n): the indentation of a contact is its row times x minus its gap."""
         rows, columns, values = [], [], []
         for contact, ends in enumerate(self.ends):
             for (body, port), sign in zip(ends, (1.0, -1.0), strict=True):
@@ -153,11 +153,11 @@ class ContactNetwork:
 
     @cached_property
     def _floating(self) -> list[IntArray]:
-        """Of each unconstrained group of bodies in contact, the unsprung coordinates."""
+        """Unsprung coordinates of each unconstrained group of bodies in contact."""
         return self._unconstrained(np.ones(len(self.ends), dtype=bool))
 
     def _unconstrained(self, joined: BoolArray) -> list[IntArray]:
-        """Of each unconstrained group of bodies that these contacts join, the unsprung ones."""
+        """Unsprung coordinates of each unconstrained group of bodies that these contacts join."""
         count = len(self.bodies)
         pairs = self._pairs[joined]
         graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count,) * 2)
@@ -268,7 +268,7 @@ class ContactNetwork:
 
 @dataclass(frozen=True, eq=False)
 class _Coupling:
-    """What does not change while contacts stiffen.
+    """Factors that stay the same while contacts stiffen.
 
     Attributes
     ----------

@@ -13,8 +13,8 @@ import numpy as np
 from ..base import FloatArray
 from ..fem import Material
 from ..laws import RoundContact, own_law, round_contact
-from ..reduction import ModalBody
-from .body import SceneBody, State
+from ..reduction import BodyModel, ModalBody
+from .bodies import State, preloaded, weight
 from .contact import Contact, FreeMotion, Load, OmittedMass
 from .preload import Equilibrium, equilibrium
 from .rows import RecordLayout
@@ -22,7 +22,7 @@ from .rows import RecordLayout
 __all__ = ["Plan", "reduced_mass"]
 
 
-def reduced_mass(first: SceneBody, second: SceneBody) -> float:
+def reduced_mass(first: BodyModel, second: BodyModel) -> float:
     """Return 1/(1/m1 + 1/m2) of two bodies' static masses, kg: they meet as it would a wall."""
     return 1.0 / (1.0 / first.static_mass + 1.0 / second.static_mass)
 
@@ -33,7 +33,7 @@ class Plan:
 
     Attributes
     ----------
-    bodies : sequence of SceneBody
+    bodies : sequence of BodyModel
     velocities : sequence of float
         m/s.
     contacts : sequence of Contact
@@ -49,10 +49,10 @@ class Plan:
     scene : str
         The mark of the scene's handles.
     names : sequence of str
-        Of the bodies in the scene, before their own; empty where they have no other.
+        Names of the bodies in the scene, before their own; empty where they have no other.
     """
 
-    bodies: Sequence[SceneBody]
+    bodies: Sequence[BodyModel]
     velocities: Sequence[float]
     contacts: Sequence[Contact]
     loads: Sequence[Load]
@@ -65,13 +65,13 @@ class Plan:
 
     @property
     def body_names(self) -> tuple[str, ...]:
-        """What the bodies are called; empty of one without a name."""
+        """Names of the bodies; empty for one without a name."""
         given = self.names or [""] * len(self.bodies)
         return tuple(name or body.name for name, body in zip(given, self.bodies, strict=True))
 
     def materials(self, contact: Contact) -> list[Material | None]:
         """Return the materials of both bodies where they touch; None of one given by numbers."""
-        ends = [(self.bodies[body].model, port) for body, port in contact.ports]
+        ends = [(self.bodies[body], port) for body, port in contact.ports]
         known = [model.touched_at(port) or model.surface_at(port) for model, port in ends]
         return [None if of is None else of.material for of in known]
 
@@ -96,7 +96,7 @@ class Plan:
 
     @cached_property
     def omitted(self) -> tuple[OmittedMass | None, ...]:
-        """What each of the bodies, where it is reduced, does not contain of its moving mass."""
+        """Moving mass that each of the bodies, where it is reduced, does not contain."""
         return tuple(
             self._omitted(*body.omitted, velocity)
             for body, velocity in zip(self.bodies, self.velocities, strict=True)
@@ -152,7 +152,7 @@ class Plan:
 
     def weight_of(self, body: int) -> FloatArray | None:
         """Return the forces of gravity on the coordinates that are stepped; None without."""
-        return self.bodies[body].weight(self.gravity) if self.gravity else None
+        return weight(self.bodies[body], self.gravity) if self.gravity else None
 
     def reduced_mass(self, contact: Contact) -> float:
         """Return the reduced mass of the two bodies of a contact, kg."""
@@ -178,7 +178,8 @@ class Plan:
         """Return the state that is stepped from, if that is not moving undeformed."""
         if self.rest is None:
             return None
-        return self.bodies[body].preloaded(self.rest.modes[body], self.rest.beside[body])
+        at = self.rest.modes[body], self.rest.beside[body]
+        return preloaded(self.bodies[body], self.velocities[body], *at)
 
     def ports_at_rest(self, body: int) -> FloatArray | None:
         """Return the ports of a preloaded body at the start, m, and their rates, m/s, (2, p)."""

@@ -25,7 +25,7 @@ __all__ = ["Equilibrium", "equilibrium"]
 
 _EPSILON = float(np.finfo(np.float64).eps)
 
-# What a constant was measured on is tests/scene/test_preload.py, with other values of it.
+# The constants below were tuned in tests/scene/test_preload.py, which also tries other values.
 
 # A bound, where every step gains a little: 300 do.
 _MOST_STEPS = 2000
@@ -76,7 +76,7 @@ class Equilibrium:
     modes : tuple of ndarrays, shape (n,)
         Displacements of each body's modes.
     beside : tuple of ndarrays, shape (p,)
-        What these leave out of the displacements of massless ports, m.
+        Displacements of massless ports beyond those of the modes, m.
     """
 
     modes: tuple[FloatArray, ...]

@@ -16,7 +16,7 @@ __all__ = ["BodyRows", "ContactRows", "RecordLayout"]
 
 
 class ContactRows(NamedTuple):
-    """What is recorded of a contact over time, each of shape (times,).
+    """Record of a contact over time, each of shape (times,).
 
     Attributes
     ----------
@@ -33,12 +33,12 @@ class ContactRows(NamedTuple):
 
 
 class BodyRows(NamedTuple):
-    """What is recorded of a body over time, of shape (times,) unless stated otherwise.
+    """Record of a body over time, of shape (times,) unless stated otherwise.
 
     Attributes
     ----------
     displacement, velocity : ndarrays
-        Of the centre of mass, m and m/s.
+        Motion of the centre of mass, m and m/s.
     kinetic, elastic : ndarrays
         Kinetic and strain energy, J.
     dissipated, work : ndarrays

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..accuracy import Hierarchy, first_guess, model_hierarchy
 from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
-from ..impact import fitted_pair, left_out_law, meeting, plan_impact, simulate
+from ..impact import Impact, fitted_pair, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw
 from ..linalg import Solver, checked_solver
@@ -78,11 +78,12 @@ def compare(
     ('AO(1)', 0.4)
     """
     with held_warnings():  # each run has them again
-        law = left_out_law(projectile, target, law)
+        impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
+        impact.touch(law)
+        law, duration = impact.law, impact.duration
         if duration is None:
             duration = simulate(projectile, target, velocity, law=law, gap=gap).duration
-        plan = plan_impact(projectile, target, law, velocity=velocity, duration=duration, gap=gap)
-    velocity, duration = plan.velocities[0], plan.duration
+    velocity = impact.velocity
     run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
     boolean("full", full)
     orders = _ascending("oscillators", oscillators, low=0)
@@ -91,15 +92,13 @@ def compare(
         raise InputError("full=False without oscillators leaves no model to compare with")
     bodies = _body("projectile", projectile), _body("target", target)
     # Over the same patches: `simulate` would fit those of full models alone.
-    bodies = fitted_pair(*bodies, meeting(law, bodies, velocity))
+    bodies = fitted_pair(*bodies, impact.with_bodies(bodies).met)
 
     def quick(models: Models) -> Result:
         with held_warnings():
             return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
 
-    contact_time, span = first_guess(
-        bodies, lambda models: quick(models).run, QUANTITIES["target_displacement"]
-    )
+    contact_time, span = first_guess(bodies, quick, QUANTITIES["target_displacement"])
     linear = checked_solver(linear_solver, name="linear_solver")
     hierarchies = tuple(
         model_hierarchy(body, contact_time, max(span, duration), linear) for body in bodies

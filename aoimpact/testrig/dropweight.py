@@ -382,7 +382,7 @@ def _impactor(
     if isinstance(source, Result):
         mass = source.projectile.mass if mass is None else mass
         velocity = source.velocity if velocity is None else velocity
-        gravity = source.run.plan.gravity if gravity is None else gravity
+        gravity = source.plan.gravity if gravity is None else gravity
     for name, given in (("mass", mass), ("velocity", velocity)):
         if given is None:
             raise InputError(f"{name} of the impactor is not known: give {name}=")

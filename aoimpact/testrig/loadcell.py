@@ -202,21 +202,21 @@ class LoadCell:
 
     def _of_result(self, hit: Result, rate: float | None) -> Signal:
         force = Signal.of(hit, rate=rate)
-        if rate is None and hit.run.recorder.dense:
+        if rate is None and hit.recorder.dense:
             force = Signal.of(hit, rate=max(force.rate, _PER_PERIOD * self.frequency))
         if not self._strikes(hit):
             self._compare_mass(hit)
             return self.read(force)
-        body = hit.at(force.t).projectile if hit.run.recorder.dense else hit.projectile
+        body = hit.at(force.t).projectile if hit.recorder.dense else hit.projectile
         spread = (body.centre_displacement - body.displacement) / self.share
         rate_of = (body.centre_velocity - body.velocity) / self.share
         values = self.stiffness * spread + self.damping * rate_of
-        times = force.t if hit.run.recorder.dense else hit.t
+        times = force.t if hit.recorder.dense else hit.t
         return Signal(times, values, name="load cell")
 
     def _strikes(self, hit: Result) -> bool:
         """True if the projectile is this cell's tup."""
-        model, own = hit.run.plan.bodies[0].model, self.tup()
+        model, own = hit.plan.bodies[0], self.tup()
         return (
             isinstance(model, AOModel)
             and (model.m0, model.k0, model.damping) == (own.m0, 0.0, own.damping)

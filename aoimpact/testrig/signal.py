@@ -26,7 +26,7 @@ from ..base import (
 )
 from ..fields import Probe
 from ..integrate import Events
-from ..results import Result, Run
+from ..results import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -165,9 +165,8 @@ class Signal(Frozen):
         wanted = None if rate is None else positive("rate", rate, unit="Hz")
         if isinstance(source, Signal):
             return source if wanted is None else source.resampled(wanted)
-        if isinstance(source, Result | Run):
-            run = source.run if isinstance(source, Result) else source
-            return _contact_force(run, contact, wanted, space)
+        if isinstance(source, Run):
+            return _contact_force(source, contact, wanted, space)
         if isinstance(source, Probe):
             return _acceleration(source)
         if isinstance(source, tuple) and len(source) == 2:

@@ -291,7 +291,7 @@ def test_other_shares_for_time_integration_take_more_steps_or_more_oscillators(m
     }
     for solver, name, factors, steps in (
         (ao.Newmark(), "_SHARE_OF_STEPS", (1 / 3, 3), lambda hit: len(hit.t)),
-        (None, "_SHARE_OF_TIME", (1e-4, 100), lambda hit: hit.run.recorder.steps),
+        (None, "_SHARE_OF_TIME", (1e-4, 100), lambda hit: hit.recorder.steps),
     ):
         run = functools.partial(ao.simulate, **impact, solver=solver)
         less, usual, more = (

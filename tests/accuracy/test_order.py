@@ -10,7 +10,7 @@ import pytest
 import aoimpact as ao
 from aoimpact.accuracy import order as orders_of
 from aoimpact.accuracy.hierarchy import Hierarchy
-from aoimpact.accuracy.order import proven_orders
+from aoimpact.accuracy.order import Search
 
 ROUNDING = 1e-12
 
@@ -63,7 +63,7 @@ def search(answer, rtol, bodies=None, contact_time=1e-4, **given_more):
         contact_time=lambda _: contact_time,
     )
     given = (many(), many()) if bodies is None else bodies
-    found = proven_orders(given, run=run, quantity=quantity, rtol=rtol, **given_more)
+    found = Search(given, run=run, quantity=quantity, rtol=rtol, **given_more).proven()
     return found, len(runs)
 
 
@@ -146,9 +146,9 @@ def test_errors_of_waves(endless, rtol):
         span=lambda _: 1e-4,
         contact_time=lambda _: 1e-4,
     )
-    found = proven_orders(
+    found = Search(
         endless(1), run=lambda models: wave(models[0].n), quantity=quantity, rtol=rtol
-    )
+    ).proven()
     true = np.abs(wave(found.orders[0])).max()
     assert true <= found.error <= rtol
     assert found.error <= 5.0 * true

@@ -75,7 +75,7 @@ def test_displacement_of_one_of_the_places(three, rtol):
 
 def test_displacement_of_a_point_that_nothing_touches(three):
     _, scene, struck, full = three
-    body = full.plan.bodies[struck.body].model.tips[0].body
+    body = full.plan.bodies[struck.body].tips[0].body
     point = body.contact(point=(0.21, 0.0, 0.0), direction=DOWN, radius=0)
     run = scene.simulate(duration=DURATION, quantity=point, rtol=1e-2)
     times = np.linspace(0.0, DURATION, 100)

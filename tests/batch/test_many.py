@@ -423,7 +423,7 @@ def test_a_name_that_leads_nowhere_fails_its_case(name: str) -> None:
 
 
 def test_a_checkpoint_takes_what_json_holds(tmp_path: Path) -> None:
-    (error,) = ao.simulate_many([balls(1.0)], keep=lambda hit: hit.run, checkpoint=tmp_path / "a")
+    (error,) = ao.simulate_many([balls(1.0)], keep=lambda hit: hit.plan, checkpoint=tmp_path / "a")
     assert isinstance(error, ao.InputTypeError)
     assert "must return what JSON holds" in str(error)
 

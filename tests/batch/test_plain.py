@@ -13,7 +13,6 @@ from impacts import beam_star, pair
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.batch.plain import PLAIN_NUMBERS, plain_numbers
-from aoimpact.reduction.modalbody import modal_body
 from aoimpact.results import COLUMNS
 
 NAMES = tuple(sorted(PLAIN_NUMBERS))
@@ -140,7 +139,7 @@ def test_what_is_no_case_is_left_to_simulate() -> None:
 
 
 def test_the_core_takes_no_places_that_are_not_there() -> None:
-    ball = modal_body(BALL)
+    ball = BALL.modal
     given = (ball.for_core(),), (ball.moving,), (HERTZ.for_core(),)
     numbers, answers = np.array([[1.0, 0.0, 1e-3, 1e-6]]), np.empty((1, 10))
     for which in ([0, 1, 0], [0, 0, 1], [-1, 0, 0]):

@@ -39,8 +39,8 @@ def check_errors(cases: list[dict[str, Any]], kept: list[dict[str, float]]) -> N
         alone = ao.simulate(**case)
         for name in NAMES:
             known = numbers[f"{name}_error"] + alone.error[name].total
-            scale = max(abs(alone.run.value(name)), 0.1 * case["velocity"])
-            assert abs(numbers[name] - alone.run.value(name)) <= known * scale, name
+            scale = max(abs(alone.value(name)), 0.1 * case["velocity"])
+            assert abs(numbers[name] - alone.value(name)) <= known * scale, name
             assert 0.0 < numbers[f"{name}_error"] < 0.05
 
 
@@ -83,7 +83,7 @@ def test_kept_numbers_are_those_of_the_results() -> None:
     for hit, numbers in zip(ao.simulate_many(cases), kept, strict=True):
         assert numbers.pop("error.time") == hit.error.time
         for name in NAMES:
-            assert numbers[name] == hit.run.value(name)
+            assert numbers[name] == hit.value(name)
             assert numbers[f"{name}_error"] == pytest.approx(hit.error[name].total, rel=1e-6)
             assert numbers[f"{name}_controlled"] == (hit.error[name].model <= hit.error.rtol)
 

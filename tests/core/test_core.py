@@ -29,7 +29,6 @@ from aoimpact.base import errors
 from aoimpact.batch import plain
 from aoimpact.integrate import dense
 from aoimpact.linalg.superlu import factorize
-from aoimpact.reduction.modalbody import modal_body
 
 HEADER = Path(__file__).parents[2] / "include" / "aoimpact.h"
 REFUSALS = (TypeError, ValueError, BufferError)
@@ -140,7 +139,7 @@ def two_ports(n: int = 3) -> tuple[Any, ...]:
 def bodies() -> tuple[Any, ...]:
     """A ball, a body of two ports, and a held star, as the core takes them."""
     target = ao.AOModel(m0=0.01, k0=1e5, m=[0.1, 0.2], k=[1e6, 1e7])
-    return modal_body(ao.rigid(mass=1.0)).for_core(), two_ports(), modal_body(target).for_core()
+    return ao.rigid(mass=1.0).modal.for_core(), two_ports(), target.modal.for_core()
 
 
 def joints() -> tuple[Any, ...]:

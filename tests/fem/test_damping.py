@@ -7,7 +7,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.integrate.newmark import Newmark, newmark_scene
-from aoimpact.scene.bodies import StarBody, scene_body
+from aoimpact.scene import stepped
 
 from slender import beam
 
@@ -97,7 +97,7 @@ def test_bad_damping_is_named(make, message):
 def let_go(bodies, duration, dt, start):
     """Displacement of each body's contact after a start `start` m away, alone."""
     rule = Newmark(dt=dt)
-    cores = [body.stepped(state=(u, np.zeros_like(u))) for body, u in bodies]
+    cores = [stepped(body, state=(u, np.zeros_like(u))) for body, u in bodies]
     record = newmark_scene(cores, [], rule=rule, dt=dt, duration=duration)
     return record, [record.rows[8 * i + 6] for i in range(len(bodies))]
 
@@ -111,7 +111,7 @@ def test_an_oscillator_dies_away_as_in_its_closed_form(damping):
     errors = []
     for steps in (2000, 4000):
         dt = 0.02 / steps
-        body = StarBody(ao.AOModel(m0=m, k0=k, damping=damping), 0.0)
+        body = ao.AOModel(m0=m, k0=k, damping=damping)
         record, (x,) = let_go([(body, np.array([start]))], 0.02, dt, start)
         t = record.t
         exact = start * np.exp(-sigma * t) * (np.cos(fast * t) + sigma / fast * np.sin(fast * t))
@@ -154,7 +154,7 @@ def test_a_large_full_model_with_damping_of_its_modes_says_what_to_do():
     K, M = beam(1600, fixed=[0])
     body = ao.full(ao.FEModel(K=K, M=M, damping=ao.ModalDamping(0.01)).contact(dof=7))
     with pytest.raises(ao.InputError, match="give Rayleigh"):
-        scene_body("target", body, 0.0).stepped()
+        stepped(body)
 
 
 @pytest.mark.parametrize("damping", [ao.Rayleigh(alpha=300.0, beta=2e-6), ao.ModalDamping(0.05)])

@@ -55,7 +55,7 @@ def full_cantilever() -> ao.Result:
 
 def uncorrected(hit: ao.Result, times: FloatArray) -> FloatArray:
     """Stress at the nodes without the static correction: that of the star's shapes alone."""
-    response = response_of(hit.run.plan, hit.run.recorder, hit.run.events, 1)
+    response = response_of(hit.plan, hit.recorder, hit.events, 1)
     assert response is not None
     assert response.recovery is not None
     coordinates, _ = response.motion.observed(None, times)

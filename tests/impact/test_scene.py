@@ -568,7 +568,7 @@ def test_a_run_is_read_by_its_own_handles_only():
     with pytest.raises(ao.InputError, match="of another scene than this run"):
         run[others.add(BALL)]
     with pytest.raises(ao.InputError, match="of another scene"):
-        ao.simulate(projectile=BALL, target=WALL, law=HERTZ, velocity=1.0, duration=1e-4).run[ball]
+        ao.simulate(projectile=BALL, target=WALL, law=HERTZ, velocity=1.0, duration=1e-4)[ball]
 
 
 def test_the_same_contact_twice_is_a_mistake():

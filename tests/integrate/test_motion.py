@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ import aoimpact as ao
 from aoimpact.fem.damping import ModalDamping, Rayleigh
 from aoimpact.integrate import solve_adaptive
 from aoimpact.integrate.motion import DenseMotion, ForcedMotion
-from aoimpact.scene import Contact, Equations, Load, Plan, scene_body
+from aoimpact.scene import Contact, Equations, Load, Plan, coordinates, stepped
 
 from slender import beam
 
@@ -102,9 +103,8 @@ def test_a_body_goes_through_the_states_of_its_run(which: str) -> None:
 def test_rows_of_a_forced_motion_are_products_with_the_coordinates() -> None:
     body, rule = full(), ao.Newmark(dt=1e-3, estimate=False)
     b = body.tips[0].b
-    one = scene_body("body", body, 0.0)
     forces = np.sin(np.linspace(0.0, 3.0, 101))[None]
-    forced = ForcedMotion(one.stepped().equations, rule, 1e-3, forces, one.coordinates)
+    forced = ForcedMotion(stepped(body).equations, rule, 1e-3, forces, partial(coordinates, body))
     t = np.array([0.0123, 0.05, 0.1])
     for seen, whole in zip(
         forced.observed(sp.csr_array(b[None]), t), forced.observed(None, t), strict=True
@@ -114,7 +114,7 @@ def test_rows_of_a_forced_motion_are_products_with_the_coordinates() -> None:
 
 def test_equations_of_a_star_have_its_receptance() -> None:
     body = star(0.01)
-    equations = scene_body("body", body, 0.0).stepped().equations
+    equations = stepped(body).equations
     K, M, B = equations.K.toarray(), equations.M.toarray(), equations.B[:, 0]
     for omega in (10.0, 3e3, 1e5):
         seen = B @ np.linalg.solve(K - omega**2 * M, B)
@@ -127,8 +127,9 @@ def test_equations_of_a_star_have_its_receptance() -> None:
 def motions(target: ao.AOModel, *, loaded: bool = False) -> tuple[DenseMotion, DenseMotion]:
     """The ball and the target of an impact at 1 m/s, the target pushed about as well."""
     loads = (Load(1, 0, *PULSE),) if loaded else ()
-    bodies = scene_body("ball", BALL, 1.0), scene_body("target", target, 0.0)
-    plan = Plan(bodies, (1.0, 0.0), (Contact(0, 0, 1, 0, LAW, 0.0),), loads, 0.0, DURATION, True)
+    plan = Plan(
+        (BALL, target), (1.0, 0.0), (Contact(0, 0, 1, 0, LAW, 0.0),), loads, 0.0, DURATION, True
+    )
     run = solve_adaptive(plan, ao.Adaptive(rtol=1e-10))[0]
     return run.motion(0), run.motion(1)
 
@@ -146,7 +147,7 @@ def test_the_contact_coordinates_are_those_of_the_record(target: ao.AOModel) -> 
 
 def test_all_coordinates_follow_the_equations_of_motion() -> None:
     sizes = (BALL.n + 1, star(0.01).n + 1)
-    parts = [scene_body("body", one, 0.0).stepped().equations for one in (BALL, star(0.01))]
+    parts = [stepped(one).equations for one in (BALL, star(0.01))]
     K = sp.block_diag([part.K for part in parts]).toarray()
     inverse = 1.0 / np.concatenate([part.M.diagonal() for part in parts])
     n = sum(sizes)

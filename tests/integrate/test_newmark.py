@@ -15,7 +15,7 @@ import aoimpact as ao
 from aoimpact.base import NotFiniteError
 from aoimpact.integrate import fixed_steps
 from aoimpact.integrate.newmark import Newmark, newmark_scene
-from aoimpact.scene import Contact, Load, StarBody, scene_body
+from aoimpact.scene import Contact, Load, stepped
 from aoimpact.scene.stepped import SteppedModes
 
 from slender import beam, rod
@@ -212,9 +212,7 @@ def test_the_final_state_is_that_of_the_last_step():
 
 def row_of_balls(count, dt, duration, law=HERTZ, velocity=1.0):
     rule = Newmark(dt=dt)
-    balls = [
-        StarBody(ao.rigid(mass=MASS), velocity if i == 0 else 0.0).stepped() for i in range(count)
-    ]
+    balls = [stepped(ao.rigid(mass=MASS), velocity if i == 0 else 0.0) for i in range(count)]
     contacts = [Contact(i, 0, i + 1, 0, law, 0.0) for i in range(count - 1)]
     record = newmark_scene(balls, contacts, rule=rule, dt=dt, duration=duration)
     bodies = record.rows[4 * (count - 1) :].reshape(count, 8, -1)
@@ -267,7 +265,7 @@ def test_a_beam_touched_in_two_places_is_its_modes():
     dt, zero = 2e-3, np.zeros(K.shape[0])
     rule, law = Newmark(dt=dt), ao.Hertz(k=1e4)
     body = ao.full(ao.FEModel(K=K, M=M).contact(dof=5))
-    full_body = replace(scene_body("target", body, 0.0).stepped(), B=b)
+    full_body = replace(stepped(body), B=b)
     in_modes = SteppedModes(
         omega=np.sqrt(omega2),
         decay=zero,
@@ -281,7 +279,7 @@ def test_a_beam_touched_in_two_places_is_its_modes():
     )
     runs = []
     for body in (full_body, in_modes):
-        balls = [StarBody(ao.rigid(mass=0.1), v).stepped() for v in (0.1, 0.2)]
+        balls = [stepped(ao.rigid(mass=0.1), v) for v in (0.1, 0.2)]
         contacts = [Contact(0, 0, 2, 0, law, 0.0), Contact(1, 0, 2, 1, law, 0.01)]
         loads = [Load(2, 1, np.array([0.0, 1.0]), np.array([0.0, 0.05]))]
         runs.append(newmark_scene([*balls, body], contacts, loads, rule=rule, dt=dt, duration=4.0))
@@ -297,9 +295,9 @@ def test_everything_at_once_balances():
     rule = Newmark(dt=dt)
     damped = ao.AOModel(m0=2e-3, k0=3e5, m=[0.01], k=[4e6], damping=ao.Rayleigh(beta=1e-6))
     bodies = [
-        StarBody(ao.rigid(mass=0.05), 1.0).stepped(gravity=np.array([0.5])),
-        StarBody(ringing_star(), 0.0).stepped(gravity=np.array([0.0, 1.0, 2.0, 3.0])),
-        StarBody(damped, 0.0).stepped(),
+        stepped(ao.rigid(mass=0.05), 1.0, gravity=np.array([0.5])),
+        stepped(ringing_star(), gravity=np.array([0.0, 1.0, 2.0, 3.0])),
+        stepped(damped),
     ]
     law = ao.Linear(k=1e6)
     ends = (0, 1, 0.0), (1, 2, 1e-6), (0, 2, 2e-5)
@@ -563,7 +561,7 @@ def test_a_contact_that_the_record_cuts_is_as_exact_as_claimed(solver, duration)
     }
     hit = ao.simulate(**scene, solver=ao.Newmark(**solver))
     exact = ao.simulate(**scene, solver=ao.Adaptive(rtol=1e-10))
-    assert hit.t[-1] == hit.run.duration == duration
+    assert hit.t[-1] == hit.duration == duration
     assert hit.t[1] <= solver.get("dt", 1.0)
     np.testing.assert_allclose(np.diff(hit.t), hit.t[1], rtol=1e-9)
     assert abs(hit.peak_force / exact.peak_force - 1.0) <= hit.error.time

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from aoimpact.batch.digest import Digests
 
 import aoimpact as ao
 from aoimpact import laws
 from aoimpact.base import LawLimitError, units
+from aoimpact.batch.digest import Digests
 from aoimpact.laws import PatchLaw, effective_law, own_law
 from aoimpact.results import QUANTITIES
 from aoimpact.scene import law_of_models
@@ -143,7 +143,7 @@ def test_any_law_forgets_the_mesh(law: ao.ContactLaw) -> None:
 def test_the_result_says_what_was_taken_out_and_draws_the_law_that_was_given() -> None:
     body = sphere("paper", 0.004)
     hit = ao.simulate(projectile=body, target=body, law=LAW, **SCENE)
-    acting = hit.run.plan.contacts[0].law
+    acting = hit.plan.contacts[0].law
     assert hit.law == LAW
     taken_out = units.with_unit(acting.compliance, "m/N", 3)
     assert f"(compliance of the mesh removed: {taken_out})" in str(hit)

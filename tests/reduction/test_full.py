@@ -51,7 +51,7 @@ def test_it_is_never_reduced(options: dict[str, object]) -> None:
 def test_a_contact_point_stands_for_a_model_that_gives_the_force_to_a_percent() -> None:
     """The full model is what its force is right to; the tolerance is that asked for by name."""
     whole, by_point = struck(ao.full(TIP), rtol=1e-3), struck(TIP)
-    model = by_point.run.plan.bodies[1].model
+    model = by_point.plan.bodies[1]
     assert isinstance(model, ao.AOModel)
     assert model.n < BODY.n_dofs / 4
     assert QUANTITIES["force"].difference(by_point, whole) <= 1e-2
@@ -73,7 +73,7 @@ def test_of_several_places_a_list_stands_for_a_model_as_good_as_that() -> None:
         runs.append(scene.simulate(duration=2e-4))
     whole, by_list = runs
     assert whole[0].label == f"full({BODY.n_dofs})"
-    assert isinstance(by_list.plan.bodies[0].model, ao.InterfaceModel)
+    assert isinstance(by_list.plan.bodies[0], ao.InterfaceModel)
     times = np.linspace(0.0, 2e-4, 801)
     right, found = (
         np.stack([np.interp(times, run.t, contact.force) for contact in run.contacts])

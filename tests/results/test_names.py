@@ -90,7 +90,7 @@ def test_without_names_they_are_projectile_and_target(tmp_path: Path) -> None:
 
 def test_bodies_of_one_name_are_told_apart() -> None:
     hit = strike(BALL, ao.rigid(mass=0.02, name="ball"))
-    assert hit.run.names == ("ball (projectile)", "ball (target)")
+    assert hit.names == ("ball (projectile)", "ball (target)")
 
 
 def row() -> ao.Run:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.results.plausibility import limits
+from aoimpact.results.advice import limits
 
 R = 0.01
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800, yield_strength=1.5e9)
@@ -74,8 +74,8 @@ def test_yield_is_said_from_the_pressure_on_at_which_it_begins() -> None:
     wide = math.sqrt(R * (quiet.peak_force / law.k) ** (2 / 3))
     share = 1.5 * quiet.peak_force / (math.pi * wide**2) / (ONSET * SOFT.yield_strength)
     assert share < 1.0
-    joint = quiet.run.plan.contacts[0]
-    force = limits(quiet.run.plan, joint).pressure
+    joint = quiet.plan.contacts[0]
+    force = limits(quiet.plan, joint).pressure
     assert quiet.peak_force / force == pytest.approx(share**3, rel=1e-6)
     assert force == pytest.approx(
         ao.Thornton.between(
@@ -108,7 +108,7 @@ def test_the_curvature_follows_from_both_materials_where_the_law_does_not_have_i
     )
     law = ao.Hertz.between(STEEL, R, SOFT, math.inf)
     one, other = (strike(floor, 1e-3, law, projectile=ball) for law in (law, ao.Hertz(law.k)))
-    known, found = (limits(hit.run.plan, hit.run.plan.contacts[0]) for hit in (one, other))
+    known, found = (limits(hit.plan, hit.plan.contacts[0]) for hit in (one, other))
     assert found == pytest.approx(known, rel=1e-12)
 
 
@@ -175,7 +175,7 @@ def test_small_deflections_are_not_even_looked_for(monkeypatch: pytest.MonkeyPat
     """The energy m v²/2 deflects the plate by less than half its thickness, k0 u²/2."""
     held = star(plate(ALU, 6e-3, BOTH_ENDS))
     hit = strike(held, 0.1, ao.Hertz.between(STEEL, R, ALU, math.inf))
-    assert "bodies" not in vars(hit.run)
+    assert "bodies" not in vars(hit)
     assert 0.1 * math.sqrt(HEAVY.m0 / held.k0) < 0.5 * 6e-3
 
 

@@ -120,7 +120,7 @@ def ringing() -> ao.Result:
 
 def test_a_curve_has_points_enough_for_the_fastest_mode() -> None:
     hit = ringing()
-    fastest = hit.run.plan.modal[1].omega.max() / (2.0 * np.pi)
+    fastest = hit.plan.modal[1].omega.max() / (2.0 * np.pi)
     (line,) = hit.plot_indentation(during="record").get_lines()
     steps = np.diff(np.asarray(line.get_xdata(), dtype=float)) * 1e-3
     assert steps.max() * fastest < 1.0 / 15.0

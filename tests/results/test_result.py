@@ -13,14 +13,14 @@ import pytest
 from records import HalfSine
 
 import aoimpact as ao
-from aoimpact.results.result import Result
+from aoimpact.results import Result
 
 
 def arrays_of(thing: object) -> list[np.ndarray]:
     """Every array in a dataclass and in the dataclasses it holds, but not in what was run."""
     found = []
     if isinstance(thing, Result):
-        _ = thing.force, thing.projectile, thing.run.energies and thing.energy
+        _ = thing.force, thing.projectile, thing.energies and thing.energy
     held = {} if isinstance(thing, tuple) else {**vars(thing), "plan": None}
     for value in thing if isinstance(thing, tuple) else held.values():
         if isinstance(value, tuple):
@@ -69,8 +69,6 @@ def test_held_target_counts_the_projectile_alone() -> None:
     """The same motion, but the target is held: its own velocity is vibration, not recoil."""
     result = HalfSine(held=True).result()
     assert result.target.constrained
-    with pytest.warns(DeprecationWarning, match="now called constrained"):
-        assert result.target.held
     assert result.restitution == pytest.approx(-result.rebound_velocity / 0.5, rel=1e-15)
 
 
@@ -219,8 +217,7 @@ def test_a_rebound_that_is_all_but_none_has_its_error_in_its_own_unit() -> None:
 
 
 def test_notebook_shows_a_table_with_everything_escaped() -> None:
-    whole = HalfSine().result()
-    result = dataclasses.replace(whole, law=Marked(1e9))
+    result = HalfSine(law=Marked(1e9)).result()
     table = result._repr_html_()
     assert table.startswith("<table>")
     assert "<script>" not in table

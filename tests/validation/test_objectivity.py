@@ -20,7 +20,7 @@ from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from aoimpact.mesh.mesh import Mesh
 from aoimpact.reduction.reduction import antioscillators
 from aoimpact.reduction.star import AOModel, rigid
-from aoimpact.results.result import Result
+from aoimpact.results import Result
 
 pytestmark = pytest.mark.slow
 

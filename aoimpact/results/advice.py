@@ -1,0 +1,619 @@
+"""Every warning about a run: its models, its contacts, and what linear elasticity is not for.
+
+A model fitted to a contact of duration T has the receptance of its body at the frequency i s,
+s ~ 10/T. The forces that it leaves unbalanced at the frequency of the contact that it has met show
+how exact it is for that one. Bodies that yield, contacts as wide as the bodies are curved, plates
+that stretch, and speeds near that of waves have no small error: each has one warning a run, with
+its cure. What is not known of a body is not checked, so models given by numbers cost nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..base import FloatArray, plain, warn, with_unit
+from ..fem import ContactPoint, Material, Rayleigh
+from ..laws import (
+    ContactLaw,
+    RoundContact,
+    Thornton,
+    own_law,
+    round_contact,
+    yield_force,
+    yield_pressure,
+)
+from ..reduction import AOModel, BodyModel, is_valid_for
+
+if TYPE_CHECKING:
+    from ..scene import Contact, Plan
+    from .errors import ErrorEstimate
+    from .run import Run
+
+__all__ = [
+    "FIRST_ORDER_LIMIT",
+    "follows",
+    "limits",
+    "warn_of_bodies",
+    "warn_of_exchange",
+    "warn_of_first_order",
+    "warn_of_ledger",
+    "warn_of_misfit",
+    "warn_of_run",
+    "warn_of_size",
+    "warning_limits",
+]
+
+# ------------------------------------------------------------------- models fitted to a contact
+
+# Unbalanced force, relative, up to which later contacts are right: on five bodies that ring between
+# two to four contacts the impulse was wrong by .02 to .45 above 6e-5, and by less than .001 below
+# 2e-5.
+_BALANCED_AGAIN = 3e-5
+
+# Unbalanced force, relative, up to which the displacement after a contact is right: on twelve
+# bodies it was wrong by .15 to 1.3 above this, but for a light body that moves as a whole, and by
+# less than .1 below a tenth of this.
+_BALANCED_AFTER = 1e-3
+
+
+def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
+    """Warn where a model was fitted to quite another duration than that of its contact.
+
+    The duration of the contact of the peak force counts, and how long the body is touched in all:
+    its motion between two contacts makes the force of the second.
+
+    Parameters
+    ----------
+    run : Run
+    names : sequence of str
+        Names of the bodies, for messages.
+    """
+    plan = run.plan
+    said = set()
+    for contact, events in zip(plan.contacts, run.events, strict=True):
+        for body, port in contact.ports:
+            model = plan.bodies[body]
+            fitted = model.contact_time
+            if fitted is None or body in said or not events.contacts:
+                continue
+            start, end = events.peak_contact or (0.0, 0.0)
+            # A contact that the record cuts off would have lasted at least as long as fitted.
+            contact_time = max(end - start, fitted) if end >= run.duration else end - start
+            starts, ends = zip(*_touches(run, body), strict=True)
+            touched_for = max(ends) - min(starts) if max(starts) > min(ends) else 0.0
+            told = f"{names[body]} was fitted to a contact of {with_unit(fitted, 's')}, but "
+            if not is_valid_for(model, contact_time, port):
+                said.add(body)
+                warn(
+                    f"{told}the one of the peak force lasts {with_unit(contact_time, 's')}: at "
+                    "that time scale the model is not exact enough for its force to be right; "
+                    f"make it with contact_time={contact_time:.2g}, or give the finite-element "
+                    "body itself and rtol"
+                )
+            elif not is_valid_for(model, touched_for, port, _BALANCED_AGAIN):
+                said.add(body)
+                warn(
+                    f"{told}is touched again and again for {with_unit(touched_for, 's')}: its "
+                    "motion in between is not exact enough for the later forces, impulse and "
+                    f"rebound to be right; make it with duration={touched_for:.2g} and some more "
+                    "oscillators, or give the finite-element body itself and rtol"
+                )
+
+
+def follows(run: Run, body: int) -> bool:
+    """Return whether a body's displacement is known to be right after the contact.
+
+    By the forces that its model leaves unbalanced at that time scale. This costs a few products
+    with K and M; the error itself costs another run.
+    """
+    model, touches = run.plan.bodies[body], _touches(run, body)
+    if model.contact_time is None or not touches or not len(run.t):
+        return not touches
+    since = float(run.t[-1]) - min(touches)[0]
+    ports = {contact.port_of(body) for contact in run.plan.contacts if contact.touches(body)}
+    return since <= model.contact_time or all(
+        is_valid_for(model, since, port, _BALANCED_AFTER) for port in ports
+    )
+
+
+def _touches(run: Run, body: int) -> list[tuple[float, float]]:
+    """Start and end of every contact of a body, s."""
+    return [
+        touch
+        for contact, of in zip(run.plan.contacts, run.events, strict=True)
+        if contact.touches(body)
+        for touch in of.contacts
+    ]
+
+
+# ------------------------------------------------------------------- bodies and contact points
+
+# β over the duration of the contact from which dashpots at a massless contact count: a body of one
+# oscillator is wrong by 2e-4 in the peak and 9e-4 in the rebound velocity there.
+_LAGS = 1e-4
+# Share of the body's mass that changes the force by about as much.
+_LIGHT = 1e-6
+
+# Directions more than 10° off the normal are warned of; facets of coarse meshes are that far off.
+_OBLIQUE = math.cos(math.radians(10.0))
+
+# Points of two bodies closer than this share of the first body's size count as one.
+_SHARED = 1e-3
+
+# A ball's radius over the other body's size above which a warning is given: millimetres may have
+# been taken for metres, a factor of 1000.
+_FAR_LARGER = 5.0
+
+
+def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
+    """Warn of bodies and contact points outside the range of the method.
+
+    Damping that would hold a massless contact back, rebounds that are not known, directions oblique
+    to the surface, and bodies on the same side of a point that they share.
+
+    Parameters
+    ----------
+    run : Run
+    names : sequence of str
+        Names of the bodies, for messages.
+    """
+    plan = run.plan
+    for number, body in enumerate(plan.bodies):
+        if isinstance(damping := body.damping, Rayleigh) and body.massless:
+            _warn_of_lag(damping.beta, body.static_mass, _touches(run, number), names[number])
+        moves = plan.velocities[number] != 0.0 or not body.constrained
+        if not body.centre_known and moves:
+            warn(
+                f"{names[number]}: the centre of mass of a body given by K and M alone is known "
+                "only where it is free and struck through it; the centre's displacement, its "
+                "velocity and what follows from it (rebound_velocity, restitution) are NaN: give "
+                "the nodes as well, FEModel(K=, M=, nodes=)"
+            )
+    checked = set()
+    for contact in plan.contacts if any(body.contact_points for body in plan.bodies) else ():
+        tips = [plan.bodies[of].touched_at(port) for of, port in contact.ports]
+        for tip, (number, _) in zip(tips, contact.ports, strict=True):
+            if tip is not None and (number, tip) not in checked:
+                checked.add((number, tip))
+                _warn_of_direction(tip, names[number])
+        first, second = tips
+        if first is not None and second is not None:
+            _warn_of_side(first, second, [names[number] for number, _ in contact.ports])
+
+
+def _warn_of_lag(
+    beta: float, mass: float, touches: Sequence[tuple[float, float]], name: str
+) -> None:
+    """Warn where stiffness-proportional damping would hold a massless contact back.
+
+    The dashpots β k on a contact without mass let it follow its force with the time constant β;
+    the compliance of such a contact is taken without them (`Rayleigh`).
+    """
+    longest = max((end - start for start, end in touches), default=math.inf)
+    if beta > _LAGS * longest:
+        warn(
+            f"{name} has no mass at its contact (m0 = 0), where damping with beta = "
+            f"{with_unit(beta, 's')} does not act: in a contact of {with_unit(longest, 's')} force "
+            f"and rebound are not those of a light contact mass; give one, m0={_LIGHT * mass:.1g}"
+        )
+
+
+def _warn_of_direction(tip: ContactPoint, name: str) -> None:
+    """Warn of a direction off the normal: only the normal velocity takes part in the contact."""
+    if tip.normal is None or tip.direction is None or tip.point is None:
+        return
+    cosine = min(1.0, abs(float(tip.normal @ tip.direction)))
+    if cosine < _OBLIQUE:
+        angle = math.degrees(math.acos(cosine))
+        warn(
+            f"{name} is touched along {plain(tip.direction)}, {angle:.0f}° off the normal of its "
+            f"surface at {plain(tip.point)} m: contact is along the normal and without friction, "
+            "so this is the impact of bodies that are guided along that direction; if they are "
+            "not, leave direction out and give the speed along the normal, "
+            f"{cosine:.3g} of it"
+        )
+
+
+def _warn_of_side(first: ContactPoint, second: ContactPoint, names: Sequence[str]) -> None:
+    """Warn of bodies on the same side of a common point, if they share coordinates."""
+    if first.body is second.body or first.point is None or second.point is None:
+        return
+    if first.direction is None or second.direction is None or first.body.nodes is None:
+        return
+    near = _SHARED * float(np.ptp(first.body.nodes, axis=0).max())
+    opposite = float(first.direction @ second.direction) < 0.0
+    if opposite and np.linalg.norm(first.point - second.point) <= near:
+        warn(
+            f"{names[0]} and {names[1]} touch at {plain(first.point)} m with outward normals on "
+            "the same side: if their coordinates are the same, they are inside each other, and one "
+            "is touched on its far side; choose the point that faces the other body"
+        )
+
+
+def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
+    """Warn of a finite-element projectile with supports, where the target is free.
+
+    A projectile on springs only is not warned of: it may move as a tup on its guide does.
+    """
+    tip = projectile.touched_at()
+    if tip is None or not projectile.constrained or target.fixed or tip.body.nodes is None:
+        return
+    if tip.body.free is not None and len(tip.body.free) < tip.body.nodes.size:
+        warn(
+            "projectile moves though supports hold it, and nothing holds the target: it moves as "
+            "it would deflect under a force at the contact, and swings back. If it is what is "
+            "struck, exchange projectile and target; if it flies, leave its supports (fixed=) out"
+        )
+
+
+def warn_of_size(radius: float, other: ContactPoint | None, name: str, other_name: str) -> None:
+    """Warn of a rigid ball, of a radius in m, far larger than the body it meets: a wrong unit."""
+    if other is None or other.body.mesh is None:
+        return
+    size = other.body.mesh.size
+    if _FAR_LARGER * size < radius < math.inf:
+        warn(
+            f"{name} is a ball with a radius of {with_unit(radius, 'm', 3)}, and {other_name} is "
+            f"{with_unit(size, 'm', 3)} long: is the radius in metres?"
+        )
+
+
+# ------------------------------------------------------------------- errors
+
+# Energy drift, over the error of the run or rounding, from which a run is not to be trusted.
+_DRIFT, _LEAST_ERROR = 100.0, 1e-12
+
+# Error by a mesh of first order from which on it is worth a warning.
+FIRST_ORDER_LIMIT = 0.1
+
+
+def warn_of_first_order(run: Run, error: ErrorEstimate) -> None:
+    """Warn of a large error by a mesh of first order, which few elements of second order cure."""
+    if error.mesh is None or not error.mesh > FIRST_ORDER_LIMIT:
+        return
+    touched = {end for contact in run.plan.contacts for end in contact.ports}
+    names = []
+    for body, port in sorted(touched):
+        tip = run.plan.bodies[body].touched_at(port)
+        if tip is not None and tip.body.mesh is not None and not tip.body.mesh.quadratic:
+            names.append(run.names[body])
+    if names:
+        warn(
+            f"{' and '.join(dict.fromkeys(names))}: elements of first order make an error of "
+            f"{100.0 * error.mesh:.2g} % in the {error.quantity or 'force'}; add midside nodes "
+            "with FEModel.from_mesh(..., order=2)"
+        )
+
+
+def warn_of_ledger(energy: float, error: float | None) -> None:
+    """Warn where the energy of a run to a tolerance drifts by far more than its error.
+
+    Over 600 random scenes it drifted by at most 0.3 times that, at contacts without mass by 10.
+    """
+    if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
+        warn(
+            f"the run's energy ledger is off by {energy:.2g} of the largest energy stored, though "
+            f"its error should be {error:.2g}: the run is not to be trusted, unless it is a law's "
+            "own energy that is not the work of its force"
+        )
+
+
+# ------------------------------------------------------------------- limits of linear elasticity
+
+# Radius of a contact over that of curvature. Sneddon's punch with the shape of a sphere, instead of
+# Hertz's paraboloid, has 1 % less force here and 3 % at .5; strains are .2 of it (Tabor).
+_WIDTH, _STRAIN = 0.3, 0.2
+
+# Velocity over that of waves in a bar: the strain of two bars that meet, as large as the tolerance.
+_SPEED = 0.01
+
+# Deflection over thickness of a body constrained on both sides, where the linear one is 12 % off:
+# the load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
+# section 100). And over the size of any body.
+_THICKNESS, _SIZE = 0.5, 0.1
+
+# Supports along an axis that is no more along the contact's direction than this keep a body from
+# drawing in.
+_ACROSS = 0.5
+
+# Share of the displacements below which gaps are rounding.
+_ROUNDING = 1e-12
+
+# Times at which bodies that never touch are looked at: so many in each of the shortest periods, at
+# least and at most; between them, where a parabola is least.
+_EACH_PERIOD, _SAMPLES, _MOST_SAMPLES = 8, 121, 20_000
+
+
+class Limits(NamedTuple):
+    """Up to where a contact needs no warning.
+
+    Attributes
+    ----------
+    pressure, width : float
+        Forces, N: of yield, and of a contact too wide.
+    speed : float
+        m/s, at which the bodies meet.
+    deflection : float
+        Energy, J, of all bodies: from there on a body may deflect too far.
+    """
+
+    pressure: float
+    width: float
+    speed: float
+    deflection: float
+
+
+_UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf)
+
+
+def limits(plan: Plan, contact: Contact) -> Limits:
+    """Return the limits of a contact, as far as its law and bodies are known."""
+    own, materials = own_law(contact.law), plan.materials(contact)
+    if not any(materials):
+        return _UNLIMITED if own.relative_radius is None else _limits_of_numbers(own)
+    pressure = width = math.inf
+    if (surface := round_contact(own, materials)) is not None:
+        width = surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5
+        if not isinstance(own, Thornton):
+            pressure = _yield(surface, materials)[0]
+    slowest = min((of.bar_speed for of in materials if of is not None), default=math.inf)
+    deflection = min(_deflecting(plan, contact), default=math.inf)
+    return Limits(pressure, width, _SPEED * slowest, deflection)
+
+
+@lru_cache
+def _limits_of_numbers(law: ContactLaw) -> Limits:
+    """Those of bodies given by numbers, of which nothing is known but the law."""
+    surface = round_contact(law, ())
+    if surface is None:
+        return _UNLIMITED
+    return _UNLIMITED._replace(width=surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5)
+
+
+def warning_limits(plan: Plan) -> tuple[float, float]:
+    """Return up to which force, N, and velocity, m/s, an impact needs no warning."""
+    most, mass = limits(plan, plan.contacts[0]), plan.bodies[0].known_mass
+    speed = most.speed
+    if most.deflection < math.inf:
+        speed = min(speed, math.sqrt(2.0 * most.deflection / mass) if mass else 0.0)
+    return min(most.pressure, most.width), speed
+
+
+def warn_of_run(run: Run) -> None:
+    """Warn where a run is not what was meant, or not what the method is for.
+
+    Of several contacts only the worst is named.
+
+    Parameters
+    ----------
+    run : Run
+    """
+    plan, pressed = run.plan, False
+    worst: dict[str, tuple[float, int]] = {}
+    for number, (contact, events) in enumerate(zip(plan.contacts, run.events, strict=True)):
+        if not events.contacts:
+            continue
+        pressed = True
+        if (most := limits(plan, contact)) is _UNLIMITED:
+            continue
+        force = events.peak_force
+        speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
+        energy = _energy(plan) if most.deflection < math.inf else 0.0
+        reached = force, force, speed, energy
+        for kind, value, limit in zip(Limits._fields, reached, most, strict=True):
+            if value > limit:
+                excess = value / limit if limit else math.inf
+                worst[kind] = max(worst.get(kind, (0.0, 0)), (excess, number))
+    texts = [_missed(run)] if plan.contacts and not pressed else []
+    texts += [_TEXTS[kind](run, number) for kind, (_, number) in worst.items()]
+    for text in filter(None, texts):
+        warn(text)
+
+
+def _yield(
+    surface: RoundContact, materials: Sequence[Material | None]
+) -> tuple[float, Material | None]:
+    """The force, N, at which the first of the bodies begins to yield below the surface, and its
+    material; infinite where no yield strength is known.
+    """
+    forces = [
+        (yield_force(surface.modulus, surface.radius, yield_pressure(of)), of)
+        for of in materials
+        if of is not None and of.yield_strength
+    ]
+    return min(forces, key=lambda pair: pair[0], default=(math.inf, None))
+
+
+def _deflecting(plan: Plan, contact: Contact) -> Iterator[float]:
+    """The energy, J, below which each constrained body of a contact has a small deflection.
+
+    k0 u²/2 is the least energy of a deflection u; 0 where no such limit is known.
+    """
+    for body, port in contact.ports:
+        model = plan.bodies[body]
+        tip = model.touched_at(port)
+        if tip is None or not model.constrained or _allowed(tip) == math.inf:
+            continue
+        alone = not plan.gravity and not plan.loads
+        if alone and isinstance(model, AOModel):
+            yield 0.5 * model.k0 * _allowed(tip) ** 2
+        else:
+            yield 0.0
+
+
+def _energy(plan: Plan) -> float:
+    """Kinetic energy of all bodies at the start, J; infinite where a mass is, or is not known."""
+    moving = [
+        (body.known_mass, v) for body, v in zip(plan.bodies, plan.velocities, strict=True) if v
+    ]
+    return math.fsum(0.5 * (math.inf if mass is None else mass) * v * v for mass, v in moving)
+
+
+def _allowed(tip: ContactPoint) -> float:
+    """The least deflection that may be too large, m; infinite for a body without a mesh."""
+    mesh = tip.body.mesh
+    return math.inf if mesh is None else min(_THICKNESS * tip.depth, _SIZE * mesh.size)
+
+
+def _stretches(tip: ContactPoint) -> bool:
+    """Whether supports on two sides of the point keep the body from drawing in as it deflects."""
+    body = tip.body
+    if body.nodes is None or body.free is None or tip.point is None or tip.direction is None:
+        return False
+    constrained = np.setdiff1d(np.arange(3 * len(body.nodes)), body.free)
+    for axis in np.flatnonzero(np.abs(tip.direction) < _ACROSS):
+        offset = body.nodes[constrained[constrained % 3 == axis] // 3] - tip.point
+        along = offset[:, axis]
+        straight = 2.0 * along**2 > (offset**2).sum(axis=1)  # within 45° of the axis
+        if (straight & (along < 0.0)).any() and (straight & (along > 0.0)).any():
+            return True
+    return False
+
+
+def _said_of_pressure(run: Run, number: int) -> str:
+    contact, force = run.plan.contacts[number], run.events[number].peak_force
+    materials, surface = run.plan.materials(contact), run.plan.round_contact(contact)
+    assert surface is not None
+    limit, material = _yield(surface, materials)
+    assert material is not None
+    assert material.yield_strength is not None
+    pressure = with_unit(surface.pressure(force), "Pa", 3)
+    ratio = yield_pressure(material) / material.yield_strength
+    return (
+        f"{_contact(run, number)}: the largest pressure, {pressure}, exceeds {ratio:.3g} times "
+        f"yield_strength={with_unit(material.yield_strength, 'Pa', 3)}, so that a body yields from "
+        f"{with_unit(limit, 'N', 3)} on. Use Thornton(k={surface.k:.6g}, yield_force={limit:.4g}, "
+        f"relative_radius={surface.radius:.6g})."
+    )
+
+
+def _said_of_width(run: Run, number: int) -> str:
+    contact, force = run.plan.contacts[number], run.events[number].peak_force
+    surface = run.plan.round_contact(contact)
+    assert surface is not None
+    radius = surface.radius
+    width = float(surface.width(force)) / radius
+    return (
+        f"{_contact(run, number)}: at the peak the contact has a radius of {width:.2g} "
+        f"times the radius of curvature R={with_unit(radius, 'm', 3)}, with strains of about "
+        f"{_STRAIN * width:.1%}: Hertz's law and linear elasticity are for small ones; take a "
+        "lower velocity, or a measured law, Tabulated(...), and check that R is in metres"
+    )
+
+
+def _said_of_deflection(run: Run, number: int) -> str:
+    """The warning, if the motion itself confirms it."""
+    contact = run.plan.contacts[number]
+    for body, port in contact.ports:
+        tip = run.plan.bodies[body].touched_at(port)
+        if tip is None or not run.plan.bodies[body].constrained or _allowed(tip) == math.inf:
+            continue
+        assert tip.body.mesh is not None
+        size = tip.body.mesh.size
+        most = float(np.abs(run.bodies[body].port_displacements[port]).max(initial=0.0))
+        if most > _THICKNESS * tip.depth and _stretches(tip):
+            return (
+                f"{run.names[body]} deflects by {with_unit(most, 'm', 3)}, and is "
+                f"{with_unit(tip.depth, 'm', 3)} thick: constrained on both sides it stretches, "
+                "and is stiffer than linear elasticity has it; take a lower velocity, or do not "
+                "trust deflection and stress to better than tens of percent"
+            )
+        if most > _SIZE * size:
+            return (
+                f"{run.names[body]} deflects by {with_unit(most, 'm', 3)}, and is "
+                f"{with_unit(size, 'm', 3)} long: linear elasticity is for small rotations; take a "
+                "lower velocity, or check units and supports"
+            )
+    return ""
+
+
+def _said_of_speed(run: Run, number: int) -> str:
+    plan, contact = run.plan, run.plan.contacts[number]
+    speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
+    materials = plan.materials(contact)
+    slowest = min(material.bar_speed for material in materials if material is not None)
+    return (
+        f"{_contact(run, number)}: the bodies meet at {speed:.4g} m/s, "
+        f"{speed / slowest:.1%} of the speed of waves, {slowest:.4g} m/s: strains are as large, "
+        "and linear elasticity is for small ones; take a lower velocity, and check E and rho"
+    )
+
+
+_TEXTS: dict[str, Callable[[Run, int], str]] = {
+    "pressure": _said_of_pressure,
+    "width": _said_of_width,
+    "deflection": _said_of_deflection,
+    "speed": _said_of_speed,
+}
+
+
+def _contact(run: Run, number: int) -> str:
+    """Name of a contact."""
+    contact = run.plan.contacts[number]
+    if contact.name:
+        return contact.name
+    return f"{run.names[contact.first]} on {run.names[contact.second]}"
+
+
+def _missed(run: Run) -> str:
+    """The warning of bodies that never pressed on each other, for those that came closest."""
+    recorder, layout = run.recorder, run.plan.layout
+    t = _times_between(run) if recorder.dense else recorder.times
+    rows = recorder.rows(t, energies=False)
+    gaps = 0.0 - layout.indentations(rows)
+    number = int(gaps.min(axis=1).argmin())
+    gap, first = gaps[number], run.plan.contacts[number].first
+    at = int(gap.argmin())
+    moved = float(np.abs(layout.body(rows, first).port_displacements).max())
+    if gap.max() <= _ROUNDING * moved:  # side by side
+        return ""
+
+    def gap_at(sample: int) -> str:
+        return with_unit(float(gap[sample]), "m", 3)
+
+    text = f"{_contact(run, number)}: no contact in {with_unit(run.duration, 's')}"
+    if gap.max() == gap[at]:
+        return f"{text}: they stay {gap_at(0)} apart, and nothing moves them; give one a velocity"
+    if at == 0:
+        speeds = [run.plan.velocities[body] for body, _ in run.plan.contacts[number].ports]
+        cure = (
+            "they do not approach at first, and a load or gravity parts them: change its sign"
+            if speeds[0] == speeds[1]
+            else "the first body of a contact is behind the second along the direction of travel, "
+            "and faster: exchange them, or change the signs of velocities"
+        )
+        return f"{text}: they move apart, from {gap_at(0)} to {gap_at(-1)}; {cure}"
+    if at < len(t) - 1:
+        least, when = _least(t[at - 1 : at + 2], gap[at - 1 : at + 2])
+        if least <= 0.0 and not recorder.dense:
+            return f"{text} at any step, but perhaps between two: take a smaller dt"
+        return (
+            f"{text}: they come no closer than {with_unit(max(least, 0.0), 'm', 3)}, at t = "
+            f"{with_unit(when, 's')}; take a smaller gap, or a larger velocity"
+        )
+    speed = float(gap[-2] - gap[-1]) / float(t[-1] - t[-2])
+    needed = run.duration + float(gap[-1]) / speed
+    return (
+        f"{text}: at its end they are still {gap_at(-1)} apart and approach at {speed:.3g} m/s; "
+        f"take a duration beyond {with_unit(needed, 's')}, or a smaller gap"
+    )
+
+
+def _times_between(run: Run) -> FloatArray:
+    """Times, s, that show the vibration of all bodies, as far as a memory of some MB allows."""
+    fastest = max((float(of.omega.max(initial=0.0)) for of in run.plan.modal), default=0.0)
+    wanted = math.ceil(_EACH_PERIOD * fastest * run.duration / (2.0 * math.pi))
+    return np.linspace(0.0, run.duration, min(max(wanted, _SAMPLES), _MOST_SAMPLES))
+
+
+def _least(t: FloatArray, gap: FloatArray) -> tuple[float, float]:
+    """The least gap, m, and when, s, of the parabola through three, the middle one the least."""
+    before, after = (float(gap[i] - gap[1]) for i in (0, 2))
+    shift = 0.5 * (before - after) / (before + after) if before + after > 0.0 else 0.0
+    least = float(gap[1]) - 0.25 * (before - after) * shift
+    return least, float(t[1] + shift * (t[2] - t[1]))
