@@ -55,6 +55,9 @@ class CoreLaw(NamedTuple):
 # is left is twenty times as stiff as the law; of two like bodies the contact is 0.8 of the patch.
 MOST_SHARE = 0.95
 
+# Eccentricity up to which an ellipse is called round: √(a b) differs from a circle's radius by e⁴.
+_ROUND = 0.1
+
 # How summaries write some parameters.
 _SYMBOLS = {"relative_radius": "R", "yield_force": "F_y"}
 
@@ -116,7 +119,7 @@ class ContactLaw:
         units = self._units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
         given = {entry.name: getattr(self, entry.name) for entry in fields(cast(Any, self))}
         for name in ("relative_radius", "eccentricity"):
-            if value := given.pop(name, None):
+            if (value := given.pop(name, None)) and (name != "eccentricity" or value > _ROUND):
                 given[name] = value
         if not given.keys() <= units.keys():
             return repr(self)

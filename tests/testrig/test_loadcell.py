@@ -114,7 +114,7 @@ def test_a_tup_on_a_plate_is_recorded_until_the_impact_is_over() -> None:
     mesh = ao.box_mesh((0.15, 0.1, 0.006), (6, 4, 1), kind="hexahedron20")
     sides = [(side, "xyz") for side in ("xmin", "xmax", "ymin", "ymax")]
     plate = ao.FEModel.from_mesh(mesh, steel, fixed=sides)
-    target = plate.contact(point=(0.075, 0.05, 0.006), radius=0)
+    target = plate.contact(point=(0.075, 0.05, 0.006))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ao.AOImpactWarning)  # the mesh is coarse
         hit = ao.simulate(projectile=CELL.tup(), target=target, law=LAW, velocity=0.5)
