@@ -26,8 +26,8 @@ from .elements import KINDS, reference_element
 from .files import load
 from .mesh import SMALLEST, Mesh, check_reach, checked_cells, replace_nodes, right_handed, select
 from .order import of_second_order
-from .rawmesh import RawMesh
-from .viameshio import from_meshio, is_meshio
+from .files.rawmesh import RawMesh
+from .files.viameshio import from_meshio, is_meshio
 
 __all__ = ["read_mesh"]
 

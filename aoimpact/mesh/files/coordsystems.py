@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..base import FloatArray, IntArray
+from ...base import FloatArray, IntArray
 from .bulkdata import BulkData, Table
 from .rawmesh import rows_of
 

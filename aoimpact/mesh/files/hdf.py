@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..base import MeshError
+from ...base import MeshError
 
 __all__ = ["opened"]
 

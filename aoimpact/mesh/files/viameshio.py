@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import IntArray, MeshError, warn
-from .elements import KINDS
+from ...base import IntArray, MeshError, warn
+from ..elements import KINDS
 from .rawmesh import RawBlock, RawMesh
 
 __all__ = ["from_meshio", "is_meshio", "meshio_of_all_kinds", "read"]

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import FloatArray, IntArray, warn
+from ...base import FloatArray, IntArray, warn
 from .bulkdata import BulkData, Table, read_bulk_data
 from .bulknames import CONNECTIONS, OTHER_ELEMENTS, is_skipped
 from .coordsystems import Grids, read_systems
-from .elements import reference_element
+from ..elements import reference_element
 from .nastransets import read_sets
 from .nastrantext import read_sections
 from .rawmesh import UPRIGHT_FIRST, RawBlock, RawMesh

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, IntArray, decoded, warn
-from .mesh import right_handed
+from ...base import FloatArray, IntArray, decoded, warn
+from ..mesh import right_handed
 from .rawmesh import RawBlock, RawMesh, rows_of
 from .textfile import integers, numbers_of
 

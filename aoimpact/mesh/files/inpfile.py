@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
+from ...base import FloatArray, IntArray, MeshError, MissingFileError, decoded
 from .textfile import number, read_lines, refused
 
 __all__ = ["Keyword", "fields", "key", "looks_like_inp", "read_keywords"]

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import scipy.io
 
-from ..base import IntArray
-from .elements import KINDS
-from .faces import reference_faces
+from ...base import IntArray
+from ..elements import KINDS
+from ..faces import reference_faces
 from .hdf import opened
 from .rawmesh import LINES, SOLIDS, SURFACES, UPRIGHT_FIRST, RawBlock, RawMesh
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import IntArray, MeshError, require
+from ...base import IntArray, MeshError, require
 from .textfile import read_lines, refused
 
 __all__ = ["Lines", "is_nastran", "read_sections"]

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..base import FloatArray, IntArray, require
+from ...base import FloatArray, IntArray, require
 from .inpfile import Keyword, key
 from .inpgeometry import Frame, arc, in_system
 from .inptypes import element_type

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base import IntArray
+from ...base import IntArray
 from .hdf import opened
-from .mesh import right_handed
+from ..mesh import right_handed
 from .rawmesh import RawBlock, RawMesh
 
 __all__ = ["read"]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy
 
-from ..base import FloatArray
+from ...base import FloatArray
 from .inpfile import Keyword
 
 __all__ = ["Frame", "arc", "in_system", "moved"]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
+from ...base import FloatArray, IntArray, MeshError, MissingFileError, decoded
 
 __all__ = ["integers", "number", "numbers_of", "read_lines", "refused"]
 

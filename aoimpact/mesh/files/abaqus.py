@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import IntArray, MeshError, warn
+from ...base import IntArray, MeshError, warn
 from .inpfile import Keyword, key, read_keywords
 from .inpgeometry import moved
 from .inpscope import Elements, Scope, Which

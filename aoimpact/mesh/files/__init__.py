@@ -7,7 +7,7 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from ..base import MemoryLimitError, MeshError, MissingFileError, file_path
+from ...base import MemoryLimitError, MeshError, MissingFileError, file_path
 from . import abaqus, exodus, gmsh, kratos, med, nastran, viameshio, vtk
 from .inpfile import looks_like_inp
 from .nastrantext import is_nastran

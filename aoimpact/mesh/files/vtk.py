@@ -19,8 +19,8 @@ from xml.etree import ElementTree
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray
-from .mesh import right_handed
+from ...base import FloatArray, IntArray
+from ..mesh import right_handed
 from .rawmesh import RawBlock, RawMesh
 from .textfile import integers, numbers_of
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..base import FloatArray, IntArray
-from .elements import KINDS, reference_element
+from ...base import FloatArray, IntArray
+from ..elements import KINDS, reference_element
 
 __all__ = ["LINES", "SOLIDS", "SURFACES", "UPRIGHT_FIRST", "RawBlock", "RawMesh", "rows_of"]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from ..base import IntArray, warn
+from ...base import IntArray, warn
 from .bulkdata import BulkData
 from .nastrantext import Lines
 

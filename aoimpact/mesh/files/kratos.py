@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import IntArray
+from ...base import IntArray
 from .rawmesh import LINES, SOLIDS, SURFACES, UPRIGHT_FIRST, RawBlock, RawMesh, rows_of
 from .textfile import integers
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray, MeshError
+from ...base import FloatArray, IntArray, MeshError
 from .nastrantext import Lines
 from .replication import written_out
 from .textfile import number
