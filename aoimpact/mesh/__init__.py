@@ -6,18 +6,17 @@ their nodes and corners for multigrid, `fields` their elements for stresses and 
 
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
-from .files import load
+from .files import load, looks_like_inp
+from .files.nastran import nastran_nodes
+from .files.nastrandeck import is_nastran
+from .files.viameshio import meshio_of_all_kinds
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from .files.inpfile import looks_like_inp
 from .locate import AT_NODE, node_at, weights_at
 from .mesh import Block, Mesh, group, taken
-from .files.nastran import nastran_nodes
-from .files.nastrantext import is_nastran
 from .order import open_edges
 from .read import read_mesh
 from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of
-from .files.viameshio import meshio_of_all_kinds
 
 __all__ = [
     "AT_NODE",

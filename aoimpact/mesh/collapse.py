@@ -13,8 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, IntArray
-from .elements import ReferenceElement, reference_element
-from .faces import reference_faces
+from .elements import ReferenceElement, reference_element, reference_faces
 
 __all__ = ["Solids", "collapse", "edges_of"]
 

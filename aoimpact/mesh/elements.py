@@ -129,11 +129,39 @@ class ReferenceElement:
         """Whether it has nodes between its corners."""
         return self.n_nodes > self.n_corners
 
+    @cached_property
+    def edges(self) -> IntArray:
+        """The corners at both ends of the edges on which nodes lie, shape (n_edges, 2)."""
+        weights = self.linear.shape(self.nodes[self.n_corners :]) > 1e-12
+        return np.nonzero(weights[weights.sum(axis=1) == 2])[1].reshape(-1, 2)
+
     @property
     def mirror(self) -> IntArray:
         """The order of nodes that turns a left-handed element into a right-handed one."""
         reflected = self.nodes[:, [1, 0, 2]]
         return _match(reflected, self.nodes)
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceFace:
+    """One side of a reference element: ξ = origin + u axes[0] + v axes[1].
+
+    Attributes
+    ----------
+    nodes : ndarray of int
+        The nodes on it, by their numbers within the element; the corners first, counter-clockwise
+        as seen from outside.
+    n_corners : int
+        3: u, v ≥ 0 and u + v ≤ 1. 4: both from 0 to 1.
+    origin : ndarray, shape (3,)
+    axes : ndarray, shape (2, 3)
+        Their cross product points outward.
+    """
+
+    nodes: IntArray
+    n_corners: int
+    origin: FloatArray
+    axes: FloatArray
 
 
 # The exponents (i, j, k, l) of xⁱ yʲ zᵏ (1 - z)⁻ˡ, each of 0, 1 or 2.
@@ -434,6 +462,27 @@ def reference_element(kind: str) -> ReferenceElement:
     nodes = np.vstack([corners, *(corners[list(c)].mean(axis=0) for c in of.middles)])
     basis = _Basis.of(of.space, nodes, 0.5 if of.cell is _HEXAHEDRON else 0.0)
     return ReferenceElement(kind, of.cell, nodes, (of.stiffness_rule, of.mass_rule), basis)
+
+
+@cache
+def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
+    """Return the sides of the element of meshio's name `kind`."""
+    element = reference_element(kind)
+    return tuple(_side(element, normal) for normal in element.cell.normals)
+
+
+def _side(element: ReferenceElement, normal: FloatArray) -> ReferenceFace:
+    height = element.nodes @ normal
+    on = np.flatnonzero(np.abs(height - height.max()) < 1e-12)
+    corners, others = on[on < element.n_corners], on[on >= element.n_corners]
+    arms = element.nodes[corners] - element.nodes[corners].mean(axis=0)
+    across = np.cross(normal, arms[0])
+    corners = corners[
+        np.argsort(np.arctan2(arms @ across, arms @ arms[0] * np.linalg.norm(normal)))
+    ]
+    places = element.nodes[corners]
+    axes = np.stack([places[1] - places[0], places[-1] - places[0]])
+    return ReferenceFace(np.concatenate([corners, others]), len(corners), places[0], axes)
 
 
 def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:

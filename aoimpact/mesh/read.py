@@ -24,10 +24,10 @@ from ..base import (
 from .collapse import Solids, collapse
 from .elements import KINDS, reference_element
 from .files import load
+from .files.raw import RawMesh
+from .files.viameshio import from_meshio, is_meshio
 from .mesh import SMALLEST, Mesh, check_reach, checked_cells, replace_nodes, right_handed, select
 from .order import of_second_order
-from .files.rawmesh import RawMesh
-from .files.viameshio import from_meshio, is_meshio
 
 __all__ = ["read_mesh"]
 

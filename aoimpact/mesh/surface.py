@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, MeshError
-from .faces import ReferenceFace, reference_faces
+from .elements import ReferenceFace, reference_faces
 from .mesh import Mesh
 
 __all__ = ["SHARP", "Place", "Surface", "boundary", "plane_of"]

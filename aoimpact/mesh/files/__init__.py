@@ -1,4 +1,8 @@
-"""Mesh files: which reader takes which."""
+"""Mesh files of other programs, a reader for each format.
+
+A reader returns a `RawMesh`. It raises a `ValueError` with the reason, or a `MeshError` that names
+the file.
+"""
 
 from __future__ import annotations
 
@@ -9,16 +13,26 @@ from pathlib import Path
 
 from ...base import MemoryLimitError, MeshError, MissingFileError, file_path
 from . import abaqus, exodus, gmsh, kratos, med, nastran, viameshio, vtk
-from .inpfile import looks_like_inp
-from .nastrantext import is_nastran
-from .rawmesh import RawMesh
+from .abaqusdeck import looks_like_inp
+from .nastran import nastran_nodes
+from .nastrandeck import is_nastran
+from .raw import RawMesh
+from .viameshio import from_meshio, is_meshio, meshio_of_all_kinds
 
-__all__ = ["load"]
+__all__ = [
+    "RawMesh",
+    "from_meshio",
+    "is_meshio",
+    "is_nastran",
+    "load",
+    "looks_like_inp",
+    "meshio_of_all_kinds",
+    "nastran_nodes",
+]
 
 _Reader = Callable[[Path], RawMesh]
 
-# Readers by the end of a file's name, in small letters; meshio takes the rest. A reader raises
-# ValueError with the reason, or MeshError if that names the file.
+# Readers by the end of a file's name, in small letters; meshio takes the rest.
 _READERS: dict[str, _Reader] = {
     **dict.fromkeys((".bdf", ".nas"), nastran.read),
     **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), exodus.read),
@@ -42,20 +56,31 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
     MemoryLimitError
         If there is not enough memory for it.
     """
-    file = _existing(path)
-    reader = _reader(file)
+    file = file_path("mesh", path)
+    where = f"mesh file {str(file)!r}"
     try:
-        return reader(file)
+        state = file.stat()
+    except FileNotFoundError:
+        raise MissingFileError(f"{where} does not exist (in {os.getcwd()})") from None
+    except OSError as error:  # no access, or a name that is too long
+        raise MeshError(f"{where} cannot be opened: {error}") from None
+    if not stat.S_ISREG(state.st_mode):
+        kind = "a directory" if stat.S_ISDIR(state.st_mode) else "no regular file"
+        raise MeshError(f"{where} is {kind}")
+    if state.st_size == 0:
+        raise MeshError(f"{where} is empty")
+    try:
+        return _reader(file)(file)
     except MeshError:
         raise
     except MemoryError:
         raise MemoryLimitError(
-            f"mesh file {str(file)!r} ({file.stat().st_size} bytes) needs more memory than there "
-            "is: coarsen the mesh, or look for a count in the file that is wrong"
+            f"{where} ({state.st_size} bytes) needs more memory than there is: coarsen the mesh, "
+            "or look for a count in the file that is wrong"
         ) from None
     except (ValueError, OverflowError) as error:
         raise MeshError(
-            f"mesh file {str(file)!r} cannot be read: {error}. Save it again, or as .msh or .vtu"
+            f"{where} cannot be read: {error}. Save it again, or as .msh or .vtu"
         ) from None
 
 
@@ -70,22 +95,3 @@ def _reader(file: Path) -> _Reader:
     if suffix not in _READERS and is_nastran(file):
         return nastran.read
     return _READERS.get(suffix, viameshio.read)
-
-
-def _existing(path: str | os.PathLike[str]) -> Path:
-    """Return the path of a file that is there and has a content."""
-    file = file_path("mesh", path)
-    try:
-        state = file.stat()
-    except FileNotFoundError:
-        raise MissingFileError(
-            f"mesh file {str(file)!r} does not exist (in {os.getcwd()})"
-        ) from None
-    except OSError as error:  # no access, or a name that is too long
-        raise MeshError(f"mesh file {str(file)!r} cannot be opened: {error}") from None
-    if not stat.S_ISREG(state.st_mode):
-        what = "a directory" if stat.S_ISDIR(state.st_mode) else "no regular file"
-        raise MeshError(f"mesh file {str(file)!r} is {what}")
-    if state.st_size == 0:
-        raise MeshError(f"mesh file {str(file)!r} is empty")
-    return file

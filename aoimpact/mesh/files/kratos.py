@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...base import IntArray
-from .rawmesh import LINES, SOLIDS, SURFACES, UPRIGHT_FIRST, RawBlock, RawMesh, rows_of
-from .textfile import integers
-
-__all__ = ["read"]
-
-_POINT = {1: "vertex"}
+from .raw import (
+    LINES,
+    POINTS,
+    SOLIDS,
+    SURFACES,
+    UPRIGHT_FIRST,
+    RawBlock,
+    RawMesh,
+    grouped,
+    integers,
+    joined,
+    repeats,
+    rows_of,
+)
 
 # Elements in space that are no solids, by a part of their names.
 _SURFACE_NAMES = re.compile("shell|membrane|surface|plate|triangle|quadrilateral|2d", re.IGNORECASE)
@@ -26,14 +35,16 @@ _ORDERS = UPRIGHT_FIRST | {
     "hexahedron27": (*UPRIGHT_FIRST["hexahedron20"], 24, 22, 21, 23, 20, 25, 26),
 }
 
-# What the parts of a sub-model part name, and blocks without influence on mesh and groups.
+# Blocks of members of a sub-model part, and blocks without influence on mesh and groups.
 _MEMBERS = {
     f"SubModelPart{what}": what for what in ("Nodes", "Elements", "Conditions", "Geometries")
 }
 _IGNORED = re.compile(r"SubModelPart(Tables|Properties)?|Mesh\w*|Properties|Table|\w+Data")
 
-# Rows of numbers by what they are: nodes, elements, …, and the numbers before the nodes.
+# Numbers before the nodes in a row.
 _HEAD = {"Elements": 2, "Conditions": 2, "Geometries": 1}
+
+_Rows = list[list[str]]
 
 
 def read(file: Path) -> RawMesh:
@@ -44,11 +55,11 @@ def read(file: Path) -> RawMesh:
     ValueError
         If the file is damaged or has a block that is not known; the line is named.
     """
-    nodes: list[list[str]] = []
-    tables: list[tuple[str, str, list[list[str]]]] = []  # what, the name of the element, its rows
-    members: dict[str, list[tuple[str, list[list[str]]]]] = {}
+    nodes: _Rows = []
+    tables: list[tuple[str, str, _Rows]] = []  # block, name of the element, rows
+    members: list[tuple[str, str, _Rows]] = []  # sub-model part, what its members are, rows
     stack: list[tuple[str, str]] = []
-    rows: list[list[str]] | None = None
+    rows: _Rows | None = None
     for number, line in enumerate(file.read_bytes().decode("utf-8", "replace").splitlines(), 1):
         words = line.partition("//")[0].split()
         if not words:
@@ -63,9 +74,8 @@ def read(file: Path) -> RawMesh:
             elif what in _HEAD:
                 tables.append((what, name, rows))
             elif what in _MEMBERS and path:  # members of a part are those of all parts around it
-                for depth in range(1, 1 + len(path)):
-                    around = members.setdefault(".".join(path[:depth]), [])
-                    around.append((_MEMBERS[what], rows))
+                around = (".".join(path[: depth + 1]) for depth in range(len(path)))
+                members += [(part, _MEMBERS[what], rows) for part in around]
             elif not _IGNORED.fullmatch(what):
                 raise ValueError(f"line {number}: the block {what!r} is not known")
         elif words[0] == "End":
@@ -82,67 +92,61 @@ def read(file: Path) -> RawMesh:
     return _mesh(nodes, tables, members)
 
 
-def _table(what: str, rows: list[list[str]], dtype: type) -> list[tuple[float, ...]]:
-    try:
-        return [tuple(dtype(word) for word in row) for row in rows]
-    except ValueError as error:
-        raise ValueError(f"{what}: {error}") from None
-
-
 def _mesh(
-    nodes: list[list[str]],
-    tables: list[tuple[str, str, list[list[str]]]],
-    members: dict[str, list[tuple[str, list[list[str]]]]],
+    nodes: _Rows, tables: list[tuple[str, str, _Rows]], members: list[tuple[str, str, _Rows]]
 ) -> RawMesh:
-    places = _table("Nodes", nodes, float)
-    if any(len(row) != 4 for row in places):
+    if any(len(row) != 4 for row in nodes):
         raise ValueError("Nodes: a row is not a number and x, y, z")
-    table = np.array(places, dtype=np.float64).reshape(-1, 4)
-    labels = integers(table[:, 0])
-    _check_once("Nodes", labels)
+    table = _numbers("Nodes", nodes, float).reshape(-1, 4)
+    known = {"Nodes": integers(table[:, 0]), "Elements": joined([]), "Conditions": joined([])}
+    numbers = {"Nodes": np.arange(len(table)), "Elements": joined([]), "Conditions": joined([])}
+    _check_once("Nodes", known["Nodes"])
     blocks: list[RawBlock] = []
-    none = np.zeros(0, dtype=np.int64)
-    known = {"Elements": none, "Conditions": none}  # their labels, and
-    numbers = dict(known)  # their numbers among all cells
+    n_cells = 0
     for what, name, rows in tables:
+        head = _HEAD[what]
         for width in sorted({len(row) for row in rows}):
-            own = np.array(
-                _table(what, [row for row in rows if len(row) == width], int), dtype=np.int64
-            )
-            kind = _kind(what, name, width - _HEAD[what])
-            cells = _looked_up(labels, own[:, _HEAD[what] :], f"{what} {name}")
-            if kind in _ORDERS:
-                cells = cells[:, _ORDERS[kind]]
+            own = _numbers(what, [row for row in rows if len(row) == width], int)
+            kind = _kind(what, name, width - head)
+            cells = _looked_up(known["Nodes"], own[:, head:], f"{what} {name}")
             if what == "Geometries":  # shapes that elements may be made of, but no elements
                 continue
-            first = sum(len(block.cells) for block in blocks)
-            blocks.append(RawBlock(kind, cells, own[:, 0]))
-            known[what] = np.concatenate([known[what], own[:, 0]])
-            numbers[what] = np.concatenate([numbers[what], first + np.arange(len(own))])
-    for what in known:
-        _check_once(what, known[what])
-    node_sets: dict[str, IntArray] = {}
-    cell_sets: dict[str, IntArray] = {}
-    for path, parts in members.items():
-        for what, rows in parts:
-            ids = np.array([int(word) for row in rows for word in row], dtype=np.int64)
-            if what == "Geometries" or not len(ids):
-                continue
-            sets = node_sets if what == "Nodes" else cell_sets
-            found = _looked_up(known.get(what, labels), ids, f"sub-model part {path!r}")
-            found = found if what == "Nodes" else numbers[what][found]
-            sets[path] = np.union1d(sets.get(path, none), found)
-    return RawMesh(table[:, 1:], tuple(blocks), node_sets, cell_sets, labels)
+            blocks.append(RawBlock(kind, cells[:, _ORDERS.get(kind, slice(None))], own[:, 0]))
+            known[what] = joined([known[what], own[:, 0]])
+            numbers[what] = joined([numbers[what], n_cells + np.arange(len(own))])
+            n_cells += len(own)
+    for what, labels in known.items():
+        _check_once(what, labels)
+    sets: dict[bool, list[tuple[str, IntArray]]] = {True: [], False: []}
+    for part, what, rows in members:
+        ids = joined([_numbers(what, [row], int)[0] for row in rows])
+        if what != "Geometries" and len(ids):
+            found = _looked_up(known[what], ids, f"sub-model part {part!r}")
+            sets[what == "Nodes"].append((part, numbers[what][found]))
+    labels = known["Nodes"]
+    return RawMesh(table[:, 1:], tuple(blocks), grouped(sets[True]), grouped(sets[False]), labels)
+
+
+def _numbers(what: str, rows: _Rows, kind: type) -> Any:
+    try:
+        return np.array([[kind(word) for word in row] for row in rows], dtype=kind)
+    except (ValueError, OverflowError) as error:
+        raise ValueError(f"{what}: {error}") from None
 
 
 def _kind(what: str, name: str, width: int) -> str:
     if _LINE_NAMES.search(name):
-        kinds = _POINT | LINES
+        kinds = POINTS | LINES
     elif what == "Conditions" or _SURFACE_NAMES.search(name):
-        kinds = _POINT | LINES | SURFACES
+        kinds = POINTS | LINES | SURFACES
     else:
         kinds = SOLIDS
     return kinds.get(width, f"{name} of {width} nodes")
+
+
+def _check_once(what: str, labels: IntArray) -> None:
+    if len(again := repeats(labels)):
+        raise ValueError(f"{what}: number {labels[again[0]]} is there twice")
 
 
 def _looked_up(known: IntArray, labels: IntArray, what: str) -> IntArray:
@@ -150,9 +154,3 @@ def _looked_up(known: IntArray, labels: IntArray, what: str) -> IntArray:
     if (found < 0).any():
         raise ValueError(f"{what} names number {labels[found < 0][0]}, which is not there")
     return found
-
-
-def _check_once(what: str, labels: IntArray) -> None:
-    unique, counts = np.unique(labels, return_counts=True)
-    if (counts > 1).any():
-        raise ValueError(f"{what}: number {unique[counts > 1][0]} is there twice")
