@@ -141,7 +141,8 @@ class ReferenceElement:
         """The order of nodes that turns a left-handed element into a right-handed one."""
         reflected = self.nodes[:, [1, 0, 2]]
         distance = np.abs(reflected[:, None, :] - self.nodes[None, :, :]).max(axis=2)
-        return distance.argmin(axis=1)
+        order: IntArray = distance.argmin(axis=1)
+        return order
 
 
 @dataclass(frozen=True, eq=False)
@@ -362,7 +363,7 @@ def _space(degree: int, has: Callable[[int, int, int], bool]) -> tuple[_Powers, 
 
 # With 20 nodes, a function is quadratic in one coordinate at most, as on each side: the serendipity
 # space (D. Arnold & G. Awanou, Found. Comput. Math. 11, 337, 2011). A wedge of 15 nodes is
-# quadratic in x, y, and in z with what is linear in x, y. A pyramid has x²y/(1-z), xy²/(1-z),
+# quadratic in x, y, and in z times linear functions of x, y. A pyramid has x²y/(1-z), xy²/(1-z),
 # xy/(1-z) beside all quadratic functions (G. Bedrosian, Int. J. Num. Meth. Eng. 35, 95, 1992), the
 # first of which are the linear pyramid's.
 _TETRAHEDRON_4 = _space(1, lambda i, j, k: i + j + k <= 1)

@@ -21,11 +21,10 @@ from ..base import (
     positive,
     warn,
 )
-from .collapse import Solids, collapse
+from .convert import Solids, collapse, of_second_order
 from .elements import KINDS, reference_element
 from .files import RawMesh, from_meshio, is_meshio, load
 from .mesh import SMALLEST, Mesh, check_reach, checked_cells, replace_nodes, right_handed, select
-from .order import of_second_order
 
 
 def read_mesh(
