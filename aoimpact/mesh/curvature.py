@@ -34,11 +34,11 @@ _REACHES = (2.2, 2.8, 3.6, 5.0, 7.0)
 _IN_PLANE = 1e-6
 
 # Standard deviations in the error, and the least relative error. A shape is no sample of the prior.
-# On meshes that gmsh makes of spheres, tori and ellipsoids, of one to eight straight and one to four
-# curved elements a radius, 2 of 773 errors exceed six deviations. On cylinders 41 of 300 do, by up
-# to 4.5 times: their nodes lie in rows, and few rows fit a lower degree and show no need of a higher
-# one. There the estimate is at least 2 κ (κh)³ with h between nodes, which covers all of these and
-# 276 of 280 places on regular meshes.
+# On meshes that gmsh makes of spheres, tori and ellipsoids, of one to eight straight and one to
+# four curved elements a radius, 2 of 773 errors exceed six deviations. On cylinders 41 of 300 do,
+# by up to 4.5 times: their nodes lie in rows, and few rows fit a lower degree and show no need of a
+# higher one. There the estimate is at least 2 κ (κh)³ with h between nodes, which covers all of
+# these and 276 of 280 places on regular meshes.
 _DEVIATIONS, _LEAST_ERROR = 6.0, 1e-3
 
 # Share of the larger curvature below which a shape bends along one direction alone, and the factor

@@ -26,8 +26,8 @@ from .read import read_mesh
 
 _GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
-# Angle between neighbouring vertices of the icosahedron, seen from its centre. Edges in the middle of
-# a face are longer than their share of it, by 1.161 in four parts and 1.176 in sixteen.
+# Angle between neighbouring vertices of the icosahedron, seen from its centre. Edges in the middle
+# of a face are longer than their share of it, by 1.161 in four parts and 1.176 in sixteen.
 _ICOSAHEDRON_ANGLE = float(np.arctan(2.0))
 _STRETCH = 1.18
 

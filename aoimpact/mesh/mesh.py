@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -196,7 +196,7 @@ class Mesh(Frozen):
     def part(self, names: str | Sequence[str]) -> Mesh:
         """Return the mesh of some named groups of elements: one of several bodies in a file.
 
-        Sets and groups keep what of them belongs to it; nodes and elements are numbered anew.
+        Sets and groups keep their members in it; nodes and elements are numbered anew.
 
         Parameters
         ----------
@@ -273,8 +273,7 @@ def taken(mesh: Mesh, cells: IntArray) -> Mesh:
 def replace_nodes(mesh: Mesh, nodes: FloatArray) -> Mesh:
     """Return the same mesh with its nodes elsewhere."""
     blocks: Any = [(block.kind, block.cells) for block in mesh.blocks]
-    named = (mesh.node_sets, mesh.cell_sets, mesh.node_labels, mesh.cell_labels)
-    return Mesh(nodes, blocks, "mixed", *named, mesh.left_out)
+    return replace(mesh, nodes=nodes, cells=blocks, kind="mixed")
 
 
 def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
@@ -295,16 +294,15 @@ def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
 
 
 def _table(blocks: Sequence[Block]) -> IntArray:
-    """The cells of all blocks in one array; short rows repeat their first node."""
+    """Return the cells of all blocks in one array; short rows repeat their first node."""
     if len(blocks) == 1:
         return blocks[0].cells
     width = max(block.cells.shape[1] for block in blocks)
-    return np.concatenate(
-        [
-            np.hstack([block.cells, np.repeat(block.cells[:, :1], width - block.cells.shape[1], 1)])
-            for block in blocks
-        ]
-    )
+    table = np.empty((blocks[-1].numbers.stop, width), dtype=np.int64)
+    for block in blocks:
+        table[block.numbers] = block.cells[:, :1]
+        table[block.numbers, : block.cells.shape[1]] = block.cells
+    return table
 
 
 def _mapping(name: str, given: Any, values: str) -> Mapping[Any, Any]:

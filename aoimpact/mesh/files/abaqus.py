@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,7 @@ from ...base import IntArray, MeshError, warn
 from .abaqusdeck import Keyword, key, read_keywords
 from .abaqusnames import CONNECTIONS, HARMLESS, SIDES, UNSUPPORTED
 from .abaqusscope import Elements, Scope, Which
-from .raw import RawBlock, RawMesh, firsts
+from .raw import RawBlock, RawMesh
 
 _OF_SCOPES = frozenset(("NODE", "NGEN", "ELEMENT", "ELGEN", "NSET", "ELSET", "SYSTEM"))
 
@@ -152,7 +151,6 @@ def _joined(file: Path, model: _Model) -> RawMesh:
     bodies = [*whole.inner.values()] or [whole]
     blocks = [block for scope in scopes for block in scope.elements]
     rows = [block.nodes + of.first["NSET"] for of in scopes for block in of.elements]
-    raw_blocks, cell = _blocks(blocks, rows)
     node_sets, cell_sets = _named(whole, model)
     kinds = np.repeat(np.arange(len(blocks)), [len(block.labels) for block in blocks])
     others = np.array([block.type[:3] != "C3D" for block in blocks], dtype=bool)
@@ -167,28 +165,18 @@ def _joined(file: Path, model: _Model) -> RawMesh:
     n_nodes = sum(len(body.labels) for body in bodies)
     return RawMesh(
         np.concatenate([body.places for body in bodies]),
-        tuple(raw_blocks),
+        tuple(
+            # Elements that are only listed count as points without nodes.
+            RawBlock(
+                block.kind or "vertex", cells[:, _ORDERS.get(block.kind, slice(None))], block.labels
+            )
+            for block, cells in zip(blocks, rows, strict=True)
+        ),
         {name: members[members < n_nodes] for name, members in node_sets.items()},
-        {name: np.sort(cell[members][cell[members] >= 0]) for name, members in cell_sets.items()},
+        cell_sets,
         np.concatenate([body.labels for body in bodies]),
         left_out,
     )
-
-
-def _blocks(blocks: list[Elements], rows: list[IntArray]) -> tuple[list[RawBlock], IntArray]:
-    """Join elements of a kind, and return the cells' numbers by those of all elements, or -1."""
-    first = firsts(block.labels for block in blocks)
-    numbers = [np.arange(start, stop) for start, stop in pairwise(first)]
-    cell = np.full(first[-1], -1)
-    found: list[RawBlock] = []
-    done = 0
-    for kind in dict.fromkeys(block.kind for block in blocks if block.kind):
-        own = [i for i, block in enumerate(blocks) if block.kind == kind]
-        cells = np.concatenate([rows[i] for i in own])[:, _ORDERS.get(kind, slice(None))]
-        found.append(RawBlock(kind, cells, np.concatenate([blocks[i].labels for i in own])))
-        cell[np.concatenate([numbers[i] for i in own])] = np.arange(done, done + len(cells))
-        done += len(cells)
-    return found, cell
 
 
 def _named(whole: Scope, model: _Model) -> tuple[dict[str, IntArray], dict[str, IntArray]]:

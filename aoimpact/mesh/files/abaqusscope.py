@@ -208,8 +208,9 @@ class Scope:
             table = keyword.connectivity(n_nodes)
             new = Elements(name, kind, table[:, 0], table[:, 1:], keyword)
         else:
-            none = np.zeros((0, 0), dtype=np.int64)
-            new = Elements(name, "", keyword.first_numbers(), none, keyword)
+            labels = keyword.first_numbers()
+            none = np.zeros((len(labels), 0), dtype=np.int64)
+            new = Elements(name, "", labels, none, keyword)
         self.elements.append(new)
         self._define(keyword, "ELSET", new.labels)
 
@@ -238,7 +239,7 @@ class Scope:
             for count, step in zip(counts, steps, strict=True):
                 shifts = (np.arange(count)[:, None, None] * step + shifts).reshape(-1, 2)
             labels = master + shifts[:, 1]
-            nodes = block.nodes[i] + shifts[1:, :1] if block.kind else block.nodes
+            nodes = block.nodes[i] + shifts[1:, :1]
             self.elements.append(Elements(block.type, block.kind, labels[1:], nodes, keyword))
             every.append(labels)
         self._define(keyword, "ELSET", joined(every))

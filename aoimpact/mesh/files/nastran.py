@@ -78,11 +78,12 @@ def read(file: Path) -> RawMesh:
     for part in elements:
         if part.block.dim == 3:
             _make_right_handed(nodes, part.block)
-    labels = joined(part.labels for part in elements)
+    raw = RawMesh(nodes, tuple(part.block for part in elements))
+    labels = joined([] if raw.cell_labels is None else [raw.cell_labels])
     for number in repeats(labels)[:1].tolist():
-        rows = [(part, row) for part in elements for row in range(len(part.labels))]
-        part, row = rows[number]
-        raise part.table.refused(row, f"element {labels[number]} is there twice")
+        at = int(np.searchsorted(raw.first, number, side="right")) - 1
+        why = f"element {labels[number]} is there twice"
+        raise elements[at].table.refused(number - raw.first[at], why)
     properties = joined(part.properties for part in elements)
     cell_sets = {
         f"property {number}": np.flatnonzero(properties == number)
@@ -101,8 +102,7 @@ def read(file: Path) -> RawMesh:
     ):
         if listed := ", ".join(f"{n} {name}" for name, n in counts if pattern.fullmatch(name)):
             warn(f"mesh file {str(file)!r}: {what}: {listed}")
-    blocks = tuple(part.block for part in elements)
-    return RawMesh(nodes, blocks, node_sets, cell_sets, grids.labels)
+    return RawMesh(nodes, raw.blocks, node_sets, cell_sets, grids.labels)
 
 
 def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
@@ -132,11 +132,10 @@ def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
 
 
 class _Elements(NamedTuple):
-    """Elements of one kind: their entries, corners and numbers of properties (0: none)."""
+    """Elements of one kind: their entries, nodes with labels, and properties (0: none)."""
 
     table: Table
     block: RawBlock
-    labels: IntArray
     properties: IntArray
 
 
@@ -166,7 +165,7 @@ def _elements(deck: BulkData, names: tuple[str, ...], grids: _Grids) -> Iterator
         for row, column in np.argwhere(rows < 0)[:1].tolist():
             raise part.refused(row, f"node {numbers[row, column]} is not there")
         cells = rows[:, UPRIGHT_FIRST.get(kind, slice(None))]
-        yield _Elements(part, RawBlock(kind, cells, labels), labels, properties)
+        yield _Elements(part, RawBlock(kind, cells, labels), properties)
 
 
 def _make_right_handed(nodes: FloatArray, block: RawBlock) -> None:
