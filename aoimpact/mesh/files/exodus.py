@@ -15,19 +15,8 @@ import scipy.io
 
 from ...base import IntArray
 from ..elements import KINDS, reference_faces
-from .raw import (
-    LINES,
-    POINTS,
-    SOLIDS,
-    SURFACES,
-    UPRIGHT_FIRST,
-    RawBlock,
-    RawMesh,
-    check_count,
-    firsts,
-    grouped,
-    opened_hdf5,
-)
+from . import raw
+from .raw import RawBlock, RawMesh
 
 # Variables that define the mesh; the others are results.
 _OF_THE_MESH = re.compile(
@@ -37,17 +26,17 @@ _OF_THE_MESH = re.compile(
 # Kinds of cells by the first letters of the elements' names and the number of nodes.
 _KINDS = {
     **{
-        name: {n: kind for n, kind in SOLIDS.items() if kind[:3].upper() == name}
+        name: {n: kind for n, kind in raw.SOLIDS.items() if kind[:3].upper() == name}
         for name in ("HEX", "TET", "WED", "PYR")
     },
-    **dict.fromkeys(("QUA", "SHE", "TRI"), SURFACES),
-    **dict.fromkeys(("TRU", "BEA", "BAR", "EDG"), LINES),
-    **dict.fromkeys(("SPH", "CIR"), POINTS),
+    **dict.fromkeys(("QUA", "SHE", "TRI"), raw.SURFACES),
+    **dict.fromkeys(("TRU", "BEA", "BAR", "EDG"), raw.LINES),
+    **dict.fromkeys(("SPH", "CIR"), raw.POINTS),
 }
 
 # Exodus' numbers of the nodes within an element, in VTK's order.
-_ORDERS = UPRIGHT_FIRST | {
-    "hexahedron27": (*UPRIGHT_FIRST["hexahedron20"], 23, 24, 25, 26, 21, 22, 20),
+_ORDERS = raw.UPRIGHT_FIRST | {
+    "hexahedron27": (*raw.UPRIGHT_FIRST["hexahedron20"], 23, 24, 25, 26, 21, 22, 20),
 }
 
 # The corners of each side, in the order of Exodus' numbers.
@@ -86,7 +75,7 @@ def read(file: Path) -> RawMesh:
         except (OSError, TypeError, KeyError, IndexError, AssertionError) as error:
             raise ValueError(f"netCDF: {error!r}") from None
     else:
-        with opened_hdf5(file) as tree:
+        with raw.opened_hdf5(file) as tree:
             found = {
                 name: (np.asarray(item[()]), dict(item.attrs))
                 for name, item in tree.items()
@@ -120,7 +109,7 @@ def _mesh(arrays: dict[str, Any], types: dict[str, str]) -> RawMesh:
         kind = _KINDS.get(type_[:3], {}).get(width, f"{type_} of {width} nodes")
         kinds.append(kind if len(table) else "vertex")
         cells.append((table.astype(np.int64) - 1)[:, _ORDERS.get(kind, slice(None))])
-    first = firsts(cells)
+    first = raw.firsts(cells)
     labels = _labels(arrays, "elem_num_map", first[-1])
     blocks = tuple(
         RawBlock(kind, rows, None if labels is None else labels[start : start + len(rows)])
@@ -135,7 +124,7 @@ def _mesh(arrays: dict[str, Any], types: dict[str, str]) -> RawMesh:
             elements, sides = arrays[f"elem_ss{i}"], arrays[f"side_ss{i}"]
             node_sets[name] = _on_sides(name, blocks, first, elements, sides)
     spans = zip(names, pairwise(first), strict=True)
-    cell_sets = grouped((name, np.arange(*span)) for name, span in spans)
+    cell_sets = raw.grouped((name, np.arange(*span)) for name, span in spans)
     return RawMesh(nodes, blocks, node_sets, cell_sets, _labels(arrays, "node_num_map", len(nodes)))
 
 
@@ -143,7 +132,7 @@ def _labels(arrays: dict[str, Any], name: str, count: int) -> IntArray | None:
     if name not in arrays:
         return None
     labels: IntArray = arrays[name].astype(np.int64).reshape(-1)
-    check_count(f"numbers {name}", count, len(labels))
+    raw.check_count(f"numbers {name}", count, len(labels))
     return labels
 
 
@@ -154,7 +143,7 @@ def _names(arrays: dict[str, Any], prefix: str, what: str, members: str) -> list
     else:  # old files, in which they are numbered through
         ids = list(range(1, 1 + sum(name.startswith(members) for name in arrays)))
     rows = [_text(row) for row in arrays.get(f"{prefix}_names", np.full(len(ids), b""))]
-    check_count(f"names of a {what}", len(ids), len(rows))
+    raw.check_count(f"names of a {what}", len(ids), len(rows))
     return [row or f"{what} {id_}" for row, id_ in zip(rows, ids, strict=True)]
 
 

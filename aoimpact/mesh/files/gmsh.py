@@ -17,18 +17,8 @@ import numpy as np
 
 from ...base import FloatArray, IntArray, decoded, warn
 from ..mesh import right_handed
-from .raw import (
-    DIMENSIONS,
-    RawBlock,
-    RawMesh,
-    check_count,
-    grouped,
-    integers,
-    nodes_in,
-    numbers_of,
-    repeats,
-    rows_of,
-)
+from . import raw
+from .raw import RawBlock, RawMesh
 
 # Kinds of elements by Gmsh's numbers, from 1 on.
 _NAMES = (
@@ -96,7 +86,7 @@ class _Numbers:
 
     def __init__(self, content: bytes, types: _Types) -> None:
         self.types, self.at = types, 0
-        self.content: Any = numbers_of(content) if types is None else content
+        self.content: Any = raw.numbers_of(content) if types is None else content
 
     def take(self, kind: str, count: int) -> FloatArray:
         """Return the next `count` numbers; kind "i" is int, "P" size_t and "d" double."""
@@ -110,7 +100,7 @@ class _Numbers:
         return np.frombuffer(self.content, self.types[kind], count, start).astype(np.float64)
 
     def ints(self, kind: str, count: int) -> IntArray:
-        return integers(self.take(kind, count))
+        return raw.integers(self.take(kind, count))
 
     def count(self) -> int:
         return int(self.ints("P", 1)[0])
@@ -215,7 +205,7 @@ def _names(text: bytes) -> dict[tuple[int, int], str]:
         if match is None:
             raise ValueError(f"{line!r} is no dimension, tag and name in quotes")
         found[int(match[1]), abs(int(match[2]))] = match[3]
-    check_count("names", int(count), len(found))
+    raw.check_count("names", int(count), len(found))
     return found
 
 
@@ -249,7 +239,7 @@ def _nodes_4(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
         width = 3 + (int(dim) if parametric else 0)
         places.append(numbers.take("d", width * count).reshape(count, width)[:, :3])
     numbers.finish()
-    check_count("nodes", n_nodes, sum(map(len, tags)))
+    raw.check_count("nodes", n_nodes, sum(map(len, tags)))
     return np.concatenate(tags), np.concatenate(places)
 
 
@@ -259,10 +249,10 @@ def _nodes_2(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
         count = numbers.count()
         rows = numbers.take("d", 4 * count).reshape(count, 4)
         numbers.finish()
-        return integers(rows[:, 0]), rows[:, 1:]
+        return raw.integers(rows[:, 0]), rows[:, 1:]
     line, _, rest = content.partition(b"\n")
     kind = np.dtype([("tag", types["i"]), ("place", types["d"], 3)])
-    check_count("nodes", int(line), len(rest) // kind.itemsize)
+    raw.check_count("nodes", int(line), len(rest) // kind.itemsize)
     found = np.frombuffer(rest, kind, int(line))
     return found["tag"].astype(np.int64), found["place"].astype(np.float64)
 
@@ -270,7 +260,7 @@ def _nodes_2(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
 def _width(type_: int) -> int:
     if type_ not in _KINDS:
         raise ValueError(f"elements of Gmsh's type {type_} are not read: order 1 and 2 alone are")
-    return nodes_in(_KINDS[type_])
+    return raw.nodes_in(_KINDS[type_])
 
 
 def _elements_4(numbers: _Numbers, entities: _Entities) -> list[_Elements]:
@@ -285,7 +275,7 @@ def _elements_4(numbers: _Numbers, entities: _Entities) -> list[_Elements]:
         parts |= entities.parts.get((dim, tag), set()) if dim == 3 else set()
         found.append(_Elements(type_, rows[:, 0], rows[:, 1:], members))
     numbers.finish()
-    check_count("elements", n_elements, sum(len(block.tags) for block in found))
+    raw.check_count("elements", n_elements, sum(len(block.tags) for block in found))
     if len(parts) < entities.n_parts:
         raise ValueError(_PART)
     return found
@@ -318,7 +308,7 @@ def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
         parts |= set(np.unique(rows[:, 4])) if n_tags > 3 else set()
         total += len(rows)
     numbers.finish()
-    check_count("elements", n_elements, total)
+    raw.check_count("elements", n_elements, total)
     if len(parts) == 1:
         raise ValueError(_PART)
     return [_once(type_, np.concatenate(rows)) for (type_, _), rows in found.items()]
@@ -362,13 +352,13 @@ def _once(type_: int, rows: IntArray) -> _Elements:
 def _mesh(
     tags: IntArray, places: FloatArray, elements: list[_Elements], names: dict[tuple[int, int], str]
 ) -> RawMesh:
-    if len(again := repeats(tags)):
+    if len(again := raw.repeats(tags)):
         raise ValueError(f"node {tags[again[0]]} is there twice")
     groups: list[tuple[str, IntArray]] = []
     blocks, first = [], 0
     for part in elements:
         kind = _KINDS[part.type]
-        cells = rows_of(tags, part.nodes)
+        cells = raw.rows_of(tags, part.nodes)
         for row, column in np.argwhere(cells < 0)[:1]:
             node = part.nodes[row, column]
             raise ValueError(f"element {part.tags[row]} has node {node}, which is not there")
@@ -376,7 +366,7 @@ def _mesh(
         blocks.append(RawBlock(kind, cells, part.tags))
         for tag, members in part.groups.items():
             dim = blocks[-1].dim
-            groups.append((names.get((dim, tag), f"{DIMENSIONS[dim]} {tag}"), first + members))
+            groups.append((names.get((dim, tag), f"{raw.DIMENSIONS[dim]} {tag}"), first + members))
         first += len(cells)
     for name, count in Counter(names.values()).items():
         if count > 1:
@@ -384,7 +374,7 @@ def _mesh(
                 f"{count} physical groups are called {name!r}: its set of nodes has those of all. "
                 "Give groups of different dimensions different names"
             )
-    sets = grouped(groups)
+    sets = raw.grouped(groups)
     if missing := [repr(name) for name in names.values() if name not in sets]:
         warn(
             f"groups without elements in the file: {', '.join(missing)}. Files of version 2.2 "

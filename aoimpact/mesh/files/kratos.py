@@ -9,20 +9,8 @@ from typing import Any
 import numpy as np
 
 from ...base import IntArray
-from .raw import (
-    LINES,
-    POINTS,
-    SOLIDS,
-    SURFACES,
-    UPRIGHT_FIRST,
-    RawBlock,
-    RawMesh,
-    grouped,
-    integers,
-    joined,
-    repeats,
-    rows_of,
-)
+from . import raw
+from .raw import RawBlock, RawMesh
 
 # Elements in space that are no solids, by a part of their names.
 _SURFACE_NAMES = re.compile("shell|membrane|surface|plate|triangle|quadrilateral|2d", re.IGNORECASE)
@@ -31,8 +19,8 @@ _LINE_NAMES = re.compile(
 )
 
 # Kratos' numbers of the nodes within an element, in VTK's order: those of GiD.
-_ORDERS = UPRIGHT_FIRST | {
-    "hexahedron27": (*UPRIGHT_FIRST["hexahedron20"], 24, 22, 21, 23, 20, 25, 26),
+_ORDERS = raw.UPRIGHT_FIRST | {
+    "hexahedron27": (*raw.UPRIGHT_FIRST["hexahedron20"], 24, 22, 21, 23, 20, 25, 26),
 }
 
 # Blocks of members of a sub-model part, and blocks without influence on mesh and groups.
@@ -98,9 +86,11 @@ def _mesh(
     if any(len(row) != 4 for row in nodes):
         raise ValueError("Nodes: a row is not a number and x, y, z")
     table = _numbers("Nodes", nodes, float).reshape(-1, 4)
-    known = {"Nodes": integers(table[:, 0]), "Elements": joined([]), "Conditions": joined([])}
-    numbers = {"Nodes": np.arange(len(table)), "Elements": joined([]), "Conditions": joined([])}
-    _check_once("Nodes", known["Nodes"])
+    labels, none = raw.integers(table[:, 0]), np.zeros(0, dtype=np.int64)
+    # Labels, and numbers among all nodes or all cells.
+    known = {"Nodes": labels, "Elements": none, "Conditions": none}
+    numbers = {"Nodes": np.arange(len(table)), "Elements": none, "Conditions": none}
+    _check_once("Nodes", labels)
     blocks: list[RawBlock] = []
     n_cells = 0
     for what, name, rows in tables:
@@ -112,19 +102,19 @@ def _mesh(
             if what == "Geometries":  # shapes that elements may be made of, but no elements
                 continue
             blocks.append(RawBlock(kind, cells[:, _ORDERS.get(kind, slice(None))], own[:, 0]))
-            known[what] = joined([known[what], own[:, 0]])
-            numbers[what] = joined([numbers[what], n_cells + np.arange(len(own))])
+            known[what] = raw.joined([known[what], own[:, 0]])
+            numbers[what] = raw.joined([numbers[what], n_cells + np.arange(len(own))])
             n_cells += len(own)
-    for what, labels in known.items():
-        _check_once(what, labels)
+    for what in known:
+        _check_once(what, known[what])
     sets: dict[bool, list[tuple[str, IntArray]]] = {True: [], False: []}
     for part, what, rows in members:
-        ids = joined([_numbers(what, [row], int)[0] for row in rows])
+        ids = raw.joined([_numbers(what, [row], int)[0] for row in rows])
         if what != "Geometries" and len(ids):
             found = _looked_up(known[what], ids, f"sub-model part {part!r}")
             sets[what == "Nodes"].append((part, numbers[what][found]))
-    labels = known["Nodes"]
-    return RawMesh(table[:, 1:], tuple(blocks), grouped(sets[True]), grouped(sets[False]), labels)
+    node_sets, cell_sets = raw.grouped(sets[True]), raw.grouped(sets[False])
+    return RawMesh(table[:, 1:], tuple(blocks), node_sets, cell_sets, known["Nodes"])
 
 
 def _numbers(what: str, rows: _Rows, kind: type) -> Any:
@@ -136,21 +126,21 @@ def _numbers(what: str, rows: _Rows, kind: type) -> Any:
 
 def _kind(what: str, name: str, width: int) -> str:
     if _LINE_NAMES.search(name):
-        kinds = POINTS | LINES
+        kinds = raw.POINTS | raw.LINES
     elif what == "Conditions" or _SURFACE_NAMES.search(name):
-        kinds = POINTS | LINES | SURFACES
+        kinds = raw.POINTS | raw.LINES | raw.SURFACES
     else:
-        kinds = SOLIDS
+        kinds = raw.SOLIDS
     return kinds.get(width, f"{name} of {width} nodes")
 
 
 def _check_once(what: str, labels: IntArray) -> None:
-    if len(again := repeats(labels)):
+    if len(again := raw.repeats(labels)):
         raise ValueError(f"{what}: number {labels[again[0]]} is there twice")
 
 
 def _looked_up(known: IntArray, labels: IntArray, what: str) -> IntArray:
-    found = rows_of(known, labels)
+    found = raw.rows_of(known, labels)
     if (found < 0).any():
         raise ValueError(f"{what} names number {labels[found < 0][0]}, which is not there")
     return found
