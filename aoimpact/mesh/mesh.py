@@ -250,24 +250,29 @@ def taken(mesh: Mesh, cells: IntArray) -> Mesh:
     chosen[cells] = True
     used = np.zeros(mesh.n_nodes, dtype=bool)
     used[mesh.cells[chosen]] = True
-    number, place = np.cumsum(used) - 1, np.cumsum(chosen) - 1
+    number = np.where(used, np.cumsum(used) - 1, -1)
+    place = np.where(chosen, np.cumsum(chosen) - 1, -1)
     blocks: Any = [
         (block.kind, number[block.cells[chosen[block.numbers]]])
         for block in mesh.blocks
         if chosen[block.numbers].any()
     ]
-    nodes = {name: number[ids[used[ids]]] for name, ids in mesh.node_sets.items()}
-    groups = {name: place[ids[chosen[ids]]] for name, ids in mesh.cell_sets.items()}
     return Mesh(
         mesh.nodes[used],
         blocks,
         "mixed",
-        {name: ids for name, ids in nodes.items() if len(ids)},
-        {name: ids for name, ids in groups.items() if len(ids)},
+        renumbered(mesh.node_sets, number),
+        renumbered(mesh.cell_sets, place),
         None if mesh.node_labels is None else mesh.node_labels[used],
         None if mesh.cell_labels is None else mesh.cell_labels[chosen],
         mesh.left_out,
     )
+
+
+def renumbered(sets: Mapping[str, IntArray], number: IntArray) -> dict[str, IntArray]:
+    """Return sets by new numbers, -1 for members that are gone, without those that are empty."""
+    new = {name: number[ids] for name, ids in sets.items()}
+    return {name: ids[ids >= 0] for name, ids in new.items() if (ids >= 0).any()}
 
 
 def replace_nodes(mesh: Mesh, nodes: FloatArray) -> Mesh:

@@ -24,7 +24,16 @@ from ..base import (
 from .convert import Solids, collapse, of_second_order
 from .elements import KINDS, reference_element
 from .files import RawMesh, from_meshio, is_meshio, load
-from .mesh import SMALLEST, Mesh, check_reach, checked_cells, replace_nodes, right_handed, select
+from .mesh import (
+    SMALLEST,
+    Mesh,
+    check_reach,
+    checked_cells,
+    renumbered,
+    replace_nodes,
+    right_handed,
+    select,
+)
 
 
 def read_mesh(
@@ -130,7 +139,7 @@ def _ordered(raw: RawMesh, factor: float) -> Mesh:
                 else f"dropped; the first is node {raw.node_labels[first]}"
             )
         )
-    number = np.cumsum(used) - 1
+    number = np.where(used, np.cumsum(used) - 1, -1)
     blocks: Any = []
     numbers = []
     for kind, cells, own in _without_repeats(
@@ -148,15 +157,12 @@ def _ordered(raw: RawMesh, factor: float) -> Mesh:
     order = np.concatenate(numbers)
     place = np.full(raw.first[-1], -1)
     place[order] = np.arange(len(order))
-    node_sets = {name: number[ids[used[ids]]] for name, ids in _node_sets(raw).items()}
-    cell_sets = {name: place[members] for name, members in raw.cell_sets.items()}
-    cell_sets = {name: ids[ids >= 0] for name, ids in cell_sets.items()}
     return Mesh(
         nodes,
         blocks,
         "mixed",
-        {name: ids for name, ids in node_sets.items() if len(ids)},
-        {name: ids for name, ids in cell_sets.items() if len(ids)},
+        renumbered(_node_sets(raw), number),
+        renumbered(raw.cell_sets, place),
         None if raw.node_labels is None else raw.node_labels[used],
         None if raw.cell_labels is None else raw.cell_labels[order],
         raw.left_out,

@@ -109,7 +109,7 @@ def _mesh(
         _check_once(what, known[what])
     sets: dict[bool, list[tuple[str, IntArray]]] = {True: [], False: []}
     for part, what, rows in members:
-        ids = raw.joined([_numbers(what, [row], int)[0] for row in rows])
+        ids = _numbers(what, [[word for row in rows for word in row]], int)[0]
         if what != "Geometries" and len(ids):
             found = _looked_up(known[what], ids, f"sub-model part {part!r}")
             sets[what == "Nodes"].append((part, numbers[what][found]))
