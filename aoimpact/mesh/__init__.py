@@ -7,7 +7,8 @@ their nodes and corners for multigrid, `fields` their elements for stresses and 
 from .convert import open_edges
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
-from .files import load, looks_like_inp
+from .files import load
+from .files.abaqusdeck import looks_like_inp
 from .files.nastran import nastran_nodes
 from .files.nastrandeck import is_nastran
 from .files.viameshio import meshio_of_all_kinds

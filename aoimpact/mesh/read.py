@@ -23,7 +23,9 @@ from ..base import (
 )
 from .convert import Solids, collapse, of_second_order
 from .elements import KINDS, reference_element
-from .files import RawMesh, from_meshio, is_meshio, load
+from .files import load
+from .files.raw import RawMesh
+from .files.viameshio import from_meshio, is_meshio
 from .mesh import (
     SMALLEST,
     Mesh,

@@ -14,21 +14,10 @@ from pathlib import Path
 from ...base import MemoryLimitError, MeshError, MissingFileError, file_path
 from . import abaqus, exodus, gmsh, kratos, med, nastran, viameshio, vtk
 from .abaqusdeck import looks_like_inp
-from .nastran import nastran_nodes
 from .nastrandeck import is_nastran
 from .raw import RawMesh
-from .viameshio import from_meshio, is_meshio, meshio_of_all_kinds
 
-__all__ = [
-    "RawMesh",
-    "from_meshio",
-    "is_meshio",
-    "is_nastran",
-    "load",
-    "looks_like_inp",
-    "meshio_of_all_kinds",
-    "nastran_nodes",
-]
+__all__ = ["load"]
 
 _Reader = Callable[[Path], RawMesh]
 

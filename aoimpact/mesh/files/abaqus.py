@@ -166,9 +166,8 @@ def _joined(file: Path, model: _Model) -> RawMesh:
     return RawMesh(
         np.concatenate([body.places for body in bodies]),
         tuple(
-            # Elements that are only listed count as points without nodes.
             RawBlock(
-                block.kind or "vertex", cells[:, _ORDERS.get(block.kind, slice(None))], block.labels
+                block.kind or "other", cells[:, _ORDERS.get(block.kind, slice(None))], block.labels
             )
             for block, cells in zip(blocks, rows, strict=True)
         ),

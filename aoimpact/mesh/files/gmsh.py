@@ -88,16 +88,21 @@ class _Numbers:
         self.types, self.at = types, 0
         self.content: Any = raw.numbers_of(content) if types is None else content
 
-    def take(self, kind: str, count: int) -> FloatArray:
-        """Return the next `count` numbers; kind "i" is int, "P" size_t and "d" double."""
-        size = 1 if self.types is None else self.types[kind].itemsize
+    def rows(self, layout: str, count: int) -> FloatArray:
+        """Return the next `count` rows, of numbers "i" (int), "P" (size_t) and "d" (double)."""
+        kind = np.dtype([("", self.types[name] if self.types else "f8") for name in layout])
+        size = kind.itemsize if self.types else len(layout)
         start, left = self.at, (len(self.content) - self.at) // size
         if not 0 <= count <= left:
             raise ValueError(f"{count} numbers are announced where {left} are left")
         self.at += count * size
         if self.types is None:
-            return np.asarray(self.content[start : self.at])
-        return np.frombuffer(self.content, self.types[kind], count, start).astype(np.float64)
+            return np.reshape(self.content[start : self.at], (count, size))
+        table = np.frombuffer(self.content, kind, count, start)
+        return np.stack([table[name].astype(np.float64) for name in kind.names or ()], axis=1)
+
+    def take(self, kind: str, count: int) -> FloatArray:
+        return self.rows(kind, count)[:, 0]
 
     def ints(self, kind: str, count: int) -> IntArray:
         return raw.integers(self.take(kind, count))
@@ -244,17 +249,11 @@ def _nodes_4(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
 
 
 def _nodes_2(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
-    if types is None:
-        numbers = _Numbers(content, None)
-        count = numbers.count()
-        rows = numbers.take("d", 4 * count).reshape(count, 4)
-        numbers.finish()
-        return raw.integers(rows[:, 0]), rows[:, 1:]
     line, _, rest = content.partition(b"\n")
-    kind = np.dtype([("tag", types["i"]), ("place", types["d"], 3)])
-    raw.check_count("nodes", int(line), len(rest) // kind.itemsize)
-    found = np.frombuffer(rest, kind, int(line))
-    return found["tag"].astype(np.int64), found["place"].astype(np.float64)
+    numbers = _Numbers(rest, types)
+    rows = numbers.rows("iddd", int(line))
+    numbers.finish()
+    return raw.integers(rows[:, 0]), rows[:, 1:]
 
 
 def _width(type_: int) -> int:

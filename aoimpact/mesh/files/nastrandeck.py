@@ -254,7 +254,7 @@ def _in_columns(lines: Lines) -> tuple[Lines, IntArray, IntArray]:
     Returns
     -------
     Lines
-        With fields of 8 or 16 characters after the head, or of 32 if one of them has more.
+        With fields of 8, 16 or 32 characters after the head, as the longest one needs.
     counts : ndarray of int, shape (n_lines,)
         Number of fields in each line: 8, 4 or 2.
     odd : ndarray of int
@@ -286,7 +286,7 @@ def _in_columns(lines: Lines) -> tuple[Lines, IntArray, IntArray]:
         longest = max(map(len, fields), default=0)
         if is_odd or longest > _FREE:
             odd.append(len(text))
-        width = 64 // most if longest <= 64 // most else _FREE
+        width = next(w for w in (64 // most, 16, _FREE) if longest <= w or w == _FREE)
         count = 64 // width
         fields += [b""] * (-len(fields) % most or most * (not fields))
         rows = [fields[k : k + count] for k in range(0, len(fields), count)]

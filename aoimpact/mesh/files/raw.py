@@ -32,7 +32,8 @@ UPRIGHT_FIRST = {
 
 # Dimension and number of corners of each shape of cells.
 _SHAPES = {
-    **{"vertex": (0, 1), "line": (1, 2), "triangle": (2, 3), "quad": (2, 4), "polygon": (2, 0)},
+    **{"other": (0, 0), "vertex": (0, 1), "line": (1, 2)},
+    **{"triangle": (2, 3), "quad": (2, 4), "polygon": (2, 0)},
     **{"tetra": (3, 4), "pyramid": (3, 5), "wedge": (3, 6), "hexahedron": (3, 8)},
 }
 
@@ -50,7 +51,8 @@ class RawBlock:
     Attributes
     ----------
     kind : str
-        meshio's name, such as "tetra10", "quad8" or "line"; node order is meshio's (VTK's).
+        meshio's name, such as "tetra10", "quad8" or "line"; node order is meshio's (VTK's). "other"
+        for elements without volume whose nodes are not read.
     cells : ndarray of int, shape (n, nodes per cell)
         Row numbers of `RawMesh.nodes`.
     labels : ndarray of int, shape (n,), or None
