@@ -75,6 +75,8 @@ class Scope:
 
     Attributes
     ----------
+    part : Scope or None
+        The part of which it is an instance.
     inner : mapping of str to Scope
         Instances of an assembly, by their names in capitals.
     first : mapping of Which to int
@@ -90,6 +92,7 @@ class Scope:
         By sets, the first of their numbers that is not defined.
     """
 
+    part: Scope | None = None
     inner: dict[str, Scope] = field(default_factory=dict)
     first: dict[Which, int] = field(default_factory=lambda: {"NSET": 0, "ELSET": 0})
     labels: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
@@ -107,7 +110,7 @@ class Scope:
     def placed(self, keyword: Keyword | None, first: dict[Which, int]) -> Scope:
         """Return it as an instance, moved by the data lines of *INSTANCE, if there are any."""
         places = self.places if keyword is None else _moved(keyword, self.places)
-        return replace(self, first=first, places=places, missing={}, _found={})
+        return replace(self, part=self, first=first, places=places)
 
     def behind(self) -> dict[Which, int]:
         """Return the numbers, as `first`, that follow those of its nodes and elements."""
@@ -314,6 +317,8 @@ class Scope:
     def members(self, which: Which, name: str) -> IntArray:
         """Return the sorted numbers, among those of all scopes, of a set's members."""
         at = which, name
+        if self.part is not None:
+            return self.part.members(which, name) + self.first[which]
         if at not in self._found:
             self._found[at] = None
             self._found[at] = np.unique(joined(self._resolved(which, of) for of in self._sets[at]))
@@ -344,8 +349,10 @@ class Scope:
     def _numbered(self, which: Which, labels: IntArray) -> IntArray:
         """Return the numbers of nodes or elements among those of all scopes; -1 for others."""
         known, order = self._known[which]
-        rows = rows_of(known, labels)
-        return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows
+        if not len(known):
+            return np.full(len(labels), -1)
+        at = np.searchsorted(known, labels).clip(max=len(known) - 1)
+        return np.where(known[at] == labels, order[at] + self.first[which], -1)
 
     def _named(self, which: Which, name: str, piece: _Piece) -> IntArray:
         """Return the members of a name in a piece of a set: a set, instance.set, instance.5."""
