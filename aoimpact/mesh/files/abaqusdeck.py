@@ -239,7 +239,7 @@ def looks_like_inp(head: bytes) -> bool:
     return found is not None and key(found[1]) in _FIRST
 
 
-def read_keywords(file: Path) -> list[Keyword]:
+def read_keywords(main: Path) -> list[Keyword]:
     """Return the keywords of a deck and of the files that it includes, in order.
 
     Raises
@@ -250,43 +250,59 @@ def read_keywords(file: Path) -> list[Keyword]:
         If there are data before the first keyword, or files include each other.
     """
     found: list[Keyword] = []
-    _add_keywords(file, (), file.parent, [], found)
-    return found
+    included: list[Path] = []
 
+    def beside(keyword: Keyword, outer: tuple[Path, ...]) -> Path:
+        """Return the path of the file that an option INPUT, or FILE, names."""
+        options = keyword.options
+        given = (options.get("INPUT") or options.get("FILE") or "").strip('"').replace("\\", "/")
+        if not given:
+            raise keyword.error("INPUT=file is missing")
+        places = [folder / PurePosixPath(given) for folder in (main.parent, keyword.file.parent)]
+        place = next((place for place in places if place.is_file()), None)
+        if place is None:
+            raise MissingFileError(str(keyword.error(f"there is no file {str(places[0])!r}")))
+        included.append(place)
+        if place.resolve() in {file.resolve() for file in outer}:
+            raise keyword.error(f"{str(place)!r} includes itself")
+        if len(included) > _MOST_INCLUDED:
+            raise keyword.error(f"more than {_MOST_INCLUDED} files are included")
+        return place
 
-def _add_keywords(
-    file: Path, outer: tuple[Path, ...], folder: Path, included: list[Path], found: list[Keyword]
-) -> None:
-    """Add the keywords of a file, which the `outer` ones include."""
-    lines = read_lines(file)
-    starts = [
-        i
-        for i, line in enumerate(lines)
-        if "*" in line and (text := line.lstrip())[:1] == "*" and text[1:2] != "*"
-    ]
-    for start, stop in zip([None, *starts], [*starts, len(lines)], strict=True):
-        after = 0
-        if start is not None:
-            keyword, after = _keyword(file, lines, start, stop)
-            if keyword.name == "INCLUDE":
-                keyword.check_options("INPUT", "FILE")
-                other = _beside(keyword, (*outer, file), folder, included)
-                _add_keywords(other, (*outer, file), folder, included, found)
+    def add(file: Path, outer: tuple[Path, ...]) -> None:
+        """Add the keywords of a file; the last one of `outer` is the file itself."""
+        lines = read_lines(file)
+        starts = [
+            i
+            for i, line in enumerate(lines)
+            if "*" in line and (text := line.lstrip())[:1] == "*" and text[1:2] != "*"
+        ]
+        for start, stop in zip([None, *starts], [*starts, len(lines)], strict=True):
+            after = 0
+            if start is not None:
+                keyword, after = _keyword(file, lines, start, stop)
+                if keyword.name == "INCLUDE":
+                    keyword.check_options("INPUT", "FILE")
+                    other = beside(keyword, outer)
+                    add(other, (*outer, other))
+                else:
+                    found.append(keyword)
+                    if keyword.name in _WITH_INPUT and "INPUT" in keyword.options:
+                        other = beside(keyword, outer)
+                        more = read_lines(other)
+                        keyword.pieces.append((other, more, 0, len(more)))
+                        if any(text.startswith("*") for text in _texts(more)):
+                            raise keyword.error(f"{str(other)!r} must hold data lines only")
+            if found:
+                found[-1].pieces.append((file, lines, after, stop))
             else:
-                found.append(keyword)
-                if keyword.name in _WITH_INPUT and "INPUT" in keyword.options:
-                    other = _beside(keyword, (*outer, file), folder, included)
-                    more = read_lines(other)
-                    keyword.pieces.append((other, more, 0, len(more)))
-                    if any(text.startswith("*") for text in _texts(more)):
-                        raise keyword.error(f"{str(other)!r} must hold data lines only")
-        if found:
-            found[-1].pieces.append((file, lines, after, stop))
-        else:
-            for i in range(after, stop):
-                for text in _texts(lines[i : i + 1]):
-                    why = "a deck of Abaqus or CalculiX begins with *"
-                    raise refused(file, i + 1, repr(text[:40]), why)
+                for i in range(after, stop):
+                    for text in _texts(lines[i : i + 1]):
+                        why = "a deck of Abaqus or CalculiX begins with *"
+                        raise refused(file, i + 1, repr(text[:40]), why)
+
+    add(main, (main,))
+    return found
 
 
 def _texts(lines: list[str]) -> list[str]:
@@ -304,21 +320,3 @@ def _keyword(file: Path, lines: list[str], start: int, stop: int) -> tuple[Keywo
             text += line or " "
     name, *given = fields(text[1:]) or [""]
     return Keyword(key(name), tuple(given), file, start + 1), after
-
-
-def _beside(keyword: Keyword, outer: tuple[Path, ...], folder: Path, included: list[Path]) -> Path:
-    """Return the path of the file that an option INPUT, or FILE, names."""
-    options = keyword.options
-    given = (options.get("INPUT") or options.get("FILE") or "").strip('"').replace("\\", "/")
-    if not given:
-        raise keyword.error("INPUT=file is missing")
-    places = [place / PurePosixPath(given) for place in (folder, keyword.file.parent)]
-    place = next((place for place in places if place.is_file()), None)
-    if place is None:
-        raise MissingFileError(str(keyword.error(f"there is no file {str(places[0])!r}")))
-    included.append(place)
-    if place.resolve() in {file.resolve() for file in outer}:
-        raise keyword.error(f"{str(place)!r} includes itself")
-    if len(included) > _MOST_INCLUDED:
-        raise keyword.error(f"more than {_MOST_INCLUDED} files are included")
-    return place

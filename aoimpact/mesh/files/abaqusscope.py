@@ -182,8 +182,12 @@ class Scope:
             share = np.arange(1, n)[:, None] / n
             if line == "C":
                 numbers = keyword.reals(row, texts[4:])
-                about = where[centre] if centre else None
-                between = _arc(where[first], where[last], share, about, numbers, frame)
+                given = np.array([*numbers, *[0.0] * 6][:6])
+                about = where[centre] if centre else frame.origin + frame.axes @ given[:3]
+                normal = frame.axes @ given[3:] if len(numbers) > 3 else None
+                between = None
+                if centre or numbers:
+                    between = _arc(where[first], where[last], share, about, normal)
                 if between is None:
                     raise keyword.error("no arc leads from node to node about the centre", row)
             else:
@@ -432,36 +436,23 @@ class _Frame:
 
 
 def _arc(
-    start: FloatArray,
-    end: FloatArray,
-    share: FloatArray,
-    centre: FloatArray | None,
-    numbers: list[float],
-    frame: _Frame,
+    start: FloatArray, end: FloatArray, share: FloatArray, centre: FloatArray, given: Any
 ) -> FloatArray | None:
     """Return places on an arc, shape (n, 3), or None if there is no such arc.
 
     Parameters
     ----------
-    start, end : ndarray, shape (3,)
+    start, end, centre : ndarray, shape (3,)
     share : ndarray, shape (n, 1)
         Shares of the way from start to end.
-    centre : ndarray, shape (3,), or None
-        None: it is the first three of `numbers`, in the axes of `frame`.
-    numbers : list of float
-        Coordinates of the centre, and a normal of the arc, needed from 180° on.
+    given : ndarray, shape (3,), or None
+        A normal of the arc, needed from 180° on.
     """
-    given = [*numbers, *[0.0] * 6]
-    if centre is None:
-        if not numbers:
-            return None
-        centre = frame.origin + frame.axes @ given[:3]
     arms = start - centre, end - centre
     radii = [float(np.linalg.norm(arm)) for arm in arms]
-    has_normal = len(numbers) > 3
-    normal = frame.axes @ given[3:6] if has_normal else np.cross(*arms)
+    normal = np.cross(*arms) if given is None else given
     size = float(np.linalg.norm(normal))
-    least = 0.0 if has_normal else _PARALLEL * radii[0] * radii[1]
+    least = _PARALLEL * radii[0] * radii[1] if given is None else 0.0
     if not (size > least and abs(radii[0] - radii[1]) <= _ROUND * radii[0]):
         return None
     across = np.cross(normal / size, arms[0])

@@ -101,19 +101,7 @@ def read_sections(file: Path) -> tuple[Lines, Lines]:
         If a file that it includes is not there, or if it has several parts, such as superelements.
     MemoryLimitError
     """
-    files: list[Path] = []
-    texts: list[str] = []
-    sources: list[tuple[int, range]] = []
-    _collect(file, (), file.parent, files, texts, sources)
-    content = "\n".join(texts).encode("ascii", "replace").upper()
-    text = [line.rstrip() for line in content.split(b"\n")]
-    if b"\t" in content:
-        text = [line.expandtabs(8) for line in text]
-    source = np.concatenate(
-        [np.stack([np.full(len(own), i), np.arange(own.start, own.stop)], 1) for i, own in sources]
-    )
-    kept = [i for i, line in enumerate(text) if line]
-    lines = Lines([text[i] for i in kept], source[kept], files)
+    lines = _all_lines(file)
     content = b"\n".join(lines.text)
     found = [match.start() for match in re.finditer(b"BEGIN|CEND", content)]
     candidates = sorted({content.count(b"\n", 0, start) for start in found})
@@ -131,51 +119,56 @@ def read_sections(file: Path) -> tuple[Lines, Lines]:
     return lines.part(max(ends, default=-1) + 1, begins[0]), lines.part(begins[0] + 1)
 
 
-def _collect(
-    file: Path,
-    within: tuple[Path, ...],
-    folder: Path,
-    files: list[Path],
-    texts: list[str],
-    sources: list[tuple[int, range]],
-) -> bool:
-    """Add the lines of a file, and those of included files in their places.
+def _all_lines(main: Path) -> Lines:
+    """Return the lines of a deck up to ENDDATA, those of included files in their places."""
+    files: list[Path] = []
+    texts: list[str] = []
+    sources: list[IntArray] = []
 
-    Returns
-    -------
-    bool
-        Whether ENDDATA was met.
-    """
-    files.append(file)
-    own = len(files) - 1
-    require(_PER_BYTE * file.stat().st_size, f"mesh file {str(file)!r}", "take a coarser mesh")
-    lines = [line.partition("$")[0] if "$" in line else line for line in read_lines(file)]
-    stops = [
-        (i, name)
-        for i, line in enumerate(lines)
-        if line[:1] in "IiEe \t" and (name := line.lstrip()[:7].upper()) in ("INCLUDE", "ENDDATA")
-    ]
-    end = next((i for i, name in stops if name == "ENDDATA"), len(lines))
-    done = 0
-    for i in [*(i for i, _ in stops if i < end), end]:
-        texts += lines[done:i]
-        sources.append((own, range(done + 1, max(done, i) + 1)))
-        if i == end:
-            break
-        name, done = _file_name(file, lines, i)
-        # os.path.isfile is False for a name that is too long, unlike Path.is_file.
-        places = [place / name for place in (file.parent, folder) if os.path.isfile(place / name)]
-        if not places:
-            # Before CEND there are statements for the solver alone.
-            if any(line.lstrip()[:4].upper() == "CEND" for line in lines[i:]):
-                continue
-            raise refused(file, i + 1, "INCLUDE", f"there is no file {name!r}")
-        included = places[0].resolve()
-        if included in (*within, file):
-            raise refused(file, i + 1, "INCLUDE", f"{name!r} includes itself")
-        if _collect(included, (*within, file), folder, files, texts, sources):
-            return True
-    return end < len(lines)
+    def add(file: Path, within: tuple[Path, ...]) -> bool:
+        """Add the lines of a file, and return True if ENDDATA was met."""
+        files.append(file)
+        own = len(files) - 1
+        require(_PER_BYTE * file.stat().st_size, f"mesh file {str(file)!r}", "take a coarser mesh")
+        lines = [line.partition("$")[0] if "$" in line else line for line in read_lines(file)]
+        stops = [
+            (i, name)
+            for i, line in enumerate(lines)
+            if line[:1] in "IiEe \t"
+            and (name := line.lstrip()[:7].upper()) in ("INCLUDE", "ENDDATA")
+        ]
+        end = next((i for i, name in stops if name == "ENDDATA"), len(lines))
+        done = 0
+        for i in [*(i for i, _ in stops if i < end), end]:
+            part = lines[done:i]
+            texts.extend(part)
+            number = done + 1 + np.arange(len(part))
+            sources.append(np.stack([np.full(len(part), own), number], axis=1))
+            if i == end:
+                break
+            name, done = _file_name(file, lines, i)
+            # os.path.isfile is False for a name that is too long, unlike Path.is_file.
+            folders = (file.parent, main.parent)
+            places = [folder / name for folder in folders if os.path.isfile(folder / name)]
+            if not places:
+                # Before CEND there are statements for the solver alone.
+                if any(line.lstrip()[:4].upper() == "CEND" for line in lines[i:]):
+                    continue
+                raise refused(file, i + 1, "INCLUDE", f"there is no file {name!r}")
+            included = places[0].resolve()
+            if included in (*within, file):
+                raise refused(file, i + 1, "INCLUDE", f"{name!r} includes itself")
+            if add(included, (*within, file)):
+                return True
+        return end < len(lines)
+
+    add(main, ())
+    content = "\n".join(texts).encode("ascii", "replace").upper()
+    text = [line.rstrip() for line in content.split(b"\n")]
+    if b"\t" in content:
+        text = [line.expandtabs(8) for line in text]
+    kept = [i for i, line in enumerate(text) if line]
+    return Lines([text[i] for i in kept], np.concatenate(sources)[kept], files)
 
 
 def _file_name(file: Path, lines: list[str], i: int) -> tuple[str, int]:
