@@ -349,7 +349,7 @@ def _curved(system: str, places: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Placement:
-    """How an instance is moved and then turned."""
+    """Translation of an instance, and the rotation after it."""
 
     shift: FloatArray
     axis: FloatArray

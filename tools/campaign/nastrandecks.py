@@ -287,7 +287,7 @@ def _wrapped(rng: random.Random, head: str, words: list[str]) -> list[str]:
 
 @dataclass
 class _Style:
-    """How entries become lines."""
+    """Ways to write entries as lines."""
 
     rng: random.Random
     marks: int = 0
