@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -227,24 +227,35 @@ def _solids(raw: RawMesh) -> list[Solids]:
             else f"the mesh has no volume cells: it has {listed or 'no cells at all'}"
         )
         raise MeshError(f"{what}; supported are {', '.join(KINDS)}")
-    found = []
-    for kind in (kind for kind in KINDS if kind in volume):
-        parts = [(block.cells, numbers) for block, numbers in blocks if block.kind == kind]
-        shapes = sorted({str(np.shape(cells)[1:]) for cells, _ in parts})
+    solids = _by_kind((of.kind, of.cells, numbers) for of, numbers in blocks if of.kind in volume)
+    return [
+        (kind, checked_cells(cells, reference_element(kind), len(raw.nodes)), numbers)
+        for kind, cells, numbers in solids
+    ]
+
+
+def _by_kind(parts: Iterable[Solids]) -> list[Solids]:
+    """Join elements of one kind, in the order of `KINDS`."""
+    found: dict[str, list[Solids]] = {}
+    for part in parts:
+        found.setdefault(part[0], []).append(part)
+    joined = []
+    for kind in (kind for kind in KINDS if kind in found):
+        _, cells, numbers = zip(*found[kind], strict=True)
+        shapes = sorted({str(np.shape(table)[1:]) for table in cells})
         if len(shapes) > 1:
             raise MeshError(f"blocks of {kind} have different shapes: {', '.join(shapes)}")
-        cells = np.concatenate([cells for cells, _ in parts])
-        checked = checked_cells(cells, reference_element(kind), len(raw.nodes))
-        found.append((kind, checked, np.concatenate([numbers for _, numbers in parts])))
-    return found
+        joined.append((kind, np.concatenate(cells), np.concatenate(numbers)))
+    return joined
 
 
 def _without_repeats(solids: list[Solids], labels: IntArray | None) -> list[Solids]:
     """Return elements that repeat nodes as the solids that they are, kind by kind."""
-    found: dict[str, list[Solids]] = {}
+    found: list[Solids] = []
     for solid in solids:
         kind, _, numbers = solid
         parts, wrong = collapse(*solid)
+        found += parts
         if len(wrong):
             first = int(numbers[wrong[0]])
             raise MeshError(
@@ -252,13 +263,7 @@ def _without_repeats(solids: list[Solids], labels: IntArray | None) -> list[Soli
                 f"tetrahedron; the first is element {first if labels is None else labels[first]}. "
                 "Repair the mesh there"
             )
-        for part in parts:
-            found.setdefault(part[0], []).append(part)
-    joined = []
-    for kind in (kind for kind in KINDS if kind in found):
-        _, tables, counted = zip(*found[kind], strict=True)
-        joined.append((kind, np.concatenate(tables), np.concatenate(counted)))
-    return joined
+    return _by_kind(found)
 
 
 def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
