@@ -177,11 +177,11 @@ class _Ending:
 
 
 class _Binary(_Ending, io.BufferedReader):
-    """The same for a binary file."""
+    """A binary file of this sort."""
 
 
 class _Text(_Ending, io.TextIOWrapper):
-    """The same for a text."""
+    """A text of this sort."""
 
 
 def _check_tecplot(file: Path, n_nodes: int, n_cells: int) -> None:
