@@ -4,20 +4,20 @@ It knows shapes, but neither materials nor matrices. `fem` makes bodies of meshe
 their nodes and corners for multigrid, `fields` their elements for stresses and pictures.
 """
 
+from .convert import open_edges
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
 from .files import load
+from .files.abaqusdeck import looks_like_inp
+from .files.nastran import nastran_nodes
+from .files.nastrandeck import is_nastran
+from .files.viameshio import meshio_of_all_kinds
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from .inpfile import looks_like_inp
 from .locate import AT_NODE, node_at, weights_at
 from .mesh import Block, Mesh, group, taken
-from .nastran import nastran_nodes
-from .nastrantext import is_nastran
-from .order import open_edges
 from .read import read_mesh
 from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of
-from .viameshio import meshio_of_all_kinds
 
 __all__ = [
     "AT_NODE",

@@ -18,34 +18,31 @@ import scipy
 import scipy.sparse as sp
 
 from ..base import FloatArray, Frozen, InputError, IntArray, plain, positive
-from .mesh import Block
 from .surface import SHARP, Surface, plane_of
 
-__all__ = ["SurfaceShape", "surface_shape"]
-
-# Faces that meet at more than 75° meet at a sharp edge for certain; below, it may be a round body
-# of very few linear elements.
+# Cosine of 75°: beyond it the edge between two faces is sharp for certain; up to it the body may be
+# round, of very few linear elements.
 _SURELY_SHARP = 0.25
 
-# The surface is a height over the tangent plane where it turns away by less than 60°.
+# Cosine of the largest turn, 60°, of a surface that is taken as a height over the tangent plane.
 _GRAPH = 0.5
 
 # Reaches that are tried, in distances between neighbouring nodes.
 _REACHES = (2.2, 2.8, 3.6, 5.0, 7.0)
 
-# Nodes in a plane to this fraction of the reach are flat: digits of a mesh file.
+# Height of nodes that lie in a plane, as a fraction of the reach: digits of a mesh file.
 _IN_PLANE = 1e-6
 
-# Standard deviations in the error: a shape is no sample of the prior. Measured on meshes that gmsh
-# makes of spheres, cylinders, tori and ellipsoids, of one to eight straight and one to four curved
-# elements a radius: with six, 2 of 773 errors are above it on the others, but 41 of 300 on
-# cylinders, by up to 4.5 times: where nodes lie in rows, as on what bends along one direction
-# alone, few rows fit a lower degree and show no need of a higher one. There the error is no less
-# than what these and 276 of 280 places on regular ones have at most, 2 κ (κh)³ with h between
-# nodes. Less than the relative error is never claimed.
+# Standard deviations in the error, and the least relative error. A shape is no sample of the prior.
+# On meshes that gmsh makes of spheres, tori and ellipsoids, of one to eight straight and one to
+# four curved elements a radius, 2 of 773 errors exceed six deviations. On cylinders 41 of 300 do,
+# by up to 4.5 times: their nodes lie in rows, and few rows fit a lower degree and show no need of a
+# higher one. There the estimate is at least 2 κ (κh)³ with h between nodes, which covers all of
+# these and 276 of 280 places on regular meshes.
 _DEVIATIONS, _LEAST_ERROR = 6.0, 1e-3
 
-# A shape bends along one direction alone if its other curvature is below this share.
+# Share of the larger curvature below which a shape bends along one direction alone, and the factor
+# 2 of its error.
 _ONE_WAY, _IN_ROWS = 0.1, 2.0
 
 # Nodes that a fit needs: as many as a polynomial of degree two has terms.
@@ -129,7 +126,7 @@ def surface_shape(
     if (normals @ normals.T).min() < SHARP:
         raise InputError(
             f"point {plain(here)} m is on a sharp edge or corner of the mesh, where the "
-            "surface has no curvature: choose a point inside a face, or refine the mesh if the "
+            "surface has no curvature. Choose a point inside a face, or refine the mesh if the "
             "body is round there"
         )
     normal = normals.mean(axis=0)
@@ -148,7 +145,7 @@ def surface_shape(
     if not len(reaches):
         raise InputError(
             f"point {plain(here)} m: only {counts[-1]} nodes of the surface lie around it before "
-            f"its edges, and its curvature needs {_LEAST}: refine the mesh there, or give law"
+            f"its edges, and its curvature needs {_LEAST}. Refine the mesh there, or give law"
         )
     reaches = reaches[(reaches <= region.limit) | (reaches == reaches[0])]
     normal = _fitted(region, here, normal, float(reaches[0])).normal
@@ -202,31 +199,26 @@ def _best(shapes: list[SurfaceShape]) -> SurfaceShape:
 
 
 def _spacing(surface: Surface, face: IntArray) -> float:
-    """Mean distance between neighbouring nodes of faces, m."""
+    """Return the mean distance between neighbouring nodes of faces, m."""
     edge = float(surface.edges(face).mean())
     return 0.5 * edge if _curved(surface, face).any() else edge
 
 
 def _curved(surface: Surface, face: IntArray) -> npt.NDArray[np.bool_]:
-    """Whether the faces have nodes between their corners that lie off the chords."""
+    """Return which faces have nodes between their corners that lie off the chords."""
     number = surface.block(face)
     off = np.zeros(len(face), dtype=bool)
     for i in np.unique(number):
-        block = surface.mesh.blocks[i]
-        if block.element.quadratic:
-            off[number == i] = _off_chords(surface, block, face[number == i])
-    return off
-
-
-def _off_chords(surface: Surface, block: Block, face: IntArray) -> npt.NDArray[np.bool_]:
-    element = block.element
-    cells = block.cells[surface.cell[face] - block.first]
-    middles = cells[:, element.n_corners :]
-    chords = element.linear.shape(element.nodes[element.n_corners :])
-    corners = surface.mesh.nodes[cells[:, : element.n_corners]]
-    gap = np.linalg.norm(surface.mesh.nodes[middles] - chords @ corners, axis=2)
-    gap[~(middles[:, :, None] == surface.nodes[face][:, None]).any(axis=2)] = 0.0
-    off: npt.NDArray[np.bool_] = gap.max(axis=1) > _IN_PLANE * surface.edges(face)
+        block, own = surface.mesh.blocks[i], face[number == i]
+        element = block.element
+        if element.quadratic:
+            cells = block.cells[surface.cell[own] - block.first]
+            middles = cells[:, element.n_corners :]
+            chords = element.linear.shape(element.nodes[element.n_corners :])
+            corners = surface.mesh.nodes[cells[:, : element.n_corners]]
+            gap = np.linalg.norm(surface.mesh.nodes[middles] - chords @ corners, axis=2)
+            gap[~(middles[:, :, None] == surface.nodes[own][:, None]).any(axis=2)] = 0.0
+            off[number == i] = gap.max(axis=1) > _IN_PLANE * surface.edges(own)
     return off
 
 
@@ -271,7 +263,7 @@ def _region(
 
 
 def _linked(joined: sp.csr_array, start: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Which faces hang together with those to start from."""
+    """Return which faces are connected with those to start from."""
     label = sp.csgraph.connected_components(joined, directed=False)[1]
     return np.isin(label, label[start])
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from itertools import combinations, permutations, product
 from typing import Any
 
@@ -17,24 +17,25 @@ import scipy
 
 from ..base import FloatArray, IntArray
 
-# 1 - z at an apex: its square, inverted, is a number.
+# Least 1 - z, at an apex: the inverse of its square is finite.
 _APEX = 1e-150
 
 __all__ = [
     "KINDS",
     "TETRAHEDRON_EDGES",
-    "Cell",
     "ReferenceElement",
+    "ReferenceFace",
     "Rule",
     "cofactors",
     "jacobians",
     "reference_element",
+    "reference_faces",
 ]
 
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """A reference cell, which elements of several orders share.
+    """A reference cell, shared by elements of several orders.
 
     Attributes
     ----------
@@ -86,18 +87,18 @@ class ReferenceElement:
     kind: str
     cell: Cell
     nodes: FloatArray
-    _rules: tuple[Callable[[], Rule], Callable[[], Rule]]
+    _points: tuple[int, int]
     _basis: _Basis
 
     @cached_property
     def stiffness_rule(self) -> Rule:
         """Exact for ∫∇φ dV, which the patch test needs, on elements however curved."""
-        return self._rules[0]()
+        return _quadrature(self.cell.linear, self._points[0])
 
     @cached_property
     def mass_rule(self) -> Rule:
         """Exact for ∫φφ dV, on elements however curved."""
-        return self._rules[1]()
+        return _quadrature(self.cell.linear, self._points[1])
 
     @property
     def n_nodes(self) -> int:
@@ -126,14 +127,44 @@ class ReferenceElement:
 
     @property
     def quadratic(self) -> bool:
-        """Whether it has nodes between its corners."""
+        """True if it has nodes between its corners."""
         return self.n_nodes > self.n_corners
+
+    @cached_property
+    def edges(self) -> IntArray:
+        """The corners at both ends of the edges on which nodes lie, shape (n_edges, 2)."""
+        weights = self.linear.shape(self.nodes[self.n_corners :]) > 1e-12
+        return np.nonzero(weights[weights.sum(axis=1) == 2])[1].reshape(-1, 2)
 
     @property
     def mirror(self) -> IntArray:
         """The order of nodes that turns a left-handed element into a right-handed one."""
         reflected = self.nodes[:, [1, 0, 2]]
-        return _match(reflected, self.nodes)
+        distance = np.abs(reflected[:, None, :] - self.nodes[None, :, :]).max(axis=2)
+        order: IntArray = distance.argmin(axis=1)
+        return order
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceFace:
+    """A side of a reference element: ξ = origin + u axes[0] + v axes[1].
+
+    Attributes
+    ----------
+    nodes : ndarray of int
+        The nodes on it, by their numbers within the element; the corners first, counter-clockwise
+        as seen from outside.
+    n_corners : int
+        3: u, v ≥ 0 and u + v ≤ 1. 4: both from 0 to 1.
+    origin : ndarray, shape (3,)
+    axes : ndarray, shape (2, 3)
+        Their cross product points outward.
+    """
+
+    nodes: IntArray
+    n_corners: int
+    origin: FloatArray
+    axes: FloatArray
 
 
 # The exponents (i, j, k, l) of xⁱ yʲ zᵏ (1 - z)⁻ˡ, each of 0, 1 or 2.
@@ -207,49 +238,27 @@ def _powers(x: FloatArray) -> FloatArray:
     return np.stack([np.ones_like(x), x, x * x])
 
 
-def _match(wanted: FloatArray, among: FloatArray) -> IntArray:
-    """For each row of `wanted` the row of `among` that equals it."""
-    distance = np.abs(wanted[:, None, :] - among[None, :, :]).max(axis=2)
-    found: IntArray = distance.argmin(axis=1)
-    assert np.array_equal(np.sort(found), np.arange(len(among)))
-    assert distance[np.arange(len(wanted)), found].max() < 1e-12
-    return found
+def _quadrature(linear: str, n: int) -> Rule:
+    """Return Gauss' rule of n points in each direction, exact to degree 2n − 1, on a cell.
 
-
-def _gauss(n: int, *powers: int) -> Rule:
-    """Return Gauss' rule of n points in each direction, exact to degree 2n − 1 in each.
-
-    Coordinate i goes from 0 to 1 with the weight (1 − x_i)^powers[i], of Gauss and Jacobi.
+    The cell is folded from a brick with coordinates from 0 to 1, in which the rule has the weights
+    (1 − x_i)^power of Gauss and Jacobi. In a wedge y = s (1 − x), in a tetrahedron also
+    z = t (1 − x)(1 − s) (Stroud, 1971); in a pyramid x = a (1 − z) and y = b (1 − z).
     """
-    rules = [scipy.special.roots_jacobi(n, power, 0.0) for power in powers]
+    if linear == "tetra" and n == 3:
+        return _symmetric_tetrahedron_rule()
+    powers = {"hexahedron": (0, 0, 0), "wedge": (1, 0, 0), "pyramid": (0, 0, 2), "tetra": (2, 1, 0)}
+    rules = [scipy.special.roots_jacobi(n, power, 0.0) for power in powers[linear]]
     points = np.meshgrid(*((1.0 + x) / 2.0 for x, _ in rules), indexing="ij")
-    weights = [w / 2.0 ** (power + 1) for (_, w), power in zip(rules, powers, strict=True)]
-    return Rule(np.stack(points, axis=-1).reshape(-1, 3), np.einsum("i,j,k->ijk", *weights).ravel())
-
-
-def _hexahedron_rule(n: int) -> Rule:
-    return _gauss(n, 0, 0, 0)
-
-
-def _wedge_rule(n: int) -> Rule:
-    """Exact to degree 2n − 1 in the triangle and along the axis: y = s (1 − x)."""
-    rule = _gauss(n, 1, 0, 0)
-    x, s, z = rule.points.T
-    return Rule(np.stack([x, s * (1.0 - x), z], axis=-1), rule.weights)
-
-
-def _pyramid_rule(n: int) -> Rule:
-    """Exact to degree 2n − 1 in x/(1-z), y/(1-z) and z."""
-    rule = _gauss(n, 0, 0, 2)
-    a, b, z = rule.points.T
-    return Rule(np.stack([a * (1.0 - z), b * (1.0 - z), z], axis=-1), rule.weights)
-
-
-def _tetrahedron_rule(n: int) -> Rule:
-    """Exact to degree 2n − 1: y = s (1 − x) and z = t (1 − x)(1 − s) (Stroud, 1971)."""
-    rule = _gauss(n, 2, 1, 0)
-    x, s, t = rule.points.T
-    return Rule(np.stack([x, s * (1.0 - x), t * (1.0 - x) * (1.0 - s)], axis=-1), rule.weights)
+    weights = [w / 2.0 ** (k + 1) for (_, w), k in zip(rules, powers[linear], strict=True)]
+    x, y, z = (along.reshape(-1) for along in points)
+    if linear == "tetra":
+        y, z = y * (1.0 - x), z * (1.0 - x) * (1.0 - y)
+    elif linear == "wedge":
+        y = y * (1.0 - x)
+    elif linear == "pyramid":
+        x, y = x * (1.0 - z), y * (1.0 - z)
+    return Rule(np.stack([x, y, z], axis=-1), np.einsum("i,j,k->ijk", *weights).ravel())
 
 
 def _symmetric_tetrahedron_rule() -> Rule:
@@ -331,24 +340,19 @@ _PYRAMID = _cell(
 )
 
 # The nodes after the corners, each in the middle of these corners (VTK's file-format figures).
-TETRAHEDRON_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+_Middles = tuple[tuple[int, ...], ...]
+TETRAHEDRON_EDGES: _Middles = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 _HEXAHEDRON_EDGES = (
     *((0, 1), (1, 2), (2, 3), (0, 3)),
     *((4, 5), (5, 6), (6, 7), (4, 7)),
     *((0, 4), (1, 5), (2, 6), (3, 7)),
 )
-_HEXAHEDRON_FACES = (
-    *((0, 3, 4, 7), (1, 2, 5, 6)),
-    *((0, 1, 4, 5), (2, 3, 6, 7)),
-    *((0, 1, 2, 3), (4, 5, 6, 7)),
+_HEXAHEDRON_MIDDLES = (
+    *(*_HEXAHEDRON_EDGES, (0, 3, 4, 7), (1, 2, 5, 6), (0, 1, 4, 5), (2, 3, 6, 7)),
+    *((0, 1, 2, 3), (4, 5, 6, 7), tuple(range(8))),
 )
-_HEXAHEDRON_MIDDLES = (*_HEXAHEDRON_EDGES, *_HEXAHEDRON_FACES, tuple(range(8)))
-_WEDGE_EDGES = (
-    *((0, 1), (1, 2), (0, 2)),
-    *((3, 4), (4, 5), (3, 5)),
-    *((0, 3), (1, 4), (2, 5)),
-)
-_PYRAMID_EDGES = (*((0, 1), (1, 2), (2, 3), (0, 3)), *((0, 4), (1, 4), (2, 4), (3, 4)))
+_WEDGE_EDGES = ((0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5), (0, 3), (1, 4), (2, 5))
+_PYRAMID_EDGES = ((0, 1), (1, 2), (2, 3), (0, 3), (0, 4), (1, 4), (2, 4), (3, 4))
 
 
 def _space(degree: int, has: Callable[[int, int, int], bool]) -> tuple[_Powers, ...]:
@@ -359,7 +363,7 @@ def _space(degree: int, has: Callable[[int, int, int], bool]) -> tuple[_Powers, 
 
 # With 20 nodes, a function is quadratic in one coordinate at most, as on each side: the serendipity
 # space (D. Arnold & G. Awanou, Found. Comput. Math. 11, 337, 2011). A wedge of 15 nodes is
-# quadratic in x, y, and in z with what is linear in x, y. A pyramid has x²y/(1-z), xy²/(1-z),
+# quadratic in x, y, and in z times linear functions of x, y. A pyramid has x²y/(1-z), xy²/(1-z),
 # xy/(1-z) beside all quadratic functions (G. Bedrosian, Int. J. Num. Meth. Eng. 35, 95, 1992), the
 # first of which are the linear pyramid's.
 _TETRAHEDRON_4 = _space(1, lambda i, j, k: i + j + k <= 1)
@@ -375,52 +379,30 @@ _PYRAMID_13: tuple[_Powers, ...] = (*_TETRAHEDRON_10, (1, 1, 0, 1), (2, 1, 0, 1)
 
 @dataclass(frozen=True)
 class _Kind:
-    """What `ReferenceElement` is made from."""
+    """Parts of a `ReferenceElement`; the last two are points of quadrature in each direction."""
 
     cell: Cell
-    middles: tuple[tuple[int, ...], ...]
+    middles: _Middles
     space: tuple[_Powers, ...]
-    stiffness_rule: Callable[[], Rule]
-    mass_rule: Callable[[], Rule]
+    stiffness_points: int
+    mass_points: int
 
 
-# Every kind of element, by meshio's name; nothing about a kind is said elsewhere.
+# All kinds of elements, by meshio's names. Nothing about a kind is said elsewhere.
 #
 # Degrees needed with curved sides, where the Jacobian is a polynomial too. Hexahedra of order p, in
 # each coordinate: 3p − 1 for ∫∇φ dV, 5p − 1 for ∫φφ dV; tetrahedra, in all: 3p − 3 and 5p − 3.
 # Wedges: 3p − 2 and 5p − 2 in the triangle; pyramids, in x/(1-z) and y/(1-z): 3p and 5p.
 _ALL = {
-    "tetra": _Kind(
-        *(_TETRAHEDRON, (), _TETRAHEDRON_4),
-        *(partial(_tetrahedron_rule, 1), partial(_tetrahedron_rule, 2)),
-    ),
-    "tetra10": _Kind(
-        *(_TETRAHEDRON, TETRAHEDRON_EDGES, _TETRAHEDRON_10),
-        *(_symmetric_tetrahedron_rule, partial(_tetrahedron_rule, 4)),
-    ),
-    "hexahedron": _Kind(
-        *(_HEXAHEDRON, (), _HEXAHEDRON_8),
-        *(partial(_hexahedron_rule, 2), partial(_hexahedron_rule, 3)),
-    ),
-    "hexahedron20": _Kind(
-        *(_HEXAHEDRON, _HEXAHEDRON_EDGES, _HEXAHEDRON_20),
-        *(partial(_hexahedron_rule, 3), partial(_hexahedron_rule, 5)),
-    ),
-    "hexahedron27": _Kind(
-        *(_HEXAHEDRON, _HEXAHEDRON_MIDDLES, _HEXAHEDRON_27),
-        *(partial(_hexahedron_rule, 3), partial(_hexahedron_rule, 5)),
-    ),
-    "wedge": _Kind(*(_WEDGE, (), _WEDGE_6), *(partial(_wedge_rule, 2), partial(_wedge_rule, 3))),
-    "wedge15": _Kind(
-        *(_WEDGE, _WEDGE_EDGES, _WEDGE_15), *(partial(_wedge_rule, 3), partial(_wedge_rule, 5))
-    ),
-    "pyramid": _Kind(
-        *(_PYRAMID, (), _PYRAMID_5), *(partial(_pyramid_rule, 2), partial(_pyramid_rule, 3))
-    ),
-    "pyramid13": _Kind(
-        *(_PYRAMID, _PYRAMID_EDGES, _PYRAMID_13),
-        *(partial(_pyramid_rule, 4), partial(_pyramid_rule, 6)),
-    ),
+    "tetra": _Kind(_TETRAHEDRON, (), _TETRAHEDRON_4, 1, 2),
+    "tetra10": _Kind(_TETRAHEDRON, TETRAHEDRON_EDGES, _TETRAHEDRON_10, 3, 4),
+    "hexahedron": _Kind(_HEXAHEDRON, (), _HEXAHEDRON_8, 2, 3),
+    "hexahedron20": _Kind(_HEXAHEDRON, _HEXAHEDRON_EDGES, _HEXAHEDRON_20, 3, 5),
+    "hexahedron27": _Kind(_HEXAHEDRON, _HEXAHEDRON_MIDDLES, _HEXAHEDRON_27, 3, 5),
+    "wedge": _Kind(_WEDGE, (), _WEDGE_6, 2, 3),
+    "wedge15": _Kind(_WEDGE, _WEDGE_EDGES, _WEDGE_15, 3, 5),
+    "pyramid": _Kind(_PYRAMID, (), _PYRAMID_5, 2, 3),
+    "pyramid13": _Kind(_PYRAMID, _PYRAMID_EDGES, _PYRAMID_13, 4, 6),
 }
 
 KINDS = tuple(_ALL)
@@ -433,7 +415,31 @@ def reference_element(kind: str) -> ReferenceElement:
     corners = of.cell.corners
     nodes = np.vstack([corners, *(corners[list(c)].mean(axis=0) for c in of.middles)])
     basis = _Basis.of(of.space, nodes, 0.5 if of.cell is _HEXAHEDRON else 0.0)
-    return ReferenceElement(kind, of.cell, nodes, (of.stiffness_rule, of.mass_rule), basis)
+    points = (of.stiffness_points, of.mass_points)
+    return ReferenceElement(kind, of.cell, nodes, points, basis)
+
+
+@cache
+def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
+    """Return the sides of the element of meshio's name `kind`.
+
+    A side is the volume element on a plane of its reference cell, so the shape functions of every
+    kind of face, curved ones too, are those of the volume.
+    """
+    element, found = reference_element(kind), []
+    for normal in element.cell.normals:
+        height = element.nodes @ normal
+        on = np.flatnonzero(np.abs(height - height.max()) < 1e-12)
+        corners, others = on[on < element.n_corners], on[on >= element.n_corners]
+        arms = element.nodes[corners] - element.nodes[corners].mean(axis=0)
+        across = np.cross(normal, arms[0])
+        turn = np.arctan2(arms @ across, arms @ arms[0] * np.linalg.norm(normal))
+        corners = corners[np.argsort(turn)]
+        places = element.nodes[corners]
+        axes = np.stack([places[1] - places[0], places[-1] - places[0]])
+        nodes = np.concatenate([corners, others])
+        found.append(ReferenceFace(nodes, len(corners), places[0], axes))
+    return tuple(found)
 
 
 def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:

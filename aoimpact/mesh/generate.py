@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from importlib import resources
-from itertools import permutations, product
+from itertools import combinations, permutations, product
 
 import numpy as np
 import numpy.typing as npt
@@ -20,21 +20,18 @@ from ..base import (
     positive,
     sequence,
 )
-from .elements import KINDS, TETRAHEDRON_EDGES, ReferenceElement, reference_element
+from .elements import KINDS, TETRAHEDRON_EDGES, reference_element
 from .mesh import Mesh
 from .read import read_mesh
 
-__all__ = ["box_mesh", "paper_sphere_mesh", "sphere_mesh"]
-
-
 _GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
-# Angle between neighbouring vertices of the icosahedron, seen from its centre, and how much longer
-# than their share of it edges in the middle of a face are: 1.161 in four parts, 1.176 in sixteen.
+# Angle between neighbouring vertices of the icosahedron, seen from its centre. Edges in the middle
+# of a face are longer than their share of it, by 1.161 in four parts and 1.176 in sixteen.
 _ICOSAHEDRON_ANGLE = float(np.arctan(2.0))
 _STRETCH = 1.18
 
-# More nodes than this is surely a slip in `size` (m, not mm); 1e7 nodes are 40 GB of matrices.
+# Largest number of nodes: 1e7 nodes are 40 GB of matrices, and a slip in `size` (m, not mm).
 _MOST_NODES = 1e7
 
 
@@ -85,19 +82,20 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     cells = number.reshape(len(cones), -1)[:, tets].reshape(-1, 4)
     volume = np.linalg.det(corners[cells[:, 1:]] - corners[cells[:, :1]])
     cells = np.where(volume[:, None] < 0.0, cells[:, [0, 2, 1, 3]], cells)
-    nodes, cells = _with_edge_nodes(corners, cells)
-    return _ball(nodes, cells, len(corners), R)
-
-
-def _ball(nodes: FloatArray, cells: IntArray, n_corners: int, radius: float) -> Mesh:
-    """Push the edges of the boundary out to the sphere; scale the unit ball to its radius."""
+    # A node in the middle of each edge.
+    n = len(corners)
+    ends = np.sort(cells[:, np.array(TETRAHEDRON_EDGES)], axis=2)
+    keys, number = np.unique(ends @ [n, 1], return_inverse=True)
+    nodes = np.concatenate([corners, 0.5 * (corners[keys // n] + corners[keys % n])])
+    cells = np.hstack([cells, n + number.reshape(-1, 6)])
+    # Push the edges of the boundary out to the sphere.
     on_surface = np.abs(np.linalg.norm(nodes, axis=1) - 1.0) < 1e-9
     for (a, b), middle in zip(TETRAHEDRON_EDGES, range(4, 10), strict=True):
         both = on_surface[cells[:, a]] & on_surface[cells[:, b]]
         on_surface[cells[both, middle]] = True
     surface = np.flatnonzero(on_surface)
     nodes[surface] /= np.linalg.norm(nodes[surface], axis=1)[:, None]
-    return Mesh(radius * nodes, cells, "tetra10", {"surface": surface})
+    return Mesh(R * nodes, cells, "tetra10", {"surface": surface})
 
 
 def _icosahedron() -> tuple[FloatArray, IntArray]:
@@ -110,11 +108,9 @@ def _icosahedron() -> tuple[FloatArray, IntArray]:
     directions = np.array(vertices) / np.hypot(1.0, _GOLDEN)
     near = directions @ directions.T > 0.4
     faces = [
-        (i, j, k)
-        for i in range(12)
-        for j in range(i + 1, 12)
-        for k in range(j + 1, 12)
-        if near[i, j] and near[j, k] and near[i, k]
+        corners
+        for corners in combinations(range(12), 3)
+        if all(near[i, j] for i, j in combinations(corners, 2))
     ]
     return directions, np.array(faces)
 
@@ -166,18 +162,6 @@ def _cone_points(
     return (label[..., 0] * base + label[..., 1]) * base + label[..., 2], places
 
 
-def _with_edge_nodes(corners: FloatArray, cells: IntArray) -> tuple[FloatArray, IntArray]:
-    """Add a node in the middle of each edge: tetra to tetra10."""
-    ends = np.sort(np.stack([cells[:, edge] for edge in TETRAHEDRON_EDGES], axis=1), axis=2)
-    n = len(corners)
-    keys, number = np.unique(ends[..., 0] * n + ends[..., 1], return_inverse=True)
-    middles = 0.5 * (corners[keys // n] + corners[keys % n])
-    return (
-        np.concatenate([corners, middles]),
-        np.concatenate([cells, n + number.reshape(-1, 6)], axis=1),
-    )
-
-
 def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "hexahedron") -> Mesh:
     """Return the box from the origin to `lengths`, cut into equal bricks.
 
@@ -218,7 +202,11 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
     counts = [integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(given)]
     element = reference_element(choice("kind", kind, KINDS))
     _refuse_monster(8.0 * float(min(math.prod(counts), 10**30)), "divisions", counts)
-    lattice = _brick_nodes(element, np.array(counts))
+    # Nodes of all elements on the lattice of quarter bricks, shape (n_cells, n_nodes, 3).
+    local = 4.0 * (element.linear.shape(element.nodes) @ element.cell.of_brick)
+    bricks = 4 * np.array(list(product(*(range(count) for count in counts))))
+    lattice = bricks[:, None, None, :] + np.rint(local).astype(np.int64)[None]
+    lattice = lattice.reshape(-1, element.n_nodes, 3)
     places = 4 * np.array(counts) + 1
     keys = np.ravel_multi_index(tuple(np.moveaxis(lattice, 2, 0)), tuple(places))
     used, cells = np.unique(keys, return_inverse=True)
@@ -228,14 +216,6 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
         sets[f"{name}min"] = np.flatnonzero(grid[:, axis] == 0)
         sets[f"{name}max"] = np.flatnonzero(grid[:, axis] == places[axis] - 1)
     return Mesh(grid * (sides / (places - 1)), cells.reshape(keys.shape), kind, sets)
-
-
-def _brick_nodes(element: ReferenceElement, counts: IntArray) -> IntArray:
-    """Nodes of all elements on the lattice of quarter bricks, shape (n_cells, n_nodes, 3)."""
-    local = 4.0 * (element.linear.shape(element.nodes) @ element.cell.of_brick)
-    bricks = np.array(list(product(*(range(count) for count in counts))))
-    nodes = 4 * bricks[:, None, None, :] + np.rint(local).astype(np.int64)[None]
-    return nodes.reshape(-1, element.n_nodes, 3)
 
 
 def paper_sphere_mesh() -> Mesh:

@@ -1,4 +1,4 @@
-"""Points of a body: in which element a point lies, and what its nodes weigh there."""
+"""Points of a body: the element that holds a point, and the weights of its nodes there."""
 
 from __future__ import annotations
 
@@ -8,20 +8,17 @@ from ..base import FloatArray, InputError, IntArray, plain
 from .elements import ReferenceElement
 from .mesh import Mesh
 
-__all__ = ["AT_NODE", "node_at", "weights_at"]
-
-
-# A point closer to a node than this fraction of the body's size is that node.
+# Distance from a node, as a fraction of the body's size, within which a point is that node.
 AT_NODE = 1e-6
 
-# Off the mesh by less than this share of the element's size, a point is on it: faceted surfaces
-# leave such slivers.
+# Distance off the mesh, as a share of the element's size, at which a point counts as on it: faceted
+# surfaces leave such slivers.
 _ON_SURFACE = 0.02
 
-# So near, and it is within the element.
+# Tolerance for a point to count as inside the element.
 _INSIDE = 1e-12
 
-# Newton's method for the reference coordinates: steps at most, and the last one's size.
+# Newton's method for the reference coordinates: largest number of steps, and size of the last.
 _MOST_STEPS = 30
 _LAST_STEP = 1e-13
 
@@ -52,13 +49,19 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
         corners = mesh.nodes[members]
         place = element.cell.inside(np.clip(_reference_place(element, corners, point), 0.0, 1.0))
         shape = element.shape(place[None])[0]
-        off = float(np.linalg.norm(shape @ corners - point) / _size(corners))
+        size = np.linalg.norm(np.ptp(corners, axis=0))
+        off = float(np.linalg.norm(shape @ corners - point) / size)
         if off < best:
             best, nodes, weights = off, members, shape
         if best <= _INSIDE:
             break
     if best > _ON_SURFACE:
-        raise InputError(_off_the_body(mesh, point))
+        low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
+        box = ", ".join(f"{c} {a:.4g}…{b:.4g}" for c, a, b in zip("xyz", low, high, strict=True))
+        raise InputError(
+            f"point {plain(point)} m is off the body, which spans {box} m; "
+            f"{_nearest(mesh.nodes, point)[1]}. Give a point of the body, in metres"
+        )
     return nodes, weights
 
 
@@ -70,31 +73,33 @@ def node_at(nodes: FloatArray, point: FloatArray) -> int:
     InputError
         If there is none.
     """
-    distance = np.linalg.norm(nodes - point, axis=1)
-    node = int(np.argmin(distance))
-    if distance[node] > AT_NODE * np.linalg.norm(np.ptp(nodes, axis=0)):
+    node, said = _nearest(nodes, point)
+    size = np.linalg.norm(np.ptp(nodes, axis=0))
+    if np.linalg.norm(nodes[node] - point) > AT_NODE * size:
         raise InputError(
             f"point {plain(point)} m is no node, and the body has no elements between its nodes "
-            f"(it was given by K and M); the nearest node is {node} at {plain(nodes[node])} m, "
-            f"{distance[node]:.3g} m away"
+            f"(it was given by K and M); {said}"
         )
     return node
 
 
-def _size(corners: FloatArray) -> float:
-    return float(np.linalg.norm(np.ptp(corners, axis=0)))
+def _nearest(nodes: FloatArray, point: FloatArray) -> tuple[int, str]:
+    """Return the number of the node nearest to a point, and the same in words."""
+    distance = np.linalg.norm(nodes - point, axis=1)
+    node = int(np.argmin(distance))
+    place = plain(nodes[node])
+    return node, f"the nearest node is {node} at {place} m, {distance[node]:.3g} m away"
 
 
 def _candidates(mesh: Mesh, point: FloatArray) -> IntArray:
-    """The elements around whose nodes a box, larger by half for bulging sides, holds the point.
+    """Return the elements whose box, larger by half for bulging sides, holds the point.
 
     The one whose middle is nearest comes first.
     """
     corners = mesh.nodes[mesh.cells]
     low, high = corners.min(axis=1), corners.max(axis=1)
     room = 0.25 * (high - low).max(axis=1, keepdims=True)
-    within = ((point >= low - room) & (point <= high + room)).all(axis=1)
-    found = np.flatnonzero(within)
+    found = np.flatnonzero(((point >= low - room) & (point <= high + room)).all(axis=1))
     distance = np.linalg.norm(corners[found].mean(axis=1) - point, axis=1)
     return found[np.argsort(distance, kind="stable")]
 
@@ -114,15 +119,3 @@ def _reference_place(
             break
         place = ahead
     return place
-
-
-def _off_the_body(mesh: Mesh, point: FloatArray) -> str:
-    distance = np.linalg.norm(mesh.nodes - point, axis=1)
-    node = int(np.argmin(distance))
-    low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
-    box = ", ".join(f"{c} {a:.4g}…{b:.4g}" for c, a, b in zip("xyz", low, high, strict=True))
-    return (
-        f"point {plain(point)} m is off the body, which spans {box} m; the nearest node is {node} "
-        f"at {plain(mesh.nodes[node])} m, {distance[node]:.3g} m away: give a point of the body "
-        "(are the coordinates in metres?)"
-    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -26,25 +26,10 @@ from ..base import (
 )
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
 
-__all__ = [
-    "SMALLEST",
-    "Block",
-    "Mesh",
-    "check_reach",
-    "checked_cells",
-    "group",
-    "jacobian_range",
-    "replace_nodes",
-    "right_handed",
-    "select",
-    "taken",
-]
-
-
-# det J below this fraction of the cube of the element's size: no volume to speak of.
+# Least det J of an element with a volume, as a fraction of the cube of its size.
 _FLAT = 1e-12
 
-# Coordinates and sizes, m, whose cubes and fourth powers stay far from what doubles can hold.
+# Range of coordinates and sizes, m, of which doubles hold the cubes and fourth powers.
 _LARGEST, SMALLEST = 1e50, 1e-50
 
 
@@ -72,7 +57,7 @@ class Block(Frozen):
 
     @property
     def numbers(self) -> slice:
-        """Of its elements among all of the mesh."""
+        """Numbers of its elements among all of the mesh."""
         return slice(self.first, self.first + len(self.cells))
 
 
@@ -103,8 +88,8 @@ class Mesh(Frozen):
     cell_labels : array_like of int, shape (n_cells,), optional
         Numbers that the file gives to the elements.
     left_out : mapping of str to str, optional
-        Groups of a file that hold more than solids, and what, as in "3 MASS": they are refused as
-        groups of elements.
+        Groups of a file that hold more than solids, and the rest of their contents, as in "3 MASS".
+        They are refused as groups of elements.
 
     Attributes
     ----------
@@ -151,22 +136,31 @@ class Mesh(Frozen):
         if len(unused):
             raise MeshError(
                 f"nodes: {len(unused)} of {len(nodes)} belong to no element, the first is "
-                f"{unused[0]}; leave them out, or let read_mesh do so"
+                f"{unused[0]}. Leave them out, or let read_mesh do so"
             )
         check_reach(nodes)
-        for name, count in (("node_labels", len(nodes)), ("cell_labels", first)):
-            object.__setattr__(self, name, _labels(name, getattr(self, name), count))
-        object.__setattr__(self, "left_out", _reasons("left_out", self.left_out))
+        labels = (
+            _labels("node_labels", self.node_labels, len(nodes)),
+            _labels("cell_labels", self.cell_labels, first),
+        )
         for block in blocks:
-            _check_duplicates(block, self.node_labels, self.cell_labels)
-            _check_elements(nodes, block, self.node_labels, self.cell_labels)
-            _check_repeats(block, self.node_labels, self.cell_labels)
-        object.__setattr__(self, "node_sets", _sets("node_sets", self.node_sets, len(nodes)))
-        object.__setattr__(self, "cell_sets", _sets("cell_sets", self.cell_sets, first))
-        object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "blocks", tuple(blocks))
-        object.__setattr__(self, "cells", _table(blocks))
-        object.__setattr__(self, "kind", blocks[0].kind if len(blocks) == 1 else "mixed")
+            _check_elements(nodes, block, *labels)
+        checked = {
+            "nodes": nodes,
+            "cells": _table(blocks),
+            "kind": blocks[0].kind if len(blocks) == 1 else "mixed",
+            "node_sets": _sets("node_sets", self.node_sets, len(nodes), "node"),
+            "cell_sets": _sets("cell_sets", self.cell_sets, first, "element"),
+            "node_labels": labels[0],
+            "cell_labels": labels[1],
+            "left_out": {
+                text("left_out", name): text(f"left_out[{name!r}]", value)
+                for name, value in _mapping("left_out", self.left_out, "texts").items()
+            },
+            "blocks": tuple(blocks),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
         super().__post_init__()
 
     @property
@@ -186,7 +180,7 @@ class Mesh(Frozen):
 
     @property
     def quadratic(self) -> bool:
-        """Whether elements have nodes between their corners."""
+        """True if elements have nodes between their corners."""
         return any(block.element.quadratic for block in self.blocks)
 
     @property
@@ -202,12 +196,12 @@ class Mesh(Frozen):
     def part(self, names: str | Sequence[str]) -> Mesh:
         """Return the mesh of some named groups of elements: one of several bodies in a file.
 
-        Sets and groups keep what of them belongs to it; nodes and elements are numbered anew.
+        Sets and groups keep their members in it; nodes and elements are numbered anew.
 
         Parameters
         ----------
         names : str or sequence of str
-            Of `cell_sets`.
+            Names in `cell_sets`.
 
         Raises
         ------
@@ -237,15 +231,15 @@ def group(mesh: Mesh, name: str, wanted: Any) -> IntArray:
     text(name, wanted)
     if other := called(wanted, mesh.left_out):
         raise InputError(
-            f"{name}: the group {wanted!r} also holds {mesh.left_out[other]}, which are no solids; "
-            "name groups of solids alone"
+            f"{name}: the group {wanted!r} also holds {mesh.left_out[other]}, which are no solids. "
+            "Name groups of solids alone"
         )
     found = called(wanted, mesh.cell_sets)
     if found is None:
         known = ", ".join(map(repr, mesh.cell_sets)) or "none"
         raise InputError(
             f"{name}: the mesh has no group of elements {wanted!r}"
-            f"{nearest(wanted, mesh.cell_sets)}; it has {known}"
+            f"{nearest(wanted, mesh.cell_sets)}. It has {known}"
         )
     return mesh.cell_sets[found]
 
@@ -256,35 +250,39 @@ def taken(mesh: Mesh, cells: IntArray) -> Mesh:
     chosen[cells] = True
     used = np.zeros(mesh.n_nodes, dtype=bool)
     used[mesh.cells[chosen]] = True
-    number, place = np.cumsum(used) - 1, np.cumsum(chosen) - 1
+    number = np.where(used, np.cumsum(used) - 1, -1)
+    place = np.where(chosen, np.cumsum(chosen) - 1, -1)
     blocks: Any = [
         (block.kind, number[block.cells[chosen[block.numbers]]])
         for block in mesh.blocks
         if chosen[block.numbers].any()
     ]
-    nodes = {name: number[ids[used[ids]]] for name, ids in mesh.node_sets.items()}
-    groups = {name: place[ids[chosen[ids]]] for name, ids in mesh.cell_sets.items()}
     return Mesh(
         mesh.nodes[used],
         blocks,
         "mixed",
-        {name: ids for name, ids in nodes.items() if len(ids)},
-        {name: ids for name, ids in groups.items() if len(ids)},
+        renumbered(mesh.node_sets, number),
+        renumbered(mesh.cell_sets, place),
         None if mesh.node_labels is None else mesh.node_labels[used],
         None if mesh.cell_labels is None else mesh.cell_labels[chosen],
         mesh.left_out,
     )
 
 
+def renumbered(sets: Mapping[str, IntArray], number: IntArray) -> dict[str, IntArray]:
+    """Return sets by new numbers, -1 for members that are gone, without those that are empty."""
+    new = {name: number[ids] for name, ids in sets.items()}
+    return {name: ids[ids >= 0] for name, ids in new.items() if (ids >= 0).any()}
+
+
 def replace_nodes(mesh: Mesh, nodes: FloatArray) -> Mesh:
     """Return the same mesh with its nodes elsewhere."""
     blocks: Any = [(block.kind, block.cells) for block in mesh.blocks]
-    named = (mesh.node_sets, mesh.cell_sets, mesh.node_labels, mesh.cell_labels)
-    return Mesh(nodes, blocks, "mixed", *named, mesh.left_out)
+    return replace(mesh, nodes=nodes, cells=blocks, kind="mixed")
 
 
 def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
-    """The kinds of elements and their cells, of either form of the arguments."""
+    """Return kinds of elements and their cells from either form of the arguments."""
     if not (isinstance(kind, str) and kind == "mixed"):
         return [(choice("kind", kind, KINDS), cells)]
     how = 'cells of a mixed mesh must be a list of pairs such as [("tetra", array), …]'
@@ -301,155 +299,131 @@ def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
 
 
 def _table(blocks: Sequence[Block]) -> IntArray:
-    """The cells of all blocks in one array; short rows repeat their first node."""
+    """Return the cells of all blocks in one array; short rows repeat their first node."""
     if len(blocks) == 1:
         return blocks[0].cells
     width = max(block.cells.shape[1] for block in blocks)
-    return np.concatenate(
-        [
-            np.hstack([block.cells, np.repeat(block.cells[:, :1], width - block.cells.shape[1], 1)])
-            for block in blocks
-        ]
-    )
+    table = np.empty((blocks[-1].numbers.stop, width), dtype=np.int64)
+    for block in blocks:
+        table[block.numbers] = block.cells[:, :1]
+        table[block.numbers, : block.cells.shape[1]] = block.cells
+    return table
 
 
-def _sets(name: str, sets: Any, count: int) -> dict[str, IntArray]:
-    what = "node" if name == "node_sets" else "element"
-    if not isinstance(sets, Mapping):
-        raise InputTypeError(f"{name} must be a dict of names and {what} numbers, got {sets!r}")
+def _mapping(name: str, given: Any, values: str) -> Mapping[Any, Any]:
+    if not isinstance(given, Mapping):
+        raise InputTypeError(f"{name} must be a dict of names and {values}, got {given!r}")
+    return given
+
+
+def _sets(name: str, given: Any, count: int, what: str) -> dict[str, IntArray]:
     return {
         str(key): node_ids(f"{name}[{key!r}]", members, count, what)
-        for key, members in sets.items()
+        for key, members in _mapping(name, given, f"{what} numbers").items()
     }
 
 
-def _reasons(name: str, given: Any) -> dict[str, str]:
-    if not isinstance(given, Mapping):
-        raise InputTypeError(f"{name} must be a dict of names and texts, got {given!r}")
-    return {text(name, key): text(f"{name}[{key!r}]", value) for key, value in given.items()}
+def _integers(name: str, what: str, values: Any) -> Any:
+    try:
+        array = np.array(values)
+    except ValueError as error:
+        raise InputTypeError(f"{name} must be {what}: {error}") from None
+    if array.dtype.kind not in "iu":
+        raise InputTypeError(f"{name} must be {what}, got dtype {array.dtype}")
+    return array
 
 
 def _labels(name: str, labels: Any, count: int) -> IntArray | None:
     if labels is None:
         return None
-    try:
-        array = np.array(labels)
-    except ValueError as error:
-        raise InputTypeError(f"{name} must be integers: {error}") from None
-    if array.dtype.kind not in "iu":
-        raise InputTypeError(f"{name} must be integers, got dtype {array.dtype}")
+    array = _integers(name, "integers", labels)
     if array.shape != (count,):
         raise InputError(f"{name} must have shape ({count},), got {array.shape}")
-    return array.astype(np.int64)
+    found: IntArray = array.astype(np.int64)
+    return found
 
 
 def check_reach(nodes: FloatArray) -> None:
     """Refuse sizes that no body has: volumes would overflow, or vanish."""
     farthest = float(np.abs(nodes).max())
-    if farthest > _LARGEST:
-        raise MeshError(
-            f"coordinates reach {farthest:.3g} m, and volumes of that size cannot be computed; "
-            "give coordinates in metres (is scale right?)"
-        )
     size = float(np.ptp(nodes, axis=0).max())
-    if 0.0 < size < SMALLEST or farthest == 0.0:
-        raise MeshError(
-            f"the mesh is {size:.3g} m long, and volumes of that size cannot be computed; "
-            "give coordinates in metres (is scale right?)"
-        )
+    if farthest > _LARGEST:
+        found = f"coordinates reach {farthest:.3g} m"
+    elif 0.0 < size < SMALLEST or farthest == 0.0:
+        found = f"the mesh is {size:.3g} m long"
+    else:
+        return
+    raise MeshError(
+        f"{found}, and volumes of that size cannot be computed. Give coordinates in metres (is "
+        "scale right?)"
+    )
 
 
 def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
-    try:
-        array = np.array(cells)
-    except ValueError as error:
-        raise InputTypeError(f"cells must be integer node numbers: {error}") from None
-    if array.dtype.kind not in "iu":
-        raise InputTypeError(f"cells must be integer node numbers, got dtype {array.dtype}")
+    """Return node numbers of elements, shape (n, nodes per element), in range."""
+    array = _integers("cells", "integer node numbers", cells)
     if array.ndim != 2 or array.shape[1] != element.n_nodes or not len(array):
         raise MeshError(
             f"cells of kind {element.kind} must have shape (any, {element.n_nodes}), "
             f"got {array.shape}"
         )
-    outside = (array < 0) | (array >= n_nodes)
-    if outside.any():
-        first = int(np.flatnonzero(outside.any(axis=1))[0])
+    outside = np.flatnonzero(((array < 0) | (array >= n_nodes)).any(axis=1))
+    if len(outside):
+        nodes = array[outside[0]].tolist()
         raise MeshError(
-            f"{int(outside.any(axis=1).sum())} elements refer to nodes that are not there, the "
-            f"first is element {first}: {array[first].tolist()}; nodes run from 0 to {n_nodes - 1}"
+            f"{len(outside)} elements refer to nodes that are not there, the first is element "
+            f"{outside[0]}: {nodes}. Nodes run from 0 to {n_nodes - 1}"
         )
     return np.ascontiguousarray(array, dtype=np.int64)
-
-
-def _check_duplicates(
-    block: Block, node_labels: IntArray | None, cell_labels: IntArray | None
-) -> None:
-    """Refuse elements on the same corners: their stiffness and mass would count twice."""
-    cells = block.cells
-    corners = np.sort(cells[:, : block.element.n_corners], axis=1)
-    order = np.lexsort(corners.T)  # stable: of equal elements the first comes first
-    same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
-    if same.any():
-        first = int(np.flatnonzero(same)[0])
-        earlier, later = (
-            _number(block.first + int(order[i]), cell_labels) for i in (first, first + 1)
-        )
-        nodes = _numbers(cells[order[first]], node_labels)
-        raise MeshError(
-            f"{int(same.sum())} of {len(cells)} elements are there twice, on the same corners in "
-            f"whatever order: element {later} repeats element {earlier}, with nodes {nodes}; "
-            "remove duplicate elements in the mesher (a volume in two groups, or copied)"
-        )
-
-
-def _number(index: int, labels: IntArray | None) -> int:
-    """The number by which a user knows a node or an element."""
-    return index if labels is None else int(labels[index])
-
-
-def _numbers(indices: IntArray, labels: IntArray | None) -> list[int]:
-    return [_number(int(i), labels) for i in indices]
 
 
 def _check_elements(
     nodes: FloatArray, block: Block, node_labels: IntArray | None, cell_labels: IntArray | None
 ) -> None:
+    """Refuse elements that are there twice, have no volume, are inverted, or repeat a corner."""
     cells = block.cells
+
+    def element(row: int) -> int:
+        """Number by which a user knows the element."""
+        number = block.first + row
+        return number if cell_labels is None else int(cell_labels[number])
+
+    def nodes_of(row: int) -> list[int]:
+        own: list[int] = (cells[row] if node_labels is None else node_labels[cells[row]]).tolist()
+        return own
+
+    corners = np.sort(cells[:, : block.element.n_corners], axis=1)
+    order = np.lexsort(corners.T)  # stable: of equal elements the first comes first
+    same = np.flatnonzero((corners[order[1:]] == corners[order[:-1]]).all(axis=1))
+    if len(same):  # stiffness and mass would count twice
+        earlier, later = order[same[0]], order[same[0] + 1]
+        raise MeshError(
+            f"{len(same)} of {len(cells)} elements are there twice, on the same corners in any "
+            f"order: element {element(later)} repeats element {element(earlier)}, with nodes "
+            f"{nodes_of(earlier)}. Remove them in the mesher (a volume in two groups, or copied)"
+        )
     lowest, highest = jacobian_range(nodes, cells, block.element)
     flat = np.maximum(np.abs(lowest), np.abs(highest)) <= _FLAT
     inverted = (lowest <= _FLAT) & ~flat
-    for bad, what in ((flat, "flat (no volume)"), (inverted, "inverted (Jacobian not positive)")):
-        if bad.any():
-            first = int(np.flatnonzero(bad)[0])
-            centre = ", ".join(f"{x:.4g}" for x in nodes[cells[first]].mean(axis=0))
-            raise MeshError(
-                f"{int(bad.sum())} of {len(cells)} elements are {what}; the first is element "
-                f"{_number(block.first + first, cell_labels)} near ({centre}) m with nodes "
-                f"{_numbers(cells[first], node_labels)}; "
-                "repair or improve the mesh there"
-            )
-
-
-def _check_repeats(
-    block: Block, node_labels: IntArray | None, cell_labels: IntArray | None
-) -> None:
-    """Refuse elements that repeat a corner: their sides are not those of the body."""
-    corners = np.sort(block.cells[:, : block.element.n_corners], axis=1)
     repeats = (corners[:, 1:] == corners[:, :-1]).any(axis=1)
-    if repeats.any():
-        first = int(np.flatnonzero(repeats)[0])
-        raise MeshError(
-            f"{int(repeats.sum())} of {len(repeats)} elements repeat a node; the first is element "
-            f"{_number(block.first + first, cell_labels)} with nodes "
-            f"{_numbers(block.cells[first], node_labels)}. Let read_mesh make them the "
-            "wedges, pyramids and tetrahedra that they are"
-        )
+    cure = "Repair or improve the mesh there"
+    for bad, what, how in (
+        (flat, "are flat (no volume)", cure),
+        (inverted, "are inverted (Jacobian not positive)", cure),
+        (repeats, "repeat a node", "Read the mesh by read_mesh, which makes them other solids"),
+    ):
+        for row in np.flatnonzero(bad)[:1].tolist():
+            centre = ", ".join(f"{x:.4g}" for x in nodes[cells[row]].mean(axis=0))
+            raise MeshError(
+                f"{int(bad.sum())} of {len(cells)} elements {what}; the first is element "
+                f"{element(row)} near ({centre}) m with nodes {nodes_of(row)}. {how}"
+            )
 
 
 def jacobian_range(
     nodes: FloatArray, cells: IntArray, element: ReferenceElement
 ) -> tuple[FloatArray, FloatArray]:
-    """Smallest and largest det J of each element at its points of quadrature, over its size³."""
+    """Return the smallest and largest det J of each element over its size³, at Gauss points."""
     gradient = element.gradient(element.stiffness_rule.points)
     lowest, highest = np.empty(len(cells)), np.empty(len(cells))
     for start in range(0, len(cells), 4096):

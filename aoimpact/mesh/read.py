@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,15 +21,21 @@ from ..base import (
     positive,
     warn,
 )
-from .collapse import Solids, collapse
+from .convert import Solids, collapse, of_second_order
 from .elements import KINDS, reference_element
 from .files import load
-from .mesh import SMALLEST, Mesh, check_reach, checked_cells, replace_nodes, right_handed, select
-from .order import of_second_order
-from .rawmesh import RawMesh
-from .viameshio import from_meshio, is_meshio
-
-__all__ = ["read_mesh"]
+from .files.raw import RawMesh
+from .files.viameshio import from_meshio, is_meshio
+from .mesh import (
+    SMALLEST,
+    Mesh,
+    check_reach,
+    checked_cells,
+    renumbered,
+    replace_nodes,
+    right_handed,
+    select,
+)
 
 
 def read_mesh(
@@ -100,9 +106,7 @@ def read_mesh(
         raise InputError(f"order must be 2 or None, got {order!r}")
     if isinstance(source, Mesh):
         mesh = source if factor == 1.0 else replace_nodes(source, _scaled(source.nodes, factor))
-        mesh = mesh if part is None else select(mesh, "part", part)
-        return mesh if order is None else of_second_order(mesh)
-    if isinstance(source, (str, os.PathLike)):
+    elif isinstance(source, (str, os.PathLike)):
         raw = load(source)
         try:
             mesh = _ordered(raw, factor)
@@ -111,9 +115,8 @@ def read_mesh(
     elif is_meshio(source):
         mesh = _ordered(from_meshio(source), factor)
     else:
-        raise InputTypeError(
-            f"mesh must be a path, a meshio.Mesh or a Mesh, got {type(source).__name__}"
-        )
+        kind = type(source).__name__
+        raise InputTypeError(f"mesh must be a path, a meshio.Mesh or a Mesh, got {kind}")
     mesh = mesh if part is None else select(mesh, "part", part)
     return mesh if order is None else of_second_order(mesh)
 
@@ -121,51 +124,58 @@ def read_mesh(
 def _ordered(raw: RawMesh, factor: float) -> Mesh:
     """Return the solid elements of a file, put in order and checked."""
     if np.ndim(raw.nodes) != 2:
-        raise MeshError(
-            f"coordinates of the mesh must have shape (any, 3), got {np.shape(raw.nodes)}"
-        )
-    solids = [
-        (kind, checked_cells(cells, reference_element(kind), len(raw.nodes)), numbers)
-        for kind, cells, numbers in _solids(raw)
-    ]
+        shape = np.shape(raw.nodes)
+        raise MeshError(f"coordinates of the mesh must have shape (any, 3), got {shape}")
+    solids = _solids(raw)
     used = np.zeros(len(raw.nodes), dtype=bool)
     for _, cells, _ in solids:
         used[cells] = True
     nodes = _scaled(_coordinates(raw.nodes, used), factor)[used]
     if not used.all():
-        _warn_of_unused(used, raw.node_labels)
-    number = np.cumsum(used) - 1
-    solids = [
-        (kind, _order_midside_nodes(nodes, number[cells], kind), numbers)
-        for kind, cells, numbers in solids
-    ]
-    solids = _without_repeats(solids, raw)
-    blocks: Any = [(kind, _make_right_handed(nodes, cells, kind)) for kind, cells, _ in solids]
-    order = np.concatenate([numbers for _, _, numbers in solids])
+        first = int(np.flatnonzero(~used)[0])
+        warn(
+            f"{int((~used).sum())} of {len(used)} nodes belong to no volume element and were "
+            + (
+                f"dropped; nodes after {first} have new numbers (named sets keep their members)"
+                if raw.node_labels is None
+                else f"dropped; the first is node {raw.node_labels[first]}"
+            )
+        )
+    number = np.where(used, np.cumsum(used) - 1, -1)
+    blocks: Any = []
+    numbers = []
+    for kind, cells, own in _without_repeats(
+        [
+            (kind, _order_midside_nodes(nodes, number[cells], kind), own)
+            for kind, cells, own in solids
+        ],
+        raw.cell_labels,
+    ):
+        turned = right_handed(kind, nodes, cells)
+        if turned is not cells:
+            warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
+        blocks.append((kind, turned))
+        numbers.append(own)
+    order = np.concatenate(numbers)
     place = np.full(raw.first[-1], -1)
     place[order] = np.arange(len(order))
-    cell_sets = {name: place[members] for name, members in raw.cell_sets.items()}
     return Mesh(
         nodes,
         blocks,
         "mixed",
-        _filled({name: number[ids[used[ids]]] for name, ids in _node_sets(raw).items()}),
-        _filled({name: ids[ids >= 0] for name, ids in cell_sets.items()}),
+        renumbered(_node_sets(raw), number),
+        renumbered(raw.cell_sets, place),
         None if raw.node_labels is None else raw.node_labels[used],
         None if raw.cell_labels is None else raw.cell_labels[order],
         raw.left_out,
     )
 
 
-def _filled(sets: dict[str, IntArray]) -> dict[str, IntArray]:
-    return {name: ids for name, ids in sets.items() if len(ids)}
-
-
 def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
     """Return the sets of nodes, and the nodes of other groups of cells of any dimension."""
     found = {name: [np.asarray(ids)] for name, ids in raw.node_sets.items()}
     for name, members in raw.cell_sets.items():
-        if name in raw.node_sets:  # the file says itself which nodes these are
+        if name in raw.node_sets:  # the file has a set of nodes of that name
             continue
         for start, block in zip(raw.first[:-1], raw.blocks, strict=True):
             own = members[(members >= start) & (members < start + len(block.cells))] - start
@@ -178,7 +188,7 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
 
 
 def _scaled(nodes: FloatArray, factor: float) -> FloatArray:
-    with np.errstate(over="ignore", under="ignore"):  # what overflows is out of reach
+    with np.errstate(over="ignore", under="ignore"):  # check_reach refuses both
         scaled = nodes * factor
     check_reach(scaled)
     return scaled
@@ -195,7 +205,7 @@ def _coordinates(points: Any, used: npt.NDArray[np.bool_]) -> FloatArray:
     return finite_array("coordinates of the mesh", points, shape=(None, 3), unit="m")
 
 
-def _solids(raw: RawMesh) -> list[tuple[str, Any, IntArray]]:
+def _solids(raw: RawMesh) -> list[Solids]:
     """Return the solid cells kind by kind, with the numbers that they have in `raw`."""
     blocks = [
         (block, np.arange(first, first + len(block.cells)))
@@ -205,71 +215,66 @@ def _solids(raw: RawMesh) -> list[tuple[str, Any, IntArray]]:
     counts: Counter[str] = Counter()
     for block, numbers in blocks:
         counts[block.kind] += len(numbers)
-    supported = f"supported are {', '.join(KINDS)}"
-    listed = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "no cells at all"
     volume = {block.kind for block, _ in blocks if block.dim == 3}
-    if not volume:
-        raise MeshError(f"the mesh has no volume cells: it has {listed}; {supported}")
-    unknown = sorted(volume.difference(KINDS))
-    if unknown:
-        what = ", ".join(f"{counts[kind]} {kind}" for kind in unknown)
-        raise MeshError(f"the mesh has volume cells of an unsupported kind: {what}; {supported}")
-    found = []
-    for kind in (kind for kind in KINDS if kind in volume):
-        parts = [(block.cells, numbers) for block, numbers in blocks if block.kind == kind]
-        try:
-            cells = np.concatenate([part for part, _ in parts])
-        except ValueError:
-            shapes = ", ".join(sorted({str(np.shape(part)) for part, _ in parts}))
-            raise MeshError(
-                f"blocks of cells of kind {kind} have different shapes: {shapes}"
-            ) from None
-        found.append((kind, cells, np.concatenate([numbers for _, numbers in parts])))
-    return found
+    unknown = volume.difference(KINDS)
+    if unknown or not volume:
+        listed = ", ".join(
+            f"{n} {kind}" for kind, n in sorted(counts.items()) if kind in unknown or not volume
+        )
+        what = (
+            f"the mesh has volume cells of an unsupported kind: {listed}"
+            if unknown
+            else f"the mesh has no volume cells: it has {listed or 'no cells at all'}"
+        )
+        raise MeshError(f"{what}; supported are {', '.join(KINDS)}")
+    solids = _by_kind((of.kind, of.cells, numbers) for of, numbers in blocks if of.kind in volume)
+    return [
+        (kind, checked_cells(cells, reference_element(kind), len(raw.nodes)), numbers)
+        for kind, cells, numbers in solids
+    ]
 
 
-def _without_repeats(solids: list[Solids], raw: RawMesh) -> list[Solids]:
-    """Return elements that repeat nodes as what they are, kind by kind."""
+def _by_kind(parts: Iterable[Solids]) -> list[Solids]:
+    """Join elements of one kind, in the order of `KINDS`."""
     found: dict[str, list[Solids]] = {}
-    for solid in solids:
-        kind, _, numbers = solid
-        parts, wrong = collapse(*solid)
-        if len(wrong):
-            first = int(numbers[wrong[0]])
-            label = first if raw.cell_labels is None else raw.cell_labels[first]
-            raise MeshError(
-                f"{len(wrong)} {kind} elements repeat nodes and are no wedge, pyramid or "
-                f"tetrahedron; the first is element {label}. Repair the mesh there"
-            )
-        for part in parts:
-            found.setdefault(part[0], []).append(part)
+    for part in parts:
+        found.setdefault(part[0], []).append(part)
     joined = []
     for kind in (kind for kind in KINDS if kind in found):
-        _, tables, counted = zip(*found[kind], strict=True)
-        joined.append((kind, np.concatenate(tables), np.concatenate(counted)))
+        _, cells, numbers = zip(*found[kind], strict=True)
+        shapes = sorted({str(np.shape(table)[1:]) for table in cells})
+        if len(shapes) > 1:
+            raise MeshError(f"blocks of {kind} have different shapes: {', '.join(shapes)}")
+        joined.append((kind, np.concatenate(cells), np.concatenate(numbers)))
     return joined
 
 
-def _warn_of_unused(used: npt.NDArray[np.bool_], labels: IntArray | None) -> None:
-    """Say that nodes are dropped, and what becomes of the others' numbers."""
-    first = int(np.flatnonzero(~used)[0])
-    numbers = f"nodes after {first} have new numbers (named sets keep their members)"
-    warn(
-        f"{int((~used).sum())} of {len(used)} nodes belong to no volume element and were dropped; "
-        + (numbers if labels is None else f"the first is node {labels[first]}")
-    )
+def _without_repeats(solids: list[Solids], labels: IntArray | None) -> list[Solids]:
+    """Return elements that repeat nodes as the solids that they are, kind by kind."""
+    found: list[Solids] = []
+    for solid in solids:
+        kind, _, numbers = solid
+        parts, wrong = collapse(*solid)
+        found += parts
+        if len(wrong):
+            first = int(numbers[wrong[0]])
+            raise MeshError(
+                f"{len(wrong)} {kind} elements repeat nodes and are no wedge, pyramid or "
+                f"tetrahedron; the first is element {first if labels is None else labels[first]}. "
+                "Repair the mesh there"
+            )
+    return _by_kind(found)
 
 
 def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
-    """Put midside nodes in meshio's order by where they lie, if they are in another throughout."""
+    """Put midside nodes in meshio's order by their places, if they are in another throughout."""
     element = reference_element(kind)
     n = element.n_corners
     if not element.quadratic:
         return cells
     sample = cells[np.linspace(0, len(cells) - 1, min(len(cells), 2000)).astype(int)]
-    between = element.linear.shape(element.nodes[n:])
     corners = nodes[sample[:, :n]]
-    expected = between @ corners
+    expected = element.linear.shape(element.nodes[n:]) @ corners
     size = np.ptp(corners, axis=1).max(axis=1)
     gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
     size = np.where(size > SMALLEST, size, 1.0)
@@ -282,10 +287,3 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntAr
         f"meshio's; they were put in order by their places ({(order + n).tolist()})",
     )
     return np.ascontiguousarray(np.concatenate([cells[:, :n], cells[:, n:][:, order]], axis=1))
-
-
-def _make_right_handed(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
-    turned = right_handed(kind, nodes, cells)
-    if turned is not cells:
-        warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
-    return turned

@@ -11,14 +11,12 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, SingularError
 
-__all__ = ["every_motion", "motions_at", "rigid_motions", "unresisted_motions"]
-
-
-# |K r|_i of a rigid motion, over K_ii max |r|. Rounding of a mesh's own K gives some 1e-15, a K
-# printed with ten digits 1e-10; a spring to the ground gives its share of the stiffness at its dof.
+# Largest |K r|_i of an unresisted rigid motion, over K_ii max |r|. Rounding of a mesh's own K gives
+# some 1e-15, a K printed with ten digits 1e-10; a spring to the ground gives its share of the
+# stiffness at its dof.
 _RESISTED = 1e-9
 
-# Motions that differ by less than this are the same one (rotation of a line about itself).
+# Relative difference below which motions are the same one (rotation of a line about itself).
 _DEPENDENT = 1e-9
 
 
@@ -57,7 +55,7 @@ def unresisted_motions(
     motions : ndarray, shape (n, 6)
         Rigid motions on the dofs of K, of magnitude one.
     springs : ndarray, shape (n,), optional
-        To the ground, which K contains: known to be there, they resist however soft they are.
+        Springs to the ground, which K contains. They resist however soft they are.
     """
     forces = K @ motions
     if springs is not None:  # apart from rounding of the forces in the body
@@ -86,7 +84,7 @@ def every_motion(M: Any) -> FloatArray:
 
 
 def _null_combinations(motions: FloatArray, forces: FloatArray) -> FloatArray:
-    """Combinations c of the motions with forces · c = 0 to rounding, as motions · c."""
+    """Return motions · c of all combinations c with forces · c = 0 to rounding."""
     _, size, right = np.linalg.svd(motions, full_matrices=False)
     kept = size > _DEPENDENT * size[0]
     combination = right[kept].T / size[kept]
@@ -105,7 +103,7 @@ def _orthonormalised(basis: FloatArray, M: Any) -> FloatArray:
         except scipy.linalg.LinAlgError:
             raise SingularError(
                 "M is not positive for a motion without stiffness, or its entries lie too far "
-                "apart: check rho, masses, their centres and inertias"
+                "apart. Check rho, masses, their centres and inertias"
             ) from None
         basis = scipy.linalg.solve_triangular(factor, basis.T, lower=True).T
     return np.ascontiguousarray(basis)

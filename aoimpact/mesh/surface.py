@@ -10,34 +10,31 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, MeshError
-from .faces import ReferenceFace, reference_faces
+from .elements import ReferenceFace, reference_faces
 from .mesh import Mesh
 
-__all__ = ["SHARP", "Place", "Surface", "boundary", "plane_of"]
-
-
-# A curved side may bulge this much beyond the ball around its nodes.
+# Radius of a ball that holds a curved side, over that of the ball around its nodes.
 _BULGE = 1.2
 
-# Newton's steps in a side's own coordinates, which run from 0 to 1: more are never needed where
-# there is a solution, and a step longer than this leaves the side for good or oscillates.
+# Largest number of Newton's steps, enough wherever there is a solution, and the longest step, in a
+# side's own coordinates from 0 to 1. A longer one leaves the side for good or oscillates.
 _ITERATIONS, _LONGEST = 25, 0.5
 
-# Tangents with a sine below this are parallel, as at a corner where an element was collapsed; its
-# side has a normal so far from there, in its own coordinates.
+# Sine below which tangents are parallel, as at a corner where an element was collapsed, and the
+# distance from there, in the side's own coordinates, at which the normal is taken.
 _PARALLEL, _BESIDE_CORNER = 1e-9, 1e-3
 
-# After so short a step the next one, Newton's being squared, is below rounding.
+# Size of a step after which the next one is below rounding: Newton's steps are squared.
 _CONVERGED = 1e-10
 
-# This far from a side's middle an iteration will not come back to it.
+# Distance from a side's middle from which an iteration does not come back to it.
 _LOST = 1.5
 
-# Coordinates this far outside still count as on the side: its edge belongs to both neighbours.
+# Distance outside of a side that counts as on it: its edge belongs to both neighbours.
 _ON_EDGE = 1e-9
 
-# Faces that meet at more than 45° meet at a sharp edge: between the faces of a round body of few
-# linear elements there are up to 40°.
+# Cosine of the angle between faces, 45°, above which their edge is sharp. Between the faces of a
+# round body of few linear elements there are up to 40°.
 SHARP = np.sqrt(0.5)
 
 # Middles of the edges of a side, from each corner to the next; a triangle's last one is no edge.
@@ -62,16 +59,16 @@ _OF_TRIANGLE = (
     ),
 )
 
-# Distances, as a share of the side's size, that are none: what Newton's iteration leaves.
+# Distances, as a share of the side's size, that Newton's iteration leaves; they count as none.
 _SAME_PLACE = 1e-9
 
-# As a share of the side's size, far more than rounding and than what is on its edge.
+# Margin as a share of the side's size: far more than rounding and `_ON_EDGE`.
 _BESIDE = 1e-6
 
-# A determinant, relative to the largest entry squared, of tangents that are one direction.
+# Determinant, relative to the largest entry squared, below which tangents are one direction.
 _SINGULAR = 1e-12
 
-# Tangents near a pyramid's apex, where its slopes have no value, are those so much farther in.
+# Distance from a pyramid's apex, where slopes have no value, at which they are taken instead.
 _OFF_APEX = 1e-6
 
 # Pairs of a point and a side that are worked on at a time: some 100 MB for 27 nodes.
@@ -115,12 +112,15 @@ class Surface:
         kinds, taken one after the other, it is.
     joined : ndarray of int, shape (any, 2)
         Pairs of elements that share a side.
+    sides : list of (int, ReferenceFace)
+        The sides of each kind of element in the mesh, with the number of its block.
     """
 
     mesh: Mesh
     cell: IntArray
     side: IntArray
     joined: IntArray
+    sides: list[tuple[int, ReferenceFace]]
 
     @cached_property
     def part(self) -> IntArray:
@@ -138,11 +138,6 @@ class Surface:
         for row, (_, face) in zip(local, self.sides, strict=True):
             row[len(face.nodes) :] = face.nodes[0]
         return np.take_along_axis(self.mesh.cells[self.cell], local[self.side], axis=1)
-
-    @cached_property
-    def sides(self) -> list[tuple[int, ReferenceFace]]:
-        """The sides of each kind of element in the mesh, with the number of its block."""
-        return _sides(self.mesh)
 
     def block(self, face: IntArray) -> IntArray:
         """Return which block of the mesh each face's element is in."""
@@ -172,7 +167,7 @@ class Surface:
         return x, self._axes[self.side[face]] @ (gradient.swapaxes(1, 2) @ corners)
 
     def _at_apex(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Shape functions and gradients at apexes; beyond them, as if straight from before them."""
+        """Return shape functions and gradients at apexes; linear continuations beyond them."""
         xi, middle = self._xi(face, uv), self.middle(face)
         over = xi[:, 2] - (1.0 - _OFF_APEX)
         share = over / (xi[:, 2] - self._xi(face, middle)[:, 2])
@@ -184,7 +179,7 @@ class Surface:
         return shape, gradient
 
     def _evaluate(self, face: IntArray, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Shape functions and gradients; those of small elements are filled up with zeros."""
+        """Return shape functions and gradients; zeros fill up those of small elements."""
         blocks = self.mesh.blocks
         if len(blocks) == 1:
             return blocks[0].element.evaluate(xi)
@@ -197,7 +192,7 @@ class Surface:
 
     @cached_property
     def _tapers(self) -> npt.NDArray[np.bool_]:
-        """Of each side, whether it is a pyramid's, whose shape functions end at the apex."""
+        """True for sides of pyramids, whose shape functions end at the apex."""
         kinds = [block.element.cell.linear for block in self.mesh.blocks]
         return np.array([kinds[number] == "pyramid" for number, _ in self.sides])
 
@@ -218,7 +213,7 @@ class Surface:
                 nodes = self.mesh.cells[cell].tolist()
                 raise MeshError(
                     f"mesh: a side of element {cell} (nodes {nodes}) has no area: its nodes lie on "
-                    "a line or fall together; mend the mesh there"
+                    "a line or fall together. Mend the mesh there"
                 )
         unit: FloatArray = normal / np.linalg.norm(normal, axis=1, keepdims=True)
         return unit
@@ -331,28 +326,7 @@ class Surface:
         at = (frame @ points.T)[:, :, None]
         within = (at >= (low - margin)[:, None]) & (at <= (high + margin)[:, None])
         point, candidate = np.nonzero(within.all(axis=0))
-        return self._first(points, axis, reach, outward, point, face[candidate])
-
-    def bounds(self, face: IntArray, frame: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return between which coordinates along three axes the faces lie, shapes (3, n)."""
-        low, high = np.empty((2, 3, len(face)))
-        for triangle, (places, coefficients) in ((False, _OF_SQUARE), (True, _OF_TRIANGLE)):
-            on, n = np.flatnonzero(self._triangle[self.side[face]] == triangle), len(places)
-            x = self.at(np.repeat(face[on], n), np.tile(places, (len(on), 1)))[0]
-            hull = frame @ (coefficients @ x.reshape(len(on), n, 3)).swapaxes(1, 2)
-            low[:, on], high[:, on] = hull.min(axis=2).T, hull.max(axis=2).T
-        return low, high
-
-    def _first(
-        self,
-        points: FloatArray,
-        axis: FloatArray,
-        reach: float,
-        outward: bool,
-        point: IntArray,
-        face: IntArray,
-    ) -> Place:
-        """Of all pairs of a point and a face, the crossing nearest to each point."""
+        face = face[candidate]
         n = len(points)
         best = Place(np.full(n, -1), np.zeros((n, 2)), points.copy(), np.full(n, np.inf))
         for start in range(0, len(face), _CHUNK):
@@ -368,10 +342,20 @@ class Surface:
             best.x[to], best.distance[to] = x[winner], height[winner]
         return best
 
+    def bounds(self, face: IntArray, frame: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return between which coordinates along three axes the faces lie, shapes (3, n)."""
+        low, high = np.empty((2, 3, len(face)))
+        for triangle, (places, coefficients) in ((False, _OF_SQUARE), (True, _OF_TRIANGLE)):
+            on, n = np.flatnonzero(self._triangle[self.side[face]] == triangle), len(places)
+            x = self.at(np.repeat(face[on], n), np.tile(places, (len(on), 1)))[0]
+            hull = frame @ (coefficients @ x.reshape(len(on), n, 3)).swapaxes(1, 2)
+            low[:, on], high[:, on] = hull.min(axis=2).T, hull.max(axis=2).T
+        return low, high
+
     def _cross(
         self, points: FloatArray, axis: FloatArray, face: IntArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Newton for the place on each face straight above or below its point."""
+        """Find the place on each face straight above or below its point, by Newton's method."""
         across = plane_of(axis)
         uv = self.middle(face)
         active = np.arange(len(face))
@@ -385,7 +369,7 @@ class Surface:
             if not len(active):
                 break
         x, tangents = self.at(face, uv)
-        # What has not converged, on a face that the line misses, is nowhere near its point.
+        # Unconverged iterates belong to faces that the line misses.
         missed = np.linalg.norm((points - x) @ across.T, axis=1) > _SAME_PLACE * self.balls[1][face]
         uv[missed] = np.inf
         return uv, x, np.cross(tangents[:, 0], tangents[:, 1]) @ axis
@@ -421,14 +405,6 @@ class Surface:
         return np.array([face.n_corners == 3 for _, face in self.sides])
 
 
-def _sides(mesh: Mesh) -> list[tuple[int, ReferenceFace]]:
-    return [
-        (number, face)
-        for number, block in enumerate(mesh.blocks)
-        for face in reference_faces(block.kind)
-    ]
-
-
 def boundary(mesh: Mesh) -> Surface:
     """Return the surface of a mesh: the sides whose corners belong to no other element.
 
@@ -437,8 +413,13 @@ def boundary(mesh: Mesh) -> Surface:
     MeshError
         If elements of different kinds do not fit together.
     """
+    sides = [
+        (number, face)
+        for number, block in enumerate(mesh.blocks)
+        for face in reference_faces(block.kind)
+    ]
     corners, cells, numbers = [], [], []
-    for side, (number, face) in enumerate(_sides(mesh)):
+    for side, (number, face) in enumerate(sides):
         block = mesh.blocks[number]
         key = np.full((len(block.cells), 4), -1)
         key[:, : face.n_corners] = np.sort(block.cells[:, face.nodes[: face.n_corners]], axis=1)
@@ -451,9 +432,8 @@ def boundary(mesh: Mesh) -> Surface:
     single = np.ones(len(key), dtype=bool)
     one, other = order[1:][same], order[:-1][same]
     single[one] = single[other] = False
-    surface = Surface(
-        mesh, cell[single], side_of[single], np.stack([cell[one], cell[other]], axis=1)
-    )
+    joined = np.stack([cell[one], cell[other]], axis=1)
+    surface = Surface(mesh, cell[single], side_of[single], joined, sides)
     if len(mesh.blocks) > 1:
         _check_fit(surface, key[single], side_of[one], side_of[other])
     return surface
@@ -467,8 +447,8 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
         cells = surface.joined[np.flatnonzero(apart)[0]].tolist()
         raise MeshError(
             f"mesh: {int(apart.sum())} pairs of elements share a side with different nodes on it, "
-            f"the first are elements {cells[0]} and {cells[1]}: it mixes elements of first and "
-            f"second order ({surface.mesh.contents}); mesh the body with one order"
+            f"first elements {cells[0]} and {cells[1]}: it mixes elements of first and second "
+            f"order ({surface.mesh.contents}). Mesh the body with one order"
         )
     square = corners[:, 3] >= 0
     triples = np.concatenate([np.delete(corners[square], i, axis=1) for i in range(4)])
@@ -479,13 +459,13 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
         nodes = lone[order[1:][same]][0].tolist()
         raise MeshError(
             f"mesh: {int(same.sum())} triangular sides of elements lie on quadrilateral ones, the "
-            f"first on nodes {nodes}: displacements would not agree there; put pyramids between "
+            f"first on nodes {nodes}: displacements would not agree there. Put pyramids between "
             "tetrahedra and hexahedra or wedges, or mesh the body with one kind"
         )
 
 
 def plane_of(axis: FloatArray, near: FloatArray | None = None) -> FloatArray:
-    """Two unit vectors across `axis`, shape (2, 3); the first as close to a given one as can be."""
+    """Return two unit vectors across `axis`, shape (2, 3); the first is the nearest to `near`."""
     if near is None:
         first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     else:

@@ -1,4 +1,4 @@
-"""Bricks with repeated nodes, as Ansys' SOLID185 and SOLID186 have them, are what they are."""
+"""Bricks with repeated nodes, as Ansys writes SOLID185 and SOLID186, become other solids."""
 
 from __future__ import annotations
 

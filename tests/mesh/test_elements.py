@@ -51,7 +51,7 @@ DEGREES = {
 
 
 def integral(kind: str, powers: tuple[int, int, int]) -> float:
-    """Of xⁱ yʲ zᵏ over the reference cell, by scikit-fem's rules of a higher degree."""
+    """Return ∫ xⁱ yʲ zᵏ over the reference cell, by scikit-fem's rules of a higher degree."""
     i, j, k = powers
     line, w_line = get_quadrature(refdom.RefLine, 12)
     if kind.startswith("tetra"):

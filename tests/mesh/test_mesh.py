@@ -1,4 +1,4 @@
-"""Meshes from files: what is right is read right, what is wrong is counted and named."""
+"""Meshes from files and by hand: errors are counted, and the first is named."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Meshes of several kinds of elements: what they are, how they fit, and what is refused."""
+"""Meshes of several kinds of elements: matrices, surface, groups, and refusals."""
 
 from __future__ import annotations
 

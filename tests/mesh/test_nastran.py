@@ -1,4 +1,4 @@
-"""Nastran decks: each way to write a mesh gives that mesh; what is not understood is refused."""
+"""Nastran decks: each way to write a mesh gives that mesh; unknown lines are refused."""
 
 from __future__ import annotations
 
@@ -350,7 +350,7 @@ def test_sides_and_edges_are_groups_of_nodes(tmp_path: Path) -> None:
 
 
 def test_sets_of_numbers(tmp_path: Path) -> None:
-    """SET does not say what its numbers are; they are taken for all that they can be."""
+    """SET does not name the type of its members; both nodes and elements are tried."""
     head = (
         "CEND\nSET 1 = 1 THRU 9 EXCEPT 4, 5, 11\nSET 2 = 1,\n 2\nSET 3 = ALL\nSET 4 = 0.1, 0.2\n"
         "SET 5 = 1, 77\nDISP = 1\nOUTPUT(PLOT)\nSET 2 = 7\n"

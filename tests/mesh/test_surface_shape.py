@@ -155,7 +155,7 @@ def test_noise_in_the_nodes_is_seen(kind: str, noise: float) -> None:
         ratio.append(np.abs(at.curvatures - 1.0).max() / at.error)
         error.append(at.error)
     assert max(ratio) < 1.0
-    # Of a node, the noise alone would be 8 noise/size.
+    # The noise alone of a single node would be 8 noise/size.
     assert np.median(error) < 0.002 + 64 * noise
 
 

@@ -1,4 +1,4 @@
-"""Bodies that are written as decks in many ways, and how what is read is compared with them."""
+"""Bodies that are written as decks in many ways, and their comparison with the meshes read."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from aoimpact.mesh import KINDS
 
 from .outside import module_of
 
-__all__ = ["Body", "differences", "draw"]
+__all__ = ["Body", "differences", "draw", "read"]
 
 IntArray = npt.NDArray[np.int64]
 
@@ -86,6 +86,23 @@ def draw(rng: random.Random) -> Body:
 
 def _some(rng: random.Random, labels: list[int]) -> tuple[int, ...]:
     return tuple(rng.sample(labels, rng.randint(1, len(labels))))
+
+
+def read(file: Path, part: str | None, called_for: tuple[str, ...]) -> ao.Mesh | str:
+    """Return the mesh in a deck, or a text if it is refused or warned of for no reason.
+
+    `called_for` has words of the warnings that the deck calls for.
+    """
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            mesh = ao.read_mesh(file, part=part)
+        except ao.AOImpactError as error:
+            return f"refused: {error}"
+    for one in said:
+        if not any(words in str(one.message) for words in called_for):
+            return f"warned: {one.message}"
+    return mesh
 
 
 def differences(

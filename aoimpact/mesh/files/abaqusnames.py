@@ -1,37 +1,12 @@
-"""Element types of Abaqus and CalculiX, and the keywords that say nothing of mesh and groups."""
+"""Element types of Abaqus and CalculiX, and names of keywords."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
-from .rawmesh import LINES, SOLIDS, SURFACES
+from .raw import LINES, SOLIDS, SURFACES
 
-__all__ = ["CONNECTIONS", "UNSUPPORTED", "ElementType", "element_type", "harmless", "is_side"]
-
-
-@dataclass(frozen=True)
-class ElementType:
-    """A type of elements.
-
-    Attributes
-    ----------
-    kind : str
-        meshio's name; empty if the elements are only listed.
-    n_nodes : int
-        0 if the elements are only listed.
-    """
-
-    kind: str
-    n_nodes: int
-
-    @property
-    def solid(self) -> bool:
-        """Whether the elements are solids of a structure."""
-        return self.kind in SOLIDS.values()
-
-
-# Nodes are in meshio's order, but those of C3D27: there the middle comes before the faces.
+# Solids. Nodes are in meshio's order but for C3D27, where the middle comes before the faces.
 _SOLID = re.compile(r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}")
 
 # Shells, membranes, rigid and plane elements, of which the first digits count the nodes.
@@ -39,8 +14,8 @@ _SURFACE = re.compile(
     r"(?:D?S|US|STRI|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(65|3|4|6|8|9)(?!\d)[A-Z0-9]*"
 )
 
-# Of these, the ones that meshers write for the sides of solids.
-_SIDE = re.compile(r"CP[SE]\d|CAX\d|SFM3D")
+# Those among them that meshers write for the sides of solids.
+SIDES = re.compile(r"CP[SE]\d|CAX\d|SFM3D")
 
 _LINE = re.compile(r"T[23]D([23])[A-Z]{0,2}")
 
@@ -53,45 +28,33 @@ _LISTED = re.compile(
 )
 
 
-def element_type(name: str) -> ElementType | None:
-    """Return what is known of a type of elements, or None.
+def element_type(name: str) -> tuple[str, int] | None:
+    """Return meshio's kind and the number of nodes of a type in capitals, such as "C3D8R".
 
-    Parameters
-    ----------
-    name : str
-        In capitals, as in "C3D8R".
+    Elements that are only listed have no kind and 0 nodes. Unknown types are None.
     """
     for pattern, kinds in ((_SOLID, SOLIDS), (_SURFACE, SURFACES), (_LINE, LINES)):
         if found := pattern.fullmatch(name):
             count = 6 if found[1] == "65" else int(found[1])
-            return ElementType(kinds[count], count)
-    return ElementType("", 0) if _LISTED.fullmatch(name) else None
+            return kinds[count], count
+    return ("", 0) if _LISTED.fullmatch(name) else None
 
 
-def is_side(name: str) -> bool:
-    """Return whether elements of a type are the sides of solids, as meshers write them."""
-    return _SIDE.match(name) is not None
-
-
-# They change nodes, elements or sets in ways that the reader does not follow.
-UNSUPPORTED = frozenset(
-    (
-        *("ADAPTIVEMESHREFINEMENT", "ADJUST", "DISPLAYBODY", "ELCOPY", "IMPERFECTION", "IMPORT"),
-        *("IMPORTELSET", "IMPORTNSET", "NCOPY", "NFILL", "NMAP", "REFINEMESH"),
-        "SYMMETRICMODELGENERATION",
-    )
+# Keywords that change nodes, elements or sets in ways that the reader does not follow.
+UNSUPPORTED = re.compile(
+    "ADAPTIVEMESHREFINEMENT|ADJUST|DISPLAYBODY|ELCOPY|IMPERFECTION|IMPORT|IMPORTELSET|IMPORTNSET"
+    "|NCOPY|NFILL|NMAP|REFINEMESH|SYMMETRICMODELGENERATION"
 )
 
-# They connect nodes, of which the mesh alone knows nothing.
-CONNECTIONS = frozenset(
-    (
-        *("COUPLING", "DISTRIBUTINGCOUPLING", "EMBEDDEDELEMENT", "EQUATION", "FASTENER"),
-        *("KINEMATICCOUPLING", "MPC", "RIGIDBODY", "SHELLTOSOLIDCOUPLING", "TIE"),
-    )
+# Keywords that connect nodes, which a mesh cannot hold.
+CONNECTIONS = re.compile(
+    "COUPLING|DISTRIBUTINGCOUPLING|EMBEDDEDELEMENT|EQUATION|FASTENER|KINEMATICCOUPLING|MPC"
+    "|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
 )
 
-# Beginnings of the names of all others that Abaqus and CalculiX have: materials, sections,
-# interactions, loads, steps, output. Surfaces are no groups here.
+# Beginnings of the names of all other keywords of Abaqus and CalculiX: materials, sections,
+# interactions, loads, steps, output. They have no influence on nodes, elements and sets; surfaces
+# are no groups here.
 _HARMLESS = """
     ACOUSTIC ACTIVATE ADAPTIVEMESH AMPLITUDE ANISOTROPIC ANNEAL AQUA BASE BEAM BIAXIAL
     BLOCKAGE BOND BOUNDARY BRITTLE BUCKL BULKVISC C-ADDED CALIBRATION CAP CASTIRON CAVITY
@@ -123,9 +86,4 @@ _HARMLESS = """
     TRANSVERSE TRIAXIAL TRS UEL UNCOUPLED UNDEX UNIAXIAL UNLOADING USER VALUES VARIABLEMASS
     VIEWFACTOR VISCO VOID VOLUMETRIC WAVE WIND XFEM
 """
-_HARMLESS_NAME = re.compile("|".join(_HARMLESS.split()))
-
-
-def harmless(keyword: str) -> bool:
-    """Return whether a keyword says nothing of nodes, elements and sets."""
-    return keyword not in UNSUPPORTED and _HARMLESS_NAME.match(keyword) is not None
+HARMLESS = re.compile("|".join(_HARMLESS.split()))

@@ -14,17 +14,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import IntArray, MeshError, warn
-from .elements import KINDS
-from .rawmesh import RawBlock, RawMesh
-
-__all__ = ["from_meshio", "is_meshio", "meshio_of_all_kinds", "read"]
-
+from ...base import IntArray, MeshError, warn
+from ..elements import KINDS
+from .raw import DIMENSIONS, RawBlock, RawMesh, check_count, grouped
 
 # meshio's names of kinds of cells: a shape and its number of nodes.
 _KIND = re.compile(r"(vertex|line|triangle|quad|tetra|hexahedron|wedge|pyramid)\d*")
 
-# Formats that are not read, by the end of a file's name, and why.
+# Reasons to refuse formats, by the end of a file's name.
 _REFUSED = {
     **dict.fromkeys(
         (".obj", ".off", ".ply", ".stl", ".svg", ".wkt"),
@@ -36,7 +33,7 @@ _REFUSED = {
     ),
 }
 
-# Formats that meshio reads from a stream, which is not read beyond its end for ever.
+# Formats that meshio reads from a stream, of which readers would go on beyond the end for ever.
 _STREAMS = ("ansys", "netgen", "tecplot")
 
 # A zone of Tecplot.
@@ -45,15 +42,13 @@ _ZONE = re.compile(rb"^[ \t]*ZONE\b", re.I | re.M)
 # Groups of FLAC3D's files, of which meshio numbers the members through, not by blocks.
 _FLAC3D = re.compile("(zone|face):")
 
-_DIMENSION_NAMES = ("point", "line", "surface", "volume")
-
-# Integers of a text that may be counts or numbers of nodes, for which meshio's readers make arrays
-# and loops: as large as this, or as this times the bytes of the file.
+# Integers of a text may be counts or numbers of nodes, for which meshio's readers make arrays and
+# loops. Refused are those above both this number and this number times the bytes of the file.
 _LARGEST, _PER_BYTE = 10**6, 8
 
 
 def read(file: Path) -> RawMesh:
-    """Return what meshio reads of a file, with a warning of what was not checked.
+    """Return the mesh that meshio reads, with a warning that it was not checked.
 
     Raises
     ------
@@ -62,10 +57,14 @@ def read(file: Path) -> RawMesh:
     ValueError
         If meshio cannot read the file, or numbers in it are out of proportion to its size.
     """
-    suffix = file.suffix.lower()
+    suffix, where = file.suffix.lower(), f"mesh file {str(file)!r}"
     if suffix in _REFUSED:
-        raise MeshError(f"mesh file {str(file)!r}: {_REFUSED[suffix].format(suffix)}")
-    formats = _formats(file)
+        raise MeshError(f"{where}: {_REFUSED[suffix].format(suffix)}")
+    suffixes = [each.lower() for each in file.suffixes[-2:]]
+    known = meshio_of_all_kinds().extension_to_filetypes
+    formats = [name for i in range(len(suffixes)) for name in known.get("".join(suffixes[i:]), ())]
+    if not formats:
+        raise ValueError(f"no format of files {file.suffix or 'without a suffix'} is known")
     if suffix == ".dat" and not _ZONE.search(file.read_bytes()):
         raise ValueError("it is neither a Nastran deck nor a file of Tecplot")
     _check_numbers(file)
@@ -81,34 +80,30 @@ def read(file: Path) -> RawMesh:
     except MemoryError:
         raise
     except ModuleNotFoundError as error:
-        raise MeshError(
-            f"mesh file {str(file)!r} needs the package {error.name}: pip install {error.name}"
-        ) from None
+        raise MeshError(f"{where} needs the package {error.name}: pip install it") from None
     except Exception as error:
-        # Readers meet malformed files with whatever their parsing happens to raise; some know
-        # more kinds of cells, such as tetra4, than meshio's meshes can hold.
+        # Readers raise any error on malformed files. A KeyError may name a kind of cells, such as
+        # tetra4, that meshio's meshes cannot hold.
         kind = str(error.args[0]) if isinstance(error, KeyError) and error.args else ""
         if _KIND.fullmatch(kind):
+            kinds = ", ".join(KINDS)
             raise MeshError(
-                f"mesh file {str(file)!r} has cells of an unsupported kind: {kind}; supported are "
-                f"{', '.join(KINDS)}"
+                f"{where} has cells of an unsupported kind: {kind}; supported are {kinds}"
             ) from None
-        plain = type(error) is ValueError
-        said_why = (
-            str(error) if plain else f"as {' or '.join(formats)}, {type(error).__name__}, {error}"
-        )
-        raise ValueError(said_why.rstrip(", ")) from None
+        why = f"as {' or '.join(formats)}, {type(error).__name__}, {error}".rstrip(", ")
+        raise ValueError(str(error) if type(error) is ValueError else why) from None
     if said.getvalue().strip():
         warn(f"mesh file {file.name!r}: meshio says: {' '.join(said.getvalue().split())}")
     if np.ndim(mesh.points) != 2:
         raise ValueError("it has no table of coordinates")
+    n_nodes, n_cells = len(mesh.points), sum(len(block.data) for block in mesh.cells)
     if name == "tecplot":
-        _check_tecplot(file, mesh)
+        _check_tecplot(file, n_nodes, n_cells)
     else:
         warn(
-            f"mesh file {file.name!r}: files of the format {name} are read by meshio, which may "
-            "leave out what it does not know. Check the numbers of nodes, elements and groups: "
-            f"{len(mesh.points)} nodes, {sum(len(block.data) for block in mesh.cells)} cells"
+            f"mesh file {file.name!r}: files of the format {name} are read by meshio, and parts "
+            f"that it does not know may be missing. Check the numbers of nodes, elements and "
+            f"groups: {n_nodes} nodes, {n_cells} cells"
         )
     return from_meshio(mesh)
 
@@ -121,21 +116,11 @@ def _check_numbers(file: Path) -> None:
     most = max(_LARGEST, _PER_BYTE * len(content))
     for match in re.finditer(rb"(?<![\d.+\-eEdD])\d{7,}(?![\d.eEdD])", content):
         if int(match[0][:40]) > most:
-            line = 1 + content.count(b"\n", 0, match.start())
+            line, text = 1 + content.count(b"\n", 0, match.start()), match[0][:40].decode()
             raise ValueError(
-                f"the number {match[0][:40].decode()} in line {line} is out of proportion to the "
-                f"size of the file, {len(content)} bytes"
+                f"the number {text} in line {line} is out of proportion to the size of the file, "
+                f"{len(content)} bytes"
             )
-
-
-def _formats(file: Path) -> list[str]:
-    """Return meshio's names of the formats that a file may be of."""
-    suffixes = [suffix.lower() for suffix in file.suffixes[-2:]]
-    known = meshio_of_all_kinds().extension_to_filetypes
-    found = [name for i in range(len(suffixes)) for name in known.get("".join(suffixes[i:]), ())]
-    if not found:
-        raise ValueError(f"no format of files {file.suffix or 'without a suffix'} is known")
-    return found
 
 
 def _tried(file: Path, formats: list[str], said: io.StringIO) -> tuple[str, Any]:
@@ -173,16 +158,10 @@ def meshio_of_all_kinds() -> Any:
     return meshio
 
 
-class _Binary(io.BufferedReader):
-    """A file that refuses to be read on and on beyond its end."""
+class _Ending:
+    """A stream that raises an error if it is read on and on beyond its end."""
 
     _empty = 0
-
-    def read(self, size: Any = -1, /) -> bytes:
-        return bytes(self._checked(super().read(size)))
-
-    def readline(self, size: Any = -1, /) -> bytes:
-        return bytes(self._checked(super().readline(size)))
 
     def _checked(self, got: Any) -> Any:
         self._empty = 0 if got else self._empty + 1
@@ -190,33 +169,30 @@ class _Binary(io.BufferedReader):
             raise EOFError("unexpected end of file")
         return got
 
+    def read(self, size: Any = -1, /) -> Any:
+        return self._checked(super().read(size))  # type: ignore[misc]
 
-class _Text(io.TextIOWrapper):
-    """The same of text."""
-
-    _empty = 0
-
-    def readline(self, size: Any = -1, /) -> str:  # type: ignore[override]
-        got = super().readline(size)
-        self._empty = 0 if got else self._empty + 1
-        if self._empty > 10:
-            raise EOFError("unexpected end of file")
-        return got
+    def readline(self, size: Any = -1, /) -> Any:
+        return self._checked(super().readline(size))  # type: ignore[misc]
 
 
-def _check_tecplot(file: Path, mesh: Any) -> None:
-    """Compare the mesh with what the file's zones announce; meshio reads the first one."""
+class _Binary(_Ending, io.BufferedReader):
+    """A binary file of this sort."""
+
+
+class _Text(_Ending, io.TextIOWrapper):
+    """A text of this sort."""
+
+
+def _check_tecplot(file: Path, n_nodes: int, n_cells: int) -> None:
+    """Compare numbers with those that the file's zone announces; meshio reads the first zone."""
     text = re.sub(r'"[^"]*"', "", file.read_text("latin-1")).upper()
     zones = re.split(r"^\s*ZONE\b", text, flags=re.MULTILINE)[1:]
     if len(zones) != 1:
         raise ValueError(f"it has {len(zones)} zones; write the mesh as one")
-    for names, there in (
-        (("NODES", "N"), len(mesh.points)),
-        (("ELEMENTS", "E"), sum(len(block.data) for block in mesh.cells)),
-    ):
-        found = re.search(rf"\b({'|'.join(names)})\s*=\s*(\d+)", zones[0])
-        if found is None or int(found[2]) != there:
-            raise ValueError(f"{names[0].lower()}: {there} were read, not what the zone announces")
+    for names, there in (("NODES|N", n_nodes), ("ELEMENTS|E", n_cells)):
+        found = re.search(rf"\b(?:{names})\s*=\s*(\d+)", zones[0])
+        check_count(names.partition("|")[0].lower(), -1 if found is None else int(found[1]), there)
 
 
 def is_meshio(source: Any) -> bool:
@@ -237,74 +213,53 @@ def from_meshio(mesh: Any) -> RawMesh:
         If groups name what is not there, or not by numbers.
     """
     blocks = tuple(RawBlock(str(block.type), np.asarray(block.data)) for block in mesh.cells)
-    raw = RawMesh(mesh.points, blocks)
+    first = RawMesh(mesh.points, blocks).first
     try:
-        node_sets = [(str(name), _indices(of)) for name, of in mesh.point_sets.items()]
-        cell_sets = [
-            (name, raw.first[i] + np.arange(len(blocks[i].cells))[members])
+        node_sets = grouped((str(name), _indices(of)) for name, of in _point_groups(mesh))
+        cell_sets = grouped(
+            (str(name), first[i] + np.arange(len(blocks[i].cells))[_indices(members)])
             for name, i, members in _cell_groups(mesh, blocks)
-        ]
-        node_sets += _med_points(mesh)
-        named = (_joined(node_sets), _joined(cell_sets))
+        )
     except (ValueError, TypeError, LookupError, OverflowError, AttributeError) as error:
         raise MeshError(f"the named groups of the mesh are wrong: {error}") from None
-    return RawMesh(mesh.points, blocks, *named)
+    return RawMesh(mesh.points, blocks, node_sets, cell_sets)
 
 
-def _joined(groups: list[tuple[str, IntArray]]) -> dict[str, IntArray]:
-    found: dict[str, list[IntArray]] = {}
-    for name, members in groups:
-        if len(members):
-            found.setdefault(name, []).append(members)
-    return {name: np.unique(np.concatenate(parts)) for name, parts in found.items()}
+def _point_groups(mesh: Any) -> Iterator[tuple[str, npt.NDArray[Any]]]:
+    yield from mesh.point_sets.items()
+    if (tags := mesh.point_data.get("point_tags")) is not None:
+        for tag, names in getattr(mesh, "point_tags", {}).items():  # MED's
+            for name in names:
+                yield name, tags == tag
 
 
-# A group of cells: its name, the number of the block, and the cells' numbers there.
-_CellGroup = tuple[str, int, npt.NDArray[Any]]
-
-
-def _cell_groups(mesh: Any, blocks: tuple[RawBlock, ...]) -> Iterator[_CellGroup]:
-    counts = [0, *(len(block.cells) for block in blocks)]
+def _cell_groups(
+    mesh: Any, blocks: tuple[RawBlock, ...]
+) -> Iterator[tuple[str, int, npt.NDArray[Any]]]:
+    """Yield names of groups, numbers of blocks, and members in these by number or mask."""
+    first = RawMesh(mesh.points, blocks).first
     for name, parts in mesh.cell_sets.items():
         if name.startswith("gmsh:"):  # a table of meshio's own, not a group
             continue
         through = _FLAC3D.match(name) is not None and "cell_ids" in mesh.cell_data
-        first = np.cumsum(counts) if through else np.zeros(len(counts), int)
-        for i, (_, members) in enumerate(zip(blocks, parts, strict=False)):
+        for i, members in enumerate(parts[: len(blocks)]):
             if members is not None and len(members):
-                yield str(name), i, _indices(members) - first[i]
-    yield from _physical_groups(mesh, blocks)
-    yield from _med_cells(mesh)
-
-
-def _physical_groups(mesh: Any, blocks: tuple[RawBlock, ...]) -> Iterator[_CellGroup]:
+                yield name, i, _indices(members) - first[i] if through else members
     names = {
-        (int(value[1]), int(value[0])): str(name)
+        (int(value[1]), int(value[0])): name
         for name, value in mesh.field_data.items()
         if np.size(value) == 2
     }
-    all_tags = mesh.cell_data.get("gmsh:physical", ())
-    for i, (block, tags) in enumerate(zip(blocks, all_tags, strict=False)):
-        for tag in np.unique(tags):
+    physical = mesh.cell_data.get("gmsh:physical", ())
+    for i, (block, tags) in enumerate(zip(blocks, physical, strict=False)):
+        for tag in np.unique(tags).astype(int).tolist():
             if tag != 0:
-                name = f"{_DIMENSION_NAMES[block.dim]} {tag}"
-                yield names.get((block.dim, int(tag)), name), i, np.flatnonzero(tags == tag)
-
-
-def _med_points(mesh: Any) -> Iterator[tuple[str, IntArray]]:
-    tags = mesh.point_data.get("point_tags")
-    if tags is not None:
-        for tag, names in getattr(mesh, "point_tags", {}).items():
-            for name in names:
-                yield str(name), np.flatnonzero(tags == tag)
-
-
-def _med_cells(mesh: Any) -> Iterator[_CellGroup]:
-    all_tags = mesh.cell_data.get("cell_tags", ())
-    for i, (_, tags) in enumerate(zip(mesh.cells, all_tags, strict=False)):
-        for tag, names in getattr(mesh, "cell_tags", {}).items():
-            for name in names:
-                yield str(name), i, np.flatnonzero(tags == tag)
+                unnamed = f"{DIMENSIONS[block.dim]} {tag}"
+                yield names.get((block.dim, tag), unnamed), i, np.asarray(tags) == tag
+    for i, (_, tags) in enumerate(zip(blocks, mesh.cell_data.get("cell_tags", ()), strict=False)):
+        for tag, called in getattr(mesh, "cell_tags", {}).items():  # MED's
+            for name in called:
+                yield name, i, tags == tag
 
 
 def _indices(members: Any) -> IntArray:

@@ -11,7 +11,6 @@ import binascii
 import lzma
 import re
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -19,62 +18,42 @@ from xml.etree import ElementTree
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray
-from .mesh import right_handed
-from .rawmesh import RawBlock, RawMesh
-from .textfile import integers, numbers_of
+from ...base import FloatArray, IntArray
+from ..mesh import right_handed
+from .raw import RawBlock, RawMesh, check_count, firsts, integers, nodes_in, numbers_of
 
-__all__ = ["read_legacy", "read_xml"]
-
-# Kinds of cells by VTK's numbers; lines and surfaces of any number of nodes have none.
+# Kinds of cells by VTK's numbers.
+_LINEAR = "vertex line triangle quad quad tetra hexahedron hexahedron wedge pyramid"
+_QUADRATIC = "line3 triangle6 quad8 tetra10 hexahedron20 wedge15 pyramid13 quad9 hexahedron27"
 _KINDS = {
-    1: ("vertex", 1),
-    3: ("line", 2),
-    5: ("triangle", 3),
-    8: ("quad", 4),
-    9: ("quad", 4),
-    10: ("tetra", 4),
-    11: ("hexahedron", 8),
-    12: ("hexahedron", 8),
-    13: ("wedge", 6),
-    14: ("pyramid", 5),
-    21: ("line3", 3),
-    22: ("triangle6", 6),
-    23: ("quad8", 8),
-    24: ("tetra10", 10),
-    25: ("hexahedron20", 20),
-    26: ("wedge15", 15),
-    27: ("pyramid13", 13),
-    28: ("quad9", 9),
-    29: ("hexahedron27", 27),
+    **dict(zip((1, 3, 5, 8, 9, 10, 11, 12, 13, 14), _LINEAR.split(), strict=True)),
+    **dict(enumerate(_QUADRATIC.split(), start=21)),
 }
+
+# Points, lines and surfaces of any number of nodes or order.
 _WITHOUT_VOLUME = (0, 2, 4, 6, 7, 30, 34, 35, 36, 51, 60, 61, 62, 68, 69, 70, 75, 76, 77)
 
 # Pixels and voxels go along the axes, quadrilaterals and hexahedra around.
 _ORDERS = {8: (0, 1, 3, 2), 11: (0, 1, 3, 2, 4, 5, 7, 6)}
 
+# NumPy's types by the names in XML and in legacy files.
 _XML_TYPES = {
-    f"{name}{8 * size}": f"{code}{size}"
-    for name, code, sizes in (
-        ("Int", "i", (1, 2, 4, 8)),
-        ("UInt", "u", (1, 2, 4, 8)),
-        ("Float", "f", (4, 8)),
-    )
-    for size in sizes
+    **{f"Int{8 * size}": f"i{size}" for size in (1, 2, 4, 8)},
+    **{f"UInt{8 * size}": f"u{size}" for size in (1, 2, 4, 8)},
+    **{f"Float{8 * size}": f"f{size}" for size in (4, 8)},
 }
 _LEGACY_TYPES = {
-    "char": "i1",
-    "unsigned_char": "u1",
-    "short": "i2",
-    "unsigned_short": "u2",
-    "int": "i4",
-    "unsigned_int": "u4",
-    "long": "i8",
-    "unsigned_long": "u8",
-    "float": "f4",
-    "double": "f8",
-    "vtkidtype": "i4",
-    "vtktypeint64": "i8",
+    **{"char": "i1", "short": "i2", "int": "i4", "long": "i8", "vtktypeint64": "i8"},
+    **{"unsigned_char": "u1", "unsigned_short": "u2", "unsigned_int": "u4", "unsigned_long": "u8"},
+    **{"float": "f4", "double": "f8", "vtkidtype": "i4"},
+}
+
+_SAVE = "save it as an unstructured grid"
+
+_COMPRESSORS: dict[str, Any] = {
+    "": None,
+    "vtkZLibDataCompressor": zlib.decompress,
+    "vtkLZMADataCompressor": lzma.decompress,
 }
 
 
@@ -85,29 +64,26 @@ def _raw_mesh(points: FloatArray, types: IntArray, ends: IntArray, nodes: IntArr
     if len(types) != len(ends) or counts.sum() != len(nodes) or (counts < 0).any():
         raise ValueError("the numbers of cells, types and nodes do not fit each other")
     blocks = []
-    for type_ in np.unique(types):
-        kind, width = _KINDS.get(int(type_), (f"VTK type {type_}", 0))
+    for type_ in np.setdiff1d(types, _WITHOUT_VOLUME).tolist():
         of = np.flatnonzero(types == type_)
-        if type_ in _WITHOUT_VOLUME:
-            continue
         if type_ not in _KINDS:
-            blocks.append(RawBlock(kind, np.zeros((len(of), 1), np.int64)))
+            blocks.append(RawBlock(f"VTK type {type_}", np.zeros((len(of), 1), np.int64)))
             continue
-        if (counts[of] != width).any():
-            raise ValueError(
-                f"a {kind} has {width} nodes, not {counts[of][counts[of] != width][0]}"
-            )
-        cells = nodes[starts[of][:, None] + np.arange(width)]
-        cells = cells[:, _ORDERS.get(int(type_), slice(None))]
-        if (
-            kind in ("wedge", "wedge15")
-            and len(nodes)
-            and cells.max() < len(points)
-            and cells.min() >= 0
-        ):
-            cells = right_handed(kind, points, cells)  # VTK's own are not, those of others are
+        kind, width = _KINDS[type_], nodes_in(_KINDS[type_])
+        if wrong := set(counts[of].tolist()) - {width}:
+            raise ValueError(f"a {kind} has {width} nodes, not {wrong.pop()}")
+        cells = nodes[starts[of][:, None] + np.arange(width)][:, _ORDERS.get(type_, slice(None))]
+        # Wedges of VTK's own are left-handed, those of other programs are not.
+        if kind in ("wedge", "wedge15") and 0 <= cells.min() <= cells.max() < len(points):
+            cells = right_handed(kind, points, cells)
         blocks.append(RawBlock(kind, cells))
     return RawMesh(points, tuple(blocks))
+
+
+def _from_bytes(content: bytes, dtype: np.dtype[Any], count: int) -> npt.NDArray[Any]:
+    if not 0 <= count <= len(content) // dtype.itemsize:
+        raise ValueError(f"{count} numbers are announced, but there is room for fewer")
+    return np.frombuffer(content, dtype, count)
 
 
 # --------------------------------------------------------------------------------------- legacy
@@ -151,15 +127,29 @@ class _Legacy:
         stop = end.start() + 1 if end else len(self.content)
         values = numbers_of(self.content[self.at : stop])
         self.at = stop
-        if len(values) != count:
-            raise ValueError(f"{count} numbers are announced, but {len(values)} are there")
+        check_count("numbers", count, len(values))
         return values
 
-
-def _from_bytes(content: bytes, dtype: np.dtype[Any], count: int) -> npt.NDArray[Any]:
-    if not 0 <= count <= len(content) // dtype.itemsize:
-        raise ValueError(f"{count} numbers are announced, but there is room for fewer")
-    return np.frombuffer(content, dtype, count)
+    def cells(self, count: int, size: int) -> tuple[IntArray, IntArray]:
+        """Return where the nodes of each cell end, and the nodes of all."""
+        start = self.at
+        words = self.words()
+        if words[:1] == ["OFFSETS"]:  # version 5: one offset more than cells
+            ends = integers(self.numbers(count, words[1]))[1:]
+            words = self.words()
+            if words[:1] != ["CONNECTIVITY"]:
+                raise ValueError("CONNECTIVITY is expected after OFFSETS")
+            return ends, integers(self.numbers(size, words[1]))
+        self.at = start
+        rows = integers(self.numbers(size, "int"))
+        heads: list[int] = []
+        at = 0
+        while len(heads) < count and 0 <= at < size and rows[at] >= 0:
+            heads.append(at)
+            at += 1 + int(rows[at])
+        if at != size or len(heads) < count:
+            raise ValueError("the cells do not fill the numbers announced for them")
+        return np.cumsum(rows[heads]), np.delete(rows, heads)
 
 
 def read_legacy(file: Path) -> RawMesh:
@@ -181,19 +171,20 @@ def read_legacy(file: Path) -> RawMesh:
             case ["DATASET", "UNSTRUCTURED_GRID"]:
                 pass
             case ["DATASET", *kind]:
-                raise ValueError(
-                    f"the data set is {' '.join(kind)}; save it as an unstructured grid"
-                )
+                raise ValueError(f"the data set is {' '.join(kind)}; {_SAVE}")
             case ["METADATA"]:
                 while reader.at < len(reader.content) and reader.line():
                     pass
             case ["FIELD", _, count]:
                 for _ in range(int(count)):
-                    _skip_field(reader)
+                    words = reader.words()
+                    if len(words) != 4:
+                        raise ValueError(f"{' '.join(words)[:40]!r} is no head of a field")
+                    reader.numbers(int(words[1]) * int(words[2]), words[3])
             case ["POINTS", count, type_]:
                 points = reader.numbers(3 * int(count), type_).reshape(-1, 3)
             case ["CELLS", count, size]:
-                ends, nodes = _legacy_cells(reader, int(count), int(size))
+                ends, nodes = reader.cells(int(count), int(size))
             case ["CELL_TYPES", count]:
                 types = integers(reader.numbers(int(count), "int"))
             case _:
@@ -201,37 +192,6 @@ def read_legacy(file: Path) -> RawMesh:
     if points is None:
         raise ValueError("it has no POINTS")
     return _raw_mesh(points, types, ends, nodes)
-
-
-def _skip_field(reader: _Legacy) -> None:
-    words = reader.words()
-    if len(words) != 4:
-        raise ValueError(f"{' '.join(words)[:40]!r} is no name, width, length and type of a field")
-    reader.numbers(int(words[1]) * int(words[2]), words[3])
-
-
-def _legacy_cells(reader: _Legacy, count: int, size: int) -> tuple[IntArray, IntArray]:
-    """Return where the nodes of each cell end, and the nodes of all."""
-    start = reader.at
-    words = reader.words()
-    if words[:1] == ["OFFSETS"]:  # version 5: one offset more than cells
-        ends = integers(reader.numbers(count, words[1]))[1:]
-        words = reader.words()
-        if words[:1] != ["CONNECTIVITY"]:
-            raise ValueError("CONNECTIVITY is expected after OFFSETS")
-        return ends, integers(reader.numbers(size, words[1]))
-    reader.at = start
-    rows = integers(reader.numbers(size, "int"))
-    heads = np.zeros(count, np.int64)
-    at = 0
-    for i in range(count):
-        if not 0 <= at < size or rows[at] < 0:
-            raise ValueError("the cells do not fill the numbers announced for them")
-        heads[i] = at
-        at += 1 + int(rows[at])
-    if at != size:
-        raise ValueError("the cells do not fill the numbers announced for them")
-    return np.cumsum(rows[heads]), np.delete(rows, heads)
 
 
 # ------------------------------------------------------------------------------------------ XML
@@ -255,30 +215,23 @@ def read_xml(file: Path) -> RawMesh:
     except ElementTree.ParseError as error:
         raise ValueError(f"XML: {error}") from None
     if root.get("type") != "UnstructuredGrid":
-        raise ValueError(f"the data set is {root.get('type')}; save it as an unstructured grid")
-    pieces = root.findall("UnstructuredGrid/Piece")
-    if not pieces:
-        raise ValueError("it has no piece of an unstructured grid")
+        raise ValueError(f"the data set is {root.get('type')}; {_SAVE}")
     tail = b"" if appended is None else content[appended.end() : content.rfind(b"</AppendedData")]
-    raw = appended is not None and b"base64" not in appended[1]
-    meshes = [_piece(piece, _Arrays(root, tail, raw)) for piece in pieces]
-    return meshes[0] if len(meshes) == 1 else _joined(meshes)
-
-
-def _joined(meshes: list[RawMesh]) -> RawMesh:
-    first = np.cumsum([0, *(len(mesh.nodes) for mesh in meshes)])
+    arrays = _Arrays(root, tail, raw=appended is not None and b"base64" not in appended[1])
+    meshes = [_piece(piece, arrays) for piece in root.findall("UnstructuredGrid/Piece")]
+    if not meshes:
+        raise ValueError("it has no piece of an unstructured grid")
+    if len(meshes) == 1:
+        return meshes[0]
     blocks = [
         RawBlock(block.kind, block.cells + shift)
-        for mesh, shift in zip(meshes, first[:-1], strict=True)
+        for mesh, shift in zip(meshes, firsts(mesh.nodes for mesh in meshes), strict=False)
         for block in mesh.blocks
     ]
     return RawMesh(np.concatenate([mesh.nodes for mesh in meshes]), tuple(blocks))
 
 
 def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
-    counts = {}
-    for name in ("NumberOfPoints", "NumberOfCells"):
-        counts[name] = int(piece.get(name, ""))
     for array in piece.findall("CellData/DataArray"):
         if array.get("Name") in ("vtkGhostType", "vtkGhostLevels") and arrays.of(array).any():
             raise ValueError("it has ghost cells of another part; save the whole mesh in one file")
@@ -287,25 +240,20 @@ def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
     if places is None or not {"connectivity", "offsets", "types"} <= set(cells):
         raise ValueError("points, connectivity, offsets or types are missing")
     points = arrays.of(places).astype(np.float64)
-    if len(points) != 3 * counts["NumberOfPoints"]:
-        raise ValueError(
-            f"{counts['NumberOfPoints']} points are announced, but {len(points)} coordinates are "
-            "there"
-        )
+    n_points = int(piece.get("NumberOfPoints", ""))
+    if len(points) != 3 * n_points:
+        raise ValueError(f"{n_points} points are announced, but {len(points)} coordinates")
     nodes, ends, types = (
         integers(arrays.of(cells[name])) for name in ("connectivity", "offsets", "types")
     )
-    if len(types) != counts["NumberOfCells"]:
-        raise ValueError(
-            f"{counts['NumberOfCells']} cells are announced, but {len(types)} are there"
-        )
+    check_count("cells", int(piece.get("NumberOfCells", "")), len(types))
     return _raw_mesh(points.reshape(-1, 3), types, ends, nodes)
 
 
 class _Arrays:
     """The arrays of a file, as text, in base64 or appended, compressed or not."""
 
-    def __init__(self, root: ElementTree.Element, appended: bytes, raw: bool) -> None:
+    def __init__(self, root: ElementTree.Element, appended: bytes, *, raw: bool) -> None:
         self.order = ">" if root.get("byte_order") == "BigEndian" else "<"
         header = _XML_TYPES.get(root.get("header_type", "UInt32"), "u4")
         self.header = np.dtype(self.order + header)
@@ -332,29 +280,21 @@ class _Arrays:
                 raise ValueError(f"data of format {other!r} are not read")
         dtype = np.dtype(self.order + _XML_TYPES[type_])
         size = self.header.itemsize
+        count = int(_from_bytes(content, self.header, 1)[0])  # of bytes, or of blocks
         if self.decompress is None:
-            n_bytes = int(_from_bytes(content, self.header, 1)[0])
-            return _from_bytes(content[size:], dtype, n_bytes // dtype.itemsize)
-        n_blocks = int(_from_bytes(content, self.header, 1)[0])
-        sizes = _from_bytes(content, self.header, 3 + n_blocks)[3:]
-        ends = (3 + n_blocks) * size + np.cumsum(sizes, dtype=np.int64)
+            return _from_bytes(content[size:], dtype, count // dtype.itemsize)
+        sizes = _from_bytes(content, self.header, 3 + count)[3:]
+        ends = (3 + count) * size + np.cumsum(sizes, dtype=np.int64)
         parts = [content[end - int(n) : end] for end, n in zip(ends, sizes, strict=True)]
         try:
-            whole = b"".join(self.decompress(part) for part in parts)
+            whole = b"".join(map(self.decompress, parts))
         except (zlib.error, lzma.LZMAError) as error:
             raise ValueError(f"its compressed data are damaged: {error}") from None
         return _from_bytes(whole, dtype, len(whole) // dtype.itemsize)
 
 
-_COMPRESSORS: dict[str, Callable[[bytes], bytes] | None] = {
-    "": None,
-    "vtkZLibDataCompressor": zlib.decompress,
-    "vtkLZMADataCompressor": lzma.decompress,
-}
-
-
 def _base64(text: bytes) -> bytes:
-    """Return what a text in base64 stands for; the header and the data may each end with "="."""
+    """Return the bytes of a text in base64; the header and the data may each end with "="."""
     try:
         parts = re.findall(rb"[A-Za-z0-9+/]+=*", b"".join(text.split()))
         return b"".join(base64.b64decode(part) for part in parts)

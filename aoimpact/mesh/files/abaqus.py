@@ -1,6 +1,7 @@
 """Decks of Abaqus and CalculiX: parts, their instances and the assembly become one raw mesh.
 
-A keyword that is not understood is refused unless it is known to say nothing of mesh and groups.
+A keyword that is not understood is refused unless it is known to have no influence on mesh and
+groups.
 """
 
 from __future__ import annotations
@@ -12,24 +13,21 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import IntArray, MeshError, warn
-from .inpfile import Keyword, key, read_keywords
-from .inpgeometry import moved
-from .inpscope import Elements, Scope, Which
-from .inptypes import CONNECTIONS, UNSUPPORTED, harmless, is_side
-from .rawmesh import RawBlock, RawMesh
-
-__all__ = ["read"]
+from ...base import IntArray, MeshError, warn
+from .abaqusdeck import Keyword, key, read_keywords
+from .abaqusnames import CONNECTIONS, HARMLESS, SIDES, UNSUPPORTED
+from .abaqusscope import Elements, Scope, Which
+from .raw import RawBlock, RawMesh
 
 _OF_SCOPES = frozenset(("NODE", "NGEN", "ELEMENT", "ELGEN", "NSET", "ELSET", "SYSTEM"))
 
 # Nodes of C3D27 in meshio's order: there the middle comes before those of faces 1 to 6.
-_C3D27 = (*range(20), 26, 24, 23, 25, 21, 22, 20)
+_ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20)}
 
 
 @dataclass(eq=False)
 class _Instance:
-    """An instance of a part: where it is put, and what it has beside the part's own.
+    """An instance of a part: its place, and keywords of its own.
 
     `keyword` is None for a part that stands for itself.
     """
@@ -68,12 +66,12 @@ def read(file: Path) -> RawMesh:
         With file, line and keyword, if something that may concern nodes, elements or sets is not
         understood.
     MissingFileError
-        If the file, or one that it includes, is not there.
+        If a file that it includes is not there.
 
     Warns
     -----
     AOImpactWarning
-        If elements are no solids, parts have no instance, sets name what is not there, or nodes are
+        If elements are no solids, parts have no instance, sets name missing members, or nodes are
         connected by more than elements.
     """
     try:
@@ -92,20 +90,20 @@ def _sorted(keywords: list[Keyword]) -> _Model:
     loose: Keyword | None = None
     for keyword in keywords:
         name = keyword.name
-        model.connections[name] += name in CONNECTIONS
+        model.connections[name] += CONNECTIONS.fullmatch(name) is not None
         if name in _OF_SCOPES:
             within[-1][1].append(keyword)
             if len(within) == 1 and name in ("NODE", "ELEMENT"):
                 loose = keyword
         elif name == "PART":
-            keyword.check_options(("NAME",))
+            keyword.check_options("NAME")
             part = _new(keyword, model.parts)
             model.called[part] = keyword.options["NAME"].strip('"')
             within.append((name, model.parts.setdefault(part, [])))
         elif name == "ASSEMBLY":
             within.append((name, model.outside))
         elif name == "INSTANCE":
-            keyword.check_options(("NAME", "PART"))
+            keyword.check_options("NAME", "PART")
             instance, part = _new(keyword, model.instances), keyword.options.get("PART", "")
             if key(part) not in model.parts:
                 raise keyword.error(f"there is no part {part}")
@@ -115,9 +113,9 @@ def _sorted(keywords: list[Keyword]) -> _Model:
         elif name in ("ENDPART", "ENDASSEMBLY", "ENDINSTANCE"):
             if within.pop()[0] != name[3:]:
                 raise keyword.error(f"it ends no *{name[3:]}")
-        elif name in UNSUPPORTED:
+        elif UNSUPPORTED.fullmatch(name):
             raise keyword.error("it is not supported; write the mesh out without it")
-        elif not harmless(name):
+        elif not HARMLESS.match(name):
             raise keyword.error("it is not known, and may change the mesh; leave it out")
     if len(within) > 1:
         raise keywords[-1].error(f"*END {within[-1][0]} is missing")
@@ -140,84 +138,61 @@ def _joined(file: Path, model: _Model) -> RawMesh:
     """Put instances in their places, one after the other, and find all sets."""
     whole = Scope()
     parts: dict[str, Scope] = {}
-    nodes, labels = [], []
-    bodies: list[tuple[Scope, int]] = []
     for name, instance in model.instances.items():
-        if instance.own:
+        scope = parts.get(instance.part)
+        if instance.own or scope is None:
             scope = Scope().read([*model.parts[instance.part], *instance.own])
-        else:
-            if instance.part not in parts:
-                parts[instance.part] = Scope().read(model.parts[instance.part])
-            scope = parts[instance.part]
-        places = scope.places
-        nodes.append(places if instance.keyword is None else moved(instance.keyword, places))
-        labels.append(scope.labels)
-        bodies.append((scope, whole.first["NSET"]))
-        whole.inner[name] = scope, dict(whole.first)
-        whole.first["NSET"] += len(scope.labels)
-        whole.first["ELSET"] += len(scope.element_labels)
+        if not instance.own:
+            parts[instance.part] = scope
+        whole.inner[name] = scope = scope.placed(instance.keyword, whole.first)
+        whole.first = scope.behind()
     whole.read(model.outside)
-    bodies.append((whole, whole.first["NSET"]))
-    if not model.instances:
-        nodes, labels = [whole.places], [whole.labels]
-    blocks = [block for scope, _ in bodies for block in scope.elements]
-    rows = [block.nodes + first for scope, first in bodies for block in scope.elements]
-    raw_blocks, cell = _blocks(blocks, rows)
-    n_nodes = sum(map(len, labels))
+    scopes = [*whole.inner.values(), whole]
+    bodies = [*whole.inner.values()] or [whole]
+    blocks = [block for scope in scopes for block in scope.elements]
+    rows = [block.nodes + of.first["NSET"] for of in scopes for block in of.elements]
     node_sets, cell_sets = _named(whole, model)
     kinds = np.repeat(np.arange(len(blocks)), [len(block.labels) for block in blocks])
     others = np.array([block.type[:3] != "C3D" for block in blocks], dtype=bool)
     bodies_named = {instance.name for instance in model.instances.values()}
     left_out = {}
     for name, members in cell_sets.items():
-        of = kinds[members]
-        if others[of].any() and name not in bodies_named:
-            left_out[name] = _listed(Counter(blocks[i].type for i in of[others[of]].tolist()))
+        of_kind = kinds[members]
+        if others[of_kind].any() and name not in bodies_named:
+            listed = Counter(blocks[i].type for i in of_kind[others[of_kind]].tolist())
+            left_out[name] = _listed(listed)
     _warn(file, whole, model, blocks)
+    n_nodes = sum(len(body.labels) for body in bodies)
     return RawMesh(
-        np.concatenate(nodes),
-        tuple(raw_blocks),
+        np.concatenate([body.places for body in bodies]),
+        tuple(
+            RawBlock(
+                block.kind or "other", cells[:, _ORDERS.get(block.kind, slice(None))], block.labels
+            )
+            for block, cells in zip(blocks, rows, strict=True)
+        ),
         {name: members[members < n_nodes] for name, members in node_sets.items()},
-        {name: np.sort(cell[members][cell[members] >= 0]) for name, members in cell_sets.items()},
-        np.concatenate(labels),
+        cell_sets,
+        np.concatenate([body.labels for body in bodies]),
         left_out,
     )
 
 
-def _blocks(blocks: list[Elements], rows: list[IntArray]) -> tuple[list[RawBlock], IntArray]:
-    """Join elements of a kind, and return the cells' numbers by those of all elements, or -1."""
-    counts = [len(block.labels) for block in blocks]
-    first = np.cumsum([0, *counts])
-    cell = np.full(first[-1], -1)
-    found: list[RawBlock] = []
-    done = 0
-    for kind in dict.fromkeys(block.kind for block in blocks if block.kind):
-        own = [i for i, block in enumerate(blocks) if block.kind == kind]
-        cells = np.concatenate([rows[i] for i in own])
-        if kind == "hexahedron27":
-            cells = cells[:, _C3D27]
-        found.append(RawBlock(kind, cells, np.concatenate([blocks[i].labels for i in own])))
-        for i in own:
-            cell[first[i] : first[i + 1]] = np.arange(done, done + counts[i])
-            done += counts[i]
-    return found, cell
-
-
 def _named(whole: Scope, model: _Model) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
-    """Return all sets by what users call them: members' numbers among those of all scopes."""
+    """Return all sets by the names that users know: members' numbers among those of all scopes."""
     sets: dict[tuple[Which, str], list[tuple[str, IntArray]]] = {
         at: [(called, whole.members(*at))] for at, called in whole.names.items()
     }
     own = set(sets)
     for name, instance in model.instances.items():
-        scope, place = whole.inner[name]
+        scope = whole.inner[name]
         for (which, inner), called in scope.names.items():
-            members = scope.members(which, inner) + place[which]
+            members = scope.members(which, inner)
             full = f"{instance.name}.{called}"
             sets.setdefault((which, key(full)), []).append((full, members))
             if (which, inner) not in own:
                 sets.setdefault((which, inner), []).append((called, members))
-        every = place["ELSET"] + np.arange(len(scope.element_labels))
+        every = np.arange(scope.first["ELSET"], scope.behind()["ELSET"])
         sets.setdefault(("ELSET", name), []).append((instance.name, every))
     named: dict[Which, dict[str, IntArray]] = {"NSET": {}, "ELSET": {}}
     for (which, _), found in sets.items():
@@ -232,20 +207,21 @@ def _listed(counts: Counter[str]) -> str:
 
 
 def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> None:
-    """Say in one warning what of the deck is not in the mesh."""
+    """Name in one warning the contents of the deck that are not in the mesh."""
     said = []
     counts: Counter[str] = Counter()
     for block in blocks:
         counts[block.type] += len(block.labels)
     # No model has plane elements beside solids: a mesher wrote sides, and edges as trusses.
-    edges = ("T3D",) if any(is_side(name) for name in counts) else ()
+    edges = ("T3D",) if any(map(SIDES.match, counts)) else ()
     for name in list(counts):
-        if name.startswith(("C3D", *edges)) or is_side(name):
+        if name.startswith(("C3D", *edges)) or SIDES.match(name):
             del counts[name]
     if connections := +model.connections:
+        named = ", ".join(f"{count} *{name}" for name, count in sorted(connections.items()))
         said.append(
             "connections between nodes were left out, and the body is computed without them: "
-            + ", ".join(f"{count} *{name}" for name, count in sorted(connections.items()))
+            + named
         )
     if counts:
         said.append(f"elements that are no solids are not part of the body: {_listed(counts)}")
@@ -253,7 +229,7 @@ def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> No
     if unused := [model.called[part] for part in model.parts if part not in used]:
         said.append(f"parts without an instance are left out: {', '.join(unused)}")
     missing = dict(whole.missing)
-    for scope, _ in whole.inner.values():
+    for scope in whole.inner.values():
         missing |= scope.missing
     if missing:
         name, label = next(iter(missing.items()))

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["CONNECTIONS", "OTHER_ELEMENTS", "is_skipped"]
-
-# Constraints between nodes, of which the mesh alone knows nothing.
+# Constraints between nodes, which a mesh cannot hold.
 CONNECTIONS = re.compile(
     "MPC|MPCY|RBAR|RBAR1|RBE1|RBE2|RBE2GS|RBE3|RBODY|RJOINT|RROD|RSPLINE|RSSCON|RTRPLT|RTRPLT1"
     "|RBAX3D|RBJOINT|RSPINR|RSPINT|RWELD|RCROSS|CONNECT"
@@ -21,8 +19,9 @@ OTHER_ELEMENTS = re.compile(
     "|CSPR|CSSHL[HLMP]?|CTRAX[36]|CTRIAX|CTRIAX6|CTRIX[36]|CVISC|CWELD|CWSEAM|GENEL"
 )
 
-# The rest, by how the names begin; near to GRID, CORD and C… (elements) by the whole of them.
-_SKIPPED = re.compile(
+# Entries without influence on the mesh: materials, loads, tables and so on. They are named by their
+# beginnings; near to GRID, CORD and C… (elements) by the whole names.
+SKIPPED = re.compile(
     "(AB|AC|ADAPT|AE|AIRBAG|AL|AMLREG|ASET|ASSIG|ATB|ATTACH|ATV|AX|BAR|BC|BD|BEAD|BEAMOR|BEDGE|BFRIC|BG|BIAS"
     "|BJOIN|BLD|BLSEG|BMFACE|BN|BOLT|BOUTPUT|BRKSQL|BS|CO(NCTL|HESIV|HFRIC|HSEIV|MBINE|MBWLD"
     "|MPUDS|NTPRM|NTRLT|NV|NVM|NV3|NTACT|NTSET|UCOHF|UOPT|UP1FL|UP1INT|UPINT|UPLE1?)$"
@@ -42,8 +41,3 @@ _SKIPPED = re.compile(
     "|TLOAD|TMCPARA|TMPSET|TO|TR[IM]|TST|TTEMP|UD|UNBALNC|UNGLUE|UPDATE|USET|UXVEC|VA|VC|VE"
     "|VIEW|WALL|WET|WINDOW|YLD|YZONE)"
 )
-
-
-def is_skipped(name: str) -> bool:
-    """Return whether an entry has no influence on the mesh: materials, loads, tables and so on."""
-    return _SKIPPED.match(name) is not None

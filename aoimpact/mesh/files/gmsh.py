@@ -15,54 +15,29 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, IntArray, decoded, warn
-from .mesh import right_handed
-from .rawmesh import RawBlock, RawMesh, rows_of
-from .textfile import integers, numbers_of
+from ...base import FloatArray, IntArray, decoded, warn
+from ..mesh import right_handed
+from . import raw
+from .raw import RawBlock, RawMesh
 
-__all__ = ["read"]
+# Kinds of elements by Gmsh's numbers, from 1 on.
+_NAMES = (
+    "line triangle quad tetra hexahedron wedge pyramid line3 triangle6 quad9 tetra10 hexahedron27 "
+    "wedge18 pyramid14 vertex quad8 hexahedron20 wedge15 pyramid13"
+)
+_KINDS = dict(enumerate(_NAMES.split(), start=1))
 
-# Kinds of elements by Gmsh's numbers.
-_KINDS = {
-    1: ("line", 2),
-    2: ("triangle", 3),
-    3: ("quad", 4),
-    4: ("tetra", 4),
-    5: ("hexahedron", 8),
-    6: ("wedge", 6),
-    7: ("pyramid", 5),
-    8: ("line3", 3),
-    9: ("triangle6", 6),
-    10: ("quad9", 9),
-    11: ("tetra10", 10),
-    12: ("hexahedron27", 27),
-    13: ("wedge18", 18),
-    14: ("pyramid14", 14),
-    15: ("vertex", 1),
-    16: ("quad8", 8),
-    17: ("hexahedron20", 20),
-    18: ("wedge15", 15),
-    19: ("pyramid13", 13),
-}
-
-# Gmsh's numbers of the nodes within an element, in VTK's order; corners have the same numbers.
+# Gmsh's numbers of the nodes within an element, in VTK's order.
+_HEXAHEDRON20 = (*range(9), 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15)
 _ORDERS = {
     "tetra10": (*range(8), 9, 8),
-    "hexahedron20": (*range(9), 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15),
-    "hexahedron27": (
-        *(*range(9), 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15),
-        *(22, 23, 21, 24, 20, 25, 26),
-    ),
+    "hexahedron20": _HEXAHEDRON20,
+    "hexahedron27": (*_HEXAHEDRON20, 22, 23, 21, 24, 20, 25, 26),
     "wedge15": (*range(7), 9, 7, 12, 14, 13, 8, 10, 11),
     "pyramid13": (*range(6), 8, 10, 6, 7, 9, 11, 12),
 }
 
 _PART = "it holds one part of a partitioned mesh; save the whole mesh in one file"
-
-_DIMENSIONS = ("point", "line", "surface", "volume")
-
-# An entity: its dimension and tag.
-_Entity = tuple[int, int]
 
 # Types of binary numbers by their names in the manual; None for a text file.
 _Types = dict[str, np.dtype[np.generic]] | None
@@ -70,19 +45,18 @@ _Types = dict[str, np.dtype[np.generic]] | None
 
 @dataclass
 class _Entities:
-    """What a file of version 4.1 says of its entities.
+    """Groups and parts of entities in version 4.1.
 
     Attributes
     ----------
-    groups : dict of _Entity to tuple of int
-        The physical groups that each entity is in.
-    parts : dict of _Entity to set of int
-        The parts of a partitioned mesh that each entity is in.
+    groups, parts : dict of (int, int) to set of int
+        Tags of the physical groups, and numbers of the parts of a partitioned mesh, by the
+        dimension and the tag of the entity in them.
     n_parts : int
     """
 
-    groups: dict[_Entity, tuple[int, ...]] = field(default_factory=dict)
-    parts: dict[_Entity, set[int]] = field(default_factory=dict)
+    groups: dict[tuple[int, int], set[int]] = field(default_factory=dict)
+    parts: dict[tuple[int, int], set[int]] = field(default_factory=dict)
     n_parts: int = 0
 
 
@@ -112,21 +86,26 @@ class _Numbers:
 
     def __init__(self, content: bytes, types: _Types) -> None:
         self.types, self.at = types, 0
-        self.content: Any = numbers_of(content) if types is None else content
+        self.content: Any = raw.numbers_of(content) if types is None else content
 
-    def take(self, kind: str, count: int) -> FloatArray:
-        """Return the next `count` numbers; kind "i" is int, "P" size_t and "d" double."""
-        size = 1 if self.types is None else self.types[kind].itemsize
+    def rows(self, layout: str, count: int) -> FloatArray:
+        """Return the next `count` rows, of numbers "i" (int), "P" (size_t) and "d" (double)."""
+        kind = np.dtype([("", self.types[name] if self.types else "f8") for name in layout])
+        size = kind.itemsize if self.types else len(layout)
         start, left = self.at, (len(self.content) - self.at) // size
         if not 0 <= count <= left:
             raise ValueError(f"{count} numbers are announced where {left} are left")
         self.at += count * size
         if self.types is None:
-            return np.asarray(self.content[start : self.at])
-        return np.frombuffer(self.content, self.types[kind], count, start).astype(np.float64)
+            return np.reshape(self.content[start : self.at], (count, size))
+        table = np.frombuffer(self.content, kind, count, start)
+        return np.stack([table[name].astype(np.float64) for name in kind.names or ()], axis=1)
+
+    def take(self, kind: str, count: int) -> FloatArray:
+        return self.rows(kind, count)[:, 0]
 
     def ints(self, kind: str, count: int) -> IntArray:
-        return integers(self.take(kind, count))
+        return raw.integers(self.take(kind, count))
 
     def count(self) -> int:
         return int(self.ints("P", 1)[0])
@@ -155,12 +134,11 @@ def read(file: Path) -> RawMesh:
     with _named("MeshFormat"):
         version, types = _format(sections["MeshFormat"])
     entities = _Entities()
-    for name, parse in (("Entities", _entities), ("PartitionedEntities", _partitioned)):
+    for name in ("Entities", "PartitionedEntities"):
         if name in sections:
             with _named(name):
                 numbers = _Numbers(sections[name], types)
-                entities = parse(numbers)
-                numbers.finish()
+                entities = _entities(numbers, partitioned=name == "PartitionedEntities")
     with _named("PhysicalNames"):
         names = _names(sections.get("PhysicalNames", b"0"))
     with _named("Nodes"):
@@ -174,7 +152,7 @@ def read(file: Path) -> RawMesh:
 
 
 def _sections(content: bytes) -> dict[str, bytes]:
-    """Return what is between $Name and $EndName; names may be anything, and are mostly ignored."""
+    """Return the content between $Name and $EndName by name; any names, most are not used."""
     found: dict[str, bytes] = {}
     header = re.compile(rb"\s*\$(\w+)[ \t\r]*\n")
     at = 0
@@ -185,7 +163,9 @@ def _sections(content: bytes) -> dict[str, bytes]:
         name = match[1].decode()
         if name in ("NOD", "ELM"):
             raise ValueError("files of version 1 are not read; save it as version 4.1")
-        if name in ("ParametricNodes", "Nodes", "Elements", "Entities") and name in found:
+        if name == "ParametricNodes":
+            raise ValueError("parametric nodes of version 2.2 are not read; save it as version 4.1")
+        if name in ("Nodes", "Elements", "Entities") and name in found:
             raise ValueError(f"the section ${name} is there twice")
         ending = b"$End" + match[1]
         end = content.find(ending, match.end())
@@ -193,14 +173,12 @@ def _sections(content: bytes) -> dict[str, bytes]:
             raise ValueError(f"the section ${name} has no end")
         found[name] = content[match.end() : end]
         at = end + len(ending)
-    if "ParametricNodes" in found:
-        raise ValueError("parametric nodes of version 2.2 are not read; save it as version 4.1")
     return found
 
 
 @contextmanager
 def _named(section: str) -> Iterator[None]:
-    """Name the section in which something is wrong."""
+    """Name the section in errors."""
     try:
         yield
     except (ValueError, OverflowError) as error:
@@ -217,10 +195,9 @@ def _format(text: bytes) -> tuple[float, _Types]:
         raise ValueError(f"version {words[0]} is not read; save the mesh as version 4.1 or 2.2")
     if not binary:
         return version, None
-    orders = {(1).to_bytes(4, "little"): "<", (1).to_bytes(4, "big"): ">"}
-    if size not in (4, 8) or rest[:4] not in orders:
+    order = {b"\1\0\0\0": "<", b"\0\0\0\1": ">"}.get(rest[:4])
+    if size not in (4, 8) or order is None:
         raise ValueError(f"a data size of {size} bytes, or the order of bytes, is not known")
-    order = orders[rest[:4]]
     codes = {"i": f"{order}i4", "P": f"{order}u{size}", "d": f"{order}f8"}
     return version, {kind: np.dtype(code) for kind, code in codes.items()}
 
@@ -233,38 +210,26 @@ def _names(text: bytes) -> dict[tuple[int, int], str]:
         if match is None:
             raise ValueError(f"{line!r} is no dimension, tag and name in quotes")
         found[int(match[1]), abs(int(match[2]))] = match[3]
-    if len(found) != int(count):
-        raise ValueError(f"{int(count)} names are announced, but {len(found)} are there")
+    raw.check_count("names", int(count), len(found))
     return found
 
 
-def _entities(numbers: _Numbers) -> _Entities:
+def _entities(numbers: _Numbers, *, partitioned: bool) -> _Entities:
     found = _Entities()
+    if partitioned:
+        found.n_parts = numbers.count()
+        numbers.take("i", 2 * numbers.count())  # entities of ghost elements
     for dim, count in enumerate(numbers.ints("P", 4)):
         for _ in range(count):
-            (tag,) = numbers.ints("i", 1)
-            found.groups[dim, int(tag)] = _physical(numbers, dim)
-    return found
-
-
-def _physical(numbers: _Numbers, dim: int) -> tuple[int, ...]:
-    """Return the groups of an entity; a negative tag means that it is taken in reverse."""
-    numbers.take("d", 6 if dim else 3)  # the box around it
-    tags = np.unique(np.abs(numbers.ints("i", numbers.count())))
-    if dim:
-        numbers.take("i", numbers.count())  # the entities that bound it
-    return tuple(tags.tolist())
-
-
-def _partitioned(numbers: _Numbers) -> _Entities:
-    found = _Entities(n_parts=numbers.count())
-    numbers.take("i", 2 * numbers.count())  # entities of ghost elements
-    for dim, count in enumerate(numbers.ints("P", 4)):
-        for _ in range(count):
-            tag, _, _ = numbers.ints("i", 3)
-            entity = (dim, int(tag))
-            found.parts[entity] = set(numbers.ints("i", numbers.count()).tolist())
-            found.groups[entity] = _physical(numbers, dim)
+            entity = dim, int(numbers.ints("i", 3 if partitioned else 1)[0])
+            if partitioned:
+                found.parts[entity] = set(numbers.ints("i", numbers.count()).tolist())
+            numbers.take("d", 6 if dim else 3)  # the box around it
+            # A negative tag means that the group takes the entity in reverse.
+            found.groups[entity] = set(np.abs(numbers.ints("i", numbers.count())).tolist())
+            if dim:
+                numbers.take("i", numbers.count())  # the entities that bound it
+    numbers.finish()
     return found
 
 
@@ -279,19 +244,22 @@ def _nodes_4(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
         width = 3 + (int(dim) if parametric else 0)
         places.append(numbers.take("d", width * count).reshape(count, width)[:, :3])
     numbers.finish()
-    _check_count("nodes", n_nodes, sum(map(len, tags)))
+    raw.check_count("nodes", n_nodes, sum(map(len, tags)))
     return np.concatenate(tags), np.concatenate(places)
 
 
-def _check_count(what: str, announced: int, there: int) -> None:
-    if there != announced:
-        raise ValueError(f"{announced} {what} are announced, but {there} are there")
+def _nodes_2(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
+    line, _, rest = content.partition(b"\n")
+    numbers = _Numbers(rest, types)
+    rows = numbers.rows("iddd", int(line))
+    numbers.finish()
+    return raw.integers(rows[:, 0]), rows[:, 1:]
 
 
 def _width(type_: int) -> int:
     if type_ not in _KINDS:
         raise ValueError(f"elements of Gmsh's type {type_} are not read: order 1 and 2 alone are")
-    return _KINDS[type_][1]
+    return raw.nodes_in(_KINDS[type_])
 
 
 def _elements_4(numbers: _Numbers, entities: _Entities) -> list[_Elements]:
@@ -306,24 +274,10 @@ def _elements_4(numbers: _Numbers, entities: _Entities) -> list[_Elements]:
         parts |= entities.parts.get((dim, tag), set()) if dim == 3 else set()
         found.append(_Elements(type_, rows[:, 0], rows[:, 1:], members))
     numbers.finish()
-    _check_count("elements", n_elements, sum(len(block.tags) for block in found))
+    raw.check_count("elements", n_elements, sum(len(block.tags) for block in found))
     if len(parts) < entities.n_parts:
         raise ValueError(_PART)
     return found
-
-
-def _nodes_2(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
-    if types is None:
-        numbers = _Numbers(content, None)
-        count = numbers.count()
-        rows = numbers.take("d", 4 * count).reshape(count, 4)
-        numbers.finish()
-        return integers(rows[:, 0]), rows[:, 1:]
-    line, _, rest = content.partition(b"\n")
-    kind = np.dtype([("tag", types["i"]), ("place", types["d"], 3)])
-    _check_count("nodes", int(line), len(rest) // kind.itemsize)
-    found = np.frombuffer(rest, kind, int(line))
-    return found["tag"].astype(np.int64), found["place"].astype(np.float64)
 
 
 def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
@@ -333,30 +287,30 @@ def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
     that takes its entity in reverse; here it is there once.
     """
     line, _, rest = content.partition(b"\n")
-    rows: dict[tuple[int, int], list[IntArray]] = {}
+    found: dict[tuple[int, int], list[IntArray]] = {}
     numbers = _Numbers(rest, types)
     total, n_elements = 0, int(line)
     parts: set[int] = set()
     while total < n_elements:
         if types is None:
-            type_, n_tags, part = _alike(numbers)
+            type_, n_tags, rows = _alike(numbers)
         else:
             type_, count, n_tags = (int(number) for number in numbers.ints("i", 3))
             width = 1 + n_tags + _width(type_)
-            part = numbers.ints("i", count * width).reshape(count, width)
-        if n_tags < 2 or not len(part):
+            rows = numbers.ints("i", count * width).reshape(count, width)
+        if n_tags < 2 or not len(rows):
             raise ValueError("elements without physical and elementary tag, or an empty block")
         # The number, the physical and the elementary tag, and the nodes.
-        columns = np.r_[0:3, 1 + n_tags : part.shape[1]]
-        for entity in np.unique(part[:, 2]):
-            rows.setdefault((type_, int(entity)), []).append(part[part[:, 2] == entity][:, columns])
-        parts |= set(np.unique(part[:, 4])) if n_tags > 3 else set()
-        total += len(part)
+        columns = np.r_[0:3, 1 + n_tags : rows.shape[1]]
+        for entity in np.unique(rows[:, 2]).tolist():
+            found.setdefault((type_, entity), []).append(rows[rows[:, 2] == entity][:, columns])
+        parts |= set(np.unique(rows[:, 4])) if n_tags > 3 else set()
+        total += len(rows)
     numbers.finish()
-    _check_count("elements", n_elements, total)
+    raw.check_count("elements", n_elements, total)
     if len(parts) == 1:
         raise ValueError(_PART)
-    return [_once(type_, np.concatenate(parts)) for (type_, _), parts in rows.items()]
+    return [_once(type_, np.concatenate(rows)) for (type_, _), rows in found.items()]
 
 
 def _alike(numbers: _Numbers) -> tuple[int, int, IntArray]:
@@ -385,13 +339,11 @@ def _once(type_: int, rows: IntArray) -> _Elements:
     if (tags == tags[0]).all():
         group = {int(tags[0]): np.arange(len(rows))} if tags[0] else {}
         return _Elements(type_, rows[:, 0], nodes, group)
-    _, first, element = np.unique(
+    _, first, number = np.unique(
         np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True
     )
-    order = np.argsort(first)  # as they come in the file
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
-    number = place[element.reshape(-1)]
+    order = np.argsort(first)  # that of the file
+    number = np.argsort(order)[number.reshape(-1)]
     groups = {int(tag): np.unique(number[tags == tag]) for tag in np.unique(tags) if tag}
     return _Elements(type_, rows[first[order], 0], nodes[first[order]], groups)
 
@@ -399,26 +351,21 @@ def _once(type_: int, rows: IntArray) -> _Elements:
 def _mesh(
     tags: IntArray, places: FloatArray, elements: list[_Elements], names: dict[tuple[int, int], str]
 ) -> RawMesh:
-    ordered = np.sort(tags)
-    if (ordered[1:] == ordered[:-1]).any():
-        raise ValueError(f"node {ordered[:-1][ordered[1:] == ordered[:-1]][0]} is there twice")
-    sets: dict[str, list[IntArray]] = {}
+    if len(again := raw.repeats(tags)):
+        raise ValueError(f"node {tags[again[0]]} is there twice")
+    groups: list[tuple[str, IntArray]] = []
     blocks, first = [], 0
     for part in elements:
-        kind, _ = _KINDS[part.type]
-        cells = rows_of(tags, part.nodes)
-        if (cells < 0).any():
-            row, column = np.argwhere(cells < 0)[0]
-            raise ValueError(
-                f"element {part.tags[row]} has node {part.nodes[row, column]}, which is not there"
-            )
-        if kind in _ORDERS:
-            cells = cells[:, _ORDERS[kind]]
-        block = RawBlock(kind, right_handed(kind, places, cells), part.tags)
+        kind = _KINDS[part.type]
+        cells = raw.rows_of(tags, part.nodes)
+        for row, column in np.argwhere(cells < 0)[:1]:
+            node = part.nodes[row, column]
+            raise ValueError(f"element {part.tags[row]} has node {node}, which is not there")
+        cells = right_handed(kind, places, cells[:, _ORDERS.get(kind, slice(None))])
+        blocks.append(RawBlock(kind, cells, part.tags))
         for tag, members in part.groups.items():
-            name = names.get((block.dim, tag), f"{_DIMENSIONS[block.dim]} {tag}")
-            sets.setdefault(name, []).append(first + members)
-        blocks.append(block)
+            dim = blocks[-1].dim
+            groups.append((names.get((dim, tag), f"{raw.DIMENSIONS[dim]} {tag}"), first + members))
         first += len(cells)
     for name, count in Counter(names.values()).items():
         if count > 1:
@@ -426,11 +373,10 @@ def _mesh(
                 f"{count} physical groups are called {name!r}: its set of nodes has those of all. "
                 "Give groups of different dimensions different names"
             )
-    missing = [name for name in names.values() if name not in sets]
-    if missing:
+    sets = raw.grouped(groups)
+    if missing := [repr(name) for name in names.values() if name not in sets]:
         warn(
-            f"groups without elements in the file: {', '.join(map(repr, missing))}. Files of "
-            "version 2.2 have none where all elements are saved (SaveAll): save it as version 4.1"
+            f"groups without elements in the file: {', '.join(missing)}. Files of version 2.2 "
+            "have none where all elements are saved (SaveAll): save it as version 4.1"
         )
-    groups = {name: np.concatenate(parts) for name, parts in sets.items()}
-    return RawMesh(places, tuple(blocks), {}, groups, tags)
+    return RawMesh(places, tuple(blocks), {}, sets, tags)

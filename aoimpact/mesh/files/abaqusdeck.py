@@ -16,49 +16,24 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
-from .textfile import number, read_lines, refused
-
-__all__ = ["Keyword", "fields", "key", "looks_like_inp", "read_keywords"]
+from ...base import FloatArray, IntArray, MeshError, MissingFileError, decoded
+from .raw import number, read_lines, refused
 
 # Numbers of a data line that has no room for more.
 _FULL = 16
 
-# Largest number of a node or element: as a double it is exact.
-_MOST = 2**53
+# Largest number of a node or element: exact as a double.
+MOST = 2**53
 
-# Files that a deck may include in all, so that files which include each other twice end as well.
+# Largest number of inclusions, so that files which include each other twice end as well.
 _MOST_INCLUDED = 2000
-
-_INTEGER = re.compile(r"[+-]?\d+")
 
 # Keywords whose data may stand in another file.
 _WITH_INPUT = frozenset(("NODE", "ELEMENT", "NSET", "ELSET"))
 
-_BEGIN = re.compile(r"(?:\s*\*\*.*\n)*\s*\*\s*([A-Za-z][A-Za-z -]*)")
-
 # Keywords that a mesh begins with.
 _FIRST = frozenset(("HEADING", "NODE", "ELEMENT", "PART", "INCLUDE", "PREPRINT", "NSET", "ELSET"))
-
-
-@dataclass(frozen=True, eq=False)
-class _Piece:
-    """Lines of a file: the numbers of the first and of the one after the last, from 0."""
-
-    file: Path
-    lines: list[str]
-    start: int
-    stop: int
-
-    def data(self) -> list[str]:
-        """Return the data lines, without blanks at their ends, comments and empty lines."""
-        lines = self.lines[self.start : self.stop]
-        return [text for line in lines if (text := line.strip()) and text[:2] != "**"]
-
-    def numbers(self) -> list[int]:
-        """Return the numbers of the lines of `data`, from 1."""
-        numbered = enumerate(self.lines[self.start : self.stop], self.start + 1)
-        return [i for i, line in numbered if (text := line.strip()) and text[:2] != "**"]
+_BEGIN = re.compile(r"(?:\s*\*\*.*\n)*\s*\*\s*([A-Za-z][A-Za-z -]*)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,13 +49,15 @@ class Keyword:
     file : Path
     line : int
         Counted from 1.
+    pieces : list of (Path, list of str, int, int)
+        Files, their lines, and from which to which line, counted from 0, data may stand.
     """
 
     name: str
     given: tuple[str, ...]
     file: Path
     line: int
-    _pieces: list[_Piece] = field(default_factory=list)
+    pieces: list[tuple[Path, list[str], int, int]] = field(default_factory=list)
 
     @cached_property
     def options(self) -> dict[str, str]:
@@ -99,37 +76,43 @@ class Keyword:
     @cached_property
     def data(self) -> list[str]:
         """Its data lines, without blanks at their ends, comments and empty lines."""
-        return [text for piece in self._pieces for text in piece.data()]
+        pieces = (lines[start:stop] for _, lines, start, stop in self.pieces)
+        return [text for piece in pieces for text in _texts(piece)]
 
-    def error(self, why: str, data_line: int | None = None) -> MeshError:
+    @cached_property
+    def rows(self) -> list[list[str]]:
+        """The fields of each data line, without empty ones at the end."""
+        return [fields(line) for line in self.data]
+
+    def error(self, why: str, row: int | None = None) -> MeshError:
         """Return the error that names the file, the line and the keyword.
 
         Parameters
         ----------
         why : str
-        data_line : int, optional
-            Which of `data` is wrong, from 0; the keyword itself if left out.
+        row : int, optional
+            Data line that is wrong, from 0; the keyword itself if left out.
         """
         file, line = self.file, self.line
-        if data_line is not None:
-            places = [(piece.file, i) for piece in self._pieces for i in piece.numbers()]
-            file, line = places[data_line]
+        if row is not None:
+            file, line = [
+                (file, i + 1)
+                for file, lines, start, stop in self.pieces
+                for i in range(start, stop)
+                if _texts(lines[i : i + 1])
+            ][row]
         return refused(file, line, f"*{self.name}", why)
 
-    def check_options(self, known: Collection[str]) -> None:
+    def check_options(self, *known: str) -> None:
         """Refuse an option that is not known: it may change the mesh."""
         for name in self.options:
             if name not in known:
                 raise self.error(f"the option {name} is not supported")
 
-    def rows(self) -> list[list[str]]:
-        """Return the fields of each data line, without empty ones at the end."""
-        return [fields(line) for line in self.data]
-
-    def integers(self, row: int, texts: list[str]) -> list[int]:
+    def integers(self, row: int, texts: Collection[str]) -> list[int]:
         """Return integers of a data line; the row is the line's number, for errors."""
         for text in texts:
-            if not _INTEGER.fullmatch(text):
+            if not re.fullmatch(r"[+-]?\d+", text):
                 raise self.error(f"{text!r} is no integer", row)
         return [int(text) for text in texts]
 
@@ -142,41 +125,44 @@ class Keyword:
             raise self.error(f"no step of {step} leads from {first} to {last}", row)
         return first, last, step
 
-    def reals(self, row: int, texts: list[str]) -> list[float]:
+    def reals(self, row: int, texts: Collection[str]) -> list[float]:
         """Return numbers of a data line; blanks are 0."""
         try:
             return [number(text) if text else 0.0 for text in texts]
         except ValueError as error:
             raise self.error(str(error), row) from None
 
+    def real_rows(self, *most: int, what: str) -> list[list[float]]:
+        """Return the numbers of data lines, at most so many in each, for which a text asks."""
+        rows = [self.reals(row, texts) for row, texts in enumerate(self.rows)]
+        if len(rows) > len(most) or any(len(row) > n for row, n in zip(rows, most, strict=False)):
+            raise self.error(f"give {what}")
+        return rows
+
     def first_numbers(self) -> IntArray:
         """Return the first number of each data line that is not the continuation of another."""
-        found, goes_on = [], False
-        for row, texts in enumerate(self.rows()):
-            if not goes_on:
-                found += self.integers(row, texts[:1])
-            goes_on = self.data[row].endswith(",")
-        return np.array(found, dtype=np.int64)
+        starts = [
+            row for row in range(len(self.data)) if not row or not self.data[row - 1].endswith(",")
+        ]
+        found = [self.integers(row, self.rows[row][:1]) for row in starts]
+        return np.array(found, dtype=np.int64).reshape(-1)
 
     def points(self) -> tuple[IntArray, FloatArray]:
         """Return labels and coordinates of the data lines of *NODE; the last may be left out."""
         table = _numbers([line.rstrip(", \t") for line in self.data], 4, np.float64)
-        if table is None or (np.abs(table[:, 0]) > _MOST).any():
-            rows = [self._point(row, texts) for row, texts in enumerate(self.rows())]
-            table = np.reshape(np.array(rows), (-1, 4))
+        if table is None or (np.abs(table[:, 0]) > MOST).any():
+            table = np.zeros((len(self.rows), 4))
+            for row, texts in enumerate(self.rows):
+                if len(texts) > 7:  # with a normal
+                    raise self.error("a node has a number, three coordinates and a normal", row)
+                (label,) = self.integers(row, texts[:1] or [""])
+                places = self.reals(row, [*texts[1:4], "", "", ""][:3])
+                table[row] = [min(label, 2 * MOST), *places]
         labels = table[:, 0].astype(np.int64)
-        wrong = np.flatnonzero((labels != table[:, 0]) | (labels < 1))
+        wrong = np.flatnonzero((labels != table[:, 0]) | (labels < 1) | (labels > MOST))
         if len(wrong):
             raise self.error("the number of a node must be a positive integer", int(wrong[0]))
         return labels, table[:, 1:]
-
-    def _point(self, row: int, texts: list[str]) -> list[float]:
-        if len(texts) > 7:  # with a normal
-            raise self.error("a node has a number, three coordinates and a normal at most", row)
-        (label,) = self.integers(row, texts[:1])
-        if not 0 < label <= _MOST:
-            raise self.error("the number of a node must be a positive integer", row)
-        return [float(label), *self.reals(row, [*texts[1:4], "", "", ""][:3])]
 
     def connectivity(self, n_nodes: int) -> IntArray:
         """Return labels of elements and of their nodes, shape (n, 1 + n_nodes).
@@ -203,8 +189,8 @@ class Keyword:
             lines = [",".join(lines[i : j + 1]) for i, j in zip(first, last.tolist(), strict=True)]
         table = _numbers(lines, width, np.int64)
         if table is None or (table < 1).any():
-            for row, texts in enumerate(self.rows()):
-                if not all(0 < each <= _MOST for each in self.integers(row, texts)):
+            for row, texts in enumerate(self.rows):
+                if not all(0 < each <= MOST for each in self.integers(row, texts)):
                     raise self.error("numbers must be positive, and below 2^53", row)
             raise self.error("its numbers cannot be read")
         found: IntArray = table
@@ -248,85 +234,80 @@ def key(name: str) -> str:
 
 
 def looks_like_inp(head: bytes) -> bool:
-    """Return whether a file whose content begins so is a deck of Abaqus or CalculiX."""
+    """Return whether a file that begins with `head` is a deck of Abaqus or CalculiX."""
     found = _BEGIN.match((decoded(head) or "").lstrip("\ufeff"))
     return found is not None and key(found[1]) in _FIRST
 
 
-def read_keywords(file: Path) -> list[Keyword]:
+def read_keywords(main: Path) -> list[Keyword]:
     """Return the keywords of a deck and of the files that it includes, in order.
 
     Raises
     ------
     MissingFileError
-        If a file is not there.
+        If an included file is not there.
     MeshError
         If there are data before the first keyword, or files include each other.
     """
-    return _Deck(file.parent, {}, []).read(file, ())
+    found: list[Keyword] = []
+    included: list[Path] = []
 
-
-@dataclass(eq=False)
-class _Deck:
-    """Keywords of a deck as they are read."""
-
-    folder: Path
-    texts: dict[Path, list[str]]
-    found: list[Keyword]
-    included: int = 0
-
-    def read(self, file: Path, outer: tuple[Path, ...]) -> list[Keyword]:
-        """Add the keywords of a file, which the `outer` ones include."""
-        if file not in self.texts:
-            self.texts[file] = read_lines(file)
-        lines = self.texts[file]
-        starts = [
-            i
-            for i, line in enumerate(lines)
-            if "*" in line and (text := line.lstrip())[:1] == "*" and text[1:2] != "*"
-        ]
-        self.go_on(_Piece(file, lines, 0, starts[0] if starts else len(lines)))
-        for start, stop in zip(starts, [*starts, len(lines)][1:], strict=True):
-            keyword, after = _keyword(file, lines, start, stop)
-            if keyword.name == "INCLUDE":
-                keyword.check_options(("INPUT", "FILE"))
-                self.read(self.beside(keyword, (*outer, file)), (*outer, file))
-            else:
-                self.found.append(keyword)
-                if keyword.name in _WITH_INPUT and "INPUT" in keyword.options:
-                    other = self.beside(keyword, (*outer, file))
-                    piece = _Piece(other, data := read_lines(other), 0, len(data))
-                    if any(line.startswith("*") for line in piece.data()):
-                        raise keyword.error(f"{str(other)!r} must hold data lines only")
-                    keyword._pieces.append(piece)
-            self.go_on(_Piece(file, lines, after, stop))
-        return self.found
-
-    def go_on(self, piece: _Piece) -> None:
-        """Add data lines to the last keyword."""
-        if self.found:
-            self.found[-1]._pieces.append(piece)
-        elif data := piece.data():
-            why = "a deck of Abaqus or CalculiX begins with *"
-            raise refused(piece.file, piece.numbers()[0], repr(data[0][:40]), why)
-
-    def beside(self, keyword: Keyword, outer: tuple[Path, ...]) -> Path:
+    def beside(keyword: Keyword, outer: tuple[Path, ...]) -> Path:
         """Return the path of the file that an option INPUT, or FILE, names."""
         options = keyword.options
         given = (options.get("INPUT") or options.get("FILE") or "").strip('"').replace("\\", "/")
         if not given:
             raise keyword.error("INPUT=file is missing")
-        folders = (self.folder, keyword.file.parent)
-        places = [folder / PurePosixPath(given) for folder in folders]
+        places = [folder / PurePosixPath(given) for folder in (main.parent, keyword.file.parent)]
         place = next((place for place in places if place.is_file()), None)
         if place is None:
             raise MissingFileError(str(keyword.error(f"there is no file {str(places[0])!r}")))
-        self.included += 1
+        included.append(place)
         if place.resolve() in {file.resolve() for file in outer}:
             raise keyword.error(f"{str(place)!r} includes itself")
-        if self.included > _MOST_INCLUDED:
+        if len(included) > _MOST_INCLUDED:
             raise keyword.error(f"more than {_MOST_INCLUDED} files are included")
         return place
+
+    def add(file: Path, outer: tuple[Path, ...]) -> None:
+        """Add the keywords of a file; the last one of `outer` is the file itself."""
+        lines = read_lines(file)
+        starts = [
+            i
+            for i, line in enumerate(lines)
+            if "*" in line and (text := line.lstrip())[:1] == "*" and text[1:2] != "*"
+        ]
+        for start, stop in zip([None, *starts], [*starts, len(lines)], strict=True):
+            after = 0
+            if start is not None:
+                keyword, after = _keyword(file, lines, start, stop)
+                if keyword.name == "INCLUDE":
+                    keyword.check_options("INPUT", "FILE")
+                    other = beside(keyword, outer)
+                    add(other, (*outer, other))
+                else:
+                    found.append(keyword)
+                    if keyword.name in _WITH_INPUT and "INPUT" in keyword.options:
+                        other = beside(keyword, outer)
+                        more = read_lines(other)
+                        keyword.pieces.append((other, more, 0, len(more)))
+                        if any(text.startswith("*") for text in _texts(more)):
+                            raise keyword.error(f"{str(other)!r} must hold data lines only")
+            if found:
+                found[-1].pieces.append((file, lines, after, stop))
+            else:
+                for i in range(after, stop):
+                    for text in _texts(lines[i : i + 1]):
+                        why = "a deck of Abaqus or CalculiX begins with *"
+                        raise refused(file, i + 1, repr(text[:40]), why)
+
+    add(main, (main,))
+    return found
+
+
+def _texts(lines: list[str]) -> list[str]:
+    """Return data lines, without blanks at their ends, comments and empty lines."""
+    return [text for line in lines if (text := line.strip()) and text[:2] != "**"]
 
 
 def _keyword(file: Path, lines: list[str], start: int, stop: int) -> tuple[Keyword, int]:

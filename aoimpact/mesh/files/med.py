@@ -7,35 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from ..base import IntArray
-from .hdf import opened
-from .mesh import right_handed
-from .rawmesh import RawBlock, RawMesh
+from ...base import IntArray
+from ..mesh import right_handed
+from .raw import RawBlock, RawMesh, check_count, grouped, nodes_in, opened_hdf5
 
-__all__ = ["read"]
-
-# Kinds of elements by MED's names, and their numbers of nodes.
-_KINDS = {
-    "PO1": ("vertex", 1),
-    "SE2": ("line", 2),
-    "SE3": ("line3", 3),
-    "TR3": ("triangle", 3),
-    "TR6": ("triangle6", 6),
-    "TR7": ("triangle7", 7),
-    "QU4": ("quad", 4),
-    "QU8": ("quad8", 8),
-    "QU9": ("quad9", 9),
-    "TE4": ("tetra", 4),
-    "T10": ("tetra10", 10),
-    "PY5": ("pyramid", 5),
-    "P13": ("pyramid13", 13),
-    "PE6": ("wedge", 6),
-    "P15": ("wedge15", 15),
-    "P18": ("wedge18", 18),
-    "HE8": ("hexahedron", 8),
-    "H20": ("hexahedron20", 20),
-    "H27": ("hexahedron27", 27),
-}
+# Kinds of elements by MED's names.
+_NAMES = "PO1 SE2 SE3 TR3 TR6 TR7 QU4 QU8 QU9 TE4 T10 PY5 P13 PE6 P15 P18 HE8 H20 H27"
+_OURS = (
+    "vertex line line3 triangle triangle6 triangle7 quad quad8 quad9 tetra tetra10 pyramid "
+    "pyramid13 wedge wedge15 wedge18 hexahedron hexahedron20 hexahedron27"
+)
+_KINDS = dict(zip(_NAMES.split(), _OURS.split(), strict=True))
 
 # MED's numbers of the nodes within an element, in VTK's order.
 _ORDERS = {"hexahedron27": (*range(20), 24, 22, 21, 23, 20, 25, 26)}
@@ -49,7 +31,7 @@ def read(file: Path) -> RawMesh:
     ValueError
         If the file is damaged, has more than one mesh or time, or a structured one.
     """
-    with opened(file) as tree:
+    with opened_hdf5(file) as tree:
         if "ENS_MAA" not in tree:
             raise ValueError("it has no mesh (ENS_MAA)")
         name, mesh = _only(tree["ENS_MAA"], "meshes")
@@ -61,25 +43,19 @@ def read(file: Path) -> RawMesh:
         if count < 1 or places.size != 3 * count:
             raise ValueError(f"{places.size} coordinates are there for {count} nodes in x, y and z")
         nodes = np.asarray(places[()], np.float64).reshape(3, count).T
-        node_groups, cell_groups = (
-            _groups(tree.get(f"FAS/{name}/{of}", {})) for of in ("NOEUD", "ELEME")
+        node_families, cell_families = (
+            _families(tree.get(f"FAS/{name}/{of}", {})) for of in ("NOEUD", "ELEME")
         )
-        node_sets: dict[str, list[IntArray]] = {}
-        cell_sets: dict[str, list[IntArray]] = {}
-        _add(node_sets, node_groups, _numbers(at["NOE"], "FAM", count), 0)
+        node_sets = _groups(node_families, _numbers(at["NOE"], "FAM", count), 0)
+        cell_sets: list[tuple[str, IntArray]] = []
         blocks, first = [], 0
         for type_, group in at["MAI"].items():
             blocks.append(_block(type_, group, nodes))
             n_cells = len(blocks[-1].cells)
-            _add(cell_sets, cell_groups, _numbers(group, "FAM", n_cells), first)
+            cell_sets += _groups(cell_families, _numbers(group, "FAM", n_cells), first)
             first += n_cells
-        return RawMesh(
-            nodes,
-            tuple(blocks),
-            {name: np.concatenate(parts) for name, parts in node_sets.items()},
-            {name: np.concatenate(parts) for name, parts in cell_sets.items()},
-            _numbers(at["NOE"], "NUM", count),
-        )
+        labels = _numbers(at["NOE"], "NUM", count)
+        return RawMesh(nodes, tuple(blocks), grouped(node_sets), grouped(cell_sets), labels)
 
 
 def _only(group: Any, what: str) -> tuple[str, Any]:
@@ -91,11 +67,10 @@ def _only(group: Any, what: str) -> tuple[str, Any]:
 def _block(type_: str, group: Any, nodes: Any) -> RawBlock:
     if type_ not in _KINDS:
         raise ValueError(f"elements of type {type_} are not read")
-    kind, width = _KINDS[type_]
+    kind, width = _KINDS[type_], nodes_in(_KINDS[type_])
     table = group["NOD"]
     count = int(table.attrs["NBR"])
-    if table.size != width * count:
-        raise ValueError(f"{table.size} numbers of nodes are there for {count} {type_}")
+    check_count(f"numbers of nodes of {type_}", width * count, table.size)
     cells = np.asarray(table[()], np.int64).reshape(width, count).T - 1
     if count and not 0 <= cells.min() <= cells.max() < len(nodes):
         raise ValueError(f"elements {type_} have nodes that are not there")
@@ -107,12 +82,11 @@ def _numbers(group: Any, name: str, count: int) -> IntArray | None:
     if name not in group:
         return None
     found: IntArray = np.asarray(group[name][()], np.int64).reshape(-1)
-    if len(found) != count:
-        raise ValueError(f"{len(found)} numbers {name} are there for {count}")
+    check_count(f"numbers {name}", count, len(found))
     return found
 
 
-def _groups(families: Any) -> dict[int, list[str]]:
+def _families(families: Any) -> dict[int, list[str]]:
     """Return the names of the groups that each family is in."""
     found = {}
     for family in families.values():
@@ -123,13 +97,13 @@ def _groups(families: Any) -> dict[int, list[str]]:
     return found
 
 
-def _add(
-    sets: dict[str, list[IntArray]],
-    groups: dict[int, list[str]],
-    families: IntArray | None,
-    first: int,
-) -> None:
-    if families is not None:
-        for number in np.unique(families):
-            for name in groups.get(int(number), ()):
-                sets.setdefault(name, []).append(first + np.flatnonzero(families == number))
+def _groups(
+    families: dict[int, list[str]], numbers: IntArray | None, first: int
+) -> list[tuple[str, IntArray]]:
+    """Return groups by the numbers of their families, of nodes or cells from `first` on."""
+    of = np.zeros(0, np.int64) if numbers is None else numbers
+    return [
+        (name, first + np.flatnonzero(of == number))
+        for number in np.unique(of).tolist()
+        for name in families.get(number, ())
+    ]

@@ -1,0 +1,218 @@
+"""Elements as elements of other kinds: of second order, or with their repeated nodes left out."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+
+from ..base import IntArray, MeshError
+from .elements import KINDS, reference_element, reference_faces
+from .mesh import Mesh
+from .surface import boundary
+
+# Elements of one kind: the kind, their nodes, and their numbers among the cells of the file.
+Solids = tuple[str, IntArray, IntArray]
+
+# The kind of second order on the corners of each of first order: that with nodes on edges alone.
+_RAISED = {
+    reference_element(kind).cell.linear: kind
+    for kind in KINDS
+    if reference_element(kind).quadratic and kind != "hexahedron27"
+}
+
+# Kinds of first order by their number of corners.
+_SHAPES = {4: "tetra", 5: "pyramid", 6: "wedge"}
+
+# ------------------------------------------------------------------------------- second order
+
+
+def of_second_order(mesh: Mesh) -> Mesh:
+    """Return the mesh with a node in the middle of each edge; one of second order as it is.
+
+    Edges stay straight. The new nodes come after the others. With `Mesh.node_labels`, they have the
+    numbers after the largest of these. A new node belongs to a set of nodes if both ends of its
+    edge do; in a set of nodes on the surface, only edges on the surface count. The set of a group
+    of elements is that of their nodes.
+
+    Raises
+    ------
+    MeshError
+        If it has elements of both orders.
+    """
+    linear = [not block.element.quadratic for block in mesh.blocks]
+    if not any(linear):
+        return mesh
+    if not all(linear):
+        raise MeshError(
+            f"order: the mesh has elements of both orders, {mesh.contents}. Give one of first order"
+        )
+    raised = [reference_element(_RAISED[block.kind]) for block in mesh.blocks]
+    ends = [
+        np.sort(block.cells[:, element.edges], axis=2)
+        for block, element in zip(mesh.blocks, raised, strict=True)
+    ]
+    n = mesh.n_nodes
+    keys, number = np.unique(
+        np.concatenate([part.reshape(-1, 2) @ [n, 1] for part in ends]), return_inverse=True
+    )
+    edges = np.stack([keys // n, keys % n], axis=1)
+    blocks: Any = []
+    start = 0
+    for block, element, part in zip(mesh.blocks, raised, ends, strict=True):
+        middles = n + number[start : start + part.size // 2].reshape(part.shape[:2])
+        blocks.append((element.kind, np.hstack([block.cells, middles])))
+        start += part.size // 2
+    labels = mesh.node_labels
+    if labels is not None:
+        labels = np.concatenate([labels, labels.max() + 1 + np.arange(len(edges))])
+    surface = boundary(mesh)
+    outside = np.zeros(n, dtype=bool)
+    outside[surface.nodes] = True
+    around = surface.nodes[:, :4]  # a triangle repeats its first node
+    skin = np.sort(np.stack([around, np.roll(around, -1, axis=1)], axis=2), axis=2)
+    on_surface = np.isin(keys, (skin @ [n, 1]).reshape(-1))
+    node_sets = {}
+    for name, ids in mesh.node_sets.items():
+        chosen = np.zeros(n, dtype=bool)
+        chosen[ids] = True
+        between = chosen[edges].all(axis=1) & (on_surface | ~outside[ids].all())
+        node_sets[name] = np.concatenate([ids, n + np.flatnonzero(between)])
+    for name, members in mesh.cell_sets.items():
+        own = [
+            cells[members[(members >= block.first) & (members < block.numbers.stop)] - block.first]
+            for block, (_, cells) in zip(mesh.blocks, blocks, strict=True)
+        ]
+        nodes = np.unique(np.concatenate([part.reshape(-1) for part in own]))
+        if np.array_equal(nodes[nodes < n], mesh.node_sets.get(name, [])):
+            node_sets[name] = nodes
+    places = np.concatenate([mesh.nodes, mesh.nodes[edges].mean(axis=1)])
+    return Mesh(places, blocks, "mixed", node_sets, mesh.cell_sets, labels, mesh.cell_labels)
+
+
+def open_edges(mesh: Mesh, ids: IntArray) -> int:
+    """Return how many edges on the surface have both ends among some corners, but no middle.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    ids : ndarray of int
+        Nodes. If a midside node is one of them, they are no corners alone, and the result is 0.
+    """
+    chosen = np.zeros(mesh.n_nodes, dtype=bool)
+    chosen[ids] = True
+    middles = [np.zeros(0, dtype=np.int64)]
+    for block in mesh.blocks:
+        ends = block.element.edges
+        middle = block.cells[:, block.element.n_corners :][:, : len(ends)]
+        if chosen[middle].any():
+            return 0
+        middles.append(middle[chosen[block.cells[:, ends]].all(axis=2)])
+    found = np.unique(np.concatenate(middles))
+    return int(np.isin(found, boundary(mesh).nodes).sum()) if len(found) else 0
+
+
+# ----------------------------------------------------------------------------- repeated nodes
+
+
+def collapse(kind: str, cells: IntArray, numbers: IntArray) -> tuple[list[Solids], IntArray]:
+    """Return elements that repeat corners as the wedges, pyramids and tetrahedra that they are.
+
+    Programs without elements of these shapes write them as bricks of which edges have no length.
+    Integrals on such a brick are right, but its sides are not those of the body.
+
+    Parameters
+    ----------
+    kind : str
+    cells : ndarray of int, shape (n, nodes per cell)
+    numbers : ndarray of int, shape (n,)
+
+    Returns
+    -------
+    list of Solids
+        Those that repeat nothing first.
+    ndarray of int
+        Rows of the elements that are no solid of another kind.
+    """
+    element = reference_element(kind)
+    corners = cells[:, : element.n_corners]
+    first = (corners[:, :, None] == corners[:, None, :]).argmax(axis=2)
+    repeats = (first != np.arange(element.n_corners)).any(axis=1)
+    found: list[Solids] = []
+    if not repeats.all():
+        found.append((kind, cells[~repeats], numbers[~repeats]))
+    wrong = [np.zeros(0, np.int64)]
+    for pattern in np.unique(first[repeats], axis=0):
+        rows = np.flatnonzero((first == pattern).all(axis=1))
+        plan = _plan(kind, tuple(pattern.tolist()))
+        if plan is None:
+            wrong.append(rows)
+            continue
+        target, order, same = plan
+        alike = (cells[rows][:, same[:, 0]] == cells[rows][:, same[:, 1]]).all(axis=1)
+        wrong.append(rows[~alike])
+        found.append((target, cells[rows[alike]][:, order], numbers[rows[alike]]))
+    return found, np.sort(np.concatenate(wrong))
+
+
+@cache
+def _plan(kind: str, pattern: tuple[int, ...]) -> tuple[str, list[int], IntArray] | None:
+    """Return the solid that an element with repeated corners is, or None if it is none.
+
+    Parameters
+    ----------
+    kind : str
+    pattern : tuple of int
+        For each corner of the element, the first corner with the same node.
+
+    Returns
+    -------
+    kind : str
+    order : list of int
+        Its nodes, by their numbers in the given element.
+    same : ndarray of int, shape (any, 2)
+        Pairs of nodes of the given element that must be the same.
+    """
+    element = reference_element(kind)
+    distinct = sorted(set(pattern))
+    target = _SHAPES.get(len(distinct))
+    # Nodes within collapsed sides have no place in other kinds.
+    if len(element.nodes) == 27 or target is None:
+        return None
+    sides = []
+    for face in reference_faces(element.cell.linear):
+        around = [pattern[node] for node in face.nodes[: face.n_corners]]
+        corners = [around[i] for i in range(len(around)) if around[i] != around[i - 1]]
+        if len(set(corners)) < len(corners):  # folded
+            return None
+        if len(corners) > 2:
+            sides.append(frozenset(corners))
+    if len(set(sides)) < len(sides):
+        return None
+    # The order of corners that makes an element of these sides, right-handed.
+    places = np.stack(
+        [element.cell.corners[np.array(pattern) == corner].mean(axis=0) for corner in distinct]
+    )
+    linear = reference_element(target)
+    middle = linear.gradient(linear.cell.corners.mean(axis=0, keepdims=True))[0]
+    faces = [face.nodes[: face.n_corners] for face in reference_faces(target)]
+    for turned in permutations(range(len(distinct))):
+        fits = {frozenset(distinct[turned[n]] for n in face) for face in faces} == set(sides)
+        if fits and np.linalg.det(places[list(turned)].T @ middle) > 0.0:
+            order = [distinct[i] for i in turned]
+            break
+    else:
+        return None
+    same: list[tuple[int, int]] = []
+    if element.quadratic:
+        middles: dict[frozenset[int], list[int]] = {}
+        for i, ends in enumerate(element.edges.tolist(), element.n_corners):
+            middles.setdefault(frozenset(pattern[end] for end in ends), []).append(i)
+        for ends, nodes in middles.items():  # on edges that fall together, or have no length
+            same += [(nodes[0], other) for other in (*nodes[1:], *(ends if len(ends) == 1 else ()))]
+        target = _RAISED[target]
+        edges = reference_element(target).edges.tolist()
+        order += [middles[frozenset(order[end] for end in ends)][0] for ends in edges]
+    return target, order, np.array(same, dtype=np.int64).reshape(-1, 2)

@@ -1,0 +1,86 @@
+"""Mesh files of other programs, a reader for each format.
+
+A reader returns a `RawMesh`. It raises a `ValueError` with the reason, or a `MeshError` that names
+the file.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Callable
+from pathlib import Path
+
+from ...base import MemoryLimitError, MeshError, MissingFileError, file_path
+from . import abaqus, exodus, gmsh, kratos, med, nastran, viameshio, vtk
+from .abaqusdeck import looks_like_inp
+from .nastrandeck import is_nastran
+from .raw import RawMesh
+
+__all__ = ["load"]
+
+_Reader = Callable[[Path], RawMesh]
+
+# Readers by the end of a file's name, in small letters; meshio takes the rest.
+_READERS: dict[str, _Reader] = {
+    **dict.fromkeys((".bdf", ".nas"), nastran.read),
+    **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), exodus.read),
+    ".inp": abaqus.read,
+    ".mdpa": kratos.read,
+    ".med": med.read,
+    ".vtk": vtk.read_legacy,
+    ".vtu": vtk.read_xml,
+}
+
+
+def load(path: str | os.PathLike[str]) -> RawMesh:
+    """Return the nodes, cells and groups of a file.
+
+    Raises
+    ------
+    MissingFileError
+        If there is no such file.
+    MeshError
+        If it is empty, or its reader refuses it.
+    MemoryLimitError
+        If there is not enough memory for it.
+    """
+    file = file_path("mesh", path)
+    where = f"mesh file {str(file)!r}"
+    try:
+        state = file.stat()
+    except FileNotFoundError:
+        raise MissingFileError(f"{where} does not exist (in {os.getcwd()})") from None
+    except OSError as error:  # no access, or a name that is too long
+        raise MeshError(f"{where} cannot be opened: {error}") from None
+    if not stat.S_ISREG(state.st_mode):
+        kind = "a directory" if stat.S_ISDIR(state.st_mode) else "no regular file"
+        raise MeshError(f"{where} is {kind}")
+    if state.st_size == 0:
+        raise MeshError(f"{where} is empty")
+    try:
+        return _reader(file)(file)
+    except MeshError:
+        raise
+    except MemoryError:
+        raise MemoryLimitError(
+            f"{where} ({state.st_size} bytes) needs more memory than there is: coarsen the mesh, "
+            "or look for a count in the file that is wrong"
+        ) from None
+    except (ValueError, OverflowError) as error:
+        raise MeshError(
+            f"{where} cannot be read: {error}. Save it again, or as .msh or .vtu"
+        ) from None
+
+
+def _reader(file: Path) -> _Reader:
+    suffix = file.suffix.lower()
+    with file.open("rb") as stream:
+        head = stream.read(4096)
+    if suffix.startswith(".msh") and head.lstrip().startswith(b"$"):  # else Fluent's, or CalculiX'
+        return gmsh.read
+    if looks_like_inp(head):
+        return abaqus.read
+    if suffix not in _READERS and is_nastran(file):
+        return nastran.read
+    return _READERS.get(suffix, viameshio.read)

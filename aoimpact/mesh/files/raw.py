@@ -1,0 +1,262 @@
+"""The mesh as a file holds it, and the parts that several readers share."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...base import FloatArray, IntArray, MeshError, decoded
+from ..elements import KINDS, reference_element
+
+# Kinds of cells by their numbers of nodes.
+SOLIDS = {reference_element(kind).n_nodes: kind for kind in KINDS}
+SURFACES = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
+LINES = {2: "line", 3: "line3"}
+POINTS = {1: "vertex"}
+DIMENSIONS = ("point", "line", "surface", "volume")
+
+# VTK's order of nodes from orders that number the midside nodes of upright edges before the top's.
+UPRIGHT_FIRST = {
+    "hexahedron20": (*range(12), *range(16, 20), *range(12, 16)),
+    "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
+}
+
+# Dimension and number of corners of each shape of cells.
+_SHAPES = {
+    **{"other": (0, 0), "vertex": (0, 1), "line": (1, 2)},
+    **{"triangle": (2, 3), "quad": (2, 4), "polygon": (2, 0)},
+    **{"tetra": (3, 4), "pyramid": (3, 5), "wedge": (3, 6), "hexahedron": (3, 8)},
+}
+
+# Numbers as Fortran writes them: 1, -1.5, .5E3, 1.D0, and 1.0+3 for 1.0E+3.
+_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EDed]([+-]?\d+)|([+-]\d+))?")
+
+# Largest ratio of data to the size of an HDF5 file: the compression that zlib reaches.
+_COMPRESSION = 1100
+
+
+@dataclass(frozen=True, eq=False)
+class RawBlock:
+    """Cells of one kind, of any dimension, in the order of the file.
+
+    Attributes
+    ----------
+    kind : str
+        meshio's name, such as "tetra10", "quad8" or "line"; node order is meshio's (VTK's). "other"
+        for elements without volume whose nodes are not read.
+    cells : ndarray of int, shape (n, nodes per cell)
+        Row numbers of `RawMesh.nodes`.
+    labels : ndarray of int, shape (n,), or None
+        Numbers that the file gives to the elements; None for formats without numbers.
+    """
+
+    kind: str
+    cells: IntArray
+    labels: IntArray | None = None
+
+    @property
+    def dim(self) -> int:
+        """Dimension of the cells: 0 for points to 3 for solids."""
+        return _SHAPES.get(self.kind.rstrip("0123456789"), (3, 0))[0]
+
+
+@dataclass(frozen=True, eq=False)
+class RawMesh:
+    """Nodes, cells and named groups of a file.
+
+    Attributes
+    ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        Coordinates in the file's unit of length and in global axes.
+    blocks : tuple of RawBlock
+    node_sets : mapping of str to ndarray of int
+        Row numbers of `nodes`.
+    cell_sets : mapping of str to ndarray of int
+        Cell numbers, counted through all blocks from 0, of any dimension.
+    node_labels : ndarray of int, shape (n_nodes,), or None
+        Numbers that the file gives to the nodes; None for formats without numbers. A number may
+        occur twice, as in two instances of an Abaqus part.
+    left_out : mapping of str to str
+        Groups that hold more than solids, and the rest of their contents, as in "3 MASS, 20 S4R".
+    """
+
+    nodes: FloatArray
+    blocks: tuple[RawBlock, ...]
+    node_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    node_labels: IntArray | None = None
+    left_out: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def first(self) -> IntArray:
+        """Number of the first cell of each block, shape (n_blocks + 1,); the last is the count."""
+        return firsts(block.cells for block in self.blocks)
+
+    @property
+    def cell_labels(self) -> IntArray | None:
+        """Numbers that the file gives to the cells, through all blocks; None if one has none."""
+        labels = [block.labels for block in self.blocks if block.labels is not None]
+        return np.concatenate(labels) if 0 < len(labels) == len(self.blocks) else None
+
+
+def nodes_in(kind: str) -> int:
+    """Return the number of nodes in a cell of one of meshio's kinds, such as 10 for "tetra10"."""
+    shape = kind.rstrip("0123456789")
+    return int(kind[len(shape) :] or _SHAPES[shape][1])
+
+
+def firsts(parts: Iterable[Any]) -> IntArray:
+    """Return the number at which each part begins if all are counted through, and the total."""
+    return np.cumsum([0, *map(len, parts)], dtype=np.int64)
+
+
+def joined(parts: Iterable[IntArray]) -> IntArray:
+    """Return arrays of integers as one, also if there are none."""
+    return np.concatenate([np.zeros(0, np.int64), *parts])
+
+
+def grouped(members: Iterable[tuple[str, IntArray]]) -> dict[str, IntArray]:
+    """Return groups of sorted numbers from pairs of a name and some members; no empty ones."""
+    found: dict[str, list[IntArray]] = {}
+    for name, some in members:
+        if len(some):
+            found.setdefault(name, []).append(some)
+    return {name: np.unique(joined(parts)) for name, parts in found.items()}
+
+
+def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
+    """Return the rows of labels among those that are known, of the same shape; -1 for others."""
+    if not len(known):
+        return np.full(wanted.shape, -1)
+    order = None if (known[1:] >= known[:-1]).all() else np.argsort(known, kind="stable")
+    rows = np.searchsorted(known, wanted, sorter=order).clip(max=len(known) - 1)
+    rows = rows if order is None else order[rows]
+    return np.where(known[rows] == wanted, rows, -1)
+
+
+def cylindrical(radius: FloatArray, turn: FloatArray, height: FloatArray) -> FloatArray:
+    """Return x, y and z, shape (n, 3), of cylindrical coordinates with the angle in degrees."""
+    angle = np.radians(turn)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+
+
+def repeats(labels: IntArray) -> IntArray:
+    """Return the rows whose label another row before them has, in the order of the labels."""
+    order = np.argsort(labels, kind="stable")
+    again: IntArray = order[1:][np.diff(labels[order]) == 0]
+    return again
+
+
+def check_count(what: str, announced: int, there: int) -> None:
+    """Refuse a file that holds more or less than it announces."""
+    if there != announced:
+        raise ValueError(f"{announced} {what} are announced, but {there} are there")
+
+
+def read_lines(file: Path) -> list[str]:
+    """Return the lines of a text file, without their ends.
+
+    The encoding is that of the byte order mark; else UTF-8, or Latin-1 if the file is not UTF-8.
+
+    Raises
+    ------
+    MeshError
+        If it cannot be opened, or is binary.
+    """
+    try:
+        text = decoded(file.read_bytes())
+    except OSError as error:
+        raise MeshError(f"mesh file {str(file)!r} cannot be opened: {error}") from None
+    if text is None:
+        raise MeshError(f"mesh file {str(file)!r} is binary; a text file is needed")
+    return text.split("\n")
+
+
+def refused(file: Path, line: int, what: str, why: str) -> MeshError:
+    """Return the error for a line, counted from 1, and a keyword or entry such as "*NODE"."""
+    return MeshError(f"mesh file {str(file)!r}, line {line}, {what}: {why}")
+
+
+def number(text: str) -> float:
+    """Return a number as Fortran programs write it, such as 1.5, 1.D0 or 1.0+3.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or too large for a double.
+    """
+    found = _NUMBER.fullmatch(text.strip())
+    if found is None:
+        raise ValueError(f"{text.strip()!r} is no number")
+    value = float(f"{found[1]}e{found[2] or found[3] or 0}")
+    if not math.isfinite(value):
+        raise ValueError(f"{text.strip()!r} is too large")
+    return value
+
+
+def numbers_of(text: bytes) -> FloatArray:
+    """Return the numbers of a text that holds nothing but numbers and blanks.
+
+    Raises
+    ------
+    ValueError
+        If there is anything else.
+    """
+    if not text.strip():
+        return np.zeros(0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)  # raised by older versions of NumPy
+        try:
+            return np.fromstring(text.decode("latin-1"), sep=" ")
+        except (ValueError, DeprecationWarning):
+            raise ValueError("there is text among the numbers") from None
+
+
+def integers(values: npt.NDArray[Any]) -> IntArray:
+    """Return numbers as integers.
+
+    Raises
+    ------
+    ValueError
+        If one is not.
+    """
+    if values.dtype.kind == "f":
+        whole = (np.abs(values) < 2.0**53) & (values == np.trunc(values))
+        if not whole.all():
+            raise ValueError(f"{values[~whole][0]} is no whole number")
+    return values.astype(np.int64)
+
+
+@contextmanager
+def opened_hdf5(file: Path) -> Iterator[Any]:
+    """Open an HDF5 file, and turn h5py's errors about damaged files into a `ValueError`.
+
+    Arrays that are larger than the file can hold are refused before they are read.
+    """
+    try:
+        import h5py
+    except ModuleNotFoundError:
+        raise MeshError(
+            f"mesh file {str(file)!r} needs the package h5py: pip install h5py"
+        ) from None
+    most = 4096 + _COMPRESSION * file.stat().st_size
+
+    def check(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset) and item.nbytes > most:
+            raise ValueError(f"{name} announces {item.nbytes} bytes, more than the file can hold")
+
+    try:
+        with h5py.File(file, "r") as tree:
+            tree.visititems(check)
+            yield tree
+    except (OSError, RuntimeError, LookupError, TypeError, AttributeError) as error:
+        raise ValueError(f"HDF5: {error}") from None
