@@ -18,12 +18,11 @@ _Part = tuple[int, int]
 _Sparse = tuple[_I, _I, _F]
 _Factors = tuple[_I, _I, _F, _F, _I, _I]
 _Law = tuple[Any, ...]
-_Modes = tuple[_F | None, ...]  # what MODES names, as ModalBody.for_core makes it
+_Modes = tuple[Any, ...]  # what MODES names, as ModalBody.for_core and SteppedBody.for_core make it
 _Contact = tuple[int, int, int, int, float, _Law]  # body and port of each side, gap
 # Peak force, its time, impulse, intervals (start, end) and touches (impulse, pace) of a contact.
 _Pairs = list[tuple[float, float]]
 _Found = tuple[float, float, float, _Pairs, _Pairs]
-_Body = dict[str, Any]  # parts by name, as SteppedBody.for_core makes it
 
 MODES: str
 
@@ -101,16 +100,18 @@ def blocks_smooth(
 def graph_aggregate(start: _I, indices: _I, aggregate: _I, /) -> int: ...
 def factors_find_panels(start: _I, rows: _I, panel: _I, /) -> int: ...
 def factors_solve(factors: _Factors, work: _F, x: _F, /) -> None: ...
-def newmark_scene(
-    bodies: tuple[_Body, ...],
+def newmark(
+    bodies: tuple[_Modes, ...],
     contacts: tuple[_Contact, ...],
-    loads: tuple[tuple[int, int, _F, _F], ...],
     dt: float,
     beta: float,
     gamma: float,
+    x: _F,
+    v: _F,
+    force: _F | None,
+    force_rate: _F | None,
     record: _F,
     energies: bool,
-    start_force: _F | None,
     /,
 ) -> None: ...
 def adaptive(

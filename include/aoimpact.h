@@ -269,11 +269,40 @@ typedef struct aoi_load {
     const double *time, *force;
 } aoi_load;
 
+/* A symmetric n x n matrix by compressed rows, both triangles stored: row i has indices[p], values[p] for
+ * start[i] <= p < start[i+1], with 0 <= indices[p] < n. */
+typedef struct aoi_sparse {
+    size_t n;
+    const int32_t *start;   /* [n + 1]      */
+    const int32_t *indices; /* [start[n]]   */
+    const double *values;   /* [start[n]]   */
+} aoi_sparse;
+
+/* A linear solver of the caller's: solve(data, x) overwrites x, n doubles, the right-hand side, with the solution,
+ * and returns 0, or anything else for a failure. */
+typedef struct aoi_solver {
+    int (*solve)(void *data, double *x);
+    void *data;
+} aoi_solver;
+
+/* The matrices of a finite-element body, M x'' + (alpha M + beta K) x' + K x = f, for Newmark's rule. */
+typedef struct aoi_full {
+    aoi_sparse K, M;
+    double alpha, beta;     /* Rayleigh's damping, 1/s and s, not negative                           */
+    aoi_solver solver;      /* of (1 + alpha gamma dt) M + (beta_N dt^2 + beta gamma dt) K, where dt,
+                               beta_N and gamma are the rule's                                       */
+    const aoi_pause *pause; /* or NULL: asked at each step, and while a run starts                   */
+} aoi_full;
+
 /* A body with ports (its contact functionals) in natural modes: x_j'' + 2 decay_j x_j' + omega_j^2 x_j
  * = gravity_j + sum_p push[p][j] f_p, u_p = sum_j shape[p][j] x_j + sum_q residual[p][q] f_q, with f_p the
  * contact forces plus the load. The scale of x_j is free; for mass-normalised modes shape = push =
  * participation, and inertia may be NULL. A wall has one mode with shape 1, push 0 and inertia 0, which
- * moves without being affected. decay, residual, gravity and centre_residual may be NULL (zero). */
+ * moves without being affected. decay, residual, gravity and centre_residual may be NULL (zero).
+ *
+ * With full, the coordinates x are the body's degrees of freedom instead: shape = push are the contact functionals,
+ * gravity is a force [N], and omega, decay, residual, inertia and centre_residual are NULL. Only Newmark's rule takes
+ * such a body. */
 typedef struct aoi_modes {
     size_t n, ports;
     const double *omega;           /* [n], ascending, rad/s                          */
@@ -285,6 +314,7 @@ typedef struct aoi_modes {
     const double *centre;          /* [n], displacement of the centre of mass; needed */
     const double *centre_residual; /* [ports], the same per force, beside the modes' */
     aoi_load load;
+    const aoi_full *full;          /* NULL, or the body's matrices                   */
 } aoi_modes;
 
 /* The body that an AO model is, free of damping, gravity and loads: one port, n + 1 modes (or fewer). memory:
@@ -353,12 +383,18 @@ AOI_API size_t aoi_record_body(const aoi_system *system, size_t body);
 
 /* ------------------------------------------------------------------------- how a run begins */
 
-/* Modes x and their rates v of all bodies at t = 0, first[body_count] each; NULL: zero. rested: the bodies have
- * come to rest under loads and contacts; 0: those set in at t = 0. That matters to a residual compliance only, which
- * bends at once, by forces that aoi_adaptive_start finds, and aoi_newmark_start does not. Copied by the run. */
+/* The bodies at t = 0. Copied by the run.
+ *   x, v         [first[body_count]]: coordinates of all bodies and their rates; NULL: zero
+ *   rested       1: the bodies have come to rest under loads and contacts; 0: those set in at t = 0. Matters with a
+ *                residual compliance only, which deflects at once
+ *   force        [contact_count], for Newmark's rule: the contact forces just after t = 0, N; NULL: those that the laws
+ *                give at x and v. With loads they deflect a residual compliance, which is undeflected without them;
+ *                an adaptive run finds them itself
+ *   force_rate   [contact_count]: their rates, N/s; NULL: zero */
 typedef struct aoi_start {
     const double *x, *v;
     int rested;
+    const double *force, *force_rate;
 } aoi_start;
 
 /* ------------------------------------------------- fixed steps: Newmark's rule, section 3.1 */
@@ -372,16 +408,30 @@ typedef struct aoi_rule {
 typedef struct aoi_newmark aoi_newmark;
 AOI_API size_t aoi_newmark_size(const aoi_system *system); /* linked */
 
-/* Sets a run of a linked system to its beginning and writes column 0 of the record, which has so many columns,
- * and stays the caller's; energies: 0 leaves their rows alone. AOI_ERROR_ARGUMENT for a rule that is none, or where
- * a body with a residual compliance has come to rest, AOI_ERROR_NOT_FINITE for x, v. */
+/* Sets a run of a linked system to its beginning and writes column 0 of the record.
+ *   run       aoi_newmark_size(system) bytes
+ *   energies  0: the energies' rows of the record are not written
+ *   record    aoi_record_rows(system) x columns, the caller's for as long as the run
+ * AOI_ERROR_ARGUMENT for an invalid rule, or where a body with a residual compliance has come to rest and start->force
+ * is NULL; AOI_ERROR_NOT_FINITE for x, v or forces; of a full body also AOI_ERROR_SOLVER, AOI_ERROR_STOPPED and
+ * AOI_ERROR_NOT_POSITIVE (the solver's matrix is not positive definite). */
 AOI_API int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule *rule,
                               const aoi_start *start, int energies, double *record, size_t columns);
 
 /* Goes on to column last (< columns), at last dt. done gets the last column written; on an error that is the
- * step before the one that failed. AOI_ERROR_ARGUMENT for a column that is none, AOI_ERROR_LAW where a law gives
+ * step before the one that failed. AOI_ERROR_ARGUMENT if there is no such column, AOI_ERROR_LAW where a law gives
  * no number, AOI_ERROR_PATCH where a contact goes deeper than its law holds. */
 AOI_API int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done);
+
+/* Where a run is: the time, how many steps were made or tried in vain, the contact of AOI_ERROR_PATCH or
+ * AOI_ERROR_LAW, and the coordinates of all bodies and their rates. An adaptive run's are those at that time only once
+ * it is the end. */
+typedef struct aoi_progress {
+    double time;
+    size_t steps, rejected, failed;
+    const double *x, *v;
+} aoi_progress;
+AOI_API aoi_progress aoi_newmark_progress(const aoi_newmark *run);
 
 /* ------------------------------------------------------------ a tolerance instead of a step */
 
@@ -419,13 +469,6 @@ AOI_API size_t aoi_adaptive_room(const aoi_system *system);
 /* The same to its end: AOI_ERROR_TOO_LONG where the track has no room for it. */
 AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);
 
-/* Where a run is: the time, steps made and tried in vain; the contact of AOI_ERROR_PATCH or AOI_ERROR_LAW; the
- * modes of all bodies and their rates, at that time once it is the end. */
-typedef struct aoi_progress {
-    double time;
-    size_t steps, rejected, failed;
-    const double *x, *v;
-} aoi_progress;
 AOI_API aoi_progress aoi_adaptive_progress(const aoi_adaptive *run);
 
 /* What a run has seen of a contact so far: the largest force, when, and the integral of the force. */

@@ -9,92 +9,6 @@
 /* Bytes copied between looks for signals: a hundredth of a second at most. */
 #define CHUNK ((size_t)1 << 22)
 
-/* ----------------------------------------------------------------------- bodies and contacts */
-
-/* A system and all that it is made of. */
-typedef struct taken {
-    aoi_system system;
-    aoi_modes *body;
-    aoi_contact *contact;
-    aoi_law *law; /* one a contact */
-    void *links;
-} taken;
-
-static void free_system(taken *made)
-{
-    free(made->body);
-    free(made->contact);
-    free(made->law);
-    free(made->links);
-}
-
-/* An array that may be None. */
-static const double *maybe(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
-{
-    return object == Py_None ? NULL : doubles(buffers, object, name, count);
-}
-
-#define PLACE_OF(part) part##_at,
-enum { MODES_PARTS(PLACE_OF) MODES_COUNT };
-
-void take_modes(buffer_list *buffers, PyObject *tuple, aoi_modes *body)
-{
-    size_t n = (size_t)-1, shapes = (size_t)-1;
-    need_tuple(buffers, tuple, MODES_COUNT);
-    if (buffers->failed) {
-        return;
-    }
-    PyObject *item[MODES_COUNT];
-    for (Py_ssize_t i = 0; i < MODES_COUNT; i++) {
-        item[i] = PyTuple_GetItem(tuple, i);
-    }
-    body->omega = doubles(buffers, item[omega_at], "omega", &n);
-    body->decay = maybe(buffers, item[decay_at], "decay", &n);
-    body->shape = doubles(buffers, item[shape_at], "shape", &shapes);
-    body->push = doubles(buffers, item[push_at], "push", &shapes);
-    if (!buffers->failed && (n == 0 || shapes % n != 0 || shapes == 0)) {
-        buffers->failed = 1;
-        PyErr_SetString(PyExc_ValueError, "a body needs modes and ports");
-    }
-    body->n = n;
-    body->ports = buffers->failed ? 1 : shapes / n;
-    size_t ports = body->ports, pairs = ports * ports, times = (size_t)-1;
-    body->residual = maybe(buffers, item[residual_at], "residual", &pairs);
-    body->gravity = maybe(buffers, item[gravity_at], "gravity", &n);
-    body->inertia = doubles(buffers, item[inertia_at], "inertia", &n);
-    body->centre = doubles(buffers, item[centre_at], "centre", &n);
-    body->centre_residual = maybe(buffers, item[centre_residual_at], "centre residual", &ports);
-    body->load.time = maybe(buffers, item[load_time_at], "load times", &times);
-    body->load.count = body->load.time ? times : 0;
-    size_t loads = body->load.count * ports;
-    body->load.force = body->load.time ? doubles(buffers, item[load_force_at], "load forces", &loads) : NULL;
-}
-
-static int take_system(buffer_list *buffers, PyObject *bodies, PyObject *contacts, taken *made)
-{
-    const size_t nb = (size_t)PyTuple_Size(bodies), nc = (size_t)PyTuple_Size(contacts);
-    int status = AOI_OK;
-    made->body = calloc(nb + 1, sizeof *made->body);
-    made->contact = calloc(nc + 1, sizeof *made->contact);
-    made->law = calloc(nc + 1, sizeof *made->law);
-    made->system = (aoi_system){.body_count = nb, .contact_count = nc, .body = made->body};
-    made->system.contact = made->contact;
-    made->links = malloc(aoi_system_size(&made->system));
-    if (!made->body || !made->contact || !made->law || !made->links) {
-        buffers->failed = 1;
-        PyErr_NoMemory();
-        return AOI_OK;
-    }
-    for (size_t b = 0; b < nb && !buffers->failed; b++) {
-        take_modes(buffers, PyTuple_GetItem(bodies, (Py_ssize_t)b), &made->body[b]);
-    }
-    for (size_t c = 0; c < nc && !buffers->failed && status == AOI_OK; c++) {
-        status = take_contact(buffers, PyTuple_GetItem(contacts, (Py_ssize_t)c), &made->contact[c],
-                              &made->law[c]);
-    }
-    return buffers->failed || status != AOI_OK ? status : aoi_system_link(&made->system, made->links);
-}
-
 /* ---------------------------------------------------------------------------------- the run */
 
 static const size_t MOST_BYTES = (size_t)1 << 30;
@@ -165,7 +79,7 @@ static void take_start(buffer_list *buffers, PyObject *x_in, PyObject *moving, P
                        const aoi_system *system, double *v, aoi_start *start)
 {
     size_t all = system->first[system->body_count];
-    start->x = maybe(buffers, x_in, "x", &all);
+    start->x = doubles_or_none(buffers, x_in, "x", &all);
     start->v = v;
     start->rested = start->x != NULL;
     need_tuple(buffers, moving, (Py_ssize_t)system->body_count);

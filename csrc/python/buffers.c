@@ -81,6 +81,11 @@ const double *doubles(buffer_list *buffers, PyObject *object, const char *name, 
     return buffers_take(buffers, object, name, 'd', 0, count);
 }
 
+const double *doubles_or_none(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
+{
+    return object == Py_None ? NULL : doubles(buffers, object, name, count);
+}
+
 double *doubles_out(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
 {
     return buffers_take(buffers, object, name, 'd', 1, count);

@@ -8,7 +8,7 @@
     X(constraint_reflector) X(constraint_congruence) X(star_from_constraint_modes)                \
     X(krylov_extend)                                                                              \
     X(star_receptance) X(modal_receptance) X(star_to_modal) X(star_from_modal)                    \
-    X(factors_find_panels) X(factors_solve) X(newmark_scene) X(blocks_pattern) X(blocks_multiply) \
+    X(factors_find_panels) X(factors_solve) X(newmark) X(blocks_pattern) X(blocks_multiply) \
     X(blocks_subtract) X(blocks_smooth) X(graph_aggregate) X(adaptive) X(track_sample)            \
     X(track_forces) X(track_states) X(briefs)
 

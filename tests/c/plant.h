@@ -162,7 +162,7 @@ static inline void make_room(plant *p, size_t rows)
 static inline int begin(plant *p, double rtol, double end)
 {
     const int status = lay_out(p);
-    const aoi_start start = {p->x, p->v, p->rested};
+    const aoi_start start = {.x = p->x, .v = p->v, .rested = p->rested};
     if (status != AOI_OK) {
         return status;
     }

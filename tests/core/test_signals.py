@@ -26,12 +26,15 @@ def hertz(k: float) -> tuple[object, ...]:
     return "hertz", (k,), 0.0, np.inf, np.full(3, np.nan), None
 
 
+def in_modes(**parts: object) -> tuple[object, ...]:
+    return tuple(parts.get(name) for name in _core.MODES.split())
+
+
 def body(omega: Array) -> tuple[object, ...]:
     """A free body in those modes, all of which a force moves alike."""
     ones = np.ones(len(omega))
     ports = {"shape": ones[None], "push": 1e-3 * ones[None]}
-    parts = {"omega": omega, "inertia": ones, "centre": ones, **ports}
-    return tuple(parts.get(name) for name in _core.MODES.split())
+    return in_modes(omega=omega, inertia=ones, centre=ones, **ports)
 
 
 def law() -> Call:
@@ -165,17 +168,15 @@ def full(band: int, mass: Array) -> Call:
     factors = (columns, rows, np.full(len(rows), 1e-6), np.ones(n), indices, start)
     b = np.zeros(n)
     b[0] = 1.0
-    matrices = {"K": (start, indices, np.ones(n)), "M": (2 * start, beside, pairs), "B": b}
-    undamped = {"alpha": 0.0, "beta": 0.0}
-    still = {"centre": np.zeros(n), "u": np.zeros(n), "v": np.zeros(n), **undamped}
-    pushed = {"factors": factors, "gravity": np.linspace(1.0, 2.0, n)}
-    target = {"kind": "full", **matrices, **pushed, **still}
-    rigid = {"kind": "star", "m0": np.inf, "k0": 0.0, "m": numbers(), "k": numbers(), **undamped}
-    wall = rigid | {"gravity": None, **{name: np.ones(1) for name in ("centre", "u", "v")}}
+    matrices = (start, indices, np.ones(n)), (2 * start, beside, pairs), 0.0, 0.0, factors
+    pulled = {"centre": np.zeros(n), "gravity": np.linspace(1.0, 2.0, n), "full": matrices}
+    one, none = np.ones(1), np.zeros(1)
+    wall = {"omega": none, "shape": one, "push": none, "inertia": none, "centre": one}
+    scene = in_modes(shape=b, push=b, **pulled), in_modes(**wall)
     record = np.zeros((20, 100))
-    contacts = ((0, 0, 1, 0, 1e9, hertz(1e3)),)
-    scene, rule = ((target, wall), contacts, ()), (1e-3, 0.25, 0.5)
-    return lambda: _core.newmark_scene(*scene, *rule, record, False, None)
+    contacts, start_at = ((0, 0, 1, 0, 1e9, hertz(1e3)),), np.zeros((2, n + 1))
+    rest = *start_at, None, None, record, False
+    return lambda: _core.newmark(scene, contacts, 1e-3, 0.25, 0.5, *rest)
 
 
 def factors() -> Call:
