@@ -12,6 +12,7 @@ import numpy.typing as npt
 _F = npt.NDArray[np.float64]
 _I = npt.NDArray[np.int32]
 _Pattern = object
+_Track = object
 _S = npt.NDArray[np.float32]
 _Blocks = tuple[_Pattern, _S, _S]
 _Part = tuple[int, int]
@@ -124,31 +125,31 @@ def adaptive(
     velocities: tuple[float, ...],
     most_steps: int,
     /,
-) -> tuple[bytes, bytes, bytes, bytes, tuple[_Found, ...], int, int]: ...
-def track_sample(
+) -> tuple[_Track, bytes, bytes, tuple[_Found, ...], int, int]: ...
+def track_open(
     bodies: tuple[_Modes, ...],
     contacts: tuple[_Contact, ...],
-    track: _F,
-    index: bytes,
+    values: bytes,
+    places: bytes,
+    /,
+) -> _Track: ...
+def track_bytes(track: _Track, /) -> tuple[bytes, bytes]: ...
+def track_rows(track: _Track, /) -> bytes: ...
+def track_sample(
+    track: _Track,
     times: _F,
     record: _F,
     energies: bool,
     /,
 ) -> None: ...
 def track_forces(
-    bodies: tuple[_Modes, ...],
-    contacts: tuple[_Contact, ...],
-    track: _F,
-    index: bytes,
+    track: _Track,
     times: _F,
     forces: _F,
     /,
 ) -> None: ...
 def track_states(
-    bodies: tuple[_Modes, ...],
-    contacts: tuple[_Contact, ...],
-    track: _F,
-    index: bytes,
+    track: _Track,
     times: _F,
     body: int,
     states: _F,

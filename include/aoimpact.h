@@ -479,13 +479,16 @@ AOI_API aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact);
 
 /* ----------------------------------------------------------------------------- dense output */
 
+/* AOI_ERROR_ARGUMENT for a track that cannot be read: it is not whole, names what is not in the system, has contacts in a
+ * row of no length, or rows that go back in time. For tracks from a file; one that a run has written need not be checked. */
+AOI_API int aoi_track_check(const aoi_system *system, const aoi_track *track);
+
 /* A track read at any times. It lies in memory of the caller, aoi_sampler_size bytes, aligned as by malloc. */
 typedef struct aoi_sampler aoi_sampler;
 AOI_API size_t aoi_sampler_size(const aoi_system *system); /* linked */
 
-/* To the beginning of a track, which it keeps. AOI_ERROR_ARGUMENT for one that does not start with all bodies,
- * or names what is not in the system, or has contacts in a row of no length, or rows that go back in time, or
- * is not whole. */
+/* To the beginning of a track, which it keeps; one that a run of this system has written, or that aoi_track_check has
+ * passed. AOI_ERROR_ARGUMENT for one that does not start with all bodies. */
 AOI_API int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track);
 
 /* The next three at times that ascend from one call to the next. Between contacts, times that follow each other
@@ -510,9 +513,8 @@ typedef struct aoi_interval {
     int lasts;
 } aoi_interval;
 
-/* The intervals of a track that ends at a time, in the order in which they end, but for those that begin there.
- * Writes the first so many and returns how many there are: with capacity 0 it counts. 0 for a track that is not whole,
- * or not of this system. work: one for each contact. */
+/* The contact intervals of a track (as for aoi_sampler_start) up to end, ordered by their ends; an interval that starts at
+ * end is left out. Writes the first `capacity` of them, and returns how many there are. work: [contact_count]. */
 AOI_API size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, double end,
                                    aoi_interval *work, size_t capacity, aoi_interval *interval);
 

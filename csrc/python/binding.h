@@ -131,6 +131,23 @@ int take_body(buffer_list *buffers, PyObject *tuple, aoi_modes *body, taken_full
 int take_system(buffer_list *buffers, PyObject *bodies, PyObject *contacts, taken *made);
 void free_system(taken *made);
 
+/* A track, and all that it takes to read it: what Python holds as a capsule. Only read once a run has written it, so that
+ * threads may share it. */
+typedef struct kept_track {
+    buffer_list buffers;
+    taken made;
+    aoi_track track;
+    PyObject *bodies, *contacts;
+} kept_track;
+
+/* One without rows; NULL, or an error set, where it cannot be made. */
+kept_track *track_new(PyObject *bodies, PyObject *contacts, int *status);
+
+/* The capsule, which takes it over and leaves NULL; NULL with an error raised. */
+PyObject *track_capsule(kept_track **kept);
+
+void track_free(kept_track *kept);
+
 /* -------------------------------------- the module's functions, by file; module.c has their table */
 
 /* laws.c */
@@ -170,6 +187,11 @@ PyObject *newmark(PyObject *self, PyObject *args);
 
 /* adaptive.c */
 PyObject *adaptive(PyObject *self, PyObject *args);
+
+/* track.c */
+PyObject *track_open(PyObject *self, PyObject *args);
+PyObject *track_bytes(PyObject *self, PyObject *capsule);
+PyObject *track_rows(PyObject *self, PyObject *capsule);
 PyObject *track_sample(PyObject *self, PyObject *args);
 PyObject *track_forces(PyObject *self, PyObject *args);
 PyObject *track_states(PyObject *self, PyObject *args);

@@ -423,7 +423,7 @@ MUTANTS = [
     ("adaptive/balance.c", "0.5 * contact->bending", "contact->bending"),
     ("model/system.c", "of->port[side] * (body->ports + 1)", "of->port[side]"),
     ("track/sampler.c", "*work += aoi_modes_bent_work(body, time, force);", ""),
-    ("track/check.c", "track->rows > 0 && end == track->used", "track->rows > 0"),
+    ("track/check.c", "track->rows > 0 && end == track->used ?", "track->rows > 0 ?"),
     ("track/check.c", "(double)*number == value", "1"),
     ("track/check.c", "!(row[AOI_TRACK_LENGTH] > 0.0)", "row[AOI_TRACK_LENGTH] < 0.0"),
     ("track/sampler.c", "        sampler->settled[c] = NAN;\n", ""),

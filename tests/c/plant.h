@@ -212,7 +212,8 @@ static inline void release(plant *p)
 
 static inline int open_sampler(plant *p)
 {
-    return aoi_sampler_start(p->sampler, &p->system, &p->track);
+    const int status = aoi_track_check(&p->system, &p->track);
+    return status == AOI_OK ? aoi_sampler_start(p->sampler, &p->system, &p->track) : status;
 }
 
 /* A contact's force, of a plant without energies whose sampler is open. */

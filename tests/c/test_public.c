@@ -261,6 +261,7 @@ static void what_is_not_linked_is_refused(void)
     CHECK(aoi_adaptive_start((aoi_adaptive *)room, &system, &start, 1e-6, 1.0) == AOI_ERROR_ARGUMENT, "adaptive");
     CHECK(aoi_newmark_start((aoi_newmark *)room, &system, &rule, &start, 0, room, 8) == AOI_ERROR_ARGUMENT, "steps");
     CHECK(aoi_sampler_start((aoi_sampler *)room, &system, &track) == AOI_ERROR_ARGUMENT, "dense output");
+    CHECK(aoi_track_check(&system, &track) == AOI_ERROR_ARGUMENT, "a track of it");
 }
 
 /* Both integrators refuse a start that is no number; fixed steps one at rest of a body that is bent at once, by forces

@@ -27,7 +27,6 @@ import aoimpact as ao
 from aoimpact import _core
 from aoimpact.base import errors
 from aoimpact.batch import plain
-from aoimpact.integrate import dense
 from aoimpact.linalg.superlu import factorize
 
 HEADER = Path(__file__).parents[2] / "include" / "aoimpact.h"
@@ -143,21 +142,31 @@ def adaptive_arguments(duration: float = 1e-3) -> list[Any]:
     return [bodies(), joints(), 1e-6, duration, np.zeros(sum(sizes)), moving, speeds, sys.maxsize]
 
 
+def adaptive_bytes(arguments: list[Any]) -> list[Any]:
+    """What an adaptive run returns, the track as its bytes."""
+    made, *others = _core.adaptive(*arguments)
+    return [_core.track_bytes(made), *others]
+
+
+def track() -> Any:
+    return _core.adaptive(*adaptive_arguments())[0]
+
+
 def sample_arguments() -> list[Any]:
-    table, index, *_ = _core.adaptive(*adaptive_arguments())
-    times = np.linspace(0.0, 1e-3, 7)
     record = np.zeros((2 * 4 + 3 * 6 + 4 * 2, 7))
-    return [bodies(), joints(), np.frombuffer(table).copy(), index, times, record, True]
+    return [track(), np.linspace(0.0, 1e-3, 7), record, True]
 
 
 def forces_arguments() -> list[Any]:
-    *track, times, _, _ = sample_arguments()
-    return [*track, times, np.zeros((2, 7))]
+    return [track(), np.linspace(0.0, 1e-3, 7), np.zeros((2, 7))]
 
 
 def states_arguments() -> list[Any]:
-    *track, times, _, _ = sample_arguments()
-    return [*track, times, 1, np.zeros((7, 2, 3))]
+    return [track(), np.linspace(0.0, 1e-3, 7), 1, np.zeros((7, 2, 3))]
+
+
+def open_arguments() -> list[Any]:
+    return [bodies(), joints(), *_core.track_bytes(track())]
 
 
 def briefs_arguments(duration: float = 1e-3) -> list[Any]:
@@ -240,9 +249,12 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "graph_aggregate": (lambda: [*upper()[:2], np.zeros(6, np.int32)], {2}),
     "factors_find_panels": (lambda: [*factors()[:2], np.zeros(7, np.int32)], {2}),
     "adaptive": (adaptive_arguments, set()),
-    "track_sample": (sample_arguments, {5}),
-    "track_forces": (forces_arguments, {5}),
-    "track_states": (states_arguments, {6}),
+    "track_open": (open_arguments, set()),
+    "track_bytes": (lambda: [track()], set()),
+    "track_rows": (lambda: [track()], set()),
+    "track_sample": (sample_arguments, {2}),
+    "track_forces": (forces_arguments, {2}),
+    "track_states": (states_arguments, {3}),
     "briefs": (briefs_arguments, {5}),
     "modal_receptance": (
         lambda: [*np.ones((3, 4)), 0.0, np.ones(5) / 3, *zeros(5, 5)],
@@ -390,7 +402,7 @@ def test_modes_of_wrong_arrays_are_refused(bad: str) -> None:
         body[position] = BAD_ARRAYS[bad](part)
         if same_buffer(body[position], part):
             continue
-        for name in ("adaptive", "track_sample", "track_states"):
+        for name in ("adaptive", "track_open"):
             arguments = CALLS[name][0]()
             scene = arguments[0]
             arguments[0] = (scene[0], tuple(body), scene[2])
@@ -415,7 +427,7 @@ def test_modes_of_wrong_arrays_are_refused(bad: str) -> None:
     ],
 )
 def test_joints_of_nothing_are_refused(joint: tuple[Any, ...]) -> None:
-    for name in ("adaptive", "track_sample", "track_states"):
+    for name in ("adaptive", "track_open"):
         arguments = CALLS[name][0]()
         arguments[1] = (joint, arguments[1][1])
         with pytest.raises((*REFUSALS, OverflowError, ao.InputError)):
@@ -457,9 +469,9 @@ def test_a_start_of_other_bodies_is_refused(position: int, wrong: Any) -> None:
 
 def test_bodies_at_rest_and_undeformed_need_no_modes() -> None:
     arguments = adaptive_arguments()
-    given = _core.adaptive(*arguments)
+    given = adaptive_bytes(arguments)
     arguments[4] = None
-    assert _core.adaptive(*arguments) == given
+    assert adaptive_bytes(arguments) == given
 
 
 def test_a_run_of_more_steps_than_wanted_is_given_up() -> None:
@@ -479,8 +491,8 @@ def test_a_state_that_is_no_number_is_refused(value: float) -> None:
 
 
 def test_tracks_that_are_not_whole_are_refused() -> None:
-    good = sample_arguments()
-    table, index = good[2], np.frombuffer(good[3], dtype=np.uintp)
+    good = open_arguments()
+    table, index = np.frombuffer(good[2]), np.frombuffer(good[3], dtype=np.uintp)
     wrong: list[tuple[Any, bytes]] = [(table[:-1].copy(), good[3]), (table, b""), (table, b"1234")]
     for place in (2**63, len(table), 1):
         spoilt = index.copy()
@@ -492,15 +504,32 @@ def test_tracks_that_are_not_whole_are_refused() -> None:
                 spoilt = table.copy()
                 spoilt[place] = value
                 wrong.append((spoilt, good[3]))
-    for track, rows_of in wrong:
+    for values, rows_of in wrong:
         with pytest.raises(ao.InputError):
-            _core.track_sample(*good[:2], track, rows_of, *good[4:])
+            _core.track_open(*good[:2], values.tobytes(), rows_of)
+
+
+def test_a_track_that_was_stored_is_the_same() -> None:
+    one, again = track(), _core.track_open(*open_arguments())
+    assert _core.track_bytes(one) == _core.track_bytes(again)
+    records = [np.zeros((34, 7)) for _ in range(2)]
+    for of, record in zip((one, again), records, strict=True):
+        _core.track_sample(of, np.linspace(0.0, 1e-3, 7), record, True)
+    assert np.array_equal(*records)
+
+
+@pytest.mark.parametrize("wrong", [None, b"", 1, modal_body, np.zeros(3)])
+def test_what_is_no_track_is_refused(wrong: Any) -> None:
+    for name in ("track_bytes", "track_rows", "track_sample", "track_forces", "track_states"):
+        arguments = [wrong, *CALLS[name][0]()[1:]]
+        with pytest.raises(ValueError, match="PyCapsule"):
+            function(name)(*arguments)
 
 
 @pytest.mark.parametrize("body", [-1, 3, 2**62])
 def test_states_of_a_body_that_is_not_there_are_refused(body: int) -> None:
     arguments = states_arguments()
-    arguments[5] = body
+    arguments[2] = body
     with pytest.raises(ao.InputError):
         _core.track_states(*arguments)
 
@@ -644,10 +673,6 @@ def enumerated(file: str, last: str) -> list[str]:
 
 
 def test_columns_are_where_the_core_writes_them() -> None:
-    row = enumerated("adaptive/row.h", "AOI_TRACK_FIXED")
-    named = ("START", "LENGTH", "CONTACTS")
-    columns = (dense._START, dense._LENGTH, dense._CONTACTS)
-    assert tuple(row.index(f"AOI_TRACK_{name}") for name in named) == columns
     answers = enumerated("python/many.c", "ANSWER_VELOCITIES")
     ours = [plain.Answer[name.removeprefix("ANSWER_")] for name in answers[:-1]]
     assert [*ours, plain.Answer.FIRST, plain.Answer.SECOND] == list(range(len(answers) + 1))
@@ -741,16 +766,16 @@ def test_buffers_of_an_adaptive_run_are_given_back(name: str) -> None:
     start = x, moving, (1.0, 0.0), sys.maxsize
     scene = (ball, wall), ((0, 0, 1, 0, 0.0, (name, (1e9,), 0.0, math.inf, note, None)),)
     if name == "hertz":
-        table, index, _, v, *_ = _core.adaptive(*scene, 1e-6, 1e-3, *start)
-        track, record = doubles(*np.frombuffer(table)), doubles(*np.zeros(4 + 2 * 8))
-        _core.track_sample(*scene, track, index, doubles(1e-3), record, True)
+        track, _, v, *_ = _core.adaptive(*scene, 1e-6, 1e-3, *start)
+        record = doubles(*np.zeros(4 + 2 * 8))
+        _core.track_sample(track, doubles(1e-3), record, True)
         assert np.frombuffer(v)[0] == pytest.approx(-1.0, rel=1e-6)
         assert record[5] == pytest.approx(-1.0, rel=1e-6)
-        track.append(0.0)
         record.append(0.0)
-        with pytest.raises(ao.InputError):
-            _core.track_sample(*scene, track, index, doubles(1e-3), doubles(*np.zeros(20)), True)
-        track.append(0.0)
+        with pytest.raises(ValueError, match="must hold"):
+            _core.track_sample(track, doubles(1e-3), record, True)
+        record.append(0.0)
+        del track  # which holds the bodies for as long as it may be read
     else:
         with pytest.raises(ao.InputError):
             _core.adaptive(*scene, 1e-6, 1e-3, *start)
@@ -784,7 +809,7 @@ for name, (make, _) in t.CALLS.items():
     calls.append((t.function(name), good, make()))
     for wrong in ([1.0], np.ones(3, complex)):
         bad = list(good)
-        bad[{"newmark": 9, "track_sample": 5}.get(name, -1)] = wrong
+        bad[{"newmark": 9, "track_sample": 2}.get(name, -1)] = wrong
         calls.append((t.function(name), bad, bad))
 
 def call(function, arguments, originals):
@@ -902,9 +927,9 @@ def test_a_load_costs_as_many_points_as_it_has() -> None:
         record = np.zeros((20, points))
         for _ in range(3):
             start = time.thread_time()
-            table, index, *_ = _core.adaptive(*scene, 1e-8, 1.0, None, (ones, ones), (0.0, 0.0), 99)
+            made, *_ = _core.adaptive(*scene, 1e-8, 1.0, None, (ones, ones), (0.0, 0.0), 99)
             flown = time.thread_time()
-            _core.track_sample(*scene, np.frombuffer(table), index, times, record, True)
+            _core.track_sample(made, times, record, True)
             seconds.append((flown - start, time.thread_time() - flown))
         took.append([min(of) for of in zip(*seconds, strict=True)])
     # 16 times as many points; it was 256 times as long.
@@ -927,7 +952,7 @@ def test_what_other_libraries_do_to_arithmetic_is_harmless(bits: int) -> None:
     def answers() -> list[Any]:
         force = np.zeros(2)
         _core.law_force(law, depth, zero, force, np.zeros(2), np.zeros(2))
-        return [force.tobytes(), _core.adaptive(*run)[:4]]
+        return [force.tobytes(), adaptive_bytes(run)]
 
     wanted = answers()
     libm.fegetenv(kept)
@@ -1045,11 +1070,11 @@ def test_python_runs_on_while_the_core_does() -> None:
 
 
 def test_adaptive_runs_share_the_machine_and_give_the_same_bits() -> None:
-    alone = _core.adaptive(*adaptive_arguments(duration=0.3))
+    alone = adaptive_bytes(adaptive_arguments(duration=0.3))
     together: list[Any] = []
     threads = [
         threading.Thread(
-            target=lambda: together.append(_core.adaptive(*adaptive_arguments(duration=0.3)))
+            target=lambda: together.append(adaptive_bytes(adaptive_arguments(duration=0.3)))
         )
         for _ in range(4)
     ]

@@ -96,43 +96,40 @@ def krylov() -> Call:
     )
 
 
-def track(count: int) -> tuple[tuple[object, ...], Array]:
-    """Bodies, contacts, track and index of free motion in so many modes, and sample times."""
+def track(count: int) -> tuple[object, Array]:
+    """A track of free motion in so many modes, and sample times."""
     bodies = body(np.linspace(0.0, 1e4, count)), body(np.zeros(1))
     contacts = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
     moving = np.zeros(count), np.zeros(1)
-    table, index, *_ = _core.adaptive(
-        bodies, contacts, 1e-6, 1.0, None, moving, (0.0, 0.0), sys.maxsize
-    )
-    times = np.linspace(0.0, 1.0, 20_000_000 // count)
-    return (bodies, contacts, np.frombuffer(table), index), times
+    made, *_ = _core.adaptive(bodies, contacts, 1e-6, 1.0, None, moving, (0.0, 0.0), sys.maxsize)
+    return made, np.linspace(0.0, 1.0, 20_000_000 // count)
 
 
 def sample() -> Call:
-    arguments, _ = track(2000)
+    made, _ = track(2000)
     times = np.linspace(0.0, 1.0, 20_000) ** 1.5
     record = np.zeros((20, len(times)))
-    return lambda: _core.track_sample(*arguments, times, record, True)
+    return lambda: _core.track_sample(made, times, record, True)
 
 
 def sample_evenly() -> Call:
     """Even times take a fraction of the work."""
-    arguments, _ = track(2000)
+    made, _ = track(2000)
     times = np.linspace(0.0, 1.0, 150_000)
     record = np.zeros((20, len(times)))
-    return lambda: _core.track_sample(*arguments, times, record, True)
+    return lambda: _core.track_sample(made, times, record, True)
 
 
 def states() -> Call:
-    arguments, times = track(2000)
+    made, times = track(2000)
     found = np.empty((len(times), 4000))
-    return lambda: _core.track_states(*arguments, times, 0, found)
+    return lambda: _core.track_states(made, times, 0, found)
 
 
 def forces() -> Call:
-    arguments, times = track(1)
+    made, times = track(1)
     found = np.empty((1, len(times)))
-    return lambda: _core.track_forces(*arguments, times, found)
+    return lambda: _core.track_forces(made, times, found)
 
 
 def touch() -> Call:
