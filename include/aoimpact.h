@@ -21,10 +21,9 @@
  *             are for one thread at a time.
  *   Units     SI: m, kg, s, N, J, rad/s; omega2 is an angular frequency squared, (rad/s)^2.
  *   Returns   AOI_OK (0) or one of the codes below; then the outputs are not to be used.
- *   Systems   What is asked of a linked system, and gets one that is not, returns AOI_ERROR_ARGUMENT, or 0 where
- *             it returns a size.
+ *   Systems   Functions that need a linked system return AOI_ERROR_ARGUMENT (sizes: 0) for an unlinked one.
  *   Arrays    Contiguous doubles; matrices by rows, [rows][columns].
- *   Pointers  May be NULL only where their paragraph says so, or no value is there to point to.
+ *   Pointers  May be NULL only where their paragraph says so, or when the array has length 0.
  */
 #ifndef AOIMPACT_H
 #define AOIMPACT_H
@@ -69,7 +68,7 @@ typedef enum aoi_status {
     AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */
     AOI_ERROR_PATCH,          /* a contact goes deeper than its law holds: its patch, or its table */
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
-    AOI_ERROR_LAW_JUMPS,      /* less a patch's compliance the law has no force: its own jumps     */
+    AOI_ERROR_LAW_JUMPS,      /* without the patch compliance the force is undefined: the law jumps */
     AOI_ERROR_STOPPED,        /* the caller's pause said so                                        */
     AOI_ERROR_CROWDED         /* more contacts are closed at once than the system says             */
 } aoi_status;
@@ -103,27 +102,43 @@ AOI_API int aoi_star_check(const aoi_star *star);
 /* m_st = m0 + sum of m_i, eq. (10). */
 AOI_API double aoi_star_static_mass(const aoi_star *star);
 
-/* Receptance u/f at the contact coordinate, real, for count angular frequencies:
- * 1 / (k0 - w^2 m0 - sum_i m_i w^2 w_i^2 / (w_i^2 - w^2)); infinite on a resonance (and at w = 0 of
- * a free star), zero on an antiresonance. */
+/* Receptance u/f at the contact coordinate, 1 / (k0 - w^2 m0 - sum_i m_i w^2 w_i^2 / (w_i^2 - w^2)): infinite on a
+ * resonance (and at w = 0 of a free star), zero on an antiresonance.
+ *   count       frequencies
+ *   omega       count: angular frequencies w, rad/s
+ * Out:
+ *   receptance  count: real, m/N */
 AOI_API void aoi_star_receptance(const aoi_star *star, size_t count, const double *omega,
                                  double *receptance);
 
-/* Kinetic energy 1/2 sum m v^2 (0 for a wall) and elastic energy 1/2 k0 u0^2 + 1/2 sum k (u0-u_i)^2
- * of the coordinates u, v: n+1 doubles each, the contact coordinate first. */
+/* The energies of a star.
+ *   u, v     n + 1: coordinates and their rates, the contact's first
+ * Out:
+ *   kinetic  1/2 sum m v^2, J; 0 for a wall
+ *   elastic  1/2 k0 u0^2 + 1/2 sum k (u0 - u_i)^2, J */
 AOI_API void aoi_star_energy(const aoi_star *star, const double *u, const double *v, double *kinetic,
                              double *elastic);
 
-/* The star's natural modes. In: oscillators in ascending, distinct k_i/m_i. Out: omega2 (n+1,
- * ascending) and participation r_j = b^T phi_j > 0 of the mass-normalised modes (n+1), so that the
- * receptance is sum_j r_j^2 / (omega2_j - w^2). mode_count: n+1, or n where m0 is zero. work: n.
+/* The star's natural modes, mass-normalised: its receptance is sum_j r_j^2 / (omega2_j - w^2).
+ *   star           oscillators in ascending, distinct k_i/m_i
+ *   work           n
+ *   pause          or NULL
+ * Out:
+ *   omega2         n + 1: ascending, (rad/s)^2
+ *   participation  n + 1: r_j = b^T phi_j > 0, 1/sqrt(kg)
+ *   mode_count     n + 1, or n if m0 is zero
  * AOI_ERROR_NOT_FINITE also where a k_i/m_i or a mode leaves the range of numbers. */
 AOI_API int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participation,
                               size_t *mode_count, double *work, const aoi_pause *pause);
 
-/* The star of a modal model of count >= 1 modes with ascending, distinct omega2 >= 0 and weights
- * r_j^2 > 0: its antiresonances by the secular equation. Out: m0, k0 and count-1 oscillators in
- * ascending frequency (m, k). The inverse of aoi_star_to_modal. */
+/* The star of a modal model: its antiresonances by the secular equation. The inverse of aoi_star_to_modal.
+ *   count   modes, >= 1
+ *   omega2  count: ascending and distinct, >= 0
+ *   weight  count: r_j^2 > 0
+ *   pause   or NULL
+ * Out:
+ *   m0, k0  contact mass and ground spring
+ *   m, k    count - 1: the oscillators, in ascending frequency */
 AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
                                 double *k0, double *m, double *k, const aoi_pause *pause);
 
@@ -162,9 +177,9 @@ typedef struct aoi_law_value {
 } aoi_law_value;
 
 /* A law written by the caller, as functions of indentation > 0 [m] and rate [m/s]: its force [N],
- * stiffness [N/m], damping [N s/m] and potential [J] (rate 0). given says which there are: the
- * force, and of the others what differences and quadrature are not to stand in for. They are C
- * functions, or all go through call, with data, and which one. */
+ * stiffness [N/m], damping [N s/m] and potential [J] (rate 0). given[i] is nonzero for each function supplied. The force
+ * is required; a missing derivative is replaced by a finite difference, a missing potential by quadrature. They are C
+ * functions, or all go through call, with data and the number of the function. */
 enum aoi_user_function {
     AOI_USER_FORCE = 0,
     AOI_USER_STIFFNESS,
@@ -238,21 +253,30 @@ struct aoi_law {
  * what follows from them is. */
 AOI_API int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
 
-/* A law through count >= 2 knots: cubics between them, a straight line past the last, which is the
- * law's limit. table: indentations (ascending, from 0), forces (from 0, never falling), slopes there,
- * and energies (the integral of the cubics), count each; the caller's, for as long as the law is
- * used. AOI_ERROR_ARGUMENT where these do not hold. */
+/* A law through knots: cubics between them, a straight line past the last, which is the law's limit.
+ *   count  knots, >= 2
+ *   table  4 x count, the caller's for as long as the law is used: indentations (ascending, from 0), forces (from 0,
+ *          never falling), slopes there, and energies (the integral of the cubics)
+ * AOI_ERROR_ARGUMENT where these do not hold. */
 AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table);
 
-/* The caller's law. AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
+/* The caller's law.
+ *   user             copied
+ *   depends_on_rate  1: the force depends on the rate
+ *   pulls            1: negative forces are meant
+ * AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
 AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
 
 /* AOI_ERROR_ARGUMENT where a law cannot be used: NULL, without force or potential, with a compliance that is
  * negative or not finite, with a limit that is not positive. */
 AOI_API int aoi_law_check(const aoi_law *law);
 
-/* The force itself, for fixed steps and plots: on the piece of this indentation and direction; zero
- * at and below rest; cut at zero unless the law pulls. A NaN (of a caller's law, or the indentation) goes through. */
+/* The force itself, for fixed steps and plots: zero at and below rest, and cut at zero unless the law pulls.
+ *   memory       AOI_LAW_MEMORY, or NULL for a law without
+ *   indentation  m
+ *   rate         m/s; chooses between loading and unloading
+ * Out:
+ *   value        NaN where the caller's law or the indentation is NaN */
 AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                           aoi_law_value *value);
 
@@ -452,13 +476,17 @@ typedef struct aoi_track {
 typedef struct aoi_adaptive aoi_adaptive;
 AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* linked */
 
-/* Sets a run of a linked system to its beginning. AOI_ERROR_ARGUMENT where rtol is not between 0 and 1 or end not
- * positive, AOI_ERROR_NOT_FINITE for x, v. Rounding leaves rtol some 1e-13. */
+/* Sets a run of a linked system to its beginning.
+ *   run     aoi_adaptive_size(system) bytes
+ *   start   copied
+ *   rtol    in (0, 1); below some 1e-13 it is lost in rounding
+ *   end     s, > 0
+ * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_NOT_FINITE for x, v. */
 AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start,
                                double rtol, double end);
 
-/* Goes on until its end, or the track has no room for a row, or a touch takes more than some .1 s to find: is
- * the time still before the end, make room and call again. AOI_ERROR_TOLERANCE where even the shortest step
+/* Goes on until its end, or until the track has no room for a row, or a touch takes more than some 0.1 s to find. If
+ * progress.time < end, enlarge the track if it is full and call again. AOI_ERROR_TOLERANCE where even the shortest step
  * does not meet rtol; AOI_ERROR_LAW where that is because a law gives no number, and it has a note; AOI_ERROR_PATCH
  * where contact goes deeper than the law holds; AOI_ERROR_CROWDED where more than at_once contacts are closed. */
 AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
@@ -491,17 +519,23 @@ AOI_API size_t aoi_sampler_size(const aoi_system *system); /* linked */
  * passed. AOI_ERROR_ARGUMENT for one that does not start with all bodies. */
 AOI_API int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track);
 
-/* The next three at times that ascend from one call to the next. Between contacts, times that follow each other
- * evenly cost least; there a state agrees with one asked for alone to 1e-14 of each mode's amplitude, elsewhere to the
- * last bit. The column of a record: value i goes to record[i * stride]; energies: 0 leaves their rows alone. */
+/* The next three take times that ascend from one call to the next. Evenly spaced times cost least in free motion; there
+ * a state agrees with one asked for alone to 1e-14 of each mode's amplitude, elsewhere to the last bit.
+ *
+ * The column of a record.
+ *   time      s
+ *   energies  0: their rows are not written
+ * Out:
+ *   record    value i of aoi_record_rows(system) goes to record[i * stride] */
 AOI_API void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
                                 size_t stride);
 
-/* The contact forces, N: that of contact c goes to force[c * stride]. They need no body's motion, which is
- * what a column costs. */
+/* The contact forces, N: that of contact c goes to force[c * stride]. Much cheaper than a column: no body is moved. */
 AOI_API void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t stride);
 
-/* x, then v, of one body (2n doubles). */
+/* The coordinates of one body.
+ * Out:
+ *   state  2 n: x, then v */
 AOI_API void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
 
 /* A contact from its beginning to its end, s, or to that of the record (lasts); the impulse of its force, N s;

@@ -22,7 +22,7 @@ void buffers_release(buffer_list *buffers)
     buffers->block.next = NULL;
 }
 
-/* A block with room for one more: the first, or the one behind it, where new ones are put in. */
+/* A block with room for one more: the first, or the most recent overflow block, inserted after the first. */
 static buffer_block *with_room(buffer_list *buffers)
 {
     buffer_block *block = &buffers->block;
