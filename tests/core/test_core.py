@@ -518,7 +518,7 @@ def test_a_track_that_was_stored_is_the_same() -> None:
     assert np.array_equal(*records)
 
 
-@pytest.mark.parametrize("wrong", [None, b"", 1, modal_body, np.zeros(3)])
+@pytest.mark.parametrize("wrong", [None, b"", 1, star, np.zeros(3)])
 def test_what_is_no_track_is_refused(wrong: Any) -> None:
     for name in ("track_bytes", "track_rows", "track_sample", "track_forces", "track_states"):
         arguments = [wrong, *CALLS[name][0]()[1:]]
