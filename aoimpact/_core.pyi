@@ -12,18 +12,18 @@ import numpy.typing as npt
 _F = npt.NDArray[np.float64]
 _I = npt.NDArray[np.int32]
 _Pattern = object
+_Track = object
 _S = npt.NDArray[np.float32]
 _Blocks = tuple[_Pattern, _S, _S]
 _Part = tuple[int, int]
 _Sparse = tuple[_I, _I, _F]
 _Factors = tuple[_I, _I, _F, _F, _I, _I]
 _Law = tuple[Any, ...]
-_Modes = tuple[_F | None, ...]  # what MODES names, as ModalBody.for_core makes it
+_Modes = tuple[Any, ...]  # what MODES names, as ModalBody.for_core and SteppedBody.for_core make it
 _Contact = tuple[int, int, int, int, float, _Law]  # body and port of each side, gap
 # Peak force, its time, impulse, intervals (start, end) and touches (impulse, pace) of a contact.
 _Pairs = list[tuple[float, float]]
 _Found = tuple[float, float, float, _Pairs, _Pairs]
-_Body = dict[str, Any]  # parts by name, as SteppedBody.for_core makes it
 
 MODES: str
 
@@ -101,16 +101,18 @@ def blocks_smooth(
 def graph_aggregate(start: _I, indices: _I, aggregate: _I, /) -> int: ...
 def factors_find_panels(start: _I, rows: _I, panel: _I, /) -> int: ...
 def factors_solve(factors: _Factors, work: _F, x: _F, /) -> None: ...
-def newmark_scene(
-    bodies: tuple[_Body, ...],
+def newmark(
+    bodies: tuple[_Modes, ...],
     contacts: tuple[_Contact, ...],
-    loads: tuple[tuple[int, int, _F, _F], ...],
     dt: float,
     beta: float,
     gamma: float,
+    x: _F,
+    v: _F,
+    force: _F | None,
+    force_rate: _F | None,
     record: _F,
     energies: bool,
-    start_force: _F | None,
     /,
 ) -> None: ...
 def adaptive(
@@ -123,31 +125,31 @@ def adaptive(
     velocities: tuple[float, ...],
     most_steps: int,
     /,
-) -> tuple[bytes, bytes, bytes, bytes, tuple[_Found, ...], int, int]: ...
-def track_sample(
+) -> tuple[_Track, bytes, bytes, tuple[_Found, ...], int, int]: ...
+def track_open(
     bodies: tuple[_Modes, ...],
     contacts: tuple[_Contact, ...],
-    track: _F,
-    index: bytes,
+    values: bytes,
+    places: bytes,
+    /,
+) -> _Track: ...
+def track_bytes(track: _Track, /) -> tuple[bytes, bytes]: ...
+def track_rows(track: _Track, /) -> bytes: ...
+def track_sample(
+    track: _Track,
     times: _F,
     record: _F,
     energies: bool,
     /,
 ) -> None: ...
 def track_forces(
-    bodies: tuple[_Modes, ...],
-    contacts: tuple[_Contact, ...],
-    track: _F,
-    index: bytes,
+    track: _Track,
     times: _F,
     forces: _F,
     /,
 ) -> None: ...
 def track_states(
-    bodies: tuple[_Modes, ...],
-    contacts: tuple[_Contact, ...],
-    track: _F,
-    index: bytes,
+    track: _Track,
     times: _F,
     body: int,
     states: _F,

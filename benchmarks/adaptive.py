@@ -44,7 +44,7 @@ import aoimpact as ao
 from aoimpact import _core
 from aoimpact.base.units import with_unit
 from aoimpact.integrate.dense import adaptive_run
-from aoimpact.integrate.newmark import newmark_scene
+from aoimpact.integrate.newmark import newmark_run
 from aoimpact.reduction import body_model
 from aoimpact.scene import Contact, Plan, stepped
 
@@ -112,7 +112,7 @@ def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
         rule = ao.Newmark(dt=dt, estimate=False)
 
         def run(dt: float = dt, rule: ao.Newmark = rule) -> None:
-            newmark_scene(
+            newmark_run(
                 [stepped(*body) for body in bodies],
                 [Contact(0, 0, 1, 0, scene["law"], 0.0)],
                 rule=rule,

@@ -40,16 +40,15 @@ ROWS = 4 + 2 * 8  # of a contact and two bodies with a port each
 
 def core_run(target: Any, steps: int, energies: bool) -> Callable[[], np.ndarray]:
     """Return a run of the core alone: a rigid sphere on `target`, at rest again each time."""
-    ball, target_body = ao.rigid(mass=MASS), stepped(target)
-    u, v, body = target_body.u, target_body.v, target_body.for_core(DT, 0.25, 0.5)
-    law = ao.Hertz(k=HERTZ).for_core()
+    bodies = stepped(ao.rigid(mass=MASS), VELOCITY), stepped(target)
+    described = tuple(body.for_core(DT, 0.25, 0.5) for body in bodies)
+    x, v = (np.concatenate(parts) for parts in zip(*((b.x, b.v) for b in bodies), strict=True))
+    contacts = ((0, 0, 1, 0, 0.0, ao.Hertz(k=HERTZ).for_core()),)
     record = np.zeros((ROWS, steps + 1))
 
     def run() -> np.ndarray:
-        u[:] = v[:] = 0.0
-        first = stepped(ball, VELOCITY).for_core(DT, 0.25, 0.5)
-        contacts = ((0, 0, 1, 0, 0.0, law),)
-        _core.newmark_scene((first, body), contacts, (), DT, 0.25, 0.5, record, energies, None)
+        start = x.copy(), v.copy(), None, None
+        _core.newmark(described, contacts, DT, 0.25, 0.5, *start, record, energies)
         return record
 
     return run

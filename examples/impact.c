@@ -99,7 +99,7 @@ static void strike(const char *what, const aoi_modes *ball, const aoi_modes *tar
     aoi_system system = {.body_count = 2, .contact_count = 1, .body = bodies, .contact = &contact};
     void *links = malloc(aoi_system_size(&system));
     double v[1 + MODES] = {SPEED * MASS * ball->centre[0]}; /* of the ball's mode; the target is at rest */
-    const aoi_start start = {NULL, v, 0};
+    const aoi_start start = {.v = v};
     check(aoi_system_link(&system, links), "system");
     printf("A ball against %s\n", what);
     run_adaptive(&system, &start, 1e-3, peak, duration, rebound);

@@ -21,10 +21,9 @@
  *             are for one thread at a time.
  *   Units     SI: m, kg, s, N, J, rad/s; omega2 is an angular frequency squared, (rad/s)^2.
  *   Returns   AOI_OK (0) or one of the codes below; then the outputs are not to be used.
- *   Systems   What is asked of a linked system, and gets one that is not, returns AOI_ERROR_ARGUMENT, or 0 where
- *             it returns a size.
+ *   Systems   Functions that need a linked system return AOI_ERROR_ARGUMENT (sizes: 0) for an unlinked one.
  *   Arrays    Contiguous doubles; matrices by rows, [rows][columns].
- *   Pointers  May be NULL only where their paragraph says so, or no value is there to point to.
+ *   Pointers  May be NULL only where their paragraph says so, or when the array has length 0.
  */
 #ifndef AOIMPACT_H
 #define AOIMPACT_H
@@ -69,7 +68,7 @@ typedef enum aoi_status {
     AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */
     AOI_ERROR_PATCH,          /* a contact goes deeper than its law holds: its patch, or its table */
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
-    AOI_ERROR_LAW_JUMPS,      /* less a patch's compliance the law has no force: its own jumps     */
+    AOI_ERROR_LAW_JUMPS,      /* without the patch compliance the force is undefined: the law jumps */
     AOI_ERROR_STOPPED,        /* the caller's pause said so                                        */
     AOI_ERROR_CROWDED         /* more contacts are closed at once than the system says             */
 } aoi_status;
@@ -103,27 +102,43 @@ AOI_API int aoi_star_check(const aoi_star *star);
 /* m_st = m0 + sum of m_i, eq. (10). */
 AOI_API double aoi_star_static_mass(const aoi_star *star);
 
-/* Receptance u/f at the contact coordinate, real, for count angular frequencies:
- * 1 / (k0 - w^2 m0 - sum_i m_i w^2 w_i^2 / (w_i^2 - w^2)); infinite on a resonance (and at w = 0 of
- * a free star), zero on an antiresonance. */
+/* Receptance u/f at the contact coordinate, 1 / (k0 - w^2 m0 - sum_i m_i w^2 w_i^2 / (w_i^2 - w^2)): infinite on a
+ * resonance (and at w = 0 of a free star), zero on an antiresonance.
+ *   count       frequencies
+ *   omega       count: angular frequencies w, rad/s
+ * Out:
+ *   receptance  count: real, m/N */
 AOI_API void aoi_star_receptance(const aoi_star *star, size_t count, const double *omega,
                                  double *receptance);
 
-/* Kinetic energy 1/2 sum m v^2 (0 for a wall) and elastic energy 1/2 k0 u0^2 + 1/2 sum k (u0-u_i)^2
- * of the coordinates u, v: n+1 doubles each, the contact coordinate first. */
+/* The energies of a star.
+ *   u, v     n + 1: coordinates and their rates, the contact's first
+ * Out:
+ *   kinetic  1/2 sum m v^2, J; 0 for a wall
+ *   elastic  1/2 k0 u0^2 + 1/2 sum k (u0 - u_i)^2, J */
 AOI_API void aoi_star_energy(const aoi_star *star, const double *u, const double *v, double *kinetic,
                              double *elastic);
 
-/* The star's natural modes. In: oscillators in ascending, distinct k_i/m_i. Out: omega2 (n+1,
- * ascending) and participation r_j = b^T phi_j > 0 of the mass-normalised modes (n+1), so that the
- * receptance is sum_j r_j^2 / (omega2_j - w^2). mode_count: n+1, or n where m0 is zero. work: n.
+/* The star's natural modes, mass-normalised: its receptance is sum_j r_j^2 / (omega2_j - w^2).
+ *   star           oscillators in ascending, distinct k_i/m_i
+ *   work           n
+ *   pause          or NULL
+ * Out:
+ *   omega2         n + 1: ascending, (rad/s)^2
+ *   participation  n + 1: r_j = b^T phi_j > 0, 1/sqrt(kg)
+ *   mode_count     n + 1, or n if m0 is zero
  * AOI_ERROR_NOT_FINITE also where a k_i/m_i or a mode leaves the range of numbers. */
 AOI_API int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participation,
                               size_t *mode_count, double *work, const aoi_pause *pause);
 
-/* The star of a modal model of count >= 1 modes with ascending, distinct omega2 >= 0 and weights
- * r_j^2 > 0: its antiresonances by the secular equation. Out: m0, k0 and count-1 oscillators in
- * ascending frequency (m, k). The inverse of aoi_star_to_modal. */
+/* The star of a modal model: its antiresonances by the secular equation. The inverse of aoi_star_to_modal.
+ *   count   modes, >= 1
+ *   omega2  count: ascending and distinct, >= 0
+ *   weight  count: r_j^2 > 0
+ *   pause   or NULL
+ * Out:
+ *   m0, k0  contact mass and ground spring
+ *   m, k    count - 1: the oscillators, in ascending frequency */
 AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
                                 double *k0, double *m, double *k, const aoi_pause *pause);
 
@@ -162,9 +177,9 @@ typedef struct aoi_law_value {
 } aoi_law_value;
 
 /* A law written by the caller, as functions of indentation > 0 [m] and rate [m/s]: its force [N],
- * stiffness [N/m], damping [N s/m] and potential [J] (rate 0). given says which there are: the
- * force, and of the others what differences and quadrature are not to stand in for. They are C
- * functions, or all go through call, with data, and which one. */
+ * stiffness [N/m], damping [N s/m] and potential [J] (rate 0). given[i] is nonzero for each function supplied. The force
+ * is required; a missing derivative is replaced by a finite difference, a missing potential by quadrature. They are C
+ * functions, or all go through call, with data and the number of the function. */
 enum aoi_user_function {
     AOI_USER_FORCE = 0,
     AOI_USER_STIFFNESS,
@@ -238,21 +253,30 @@ struct aoi_law {
  * what follows from them is. */
 AOI_API int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
 
-/* A law through count >= 2 knots: cubics between them, a straight line past the last, which is the
- * law's limit. table: indentations (ascending, from 0), forces (from 0, never falling), slopes there,
- * and energies (the integral of the cubics), count each; the caller's, for as long as the law is
- * used. AOI_ERROR_ARGUMENT where these do not hold. */
+/* A law through knots: cubics between them, a straight line past the last, which is the law's limit.
+ *   count  knots, >= 2
+ *   table  4 x count, the caller's for as long as the law is used: indentations (ascending, from 0), forces (from 0,
+ *          never falling), slopes there, and energies (the integral of the cubics)
+ * AOI_ERROR_ARGUMENT where these do not hold. */
 AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table);
 
-/* The caller's law. AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
+/* The caller's law.
+ *   user             copied
+ *   depends_on_rate  1: the force depends on the rate
+ *   pulls            1: negative forces are meant
+ * AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
 AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
 
 /* AOI_ERROR_ARGUMENT where a law cannot be used: NULL, without force or potential, with a compliance that is
  * negative or not finite, with a limit that is not positive. */
 AOI_API int aoi_law_check(const aoi_law *law);
 
-/* The force itself, for fixed steps and plots: on the piece of this indentation and direction; zero
- * at and below rest; cut at zero unless the law pulls. A NaN (of a caller's law, or the indentation) goes through. */
+/* The force itself, for fixed steps and plots: zero at and below rest, and cut at zero unless the law pulls.
+ *   memory       AOI_LAW_MEMORY, or NULL for a law without
+ *   indentation  m
+ *   rate         m/s; chooses between loading and unloading
+ * Out:
+ *   value        NaN where the caller's law or the indentation is NaN */
 AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                           aoi_law_value *value);
 
@@ -269,11 +293,40 @@ typedef struct aoi_load {
     const double *time, *force;
 } aoi_load;
 
+/* A symmetric n x n matrix by compressed rows, both triangles stored: row i has indices[p], values[p] for
+ * start[i] <= p < start[i+1], with 0 <= indices[p] < n. */
+typedef struct aoi_sparse {
+    size_t n;
+    const int32_t *start;   /* [n + 1]      */
+    const int32_t *indices; /* [start[n]]   */
+    const double *values;   /* [start[n]]   */
+} aoi_sparse;
+
+/* A linear solver of the caller's: solve(data, x) overwrites x, n doubles, the right-hand side, with the solution,
+ * and returns 0, or anything else for a failure. */
+typedef struct aoi_solver {
+    int (*solve)(void *data, double *x);
+    void *data;
+} aoi_solver;
+
+/* The matrices of a finite-element body, M x'' + (alpha M + beta K) x' + K x = f, for Newmark's rule. */
+typedef struct aoi_full {
+    aoi_sparse K, M;
+    double alpha, beta;     /* Rayleigh's damping, 1/s and s, not negative                           */
+    aoi_solver solver;      /* of (1 + alpha gamma dt) M + (beta_N dt^2 + beta gamma dt) K, where dt,
+                               beta_N and gamma are the rule's                                       */
+    const aoi_pause *pause; /* or NULL: asked at each step, and while a run starts                   */
+} aoi_full;
+
 /* A body with ports (its contact functionals) in natural modes: x_j'' + 2 decay_j x_j' + omega_j^2 x_j
  * = gravity_j + sum_p push[p][j] f_p, u_p = sum_j shape[p][j] x_j + sum_q residual[p][q] f_q, with f_p the
  * contact forces plus the load. The scale of x_j is free; for mass-normalised modes shape = push =
  * participation, and inertia may be NULL. A wall has one mode with shape 1, push 0 and inertia 0, which
- * moves without being affected. decay, residual, gravity and centre_residual may be NULL (zero). */
+ * moves without being affected. decay, residual, gravity and centre_residual may be NULL (zero).
+ *
+ * With full, the coordinates x are the body's degrees of freedom instead: shape = push are the contact functionals,
+ * gravity is a force [N], and omega, decay, residual, inertia and centre_residual are NULL. Only Newmark's rule takes
+ * such a body. */
 typedef struct aoi_modes {
     size_t n, ports;
     const double *omega;           /* [n], ascending, rad/s                          */
@@ -285,6 +338,7 @@ typedef struct aoi_modes {
     const double *centre;          /* [n], displacement of the centre of mass; needed */
     const double *centre_residual; /* [ports], the same per force, beside the modes' */
     aoi_load load;
+    const aoi_full *full;          /* NULL, or the body's matrices                   */
 } aoi_modes;
 
 /* The body that an AO model is, free of damping, gravity and loads: one port, n + 1 modes (or fewer). memory:
@@ -353,12 +407,18 @@ AOI_API size_t aoi_record_body(const aoi_system *system, size_t body);
 
 /* ------------------------------------------------------------------------- how a run begins */
 
-/* Modes x and their rates v of all bodies at t = 0, first[body_count] each; NULL: zero. rested: the bodies have
- * come to rest under loads and contacts; 0: those set in at t = 0. That matters to a residual compliance only, which
- * bends at once, by forces that aoi_adaptive_start finds, and aoi_newmark_start does not. Copied by the run. */
+/* The bodies at t = 0. Copied by the run.
+ *   x, v         [first[body_count]]: coordinates of all bodies and their rates; NULL: zero
+ *   rested       1: the bodies have come to rest under loads and contacts; 0: those set in at t = 0. Matters with a
+ *                residual compliance only, which deflects at once
+ *   force        [contact_count], for Newmark's rule: the contact forces just after t = 0, N; NULL: those that the laws
+ *                give at x and v. With loads they deflect a residual compliance, which is undeflected without them;
+ *                an adaptive run finds them itself
+ *   force_rate   [contact_count]: their rates, N/s; NULL: zero */
 typedef struct aoi_start {
     const double *x, *v;
     int rested;
+    const double *force, *force_rate;
 } aoi_start;
 
 /* ------------------------------------------------- fixed steps: Newmark's rule, section 3.1 */
@@ -372,16 +432,30 @@ typedef struct aoi_rule {
 typedef struct aoi_newmark aoi_newmark;
 AOI_API size_t aoi_newmark_size(const aoi_system *system); /* linked */
 
-/* Sets a run of a linked system to its beginning and writes column 0 of the record, which has so many columns,
- * and stays the caller's; energies: 0 leaves their rows alone. AOI_ERROR_ARGUMENT for a rule that is none, or where
- * a body with a residual compliance has come to rest, AOI_ERROR_NOT_FINITE for x, v. */
+/* Sets a run of a linked system to its beginning and writes column 0 of the record.
+ *   run       aoi_newmark_size(system) bytes
+ *   energies  0: the energies' rows of the record are not written
+ *   record    aoi_record_rows(system) x columns, the caller's for as long as the run
+ * AOI_ERROR_ARGUMENT for an invalid rule, or where a body with a residual compliance has come to rest and start->force
+ * is NULL; AOI_ERROR_NOT_FINITE for x, v or forces; of a full body also AOI_ERROR_SOLVER, AOI_ERROR_STOPPED and
+ * AOI_ERROR_NOT_POSITIVE (the solver's matrix is not positive definite). */
 AOI_API int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule *rule,
                               const aoi_start *start, int energies, double *record, size_t columns);
 
 /* Goes on to column last (< columns), at last dt. done gets the last column written; on an error that is the
- * step before the one that failed. AOI_ERROR_ARGUMENT for a column that is none, AOI_ERROR_LAW where a law gives
+ * step before the one that failed. AOI_ERROR_ARGUMENT if there is no such column, AOI_ERROR_LAW where a law gives
  * no number, AOI_ERROR_PATCH where a contact goes deeper than its law holds. */
 AOI_API int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done);
+
+/* Where a run is: the time, how many steps were made or tried in vain, the contact of AOI_ERROR_PATCH or
+ * AOI_ERROR_LAW, and the coordinates of all bodies and their rates. An adaptive run's are those at that time only once
+ * it is the end. */
+typedef struct aoi_progress {
+    double time;
+    size_t steps, rejected, failed;
+    const double *x, *v;
+} aoi_progress;
+AOI_API aoi_progress aoi_newmark_progress(const aoi_newmark *run);
 
 /* ------------------------------------------------------------ a tolerance instead of a step */
 
@@ -402,13 +476,17 @@ typedef struct aoi_track {
 typedef struct aoi_adaptive aoi_adaptive;
 AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* linked */
 
-/* Sets a run of a linked system to its beginning. AOI_ERROR_ARGUMENT where rtol is not between 0 and 1 or end not
- * positive, AOI_ERROR_NOT_FINITE for x, v. Rounding leaves rtol some 1e-13. */
+/* Sets a run of a linked system to its beginning.
+ *   run     aoi_adaptive_size(system) bytes
+ *   start   copied
+ *   rtol    in (0, 1); below some 1e-13 it is lost in rounding
+ *   end     s, > 0
+ * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_NOT_FINITE for x, v. */
 AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start,
                                double rtol, double end);
 
-/* Goes on until its end, or the track has no room for a row, or a touch takes more than some .1 s to find: is
- * the time still before the end, make room and call again. AOI_ERROR_TOLERANCE where even the shortest step
+/* Goes on until its end, or until the track has no room for a row, or a touch takes more than some 0.1 s to find. If
+ * progress.time < end, enlarge the track if it is full and call again. AOI_ERROR_TOLERANCE where even the shortest step
  * does not meet rtol; AOI_ERROR_LAW where that is because a law gives no number, and it has a note; AOI_ERROR_PATCH
  * where contact goes deeper than the law holds; AOI_ERROR_CROWDED where more than at_once contacts are closed. */
 AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
@@ -419,13 +497,6 @@ AOI_API size_t aoi_adaptive_room(const aoi_system *system);
 /* The same to its end: AOI_ERROR_TOO_LONG where the track has no room for it. */
 AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);
 
-/* Where a run is: the time, steps made and tried in vain; the contact of AOI_ERROR_PATCH or AOI_ERROR_LAW; the
- * modes of all bodies and their rates, at that time once it is the end. */
-typedef struct aoi_progress {
-    double time;
-    size_t steps, rejected, failed;
-    const double *x, *v;
-} aoi_progress;
 AOI_API aoi_progress aoi_adaptive_progress(const aoi_adaptive *run);
 
 /* What a run has seen of a contact so far: the largest force, when, and the integral of the force. */
@@ -436,26 +507,35 @@ AOI_API aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact);
 
 /* ----------------------------------------------------------------------------- dense output */
 
+/* AOI_ERROR_ARGUMENT for a track that cannot be read: it is not whole, names what is not in the system, has contacts in a
+ * row of no length, or rows that go back in time. For tracks from a file; one that a run has written need not be checked. */
+AOI_API int aoi_track_check(const aoi_system *system, const aoi_track *track);
+
 /* A track read at any times. It lies in memory of the caller, aoi_sampler_size bytes, aligned as by malloc. */
 typedef struct aoi_sampler aoi_sampler;
 AOI_API size_t aoi_sampler_size(const aoi_system *system); /* linked */
 
-/* To the beginning of a track, which it keeps. AOI_ERROR_ARGUMENT for one that does not start with all bodies,
- * or names what is not in the system, or has contacts in a row of no length, or rows that go back in time, or
- * is not whole. */
+/* To the beginning of a track, which it keeps; one that a run of this system has written, or that aoi_track_check has
+ * passed. AOI_ERROR_ARGUMENT for one that does not start with all bodies. */
 AOI_API int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track);
 
-/* The next three at times that ascend from one call to the next. Between contacts, times that follow each other
- * evenly cost least; there a state agrees with one asked for alone to 1e-14 of each mode's amplitude, elsewhere to the
- * last bit. The column of a record: value i goes to record[i * stride]; energies: 0 leaves their rows alone. */
+/* The next three take times that ascend from one call to the next. Evenly spaced times cost least in free motion; there
+ * a state agrees with one asked for alone to 1e-14 of each mode's amplitude, elsewhere to the last bit.
+ *
+ * The column of a record.
+ *   time      s
+ *   energies  0: their rows are not written
+ * Out:
+ *   record    value i of aoi_record_rows(system) goes to record[i * stride] */
 AOI_API void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
                                 size_t stride);
 
-/* The contact forces, N: that of contact c goes to force[c * stride]. They need no body's motion, which is
- * what a column costs. */
+/* The contact forces, N: that of contact c goes to force[c * stride]. Much cheaper than a column: no body is moved. */
 AOI_API void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t stride);
 
-/* x, then v, of one body (2n doubles). */
+/* The coordinates of one body.
+ * Out:
+ *   state  2 n: x, then v */
 AOI_API void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
 
 /* A contact from its beginning to its end, s, or to that of the record (lasts); the impulse of its force, N s;
@@ -467,9 +547,8 @@ typedef struct aoi_interval {
     int lasts;
 } aoi_interval;
 
-/* The intervals of a track that ends at a time, in the order in which they end, but for those that begin there.
- * Writes the first so many and returns how many there are: with capacity 0 it counts. 0 for a track that is not whole,
- * or not of this system. work: one for each contact. */
+/* The contact intervals of a track (as for aoi_sampler_start) up to end, ordered by their ends; an interval that starts at
+ * end is left out. Writes the first `capacity` of them, and returns how many there are. work: [contact_count]. */
 AOI_API size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, double end,
                                    aoi_interval *work, size_t capacity, aoi_interval *interval);
 

@@ -79,7 +79,7 @@ def _impulses(run: DenseRecorder, contact: int) -> FloatArray:
 
 def _least(run: DenseRecorder) -> FloatArray:
     """The impulse of the least touch that matters, of each contact, N s."""
-    contacts = range(len(run.contacts))
+    contacts = range(len(run.touches))
     largest = np.array([_impulses(run, contact).max(initial=0.0) for contact in contacts])
     least: FloatArray = LESSER * np.maximum(largest, LESSER * largest.max(initial=0.0))
     return least

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from functools import cached_property
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
@@ -22,9 +23,6 @@ from .events import Events
 from .motion import DenseMotion
 
 __all__ = ["DenseRecorder", "adaptive_run"]
-
-# Columns of a row of the core's table (enum aoi_row in csrc/adaptive/row.h).
-_START, _LENGTH, _CONTACTS = 0, 1, 3
 
 # Samples for curves: within each step of contact, and in free motion over the whole record.
 _PER_STEP = 8
@@ -49,6 +47,59 @@ class Touch(NamedTuple):
     pace: float
 
 
+class Track:
+    """What a run of the core wrote, to be read at any time.
+
+    Parameters
+    ----------
+    bodies, contacts : tuples
+        The scene, as the core takes it.
+    handle : object
+        The core's own.
+    """
+
+    def __init__(
+        self, bodies: tuple[Any, ...], contacts: tuple[CoreContact, ...], handle: object
+    ) -> None:
+        self._scene, self._handle = (bodies, contacts), handle
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _opened, (*self._scene, *_core.track_bytes(self._handle))
+
+    @cached_property
+    def rows(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Of each row when it starts, how long it lasts, s, and how many contacts it holds."""
+        start, length, contacts = np.frombuffer(_core.track_rows(self._handle)).reshape(-1, 3).T
+        return start, length, contacts
+
+    def record(self, times: FloatArray, rows: int, energies: bool) -> FloatArray:
+        """Return the record at ascending times, s, shape (rows, times)."""
+        record = np.zeros((rows, len(times)))
+        _core.track_sample(self._handle, _ascending(times), record, energies)
+        return record
+
+    def forces(self, times: FloatArray) -> FloatArray:
+        """Return the contact forces, N, shape (contacts, times)."""
+        forces = np.zeros((len(self._scene[1]), len(times)))
+        _core.track_forces(self._handle, _ascending(times), forces)
+        return forces
+
+    def states(self, times: FloatArray, body: int, n: int) -> FloatArray:
+        """Return the `n` modes of a body and their rates, shape (times, 2, n)."""
+        found = np.empty((len(times), 2, n))
+        _core.track_states(self._handle, _ascending(times), body, found)
+        return found
+
+
+def _opened(bodies: Any, contacts: Any, values: bytes, places: bytes) -> Track:
+    """A track that was pickled."""
+    return Track(bodies, contacts, _core.track_open(bodies, contacts, values, places))
+
+
+def _ascending(times: FloatArray) -> FloatArray:
+    return np.ascontiguousarray(times, dtype=np.float64)
+
+
 class _Found(NamedTuple):
     """What the core found of a contact."""
 
@@ -69,8 +120,6 @@ class DenseRecorder:
         What was run.
     rtol : float
         The requested tolerance.
-    bodies, contacts : tuples
-        The scene, as the core takes it.
     order : ndarray, shape (contacts,), or None
         Which contact of the scene each is, where the core takes them in another order. All else
         is by contacts.
@@ -81,8 +130,7 @@ class DenseRecorder:
         Of each contact, for each of its intervals.
     steps, rejected : int
         Steps of contact taken, and rejected.
-    table, places : bytes
-        The rows as the core wrote them, and where each begins.
+    track : Track
     x, v : bytes
         The modes of all bodies, and their rates, where the last row ends.
     seconds : float
@@ -91,15 +139,12 @@ class DenseRecorder:
 
     plan: Plan
     rtol: float
-    bodies: tuple[tuple[Any, ...], ...]
-    contacts: tuple[CoreContact, ...]
     order: IntArray | None
     events: tuple[Events, ...]
     touches: tuple[list[Touch], ...]
     steps: int
     rejected: int
-    table: bytes
-    places: bytes
+    track: Track
     x: bytes
     v: bytes
     seconds: float = 0.0
@@ -117,8 +162,8 @@ class DenseRecorder:
 
     @property
     def marks(self) -> FloatArray:
-        start = self._column(_START)
-        return np.unique(np.append(_thinned(start, self._most_times), self.duration))
+        start = _thinned(self.track.rows[0], self._most_times)
+        return np.unique(np.append(start, self.duration))
 
     @property
     def times(self) -> FloatArray:
@@ -132,8 +177,8 @@ class DenseRecorder:
 
     def _times_in_contact(self) -> FloatArray:
         """Times within the steps of contact."""
-        touching = self._column(_CONTACTS) > 0.0
-        begin, lasting = self._column(_START)[touching], self._column(_LENGTH)[touching]
+        start, length, contacts = self.track.rows
+        begin, lasting = start[contacts > 0.0], length[contacts > 0.0]
         per_step = min(_PER_STEP, max(1, self._most_times // max(1, len(begin))))
         inside = np.add.outer(begin, np.zeros(per_step)) + np.outer(
             lasting, np.arange(per_step) / per_step
@@ -145,35 +190,25 @@ class DenseRecorder:
         """Times of a curve, roughly, beyond which they are thinned out."""
         return max(1000, int(_MOST_VALUES / self.plan.layout.rows))
 
-    def _column(self, column: int) -> FloatArray:
-        """One column of the core's rows."""
-        found: FloatArray = np.frombuffer(self.table)[
-            np.frombuffer(self.places, dtype=np.uintp) + column
-        ]
-        return found
-
     # ------------------------------------------------------------------- values
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
         layout = self.plan.layout
-        record = np.zeros((layout.rows, len(times)))
-        _core.track_sample(*self._read_at(times), record, energies)
+        record = self.track.record(times, layout.rows, energies)
         if self.order is not None:
             recorded = layout.of_contacts(record)
             recorded[self.order] = recorded.copy()
         return record
 
     def forces(self, times: FloatArray) -> FloatArray:
-        forces = np.zeros((len(self.contacts), len(times)))
-        _core.track_forces(*self._read_at(times), forces)
+        forces = self.track.forces(times)
         if self.order is not None:
             forces[self.order] = forces.copy()
         return forces
 
     def modes(self, times: FloatArray, body: int) -> tuple[FloatArray, FloatArray]:
         """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
-        found = np.empty((len(times), 2, self.plan.modal[body].n))
-        _core.track_states(*self._read_at(times), body, found)
+        found = self.track.states(times, body, self.plan.modal[body].n)
         return found[:, 0].T, found[:, 1].T
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
@@ -183,11 +218,6 @@ class DenseRecorder:
 
     def motion(self, body: int) -> DenseMotion:
         return DenseMotion(self, body)
-
-    def _read_at(self, times: FloatArray) -> tuple[Any, Any, Any, Any, Any]:
-        """The arguments by which the core reads its rows at ascending times, s."""
-        wanted = np.ascontiguousarray(times, dtype=np.float64)
-        return self.bodies, self.contacts, np.frombuffer(self.table), self.places, wanted
 
 
 def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> DenseRecorder:
@@ -215,7 +245,7 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
     moving = tuple([body.moving for body in plan.modal])
     try:
-        table, places, x, v, intervals, steps, rejected = _core.adaptive(
+        track, x, v, intervals, steps, rejected = _core.adaptive(
             bodies, contacts, rtol, plan.duration, rest, moving, tuple(plan.velocities), most_steps
         )
     except LawLimitError as error:
@@ -235,8 +265,6 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     return DenseRecorder(
         plan=plan,
         rtol=rtol,
-        bodies=bodies,
-        contacts=contacts,
         order=order,
         events=tuple(
             [Events(of.peak_force, of.peak_time, tuple(of.intervals), of.impulse) for of in found]
@@ -244,8 +272,7 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
         touches=tuple([[Touch(*touch) for touch in of.touches] for of in found]),
         steps=steps,
         rejected=rejected,
-        table=table,
-        places=places,
+        track=Track(bodies, contacts, track),
         x=x,
         v=v,
         seconds=perf_counter() - began,

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from time import perf_counter
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputError, NotFiniteError, warn
 from ..laws import ContactLaw, check_width
-from ..scene import Plan, coordinates, stepped
+from ..reduction import AOModel
+from ..scene import Plan, coordinates
 from .events import Events, find_events
 from .motion import ForcedMotion
-from .newmark import Newmark, Record, newmark_scene, steps_of
+from .newmark import Newmark, Record, Start, newmark_run, steps_of
 from .steperror import StepError, time_error
 
 __all__ = ["SteppedRecorder", "rigid_contact_time", "solve_newmark"]
@@ -45,8 +45,6 @@ class SteppedRecorder:
         What was run.
     rule : Newmark
     record : Record
-    ports : sequence of ndarrays, shape (2, p), or None
-        Of each body, as in `Start`; empty where nothing depends on them.
     seconds : float
         How long the run took, with those that its error is estimated from, s.
     """
@@ -54,7 +52,6 @@ class SteppedRecorder:
     plan: Plan
     rule: Newmark
     record: Record
-    ports: Sequence[FloatArray | None] = ()
     seconds: float = 0.0
     dense: ClassVar[bool] = False
 
@@ -85,8 +82,12 @@ class SteppedRecorder:
         return self.plan.layout.forces(self.record.rows).copy()
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
-        model, (u, v) = self.plan.bodies[body], self.record.final[body]
-        return coordinates(model, u), coordinates(model, v)
+        model = self.plan.bodies[body]
+        u, v = (coordinates(model, of) for of in self.record.final[body])
+        if isinstance(model, AOModel):  # whose first coordinate is the contact, massless or not
+            rows = self.plan.layout.body(self.record.rows, body)
+            u[0], v[0] = rows.port_displacements[0, -1], rows.port_velocities[0, -1]
+        return u, v
 
     @cached_property
     def events(self) -> tuple[Events, ...]:
@@ -100,16 +101,17 @@ class SteppedRecorder:
 
     def motion(self, body: int) -> ForcedMotion:
         plan, model = self.plan, self.plan.bodies[body]
-        start = stepped(
-            model,
-            plan.velocities[body],
-            gravity=plan.weight_of(body),
-            state=plan.start_of(body),
-            ports=self.ports[body] if self.ports else None,
-        )
         forces = plan.port_forces(body, self.times, plan.layout.forces(self.record.rows))
-        back = partial(coordinates, model)
-        return ForcedMotion(start.equations, self.rule, self.record.dt, forces, back)
+        equations = plan.stepped(body).equations
+        residual = model.modal.residual if isinstance(model, AOModel) else None
+        return ForcedMotion(
+            equations,
+            self.rule,
+            self.record.dt,
+            forces,
+            partial(coordinates, model),
+            0.0 if residual is None else float(residual[0, 0]),
+        )
 
 
 def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | None]:
@@ -136,24 +138,8 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
     for i, contact in enumerate(plan.contacts):
         check_width(contact.law, plan.layout.contact(record.rows, i).indentation, i)
     took = perf_counter() - began
-    recorder = SteppedRecorder(plan, rule, record, run.start.ports, took)
+    recorder = SteppedRecorder(plan, rule, record, took)
     return recorder, None if error is None else error.share
-
-
-class Start(NamedTuple):
-    """What acts just after t = 0.
-
-    Attributes
-    ----------
-    forces : ndarray, shape (contacts,), or None
-        Contact forces, N; None where the laws determine them.
-    ports : sequence of ndarrays, shape (2, p), or None
-        Of each body its ports' displacements, m, and rates, m/s; None where the state determines
-        them.
-    """
-
-    forces: FloatArray | None
-    ports: Sequence[FloatArray | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,57 +163,40 @@ class _Stepping:
         shortened until the forces change no more, or only by rounding: a damper's force fades fast.
         """
         plan = self.plan
-        rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.bodies))])
         if not any(body.massless for body in plan.bodies):
-            return rest
+            return Start()
+        rest = Start(plan.forces_at_rest)
         instant = _INSTANT * (self.rule.dt or self.first_step())
-        (forces, ports), before = self._start_after(instant, rest), np.inf
+        (forces, rates), before = self._start_after(instant, rest), np.inf
         for _ in range(_MOST_SHORTENED):
             instant *= _SHORTENED
-            shorter, moved = self._start_after(instant, rest)
+            shorter, moving = self._start_after(instant, rest)
             apart = float(np.abs(shorter - forces).max(initial=0.0))
             if apart >= before:  # rounding
                 break
-            forces, ports, before = shorter, moved, apart
+            forces, rates, before = shorter, moving, apart
             if apart <= _SAME_START * float(np.abs(forces).max(initial=0.0)):
                 break
-        return Start(forces, ports)
+        return Start(forces, rates)
 
-    def _start_after(self, instant: float, rest: Start) -> tuple[FloatArray, list[FloatArray]]:
-        """The forces and the ports of `Start`, from two steps of that length."""
-        plan = self.plan
+    def _start_after(self, instant: float, rest: Start) -> tuple[FloatArray, FloatArray]:
+        """The forces and their rates, from two steps of that length."""
         rows = self._run(instant, 2.0 * instant, rest, energies=False).rows
-        ports = []
-        for number in range(len(plan.bodies)):
-            body = plan.layout.body(rows, number)
-            places, rates = body.port_displacements[:, 2], body.port_velocities[:, 2]
-            ports.append(np.stack([places - 2.0 * instant * rates, rates]))
-        early, late = plan.layout.forces(rows).T[1:]
+        early, late = self.plan.layout.forces(rows).T[1:]
         forces = 2.0 * early - late
         pressed = np.minimum(early, late) >= 0.0
-        return np.where(pressed, np.maximum(forces, 0.0), forces), ports
+        return np.where(pressed, np.maximum(forces, 0.0), forces), (late - early) / instant
 
     def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
         plan = self.plan
-        bodies = [
-            stepped(
-                body,
-                plan.velocities[i],
-                gravity=plan.weight_of(i),
-                state=plan.start_of(i),
-                ports=start.ports[i],
-            )
-            for i, body in enumerate(plan.bodies)
-        ]
-        return newmark_scene(
-            bodies,
+        return newmark_run(
+            [plan.stepped(i) for i in range(len(plan.bodies))],
             plan.contacts,
-            plan.loads,
             rule=self.rule,
             dt=dt,
             duration=duration,
             energies=energies,
-            start_force=start.forces,
+            start=start,
         )
 
     def with_step(self, dt: float) -> tuple[Record, StepError | None]:

@@ -103,6 +103,8 @@ class ForcedMotion:
         As `Plan.port_forces` gives them.
     model : callable
         The model's coordinates from those that are stepped, (n,) or (n, times).
+    residual : float, optional
+        Compliance of a massless contact, the model's first coordinate, m/N.
     """
 
     equations: Equations
@@ -110,6 +112,7 @@ class ForcedMotion:
     dt: float
     forces: FloatArray
     model: Callable[[FloatArray], FloatArray]
+    residual: float = 0.0
 
     @property
     def duration(self) -> float:
@@ -134,6 +137,11 @@ class ForcedMotion:
         left, right = where.reshape(2, -1)
         share = place - before
         u, v = seen[:, :, left] * (1.0 - share) + seen[:, :, right] * share
+        if self.residual:
+            contact = np.eye(len(self.model(self.equations.u0)), 1)
+            column = self.residual * (contact if rows is None else rows @ contact)
+            u += column * self.force(times)[:1]
+            v += column * self.force_rate(times)[:1]
         return u, v
 
     def force(self, times: FloatArray) -> FloatArray:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from .. import _core
 from ..base import GIB, ConvergenceError, FloatArray, Frozen, InputError, boolean, positive, real
-from ..scene import Contact, Load, RecordLayout, SteppedBody
+from ..scene import Contact, RecordLayout, SteppedBody
 
-__all__ = ["Newmark", "Record", "newmark_scene", "steps_of"]
+__all__ = ["Newmark", "Record", "Start", "newmark_run", "steps_of"]
 
 
 # A record larger than this is a mistake in dt more often than a wish.
@@ -90,7 +91,7 @@ class Record(Frozen):
         s.
     rows : ndarray, shape (rows, times)
         :class:`RecordLayout` tells them apart.
-    final : tuple of (u, v)
+    final : tuple of (x, v)
         Each body's coordinates and rates at the end, as the core steps them.
     dt : float
         s.
@@ -102,34 +103,44 @@ class Record(Frozen):
     dt: float
 
 
-def newmark_scene(
+class Start(NamedTuple):
+    """What acts between the bodies just after t = 0.
+
+    Attributes
+    ----------
+    forces, rates : ndarrays, shape (contacts,), or None
+        Contact forces, N, and their rates, N/s; None where the laws determine them.
+    """
+
+    forces: FloatArray | None = None
+    rates: FloatArray | None = None
+
+
+def newmark_run(
     bodies: Sequence[SteppedBody],
     contacts: Sequence[Contact],
-    loads: Sequence[Load] = (),
     *,
     rule: Newmark,
     dt: float,
     duration: float,
     energies: bool = True,
-    start_force: FloatArray | None = None,
+    start: Start | None = None,
 ) -> Record:
     """Run the core once: the least whole number of steps of `dt` that covers `duration`.
 
     Parameters
     ----------
     bodies : sequence of SteppedBody
-        Their u and v, the initial state, are overwritten by the final one.
     contacts : sequence of Contact
         Those that share a body are near each other.
-    loads : sequence of Load, optional
     rule : Newmark
     dt, duration : float
         s.
     energies : bool, optional
         Whether to record them.
-    start_force : ndarray, shape (contacts,), optional
-        The contact forces at the start, N; by default what the laws give, which is wrong where a
-        contact point without mass meets a law that depends on the rate.
+    start : Start, optional
+        By default the contact forces are those that the laws give, which is wrong where a contact
+        point without mass meets a law that depends on the rate.
 
     Raises
     ------
@@ -141,19 +152,20 @@ def newmark_scene(
     count = RecordLayout(len(contacts), tuple(body.ports for body in bodies)).rows
     steps = steps_of(dt, duration, count, f"dt={dt:g} s", "take a larger dt")
     rows = np.zeros((count, steps + 1))
-    _core.newmark_scene(
+    x, v = (np.concatenate(parts) for parts in zip(*((b.x, b.v) for b in bodies), strict=True))
+    _core.newmark(
         tuple(body.for_core(dt, rule.beta, rule.gamma) for body in bodies),
         tuple(contact.for_core(contact.law.for_core()) for contact in contacts),
-        tuple(loads),
         dt,
         rule.beta,
         rule.gamma,
+        x,
+        v,
+        *(start or Start()),
         rows,
         energies,
-        start_force,
     )
-    final = tuple((body.u, body.v) for body in bodies)
-    if not all(np.isfinite(values).all() for pair in final for values in pair):
+    if not (np.isfinite(x).all() and np.isfinite(v).all()):
         raise ConvergenceError(
             f"Newmark step: the solution grew without bound (dt={dt:g} s, beta={rule.beta:g}, "
             f"gamma={rule.gamma:g}); take 2 beta >= gamma, or a smaller dt"
@@ -161,7 +173,8 @@ def newmark_scene(
     t = dt * np.arange(steps + 1, dtype=np.float64)
     if abs(t[-1] - duration) <= _ROUNDING * duration:
         t[-1] = duration
-    return Record(t, rows, final, dt)
+    ends = np.cumsum([len(body.x) for body in bodies])[:-1]
+    return Record(t, rows, tuple(zip(np.split(x, ends), np.split(v, ends), strict=True)), dt)
 
 
 def steps_of(dt: float, duration: float, rows: int, given: str, cure: str) -> int:

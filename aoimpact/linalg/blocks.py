@@ -17,7 +17,7 @@ __all__ = ["Blocks", "Part", "Stored", "diagonal_blocks", "diagonal_places", "in
 
 Part = tuple[int, int]
 
-# AOI_BLOCKS_WORK of csrc/linear/multigrid.h; the core refuses work space of any other length.
+# AOI_BLOCKS_WORK of csrc/multigrid/multigrid.h; the core refuses work space of any other length.
 _WORK = 3
 
 # Dofs of a part at least, and most parts. Each cut stores a layer of elements twice: four parts of

@@ -103,7 +103,7 @@ class ModalBody:
         self, gravity: FloatArray | None, times: FloatArray | None, forces: FloatArray | None
     ) -> tuple[Any, ...]:
         acting = {"gravity": gravity, "load_time": times, "load_force": forces}
-        parts = vars(self) | acting
+        parts = vars(self) | acting | {"full": None}
         found: tuple[Any, ...] = _PARTS(parts)
         return found
 

@@ -14,10 +14,11 @@ from ..base import FloatArray
 from ..fem import Material
 from ..laws import RoundContact, own_law, round_contact
 from ..reduction import BodyModel, ModalBody
-from .bodies import State, preloaded, weight
+from .bodies import stepped
 from .contact import Contact, FreeMotion, Load, OmittedMass
 from .preload import Equilibrium, equilibrium
 from .rows import RecordLayout
+from .stepped import SteppedBody
 
 __all__ = ["Plan", "reduced_mass"]
 
@@ -150,10 +151,6 @@ class Plan:
             found[load.port] += np.interp(times, load.times, load.forces)
         return np.vstack([found, np.ones((1, len(times)))]) if self.gravity else found
 
-    def weight_of(self, body: int) -> FloatArray | None:
-        """Return the forces of gravity on the coordinates that are stepped; None without."""
-        return weight(self.bodies[body], self.gravity) if self.gravity else None
-
     def reduced_mass(self, contact: Contact) -> float:
         """Return the reduced mass of the two bodies of a contact, kg."""
         return reduced_mass(self.bodies[contact.first], self.bodies[contact.second])
@@ -174,20 +171,28 @@ class Plan:
         forces = [self._loaded(body) for body in range(len(self.bodies))]
         return equilibrium(self.modal, self.contacts, gravity=self.gravity, forces=forces)
 
-    def start_of(self, body: int) -> State | None:
-        """Return the state that is stepped from, if that is not moving undeformed."""
-        if self.rest is None:
-            return None
-        at = self.rest.modes[body], self.rest.beside[body]
-        return preloaded(self.bodies[body], self.velocities[body], *at)
+    def stepped(self, body: int) -> SteppedBody:
+        """Return a body as a run with fixed steps takes it."""
+        rest = None if self.rest is None else self.rest.modes[body]
+        model, velocity, load = self.bodies[body], self.velocities[body], self.load_on(body)
+        return stepped(model, velocity, gravity=self.gravity, load=load, rest=rest)
 
-    def ports_at_rest(self, body: int) -> FloatArray | None:
-        """Return the ports of a preloaded body at the start, m, and their rates, m/s, (2, p)."""
+    @cached_property
+    def forces_at_rest(self) -> FloatArray | None:
+        """The contact forces of `rest`, N."""
         if self.rest is None:
             return None
-        modal = self.modal[body]
-        places = modal.shape @ self.rest.modes[body] + self.rest.beside[body]
-        return np.array([places, modal.shape @ (self.velocities[body] * modal.moving)])
+        places = [
+            modal.shape @ x + beside
+            for modal, x, beside in zip(self.modal, self.rest.modes, self.rest.beside, strict=True)
+        ]
+        depths = [
+            places[of.first][of.first_port] - places[of.second][of.second_port] - of.gap
+            for of in self.contacts
+        ]
+        return np.array(
+            [float(of.law.force(depth)) for of, depth in zip(self.contacts, depths, strict=True)]
+        )
 
     def _loaded(self, body: int) -> FloatArray:
         """The loads on a body's ports at t = 0, N."""

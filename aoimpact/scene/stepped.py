@@ -1,19 +1,23 @@
-"""Bodies as Newmark's rule steps them, each in the coordinates in which a step costs least."""
+"""Bodies as Newmark's rule steps them: in natural modes, or in all degrees of freedom."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
+from .. import _core
 from ..base import FloatArray
 from ..fem import Rayleigh
 from ..linalg import core_rows, factorize
 
-__all__ = ["Equations", "SteppedBody", "SteppedFull", "SteppedModes", "SteppedStar"]
+__all__ = ["Equations", "SteppedBody", "SteppedFull"]
+
+
+PARTS = _core.MODES.split()  # of a body as the core takes it, in its order
 
 
 class Equations(NamedTuple):
@@ -36,150 +40,72 @@ class Equations(NamedTuple):
     v0: FloatArray
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SteppedBody(ABC):
-    """What a run with fixed steps needs of a body.
+@dataclass(frozen=True, eq=False)
+class SteppedBody:
+    """A body in natural modes, and how it starts.
 
     Attributes
     ----------
-    gravity : ndarray, shape (n,), or None
-        Constant forces on the coordinates, N.
-    centre : ndarray, shape (n,)
-        Functional of the centre of mass's displacement.
-    u, v : ndarrays, shape (n,)
-        Coordinates and rates at the start; a run overwrites them by those at its end.
+    parts : mapping
+        The body as the core describes it (aoi_modes), by name; what is missing is None.
+    x, v : ndarrays, shape (n,)
+        Coordinates at the start, and their rates.
     """
 
-    _KIND: ClassVar[str]
-
-    gravity: FloatArray | None
-    centre: FloatArray
-    u: FloatArray
+    parts: Mapping[str, Any]
+    x: FloatArray
     v: FloatArray
 
     @property
     def ports(self) -> int:
         """Number of places where it may be touched."""
-        return 1
+        return len(self.parts["shape"])
 
-    def for_core(self, dt: float, beta: float, gamma: float) -> dict[str, Any]:
-        """Return it as ``_core.newmark_scene`` takes it: its kind and its parts by name."""
-        return {"kind": self._KIND, **vars(self)}
+    def for_core(self, dt: float, beta: float, gamma: float) -> tuple[Any, ...]:
+        """Return the core's tuple for steps of `dt`, s, by a rule."""
+        return tuple(self.parts.get(name) for name in PARTS)
 
     @property
     def equations(self) -> Equations:
         """Its equations of motion, for any method."""
-        K, M, C, ports = self._equations
-        columns = ports.reshape(-1, len(self.u)).T
-        loads = columns if self.gravity is None else np.column_stack([columns, self.gravity])
-        return Equations(K, M, C, loads, self.u.copy(), self.v.copy())
+        K, M, C = self._matrices
+        columns = np.transpose(self.parts["push"])
+        gravity = self.parts.get("gravity")
+        loads = columns if gravity is None else np.column_stack([columns, gravity])
+        return Equations(K, M, C, loads, self.x, self.v)
 
     @property
-    @abstractmethod
-    def _equations(self) -> tuple[Any, Any, Any, FloatArray]:
-        """K, M, C and the functionals of the ports, shape (p, n)."""
+    def _matrices(self) -> tuple[Any, Any, Any]:
+        """K, M and C."""
+        omega, decay = self.parts["omega"], self.parts.get("decay")
+        damping = np.zeros_like(omega) if decay is None else 2.0 * decay
+        K, C = (sp.diags_array(of).tocsr() for of in (omega**2, damping))
+        return K, sp.eye_array(len(omega), format="csr"), C
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SteppedStar(SteppedBody):
-    """An AO model with Rayleigh damping; the contact mass is the first coordinate.
-
-    Attributes
-    ----------
-    m0, k0 : float
-        kg, N/m.
-    m, k : ndarrays, shape (n - 1,)
-    damping : Rayleigh
-    """
-
-    _KIND = "star"
-
-    m0: float
-    k0: float
-    m: FloatArray
-    k: FloatArray
-    damping: Rayleigh = field(default_factory=Rayleigh)
-
-    def for_core(self, dt: float, beta: float, gamma: float) -> dict[str, Any]:
-        return super().for_core(dt, beta, gamma) | vars(self.damping)
-
-    @property
-    def _equations(self) -> tuple[Any, Any, Any, FloatArray]:
-        K = sp.diags_array(np.concatenate([[self.k0 + self.k.sum()], self.k])).tolil()
-        K[0, 1:] = -self.k
-        K[1:, 0] = -self.k
-        M = sp.diags_array(np.concatenate([[self.m0], self.m])).tocsr()
-        C = self.damping.alpha * M + self.damping.beta * K.tocsr()
-        return K.tocsr(), M, C, np.eye(1, len(self.u))
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SteppedModes(SteppedBody):
-    """A body in natural modes of unit mass.
-
-    Attributes
-    ----------
-    omega, decay : ndarrays, shape (n,)
-        rad/s, 1/s.
-    shape : ndarray, shape (p, n)
-        Displacement of the ports in each mode.
-    residual : ndarray, shape (p, p)
-        Compliance of the ports beside the modes, m/N.
-    residual_forces : ndarray, shape (2, p), or None
-        Forces on the residual compliance at the start, N, and their rates, N/s.
-    """
-
-    _KIND = "modal"
-
-    omega: FloatArray
-    decay: FloatArray
-    shape: FloatArray
-    residual: FloatArray
-    residual_forces: FloatArray | None
-
-    @property
-    def ports(self) -> int:
-        return self.shape.size // len(self.v)
-
-    @property
-    def _equations(self) -> tuple[Any, Any, Any, FloatArray]:
-        M = sp.eye_array(len(self.omega), format="csr")
-        K, C = (sp.diags_array(of).tocsr() for of in (self.omega**2, 2.0 * self.decay))
-        return K, M, C, self.shape
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False)
 class SteppedFull(SteppedBody):
-    """All degrees of freedom of a finite-element body, with Rayleigh damping.
+    """All degrees of freedom of a finite-element body.
 
     Attributes
     ----------
     K, M : scipy.sparse arrays, shape (n, n)
-    B : ndarray, shape (p, n)
-        The contact functionals.
     damping : Rayleigh
     """
 
-    _KIND = "full"
-
     K: Any
     M: Any
-    B: FloatArray
     damping: Rayleigh
 
-    @property
-    def ports(self) -> int:
-        return len(self.B)
-
-    def for_core(self, dt: float, beta: float, gamma: float) -> dict[str, Any]:
+    def for_core(self, dt: float, beta: float, gamma: float) -> tuple[Any, ...]:
         of_mass = 1.0 + self.damping.alpha * gamma * dt
         of_stiffness = beta * dt**2 + self.damping.beta * gamma * dt
         matrix = of_mass * self.M + of_stiffness * self.K
         factors = factorize(matrix, what="M + γ dt C + β dt² K").for_core()
-        parts = {"K": core_rows(self.K), "M": core_rows(self.M), "factors": factors}
-        return super().for_core(dt, beta, gamma) | vars(self.damping) | parts
+        damping = self.damping.alpha, self.damping.beta
+        matrices = core_rows(self.K), core_rows(self.M), *damping, factors
+        return tuple({**self.parts, "full": matrices}.get(name) for name in PARTS)
 
     @property
-    def _equations(self) -> tuple[Any, Any, Any, FloatArray]:
-        C = self.damping.alpha * self.M + self.damping.beta * self.K
-        return self.K, self.M, C, self.B
+    def _matrices(self) -> tuple[Any, Any, Any]:
+        return self.K, self.M, self.damping.alpha * self.M + self.damping.beta * self.K

@@ -253,7 +253,7 @@ static int take_state(const double *from, size_t count, double *to)
 int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start, double rtol,
                        double end)
 {
-    if (!system->first || !(rtol > 0.0 && rtol < 1.0) || !(end > 0.0) || !isfinite(end)) {
+    if (!aoi_system_is_modal(system) || !(rtol > 0.0 && rtol < 1.0) || !(end > 0.0) || !isfinite(end)) {
         return AOI_ERROR_ARGUMENT;
     }
     const size_t modes = aoi_system_most_modes(system), all = system->first[system->body_count];

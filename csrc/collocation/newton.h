@@ -24,8 +24,8 @@ int aoi_newton_goes_on(const aoi_newton *newton, double change);
 void aoi_collocation_evaluate(const aoi_law *law, const aoi_contact_step *entry, int with_rates,
                          aoi_law_values *of);
 
-/* From values at the start and the nodes to the points of an edge; from forces there to the polynomial
- * nearest to them. In place, too. */
+/* reach: interpolates nodal values to the edge's quadrature points. project: the least-squares polynomial of values at
+ * those points. The output may alias the input. */
 void aoi_edge_reach(enum aoi_edge edge, double start, const double *nodes, double *points);
 void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes);
 

@@ -33,7 +33,7 @@ static void hertz_together(const aoi_law *law, const double *indentation, const 
     }
 }
 
-static double hertz_potential(const aoi_law *law, const double *memory, double indentation)
+double aoi_law_three_halves_energy(const aoi_law *law, const double *memory, double indentation)
 {
     const double d = indentation > 0.0 ? indentation : 0.0;
     (void)memory;
@@ -75,7 +75,7 @@ static void linear_force(const aoi_law *law, const double *memory, int piece, do
     value->damping = 0.0;
 }
 
-static double linear_potential(const aoi_law *law, const double *memory, double indentation)
+double aoi_law_linear_energy(const aoi_law *law, const double *memory, double indentation)
 {
     (void)memory;
     return indentation > 0.0 ? 0.5 * law->parameter[0] * indentation * indentation : 0.0;
@@ -86,7 +86,7 @@ const aoi_law_kind aoi_laws_elastic[] = {
      1,
      {AOI_POSITIVE},
      {HUGE_VAL},
-     {.force = hertz_force, .potential = hertz_potential, .together = hertz_together},
+     {.force = hertz_force, .potential = aoi_law_three_halves_energy, .together = hertz_together},
      NULL},
     {"power",
      2,
@@ -98,7 +98,7 @@ const aoi_law_kind aoi_laws_elastic[] = {
      1,
      {AOI_POSITIVE},
      {HUGE_VAL},
-     {.force = linear_force, .potential = linear_potential},
+     {.force = linear_force, .potential = aoi_law_linear_energy},
      NULL},
 };
 const size_t aoi_laws_elastic_count = sizeof aoi_laws_elastic / sizeof aoi_laws_elastic[0];

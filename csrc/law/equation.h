@@ -16,9 +16,9 @@ typedef struct aoi_contact_equation {
 
 /* Solves it: Newton on the indentation, kept inside the bracket (rest, indentation_free] by
  * bisection, to rounding; force 0 where indentation_free <= rest (for a law that pulls: where it
- * would no longer hold). Converges for every law that is continuous but at rest: where its force
- * there at once, by the rate, is more than is needed, the indentation is rest and the force what is
- * needed. memory: the contact's, as everywhere. AOI_ERROR_LAW where the law gives NaN. */
+ * would no longer hold). The law may jump at rest. If the force just above rest
+ * already exceeds what the balance needs, the solution is indentation = rest with the force taken from
+ * the balance. memory: the contact's, as everywhere. AOI_ERROR_LAW where the law gives NaN. */
 int aoi_contact_solve(const aoi_law *law, const double *memory,
                       const aoi_contact_equation *equation, double *force, double *indentation);
 

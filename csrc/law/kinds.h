@@ -25,6 +25,10 @@ extern const aoi_law_kind aoi_laws_viscous[];
 extern const size_t aoi_laws_viscous_count;
 extern const aoi_law_kind aoi_law_thornton;
 
+/* Potentials of laws whose elastic force is k d^(3/2), and k d; k is the first parameter. */
+double aoi_law_three_halves_energy(const aoi_law *law, const double *memory, double indentation);
+double aoi_law_linear_energy(const aoi_law *law, const double *memory, double indentation);
+
 /* d^(n-1) for d > 0. The exponents that people use cost a square root at most: pow is ten times
  * dearer. */
 static inline double aoi_law_power(double d, double n)

@@ -12,8 +12,7 @@
  * 120 no run changes. */
 enum { HALLEYS = 40, MOST_ITERATIONS = 200 };
 
-/* Where a law's own digits end, its force goes in steps: a caller's may be right to six. Tried: no run
- * changes. */
+/* User laws may be accurate to only six digits; residuals below this are accepted. Tried: no run changes. */
 static const double LAW_NOISE = 1e-6;
 
 /* With its compliance taken out, a law grows stiffer by 1/(1 - c dF/dd). Beyond this share the law

@@ -15,9 +15,8 @@ typedef struct aoi_law_values {
 /* The force of aoi_law_push, which is cheaper where the derivatives are taken by differences. */
 double aoi_law_push_only(const aoi_law *law, const double *memory, double indentation, double rate);
 
-/* Whether that force is the law's: 0 deeper than the law's limit, and where compliance and rate leave
- * no more than the straight line that aoi_law_push then draws on (at a rate, dF/dd may reach 1/c before
- * the limit). Whoever integrates then stops with AOI_ERROR_PATCH. */
+/* 1 if aoi_law_push returned the law itself, 0 if it returned the straight-line continuation past its validity: deeper
+ * than the law's limit, or where dF/dd reaches 1/c at a rate. Integrators then stop with AOI_ERROR_PATCH. */
 int aoi_law_stands(const aoi_law *law, const double *memory, double indentation, double rate);
 
 /* As law->piece, of total indentations (compliance or not), for every law. AOI_NO_PIECE where its

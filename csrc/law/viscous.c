@@ -59,13 +59,6 @@ static void kuwabara_kono_force(const aoi_law *law, const double *memory, int pi
     }
 }
 
-static double three_halves_potential(const aoi_law *law, const double *memory, double indentation)
-{
-    const double d = indentation > 0.0 ? indentation : 0.0;
-    (void)memory;
-    return 0.4 * law->parameter[0] * d * d * sqrt(d);
-}
-
 /* kelvin_voigt, kelvin_voigt_pulling: k, c. F = k d + c rate; the first is cut at zero, the second
  * pulls until d = 0. */
 static void kelvin_voigt_force(const aoi_law *law, const double *memory, int piece,
@@ -76,12 +69,6 @@ static void kelvin_voigt_force(const aoi_law *law, const double *memory, int pie
     value->force = law->parameter[0] * indentation + law->parameter[1] * rate;
     value->stiffness = law->parameter[0];
     value->damping = law->parameter[1];
-}
-
-static double kelvin_voigt_potential(const aoi_law *law, const double *memory, double indentation)
-{
-    (void)memory;
-    return indentation > 0.0 ? 0.5 * law->parameter[0] * indentation * indentation : 0.0;
 }
 
 const aoi_law_kind aoi_laws_viscous[] = {
@@ -95,26 +82,26 @@ const aoi_law_kind aoi_laws_viscous[] = {
      2,
      {AOI_POSITIVE, 0.0},
      {HUGE_VAL, HUGE_VAL},
-     {.force = tsuji_force, .potential = three_halves_potential, .depends_on_rate = 1},
+     {.force = tsuji_force, .potential = aoi_law_three_halves_energy, .depends_on_rate = 1},
      NULL},
     {"kuwabara_kono",
      2,
      {AOI_POSITIVE, 0.0},
      {HUGE_VAL, HUGE_VAL},
-     {.force = kuwabara_kono_force, .potential = three_halves_potential, .depends_on_rate = 1},
+     {.force = kuwabara_kono_force, .potential = aoi_law_three_halves_energy, .depends_on_rate = 1},
      NULL},
     {"kelvin_voigt",
      2,
      {AOI_POSITIVE, 0.0},
      {HUGE_VAL, HUGE_VAL},
-     {.force = kelvin_voigt_force, .potential = kelvin_voigt_potential, .depends_on_rate = 1},
+     {.force = kelvin_voigt_force, .potential = aoi_law_linear_energy, .depends_on_rate = 1},
      NULL},
     {"kelvin_voigt_pulling",
      2,
      {AOI_POSITIVE, 0.0},
      {HUGE_VAL, HUGE_VAL},
      {.force = kelvin_voigt_force,
-      .potential = kelvin_voigt_potential,
+      .potential = aoi_law_linear_energy,
       .depends_on_rate = 1,
       .pulls = 1},
      NULL},

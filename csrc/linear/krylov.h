@@ -17,7 +17,7 @@
  *   given      given_count columns, rigid_count or more, are there before the first solve. Those
  *              beyond R are any motions that the model is to have, M-orthonormal and with their
  *              stiffness, such as static modes: grown so themselves, with s2 = 0 and each b by itself.
- *              Such a column may be zero, with zero stiffness: a place kept for a motion to come.
+ *              A zero column with zero stiffness reserves a slot.
  *   count      columns so far: given_count at the start. next: solves so far, 0 at the start.
  *   solver     of A; it leaves the products that its residual is made of: they are not made twice.
  *   load       n doubles, kept from call to call: with one port M times the last column, once solved.

@@ -4,14 +4,6 @@
 
 #include "aoimpact.h"
 
-/* A symmetric n x n matrix by compressed rows, all entries stored (both triangles): row i has
- * indices[p], values[p] for start[i] <= p < start[i+1]. The arrays belong to the caller. */
-typedef struct aoi_sparse {
-    size_t n;
-    const int32_t *start, *indices;
-    const double *values;
-} aoi_sparse;
-
 /* Checks that an aoi_sparse of stored_count entries can be read safely: start rises from 0 to
  * stored_count, indices lie in 0..n-1. AOI_ERROR_ARGUMENT where they do not. */
 int aoi_sparse_check(const aoi_sparse *matrix, size_t stored_count);
@@ -25,13 +17,6 @@ void aoi_sparse_multiply_each(const aoi_sparse *matrix, size_t count, const doub
 
 /* x^T A x without work space. */
 double aoi_sparse_quadratic(const aoi_sparse *matrix, const double *x);
-
-/* A linear solver for the core: solve() overwrites x (n doubles: right-hand side in, solution
- * out) and returns 0, or anything else for a failure. data is passed through untouched. */
-typedef struct aoi_solver {
-    int (*solve)(void *data, double *x);
-    void *data;
-} aoi_solver;
 
 /* A linear solver of K + s^2 M that has looked at its residual f - K x - s^2 M x: as aoi_solver, and
  * it leaves K x in kx and M x in mx, n doubles each. */

@@ -55,11 +55,23 @@ static int ascending(const double *values, size_t count)
     return 1;
 }
 
+/* Whether the description of a body by its modes, or by its matrices, can be used. */
+static int kind_is_sound(const aoi_modes *body)
+{
+    const aoi_full *full = body->full;
+    if (!full) {
+        return body->omega && ascending(body->omega, body->n);
+    }
+    return !body->omega && !body->decay && !body->residual && !body->inertia && !body->centre_residual &&
+           full->K.n == body->n && full->M.n == body->n && full->solver.solve && full->alpha >= 0.0 &&
+           full->beta >= 0.0 && isfinite(full->alpha + full->beta);
+}
+
 static int body_is_sound(const aoi_modes *body)
 {
     const size_t n = body->n, ports = body->ports;
-    if (n == 0 || ports == 0 || !body->omega || !body->shape || !body->push || !body->centre ||
-        !ascending(body->omega, n) || !aoi_load_is_sound(&body->load, ports)) {
+    if (n == 0 || ports == 0 || !body->shape || !body->push || !body->centre || !kind_is_sound(body) ||
+        !aoi_load_is_sound(&body->load, ports)) {
         return 0;
     }
     if (!none_negative(body->decay, n) || !none_negative(body->inertia, n) ||
@@ -189,6 +201,15 @@ int aoi_system_link(aoi_system *system, void *memory)
     system->first_contact = made.first_contact;
     system->contact_of = made.contact_of;
     return AOI_OK;
+}
+
+int aoi_system_is_modal(const aoi_system *system)
+{
+    size_t full = 0;
+    for (size_t b = 0; b < system->body_count; b++) {
+        full += system->body[b].full != NULL;
+    }
+    return system->first && full == 0;
 }
 
 size_t aoi_system_most_modes(const aoi_system *system)

@@ -4,6 +4,9 @@
 
 #include "aoimpact.h"
 
+/* Whether it is linked, and all bodies are in modes. */
+int aoi_system_is_modal(const aoi_system *system);
+
 /* Modes of the body that has most; 1 without bodies. */
 size_t aoi_system_most_modes(const aoi_system *system);
 

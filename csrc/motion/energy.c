@@ -183,7 +183,7 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
     if (!changing) {
         *work = gravity_work(body, x0, x1) + loaded(body, from, x1) - loaded(body, from, x0);
     } else if (!body->decay) {
-        *work = gained; /* nothing else can be where it comes from */
+        *work = gained; /* undamped and load-free otherwise: work equals the energy gained */
     } else {
         *work = gravity_work(body, x0, x1) + changing_work(body, from, to, x0, v0, scratch);
     }

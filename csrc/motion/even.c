@@ -6,8 +6,8 @@
 /* Each state that follows from the one before adds some 3e-16 of a mode's amplitude. */
 enum { FOLLOWING = 32 };
 
-/* Times rounded to doubles are not quite even. What one is off counts to first order: its square, as an angle, is
- * lost in rounding. */
+/* Times rounded to doubles are not quite even. A first-order correction covers the deviation from even spacing: its
+ * square, as an angle, is below rounding. */
 static const double NEARLY_EVEN = 1e-6, SMALL_ANGLE = 1e-8;
 
 static void make(aoi_even *even, const aoi_modes *body)

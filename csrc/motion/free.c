@@ -157,7 +157,7 @@ static int next_side(const aoi_free_pair *pair, const size_t *at)
     return pair->body[1]->omega[at[1]] < pair->body[0]->omega[at[0]];
 }
 
-/* Modes of both bodies that do not turn, taken together: what moves both alike does not part them. Their
+/* Modes of both bodies that do not turn, taken together: rigid motion common to both bodies cancels in the gap. Their
  * accelerations go over from now to later by the same law of time if the decays are equal. */
 typedef struct drifting {
     double now, later, apart; /* sums, and that of the larger of each mode's two */

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Added to each angle, so that none is 0 and sin(x)/x is a number; nothing to one above 1e-19. Its powers up to the
+/* Added to each angle, so that none is 0 and sin(x)/x is a number; it does not change an angle above 1e-19. Its powers up to the
  * seventh, times any coefficient of a series below, are normal numbers: processors take a hundred times as long for
  * subnormal ones, and each free body has an angle of 0. */
 static const double LEAST = 1e-36;

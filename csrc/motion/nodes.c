@@ -5,7 +5,7 @@
 
 enum { N = AOI_NODES };
 
-/* Two or four rows at once, all that is added to them in registers. */
+/* Accumulates a whole column block in registers (vectorised over rows, two or four at once). */
 void aoi_nodes_multiply(const double *restrict column, const double *x, double *y)
 {
     const double a = x[0], b = x[1], c = x[2], d = x[3], e = x[4], f = x[5], g = x[6], h = x[7];

@@ -4,9 +4,9 @@
 
 #include "aoimpact.h"
 
-/* A mode that turns by more than this (rad) moves along a polynomial and rings about it; the motion of a slower one is
- * a polynomial of the degree of a step's to 1e-9 of what its force does. A mode with decay > omega does not ring: it
- * goes one way, which nodes do not miss. */
+/* The motion of a mode that turns by more than this (rad) in a step is a polynomial particular solution plus a free
+ * oscillation; that of a slower one is a polynomial of the degree of a step's to 1e-9 of what its force does. Overdamped
+ * modes do not oscillate and are resolved by the nodes. */
 #define AOI_PATH_FAST 1.5
 static inline int aoi_path_rings(double omega, double decay, double h)
 {

@@ -7,8 +7,8 @@
 #include <float.h>
 #include <math.h>
 
-/* (k+1) P_(k+1) = (2k+1) xi P_k - k P_(k-1): (2k+1)/(k+1) and k/(k+1). One product and one difference
- * from P_k to P_(k+1): steps wait for little else. */
+/* (k+1) P_(k+1) = (2k+1) xi P_k - k P_(k-1): (2k+1)/(k+1) and k/(k+1). This keeps the dependency
+ * chain short: one product and one difference per degree. */
 static const double of_last[AOI_NODES + 1] = {1.0,     3.0 / 2,  5.0 / 3,  7.0 / 4, 9.0 / 5,
                                                11.0 / 6, 13.0 / 7, 15.0 / 8, 17.0 / 9};
 static const double of_one_before[AOI_NODES + 1] = {0.0,     1.0 / 2, 2.0 / 3, 3.0 / 4, 4.0 / 5,

@@ -1,243 +1,210 @@
 /* Newmark's rule on natural modes, each an oscillator of its own with any damping:
  *   (1 + 2 decay gamma dt + omega^2 beta dt^2) a' = f - omega^2 p - 2 decay q
- * with the predictors p, q of displacement and velocity. What the modes leave of the static compliance
- * follows the forces at once. */
+ * with the predictors p, q of displacement and velocity. */
 #include "newmark/body.h"
 #include "linear/vector.h"
-#include "linear/work.h"
 #include "model/modes.h"
 
 #include <math.h>
-#include <string.h>
 
-enum { LOST };
+/* Of each mode, over that factor of a': omega^2, 2 decay, gravity. */
+enum { STIFFNESS, DRAG, DRIVE };
 
-/* state by the mode: x, v, a, the free acceleration, the acceleration of a unit force in a step, twice the
- * dashpot; by the port: the last force and the one before; compliance, rate compliance. */
-enum { X, V, A, FREE_A, MOBILITY, DASHPOT, PARTS };
+/* A plain body has its predictors at hand: PLACE, and of the rates in free_a. These move by a whole step at once, since
+ * what corrects a step and predicts the next adds up: q' = q + dt (w + (gamma + 1/2) dt a), w' = w + dt a. What is seen
+ * of it are sums over q: of stiffness times the port's shape, and times the weights of the centre of mass. */
+enum { PORT_SHARE = DRAG, PLACE = DRIVE, CENTRE_SHARE };
 
-size_t aoi_body_modal_size(size_t n, size_t ports) 
-{
-    return aoi_plus(aoi_times(PARTS, n), aoi_times(2 * ports, 1 + ports));
-}
-
-static const aoi_modes *modes_of(const aoi_body *body) { return body->model; }
-
-static double *part(const aoi_body *body, size_t which)
-{
-    return body->state + which * modes_of(body)->n;
-}
-
-static double *force_of(const aoi_body *body) { return part(body, PARTS); }
+/* Of every body. */
+enum { INERTIA = CENTRE_SHARE + 1, SPRING };
 
 static double twice_decay(const aoi_modes *modes, size_t j)
 {
     return modes->decay ? 2.0 * modes->decay[j] : 0.0;
 }
 
-/* Row p of the residual times forces. */
-static double residual_times(const aoi_modes *modes, size_t p, const double *force)
+static int modal_prepare(aoi_stepped *body)
 {
-    return modes->residual ? aoi_vector_dot(modes->ports, modes->residual + p * modes->ports, force)
-                           : 0.0;
-}
-
-/* What is left of a mode's acceleration without forces at the ports: gravity - omega^2 x - 2 decay v. */
-static double modal_drive(const aoi_body *body, size_t j, double x, double v)
-{
-    const aoi_modes *modes = modes_of(body);
-    const double gravity = modes->gravity ? modes->gravity[j] : 0.0;
-    return gravity - modes->omega[j] * (modes->omega[j] * x) - twice_decay(modes, j) * v;
-}
-
-static int modal_predict(aoi_body *body, double *displacement, double *velocity)
-{
-    const aoi_modes *modes = modes_of(body);
-    const aoi_rule_step *step = &body->step;
+    const aoi_modes *modes = body->model;
     const size_t n = modes->n;
-    double *x = part(body, X), *v = part(body, V), *free_a = part(body, FREE_A);
-    const double *a = part(body, A), *mobility = part(body, MOBILITY);
     for (size_t j = 0; j < n; j++) {
-        x[j] += step->dt * (v[j] + step->predict_u * a[j]);
-        v[j] += step->predict_v * a[j];
-        free_a[j] = mobility[j] * modal_drive(body, j, x[j], v[j]);
-    }
-    for (size_t p = 0; p < modes->ports; p++) {
-        const double *r = modes->shape + p * n, reached = aoi_vector_dot(n, r, free_a);
-        displacement[p] = aoi_vector_dot(n, r, x) + step->reach * reached;
-        velocity[p] = aoi_vector_dot(n, r, v) + step->correct_v * reached -
-                      residual_times(modes, p, force_of(body)) / step->dt;
-    }
-    return AOI_OK;
-}
-
-static void modal_correct(aoi_body *body, const double *force)
-{
-    const aoi_modes *modes = modes_of(body);
-    const aoi_rule_step *step = &body->step;
-    const size_t n = modes->n, ports = modes->ports;
-    double *x = part(body, X), *v = part(body, V), *a = part(body, A), power = 0.0;
-    const double *free_a = part(body, FREE_A), *mobility = part(body, MOBILITY);
-    const double *dashpot = part(body, DASHPOT);
-    for (size_t j = 0; j < n; j++) {
-        const double before = v[j] - step->predict_v * a[j];
-        double push = 0.0;
-        for (size_t p = 0; p < ports; p++) {
-            push += modes->push[p * n + j] * force[p];
-        }
-        a[j] = free_a[j] + mobility[j] * push;
-        v[j] += step->correct_v * a[j];
-        x[j] += step->dt * (step->correct_u * a[j]);
-        power += dashpot[j] * (before + v[j]) * (before + v[j]);
-    }
-    body->scratch[LOST] += 0.25 * step->dt * power;
-    memcpy(force_of(body) + ports, force_of(body), ports * sizeof(double));
-    memcpy(force_of(body), force, ports * sizeof(double));
-}
-
-/* x^T y, each mode by its inertia. */
-static double weighted_dot(const aoi_modes *modes, const double *x, const double *y)
-{
-    double sum = 0.0;
-    for (size_t j = 0; modes->inertia && j < modes->n; j++) {
-        sum += modes->inertia[j] * x[j] * y[j];
-    }
-    return modes->inertia ? sum : aoi_vector_dot(modes->n, x, y);
-}
-
-static double modal_elastic(const aoi_body *body)
-{
-    const aoi_modes *modes = modes_of(body);
-    const double *x = part(body, X), *force = force_of(body);
-    double twice = 0.0;
-    for (size_t j = 0; j < modes->n; j++) {
-        const double pull = modes->omega[j] * x[j];
-        twice += aoi_modes_inertia(modes, j) * pull * pull;
-    }
-    for (size_t p = 0; p < modes->ports; p++) {
-        twice += force[p] * residual_times(modes, p, force);
-    }
-    return 0.5 * twice;
-}
-
-static void modal_observe(const aoi_body *body, int energies, double *row, size_t stride)
-{
-    const aoi_modes *modes = modes_of(body);
-    const size_t n = modes->n, ports = modes->ports;
-    const double *x = part(body, X), *v = part(body, V), *force = force_of(body);
-    row[AOI_BODY_CENTRE * stride] = aoi_vector_dot(n, modes->centre, x);
-    row[AOI_BODY_CENTRE_VELOCITY * stride] = aoi_vector_dot(n, modes->centre, v);
-    for (size_t p = 0; modes->centre_residual && p < ports; p++) {
-        const double change = force[p] - force[ports + p];
-        row[AOI_BODY_CENTRE * stride] += modes->centre_residual[p] * force[p];
-        row[AOI_BODY_CENTRE_VELOCITY * stride] += modes->centre_residual[p] * (change / body->step.dt);
-    }
-    for (size_t p = 0; p < ports; p++) {
-        const double *r = modes->shape + p * n;
-        const double settled = residual_times(modes, p, force);
-        const double moved = settled - residual_times(modes, p, force + ports);
-        double *port = row + (AOI_BODY_ROWS + AOI_PORT_ROWS * p) * stride;
-        port[0] = aoi_vector_dot(n, r, x) + settled;
-        port[stride] = aoi_vector_dot(n, r, v) + moved / body->step.dt;
-    }
-    if (energies) {
-        row[AOI_BODY_KINETIC * stride] = 0.5 * weighted_dot(modes, v, v);
-        row[AOI_BODY_ELASTIC * stride] = modal_elastic(body);
-        row[AOI_BODY_DISSIPATED * stride] = body->scratch[LOST];
-        row[AOI_BODY_WORK * stride] = modes->gravity ? weighted_dot(modes, modes->gravity, x) : 0.0;
-    }
-}
-
-static void modal_copy_state(const aoi_body *body, double *u, double *v)
-{
-    const size_t bytes = modes_of(body)->n * sizeof(double);
-    memcpy(u, part(body, X), bytes);
-    memcpy(v, part(body, V), bytes);
-}
-
-static int modal_begin(aoi_body *body, const double *force)
-{
-    const aoi_modes *modes = modes_of(body);
-    const size_t n = modes->n, ports = modes->ports;
-    for (size_t j = 0; j < n; j++) {
-        double push = modal_drive(body, j, part(body, X)[j], part(body, V)[j]);
-        for (size_t p = 0; p < ports; p++) {
-            push += modes->push[p * n + j] * force[p];
-        }
-        part(body, A)[j] = push;
-    }
-    return AOI_OK;
-}
-
-static int modal_check(const aoi_modes *modes)
-{
-    for (size_t j = 0; j < modes->n; j++) {
-        if (!(modes->omega[j] >= 0.0) || !(twice_decay(modes, j) >= 0.0)) {
-            return AOI_ERROR_ARGUMENT;
-        }
-        if (!isfinite(modes->omega[j] * modes->omega[j]) || !isfinite(twice_decay(modes, j))) {
+        const double omega = modes->omega[j], inertia = 1.0 + body->step->correct_v * twice_decay(modes, j);
+        const double mobility = 1.0 / (inertia + body->step->reach * omega * omega);
+        if (!isfinite(omega * omega)) {
             return AOI_ERROR_NOT_FINITE;
         }
+        body->own[STIFFNESS][j] = mobility * (omega * omega);
+        body->own[DRAG][j] = mobility * twice_decay(modes, j);
+        body->own[DRIVE][j] = modes->gravity ? mobility * modes->gravity[j] : 0.0;
+        body->own[INERTIA][j] = aoi_modes_inertia(modes, j);
+        body->own[SPRING][j] = body->own[INERTIA][j] * omega * omega;
+        for (size_t p = 0; p < modes->ports; p++) {
+            body->gain[p * n + j] = mobility * modes->push[p * n + j];
+        }
     }
-    if (!aoi_vector_is_finite(modes->ports * modes->n, modes->shape) ||
-        !aoi_vector_is_finite(modes->ports * modes->n, modes->push)) {
-        return AOI_ERROR_NOT_FINITE;
+    if (!modes->decay) {
+        body->before = NULL;
     }
-    return modes->ports >= 1 ? AOI_OK : AOI_ERROR_ARGUMENT;
+    body->plain = !modes->decay && !modes->gravity && modes->ports == 1;
+    return AOI_OK;
 }
 
-/* Mobilities of the modes, and the ports' compliances as their sums. */
-static int modal_prepare(const aoi_body *body, double *compliance, double *rate_compliance)
+static int modal_begin(aoi_stepped *body)
 {
-    const aoi_modes *modes = modes_of(body);
-    const aoi_rule_step *step = &body->step;
-    const size_t n = modes->n, ports = modes->ports;
-    double *mobility = part(body, MOBILITY);
-    for (size_t j = 0; j < n; j++) {
-        const double stiffness = step->reach * modes->omega[j] * modes->omega[j];
-        part(body, DASHPOT)[j] = aoi_modes_inertia(modes, j) * twice_decay(modes, j);
-        mobility[j] = 1.0 / (1.0 + step->correct_v * twice_decay(modes, j) + stiffness);
-    }
-    for (size_t i = 0; i < ports * ports; i++) {
-        const double *shape = modes->shape + (i / ports) * n;
-        const double *push = modes->push + (i % ports) * n;
-        const double residual = modes->residual ? modes->residual[i] : 0.0;
-        double reached = 0.0;
-        for (size_t j = 0; j < n; j++) {
-            reached += mobility[j] * shape[j] * push[j];
-        }
-        compliance[i] = step->reach * reached + residual;
-        rate_compliance[i] = step->correct_v * reached + residual / step->dt;
-        if (!isfinite(compliance[i]) || !isfinite(rate_compliance[i])) {
-            return AOI_ERROR_NOT_FINITE;
-        }
+    const aoi_modes *modes = body->model;
+    for (size_t j = 0; j < modes->n; j++) {
+        const double gravity = modes->gravity ? modes->gravity[j] : 0.0, omega = modes->omega[j];
+        body->a[j] = gravity - omega * (omega * body->x[j]) - twice_decay(modes, j) * body->v[j] + body->free_a[j];
     }
     return AOI_OK;
 }
 
-int aoi_body_start_modal(aoi_body *body, const aoi_modes *modes, const aoi_rule *rule,
-                         const aoi_body_start *start, double *work)
+static int modal_accelerate(aoi_stepped *body)
 {
-    const size_t n = modes->n, ports = modes->ports;
-    aoi_rule_step step;
-    int status = aoi_rule_prepare(rule, &step);
-    if (status == AOI_OK) {
-        status = modal_check(modes);
+    const size_t n = body->model->n;
+    const double *restrict x = body->x, *restrict v = body->v, *restrict stiffness = body->own[STIFFNESS];
+    const double *restrict drag = body->own[DRAG], *restrict drive = body->own[DRIVE];
+    double *restrict free_a = body->free_a;
+    for (size_t j = 0; j < n; j++) {
+        free_a[j] = drive[j] - stiffness[j] * x[j];
     }
-    if (status != AOI_OK) {
-        return status;
+    for (size_t j = 0; j < n && body->before; j++) {
+        free_a[j] -= drag[j] * v[j];
     }
-    double *compliance = work + PARTS * n + 2 * ports, *rate_compliance = compliance + ports * ports;
-    *body = (aoi_body){modal_begin,      modal_predict, modal_correct,  modal_observe,
-                       modal_copy_state, ports,         compliance,     rate_compliance,
-                       modes,            modes->centre, modes->gravity, work,
-                       step,             {0}};
-    memcpy(part(body, X), start->u, n * sizeof(double));
-    memcpy(part(body, V), start->v, n * sizeof(double));
-    for (size_t p = 0; p < ports; p++) {
-        force_of(body)[p] = start->force ? start->force[p] : 0.0;
-        force_of(body)[ports + p] =
-            start->force ? start->force[p] - step.dt * start->force[ports + p] : 0.0;
-    }
-    return modal_prepare(body, compliance, rate_compliance);
+    return AOI_OK;
 }
+
+void aoi_plain_start(aoi_stepped *body)
+{
+    const aoi_rule_step *step = body->step;
+    const aoi_modes *modes = body->model;
+    double *place = body->own[PLACE], *rate = body->free_a;
+    body->centre_reached = 0.0;
+    for (size_t j = 0; j < modes->n; j++) {
+        place[j] = body->x[j] + step->dt * (body->v[j] + step->predict_u * body->a[j]);
+        rate[j] = body->v[j] + step->predict_v * body->a[j];
+        body->own[PORT_SHARE][j] = modes->shape[j] * body->own[STIFFNESS][j];
+        body->own[CENTRE_SHARE][j] = modes->centre[j] * body->own[STIFFNESS][j];
+        body->centre_reached += modes->centre[j] * body->gain[j];
+    }
+    body->port_rate = aoi_vector_dot(modes->n, modes->shape, rate);
+    body->centre_rate = aoi_vector_dot(modes->n, modes->centre, rate);
+}
+
+/* As aoi_vector_dot; most rigid bodies have one mode. */
+static double dot(size_t n, const double *x, const double *y) { return n == 1 ? *x * *y : aoi_vector_dot(n, x, y); }
+
+void aoi_plain_predict(aoi_stepped *body, double *displacement, double *velocity)
+{
+    const aoi_rule_step *step = body->step;
+    const size_t n = body->model->n, moving = body->centre_count;
+    const double *place = body->own[PLACE];
+    body->port_a = -dot(n, body->own[PORT_SHARE], place);
+    body->centre_a = -dot(moving, body->own[CENTRE_SHARE], place);
+    body->centre[0] = dot(moving, body->model->centre, place);
+    *displacement = dot(n, body->model->shape, place) + step->reach * body->port_a;
+    *velocity = body->port_rate + step->correct_v * body->port_a;
+}
+
+/* By a step. */
+static void advance(size_t n, double force, const aoi_rule_step *step, const double *restrict gain,
+                    const double *restrict stiffness, double *restrict place, double *restrict rate,
+                    double *restrict a)
+{
+    const double h = step->dt, ahead = step->correct_u + step->correct_v + step->predict_u;
+    for (size_t j = 0; j < n; j++) {
+        const double next = force * gain[j] - stiffness[j] * place[j];
+        place[j] += h * (rate[j] + ahead * next);
+        rate[j] += h * next;
+        a[j] = next;
+    }
+}
+
+/* The same, and x and v at the end of the step. */
+static void advance_seen(size_t n, double force, const aoi_rule_step *step, const double *restrict gain,
+                         const double *restrict stiffness, double *restrict place, double *restrict rate,
+                         double *restrict x, double *restrict v)
+{
+    const double h = step->dt, ahead = step->correct_u + step->correct_v + step->predict_u;
+    const double correct_u = step->correct_u, correct_v = step->correct_v;
+    for (size_t j = 0; j < n; j++) {
+        const double q = place[j], w = rate[j], next = force * gain[j] - stiffness[j] * q;
+        place[j] = q + h * (w + ahead * next);
+        rate[j] = w + h * next;
+        x[j] = q + h * (correct_u * next);
+        v[j] = w + correct_v * next;
+    }
+}
+
+void aoi_plain_correct(aoi_stepped *body, double force, int seen)
+{
+    const aoi_rule_step *step = body->step;
+    const double *gain = body->gain, *stiffness = body->own[STIFFNESS];
+    double *place = body->own[PLACE], *rate = body->free_a;
+    if (seen) {
+        advance_seen(body->model->n, force, step, gain, stiffness, place, rate, body->x, body->v);
+    } else {
+        advance(body->model->n, force, step, gain, stiffness, place, rate, body->a);
+    }
+    body->moved = !seen;
+    body->port_rate += step->dt * (body->port_a + force * body->reached);
+    body->centre_a += force * body->centre_reached;
+    body->centre[0] += step->dt * (step->correct_u * body->centre_a);
+    body->centre[1] = body->centre_rate + step->correct_v * body->centre_a;
+    body->centre_rate += step->dt * body->centre_a;
+}
+
+void aoi_stepped_settle(aoi_stepped *body)
+{
+    const aoi_rule_step *step = body->step;
+    for (size_t j = 0; j < body->model->n && body->moved; j++) {
+        const double rate = body->free_a[j] - step->predict_v * body->a[j];
+        body->x[j] = body->own[PLACE][j] - step->dt * (rate + step->predict_u * body->a[j]);
+        body->v[j] = rate;
+    }
+    body->moved = 0;
+}
+
+static double modal_power(const aoi_stepped *body)
+{
+    double power = 0.0;
+    for (size_t j = 0; j < body->model->n; j++) {
+        power += body->own[INERTIA][j] * twice_decay(body->model, j) * body->before[j] * body->before[j];
+    }
+    return power;
+}
+
+/* sum weight_j x_j^2, by four partial sums. */
+static double weighted_squares(size_t n, const double *weight, const double *x)
+{
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    size_t i = 0;
+    if (n == 1) {
+        return *weight * *x * *x;
+    }
+    for (; i + 4 <= n; i += 4) {
+        for (size_t lane = 0; lane < 4; lane++) {
+            const double y = x[i + lane];
+            sum[lane] += weight[i + lane] * y * y;
+        }
+    }
+    for (; i < n; i++) {
+        sum[0] += weight[i] * x[i] * x[i];
+    }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+static void modal_observe(const aoi_stepped *body, double *row, size_t stride)
+{
+    const aoi_modes *modes = body->model;
+    const double *inertia = body->own[INERTIA];
+    double work = 0.0;
+    for (size_t j = 0, n = modes->gravity ? modes->n : 0; j < n; j++) {
+        work += inertia[j] * modes->gravity[j] * body->x[j];
+    }
+    row[AOI_BODY_KINETIC * stride] = 0.5 * weighted_squares(modes->n, inertia, body->v);
+    row[AOI_BODY_ELASTIC * stride] = 0.5 * weighted_squares(modes->n, body->own[SPRING], body->x);
+    row[AOI_BODY_WORK * stride] = work;
+}
+
+const aoi_stepped_kind aoi_stepped_modal = {modal_prepare, modal_begin, modal_accelerate, modal_power, modal_observe};

@@ -1,123 +1,537 @@
-/* A system of bodies in modes in time by Newmark's rule: its bodies started, and the scene of them. */
-#include "newmark/scene.h"
-#include "linear/vector.h"
-#include "linear/work.h"
-#include "model/system.h"
+/* Bodies, contacts and loads in time by Newmark's rule. A step: predict all bodies, solve the contact equations, correct
+ * all bodies, write the record. */
 #include "newmark/body.h"
+#include "linear/vector.h"
+#include "law/law.h"
+#include "model/coupled.h"
+#include "model/load.h"
+#include "model/system.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Columns of the record that are gathered before they are written: a cache line of each row. */
+enum { BLOCK = 8 };
 
 struct aoi_newmark {
-    aoi_scene scene;
-    aoi_body *body, **all;
-    aoi_scene_load *load;
-    double **work, *zero, *record;
-    size_t columns, done;
+    const aoi_system *system;
+    aoi_rule_step step;
+    int energies, loaded, deflects; /* whether any body has a load, and a residual compliance */
+    double *record;
+    size_t columns, done, failed;
+    aoi_coupled coupled;
+    double *x, *v;                           /* of all bodies                                             */
+    aoi_stepped *body;
+    aoi_contact_state *state;                /* of the contacts                                           */
+    double *displacement, *velocity;         /* of all ports: without contacts during a step, then theirs */
+    double *displacement_before;             /* at the last column                                        */
+    double *push, *push_before;              /* on all ports, with loads: now and a step before           */
+    double *load, *load_before;
+    double *load_work, *gravity_start;       /* of the bodies, J                                          */
+    double *column;                          /* some columns of the record, row by row                    */
 };
 
-/* Deals out memory behind the run itself, which is only counted where block is NULL. The scene's is left out:
- * it depends on the bodies, once started. */
-static size_t lay_out(aoi_newmark *run, const aoi_system *system, void *block)
+static aoi_newmark lay_out(const aoi_system *system, void *block, size_t *size)
 {
-    const size_t bodies = system->body_count;
     aoi_memory memory = {block, 0};
-    (void)aoi_memory_take(&memory, 1, sizeof *run);
-    aoi_newmark made = {.body = aoi_memory_take(&memory, bodies, sizeof *made.body)};
-    made.all = aoi_memory_take(&memory, bodies, sizeof *made.all);
-    made.load = aoi_memory_take(&memory, bodies, sizeof *made.load);
-    made.work = aoi_memory_take(&memory, bodies, sizeof *made.work);
-    made.zero = aoi_memory_doubles(&memory, aoi_system_most_modes(system));
-    made.scene.first_port = aoi_memory_numbers(&memory, bodies + 1);
+    const size_t bodies = system->body_count, contacts = system->contact_count;
+    const size_t ports = system->first_port[bodies], rows = aoi_record_rows(system);
+    aoi_newmark made = {.system = system};
+    aoi_coupled *e = &made.coupled;
+    (void)aoi_memory_take(&memory, 1, sizeof made);
+    e->count = contacts;
+    e->band = aoi_system_span(system);
+    made.x = aoi_memory_doubles(&memory, system->first[bodies]);
+    made.v = aoi_memory_doubles(&memory, system->first[bodies]);
+    made.body = aoi_memory_take(&memory, bodies, sizeof *made.body);
+    made.state = aoi_memory_take(&memory, contacts, sizeof *made.state);
+    double **of_ports[] = {&made.displacement, &made.velocity, &made.displacement_before, &made.push,
+                           &made.push_before,  &made.load,     &made.load_before};
+    for (size_t i = 0; i < sizeof of_ports / sizeof *of_ports; i++) {
+        *of_ports[i] = aoi_memory_doubles(&memory, ports);
+    }
+    made.load_work = aoi_memory_doubles(&memory, bodies);
+    made.gravity_start = aoi_memory_doubles(&memory, bodies);
+    e->compliance = aoi_memory_doubles(&memory, aoi_times(2 * e->band + 1, contacts));
+    e->rate_compliance = aoi_memory_doubles(&memory, aoi_times(2 * e->band + 1, contacts));
+    double **of_contacts[] = {&e->free, &e->rate_free, &e->indentation, &e->rate, &e->force};
+    for (size_t i = 0; i < sizeof of_contacts / sizeof *of_contacts; i++) {
+        *of_contacts[i] = aoi_memory_doubles(&memory, contacts);
+    }
+    e->work = aoi_memory_doubles(&memory, aoi_coupled_size(contacts, e->band));
+    made.column = aoi_memory_doubles(&memory, aoi_times(BLOCK, rows));
     for (size_t b = 0; b < bodies; b++) {
-        const aoi_modes *body = &system->body[b];
-        double *work = aoi_memory_doubles(&memory, aoi_body_modal_size(body->n, body->ports));
+        aoi_stepped body;
+        aoi_stepped_lay_out(&body, &system->body[b], &memory);
         if (block) {
-            made.work[b] = work;
+            body.x = made.x + system->first[b];
+            body.v = made.v + system->first[b];
+            made.body[b] = body;
+            made.loaded = made.loaded || body.model->load.count > 0;
+            made.deflects = made.deflects || body.model->residual;
         }
     }
-    if (block) {
-        made.scene.memory = (char *)block + memory.used;
-        *run = made;
-    }
-    return memory.used;
+    *size = memory.used;
+    return made;
 }
 
 size_t aoi_newmark_size(const aoi_system *system)
 {
-    if (!system->first) {
-        return 0;
+    size_t size = 0;
+    if (system->first) {
+        (void)lay_out(system, NULL, &size);
     }
-    const size_t scene = aoi_scene_most(system->body_count, system->first_port[system->body_count],
-                                        system->contact_count, aoi_system_span(system));
-    return aoi_plus(lay_out(NULL, system, NULL), scene);
+    return size;
 }
 
-/* The bodies where they start, and their loads. */
-static int start_bodies(aoi_newmark *run, const aoi_system *system, const aoi_rule *rule,
-                        const aoi_start *start)
+aoi_progress aoi_newmark_progress(const aoi_newmark *run)
 {
-    for (size_t b = 0; b < system->body_count; b++) {
-        const aoi_modes *body = &system->body[b];
-        const size_t first = system->first[b];
-        const aoi_body_start from = {.u = start->x ? start->x + first : run->zero,
-                                     .v = start->v ? start->v + first : run->zero};
-        const int status = aoi_body_start_modal(&run->body[b], body, rule, &from, run->work[b]);
-        if (status != AOI_OK) {
-            return status;
+    return (aoi_progress){.time = run->step.dt * (double)run->done, .steps = run->done, .failed = run->failed,
+                          .x = run->x, .v = run->v};
+}
+
+/* ------------------------------------------------------------------------------ the contacts */
+
+/* How much a force of contact j takes from the indentation of contact i (or from its rate): they push the bodies that
+ * they share apart from the same side, or against each other. */
+static double coupling(const aoi_newmark *run, size_t i, size_t j, int of_rate)
+{
+    const aoi_contact *one = &run->system->contact[i], *other = &run->system->contact[j];
+    double sum = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const aoi_stepped *body = &run->body[one->body[side]];
+        const double *matrix = of_rate ? body->rate_compliance : body->compliance;
+        for (int far = 0; far < 2; far++) {
+            if (other->body[far] == one->body[side]) {
+                const double share = matrix[one->port[side] * body->model->ports + other->port[far]];
+                sum += far == side ? share : -share;
+            }
         }
-        run->all[b] = &run->body[b];
-        if (body->load.count > 0) {
-            run->load[run->scene.load_count++] = (aoi_scene_load){b, 0, body->ports, body->load};
+    }
+    return sum;
+}
+
+static int couple(aoi_newmark *run)
+{
+    const aoi_coupled *e = &run->coupled;
+    double *compliance = e->compliance, *rate_compliance = e->rate_compliance;
+    for (size_t i = 0; i < e->count; i++) {
+        for (size_t k = 0; k <= 2 * e->band; k++) {
+            const int inside = i + k >= e->band && i + k - e->band < e->count;
+            *compliance++ = inside ? coupling(run, i, i + k - e->band, 0) : 0.0;
+            *rate_compliance++ = inside ? coupling(run, i, i + k - e->band, 1) : 0.0;
+        }
+        if (!(compliance[-(ptrdiff_t)e->band - 1] > 0.0)) {
+            return AOI_ERROR_NOT_POSITIVE;
         }
     }
     return AOI_OK;
 }
 
-/* Whether a body rests bent by what it takes at once: by which forces, only an adaptive run finds. */
-static int rests_bent(const aoi_system *system, const aoi_start *start)
+/* The state at the start. A force that depends on the rate is there as soon as the bodies touch. */
+static int contact_begin(const aoi_newmark *run, size_t c, const aoi_start *start)
 {
-    size_t bent = 0;
-    for (size_t b = 0; b < system->body_count; b++) {
-        bent += system->body[b].residual != NULL;
+    const aoi_system *system = run->system;
+    const aoi_contact *of = &system->contact[c];
+    aoi_contact_state *contact = &run->state[c];
+    const aoi_law *law = of->law;
+    const size_t a = system->first_port[of->body[0]] + of->port[0], b = system->first_port[of->body[1]] + of->port[1];
+    aoi_law_value value;
+    *contact = (aoi_contact_state){.law = law, .port = {a, b}};
+    contact->indentation = run->displacement[a] - run->displacement[b] - of->gap;
+    contact->rate = run->velocity[a] - run->velocity[b];
+    contact->last_indentation = contact->indentation;
+    double at = contact->indentation;
+    if (at == 0.0 && contact->rate > 0.0 && law->depends_on_rate) {
+        at = DBL_MIN;
     }
-    return start->rested && bent > 0;
+    aoi_law_push(law, contact->memory, at, contact->rate, &value);
+    contact->force = start->force ? start->force[c] : value.force;
+    if (isfinite(contact->indentation) && isnan(value.force)) {
+        return AOI_ERROR_LAW;
+    }
+    if (!isfinite(contact->indentation) || !isfinite(contact->force)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
+    aoi_law_remember(law, contact->indentation, contact->rate, contact->memory);
+    contact->start_energy = aoi_law_potential(law, contact->memory, contact->indentation);
+    return aoi_law_stands(law, contact->memory, contact->indentation, contact->rate) ? AOI_OK
+                                                                                     : AOI_ERROR_PATCH;
+}
+
+static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *contact)
+{
+    const double indentation = e->indentation[c];
+    contact->work += 0.5 * (contact->force + e->force[c]) * (indentation - contact->indentation);
+    contact->last_indentation = contact->indentation;
+    contact->indentation = indentation;
+    contact->force = e->force[c];
+    contact->rate = e->rate[c];
+    if (contact->law->remember) {
+        aoi_law_remember(contact->law, indentation, contact->rate, contact->memory);
+    }
+    return aoi_law_stands(contact->law, contact->memory, indentation, contact->rate) ? AOI_OK
+                                                                                     : AOI_ERROR_PATCH;
+}
+
+/* --------------------------------------------------------------------------- the record */
+
+static void write_contact(const aoi_contact_state *contact, int energies, double *row)
+{
+    row[AOI_CONTACT_FORCE * BLOCK] = contact->force;
+    row[AOI_CONTACT_INDENTATION * BLOCK] = contact->indentation;
+    if (energies) {
+        const int loses = contact->law->depends_on_rate || contact->law->turns;
+        const double elastic =
+            aoi_law_potential(contact->law, contact->memory, contact->indentation);
+        row[AOI_CONTACT_ELASTIC * BLOCK] = elastic;
+        row[AOI_CONTACT_DISSIPATED * BLOCK] = loses ? contact->work - (elastic - contact->start_energy) : 0.0;
+    }
+}
+
+/* Adds the work of loads, and of gravity since the start. */
+static void write_work(aoi_newmark *run, size_t b, double *row)
+{
+    const size_t *first = run->system->first_port;
+    for (size_t p = first[b]; p < first[b + 1] && run->loaded; p++) {
+        const double moved = run->displacement[p] - run->displacement_before[p];
+        run->load_work[b] += 0.5 * (run->load_before[p] + run->load[p]) * moved;
+    }
+    row[AOI_BODY_WORK * BLOCK] += run->load_work[b] - run->gravity_start[b];
+}
+
+/* Gathers what is now as the next column of the block. */
+static void write_column(aoi_newmark *run, size_t slot)
+{
+    const aoi_system *system = run->system;
+    double *row = run->column + slot;
+    for (size_t c = 0; c < system->contact_count; c++) {
+        write_contact(&run->state[c], run->energies, row);
+        row += AOI_CONTACT_ROWS * BLOCK;
+    }
+    for (size_t b = 0; b < system->body_count; b++) {
+        const size_t first = system->first_port[b];
+        aoi_stepped_observe(&run->body[b], run->push + first, run->push_before + first, run->energies, row, BLOCK);
+        if (run->energies) {
+            write_work(run, b, row);
+        }
+        row += AOI_BODY_ROWS * BLOCK;
+        for (size_t p = first; p < system->first_port[b + 1]; p++, row += AOI_PORT_ROWS * BLOCK) {
+            row[0] = run->displacement[p];
+            row[BLOCK] = run->velocity[p];
+        }
+    }
+}
+
+static void copy_rows(const double **from, double **to, size_t rows, size_t columns, size_t count)
+{
+    for (size_t i = 0; i < rows; i++) {
+        memcpy(*to, *from, count * sizeof(double));
+        *from += BLOCK;
+        *to += columns;
+    }
+}
+
+/* Writes count gathered columns to the record, from column first on. Without energies their rows, behind two others of a
+ * contact or a body, are left alone. */
+static void write_block(const aoi_newmark *run, size_t first, size_t count)
+{
+    const aoi_system *system = run->system;
+    const double *from = run->column;
+    double *to = run->record + first;
+    for (size_t i = 0; i < system->contact_count + system->body_count; i++) {
+        const int is_contact = i < system->contact_count;
+        const size_t all = is_contact ? (size_t)AOI_CONTACT_ROWS : (size_t)AOI_BODY_ROWS;
+        const size_t kept = run->energies ? all : 2;
+        copy_rows(&from, &to, kept, run->columns, count);
+        from += (all - kept) * BLOCK;
+        to += (all - kept) * run->columns;
+        if (!is_contact) {
+            copy_rows(&from, &to, AOI_PORT_ROWS * run->body[i - system->contact_count].model->ports, run->columns,
+                      count);
+        }
+    }
+}
+
+/* ---------------------------------------------------------------------------- in time */
+
+/* The loads on all ports at a time, and their rates just after it where slope is not NULL. */
+static void find_loads(aoi_newmark *run, double time, double *slope)
+{
+    const aoi_system *system = run->system;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const aoi_load *load = &system->body[b].load;
+        const size_t ports = system->body[b].ports;
+        double *now = run->load + system->first_port[b];
+        if (load->count > 0) {
+            const aoi_load_span at = aoi_load_at(load, ports, time);
+            for (size_t p = 0; p < ports; p++) {
+                now[p] = at.here[p] + (at.next[p] - at.here[p]) * (at.into / at.length);
+                if (slope) {
+                    slope[system->first_port[b] + p] = (at.next[p] - at.here[p]) / at.length;
+                }
+            }
+        }
+    }
+}
+
+/* The forces of contacts on all ports, or their rates. */
+static void find_push(const aoi_newmark *run, const double *force, double *push)
+{
+    for (size_t p = 0, ports = run->system->first_port[run->system->body_count]; p < ports; p++) {
+        push[p] = 0.0;
+    }
+    for (size_t c = 0; c < run->system->contact_count; c++) {
+        push[run->state[c].port[0]] -= force[c];
+        push[run->state[c].port[1]] += force[c];
+    }
+}
+
+/* Adds to displacements and velocities of a body's ports the effect of forces on them at the end of the step. */
+static void push_ports(const aoi_stepped *body, const double *force, double *displacement, double *velocity)
+{
+    const size_t ports = body->model->ports;
+    const double *compliance = body->compliance, *rate_compliance = body->rate_compliance;
+    for (size_t p = 0; p < ports; p++) {
+        for (size_t q = 0; q < ports; q++) {
+            displacement[p] += *compliance++ * force[q];
+            velocity[p] += *rate_compliance++ * force[q];
+        }
+    }
+}
+
+/* Ports at the start: where the state and what deflects a residual compliance put them. */
+static void find_ports(aoi_newmark *run)
+{
+    const aoi_system *system = run->system;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const aoi_stepped *body = &run->body[b];
+        const size_t n = body->model->n, first = system->first_port[b];
+        const double *push = run->push + first, *before = run->push_before + first;
+        for (size_t p = 0; p < body->model->ports; p++) {
+            const double *shape = body->model->shape + p * n, settled = aoi_stepped_residual(body, p, push);
+            const double moved = settled - aoi_stepped_residual(body, p, before);
+            run->displacement[first + p] = aoi_vector_dot(n, shape, body->x) + settled;
+            run->velocity[first + p] = aoi_vector_dot(n, shape, body->v) + moved / run->step.dt;
+        }
+    }
+}
+
+/* The forces on the ports at the start, and a step before as their rates say, where those of contacts are given; slope:
+ * the rates of loads. */
+static void start_push(aoi_newmark *run, const aoi_start *start, const double *slope)
+{
+    const size_t ports = run->system->first_port[run->system->body_count];
+    memset(run->push, 0, ports * sizeof(double));
+    memset(run->push_before, 0, ports * sizeof(double));
+    if (!start->force) {
+        return;
+    }
+    find_push(run, start->force, run->push);
+    if (start->force_rate) {
+        find_push(run, start->force_rate, run->push_before);
+    }
+    for (size_t p = 0; p < ports; p++) {
+        run->push[p] += run->load[p];
+        run->push_before[p] = run->push[p] - run->step.dt * (run->push_before[p] + slope[p]);
+    }
+}
+
+/* Whether a body rests deflected by forces that are not given: only an adaptive run finds them. */
+static int rests_deflected(const aoi_system *system, const aoi_start *start)
+{
+    size_t residuals = 0;
+    for (size_t b = 0; b < system->body_count; b++) {
+        residuals += system->body[b].residual != NULL;
+    }
+    return start->rested && !start->force && residuals > 0;
+}
+
+static int take(const double *given, size_t count, double *copy)
+{
+    for (size_t i = 0; i < count; i++) {
+        copy[i] = given ? given[i] : 0.0;
+    }
+    return aoi_vector_is_finite(count, copy);
+}
+
+/* Contacts and accelerations at the start. */
+static int begin(aoi_newmark *run, const aoi_start *start)
+{
+    const aoi_system *system = run->system;
+    const size_t ports = system->first_port[system->body_count];
+    double *push = run->load_before, *slope = run->displacement_before; /* of the first step, free until then */
+    int status = couple(run);
+    memset(run->load, 0, ports * sizeof(double));
+    memset(slope, 0, ports * sizeof(double));
+    find_loads(run, 0.0, slope);
+    for (size_t c = 0; c < system->contact_count; c++) { /* their ports */
+        const aoi_contact *of = &system->contact[c];
+        for (int side = 0; side < 2; side++) {
+            run->state[c].port[side] = system->first_port[of->body[side]] + of->port[side];
+        }
+    }
+    start_push(run, start, slope);
+    find_ports(run);
+    for (size_t c = 0; c < system->contact_count && status == AOI_OK; c++) {
+        status = contact_begin(run, c, start);
+        run->failed = c;
+        run->coupled.force[c] = run->state[c].force;
+    }
+    if (status != AOI_OK) {
+        return status;
+    }
+    find_push(run, run->coupled.force, push);
+    aoi_vector_add(ports, 1.0, run->load, push);
+    for (size_t b = 0; b < system->body_count && status == AOI_OK; b++) {
+        status = aoi_stepped_begin(&run->body[b], push + system->first_port[b]);
+        run->load_work[b] = run->gravity_start[b] = 0.0;
+    }
+    memcpy(run->displacement_before, run->displacement, ports * sizeof(double));
+    memcpy(run->load_before, run->load, ports * sizeof(double));
+    return status;
 }
 
 int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule *rule,
                       const aoi_start *start, int energies, double *record, size_t columns)
 {
-    if (!system->first || columns == 0 || rests_bent(system, start)) {
+    aoi_rule_step step;
+    size_t size;
+    if (!system->first || columns == 0 || rests_deflected(system, start) ||
+        aoi_rule_prepare(rule, &step) != AOI_OK) {
         return AOI_ERROR_ARGUMENT;
     }
-    const size_t all = system->first[system->body_count];
-    if ((start->x && !aoi_vector_is_finite(all, start->x)) ||
-        (start->v && !aoi_vector_is_finite(all, start->v))) {
+    const size_t all = system->first[system->body_count], contacts = system->contact_count;
+    if ((start->force && !aoi_vector_is_finite(contacts, start->force)) ||
+        (start->force_rate && !aoi_vector_is_finite(contacts, start->force_rate))) {
         return AOI_ERROR_NOT_FINITE;
     }
-    (void)lay_out(run, system, run);
-    for (size_t j = 0, n = aoi_system_most_modes(system); j < n; j++) {
-        run->zero[j] = 0.0;
-    }
-    const int status = start_bodies(run, system, rule, start);
-    if (status != AOI_OK) {
-        return status;
-    }
+    *run = lay_out(system, run, &size);
+    run->step = step;
+    run->energies = energies;
     run->record = record;
     run->columns = columns;
-    run->scene.body_count = system->body_count;
-    run->scene.contact_count = system->contact_count;
-    run->scene.body = run->all;
-    run->scene.contact = system->contact;
-    run->scene.load = run->load;
-    run->scene.dt = rule->dt;
-    run->scene.energies = energies;
-    return aoi_scene_start(&run->scene, record, columns);
+    if (!take(start->x, all, run->x) || !take(start->v, all, run->v)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
+    int status = AOI_OK;
+    for (size_t b = 0; b < system->body_count && status == AOI_OK; b++) {
+        status = aoi_stepped_start(&run->body[b], &run->step);
+    }
+    if (status == AOI_OK) {
+        status = begin(run, start);
+    }
+    if (status == AOI_OK) {
+        run->energies = 1; /* to see gravity's work */
+        write_column(run, 0);
+        for (size_t b = 0; b < system->body_count; b++) {
+            double *work = run->column + (aoi_record_body(system, b) + AOI_BODY_WORK) * BLOCK;
+            run->gravity_start[b] = *work;
+            *work = 0.0;
+        }
+        run->energies = energies;
+        write_block(run, 0, 1);
+    }
+    return status;
+}
+
+/* Moves all bodies to the end of a step without contacts; displacement and velocity: of all ports then. */
+static int predict(aoi_newmark *run, double time, double *displacement, double *velocity)
+{
+    const aoi_system *system = run->system;
+    const size_t *first = system->first_port;
+    if (run->loaded) {
+        const size_t bytes = first[system->body_count] * sizeof(double);
+        memcpy(run->displacement_before, run->displacement, bytes);
+        memcpy(run->load_before, run->load, bytes);
+        find_loads(run, time, NULL);
+    }
+    for (size_t b = 0; b < system->body_count; b++) {
+        aoi_stepped *body = &run->body[b];
+        double *u = displacement + first[b], *v = velocity + first[b];
+        if (body->plain) {
+            aoi_plain_predict(body, u, v);
+        } else {
+            const int status = aoi_stepped_predict(body, u, v);
+            if (status != AOI_OK) {
+                return status;
+            }
+        }
+        for (size_t p = 0; run->deflects && p < body->model->ports; p++) {
+            v[p] -= aoi_stepped_residual(body, p, run->push + first[b]) / run->step.dt;
+        }
+        if (run->loaded) {
+            push_ports(body, run->load + first[b], u, v);
+        }
+    }
+    return AOI_OK;
+}
+
+/* Adds the contact forces. */
+static void correct(aoi_newmark *run)
+{
+    const size_t *first = run->system->first_port;
+    if (run->deflects) {
+        memcpy(run->push_before, run->push, first[run->system->body_count] * sizeof(double));
+    }
+    find_push(run, run->coupled.force, run->push);
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        aoi_stepped *body = &run->body[b];
+        double *push = run->push + first[b];
+        push_ports(body, push, run->displacement + first[b], run->velocity + first[b]);
+        for (size_t p = 0; p < body->model->ports && run->loaded; p++) {
+            push[p] += run->load[first[b] + p];
+        }
+        if (body->plain) {
+            aoi_plain_correct(body, *push, run->energies);
+        } else {
+            aoi_stepped_correct(body, push);
+        }
+    }
+}
+
+static int step(aoi_newmark *run, double time)
+{
+    aoi_coupled *e = &run->coupled;
+    int status = predict(run, time, run->displacement, run->velocity);
+    for (size_t c = 0; c < e->count; c++) {
+        const size_t *port = run->state[c].port;
+        e->free[c] = run->displacement[port[0]] - run->displacement[port[1]] - run->system->contact[c].gap;
+        e->rate_free[c] = run->velocity[port[0]] - run->velocity[port[1]];
+    }
+    if (status == AOI_OK) {
+        status = aoi_coupled_solve(e, run->state);
+    }
+    for (size_t c = 0; c < e->count && status == AOI_OK; c++) {
+        status = contact_advance(e, c, &run->state[c]);
+        run->failed = c;
+    }
+    if (status == AOI_OK) {
+        correct(run);
+    }
+    return status;
 }
 
 int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done)
 {
     int status = last < run->columns ? AOI_OK : AOI_ERROR_ARGUMENT;
-    if (status == AOI_OK && last > run->done) {
-        status = aoi_scene_run(&run->scene, run->record, run->columns, run->done + 1, last, &run->done);
+    size_t written = run->done + 1, column = written; /* those from written to column-1 are in the block */
+    for (; column <= last && status == AOI_OK; column++) {
+        if (column - written == BLOCK) {
+            write_block(run, written, BLOCK);
+            written = column;
+        }
+        status = step(run, run->step.dt * (double)column);
+        if (status != AOI_OK) {
+            break;
+        }
+        write_column(run, column - written);
     }
-    *done = run->done;
+    write_block(run, written, column - written);
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        aoi_stepped_settle(&run->body[b]);
+    }
+    *done = run->done = column - 1;
     return status;
 }

@@ -9,92 +9,6 @@
 /* Bytes copied between looks for signals: a hundredth of a second at most. */
 #define CHUNK ((size_t)1 << 22)
 
-/* ----------------------------------------------------------------------- bodies and contacts */
-
-/* A system and all that it is made of. */
-typedef struct taken {
-    aoi_system system;
-    aoi_modes *body;
-    aoi_contact *contact;
-    aoi_law *law; /* one a contact */
-    void *links;
-} taken;
-
-static void free_system(taken *made)
-{
-    free(made->body);
-    free(made->contact);
-    free(made->law);
-    free(made->links);
-}
-
-/* An array that may be None. */
-static const double *maybe(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
-{
-    return object == Py_None ? NULL : doubles(buffers, object, name, count);
-}
-
-#define PLACE_OF(part) part##_at,
-enum { MODES_PARTS(PLACE_OF) MODES_COUNT };
-
-void take_modes(buffer_list *buffers, PyObject *tuple, aoi_modes *body)
-{
-    size_t n = (size_t)-1, shapes = (size_t)-1;
-    need_tuple(buffers, tuple, MODES_COUNT);
-    if (buffers->failed) {
-        return;
-    }
-    PyObject *item[MODES_COUNT];
-    for (Py_ssize_t i = 0; i < MODES_COUNT; i++) {
-        item[i] = PyTuple_GetItem(tuple, i);
-    }
-    body->omega = doubles(buffers, item[omega_at], "omega", &n);
-    body->decay = maybe(buffers, item[decay_at], "decay", &n);
-    body->shape = doubles(buffers, item[shape_at], "shape", &shapes);
-    body->push = doubles(buffers, item[push_at], "push", &shapes);
-    if (!buffers->failed && (n == 0 || shapes % n != 0 || shapes == 0)) {
-        buffers->failed = 1;
-        PyErr_SetString(PyExc_ValueError, "a body needs modes and ports");
-    }
-    body->n = n;
-    body->ports = buffers->failed ? 1 : shapes / n;
-    size_t ports = body->ports, pairs = ports * ports, times = (size_t)-1;
-    body->residual = maybe(buffers, item[residual_at], "residual", &pairs);
-    body->gravity = maybe(buffers, item[gravity_at], "gravity", &n);
-    body->inertia = doubles(buffers, item[inertia_at], "inertia", &n);
-    body->centre = doubles(buffers, item[centre_at], "centre", &n);
-    body->centre_residual = maybe(buffers, item[centre_residual_at], "centre residual", &ports);
-    body->load.time = maybe(buffers, item[load_time_at], "load times", &times);
-    body->load.count = body->load.time ? times : 0;
-    size_t loads = body->load.count * ports;
-    body->load.force = body->load.time ? doubles(buffers, item[load_force_at], "load forces", &loads) : NULL;
-}
-
-static int take_system(buffer_list *buffers, PyObject *bodies, PyObject *contacts, taken *made)
-{
-    const size_t nb = (size_t)PyTuple_Size(bodies), nc = (size_t)PyTuple_Size(contacts);
-    int status = AOI_OK;
-    made->body = calloc(nb + 1, sizeof *made->body);
-    made->contact = calloc(nc + 1, sizeof *made->contact);
-    made->law = calloc(nc + 1, sizeof *made->law);
-    made->system = (aoi_system){.body_count = nb, .contact_count = nc, .body = made->body};
-    made->system.contact = made->contact;
-    made->links = malloc(aoi_system_size(&made->system));
-    if (!made->body || !made->contact || !made->law || !made->links) {
-        buffers->failed = 1;
-        PyErr_NoMemory();
-        return AOI_OK;
-    }
-    for (size_t b = 0; b < nb && !buffers->failed; b++) {
-        take_modes(buffers, PyTuple_GetItem(bodies, (Py_ssize_t)b), &made->body[b]);
-    }
-    for (size_t c = 0; c < nc && !buffers->failed && status == AOI_OK; c++) {
-        status = take_contact(buffers, PyTuple_GetItem(contacts, (Py_ssize_t)c), &made->contact[c],
-                              &made->law[c]);
-    }
-    return buffers->failed || status != AOI_OK ? status : aoi_system_link(&made->system, made->links);
-}
-
 /* ---------------------------------------------------------------------------------- the run */
 
 static const size_t MOST_BYTES = (size_t)1 << 30;
@@ -165,7 +79,7 @@ static void take_start(buffer_list *buffers, PyObject *x_in, PyObject *moving, P
                        const aoi_system *system, double *v, aoi_start *start)
 {
     size_t all = system->first[system->body_count];
-    start->x = maybe(buffers, x_in, "x", &all);
+    start->x = doubles_or_none(buffers, x_in, "x", &all);
     start->v = v;
     start->rested = start->x != NULL;
     need_tuple(buffers, moving, (Py_ssize_t)system->body_count);
@@ -242,47 +156,21 @@ static PyObject *contacts_of(const aoi_adaptive *run, const aoi_system *system, 
     return result;
 }
 
-/* A record may fill GiB: signals are checked while it is copied. */
-static PyObject *bytes_of(const void *record, size_t size)
+/* (track, x, v, contacts, steps, rejected); the track is given away. */
+static PyObject *adaptive_result(const aoi_adaptive *run, kept_track **kept, double end)
 {
-    PyObject *bytes = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)size);
-    for (size_t done = 0; bytes && done < size; done += CHUNK) {
-        const size_t left = size - done;
-        memcpy(PyBytes_AsString(bytes) + done, (const char *)record + done,
-               left < CHUNK ? left : CHUNK);
-        if (PyErr_CheckSignals() != 0) {
-            Py_CLEAR(bytes);
-        }
-    }
-    return bytes;
-}
-
-/* (track, index, x, v, contacts, steps, rejected) */
-static PyObject *adaptive_result(const aoi_adaptive *run, const aoi_system *system,
-                                 const aoi_track *track, double end)
-{
+    const aoi_system *system = &(*kept)->made.system;
     const Py_ssize_t state = (Py_ssize_t)(system->first[system->body_count] * sizeof(double));
     const aoi_progress at = aoi_adaptive_progress(run);
-    PyObject *contacts = contacts_of(run, system, track, end);
-    PyObject *rows = contacts ? bytes_of(track->values, track->used * sizeof(double)) : NULL;
-    PyObject *index = rows ? bytes_of(track->row, track->rows * sizeof(size_t)) : NULL;
-    if (!index) {
+    PyObject *contacts = contacts_of(run, system, &(*kept)->track, end);
+    PyObject *track = contacts ? track_capsule(kept) : NULL;
+    if (!track) {
         Py_XDECREF(contacts);
-        Py_XDECREF(rows);
         return NULL;
     }
-    return Py_BuildValue("NNy#y#Nnn", rows, index, (const char *)at.x, state, (const char *)at.v, state,
-                         contacts, (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
+    return Py_BuildValue("Ny#y#Nnn", track, (const char *)at.x, state, (const char *)at.v, state, contacts,
+                         (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
 }
-
-/* What one call of adaptive() has to release. */
-typedef struct running {
-    buffer_list buffers;
-    taken made;
-    aoi_adaptive *run;
-    double *v;
-    aoi_track track;
-} running;
 
 /* Up to this size a run has room for all contacts closed at once, B. */
 static const size_t BYTES_FOR_ALL = (size_t)1 << 24;
@@ -301,43 +189,33 @@ static size_t first_at_once(aoi_system system)
 }
 
 /* Makes the run, and makes it again with more room for as long as it has too little. */
-static int run_with_room(running *all, const aoi_start *start, double rtol, double end, size_t most_steps)
+static int run_with_room(aoi_adaptive **run, kept_track *kept, const aoi_start *start, double rtol, double end,
+                         size_t most_steps)
 {
-    aoi_system *system = &all->made.system;
+    aoi_system *system = &kept->made.system;
     int status = AOI_ERROR_CROWDED;
     for (system->at_once = first_at_once(*system); status == AOI_ERROR_CROWDED; system->at_once *= 2) {
-        free(all->run);
-        all->run = malloc(aoi_adaptive_size(system));
-        if (!all->run) {
+        free(*run);
+        *run = malloc(aoi_adaptive_size(system));
+        if (!*run) {
             PyErr_NoMemory();
             return AOI_OK;
         }
-        all->track.used = all->track.rows = 0;
-        status = aoi_adaptive_start(all->run, system, start, rtol, end);
+        kept->track.used = kept->track.rows = 0;
+        status = aoi_adaptive_start(*run, system, start, rtol, end);
         if (status == AOI_OK) {
-            status = run_to_end(all->run, system, end, &all->track, most_steps);
+            status = run_to_end(*run, system, end, &kept->track, most_steps);
         }
     }
     return status;
 }
 
-static void release_run(running *all)
-{
-    buffers_release(&all->buffers);
-    free(all->run);
-    free(all->v);
-    free(all->track.values);
-    free(all->track.row);
-    free_system(&all->made);
-}
-
 PyObject *adaptive(PyObject *self, PyObject *args)
 {
     PyObject *bodies, *contacts, *x_in, *moving, *velocities, *result = NULL;
-    running all = {.run = NULL};
-    const aoi_system *system = &all.made.system;
-    aoi_start start;
-    double rtol, end;
+    aoi_start start = {.x = NULL};
+    double rtol, end, *v = NULL;
+    aoi_adaptive *run = NULL;
     aoi_progress reached = {.time = 0.0};
     Py_ssize_t most_steps;
     (void)self;
@@ -345,160 +223,32 @@ PyObject *adaptive(PyObject *self, PyObject *args)
                           &x_in, &moving, &velocities, &most_steps)) {
         return NULL;
     }
-    int status = take_system(&all.buffers, bodies, contacts, &all.made);
-    if (!all.buffers.failed && status == AOI_OK) {
-        all.v = calloc(system->first[system->body_count] + 1, sizeof(double));
-        if (all.v) {
-            take_start(&all.buffers, x_in, moving, velocities, system, all.v, &start);
+    int status;
+    buffer_list starts = {.failed = 0};
+    kept_track *kept = track_new(bodies, contacts, &status);
+    int fine = kept && status == AOI_OK && !PyErr_Occurred();
+    if (fine) {
+        const aoi_system *system = &kept->made.system;
+        v = calloc(system->first[system->body_count] + 1, sizeof(double));
+        if (v) {
+            take_start(&starts, x_in, moving, velocities, system, v, &start);
         } else {
             PyErr_NoMemory();
         }
+        fine = !starts.failed && !PyErr_Occurred();
     }
-    if (!all.buffers.failed && !PyErr_Occurred() && status == AOI_OK) {
-        status = run_with_room(&all, &start, rtol, end, (size_t)most_steps);
-        reached = all.run ? aoi_adaptive_progress(all.run) : reached;
+    if (fine) {
+        status = run_with_room(&run, kept, &start, rtol, end, (size_t)most_steps);
+        reached = run ? aoi_adaptive_progress(run) : reached;
     }
-    if (!all.buffers.failed && !PyErr_Occurred()) {
-        result = status == AOI_OK ? adaptive_result(all.run, system, &all.track, end)
-                                  : raise_of_laws(status, "adaptive run", reached.time, all.made.law,
-                                                  system->contact_count, (Py_ssize_t)reached.failed);
+    if (kept && !PyErr_Occurred()) {
+        result = status == AOI_OK ? adaptive_result(run, &kept, end)
+                                  : raise_of_laws(status, "adaptive run", reached.time, kept->made.law,
+                                                  kept->made.system.contact_count, (Py_ssize_t)reached.failed);
     }
-    release_run(&all);
+    buffers_release(&starts);
+    free(run);
+    free(v);
+    track_free(kept);
     return result;
-}
-
-/* ------------------------------------------------------------------------------ dense output */
-
-/* A track opened to be sampled. */
-typedef struct opened {
-    buffer_list buffers;
-    taken made;
-    aoi_sampler *sampler;
-    const double *times;
-    size_t count;
-} opened;
-
-static int open_track(opened *all, PyObject *bodies, PyObject *contacts, PyObject *track_in,
-                      const char *index, Py_ssize_t index_size, PyObject *times_in)
-{
-    size_t values = (size_t)-1;
-    all->count = (size_t)-1;
-    const int status = take_system(&all->buffers, bodies, contacts, &all->made);
-    const double *row = doubles(&all->buffers, track_in, "track", &values);
-    all->times = doubles(&all->buffers, times_in, "times", &all->count);
-    if (all->buffers.failed || status != AOI_OK) {
-        return status;
-    }
-    /* Only read. */
-    const aoi_track track = {.values = (double *)row, .row = (size_t *)(void *)index, .used = values,
-                             .rows = (size_t)index_size / sizeof(size_t)};
-    all->sampler = malloc(aoi_sampler_size(&all->made.system));
-    if (!all->sampler) {
-        all->buffers.failed = 1;
-        PyErr_NoMemory();
-        return AOI_OK;
-    }
-    return aoi_sampler_start(all->sampler, &all->made.system, &track);
-}
-
-static PyObject *close_track(opened *all, int status)
-{
-    PyObject *done = finish(&all->buffers, status, "dense output");
-    free(all->sampler);
-    free_system(&all->made);
-    if (done && PyErr_Occurred()) {
-        Py_DECREF(done);
-        return NULL;
-    }
-    return done;
-}
-
-/* Whether another column may be computed before the next check of signals; started: the time of the last one, s. */
-static int has_time(double started) { return seconds_now() - started < SIGNAL_INTERVAL; }
-
-PyObject *track_sample(PyObject *self, PyObject *args)
-{
-    PyObject *bodies, *contacts, *track_in, *times_in, *record_out;
-    const char *index;
-    Py_ssize_t index_size;
-    int energies;
-    opened all;
-    memset(&all, 0, sizeof all);
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!Oy#OOp", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
-                          &track_in, &index, &index_size, &times_in, &record_out, &energies)) {
-        return NULL;
-    }
-    int status = open_track(&all, bodies, contacts, track_in, index, index_size, times_in);
-    size_t wanted = all.made.system.first ? aoi_record_rows(&all.made.system) * all.count : (size_t)-1;
-    double *record = doubles_out(&all.buffers, record_out, "record", &wanted);
-    for (size_t i = 0; !all.buffers.failed && status == AOI_OK && i < all.count &&
-                       PyErr_CheckSignals() == 0;) {
-        const double started = seconds_now();
-        Py_BEGIN_ALLOW_THREADS
-        for (; i < all.count && has_time(started); i++) {
-            aoi_sampler_column(all.sampler, all.times[i], energies, record + i, all.count);
-        }
-        Py_END_ALLOW_THREADS
-    }
-    return close_track(&all, status);
-}
-
-PyObject *track_forces(PyObject *self, PyObject *args)
-{
-    PyObject *bodies, *contacts, *track_in, *times_in, *forces_out;
-    const char *index;
-    Py_ssize_t index_size;
-    opened all;
-    memset(&all, 0, sizeof all);
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!Oy#OO", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
-                          &track_in, &index, &index_size, &times_in, &forces_out)) {
-        return NULL;
-    }
-    const int status = open_track(&all, bodies, contacts, track_in, index, index_size, times_in);
-    size_t wanted = all.buffers.failed ? 0 : all.made.system.contact_count * all.count;
-    double *forces = doubles_out(&all.buffers, forces_out, "forces", &wanted);
-    for (size_t i = 0; !all.buffers.failed && status == AOI_OK && i < all.count &&
-                       PyErr_CheckSignals() == 0;) {
-        const double started = seconds_now();
-        Py_BEGIN_ALLOW_THREADS
-        for (; i < all.count && has_time(started); i++) {
-            aoi_sampler_forces(all.sampler, all.times[i], forces + i, all.count);
-        }
-        Py_END_ALLOW_THREADS
-    }
-    return close_track(&all, status);
-}
-
-PyObject *track_states(PyObject *self, PyObject *args)
-{
-    PyObject *bodies, *contacts, *track_in, *times_in, *states_out;
-    const char *index;
-    Py_ssize_t index_size, body;
-    opened all;
-    memset(&all, 0, sizeof all);
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!Oy#OnO", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
-                          &track_in, &index, &index_size, &times_in, &body, &states_out)) {
-        return NULL;
-    }
-    int status = open_track(&all, bodies, contacts, track_in, index, index_size, times_in);
-    if (!all.buffers.failed && status == AOI_OK &&
-        (body < 0 || (size_t)body >= all.made.system.body_count)) {
-        status = AOI_ERROR_ARGUMENT;
-    }
-    const int fine = !all.buffers.failed && status == AOI_OK;
-    const size_t width = fine ? 2 * all.made.body[body].n : 0;
-    size_t wanted = width * all.count;
-    double *states = fine ? doubles_out(&all.buffers, states_out, "states", &wanted) : NULL;
-    for (size_t i = 0; fine && !all.buffers.failed && i < all.count && PyErr_CheckSignals() == 0;) {
-        const double started = seconds_now();
-        Py_BEGIN_ALLOW_THREADS
-        for (; i < all.count && has_time(started); i++) {
-            aoi_sampler_state(all.sampler, all.times[i], (size_t)body, states + i * width);
-        }
-        Py_END_ALLOW_THREADS
-    }
-    return close_track(&all, status);
 }

@@ -37,6 +37,7 @@ void *buffers_take(buffer_list *buffers, PyObject *object, const char *name, cha
                 size_t *count);
 const double *doubles(buffer_list *buffers, PyObject *object, const char *name, size_t *count);
 double *doubles_out(buffer_list *buffers, PyObject *object, const char *name, size_t *count);
+const double *doubles_or_none(buffer_list *buffers, PyObject *object, const char *name, size_t *count); /* NULL: None */
 const int32_t *integers(buffer_list *buffers, PyObject *object, const char *name, size_t *count);
 
 /* Fails where the object is not a tuple of that size. */
@@ -99,13 +100,53 @@ int take_sparse(buffer_list *buffers, PyObject *tuple, size_t n, aoi_sparse *mat
 /* (start, rows, values, pivots, place, panel); factors->work is there already. */
 int take_factors(buffer_list *buffers, PyObject *tuple, size_t n, aoi_factors *factors);
 
-/* What the tuple of a body in modes holds, in this order; None for what there is not. Python makes it by these names,
- * which it has from _core.MODES. */
+/* What the tuple of a body holds, in this order; None for what there is not. Python makes it by these names, which it
+ * has from _core.MODES. */
 #define MODES_PARTS(X)                                                                             \
     X(omega) X(decay) X(shape) X(push) X(residual) X(gravity) X(inertia) X(centre)                 \
-    X(centre_residual) X(load_time) X(load_force)
+    X(centre_residual) X(load_time) X(load_force) X(full)
 
-void take_modes(buffer_list *buffers, PyObject *tuple, aoi_modes *body);
+/* The matrices of a body and its factors. */
+typedef struct taken_full {
+    aoi_full full;
+    aoi_factors factors;
+    double *work;
+} taken_full;
+
+/* A system and all that it is made of. */
+typedef struct taken {
+    aoi_system system;
+    aoi_modes *body;
+    taken_full *full; /* one a body */
+    aoi_contact *contact;
+    aoi_law *law; /* one a contact */
+    void *links;
+    signal_check signals;
+} taken;
+
+/* full: room for matrices, or NULL where a body with matrices is refused. */
+int take_body(buffer_list *buffers, PyObject *tuple, aoi_modes *body, taken_full *full, signal_check *signals);
+
+/* Bodies and contacts of two tuples, linked; made is empty before, and stays where it is. */
+int take_system(buffer_list *buffers, PyObject *bodies, PyObject *contacts, taken *made);
+void free_system(taken *made);
+
+/* A track, and all that it takes to read it: what Python holds as a capsule. Only read once a run has written it, so that
+ * threads may share it. */
+typedef struct kept_track {
+    buffer_list buffers;
+    taken made;
+    aoi_track track;
+    PyObject *bodies, *contacts;
+} kept_track;
+
+/* One without rows; NULL, or an error set, where it cannot be made. */
+kept_track *track_new(PyObject *bodies, PyObject *contacts, int *status);
+
+/* The capsule, which takes it over and leaves NULL; NULL with an error raised. */
+PyObject *track_capsule(kept_track **kept);
+
+void track_free(kept_track *kept);
 
 /* -------------------------------------- the module's functions, by file; module.c has their table */
 
@@ -142,10 +183,15 @@ PyObject *blocks_smooth(PyObject *self, PyObject *args);
 PyObject *graph_aggregate(PyObject *self, PyObject *args);
 
 /* newmark.c */
-PyObject *newmark_scene(PyObject *self, PyObject *args);
+PyObject *newmark(PyObject *self, PyObject *args);
 
 /* adaptive.c */
 PyObject *adaptive(PyObject *self, PyObject *args);
+
+/* track.c */
+PyObject *track_open(PyObject *self, PyObject *args);
+PyObject *track_bytes(PyObject *self, PyObject *capsule);
+PyObject *track_rows(PyObject *self, PyObject *capsule);
 PyObject *track_sample(PyObject *self, PyObject *args);
 PyObject *track_forces(PyObject *self, PyObject *args);
 PyObject *track_states(PyObject *self, PyObject *args);

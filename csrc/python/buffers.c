@@ -22,7 +22,7 @@ void buffers_release(buffer_list *buffers)
     buffers->block.next = NULL;
 }
 
-/* A block with room for one more: the first, or the one behind it, where new ones are put in. */
+/* A block with room for one more: the first, or the most recent overflow block, inserted after the first. */
 static buffer_block *with_room(buffer_list *buffers)
 {
     buffer_block *block = &buffers->block;
@@ -79,6 +79,11 @@ void *buffers_take(buffer_list *buffers, PyObject *object, const char *name, cha
 const double *doubles(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
 {
     return buffers_take(buffers, object, name, 'd', 0, count);
+}
+
+const double *doubles_or_none(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
+{
+    return object == Py_None ? NULL : doubles(buffers, object, name, count);
 }
 
 double *doubles_out(buffer_list *buffers, PyObject *object, const char *name, size_t *count)

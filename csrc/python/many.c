@@ -55,8 +55,8 @@ static int take_cases(buffer_list *buffers, PyObject *bodies, PyObject *moving, 
         return AOI_OK;
     }
     need_tuple(buffers, moving, (Py_ssize_t)of->body_count);
-    for (size_t b = 0; b < of->body_count && !buffers->failed; b++) {
-        take_modes(buffers, PyTuple_GetItem(bodies, (Py_ssize_t)b), &of->body[b]);
+    for (size_t b = 0; b < of->body_count && !buffers->failed && status == AOI_OK; b++) {
+        status = take_body(buffers, PyTuple_GetItem(bodies, (Py_ssize_t)b), &of->body[b], NULL, NULL);
         size_t n = of->body[b].n;
         of->moving[b] = doubles(buffers, PyTuple_GetItem(moving, (Py_ssize_t)b), "moving", &n);
         status = of->body[b].ports == 1 ? status : AOI_ERROR_ARGUMENT;
@@ -130,7 +130,7 @@ static int make_case(work *on, const cases *of, const int32_t *which, const doub
         return 0;
     }
     if (status == AOI_OK) {
-        const aoi_start start = {NULL, on->v, 0};
+        const aoi_start start = {.v = on->v};
         status = aoi_brief_run(&on->system, &start, numbers[CASE_RTOL], numbers[CASE_DURATION],
                                MOST_ROWS, on->memory, &brief);
     }

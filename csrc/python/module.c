@@ -8,9 +8,12 @@
     X(constraint_reflector) X(constraint_congruence) X(star_from_constraint_modes)                \
     X(krylov_extend)                                                                              \
     X(star_receptance) X(modal_receptance) X(star_to_modal) X(star_from_modal)                    \
-    X(factors_find_panels) X(factors_solve) X(newmark_scene) X(blocks_pattern) X(blocks_multiply) \
-    X(blocks_subtract) X(blocks_smooth) X(graph_aggregate) X(adaptive) X(track_sample)            \
-    X(track_forces) X(track_states) X(briefs)
+    X(factors_find_panels) X(factors_solve) X(newmark) X(blocks_pattern) X(blocks_multiply) \
+    X(blocks_subtract) X(blocks_smooth) X(graph_aggregate) X(adaptive) X(track_open)              \
+    X(track_sample) X(track_forces) X(track_states) X(briefs)
+
+/* Of one argument. */
+#define FUNCTIONS_OF_ONE(X) X(track_bytes) X(track_rows)
 
 typedef PyObject *function(PyObject *self, PyObject *args);
 
@@ -32,9 +35,11 @@ static PyObject *call_as_tested(function *called, PyObject *self, PyObject *args
         return call_as_tested(name, self, args);                                                   \
     }
 FUNCTIONS(AS_TESTED)
+FUNCTIONS_OF_ONE(AS_TESTED)
 
 #define ENTRY(name) {#name, name##_as_tested, METH_VARARGS, NULL},
-static PyMethodDef methods[] = {FUNCTIONS(ENTRY){NULL, NULL, 0, NULL}};
+#define ENTRY_OF_ONE(name) {#name, name##_as_tested, METH_O, NULL},
+static PyMethodDef methods[] = {FUNCTIONS(ENTRY) FUNCTIONS_OF_ONE(ENTRY_OF_ONE){NULL, NULL, 0, NULL}};
 
 #define NAME_OF(part) #part " "
 static int add_names(PyObject *module)

@@ -1,6 +1,6 @@
 /* The inner loops of multigrid, for Python. */
 #include "python/binding.h"
-#include "linear/multigrid.h"
+#include "multigrid/multigrid.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
-/* Whether a track can be read: each reader asks before it reads anything else of it. */
-#include "track/check.h"
+/* Whether a track that does not come from a run of this process can be read. */
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
+#include "model/system.h"
 
 #include <math.h>
 
@@ -62,20 +62,23 @@ static size_t end_of_row(const aoi_system *system, const aoi_track *track, size_
     return end;
 }
 
-int aoi_track_is_sound(const aoi_system *system, const aoi_track *track)
+int aoi_track_check(const aoi_system *system, const aoi_track *track)
 {
+    if (!aoi_system_is_modal(system)) {
+        return AOI_ERROR_ARGUMENT;
+    }
     size_t end = 0;
     double time = -HUGE_VAL;
     for (size_t row = 0; row < track->rows; row++) {
         if (track->row[row] != end) {
-            return 0;
+            return AOI_ERROR_ARGUMENT;
         }
         const double *here = track->values + end;
         end = end_of_row(system, track, end);
         if (end == 0 || here[AOI_TRACK_START] < time) {
-            return 0;
+            return AOI_ERROR_ARGUMENT;
         }
         time = here[AOI_TRACK_START];
     }
-    return track->rows > 0 && end == track->used;
+    return track->rows > 0 && end == track->used ? AOI_OK : AOI_ERROR_ARGUMENT;
 }

@@ -5,7 +5,6 @@
 #include "motion/radau.h"
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
-#include "track/check.h"
 
 #include <math.h>
 
@@ -85,9 +84,6 @@ size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, dou
                            aoi_interval *work, size_t capacity, aoi_interval *interval)
 {
     search found = {end, work, 0, capacity, interval};
-    if (!system->first || !aoi_track_is_sound(system, track)) {
-        return 0;
-    }
     for (size_t c = 0; c < system->contact_count; c++) {
         work[c] = (aoi_interval){.contact = c};
     }

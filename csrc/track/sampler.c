@@ -13,7 +13,6 @@
 #include "motion/even.h"
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
-#include "track/check.h"
 
 #include <float.h>
 #include <math.h>
@@ -179,7 +178,7 @@ static void enter_row(aoi_sampler *sampler, size_t row)
 
 int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track)
 {
-    if (!system->first || !aoi_track_is_sound(system, track)) {
+    if (!aoi_system_is_modal(system) || track->rows == 0) {
         return AOI_ERROR_ARGUMENT;
     }
     *sampler = (aoi_sampler){.system = system, .most_modes = aoi_system_most_modes(system)};

@@ -18,10 +18,12 @@ from pathlib import Path
 CORE = Path(__file__).resolve().parents[2] / "csrc"
 PUBLIC = CORE.parent / "include" / "aoimpact.h"
 
-# A folder may use those before it; newmark and motion know nothing of each other.
-ORDER = ["linear", "star", "law", "model", "newmark", "motion", "collocation", "adaptive"]
-ORDER += ["track", "python"]
+# A folder may use those before it; newmark and motion know nothing of each other, and multigrid
+# serves Python alone.
+ORDER = ["linear", "multigrid", "star", "law", "model", "newmark", "motion", "collocation"]
+ORDER += ["adaptive", "track", "python"]
 STRANGERS = {("motion", "newmark"), ("collocation", "newmark"), ("adaptive", "newmark")}
+STRANGERS |= {(folder, "multigrid") for folder in ORDER[2:-1]}
 
 
 def may_use(folder: str, other: str) -> bool:

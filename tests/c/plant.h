@@ -162,7 +162,7 @@ static inline void make_room(plant *p, size_t rows)
 static inline int begin(plant *p, double rtol, double end)
 {
     const int status = lay_out(p);
-    const aoi_start start = {p->x, p->v, p->rested};
+    const aoi_start start = {.x = p->x, .v = p->v, .rested = p->rested};
     if (status != AOI_OK) {
         return status;
     }
@@ -212,7 +212,8 @@ static inline void release(plant *p)
 
 static inline int open_sampler(plant *p)
 {
-    return aoi_sampler_start(p->sampler, &p->system, &p->track);
+    const int status = aoi_track_check(&p->system, &p->track);
+    return status == AOI_OK ? aoi_sampler_start(p->sampler, &p->system, &p->track) : status;
 }
 
 /* A contact's force, of a plant without energies whose sampler is open. */

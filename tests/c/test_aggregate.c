@@ -1,6 +1,6 @@
 /* Aggregates: each is the whole neighbourhood of some node, and what joined it from beside. */
 #include "check.h"
-#include "linear/multigrid.h"
+#include "multigrid/multigrid.h"
 
 enum { MOST = 400, EDGES = 16 * MOST };
 

@@ -1,7 +1,7 @@
 /* Smoothing on T (x) S, with T the chain of springs tridiag(-1, 2, -1), whose eigenvectors are sines,
  * and S = 1 + ones: what Chebyshev steps leave of each eigenvector is known in closed form. */
 #include "check.h"
-#include "linear/multigrid.h"
+#include "multigrid/multigrid.h"
 
 enum { NODES = 20, STORED = 3 * NODES, WIDEST = AOI_BLOCKS_WIDEST, PARTS = 3 };
 enum { WORK = AOI_BLOCKS_WORK * NODES * (WIDEST + 1) };

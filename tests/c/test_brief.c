@@ -40,7 +40,7 @@ static int brief_of(pair *p, double velocity, double end, size_t most, aoi_brief
     CHECK(aoi_system_link(&p->system, p->links) == AOI_OK, "linked");
     void *memory = malloc(aoi_brief_size(&p->system, most));
     p->v[0] = velocity;
-    const aoi_start start = {p->x, p->v, 0};
+    const aoi_start start = {.x = p->x, .v = p->v};
     const int status = aoi_brief_run(&p->system, &start, 1e-9, end, most, memory, brief);
     free(memory);
     return status;
@@ -90,7 +90,7 @@ static void as_many_rows_are_enough_as_the_run_writes(void)
     double *values = malloc(ROWS * aoi_adaptive_room(&p.system) * sizeof *values);
     size_t row[ROWS];
     aoi_track track = {values, row, ROWS * aoi_adaptive_room(&p.system), ROWS, 0, 0};
-    const aoi_start start = {p.x, p.v, 0};
+    const aoi_start start = {.x = p.x, .v = p.v};
     CHECK(aoi_adaptive_start(run, &p.system, &start, 1e-9, 0.1) == AOI_OK, "started");
     CHECK(aoi_adaptive_finish(run, &track) == AOI_OK, "finished");
     CHECK(least <= track.rows + 1, "%zu rows for %zu", least, track.rows);

@@ -4,13 +4,12 @@
 #include "check.h"
 #include "linear/vector.h"
 #include "model/coupled.h"
-#include "newmark/body.h"
 
 #include <string.h>
 
 enum { MOST = 40, MOST_BAND = 6, WIDTH = 2 * MOST_BAND + 1 };
 
-static const aoi_rule_step STEP = {.dt = 1e-6};
+static const aoi_rule STEP = {.dt = 1e-6};
 
 typedef struct equations {
     aoi_coupled e;

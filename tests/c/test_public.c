@@ -76,7 +76,7 @@ static void make_drop(drop *d, double decay, double rise)
     CHECK(aoi_law_create(&d->law, "linear", 1, &k) == AOI_OK, "law");
     d->contact = (aoi_contact){{0, 1}, {0, 0}, 1e-3, &d->law};
     d->system = (aoi_system){.body_count = 2, .contact_count = 1, .body = d->body, .contact = &d->contact};
-    d->start = (aoi_start){NULL, d->v, 0};
+    d->start = (aoi_start){.v = d->v};
     CHECK(aoi_system_size(&d->system) <= sizeof d->links, "room");
     CHECK(aoi_system_link(&d->system, d->links) == AOI_OK, "linked");
 }
@@ -248,7 +248,7 @@ static void what_is_not_linked_is_refused(void)
     const aoi_contact wrong = {{0, 5}, {0, 0}, 0.0, &law};
     aoi_system system = {.body_count = 2, .contact_count = 1, .body = balls, .contact = &wrong};
     const aoi_rule rule = {1e-6, 0.25, 0.5};
-    const aoi_start start = {NULL, NULL, 0};
+    const aoi_start start = {.rested = 0};
     aoi_track track = {.capacity = 0};
     size_t links[20];
     double room[8];
@@ -261,6 +261,7 @@ static void what_is_not_linked_is_refused(void)
     CHECK(aoi_adaptive_start((aoi_adaptive *)room, &system, &start, 1e-6, 1.0) == AOI_ERROR_ARGUMENT, "adaptive");
     CHECK(aoi_newmark_start((aoi_newmark *)room, &system, &rule, &start, 0, room, 8) == AOI_ERROR_ARGUMENT, "steps");
     CHECK(aoi_sampler_start((aoi_sampler *)room, &system, &track) == AOI_ERROR_ARGUMENT, "dense output");
+    CHECK(aoi_track_check(&system, &track) == AOI_ERROR_ARGUMENT, "a track of it");
 }
 
 /* Both integrators refuse a start that is no number; fixed steps one at rest of a body that is bent at once, by forces
@@ -268,7 +269,7 @@ static void what_is_not_linked_is_refused(void)
 static void starts_that_cannot_be(void)
 {
     const double nan[2] = {0.0, (double)NAN}, residual = 1e-8;
-    const aoi_start starts[] = {{NULL, nan, 0}, {nan, NULL, 0}};
+    const aoi_start starts[] = {{.v = nan}, {.x = nan}};
     const aoi_rule rule = {1e-6, 0.25, 0.5};
     double record[20];
     drop d;

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from aoimpact.batch import plain
-from aoimpact.integrate import dense, tolerances
+from aoimpact.integrate import tolerances
 from aoimpact.laws import law
 
 ROOT = Path(__file__).parents[2]
@@ -23,13 +23,6 @@ def enumerated(file: str, first: str) -> dict[str, int]:
         name, _, given = map(str.strip, entry.partition("="))
         values[name] = last = eval(given, {}, values) if given else last + 1
     return values
-
-
-def test_columns_of_a_row_of_a_run() -> None:
-    row = enumerated("adaptive/row.h", "AOI_TRACK_START")
-    assert row["AOI_TRACK_START"] == dense._START
-    assert row["AOI_TRACK_LENGTH"] == dense._LENGTH
-    assert row["AOI_TRACK_CONTACTS"] == dense._CONTACTS
 
 
 def test_columns_of_plain_impacts() -> None:

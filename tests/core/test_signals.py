@@ -26,12 +26,15 @@ def hertz(k: float) -> tuple[object, ...]:
     return "hertz", (k,), 0.0, np.inf, np.full(3, np.nan), None
 
 
+def in_modes(**parts: object) -> tuple[object, ...]:
+    return tuple(parts.get(name) for name in _core.MODES.split())
+
+
 def body(omega: Array) -> tuple[object, ...]:
     """A free body in those modes, all of which a force moves alike."""
     ones = np.ones(len(omega))
     ports = {"shape": ones[None], "push": 1e-3 * ones[None]}
-    parts = {"omega": omega, "inertia": ones, "centre": ones, **ports}
-    return tuple(parts.get(name) for name in _core.MODES.split())
+    return in_modes(omega=omega, inertia=ones, centre=ones, **ports)
 
 
 def law() -> Call:
@@ -93,43 +96,40 @@ def krylov() -> Call:
     )
 
 
-def track(count: int) -> tuple[tuple[object, ...], Array]:
-    """Bodies, contacts, track and index of free motion in so many modes, and sample times."""
+def track(count: int) -> tuple[object, Array]:
+    """A track of free motion in so many modes, and sample times."""
     bodies = body(np.linspace(0.0, 1e4, count)), body(np.zeros(1))
     contacts = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
     moving = np.zeros(count), np.zeros(1)
-    table, index, *_ = _core.adaptive(
-        bodies, contacts, 1e-6, 1.0, None, moving, (0.0, 0.0), sys.maxsize
-    )
-    times = np.linspace(0.0, 1.0, 20_000_000 // count)
-    return (bodies, contacts, np.frombuffer(table), index), times
+    made, *_ = _core.adaptive(bodies, contacts, 1e-6, 1.0, None, moving, (0.0, 0.0), sys.maxsize)
+    return made, np.linspace(0.0, 1.0, 20_000_000 // count)
 
 
 def sample() -> Call:
-    arguments, _ = track(2000)
+    made, _ = track(2000)
     times = np.linspace(0.0, 1.0, 20_000) ** 1.5
     record = np.zeros((20, len(times)))
-    return lambda: _core.track_sample(*arguments, times, record, True)
+    return lambda: _core.track_sample(made, times, record, True)
 
 
 def sample_evenly() -> Call:
     """Even times take a fraction of the work."""
-    arguments, _ = track(2000)
+    made, _ = track(2000)
     times = np.linspace(0.0, 1.0, 150_000)
     record = np.zeros((20, len(times)))
-    return lambda: _core.track_sample(*arguments, times, record, True)
+    return lambda: _core.track_sample(made, times, record, True)
 
 
 def states() -> Call:
-    arguments, times = track(2000)
+    made, times = track(2000)
     found = np.empty((len(times), 4000))
-    return lambda: _core.track_states(*arguments, times, 0, found)
+    return lambda: _core.track_states(made, times, 0, found)
 
 
 def forces() -> Call:
-    arguments, times = track(1)
+    made, times = track(1)
     found = np.empty((1, len(times)))
-    return lambda: _core.track_forces(*arguments, times, found)
+    return lambda: _core.track_forces(made, times, found)
 
 
 def touch() -> Call:
@@ -165,17 +165,15 @@ def full(band: int, mass: Array) -> Call:
     factors = (columns, rows, np.full(len(rows), 1e-6), np.ones(n), indices, start)
     b = np.zeros(n)
     b[0] = 1.0
-    matrices = {"K": (start, indices, np.ones(n)), "M": (2 * start, beside, pairs), "B": b}
-    undamped = {"alpha": 0.0, "beta": 0.0}
-    still = {"centre": np.zeros(n), "u": np.zeros(n), "v": np.zeros(n), **undamped}
-    pushed = {"factors": factors, "gravity": np.linspace(1.0, 2.0, n)}
-    target = {"kind": "full", **matrices, **pushed, **still}
-    rigid = {"kind": "star", "m0": np.inf, "k0": 0.0, "m": numbers(), "k": numbers(), **undamped}
-    wall = rigid | {"gravity": None, **{name: np.ones(1) for name in ("centre", "u", "v")}}
+    matrices = (start, indices, np.ones(n)), (2 * start, beside, pairs), 0.0, 0.0, factors
+    pulled = {"centre": np.zeros(n), "gravity": np.linspace(1.0, 2.0, n), "full": matrices}
+    one, none = np.ones(1), np.zeros(1)
+    wall = {"omega": none, "shape": one, "push": none, "inertia": none, "centre": one}
+    scene = in_modes(shape=b, push=b, **pulled), in_modes(**wall)
     record = np.zeros((20, 100))
-    contacts = ((0, 0, 1, 0, 1e9, hertz(1e3)),)
-    scene, rule = ((target, wall), contacts, ()), (1e-3, 0.25, 0.5)
-    return lambda: _core.newmark_scene(*scene, *rule, record, False, None)
+    contacts, start_at = ((0, 0, 1, 0, 1e9, hertz(1e3)),), np.zeros((2, n + 1))
+    rest = *start_at, None, None, record, False
+    return lambda: _core.newmark(scene, contacts, 1e-3, 0.25, 0.5, *rest)
 
 
 def factors() -> Call:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.integrate.newmark import Newmark, newmark_scene
+from aoimpact.integrate.newmark import Newmark, newmark_run
 from aoimpact.scene import stepped
 
 from slender import beam
@@ -97,8 +97,8 @@ def test_bad_damping_is_named(make, message):
 def let_go(bodies, duration, dt, start):
     """Displacement of each body's contact after a start `start` m away, alone."""
     rule = Newmark(dt=dt)
-    cores = [stepped(body, state=(u, np.zeros_like(u))) for body, u in bodies]
-    record = newmark_scene(cores, [], rule=rule, dt=dt, duration=duration)
+    cores = [stepped(body, rest=u) for body, u in bodies]
+    record = newmark_run(cores, [], rule=rule, dt=dt, duration=duration)
     return record, [record.rows[8 * i + 6] for i in range(len(bodies))]
 
 

@@ -14,9 +14,9 @@ from scipy.special import gamma
 import aoimpact as ao
 from aoimpact.base import NotFiniteError
 from aoimpact.integrate import fixed_steps
-from aoimpact.integrate.newmark import Newmark, newmark_scene
-from aoimpact.scene import Contact, Load, stepped
-from aoimpact.scene.stepped import SteppedModes
+from aoimpact.integrate.newmark import Newmark, newmark_run
+from aoimpact.scene import Contact, stepped
+from aoimpact.scene.stepped import SteppedBody
 
 from slender import beam, rod
 
@@ -214,7 +214,7 @@ def row_of_balls(count, dt, duration, law=HERTZ, velocity=1.0):
     rule = Newmark(dt=dt)
     balls = [stepped(ao.rigid(mass=MASS), velocity if i == 0 else 0.0) for i in range(count)]
     contacts = [Contact(i, 0, i + 1, 0, law, 0.0) for i in range(count - 1)]
-    record = newmark_scene(balls, contacts, rule=rule, dt=dt, duration=duration)
+    record = newmark_run(balls, contacts, rule=rule, dt=dt, duration=duration)
     bodies = record.rows[4 * (count - 1) :].reshape(count, 8, -1)
     return record, record.rows[: 4 * (count - 1)].reshape(count - 1, 4, -1), bodies
 
@@ -265,24 +265,18 @@ def test_a_beam_touched_in_two_places_is_its_modes():
     dt, zero = 2e-3, np.zeros(K.shape[0])
     rule, law = Newmark(dt=dt), ao.Hertz(k=1e4)
     body = ao.full(ao.FEModel(K=K, M=M).contact(dof=5))
-    full_body = replace(stepped(body), B=b)
-    in_modes = SteppedModes(
-        omega=np.sqrt(omega2),
-        decay=zero,
-        shape=b @ phi,
-        residual=np.zeros((2, 2)),
-        residual_forces=None,
-        gravity=None,
-        centre=phi.T @ full_body.centre,
-        u=np.zeros_like(zero),
-        v=np.zeros_like(zero),
-    )
+    push = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [0.0, 0.05]])
+    acting = {"load_time": push[0], "load_force": push[1]}
+    full_body = stepped(body)
+    centre = phi.T @ full_body.parts["centre"]
+    full_body = replace(full_body, parts={**full_body.parts, "shape": b, "push": b, **acting})
+    modes = {"omega": np.sqrt(omega2), "shape": b @ phi, "push": b @ phi, "centre": centre}
+    in_modes = SteppedBody(modes | {"inertia": np.ones_like(zero)} | acting, zero, zero)
     runs = []
     for body in (full_body, in_modes):
         balls = [stepped(ao.rigid(mass=0.1), v) for v in (0.1, 0.2)]
         contacts = [Contact(0, 0, 2, 0, law, 0.0), Contact(1, 0, 2, 1, law, 0.01)]
-        loads = [Load(2, 1, np.array([0.0, 1.0]), np.array([0.0, 0.05]))]
-        runs.append(newmark_scene([*balls, body], contacts, loads, rule=rule, dt=dt, duration=4.0))
+        runs.append(newmark_run([*balls, body], contacts, rule=rule, dt=dt, duration=4.0))
     full, modes = runs
     assert (full.rows[[0, 4]].max(axis=1) > 0.1).all()
     scale = np.abs(full.rows).max(axis=1, keepdims=True)
@@ -294,16 +288,17 @@ def test_everything_at_once_balances():
     dt = 1e-6
     rule = Newmark(dt=dt)
     damped = ao.AOModel(m0=2e-3, k0=3e5, m=[0.01], k=[4e6], damping=ao.Rayleigh(beta=1e-6))
+    ringing = stepped(ringing_star())
+    pulled = replace(ringing, parts={**ringing.parts, "gravity": np.array([1.0, -2.0, 3.0, 9.0])})
     bodies = [
-        stepped(ao.rigid(mass=0.05), 1.0, gravity=np.array([0.5])),
-        stepped(ringing_star(), gravity=np.array([0.0, 1.0, 2.0, 3.0])),
-        stepped(damped),
+        stepped(ao.rigid(mass=0.05), 1.0, gravity=10.0),
+        pulled,
+        stepped(damped, load=(np.array([0.0, 1e-3]), np.array([[3.0], [-8.0]]))),
     ]
     law = ao.Linear(k=1e6)
     ends = (0, 1, 0.0), (1, 2, 1e-6), (0, 2, 2e-5)
     contacts = [Contact(first, 0, second, 0, law, gap) for first, second, gap in ends]
-    loads = [Load(2, 0, np.array([0.0, 1e-3]), np.array([3.0, -8.0]))]
-    record = newmark_scene(bodies, contacts, loads, rule=rule, dt=dt, duration=2e-3)
+    record = newmark_run(bodies, contacts, rule=rule, dt=dt, duration=2e-3)
     of_contacts, of_bodies = record.rows[:12].reshape(3, 4, -1), record.rows[12:].reshape(3, 8, -1)
     assert (of_contacts[:, 0].max(axis=1) > 0.0).all()
     stored = of_contacts[:, 2:4].sum(axis=(0, 1)) + of_bodies[:, 2:5].sum(axis=(0, 1))

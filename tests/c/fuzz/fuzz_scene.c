@@ -1,20 +1,13 @@
-/* Scenes by Newmark's rule: stars, modal bodies and finite elements, contacts and loads. */
+/* Systems by Newmark's rule: bodies in modes and in finite elements, contacts and loads. */
 #include "dense.h"
 #include "linear/sparse.h"
-#include "model/coupled.h"
-#include "newmark/body.h"
-#include "newmark/scene.h"
 
-enum { MOST_BODIES = 4, MOST_CONTACTS = 5, MOST_LOADS = 3, MOST_MODES = 5, MOST_PORTS = 3, COLUMNS = 16 };
+enum { MOST_BODIES = 4, MOST_CONTACTS = 5, MOST_MODES = 5, MOST_PORTS = 3, COLUMNS = 16 };
 
-typedef struct scene_body {
-    aoi_body body;
-    aoi_star star;
-    aoi_modes modal;
+typedef struct full_body {
     aoi_full full;
     chain_solver solver;
-    size_t n;
-} scene_body;
+} full_body;
 
 /* A residual compliance matrix, positive semidefinite: a sum of squares. */
 static double *take_residual(input *in, size_t ports)
@@ -26,115 +19,108 @@ static double *take_residual(input *in, size_t ports)
     return of;
 }
 
-static aoi_body_start take_start(input *in, size_t n, size_t ports)
-{
-    aoi_body_start start = {take_array(in, n, take_signed), take_array(in, n, take_signed),
-                       take_array(in, n, take_not_negative), NULL, NULL};
-    if (take_byte(in) % 4 == 0) {
-        start.gravity = take_array(in, n, take_signed);
-    }
-    if (take_byte(in) % 8 == 0) {
-        start.force = take_array(in, 2 * ports, take_signed);
-    }
-    return start;
-}
-
-static int take_star(input *in, scene_body *one, const aoi_rule *rule)
-{
-    const size_t n = take_below(in, MOST_MODES);
-    one->star = (aoi_star){n, take_not_negative(in), take_not_negative(in), take_array(in, n, take_positive),
-                           take_array(in, n, take_positive)};
-    one->n = n + 1;
-    if (n == 0 && take_byte(in) % 8 == 0) {
-        one->star.m0 = INFINITY;
-    }
-    const aoi_rayleigh damping = {take_not_negative(in), take_not_negative(in)};
-    const aoi_body_start start = take_start(in, n + 1, 1);
-    return aoi_body_start_star(&one->body, &one->star, take_byte(in) & 1 ? &damping : NULL, rule, &start,
-                               take_room(in, aoi_body_star_size(n)));
-}
-
-static int take_modal(input *in, scene_body *one, const aoi_rule *rule)
-{
-    const size_t n = take_below(in, MOST_MODES), ports = take_between(in, 1, MOST_PORTS);
-    one->modal = (aoi_modes){.n = n, .ports = ports};
-    one->n = n;
-    one->modal.omega = take_array(in, n, take_not_negative);
-    one->modal.decay = take_byte(in) & 1 ? take_array(in, n, take_not_negative) : NULL;
-    one->modal.shape = take_array(in, n * ports, take_signed);
-    one->modal.push = one->modal.shape;
-    one->modal.residual = take_byte(in) & 1 ? take_residual(in, ports) : NULL;
-    const aoi_body_start start = take_start(in, n, ports);
-    one->modal.gravity = start.gravity;
-    one->modal.centre = start.centre;
-    return aoi_body_start_modal(&one->body, &one->modal, rule, &start,
-                                take_room(in, aoi_body_modal_size(n, ports)));
-}
-
-static int take_full(input *in, scene_body *one, const aoi_rule *rule)
-{
-    const size_t n = take_between(in, 1, MOST_MODES), ports = take_between(in, 1, MOST_PORTS);
-    const double *none = take_room(in, n);
-    aoi_full *full = &one->full;
-    one->n = n;
-    full->K = take_chain(in, n, take_array(in, n, take_positive), take_array(in, n, take_not_negative));
-    full->M = take_chain(in, n, none, take_array(in, n, take_not_negative));
-    full->b = take_array(in, n * ports, take_signed);
-    full->ports = ports;
-    full->damping = (aoi_rayleigh){take_not_negative(in), take_not_negative(in)};
-    const double along = rule->gamma * rule->dt;
-    one->solver = take_solver(in, &full->K, &full->M,
-                              rule->beta * rule->dt * rule->dt + full->damping.beta * along,
-                              1.0 + full->damping.alpha * along);
-    full->solver = (aoi_solver){chain_solve, &one->solver};
-    const aoi_body_start start = take_start(in, n, ports);
-    return aoi_body_start_full(&one->body, full, rule, &start, take_room(in, aoi_body_full_size(n, ports)));
-}
-
-static aoi_scene_load take_load(input *in, size_t bodies)
+static aoi_load take_load(input *in, size_t ports)
 {
     const size_t count = take_below(in, 5);
-    double time = take_signed(in), *times = take_room(in, count), *force = take_array(in, count, take_signed);
+    double time = take_signed(in), *times = take_room(in, count), *force = take_array(in, count * ports, take_signed);
     for (size_t i = 0; i < count; i++) {
         times[i] = time;
         time += take_not_negative(in);
     }
     (void)spoil(in, times, count);
-    (void)spoil(in, force, count);
-    return (aoi_scene_load){.body = take_below(in, bodies + 1), .port = take_below(in, MOST_PORTS), .ports = 1,
-                            .load = {count, times, force}};
+    (void)spoil(in, force, count * ports);
+    return (aoi_load){count, times, force};
+}
+
+static aoi_modes take_star(input *in)
+{
+    const size_t n = take_below(in, MOST_MODES);
+    aoi_star star = {n, take_not_negative(in), take_not_negative(in), take_array(in, n, take_positive),
+                     take_array(in, n, take_positive)};
+    aoi_modes body = {.n = 0};
+    if (n == 0 && take_byte(in) % 8 == 0) {
+        star.m0 = INFINITY;
+    }
+    return aoi_star_modes(&star, take_bytes(in, 1, aoi_star_modes_size(&star)), &body) == AOI_OK ? body
+                                                                                             : (aoi_modes){.n = 0};
+}
+
+static aoi_modes take_modal(input *in)
+{
+    const size_t n = take_below(in, MOST_MODES), ports = take_between(in, 1, MOST_PORTS);
+    double *omega = take_array(in, n, take_not_negative);
+    for (size_t j = 1; j < n; j++) {
+        omega[j] = fmax(omega[j], omega[j - 1]);
+    }
+    aoi_modes body = {.n = n, .ports = ports, .omega = omega};
+    body.shape = take_array(in, n * ports, take_signed);
+    body.push = take_byte(in) & 1 ? body.shape : take_array(in, n * ports, take_signed);
+    body.inertia = take_byte(in) & 1 ? take_array(in, n, take_not_negative) : NULL;
+    body.centre = take_array(in, n, take_not_negative);
+    body.residual = take_byte(in) & 1 ? take_residual(in, ports) : NULL;
+    body.load = take_load(in, ports);
+    return body;
+}
+
+static aoi_modes take_full(input *in, full_body *one, const aoi_rule *rule)
+{
+    const size_t n = take_between(in, 1, MOST_MODES), ports = take_between(in, 1, MOST_PORTS);
+    const double *none = take_room(in, n);
+    aoi_full *full = &one->full;
+    full->K = take_chain(in, n, take_array(in, n, take_positive), take_array(in, n, take_not_negative));
+    full->M = take_chain(in, n, none, take_array(in, n, take_not_negative));
+    full->alpha = take_not_negative(in);
+    full->beta = take_not_negative(in);
+    const double along = rule->gamma * rule->dt;
+    one->solver = take_solver(in, &full->K, &full->M, rule->beta * rule->dt * rule->dt + full->beta * along,
+                              1.0 + full->alpha * along);
+    full->solver = (aoi_solver){chain_solve, &one->solver};
+    aoi_modes body = {.n = n, .ports = ports, .full = full};
+    body.shape = body.push = take_array(in, n * ports, take_signed);
+    body.centre = take_array(in, n, take_not_negative);
+    body.load = take_load(in, ports);
+    return body;
 }
 
 /* Every force is a number, and presses unless its law pulls. */
-static void look_at_forces(const aoi_scene *scene, const double *record, size_t columns, size_t last)
+static void look_at_forces(const aoi_system *system, const double *record, size_t columns, size_t first, size_t last)
 {
-    for (size_t c = 0; c < scene->contact_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         const double *force = record + AOI_CONTACT_ROWS * c * columns;
-        for (size_t i = 0; i <= last; i++) {
+        for (size_t i = first; i <= last; i++) {
             REQUIRE(isfinite(force[i]) && isfinite(force[columns + i]));
-            REQUIRE(force[i] >= 0.0 || scene->contact[c].law->pulls);
+            REQUIRE(force[i] >= 0.0 || system->contact[c].law->pulls);
         }
     }
 }
 
-static void run(input *in, aoi_scene *scene)
+static void run(input *in, aoi_system *system, const aoi_rule *rule)
 {
-    if (aoi_scene_check(scene) != AOI_OK) {
+    if (aoi_system_link(system, take_bytes(in, 1, aoi_system_size(system))) != AOI_OK) {
         return;
     }
-    const size_t columns = take_between(in, 1, COLUMNS);
-    double *record = take_room(in, aoi_scene_rows(scene) * columns);
-    scene->memory = take_bytes(in, 1, aoi_scene_size(scene));
-    if (aoi_scene_start(scene, record, columns) != AOI_OK) {
+    const size_t columns = take_between(in, 1, COLUMNS), all = system->first[system->body_count];
+    aoi_start start = {take_array(in, all, take_signed), take_array(in, all, take_signed), take_byte(in) & 1, NULL, NULL};
+    const int given = take_byte(in) % 4 == 0;
+    if (given) {
+        start.force = take_array(in, system->contact_count, take_signed);
+        start.force_rate = take_byte(in) & 1 ? take_array(in, system->contact_count, take_signed) : NULL;
+    }
+    const int energies = take_byte(in) & 1;
+    double *record = take_room(in, aoi_record_rows(system) * columns);
+    aoi_newmark *steps = take_bytes(in, 1, aoi_newmark_size(system));
+    if (aoi_newmark_start(steps, system, rule, &start, energies, record, columns) != AOI_OK) {
         return;
     }
     size_t done = 0;
-    look_at_forces(scene, record, columns, 0);
-    for (size_t first = 1; first < columns; first = done + 1) {
-        const size_t last = first + take_below(in, columns - first);
-        const int status = aoi_scene_run(scene, record, columns, first, last, &done);
-        REQUIRE(status == AOI_OK ? done == last : done + 1 >= first && done < last);
-        look_at_forces(scene, record, columns, done);
+    if (!given) {
+        look_at_forces(system, record, columns, 0, 0);
+    }
+    while (done + 1 < columns) {
+        const size_t before = done, last = done + 1 + take_below(in, columns - done - 1);
+        const int status = aoi_newmark_run(steps, last, &done);
+        REQUIRE(status == AOI_OK ? done == last : done >= before && done < last);
+        look_at_forces(system, record, columns, before + 1, done);
         if (status != AOI_OK) {
             return;
         }
@@ -155,38 +141,32 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const int usual = take_byte(&in) & 1;
     const aoi_rule rule = {take_positive(&in), usual ? 0.25 : take_positive(&in),
                               usual ? 0.5 : 0.5 + take_share(&in)};
-    scene_body *all = take_bytes(&in, MOST_BODIES, sizeof *all);
-    aoi_body **body = take_bytes(&in, MOST_BODIES, sizeof *body);
-    aoi_scene scene = {.dt = rule.dt, .energies = take_byte(&in) & 1, .body = body};
-    const size_t bodies = take_between(&in, 1, MOST_BODIES);
+    const size_t bodies = take_between(&in, 1, MOST_BODIES), count = take_below(&in, MOST_CONTACTS);
+    full_body *full = take_bytes(&in, bodies, sizeof *full);
+    aoi_modes *body = take_bytes(&in, bodies, sizeof *body);
+    aoi_contact *contacts = take_bytes(&in, count, sizeof *contacts);
+    aoi_system system = {.body_count = bodies, .contact_count = count, .body = body, .contact = contacts};
     int status = AOI_OK;
-    for (size_t b = 0; b < bodies && status == AOI_OK; b++) {
-        int (*const kinds[])(input *, scene_body *, const aoi_rule *) = {take_star, take_modal, take_full};
-        status = kinds[take_below(&in, 3)](&in, &all[b], &rule);
-        body[b] = &all[b].body;
-    }
-    scene.body_count = bodies;
-    scene.contact_count = take_below(&in, MOST_CONTACTS);
-    scene.load_count = take_below(&in, MOST_LOADS);
-    aoi_contact *contacts = take_bytes(&in, scene.contact_count, sizeof *contacts);
-    aoi_scene_load *loads = take_bytes(&in, scene.load_count, sizeof *loads);
-    scene.contact = contacts;
-    scene.load = loads;
-    scene.first_port = take_bytes(&in, bodies + 1, sizeof(size_t));
-    for (size_t c = 0; c < scene.contact_count && status == AOI_OK; c++) {
-        aoi_contact *contact = &contacts[c];
-        for (int side = 0; side < 2; side++) {
-            contact->body[side] = take_below(&in, bodies + (take_byte(&in) > 250));
-            contact->port[side] = take_below(&in, MOST_PORTS);
+    for (size_t b = 0; b < bodies; b++) {
+        const size_t kind = take_below(&in, 3);
+        body[b] = kind == 0 ? take_star(&in) : (kind == 1 ? take_modal(&in) : take_full(&in, &full[b], &rule));
+        if (body[b].n > 0 && !body[b].full) {
+            body[b].decay = take_byte(&in) & 1 ? take_array(&in, body[b].n, take_not_negative) : NULL;
         }
-        contact->gap = take_byte(&in) > 250 ? take_any(&in) : take_signed(&in);
-        contact->law = take_shared_law(&in, &status);
+        if (take_byte(&in) % 4 == 0) {
+            body[b].gravity = take_array(&in, body[b].n, take_signed);
+        }
     }
-    for (size_t i = 0; i < scene.load_count; i++) {
-        loads[i] = take_load(&in, bodies);
+    for (size_t c = 0; c < count && status == AOI_OK; c++) {
+        for (int side = 0; side < 2; side++) {
+            contacts[c].body[side] = take_below(&in, bodies + (take_byte(&in) > 250));
+            contacts[c].port[side] = take_below(&in, MOST_PORTS);
+        }
+        contacts[c].gap = take_byte(&in) > 250 ? take_any(&in) : take_signed(&in);
+        contacts[c].law = take_shared_law(&in, &status);
     }
     if (status == AOI_OK) {
-        run(&in, &scene);
+        run(&in, &system, &rule);
     }
     close_input(&in);
     return 0;

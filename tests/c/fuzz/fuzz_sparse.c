@@ -1,6 +1,6 @@
 /* Sparse matrices, factors, blocks and graphs: what their checks let through can be used. */
 #include "fuzz.h"
-#include "linear/multigrid.h"
+#include "multigrid/multigrid.h"
 #include "linear/sparse.h"
 
 enum { MOST = 7 };

@@ -55,7 +55,7 @@ static void read_track(input *in, const aoi_system *system, const double *track,
     memcpy(exact, track, used * sizeof(double));
     (void)spoil(in, exact, used);
     const aoi_track read = {.values = exact, .row = index, .used = used, .rows = rows};
-    if (aoi_sampler_start(sampler, system, &read) != AOI_OK) {
+    if (aoi_track_check(system, &read) != AOI_OK || aoi_sampler_start(sampler, system, &read) != AOI_OK) {
         return;
     }
     for (int i = 0; i <= 6; i++) {

@@ -1,8 +1,8 @@
 /* r -= A x for some rows of a symmetric matrix of blocks. Included once for each precision: REAL is its
  * type and OF(x) a name of its own. Vectors have aoi_four_width numbers a node but where they are spread
  * and gathered. */
-#include "linear/four.h"
-#include "linear/multigrid.h"
+#include "multigrid/four.h"
+#include "multigrid/multigrid.h"
 
 #ifndef REAL
 #define REAL float

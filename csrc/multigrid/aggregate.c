@@ -1,5 +1,5 @@
 /* Aggregation of the nodes of a graph: the coarse nodes of smoothed aggregation. */
-#include "linear/multigrid.h"
+#include "multigrid/multigrid.h"
 
 enum { FREE = -1 };
 

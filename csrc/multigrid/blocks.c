@@ -2,8 +2,8 @@
  * diagonal blocks (Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., algorithm 12.1;
  * Adams, Brezina, Hu and Tuminaro, J. Comput. Phys. 188, 2003). What takes the time is to read the
  * matrix from memory: hence single precision, of most of it only one triangle, and several threads. */
-#include "linear/four.h"
-#include "linear/multigrid.h"
+#include "multigrid/four.h"
+#include "multigrid/multigrid.h"
 #include "linear/sparse.h"
 
 #include <math.h>
@@ -11,12 +11,12 @@
 
 #define REAL float
 #define OF(x) aoi_single_##x
-#include "linear/block_rows.h"
+#include "multigrid/block_rows.h"
 #undef REAL
 #undef OF
 #define REAL double
 #define OF(x) aoi_exact_##x
-#include "linear/block_rows.h"
+#include "multigrid/block_rows.h"
 
 /* The block of the diagonal, or stored_count where the row is not sound. */
 static size_t find_diagonal(const aoi_blocks *matrix, size_t row, size_t stored_count)
