@@ -29,6 +29,7 @@ from .impact import simulate as simulate
 from .integrate import Adaptive as Adaptive
 from .integrate import Newmark as Newmark
 from .laws import ContactLaw as ContactLaw
+from .laws import ElasticPlastic as ElasticPlastic
 from .laws import Flores as Flores
 from .laws import Gonthier as Gonthier
 from .laws import HerbertMcWhannell as HerbertMcWhannell
@@ -44,6 +45,7 @@ from .laws import Tabulated as Tabulated
 from .laws import Thornton as Thornton
 from .laws import Tsuji as Tsuji
 from .laws import UserLaw as UserLaw
+from .laws import YangSun as YangSun
 from .laws import restitution as restitution
 from .matrixfiles import read_matrices as read_matrices
 from .matrixfiles import write_matrices as write_matrices

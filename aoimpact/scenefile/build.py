@@ -26,7 +26,7 @@ from ..fem import (
     materials_of,
 )
 from ..impact import Scene, SceneCase
-from ..laws import ContactLaw, Hertz, Thornton
+from ..laws import ContactLaw, ElasticPlastic, Hertz, Thornton
 from ..matrixfiles import read_matrices
 from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
 from ..reduction import (
@@ -343,17 +343,19 @@ class Builder:
                     for surface in table["k"]["between"]
                     for part in (self._isotropic(surface["material"]), surface["radius"])
                 ]
-                if "yield_pressure" in table:
+                if "yield_pressure" in table or table["type"] == "ElasticPlastic":
                     return _yielding(table, surfaces)
                 table |= _of_surfaces(table, surfaces)
             law: ContactLaw = _made(LAWS, table)
             return law
 
 
-def _yielding(table: Mapping[str, Any], surfaces: list[Any]) -> Thornton:
-    """Thornton's law of two surfaces that yield under a pressure."""
+def _yielding(table: Mapping[str, Any], surfaces: list[Any]) -> ContactLaw:
+    """The law of two surfaces that yield."""
     if "angle" in table["k"]:
-        raise InputError("angle: with yield_pressure the surfaces are spheres, flats or cups")
+        raise InputError("angle: surfaces that yield are spheres, flats or cups")
+    if table["type"] == "ElasticPlastic":
+        return ElasticPlastic.between(*surfaces, hardness=table.get("hardness"))
     return Thornton.between(*surfaces, yield_pressure=table["yield_pressure"])
 
 

@@ -49,6 +49,7 @@ _MATERIAL = Variants(
                 "nu": needed(Number()),
                 "rho": needed(Number("kg/m³")),
                 "yield_strength": optional(Number("Pa")),
+                "hardness": optional(Number("Pa")),
             }
         ),
         "orthotropic": Table(
@@ -245,6 +246,10 @@ def _law(cls: Any) -> Kind:
     if cls is laws.Thornton:
         yielding = {"k": needed(_SURFACES), "yield_pressure": needed(Number("Pa"))}
         return Variants({"yield_force": own, "yield_pressure": Table(yielding)})
+    if cls is laws.ElasticPlastic:
+        plain = Table({**own.fields, "k": needed(Number())})
+        of_surfaces = {"k": needed(_SURFACES), "hardness": optional(Number("Pa"))}
+        return Variants({"yield_force": plain}, Table(of_surfaces))
     return own
 
 

@@ -260,9 +260,13 @@ class Table(_OfTable):
 
 @dataclass(frozen=True)
 class Variants(_OfTable):
-    """A table of one of several sorts, distinguished by a key of which each has its own."""
+    """A table of one of several sorts, distinguished by a key of which each has its own.
+
+    `otherwise` is that without any of these keys.
+    """
 
     tables: Mapping[str, Table]
+    otherwise: Table | None = None
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         marks = [mark for mark in self.tables if mark in value]
@@ -270,6 +274,8 @@ class Variants(_OfTable):
             yield from self.tables[marks[0]].inside(value, place, root)
         elif marks:
             yield place, f"{' and '.join(map(repr, marks))} exclude each other: keep one of them"
+        elif self.otherwise is not None:
+            yield from self.otherwise.inside(value, place, root)
         else:
             known = {name: None for table in self.tables.values() for name in table.fields}
             yield from _unknown(value, known, place)

@@ -23,7 +23,9 @@ extern const aoi_law_kind aoi_laws_elastic[];
 extern const size_t aoi_laws_elastic_count;
 extern const aoi_law_kind aoi_laws_viscous[];
 extern const size_t aoi_laws_viscous_count;
-extern const aoi_law_kind aoi_law_thornton;
+extern const aoi_law_kind aoi_laws_plastic[];
+extern const size_t aoi_laws_plastic_count;
+extern const aoi_law_kind aoi_law_yang_sun;
 
 /* d^(n-1) for d > 0. The exponents that people use cost a square root at most: pow is ten times
  * dearer. */

@@ -232,7 +232,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "Material": (
         ao.Material,
-        {"E": 1e9, "nu": 0.3, "rho": 1e3, "yield_strength": 1e7},
+        {"E": 1e9, "nu": 0.3, "rho": 1e3, "yield_strength": 1e7, "hardness": 3e7},
     ),
     "StressAt": (
         ao.StressAt,
@@ -260,6 +260,17 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "yield_pressure": 1e9,
         },
     ),
+    "ElasticPlastic.between": (
+        ao.ElasticPlastic.between,
+        {
+            "material_1": STEEL,
+            "radius_1": 0.01,
+            "material_2": STEEL,
+            "radius_2": 0.01,
+            "hardness": 3e9,
+        },
+    ),
+    "ContactLaw.dent": (HERTZ.dent, {"indentation": 1e-6}),
     "Tabulated": (ao.Tabulated, {"indentation": [0.0, 1e-3], "force": [0.0, 1.0]}),
     "UserLaw": (
         ao.UserLaw,
@@ -272,7 +283,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "pulls": False,
         },
     ),
-    "ContactLaw.force": (HERTZ.force, {"indentation": 1e-6, "rate": 0.0}),
+    "ContactLaw.force": (HERTZ.force, {"indentation": 1e-6, "rate": 0.0, "along": True}),
     "ContactLaw.potential": (HERTZ.potential, {"indentation": 1e-6}),
     "ContactLaw.stroke": (HERTZ.stroke, {"energy": 1.0}),
     "ContactLaw.within_patch": (HERTZ.within_patch, {"compliance": 1e-9}),
@@ -582,6 +593,7 @@ ALSO = {
     "radius_1": ("k must be positive",),
     "radius_2": ("k must be positive",),
     "yield_pressure": ("yield_force",),
+    "hardness": ("yield_force", "yield_strength"),
     "velocity": ("damping must be finite",),
     "indentation": ("force must have shape",),
     # What is right by itself, and too extreme beside the rest.
