@@ -31,6 +31,7 @@ Many impacts, and files
     sweep, SweepTable, simulate_many, iterate_many, read_scene, SceneFile
 What a test rig measures
     LoadCell, Signal, read_signal, drop_weight, DropWeight, shock_spectrum, ShockSpectrum
+    fit_law, LawFit
 Which model, which solver
     compare, Comparison, work_precision, WorkPrecision
 Errors

@@ -71,8 +71,10 @@ from .results import Run as Run
 from .scenefile import SceneFile as SceneFile
 from .scenefile import read_scene as read_scene
 from .study import Comparison as Comparison
+from .study import LawFit as LawFit
 from .study import WorkPrecision as WorkPrecision
 from .study import compare as compare
+from .study import fit_law as fit_law
 from .study import work_precision as work_precision
 from .testrig import DropWeight as DropWeight
 from .testrig import LoadCell as LoadCell

@@ -143,10 +143,18 @@ class ContactLaw:
         """Whether the force depends on what the contact went through before."""
         return self._has_memory
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters, by name.
+
+        :meta private:
+        """
+        power = getattr(self, "n", self._power)
+        return self._units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
+
     def __str__(self) -> str:
         """The law and its parameters with units, for summaries."""
-        power = getattr(self, "n", self._power)
-        units = self._units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
+        units = self.units
         given = {entry.name: getattr(self, entry.name) for entry in fields(cast(Any, self))}
         for name in ("relative_radius", "eccentricity"):
             if (value := given.pop(name, None)) and (name != "eccentricity" or value > _ROUND):
