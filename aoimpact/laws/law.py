@@ -538,6 +538,10 @@ class PatchLaw(ContactLaw):
     def for_core(self) -> CoreLaw:
         return self.law.for_core()._replace(compliance=self.compliance, limit=self.limit)
 
+    def dent(self, indentation: float) -> Dent:
+        own = indentation + self.compliance * self.force(indentation)
+        return self.law.dent(own)
+
     def _work(self, indentation: float) -> float:
         force = self.force(indentation)
         own = self.law._work(indentation + self.compliance * force)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, replace
-from functools import lru_cache
 from typing import Any, cast
 
 import numpy as np
@@ -37,6 +36,9 @@ __all__ = ["LawFit", "fit_law"]
 # Far below the noise of measurements, and of differences with that step.
 _SOLVER = Adaptive(rtol=1e-9)
 _STEP = 1e-4
+
+# Of the variables, for SciPy's steps are relative.
+_ORIGIN = 30.0
 
 # A parameter whose standard error is a larger share of it is not determined.
 _DETERMINED = 0.5
@@ -87,6 +89,14 @@ class LawFit(Frozen):
         When the contact began on the clock of a force history, s.
     undetermined : tuple of str
         Parameters that the data do not determine.
+
+    Examples
+    --------
+    >>> depth = [0.0, 1e-5, 2e-5, 3e-5]
+    >>> fit = ao.fit_law(ao.Hertz, indentation=depth, force=[0.0, 33.0, 88.0, 165.0])
+    >>> print(fit)
+    Hertz, k = 1 GN/m^1.5
+      k = 1.001 GN/m^1.5 ± 6.4 MN/m^1.5
     """
 
     law: ContactLaw
@@ -132,7 +142,8 @@ class _Data:
 class _Problem:
     """The misfit of a law to a measurement, over logarithms of its free parameters.
 
-    The last variable of a history is the start of the contact, by the time that it takes.
+    The last variable of a history is the start of the contact, by the time that it takes. All are
+    counted from `_ORIGIN`.
     """
 
     def __init__(self, law: ContactLaw, names: Sequence[str], data: _Data) -> None:
@@ -140,55 +151,40 @@ class _Problem:
         self.first = np.array([getattr(law, name) for name in names])
         bounds = np.array([_BOUNDS.get(name, (0.0, math.inf)) for name in names])
         with np.errstate(divide="ignore"):
-            low, high = np.log(bounds / self.first[:, None]).T
+            low, high = np.log(bounds / self.first[:, None]).T + _ORIGIN
         timed = [math.inf] * (data.start is not None)
         self.low, self.high = np.append(low, np.negative(timed)), np.append(high, timed)
         if len(data.measured) <= len(self.low):
             raise InputError(
                 f"{len(self.low)} parameters need more than {len(data.measured)} measured values"
             )
-        data.shown(law, data.start or 0.0)  # where it cannot be, this says why
-        self._known = lru_cache(maxsize=64)(self._computed)
 
     def parameters(self, x: FloatArray) -> FloatArray:
         """Return those of the law, and of a history the start of the contact, s."""
-        of_law = self.first * np.exp(x[: len(self.names)])
+        values = self.first * np.exp(x[: len(self.names)] - _ORIGIN)
         if self.data.start is None:
-            return of_law
-        return np.append(of_law, self.data.start + self.data.time * x[-1])
+            return values
+        return np.append(values, self.data.start + self.data.time * (x[-1] - _ORIGIN))
 
     def law_at(self, x: FloatArray) -> ContactLaw:
-        values = self.parameters(x)[: len(self.names)].tolist()
-        changed = replace(cast(Any, self.law), **dict(zip(self.names, values, strict=True)))
-        return cast(ContactLaw, changed)
+        values = dict(zip(self.names, self.parameters(x).tolist(), strict=False))
+        return cast(ContactLaw, replace(cast(Any, self.law), **values))
 
     def misfit(self, x: FloatArray) -> FloatArray:
-        """Return what the law shows less what was measured; infinite where there is no such law."""
-        return self._known(tuple(x.tolist()))
-
-    def _computed(self, variables: tuple[float, ...]) -> FloatArray:
-        x = np.array(variables)
-        try:
-            return (
-                self.data.shown(self.law_at(x), float(self.parameters(x)[-1])) - self.data.measured
-            )
-        except AOImpactError:
-            return np.full(self.data.measured.shape, math.inf)
-
-    def is_law(self, x: FloatArray) -> bool:
-        return bool(np.isfinite(self.misfit(x)).all())
+        """Return what the law shows less what was measured."""
+        return self.data.shown(self.law_at(x), float(self.parameters(x)[-1])) - self.data.measured
 
     def solved(self) -> Any:
         """Return SciPy's solution.
 
         A force that begins with a jump, or nearly so, has a minimum between any two samples.
         """
-        found = self._within(np.zeros(len(self.low)), self.low, self.high)
+        first = np.full(len(self.low), _ORIGIN)
+        found = self._within(first, self.low, self.high)
         if self.data.depth > 0.0 and self.data.start is None:  # a curve: quick, several minima
-            shape = _STARTS, len(self.low)
-            around = np.random.default_rng(0).uniform(-_AROUND, _AROUND, shape)
-            starts = [x for x in np.clip(around, self.low, self.high) if self.is_law(x)]
-            others = [self._within(x, self.low, self.high) for x in starts]
+            around = np.random.default_rng(0).uniform(-_AROUND, _AROUND, (_STARTS, len(first)))
+            starts = np.clip(found.x + around, self.low, self.high)
+            others = [self._within(x, self.low, self.high, found.fun) for x in starts]
             return min((found, *others), key=lambda one: one.cost)
         if not self._jumps(found.x):
             return found
@@ -196,39 +192,40 @@ class _Problem:
         for sample in range(-_SAMPLES, _SAMPLES):
             low, high = self.low.copy(), self.high.copy()
             ends = np.array([sample + _APART, sample + 1.0 - _APART])
-            low[-1], high[-1] = ends * self.data.sample / self.data.time
+            low[-1], high[-1] = _ORIGIN + ends * self.data.sample / self.data.time
             begin = np.append(found.x[:-1], 0.5 * (low[-1] + high[-1]))
-            between.append(self._within(begin, low, high))
+            between.append(self._within(begin, low, high, found.fun))
         best = min(between, key=lambda one: one.cost)
         # The first force depends on the start like a root, which no slope describes.
         best.jac = np.delete(best.jac, np.argmax(best.fun + self.data.measured > 0.0), axis=0)
         return best
 
-    def _within(self, x: FloatArray, low: FloatArray, high: FloatArray) -> Any:
-        """Return SciPy's solution between bounds."""
-        best = x
+    def _within(
+        self, x: FloatArray, low: FloatArray, high: FloatArray, least: FloatArray | None = None
+    ) -> Any:
+        """Return SciPy's solution between bounds; `least` is a misfit that is known."""
 
         def misfit(x: FloatArray) -> FloatArray:
-            nonlocal best
-            there, here = self.misfit(x), self.misfit(best)
-            if not self.is_law(x):
-                return 2.0 * here  # so that the step is refused, and shorter ones are tried
-            best = x.copy() if there @ there < here @ here else best
-            return there
-
-        def slopes(x: FloatArray) -> FloatArray:
-            columns = []
-            for step in _STEP * np.eye(len(x)):
-                below, above = (
-                    end if self.is_law(end) else x
-                    for end in (np.maximum(x - step, low), np.minimum(x + step, high))
-                )
-                rise = self.misfit(above) - self.misfit(below)
-                columns.append(rise / max((above - below).sum(), _STEP * _STEP))
-            return np.stack(columns, axis=1)
+            nonlocal least
+            try:
+                found = self.misfit(x)
+            except AOImpactError:
+                if least is None:
+                    raise
+                return 2.0 * least  # no law: the step is refused, and shorter ones are tried
+            if least is None or found @ found < least @ least:
+                least = found
+            return found
 
         return scipy.optimize.least_squares(
-            misfit, x, slopes, (low, high), xtol=1e-10, ftol=1e-12, gtol=None
+            misfit,
+            x,
+            "3-point",
+            (low, high),
+            ftol=1e-9,
+            xtol=1e-8,
+            gtol=None,
+            diff_step=_STEP / _ORIGIN,
         )
 
     def _jumps(self, x: FloatArray) -> bool:
@@ -306,7 +303,14 @@ def fit_law(
     >>> round(fit.law.k / 1e9, 3), round(fit.law.damping, 3)
     (1.0, 0.2)
     """
-    data = _measurement(signal, mass, velocity, projectile, target, indentation, force, dent)
+    if signal is not None:
+        data = _history(signal, mass, velocity, projectile, target)
+    elif indentation is not None and force is not None:
+        data = _curve(indentation, force)
+    elif dent is not None:
+        data = _dents(dent, mass, velocity)
+    else:
+        raise InputError("give a signal, or indentation= and force=, or dent= of several impacts")
     start = law if isinstance(law, ContactLaw) else _guess(law, data, mass)
     names = _free(start, free)
     problem = _Problem(start, names, data)
@@ -397,41 +401,28 @@ def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
 # ------------------------------------------------------------------- measurements
 
 
-def _measurement(
-    signal: Any,
-    mass: float | None,
-    velocity: npt.ArrayLike | None,
-    projectile: Any,
-    target: Any,
-    indentation: npt.ArrayLike | None,
-    force: npt.ArrayLike | None,
-    dent: npt.ArrayLike | None,
-) -> _Data:
-    if signal is not None:
-        return _history(signal, mass, velocity, projectile, target)
-    if indentation is not None and force is not None:
-        depth = finite_array("indentation", indentation, ndim=1, unit="m", most=HUGE)
-        push = finite_array("force", force, shape=depth.shape, unit="N", most=HUGE)
-        for name, values in (("indentation", depth), ("force", push)):
-            if not values.max(initial=0.0) > 0.0:
-                raise InputError(f"{name} must have a value above 0")
-        return _Data(
-            push, lambda law, _: _quasistatic(law, depth), float(push.max()), float(depth.max())
-        )
-    if dent is not None:
-        wide = finite_array("dent", dent, ndim=1, unit="m")
-        speeds = finite_array("velocity", velocity, shape=wide.shape, unit="m/s")
-        energies = 0.5 * positive("mass", mass, unit="kg") * speeds**2
-        return _Data(
-            wide, lambda law, _: np.array([law.dent(law.stroke(e)).diameter for e in energies])
-        )
-    raise InputError("give a signal, or indentation= and force=, or dent= of several impacts")
+def _curve(indentation: npt.ArrayLike, force: npt.ArrayLike) -> _Data:
+    depth = finite_array("indentation", indentation, ndim=1, unit="m", most=HUGE)
+    push = finite_array("force", force, shape=depth.shape, unit="N", most=HUGE)
+    for name, values in (("indentation", depth), ("force", push)):
+        if not values.max(initial=0.0) > 0.0:
+            raise InputError(f"{name} must have a value above 0")
+
+    def shown(law: ContactLaw, _: float) -> FloatArray:
+        if law.depends_on_rate:
+            raise InputError(f"a curve has no rates, on which {law!r} depends; give a history")
+        return np.asarray(law.force(depth, along=True))
+
+    return _Data(push, shown, float(push.max()), float(depth.max()))
 
 
-def _quasistatic(law: ContactLaw, depth: FloatArray) -> FloatArray:
-    if law.depends_on_rate:
-        raise InputError(f"a curve has no rates, on which {law!r} depends; give a force history")
-    return np.asarray(law.force(depth, along=True))
+def _dents(dent: npt.ArrayLike, mass: float | None, velocity: Any) -> _Data:
+    wide = finite_array("dent", dent, ndim=1, unit="m", most=HUGE)
+    speeds = finite_array("velocity", velocity, shape=wide.shape, unit="m/s")
+    energies = 0.5 * positive("mass", mass, unit="kg") * speeds**2
+    return _Data(
+        wide, lambda law, _: np.array([law.dent(law.stroke(e)).diameter for e in energies])
+    )
 
 
 def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, target: Any) -> _Data:
@@ -446,7 +437,8 @@ def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, ta
         raise InputError(f"signal has no force above 0, the largest is {top:g} {channel.unit}")
     foot = np.flatnonzero(channel.values[:peak] <= _FOOT * top)
     start = float(channel.t[foot[-1] if foot.size else 0])
-    depth = (float(channel.t[peak]) - start) * speed / _RISE
+    sample = 1.0 / channel.mean_rate
+    depth = max(float(channel.t[peak]) - start, sample) * speed / _RISE
 
     def shown(law: ContactLaw, begin: float) -> FloatArray:
         force = np.zeros(channel.t.shape)
@@ -465,4 +457,4 @@ def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, ta
             force[within] = hit.at(channel.t[within] - begin).force
         return force
 
-    return _Data(channel.values, shown, top, depth, speed, start, 1.0 / channel.mean_rate)
+    return _Data(channel.values, shown, top, depth, speed, start, sample)
