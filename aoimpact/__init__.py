@@ -22,15 +22,15 @@ Models, from a rigid mass to all finite elements
 Contact laws
     Hertz, Linear, PowerLaw, Tabulated, UserLaw, ContactLaw
     HuntCrossley, LankaraniNikravesh, Flores, Gonthier, HerbertMcWhannell, LeeWang, Tsuji,
-    KuwabaraKono, KelvinVoigt, Thornton; restitution
+    KuwabaraKono, KelvinVoigt, Thornton, ElasticPlastic, YangSun; restitution
 Impacts, scenes of many bodies, and what integrates them
     simulate, Scene, Handle; Adaptive, Newmark; StressAt
 Results
     Result, Run
 Many impacts, and files
     sweep, SweepTable, simulate_many, iterate_many, read_scene, SceneFile
-Which model
-    compare, Comparison
+Which model, and which law
+    compare, Comparison, fit_law, LawFit
 Errors
     AOImpactError and InputError, InputTypeError, MeshError, MissingFileError, SceneFileError,
     SingularError, ConvergenceError, MemoryLimitError, MissingPackageError, WorkerError;

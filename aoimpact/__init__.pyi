@@ -29,6 +29,7 @@ from .impact import simulate as simulate
 from .integrate import Adaptive as Adaptive
 from .integrate import Newmark as Newmark
 from .laws import ContactLaw as ContactLaw
+from .laws import ElasticPlastic as ElasticPlastic
 from .laws import Flores as Flores
 from .laws import Gonthier as Gonthier
 from .laws import HerbertMcWhannell as HerbertMcWhannell
@@ -44,6 +45,7 @@ from .laws import Tabulated as Tabulated
 from .laws import Thornton as Thornton
 from .laws import Tsuji as Tsuji
 from .laws import UserLaw as UserLaw
+from .laws import YangSun as YangSun
 from .laws import restitution as restitution
 from .matrixfiles import read_matrices as read_matrices
 from .matrixfiles import write_matrices as write_matrices
@@ -69,6 +71,8 @@ from .results import Run as Run
 from .scenefile import SceneFile as SceneFile
 from .scenefile import read_scene as read_scene
 from .study import Comparison as Comparison
+from .study import LawFit as LawFit
 from .study import compare as compare
+from .study import fit_law as fit_law
 
 __version__: str

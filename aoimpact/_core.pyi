@@ -34,6 +34,7 @@ def law_force(
     force: _F,
     stiffness: _F,
     damping: _F,
+    along: bool,
     /,
 ) -> None: ...
 def law_potential(law: _Law, indentation: _F, energy: _F, /) -> None: ...

@@ -248,7 +248,14 @@ struct aoi_law {
  *   kelvin_voigt_pulling: k, c       the same, also where that pulls
  *   thornton: k, yield force         k d^(3/2) up to that force, then straight on with that slope; from the deepest
  *                                    D with force F back and up to it F ((d - p)/(D - p))^(3/2), D - p = F/(k D^(1/2))
- * k and the yield force are positive, what damps is not negative.
+ *   elastic_plastic: k, yield force, slope
+ *                                    k d^(3/2) up to that force; slope (d - f/2) from f = (slope/(2 k))^2 on, which is
+ *                                    at least 3.2 times the d of yield y; between, the cubic that meets both with their
+ *                                    slopes; back and up as thornton, with p = D (1 - (y/D)^0.28) (1 - (y/D)^0.69)
+ *   yang_sun: k, critical, beta      k d^(3/2); from D with force F back F ((d - p)/(D - p))^(5/2), and from p up to D
+ *                                    with 3/2 for 5/2; p = D (1 - (critical/D)^(2/5)), or beta (D - critical) where
+ *                                    beta is not 0 (at most 1), and 0 where D is less than critical
+ * k, slope, yield force and critical are positive, what damps is not negative.
  * AOI_ERROR_ARGUMENT for an unknown name, a wrong count or a value out of range, or where
  * what follows from them is. */
 AOI_API int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);

@@ -40,11 +40,18 @@ LAWS: dict[str, Callable[[float, float, float], ao.ContactLaw]] = {
         3e-3 * k, e, MASS, end="indentation"
     ),
     "Thornton": lambda k, e, n: ao.Thornton(k, 1e-8 * k),
+    "ElasticPlastic": lambda k, e, n: ao.ElasticPlastic(k, 1e-8 * k, 0.3 * k, relative_radius=0.01),
+    "YangSun": lambda k, e, n: ao.YangSun(k, 4e-6),
+    "YangSun with beta": lambda k, e, n: ao.YangSun(k, 4e-6, 0.1),
     "Tabulated": lambda k, e, n: _table(k),
     "UserLaw": lambda k, e, n: ao.UserLaw(damped_hertz),
     "patch Hertz": lambda k, e, n: ao.Hertz(k).within_patch(3.0 / k),
     "patch HuntCrossley": lambda k, e, n: ao.HuntCrossley(k, 0.3).within_patch(0.1 / k),
     "patch Thornton": lambda k, e, n: ao.Thornton(k, 1e-8 * k).within_patch(3.0 / k),
+    "patch ElasticPlastic": lambda k, e, n: ao.ElasticPlastic(
+        k, 1e-8 * k, 0.3 * k, relative_radius=0.01
+    ).within_patch(3.0 / k),
+    "patch YangSun": lambda k, e, n: ao.YangSun(k, 4e-6).within_patch(0.1 / k),
 }
 
 

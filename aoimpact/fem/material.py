@@ -29,7 +29,11 @@ _SOLIDS = {
         ((25e-9, "t/mm³", 1e12), (25e-6, "kg/mm³", 1e9), (25.0, "g/cm³", 1e3)),
     ),
     "yield_strength": ("Pa", 1e4, 1e11, ((1e4, "MPa", 1e6),)),
+    "hardness": ("Pa", 1e5, 1.5e11, ((100.0, "GPa", 1e9), (1e5, "MPa", 1e6))),
 }
+
+
+_OPTIONAL = ("yield_strength", "hardness")
 
 
 @dataclass(frozen=True, repr=False)
@@ -46,12 +50,14 @@ class Material:
         Density, kg/m³.
     yield_strength : float, optional
         Uniaxial yield stress σ_y, Pa. A contact whose largest pressure is beyond 1.6 σ_y warns.
+    hardness : float, optional
+        Mean pressure under an indenter, Pa, 10.6 MPa times a Vickers number: of `ElasticPlastic`.
 
     Raises
     ------
     InputError
-        If E, rho or yield_strength is not positive and finite, or nu is outside (-1, 1/2): there
-        the elastic energy is no longer positive.
+        If E, rho, yield_strength or hardness is not positive and finite, or nu is outside
+        (-1, 1/2): there the elastic energy is no longer positive.
 
     Warns
     -----
@@ -68,9 +74,11 @@ class Material:
     nu: float
     rho: float
     yield_strength: float | None = None
+    hardness: float | None = None
 
     def __post_init__(self) -> None:
-        given = ["E", "rho", *([] if self.yield_strength is None else ["yield_strength"])]
+        given = ["E", "rho"]
+        given += [name for name in _OPTIONAL if getattr(self, name) is not None]
         for name in given:
             object.__setattr__(
                 self, name, positive(name, getattr(self, name), unit=_SOLIDS[name][0])
@@ -86,7 +94,8 @@ class Material:
             warn_of_units(name, getattr(self, name))
 
     def __repr__(self) -> str:
-        strength = f", yield_strength={self.yield_strength!r}" if self.yield_strength else ""
+        given = {name: getattr(self, name) for name in _OPTIONAL}
+        strength = "".join(f", {name}={value!r}" for name, value in given.items() if value)
         return f"Material(E={self.E!r}, nu={self.nu!r}, rho={self.rho!r}{strength})"
 
     @property

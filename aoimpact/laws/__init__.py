@@ -9,8 +9,9 @@ know none.
 from .curvature import contact_modulus
 from .effective import check_width, effective_law, own_law, wider
 from .elastic import Hertz, Linear, PowerLaw
-from .law import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, loading_work
-from .plastic import Thornton, yield_force, yield_pressure
+from .laminate import YangSun
+from .law import ContactLaw, CoreLaw, Dent, HertzianLaw, PatchLaw, loading_work
+from .plastic import ElasticPlastic, Thornton, yield_force, yield_pressure
 from .restitution import restitution
 from .roundcontact import RoundContact, round_contact
 from .surfaces import LawFromSurfaces, law_between
@@ -32,6 +33,8 @@ __all__ = [
     "LAWS",
     "ContactLaw",
     "CoreLaw",
+    "Dent",
+    "ElasticPlastic",
     "Flores",
     "Gonthier",
     "HerbertMcWhannell",
@@ -51,6 +54,7 @@ __all__ = [
     "Thornton",
     "Tsuji",
     "UserLaw",
+    "YangSun",
     "check_width",
     "contact_modulus",
     "effective_law",

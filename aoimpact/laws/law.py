@@ -17,13 +17,22 @@ from ..base import (
     FloatArray,
     InputError,
     InputTypeError,
+    boolean,
     finite_array,
     positive,
     with_unit,
 )
 from .rebound import integrated_restitution
 
-__all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw", "loading_work"]
+__all__ = [
+    "MOST_SHARE",
+    "ContactLaw",
+    "CoreLaw",
+    "Dent",
+    "HertzianLaw",
+    "PatchLaw",
+    "loading_work",
+]
 
 
 class CoreLaw(NamedTuple):
@@ -50,6 +59,24 @@ class CoreLaw(NamedTuple):
     note: FloatArray
     data: Any
 
+
+class Dent(NamedTuple):
+    """What a contact leaves in the surfaces.
+
+    Attributes
+    ----------
+    depth : float
+        Residual indentation, m.
+    diameter : float
+        That of the contact when it was deepest, m; NaN where the law has no radius.
+    """
+
+    depth: float
+    diameter: float
+
+
+# Residual indentation, as a share of the deepest, that is rounding.
+_NO_DENT = 1e-12
 
 # Of c dF/dδ, up to which a law without the compliance c is used, as in csrc/law/law.c. There what
 # is left is twenty times as stiff as the law; of two like bodies the contact is 0.8 of the patch.
@@ -100,6 +127,9 @@ class ContactLaw:
     # Of the indentation, where no parameter n says so.
     _power: ClassVar[float] = 1.5
 
+    # Of the indentation, in the unloading force of a law with memory.
+    _unloading_power: ClassVar[float] = 1.5
+
     # R, m, of a law with a contact radius, √(R δ).
     relative_radius: float | None = None
 
@@ -113,10 +143,18 @@ class ContactLaw:
         """Whether the force depends on what the contact went through before."""
         return self._has_memory
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters, by name.
+
+        :meta private:
+        """
+        power = getattr(self, "n", self._power)
+        return self._units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
+
     def __str__(self) -> str:
         """The law and its parameters with units, for summaries."""
-        power = getattr(self, "n", self._power)
-        units = self._units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
+        units = self.units
         given = {entry.name: getattr(self, entry.name) for entry in fields(cast(Any, self))}
         for name in ("relative_radius", "eccentricity"):
             if (value := given.pop(name, None)) and (name != "eccentricity" or value > _ROUND):
@@ -173,7 +211,9 @@ class ContactLaw:
         note = _NO_NOTE.copy()
         return CoreLaw(self._kind(), self._parameters(), 0.0, self.limit, note, self._data())
 
-    def force(self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0) -> Any:
+    def force(
+        self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0, *, along: bool = False
+    ) -> Any:
         """Return the contact force, on the loading branch where there is history.
 
         Parameters
@@ -182,6 +222,8 @@ class ContactLaw:
             δ, m; the force is zero where δ ≤ 0.
         rate : array_like, optional
             dδ/dt, m/s; broadcast against `indentation`.
+        along : bool, optional
+            Whether the indentations follow each other in time: a law with memory then unloads.
 
         Returns
         -------
@@ -198,11 +240,11 @@ class ContactLaw:
             finite_array("indentation", indentation, unit="m"),
             finite_array("rate", rate, unit="m/s"),
         )
-        force = self._evaluate(delta, delta_rate)[0]
+        force = self._evaluate(delta, delta_rate, boolean("along", along))[0]
         return force if force.ndim else float(force)
 
     def _evaluate(
-        self, indentation: FloatArray, rate: FloatArray
+        self, indentation: FloatArray, rate: FloatArray, along: bool = False
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return force, N, dF/dδ, N/m, and dF/d(dδ/dt), N s/m, of arrays of one shape."""
         force, stiffness, damping = (np.empty(indentation.shape) for _ in range(3))
@@ -213,6 +255,7 @@ class ContactLaw:
             force,
             stiffness,
             damping,
+            along,
         )
         return force, stiffness, damping
 
@@ -266,7 +309,11 @@ class ContactLaw:
 
         def excess(delta: FloatArray | float) -> FloatArray:
             there = np.asarray(delta)
-            return compliance * self._evaluate(there, np.zeros(there.shape))[1] - MOST_SHARE
+            force, steepest, _ = self._evaluate(there, np.zeros(there.shape))
+            if self.has_memory:  # F* x^n with n F*/(δ* - δ_p) at its start
+                n = self._unloading_power
+                steepest = np.maximum(steepest, n / (n + 1.0) * force**2 / self._potential(there))
+            return compliance * steepest - MOST_SHARE
 
         within = _INDENTATIONS[self.limit >= _INDENTATIONS]
         first = _first_beyond(excess, within)
@@ -328,6 +375,43 @@ class ContactLaw:
             if low < -_LONGEST:
                 raise InputError(f"{self!r} takes an energy of {wanted:g} J at no indentation")
         return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-15))
+
+    def dent(self, indentation: float) -> Dent:
+        """Return the dent that remains after a deepest indentation.
+
+        Parameters
+        ----------
+        indentation : float
+            m.
+
+        Returns
+        -------
+        Dent
+            Its ``depth`` and ``diameter``, m; both 0 without a loss in the law's memory.
+
+        Examples
+        --------
+        >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800, yield_strength=600e6)
+        >>> law = ao.ElasticPlastic.between(steel, 0.005, steel, float("inf"))
+        >>> depth, diameter = law.dent(50e-6)
+        >>> round(1e6 * depth, 1), round(1e3 * diameter, 2)  # µm, mm
+        (31.9, 1.37)
+        """
+        deepest = positive("indentation", indentation, unit="m")
+        force = self.force(deepest) if self.has_memory else 0.0
+        if force == 0.0:
+            return Dent(0.0, 0.0)
+        # The energy of unloading is F* (δ* - δ_p)/(n + 1).
+        depth = deepest - (self._unloading_power + 1.0) * self.potential(deepest) / force
+        if depth < _NO_DENT * deepest:
+            return Dent(0.0, 0.0)
+        return Dent(depth, 2.0 * self._contact_radius(deepest))
+
+    def _contact_radius(self, indentation: float) -> float:
+        """Return the radius of the contact on the way in, m; NaN where the law has none."""
+        if self.relative_radius is None:
+            return math.nan
+        return math.sqrt(self.relative_radius * indentation)
 
     def rigid_restitution(self, mass: float, velocity: float) -> float:
         """Return the restitution of a rigid pair of that reduced mass, kg, at a velocity, m/s.
@@ -453,6 +537,10 @@ class PatchLaw(ContactLaw):
 
     def for_core(self) -> CoreLaw:
         return self.law.for_core()._replace(compliance=self.compliance, limit=self.limit)
+
+    def dent(self, indentation: float) -> Dent:
+        own = indentation + self.compliance * self.force(indentation)
+        return self.law.dent(own)
 
     def _work(self, indentation: float) -> float:
         force = self.force(indentation)

@@ -21,7 +21,6 @@ from ..fem import ContactPoint, Material, Rayleigh
 from ..laws import (
     ContactLaw,
     RoundContact,
-    Thornton,
     own_law,
     round_contact,
     yield_force,
@@ -359,7 +358,7 @@ def limits(plan: Plan, contact: Contact) -> Limits:
     pressure = width = math.inf
     if (surface := round_contact(own, materials)) is not None:
         width = surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5
-        if not isinstance(own, Thornton):
+        if not own.has_memory:
             pressure = _yield(surface, materials)[0]
     slowest = min((of.bar_speed for of in materials if of is not None), default=math.inf)
     deflection = min(_deflecting(plan, contact), default=math.inf)
@@ -487,7 +486,8 @@ def _said_of_pressure(run: Run, number: int) -> str:
     return (
         f"{_contact(run, number)}: the largest pressure, {pressure}, exceeds {ratio:.3g} times "
         f"yield_strength={with_unit(material.yield_strength, 'Pa', 3)}, so that a body yields from "
-        f"{with_unit(limit, 'N', 3)} on. Use Thornton(k={surface.k:.6g}, yield_force={limit:.4g}, "
+        f"{with_unit(limit, 'N', 3)} on. Use ElasticPlastic(k={surface.k:.6g}, "
+        f"yield_force={limit:.4g}, hardness={2.8 * material.yield_strength:.4g}, "
         f"relative_radius={surface.radius:.6g})."
     )
 

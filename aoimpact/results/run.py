@@ -29,7 +29,7 @@ from ..base import (
 )
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
-from ..laws import PatchLaw, own_law
+from ..laws import Dent, PatchLaw, own_law
 from ..reduction import FullModel
 from ..scene import Plan, RecordLayout
 from . import plot
@@ -737,10 +737,18 @@ class Result(Eventful, Run):
         found = self.plan.round_contact(contact)
         if found is None:
             return math.nan
+        if (diameter := self.dent.diameter) > 0.0:
+            return 0.5 * diameter
         depth = float(self.indentation.max(initial=0.0))
         if isinstance(contact.law, PatchLaw):
             depth += contact.law.compliance * self.peak_force
         return found.narrowing * math.sqrt(found.radius * max(depth, 0.0))
+
+    @property
+    def dent(self) -> Dent:
+        """Residual dent, ``depth`` and ``diameter`` [m]; see `ContactLaw.dent`."""
+        deepest = float(self.indentation.max(initial=0.0))
+        return self.plan.contacts[0].law.dent(deepest) if deepest > 0.0 else Dent(0.0, 0.0)
 
     @property
     def hertz_pressure(self) -> float:

@@ -35,7 +35,7 @@ class _Kind:
         """Return F and dF/dδ, shape (m,)."""
         within = np.clip(depth, 0.0, self.limit)
         force, stiffness, damping = (np.empty(len(depth)) for _ in range(3))
-        _core.law_force(self.law, within, np.zeros(len(depth)), force, stiffness, damping)
+        _core.law_force(self.law, within, np.zeros(len(depth)), force, stiffness, damping, False)
         closed = depth > 0.0
         stiffness = np.maximum(stiffness, 0.0)  # rounding may make it negative
         beyond = force + stiffness * (depth - within)

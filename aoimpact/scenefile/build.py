@@ -25,7 +25,7 @@ from ..fem import (
     materials_of,
 )
 from ..impact import Scene, SceneCase
-from ..laws import ContactLaw, Hertz, Thornton
+from ..laws import ContactLaw, ElasticPlastic, Hertz, Thornton
 from ..matrixfiles import read_matrices
 from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
 from ..reduction import (
@@ -308,12 +308,8 @@ class Builder:
                 surfaces: list[Any] = []
                 for surface in table["k"]["between"]:
                     surfaces += [self._isotropic(surface["material"]), surface["radius"]]
-                if "yield_pressure" in table:
-                    if "angle" in table["k"]:
-                        raise InputError(
-                            "angle: with yield_pressure the surfaces are spheres, flats or cups"
-                        )
-                    return Thornton.between(*surfaces, yield_pressure=table["yield_pressure"])
+                if "yield_pressure" in table or table["type"] == "ElasticPlastic":
+                    return _yielding(table, surfaces)
                 if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
                     raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
                 if "relative_radius" in table:
@@ -324,6 +320,15 @@ class Builder:
                     table["eccentricity"] = hertz.eccentricity
             law: ContactLaw = _made(LAWS, table)
             return law
+
+
+def _yielding(table: Mapping[str, Any], surfaces: list[Any]) -> ContactLaw:
+    """The law of two surfaces that yield."""
+    if "angle" in table["k"]:
+        raise InputError("angle: surfaces that yield are spheres, flats or cups")
+    if table["type"] == "ElasticPlastic":
+        return ElasticPlastic.between(*surfaces, hardness=table.get("hardness"))
+    return Thornton.between(*surfaces, yield_pressure=table["yield_pressure"])
 
 
 _REDUCTIONS: dict[str, Callable[..., Any]] = {"antioscillators": antioscillators, "modal": modal}

@@ -39,7 +39,13 @@ _MATERIAL, _BODY = Reference("materials"), Reference("bodies")
 
 _MATERIALS = Variants(
     {
-        "E": {"E": "Pa", "nu": NUMBER, "rho": "kg/m³", "yield_strength?": "Pa"},
+        "E": {
+            "E": "Pa",
+            "nu": NUMBER,
+            "rho": "kg/m³",
+            "yield_strength?": "Pa",
+            "hardness?": "Pa",
+        },
         "orthotropic": {
             "orthotropic": {"E": ["Pa", 3], "G": ["Pa", 3], "nu": _VECTOR},
             "rho": "kg/m³",
@@ -164,6 +170,9 @@ def _law(cls: Any) -> Any:
     if cls is laws.Thornton:
         yielding = {"k": _SURFACES, "yield_pressure": "Pa"}
         return Variants({"yield_force": own, "yield_pressure": yielding})
+    if cls is laws.ElasticPlastic:
+        plain = own | {"k": NUMBER}
+        return Variants({"yield_force": plain}, {"k": _SURFACES, "hardness?": "Pa"})
     return own
 
 

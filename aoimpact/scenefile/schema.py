@@ -162,11 +162,17 @@ class Table(Kind):
 
 
 class Variants(Kind):
-    """A table of one of several sorts, distinguished by a key of which each has its own."""
+    """A table of one of several sorts, distinguished by a key of which each has its own.
 
-    def __init__(self, tables: Mapping[str, Any]) -> None:
+    `otherwise` is that without any of these keys.
+    """
+
+    def __init__(
+        self, tables: Mapping[str, Any], otherwise: Mapping[str, Any] | None = None
+    ) -> None:
         super().__init__("a table", Mapping)
         self.tables = {mark: Table(fields) for mark, fields in tables.items()}
+        self.otherwise = None if otherwise is None else Table(otherwise)
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         marks = [mark for mark in self.tables if mark in value]
@@ -174,6 +180,8 @@ class Variants(Kind):
             yield from self.tables[marks[0]].inside(value, place, root)
         elif marks:
             yield place, f"{' and '.join(map(repr, marks))} exclude each other: keep one of them"
+        elif self.otherwise is not None:
+            yield from self.otherwise.inside(value, place, root)
         else:
             known = {name: None for table in self.tables.values() for name in table.fields}
             yield from _unknown(value, known, place)

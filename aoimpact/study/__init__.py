@@ -1,6 +1,7 @@
-"""Comparison of models of one impact: the cost and the error of each."""
+"""Comparison of models of one impact, and laws from measurements."""
 
 from .compare import compare
 from .comparison import Comparison
+from .fitlaw import LawFit, fit_law
 
-__all__ = ["Comparison", "compare"]
+__all__ = ["Comparison", "LawFit", "compare", "fit_law"]

@@ -153,8 +153,10 @@ void aoi_contact_open(aoi_adaptive *run, size_t c)
         run->closed.at[at] = run->closed.at[at + 1];
     }
     aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_law *law = run->system->contact[c].law;
     contact->closed = 0;
     contact->force = contact->bending = contact->force_rate = 0.0;
+    aoi_law_remember(law, aoi_law_rest(law, contact->memory), -1.0, contact->memory); /* that it has parted */
 }
 
 /* --------------------------------------------------------------------------------------- events */

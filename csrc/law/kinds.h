@@ -23,7 +23,9 @@ extern const aoi_law_kind aoi_laws_elastic[];
 extern const size_t aoi_laws_elastic_count;
 extern const aoi_law_kind aoi_laws_viscous[];
 extern const size_t aoi_laws_viscous_count;
-extern const aoi_law_kind aoi_law_thornton;
+extern const aoi_law_kind aoi_laws_plastic[];
+extern const size_t aoi_laws_plastic_count;
+extern const aoi_law_kind aoi_law_yang_sun;
 
 /* Potentials of laws whose elastic force is k d^(3/2), and k d; k is the first parameter. */
 double aoi_law_three_halves_energy(const aoi_law *law, const double *memory, double indentation);

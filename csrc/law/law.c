@@ -47,7 +47,8 @@ int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *p
         size_t count;
     } tables[] = {{aoi_laws_elastic, aoi_laws_elastic_count},
                   {aoi_laws_viscous, aoi_laws_viscous_count},
-                  {&aoi_law_thornton, 1}};
+                  {aoi_laws_plastic, aoi_laws_plastic_count},
+                  {&aoi_law_yang_sun, 1}};
     for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
         for (size_t j = 0; j < tables[i].count; j++) {
             if (strcmp(name, tables[i].kind[j].name) == 0) {

@@ -1,15 +1,27 @@
-/* thornton: k, yield force. An elastic-plastic contact: C. Thornton, J. Appl. Mech. 64 (1997)
- * 383-386. Hertz's law up to the yield force, then a straight line with its slope there (the pressure
- * stays at its limit over a growing core); unloading and reloading from the deepest point d*, F* as
- * Hertz on the radius that has been flattened, R_p = R k d*^(3/2) / F*, up to which
- *   F = F* ((d - d_p) / (d* - d_p))^(3/2),   d* - d_p = F* / (k d*^(1/2)). */
+/* Contacts that yield: Hertz's law up to the yield force; then what the law says, up to a straight line;
+ * unloading and reloading from the deepest point d*, F* as Hertz on the radius that has been flattened,
+ *   F = F* ((d - d_p) / (d* - d_p))^(3/2).
+ *
+ * thornton: k, yield force. C. Thornton, J. Appl. Mech. 64 (1997) 383-386. The line starts at yield with
+ * the slope there (the pressure stays at its limit over a growing core), d* - d_p = F* / (k d*^(1/2)).
+ *
+ * elastic_plastic: k, yield force, slope s = 2 pi R p0. M. R. Brake, Int. J. Solids Struct. 49 (2012)
+ * 3129-3141: fully plastic from where Hertz's mean pressure is the hardness p0, d_f = (s/(2 k))^2, on the
+ * line F = s (d - d_f/2); between yield and there Hermite's cubic, which meets both with their slopes.
+ * I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729:
+ * d_p = d* (1 - w^(-0.28)) (1 - w^(-0.69)), w being the ratio of d* to the indentation of yield. */
 #include "law/kinds.h"
 
 #include <math.h>
 
-enum { STIFFNESS, YIELD_FORCE, YIELD, SLOPE }; /* parameters; YIELD: the indentation */
-enum { DEEPEST, RESIDUAL };                    /* memory; both zero while all was elastic */
-enum { ELASTIC, PLASTIC, UNLOADING };          /* pieces */
+/* Parameters; of indentation: YIELD, and FULL, from where the law is a line; of the cubic: SQUARE, CUBIC. */
+enum { STIFFNESS, YIELD_FORCE, SLOPE, YIELD, FULL, FULL_FORCE, SQUARE, CUBIC };
+enum { DEEPEST, REACH };                    /* memory, REACH: d* - d_p; both zero while all was elastic */
+enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces */
+
+/* FULL over YIELD, at least: where the hardness is less than about 1.2 times the pressure of yield,
+ * unloading would give back more than loading takes. */
+static const double LEAST_FULL = 3.2;
 
 static void thornton_prepare(aoi_law *law)
 {
@@ -17,77 +29,119 @@ static void thornton_prepare(aoi_law *law)
     p[YIELD] = cbrt(p[YIELD_FORCE] / p[STIFFNESS]);
     p[YIELD] *= p[YIELD];
     p[SLOPE] = p[YIELD] > 0.0 ? 1.5 * p[STIFFNESS] * sqrt(p[YIELD]) : HUGE_VAL; /* refused */
+    p[FULL] = p[YIELD];
+    p[FULL_FORCE] = p[YIELD_FORCE];
 }
 
-static double plastic_force(const aoi_law *law, double d)
+static void elastic_plastic_prepare(aoi_law *law)
 {
-    return law->parameter[YIELD_FORCE] + law->parameter[SLOPE] * (d - law->parameter[YIELD]);
+    double *p = law->parameter;
+    const double slope = p[SLOPE], root = 0.5 * slope / p[STIFFNESS];
+    thornton_prepare(law);
+    const double start = p[SLOPE], length = root * root - p[YIELD];
+    p[SLOPE] = slope;
+    p[FULL] = root * root >= LEAST_FULL * p[YIELD] ? root * root : HUGE_VAL; /* refused */
+    p[FULL_FORCE] = 0.5 * slope * p[FULL];
+    const double rise = (p[FULL_FORCE] - p[YIELD_FORCE]) / length;
+    p[SQUARE] = (3.0 * rise - 2.0 * start - slope) / length;
+    p[CUBIC] = (start + slope - 2.0 * rise) / (length * length);
+}
+
+/* The way in. */
+static void load(const aoi_law *law, int piece, double d, aoi_law_value *value)
+{
+    const double *p = law->parameter;
+    if (piece == PLASTIC) {
+        value->force = p[FULL_FORCE] + p[SLOPE] * (d - p[FULL]);
+        value->stiffness = p[SLOPE];
+    } else if (piece == MIXED) {
+        const double x = d - p[YIELD], start = 1.5 * p[STIFFNESS] * sqrt(p[YIELD]);
+        value->force = p[YIELD_FORCE] + x * (start + x * (p[SQUARE] + x * p[CUBIC]));
+        value->stiffness = start + x * (2.0 * p[SQUARE] + x * 3.0 * p[CUBIC]);
+    } else {
+        const double past = d > 0.0 ? d : 0.0, root = sqrt(past);
+        value->force = p[STIFFNESS] * root * past;
+        value->stiffness = 1.5 * p[STIFFNESS] * root;
+    }
+}
+
+/* The force at a deepest indentation past yield. */
+static double top_force(const aoi_law *law, double deepest)
+{
+    aoi_law_value top;
+    load(law, deepest < law->parameter[FULL] ? MIXED : PLASTIC, deepest, &top);
+    return top.force;
 }
 
 /* d* - d_p of a deepest indentation past yield. */
 static double recovered(const aoi_law *law, double deepest)
 {
-    return plastic_force(law, deepest) / (law->parameter[STIFFNESS] * sqrt(deepest));
+    const double *p = law->parameter;
+    if (p[FULL] > p[YIELD]) {
+        const double w = deepest / p[YIELD], first = pow(w, -0.28), second = pow(w, -0.69);
+        return deepest * (first + second - first * second);
+    }
+    return top_force(law, deepest) / (p[STIFFNESS] * sqrt(deepest));
 }
 
-static void thornton_force(const aoi_law *law, const double *memory, int piece, double indentation,
-                           double rate, aoi_law_value *value)
+static void plastic_force(const aoi_law *law, const double *memory, int piece, double indentation,
+                          double rate, aoi_law_value *value)
 {
-    const double d = indentation > 0.0 ? indentation : 0.0;
     (void)rate;
     value->damping = 0.0;
-    if (piece == PLASTIC) {
-        value->force = plastic_force(law, indentation);
-        value->stiffness = law->parameter[SLOPE];
-    } else if (piece == ELASTIC) {
-        const double root = sqrt(d);
-        value->force = law->parameter[STIFFNESS] * root * d;
-        value->stiffness = 1.5 * law->parameter[STIFFNESS] * root;
-    } else {
-        /* From the deepest point, which is exact: after an impact far past yield almost all remains. */
-        const double reach = recovered(law, memory[DEEPEST]), past = reach - (memory[DEEPEST] - d);
-        const double share = past > 0.0 ? past / reach : 0.0, root = sqrt(share);
-        const double top = plastic_force(law, memory[DEEPEST]);
-        value->force = top * root * share;
-        value->stiffness = 1.5 * top * root / reach;
+    if (piece != UNLOADING) {
+        load(law, piece, indentation, value);
+        return;
     }
+    /* From the deepest point, which is exact: after an impact far past yield almost all remains. */
+    const double reach = memory[REACH];
+    const double past = reach - (memory[DEEPEST] - (indentation > 0.0 ? indentation : 0.0));
+    const double share = past > 0.0 ? past / reach : 0.0, root = sqrt(share);
+    const double top = top_force(law, memory[DEEPEST]);
+    value->force = top * root * share;
+    value->stiffness = 1.5 * top * root / reach;
 }
 
-static int thornton_piece(const aoi_law *law, const double *memory, double indentation, int rising,
-                          double *low, double *high)
+static int plastic_piece(const aoi_law *law, const double *memory, double indentation, int rising,
+                         double *low, double *high)
 {
-    const double yield = law->parameter[YIELD], deepest = memory[DEEPEST];
-    const double end = deepest > yield ? deepest : yield;
-    if (indentation > end || (indentation == end && rising)) {
-        *low = end;
-        *high = HUGE_VAL;
-        return PLASTIC;
+    const double yield = law->parameter[YIELD], full = law->parameter[FULL];
+    const double deepest = memory[DEEPEST], end = deepest > yield ? deepest : yield;
+    if (indentation < end || (indentation == end && !rising)) {
+        *low = -HUGE_VAL;
+        *high = end;
+        return deepest > yield ? UNLOADING : ELASTIC;
     }
-    *low = -HUGE_VAL;
-    *high = end;
-    return deepest > yield ? UNLOADING : ELASTIC;
+    if (end < full && (indentation < full || (indentation == full && !rising))) {
+        *low = end;
+        *high = full;
+        return MIXED;
+    }
+    *low = fmax(end, full);
+    *high = HUGE_VAL;
+    return PLASTIC;
 }
 
-static void thornton_remember(const aoi_law *law, double indentation, double rate, double *memory)
+static void plastic_remember(const aoi_law *law, double indentation, double rate, double *memory)
 {
     (void)rate;
     if (indentation > law->parameter[YIELD] && indentation > memory[DEEPEST]) {
         memory[DEEPEST] = indentation;
-        memory[RESIDUAL] = indentation - recovered(law, indentation);
+        memory[REACH] = recovered(law, indentation);
     }
 }
 
-static double thornton_rest(const aoi_law *law, const double *memory)
+static double plastic_rest(const aoi_law *law, const double *memory)
 {
     (void)law;
-    return memory[RESIDUAL];
+    return memory[DEEPEST] - memory[REACH];
 }
 
-static double thornton_potential(const aoi_law *law, const double *memory, double indentation)
+static double plastic_potential(const aoi_law *law, const double *memory, double indentation)
 {
     const double d = indentation, yield = law->parameter[YIELD];
     const double deepest = d > memory[DEEPEST] ? d : memory[DEEPEST];
-    if (d <= memory[RESIDUAL]) {
+    if (d <= plastic_rest(law, memory)) {
         return 0.0;
     }
     if (deepest <= yield) {
@@ -95,17 +149,22 @@ static double thornton_potential(const aoi_law *law, const double *memory, doubl
     }
     const double reach = recovered(law, deepest);
     const double past = reach - (deepest - d), share = past > 0.0 ? past / reach : 0.0;
-    return 0.4 * plastic_force(law, deepest) * reach * share * share * sqrt(share);
+    return 0.4 * top_force(law, deepest) * reach * share * share * sqrt(share);
 }
 
-const aoi_law_kind aoi_law_thornton = {"thornton",
-                                       2,
-                                       {AOI_POSITIVE, AOI_POSITIVE},
-                                       {HUGE_VAL, HUGE_VAL},
-                                       {.force = thornton_force,
-                                        .potential = thornton_potential,
-                                        .piece = thornton_piece,
-                                        .remember = thornton_remember,
-                                        .rest = thornton_rest,
-                                        .turns = 1},
-                                       thornton_prepare};
+#define PLASTIC_LAW                                                                                \
+    {                                                                                              \
+        .force = plastic_force, .potential = plastic_potential, .piece = plastic_piece,            \
+        .remember = plastic_remember, .rest = plastic_rest, .turns = 1                             \
+    }
+
+const aoi_law_kind aoi_laws_plastic[] = {
+    {"thornton", 2, {AOI_POSITIVE, AOI_POSITIVE}, {HUGE_VAL, HUGE_VAL}, PLASTIC_LAW, thornton_prepare},
+    {"elastic_plastic",
+     3,
+     {AOI_POSITIVE, AOI_POSITIVE, AOI_POSITIVE},
+     {HUGE_VAL, HUGE_VAL, HUGE_VAL},
+     PLASTIC_LAW,
+     elastic_plastic_prepare},
+};
+const size_t aoi_laws_plastic_count = sizeof aoi_laws_plastic / sizeof aoi_laws_plastic[0];

@@ -182,11 +182,12 @@ PyObject *law_force(PyObject *self, PyObject *args)
     PyObject *law_in, *indentation_in, *rate_in, *force_out, *stiffness_out, *damping_out;
     buffer_list buffers = {.failed = 0};
     size_t n = (size_t)-1;
-    const double untouched[AOI_LAW_MEMORY] = {0.0};
+    double memory[AOI_LAW_MEMORY] = {0.0};
+    int along; /* the indentations follow each other, and the law remembers them */
     aoi_law law;
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!OOOOO", &PyTuple_Type, &law_in, &indentation_in, &rate_in,
-                          &force_out, &stiffness_out, &damping_out)) {
+    if (!PyArg_ParseTuple(args, "O!OOOOOp", &PyTuple_Type, &law_in, &indentation_in, &rate_in,
+                          &force_out, &stiffness_out, &damping_out, &along)) {
         return NULL;
     }
     int status = take_law(&buffers, law_in, &law);
@@ -197,14 +198,16 @@ PyObject *law_force(PyObject *self, PyObject *args)
     double *damping = doubles_out(&buffers, damping_out, "damping", &n);
     for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n && no_signal(i); i++) {
         aoi_law_value value;
-        aoi_law_push(&law, untouched, indentation[i], rate[i], &value);
+        aoi_law_push(&law, memory, indentation[i], rate[i], &value);
         force[i] = value.force;
         stiffness[i] = value.stiffness;
         damping[i] = value.damping;
         if (isnan(value.force)) {
             status = AOI_ERROR_LAW;
-        } else if (!aoi_law_stands(&law, untouched, indentation[i], rate[i])) {
+        } else if (!aoi_law_stands(&law, memory, indentation[i], rate[i])) {
             status = AOI_ERROR_PATCH;
+        } else if (along) {
+            aoi_law_remember(&law, indentation[i], rate[i], memory);
         }
     }
     return finish_law(&buffers, status, &law);

@@ -154,11 +154,16 @@ static const named every[] = {
     {"kelvin_voigt", 2, {3e7, 200.0}, 0.0},
     {"kelvin_voigt_pulling", 2, {3e7, 200.0}, 0.0},
     {"thornton", 2, {1e10, 100.0}, 0.0},
+    {"elastic_plastic", 3, {1e10, 100.0, 1e8}, 0.0},
+    {"yang_sun", 3, {1e10, 4e-6, 0.0}, 0.0},
+    {"yang_sun", 3, {1e10, 4e-6, 0.1}, 0.0},
     {"hertz", 1, {1e10}, 2e-9},
     {"hunt_crossley", 3, {1e10, 0.4, 1.5}, 2e-9},
     {"tsuji", 2, {1e10, 3e3}, 2e-9},
     {"kelvin_voigt", 2, {3e7, 200.0}, 2e-9},
     {"thornton", 2, {1e10, 100.0}, 2e-9},
+    {"elastic_plastic", 3, {1e10, 100.0, 1e8}, 2e-9},
+    {"yang_sun", 3, {1e10, 4e-6, 0.0}, 2e-9},
 };
 enum { EVERY = sizeof every / sizeof every[0] };
 
@@ -345,14 +350,13 @@ static void energy_grows_past_the_limit(void)
     }
 }
 
-/* Thornton's law over cycles of growing depth: the cycle's loss is the area between its branches,
+/* Laws that yield over cycles of growing depth: the cycle's loss is the area between its branches,
  * what is stored comes back, and pieces meet. */
 static void plastic_contact_remembers(void)
 {
-    const double compliances[] = {0.0, 2e-9};
-    for (size_t i = 0; i < 2; i++) {
-        aoi_law law = law_among("thornton", 0.0);
-        law.compliance = compliances[i];
+    for (size_t i = 0; i < 4; i++) {
+        aoi_law law = law_among(i % 2 ? "thornton" : "elastic_plastic", 0.0);
+        law.compliance = i < 2 ? 0.0 : 2e-9;
         double memory[AOI_LAW_MEMORY] = {0.0}, given = 0.0;
         for (double top = 1e-6; top < 2e-5; top *= 1.7) {
             enum { PARTS = 4000 };
@@ -410,6 +414,89 @@ static void plastic_unloading_is_thorntons(void)
     /* The curvature is that of the flattened radius: k_p = k (R_p/R)^(1/2), R_p/R = k D^(3/2)/F(D). */
     const double flattened = k * sqrt(k * pow(deepest, 1.5) / top);
     CHECK(near(top, flattened * pow(reach, 1.5), 1e-13), "Hertz on the flattened radius");
+}
+
+/* Brake's three regimes: the line of full plasticity; between yield and there the cubic of Hermite. The
+ * residual indentation by Etsion, Kligerman and Kadin. */
+static void full_plasticity_is_brakes(void)
+{
+    const aoi_law law = law_among("elastic_plastic", 0.0);
+    const double k = 1e10, slope = 1e8, yield = pow(100.0 / k, 2.0 / 3.0), full = pow(slope / (2.0 * k), 2.0);
+    double memory[AOI_LAW_MEMORY] = {0.0}, low, high;
+    aoi_law_value at, next;
+    for (double d = full; d < 1.0; d *= 3.0) {
+        aoi_law_push(&law, memory, d, 1.0, &at);
+        CHECK(near(at.force, slope * (d - 0.5 * full), 1e-14) && at.stiffness == slope, "plastic at %g m", d);
+    }
+    for (int end = 0; end < 2; end++) {
+        const int below = aoi_law_piece(&law, memory, 0.9 * (end ? full : yield), 0, &low, &high);
+        const double d = high;
+        CHECK(near(d, end ? full : yield, 1e-14), "a piece ends at %g m", d);
+        CHECK(aoi_law_piece(&law, memory, d, 0, &low, &high) == below, "from above it ends there, too");
+        const int above = aoi_law_piece(&law, memory, d, 1, &low, &high);
+        CHECK(above != below, "another begins at %g m", d);
+        aoi_law_force(&law, memory, below, d, 1.0, &at);
+        aoi_law_force(&law, memory, above, d, 1.0, &next);
+        CHECK(near(at.force, next.force, 1e-13) && near(at.stiffness, next.stiffness, 1e-12), "smooth at %g m", d);
+    }
+    CHECK(near(at.force, k * pow(full, 1.5), 1e-13), "full plasticity begins on Hertz's curve");
+    const double middle = 0.5 * (yield + full), start = 1.5 * k * sqrt(yield);
+    aoi_law_push(&law, memory, middle, 1.0, &at);
+    const double mean = 0.5 * (100.0 + 0.5 * slope * full);
+    CHECK(near(at.force, mean + (full - yield) * (start - slope) / 8.0, 1e-13), "Hermite's cubic in the middle");
+    for (double w = 1.0001; w < 1e9; w *= 7.0) {
+        memory[0] = memory[1] = 0.0;
+        aoi_law_remember(&law, w * yield, 1.0, memory);
+        const double rest = w * yield * (1.0 - pow(w, -0.28)) * (1.0 - pow(w, -0.69));
+        CHECK(fabs(aoi_law_rest(&law, memory) - rest) < 1e-14 * w * yield, "residual indentation at %g y", w);
+        aoi_law_push(&law, memory, w * yield - 0.36 * (w * yield - rest), -1.0, &at);
+        aoi_law_force(&law, memory, aoi_law_piece(&law, memory, w * yield, 1, &low, &high), w * yield, 1.0, &next);
+        CHECK(near(at.force, 0.512 * next.force, 1e-10 * w), "back by Hertz's power"); /* 0.64^1.5 */
+    }
+    const double soft[] = {k, 100.0, 7e7};
+    aoi_law refused;
+    CHECK(aoi_law_create(&refused, "elastic_plastic", 3, soft) == AOI_ERROR_ARGUMENT, "plastic before it yields");
+}
+
+/* Yang and Sun's powers: 3/2 in, 5/2 out, 3/2 in again once the bodies have parted. */
+static void laminates_are_yang_and_suns(void)
+{
+    const double k = 1e10, critical = 4e-6, deepest = 2e-5, top = k * deepest * sqrt(deepest);
+    for (int linear = 0; linear < 2; linear++) {
+        const double parameter[] = {k, critical, linear ? 0.1 : 0.0};
+        double memory[AOI_LAW_MEMORY] = {0.0};
+        aoi_law law;
+        aoi_law_value at;
+        CHECK(aoi_law_create(&law, "yang_sun", 3, parameter) == AOI_OK, "made");
+        aoi_law_push(&law, memory, deepest, 1.0, &at);
+        CHECK(near(at.force, top, 1e-14), "loading");
+        aoi_law_remember(&law, deepest, 1.0, memory);
+        const double rest = linear ? 0.1 * (deepest - critical) : deepest * (1.0 - pow(critical / deepest, 0.4));
+        const double reach = deepest - rest;
+        CHECK(near(aoi_law_rest(&law, memory), rest, 1e-13), "permanent indentation");
+        for (double share = 0.1; share < 1.0; share += 0.2) { /* and as it goes, it comes back */
+            aoi_law_push(&law, memory, rest + share * reach, share < 0.5 ? 1.0 : -1.0, &at);
+            CHECK(near(at.force, top * pow(share, 2.5), 1e-12), "unloading at %g", share);
+            CHECK(near(at.stiffness, 2.5 * at.force / (share * reach), 1e-12), "its slope");
+            CHECK(near(aoi_law_potential(&law, memory, rest + share * reach), at.force * share * reach / 3.5, 1e-12),
+                  "what it gives back");
+            aoi_law_remember(&law, rest + share * reach, -1.0, memory);
+        }
+        aoi_law_remember(&law, rest, -1.0, memory); /* parted */
+        aoi_law_push(&law, memory, rest + 0.6 * reach, 1.0, &at);
+        CHECK(near(at.force, top * pow(0.6, 1.5), 1e-12), "reloading");
+        CHECK(near(at.stiffness, 1.5 * at.force / (0.6 * reach), 1e-12), "its slope");
+        aoi_law_remember(&law, rest + 0.6 * reach, 1.0, memory);
+        aoi_law_push(&law, memory, rest + 0.3 * reach, -1.0, &at);
+        CHECK(near(at.force, top * pow(0.6, 1.5) * pow(0.5, 2.5), 1e-12), "unloading from there");
+        CHECK(near(aoi_law_rest(&law, memory), rest, 1e-13), "a smaller load leaves the dent as it is");
+        memory[0] = memory[1] = 0.0;
+        aoi_law_remember(&law, 0.9 * critical, 1.0, memory);
+        CHECK(aoi_law_rest(&law, memory) == 0.0, "no dent up to the critical indentation");
+    }
+    const double odd[] = {k, critical, 1.1};
+    aoi_law refused;
+    CHECK(aoi_law_create(&refused, "yang_sun", 3, odd) == AOI_ERROR_ARGUMENT, "a dent deeper than the indentation");
 }
 
 /* Far past yield what springs back is lost beside the depth, but not the force. */
@@ -783,6 +870,8 @@ int main(void)
     a_damped_law_stands_less_deep();
     energy_grows_past_the_limit();
     plastic_contact_remembers();
+    full_plasticity_is_brakes();
+    laminates_are_yang_and_suns();
     plastic_unloading_is_thorntons();
     plastic_unloading_starts_from_the_force_there_was();
     tables_are_hermite_cubics();

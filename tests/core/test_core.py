@@ -195,7 +195,7 @@ def krylov_arguments() -> list[Any]:
 # A good call of every function, and which of its arrays are written.
 CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "law_force": (
-        lambda: [law(), np.ones(4), *zeros(4, 4, 4, 4)],
+        lambda: [law(), np.ones(4), *zeros(4, 4, 4, 4), False],
         {3, 4, 5},
     ),
     "law_potential": (lambda: [law("linear"), np.ones(4), np.zeros(4)], {2}),
@@ -789,7 +789,7 @@ def test_buffers_are_given_back_after_a_refusal() -> None:
         buffers[0] = law()
         buffers[position] = doubles(1.0, 2.0)
         with pytest.raises(ValueError, match="must hold"):
-            _core.law_force(*buffers)
+            _core.law_force(*buffers, False)
         for buffer in buffers[1:]:
             buffer.append(0.0)
 
@@ -951,7 +951,7 @@ def test_what_other_libraries_do_to_arithmetic_is_harmless(bits: int) -> None:
 
     def answers() -> list[Any]:
         force = np.zeros(2)
-        _core.law_force(law, depth, zero, force, np.zeros(2), np.zeros(2))
+        _core.law_force(law, depth, zero, force, np.zeros(2), np.zeros(2), False)
         return [force.tobytes(), adaptive_bytes(run)]
 
     wanted = answers()

@@ -71,4 +71,4 @@ def test_every_law_of_the_core_is_described_tested_and_fuzzed() -> None:
 
 
 # Of these test_law.c has other formulas: they pull, or depend on what was before.
-PIECEWISE = '{"kelvin_voigt_pulling", {"thornton", '
+PIECEWISE = '{"kelvin_voigt_pulling", {"thornton", {"elastic_plastic", {"yang_sun", '

@@ -42,7 +42,7 @@ def law() -> Call:
     depth, rate = np.linspace(1e-6, 1e-3, n), np.zeros(n)
     power = "power", (1e9, 1.37), 0.0, np.inf, np.full(3, np.nan), None
     answers = [np.empty(n) for _ in range(3)]
-    return lambda: _core.law_force(power, depth, rate, *answers)
+    return lambda: _core.law_force(power, depth, rate, *answers, False)
 
 
 def receptance() -> Call:

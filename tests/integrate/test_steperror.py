@@ -73,7 +73,7 @@ def case_of(seed: int) -> Case | None:
 
 @pytest.fixture(scope="module")
 def cases() -> list[Case]:
-    return [case for seed in range(150) if (case := case_of(seed)) is not None]
+    return [case for seed in range(300) if (case := case_of(seed)) is not None]
 
 
 def claimed_and_true(cases: list[Case]) -> tuple[np.ndarray, np.ndarray]:

@@ -84,17 +84,18 @@ def test_yield_is_said_from_the_pressure_on_at_which_it_begins() -> None:
     )
 
 
-def test_thorntons_law_is_named_with_its_parameters_and_says_no_more() -> None:
+def test_a_plastic_law_is_named_with_its_parameters_and_says_no_more() -> None:
     floor = ao.antioscillators(plate(SOFT, 0.04, [("zmin", "xyz")]), 2)
     law = ao.Hertz.between(STEEL, R, SOFT, math.inf)
     (text,) = said(floor, 0.5, law=law)
     assert text.startswith("projectile on target: the largest pressure, ")
     assert "1.61 times yield_strength=100 MPa" in text
-    thornton = eval(text.partition("Use ")[2].rstrip("."), {"Thornton": ao.Thornton})
-    expected = ao.Thornton.between(STEEL, R, SOFT, math.inf, yield_pressure=ONSET * 100e6)
-    assert thornton.k == pytest.approx(expected.k, rel=1e-5)
-    assert thornton.yield_force == pytest.approx(expected.yield_force, rel=1e-3)
-    assert said(floor, 0.5, law=thornton) == []
+    plastic = eval(text.partition("Use ")[2].rstrip("."), {"ElasticPlastic": ao.ElasticPlastic})
+    expected = ao.ElasticPlastic.between(STEEL, R, SOFT, math.inf)
+    assert plastic.k == pytest.approx(expected.k, rel=1e-5)
+    assert plastic.yield_force == pytest.approx(expected.yield_force, rel=1e-3)
+    assert plastic.hardness == pytest.approx(280e6)
+    assert said(floor, 0.5, law=plastic) == []
 
 
 def test_the_curvature_follows_from_both_materials_where_the_law_does_not_have_it() -> None:

@@ -401,6 +401,11 @@ def test_patches_and_damping(tmp_path: Path) -> None:
             '{ material = "alu", radius = 0.01 }, { material = "alu", radius = inf }] }',
             ao.Thornton.between(ALU, 0.01, ALU, math.inf, yield_pressure=2e9),
         ),
+        (
+            'type = "ElasticPlastic", hardness = 1e9, k = { between = ['
+            '{ material = "alu", radius = 0.01 }, { material = "alu", radius = inf }] }',
+            ao.ElasticPlastic.between(ALU, 0.01, ALU, math.inf, hardness=1e9),
+        ),
     ],
 )
 def test_laws_by_what_they_deliver(law: str, same: ao.ContactLaw, tmp_path: Path) -> None:
@@ -676,7 +681,8 @@ def names(kind: Kind) -> set[str]:
         inside = {name for field in kind.fields.values() for name in names(field)}
         return set(kind.fields) | inside
     if isinstance(kind, Variants):
-        return {name for table in kind.tables.values() for name in names(table)}
+        tables = [*kind.tables.values(), *([kind.otherwise] if kind.otherwise else [])]
+        return {name for table in tables for name in names(table)}
     if isinstance(kind, Tagged):
         below = {name for table in kind.tables.values() for name in names(table)}
         return {kind.key} | set(kind.tables) | below

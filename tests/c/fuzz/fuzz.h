@@ -193,16 +193,19 @@ static inline aoi_law take_law(input *in, int *status)
     static const struct {
         const char *name;
         size_t count;
-        taker *second; /* the first is a stiffness, a third one an exponent */
-    } kinds[] = {{"hertz", 1, NULL},
-                 {"power", 2, take_exponent},
-                 {"linear", 1, NULL},
-                 {"hunt_crossley", 3, take_not_negative},
-                 {"tsuji", 2, take_not_negative},
-                 {"kuwabara_kono", 2, take_not_negative},
-                 {"kelvin_voigt", 2, take_not_negative},
-                 {"kelvin_voigt_pulling", 2, take_not_negative},
-                 {"thornton", 2, take_positive}};
+        taker *second; /* the first is a stiffness, a third one an exponent or what the next says */
+        taker *third;
+    } kinds[] = {{"hertz", 1, NULL, NULL},
+                 {"power", 2, take_exponent, NULL},
+                 {"linear", 1, NULL, NULL},
+                 {"hunt_crossley", 3, take_not_negative, NULL},
+                 {"tsuji", 2, take_not_negative, NULL},
+                 {"kuwabara_kono", 2, take_not_negative, NULL},
+                 {"kelvin_voigt", 2, take_not_negative, NULL},
+                 {"kelvin_voigt_pulling", 2, take_not_negative, NULL},
+                 {"thornton", 2, take_positive, NULL},
+                 {"elastic_plastic", 3, take_positive, take_positive},
+                 {"yang_sun", 3, take_positive, take_share}};
     enum { NAMED = sizeof kinds / sizeof kinds[0] };
     aoi_law law;
     const size_t kind = take_below(in, NAMED + 2);
@@ -235,7 +238,7 @@ static inline aoi_law take_law(input *in, int *status)
         double parameter[3];
         parameter[0] = take_positive(in);
         parameter[1] = kinds[kind].second ? kinds[kind].second(in) : 0.0;
-        parameter[2] = take_exponent(in);
+        parameter[2] = (kinds[kind].third ? kinds[kind].third : take_exponent)(in);
         (void)spoil(in, parameter, kinds[kind].count);
         *status = aoi_law_create(&law, kinds[kind].name, kinds[kind].count, parameter);
     }

@@ -1,0 +1,460 @@
+"""The contact law that a measurement shows, with the uncertainty of its parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields, replace
+from typing import Any, cast
+
+import numpy as np
+import numpy.typing as npt
+import scipy
+
+from ..base import (
+    HUGE,
+    AOImpactError,
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    finite_array,
+    held_warnings,
+    positive,
+    texts,
+    warn,
+    with_unit,
+)
+from ..impact import checked_duration, simulate
+from ..integrate import Adaptive
+from ..laws import ContactLaw
+from ..reduction import rigid
+from ..testrig import Signal
+
+__all__ = ["LawFit", "fit_law"]
+
+# Far below the noise of measurements, and of differences with that step.
+_SOLVER = Adaptive(rtol=1e-9)
+_STEP = 1e-4
+
+# Of the variables, for SciPy's steps are relative.
+_ORIGIN = 30.0
+
+# A parameter whose standard error is a larger share of it is not determined.
+_DETERMINED = 0.5
+
+# Where a class is fitted: the first guess by the parameter's unit, in powers of the largest force,
+# the indentation and the velocity; else by its name.
+_GUESSES: dict[str, tuple[float, float, float, float]] = {
+    "N": (0.3, 1.0, 0.0, 0.0),
+    "m": (0.3, 0.0, 1.0, 0.0),
+    "s": (0.2, 0.0, 1.0, -1.0),
+    "s/m": (0.2, 0.0, 0.0, -1.0),
+    "N s/m": (0.2, 1.0, 0.0, -1.0),
+}
+_OF_THE_TEST = ("relative_radius", "mass", "velocity")
+_NAMED = {"n": 1.5, "restitution": 0.7, "alpha": 0.1, "beta": 0.1}
+_BOUNDS = {"n": (1.0, math.inf), "restitution": (0.0, 1.0), "beta": (0.0, 1.0)}
+
+# The share of the peak up to which a force has hardly begun, as Hertz's at that share of the
+# indentation has not; and the time from start to peak by Hertz's law, in δ/v.
+_FOOT, _EARLY, _RISE = 0.05, 0.01, 1.47
+
+# Samples before and after that place, between which a force that jumps may begin.
+_SAMPLES = 4
+_APART = 1e-3  # of their spacing
+
+# Further starts for a curve, and how far around the first, as a logarithm.
+_STARTS, _AROUND = 5, 0.7
+
+# Singular values of the sensitivities, relative to the first, that are rounding.
+_SINGULAR = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class LawFit(Frozen):
+    """A contact law as it was measured.
+
+    Attributes
+    ----------
+    law : ContactLaw
+        With the parameters that fit best.
+    standard_errors : dict of str to float
+        Of each parameter that was fitted, in its unit; `start_time` among them for a history.
+    correlation : ndarray
+        Of the parameters, in the order of `standard_errors`.
+    residual : float
+        Standard deviation of the measurement from the law, in its unit.
+    start_time : float or None
+        When the contact began on the clock of a force history, s.
+    undetermined : tuple of str
+        Parameters that the data do not determine.
+
+    Examples
+    --------
+    >>> depth = [0.0, 1e-5, 2e-5, 3e-5]
+    >>> fit = ao.fit_law(ao.Hertz, indentation=depth, force=[0.0, 33.0, 88.0, 165.0])
+    >>> print(fit)
+    Hertz, k = 1 GN/m^1.5
+      k = 1.001 GN/m^1.5 ± 6.4 MN/m^1.5
+    """
+
+    law: ContactLaw
+    standard_errors: Mapping[str, float]
+    correlation: FloatArray
+    residual: float
+    start_time: float | None
+    undetermined: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """The law, and each parameter with its standard error."""
+        lines = [str(self.law)]
+        for name, error in self.standard_errors.items():
+            value = self.start_time if name == "start_time" else getattr(self.law, name)
+            assert value is not None
+            unit = "s" if name == "start_time" else self.law.units[name]
+            lines.append(f"  {name} = {with_unit(value, unit)} ± {with_unit(error, unit, 2)}")
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class _Data:
+    """What was measured, and what a law with a contact that begins at a time, s, shows instead.
+
+    Of the measurement about the largest force, N, and indentation, m; the velocity, m/s; and when
+    the contact begins.
+    """
+
+    measured: FloatArray
+    shown: Callable[[ContactLaw, float], FloatArray]
+    force: float = 0.0
+    depth: float = 0.0
+    velocity: float = 1.0
+    start: float | None = None
+    sample: float = 0.0  # its spacing, s
+
+    @property
+    def time(self) -> float:
+        """About how long the indentation takes, s."""
+        return self.depth / self.velocity
+
+
+class _Problem:
+    """The misfit of a law to a measurement, over logarithms of its free parameters.
+
+    The last variable of a history is the start of the contact, by the time that it takes. All are
+    counted from `_ORIGIN`.
+    """
+
+    def __init__(self, law: ContactLaw, names: Sequence[str], data: _Data) -> None:
+        self.law, self.names, self.data = law, names, data
+        self.first = np.array([getattr(law, name) for name in names])
+        bounds = np.array([_BOUNDS.get(name, (0.0, math.inf)) for name in names])
+        with np.errstate(divide="ignore"):
+            low, high = np.log(bounds / self.first[:, None]).T + _ORIGIN
+        timed = [math.inf] * (data.start is not None)
+        self.low, self.high = np.append(low, np.negative(timed)), np.append(high, timed)
+        if len(data.measured) <= len(self.low):
+            raise InputError(
+                f"{len(self.low)} parameters need more than {len(data.measured)} measured values"
+            )
+
+    def parameters(self, x: FloatArray) -> FloatArray:
+        """Return those of the law, and of a history the start of the contact, s."""
+        values = self.first * np.exp(x[: len(self.names)] - _ORIGIN)
+        if self.data.start is None:
+            return values
+        return np.append(values, self.data.start + self.data.time * (x[-1] - _ORIGIN))
+
+    def law_at(self, x: FloatArray) -> ContactLaw:
+        values = dict(zip(self.names, self.parameters(x).tolist(), strict=False))
+        return cast(ContactLaw, replace(cast(Any, self.law), **values))
+
+    def misfit(self, x: FloatArray) -> FloatArray:
+        """Return what the law shows less what was measured."""
+        return self.data.shown(self.law_at(x), float(self.parameters(x)[-1])) - self.data.measured
+
+    def solved(self) -> Any:
+        """Return SciPy's solution.
+
+        A force that begins with a jump, or nearly so, has a minimum between any two samples.
+        """
+        first = np.full(len(self.low), _ORIGIN)
+        found = self._within(first, self.low, self.high)
+        if self.data.depth > 0.0 and self.data.start is None:  # a curve: quick, several minima
+            around = np.random.default_rng(0).uniform(-_AROUND, _AROUND, (_STARTS, len(first)))
+            starts = np.clip(found.x + around, self.low, self.high)
+            others = [self._within(x, self.low, self.high, found.fun) for x in starts]
+            return min((found, *others), key=lambda one: one.cost)
+        if not self._jumps(found.x):
+            return found
+        between = []
+        for sample in range(-_SAMPLES, _SAMPLES):
+            low, high = self.low.copy(), self.high.copy()
+            ends = np.array([sample + _APART, sample + 1.0 - _APART])
+            low[-1], high[-1] = _ORIGIN + ends * self.data.sample / self.data.time
+            begin = np.append(found.x[:-1], 0.5 * (low[-1] + high[-1]))
+            between.append(self._within(begin, low, high, found.fun))
+        best = min(between, key=lambda one: one.cost)
+        # The first force depends on the start like a root, which no slope describes.
+        best.jac = np.delete(best.jac, np.argmax(best.fun + self.data.measured > 0.0), axis=0)
+        return best
+
+    def _within(
+        self, x: FloatArray, low: FloatArray, high: FloatArray, least: FloatArray | None = None
+    ) -> Any:
+        """Return SciPy's solution between bounds; `least` is a misfit that is known."""
+
+        def misfit(x: FloatArray) -> FloatArray:
+            nonlocal least
+            try:
+                found = self.misfit(x)
+            except AOImpactError:
+                if least is None:
+                    raise
+                return 2.0 * least  # no law: the step is refused, and shorter ones are tried
+            if least is None or found @ found < least @ least:
+                least = found
+            return found
+
+        return scipy.optimize.least_squares(
+            misfit,
+            x,
+            "3-point",
+            (low, high),
+            ftol=1e-9,
+            xtol=1e-8,
+            gtol=None,
+            diff_step=_STEP / _ORIGIN,
+        )
+
+    def _jumps(self, x: FloatArray) -> bool:
+        """Whether the force is there soon after the contact has begun."""
+        early = self.law_at(x).force(_EARLY * self.data.depth, self.data.velocity)
+        return bool(early > _FOOT * self.data.force)
+
+
+def fit_law(
+    law: ContactLaw | type[ContactLaw],
+    signal: Any = None,
+    *,
+    mass: float | None = None,
+    velocity: npt.ArrayLike | None = None,
+    projectile: Any = None,
+    target: Any = None,
+    indentation: npt.ArrayLike | None = None,
+    force: npt.ArrayLike | None = None,
+    dent: npt.ArrayLike | None = None,
+    free: Iterable[str] | None = None,
+) -> LawFit:
+    """Return the law that a measurement shows, by least squares, and its uncertainty.
+
+    The measurement is one of three:
+
+    - a force history, `signal`, of a mass that meets a wall, or of two models of bodies. When the
+      contact began on its clock is found, too;
+    - a curve of `force` over `indentation` in the order of loading, unloading and reloading;
+    - diameters of the dents that a mass left at several velocities, `dent`.
+
+    Parameters
+    ----------
+    law : ContactLaw or type
+        A law to begin with: parameters that are not `free` are kept. Or its class, where a history
+        or a curve gives a first guess.
+    signal : Signal or (t, values), optional
+        Contact force, N.
+    mass : float, optional
+        Of a rigid body that meets a wall, or reduced mass of a pair, kg.
+    velocity : float or array_like, optional
+        Of approach, m/s; for dents one each.
+    projectile, target : optional
+        Models of the bodies, in place of `mass`, as `simulate` takes them.
+    indentation, force : array_like, optional
+        m and N.
+    dent : array_like, optional
+        Diameters, m; the law needs a radius.
+    free : iterable of str, optional
+        Names of the parameters to fit; by itself all those that the law must be given, but for its
+        radius and for the mass and velocity of the test.
+
+    Returns
+    -------
+    LawFit
+        The standard errors are those of independent errors of one size in all points: of a signal
+        that was filtered they are too small.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the data do not determine a parameter: its standard error is more than half of it.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If the measurement is incomplete, or `free` names what is no parameter above 0.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> law = ao.HuntCrossley(k=1e9, damping=0.2)
+    >>> hit = ao.simulate(ball, ao.rigid(mass=float("inf")), 1.0, law=law)
+    >>> signal = ao.Signal.of(hit, rate=1e6)
+    >>> fit = ao.fit_law(ao.HuntCrossley, signal, mass=0.1, velocity=1.0)
+    >>> round(fit.law.k / 1e9, 3), round(fit.law.damping, 3)
+    (1.0, 0.2)
+    """
+    if signal is not None:
+        data = _history(signal, mass, velocity, projectile, target)
+    elif indentation is not None and force is not None:
+        data = _curve(indentation, force)
+    elif dent is not None:
+        data = _dents(dent, mass, velocity)
+    else:
+        raise InputError("give a signal, or indentation= and force=, or dent= of several impacts")
+    start = law if isinstance(law, ContactLaw) else _guess(law, data, mass)
+    names = _free(start, free)
+    problem = _Problem(start, names, data)
+    with np.errstate(all="ignore"):  # of laws far from the measurement, and of none at all
+        found = problem.solved()
+        variance = 2.0 * float(found.cost) / (len(data.measured) - len(found.x))
+        errors, correlation = _uncertainty(found.jac, variance)
+    values = problem.parameters(found.x)
+    poor = {
+        name: error for name, error in zip(names, errors, strict=False) if not error <= _DETERMINED
+    }
+    if poor:
+        shares = ", ".join(
+            f"{name} (± {error:.0%})" if error < math.inf else f"{name} (at all)"
+            for name, error in poor.items()
+        )
+        warn(f"the data do not determine {shares}: keep them, or measure where they matter")
+    sizes = np.append(values[: len(names)], [data.time] * (len(values) - len(names)))
+    return LawFit(
+        problem.law_at(found.x),
+        dict(zip([*names, "start_time"], (errors * sizes).tolist(), strict=False)),
+        correlation,
+        math.sqrt(variance),
+        float(values[-1]) if data.start is not None else None,
+        tuple(poor),
+    )
+
+
+def _uncertainty(jacobian: FloatArray, variance: float) -> tuple[FloatArray, FloatArray]:
+    """Return standard errors and correlations of the variables."""
+    size = np.linalg.norm(jacobian, axis=0)
+    size = np.where(size > 0.0, size, np.finfo(float).tiny ** 0.5)
+    _, strength, turn = np.linalg.svd(jacobian / size, full_matrices=False)
+    strength = np.maximum(strength, _SINGULAR * strength[0])
+    spread = turn.T / strength
+    covariance = spread @ spread.T
+    errors = np.sqrt(np.diag(covariance))
+    share = errors * math.sqrt(variance) / size
+    share[errors > 0.1 / _SINGULAR] = math.inf
+    return share, covariance / np.outer(errors, errors)
+
+
+def _free(law: ContactLaw, free: Iterable[str] | None) -> list[str]:
+    """Return the names of the parameters to fit."""
+    entries = {entry.name: entry for entry in fields(cast(Any, law))}
+    if free is None:
+        needed = [name for name, entry in entries.items() if entry.default is MISSING]
+        chosen = [name for name in needed if name not in _OF_THE_TEST]
+    else:
+        chosen = [free] if isinstance(free, str) else list(texts("free", free))
+    for name in chosen:
+        value = getattr(law, name, None) if name in entries else None
+        if not isinstance(value, float) or not value > 0.0:
+            raise InputError(
+                f"free: {name!r} is no parameter above 0 of {law!r}; begin with a law that has one"
+            )
+    if not chosen:
+        raise InputError(f"free is empty: nothing of {law!r} is to be fitted")
+    return chosen
+
+
+def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
+    """Return a law of that class to begin with, from the size of what was measured."""
+    if not (isinstance(cls, type) and issubclass(cls, ContactLaw)):
+        raise InputTypeError(f"law must be a contact law or its class, got {cls!r}")
+    given: dict[str, Any] = {"mass": mass, "velocity": data.velocity}
+    for entry in fields(cast(Any, cls)):
+        name, unit = entry.name, cls._units.get(entry.name, "")
+        if entry.default is not MISSING or name in ("mass", "velocity"):
+            continue
+        if name == "k":
+            given[name] = data.force / data.depth ** given.get("n", cls._power)
+        elif name in _NAMED:
+            given[name] = _NAMED[name]
+        elif unit in _GUESSES and data.force > 0.0:
+            share, force, depth, velocity = _GUESSES[unit]
+            given[name] = share * data.force**force * data.depth**depth * data.velocity**velocity
+        else:
+            raise InputError(
+                f"law={cls.__name__} has no first guess of {name} from this measurement; give a "
+                f"law to begin with, {cls.__name__}(...)"
+            )
+    names = {entry.name for entry in fields(cast(Any, cls))}
+    law: ContactLaw = cls(**{name: v for name, v in given.items() if name in names})
+    return law
+
+
+# ------------------------------------------------------------------- measurements
+
+
+def _curve(indentation: npt.ArrayLike, force: npt.ArrayLike) -> _Data:
+    depth = finite_array("indentation", indentation, ndim=1, unit="m", most=HUGE)
+    push = finite_array("force", force, shape=depth.shape, unit="N", most=HUGE)
+    for name, values in (("indentation", depth), ("force", push)):
+        if not values.max(initial=0.0) > 0.0:
+            raise InputError(f"{name} must have a value above 0")
+
+    def shown(law: ContactLaw, _: float) -> FloatArray:
+        if law.depends_on_rate:
+            raise InputError(f"a curve has no rates, on which {law!r} depends; give a history")
+        return np.asarray(law.force(depth, along=True))
+
+    return _Data(push, shown, float(push.max()), float(depth.max()))
+
+
+def _dents(dent: npt.ArrayLike, mass: float | None, velocity: Any) -> _Data:
+    wide = finite_array("dent", dent, ndim=1, unit="m", most=HUGE)
+    speeds = finite_array("velocity", velocity, shape=wide.shape, unit="m/s")
+    energies = 0.5 * positive("mass", mass, unit="kg") * speeds**2
+    return _Data(
+        wide, lambda law, _: np.array([law.dent(law.stroke(e)).diameter for e in energies])
+    )
+
+
+def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, target: Any) -> _Data:
+    channel = Signal.of(signal)
+    speed = positive("velocity", velocity, unit="m/s")
+    if projectile is None or target is None:
+        projectile = rigid(mass=positive("mass", mass, unit="kg"))
+        target = rigid(mass=math.inf)
+    peak = int(np.argmax(channel.values))
+    top = float(channel.values[peak])
+    if not top > 0.0:
+        raise InputError(f"signal has no force above 0, the largest is {top:g} {channel.unit}")
+    foot = np.flatnonzero(channel.values[:peak] <= _FOOT * top)
+    start = float(channel.t[foot[-1] if foot.size else 0])
+    sample = 1.0 / channel.mean_rate
+    depth = max(float(channel.t[peak]) - start, sample) * speed / _RISE
+
+    def shown(law: ContactLaw, begin: float) -> FloatArray:
+        force = np.zeros(channel.t.shape)
+        within = channel.t > begin
+        if not within.any():
+            return force
+        with held_warnings():
+            hit = simulate(
+                projectile,
+                target,
+                speed,
+                law=law,
+                duration=checked_duration(float(channel.t[-1]) - begin),
+                solver=_SOLVER,
+            )
+            force[within] = hit.at(channel.t[within] - begin).force
+        return force
+
+    return _Data(channel.values, shown, top, depth, speed, start, sample)

@@ -1,0 +1,81 @@
+"""Yang and Sun's law: closed forms, the dent, and cycles."""
+
+import math
+
+import numpy as np
+import pytest
+from rigid_pair import on_a_wall
+
+import aoimpact as ao
+
+K, CRITICAL = 1e9, 80e-6
+BOTH = [ao.YangSun(K, CRITICAL), ao.YangSun(K, CRITICAL, 0.1)]
+
+
+def test_the_dent_begins_at_the_critical_indentation():
+    for law, deep in zip(BOTH, (3e-4 * (1 - (80 / 300) ** 0.4), 0.1 * 220e-6), strict=True):
+        assert law.dent(CRITICAL * (1 - 1e-9)) == (0.0, 0.0)
+        assert law.dent(3e-4).depth == pytest.approx(deep, rel=1e-12)
+    assert math.isnan(BOTH[0].dent(3e-4).diameter)
+    wide = ao.YangSun(K, CRITICAL, relative_radius=0.01).dent(3e-4).diameter
+    assert wide == pytest.approx(2 * math.sqrt(0.01 * 3e-4))
+
+
+@pytest.mark.parametrize("law", BOTH, ids=str)
+def test_restitution_is_that_of_the_powers(law):
+    """The way in takes F* δ*/2.5 and the way out gives F* (δ* - δ_p)/3.5."""
+    deepest = 3e-4
+    speed = math.sqrt(2 * 0.4 * K * deepest**2.5 / 0.02)
+    wanted = math.sqrt(2.5 / 3.5 * (1 - law.dent(deepest).depth / deepest))
+    assert ao.restitution(law, 0.02, speed) == pytest.approx(wanted, rel=1e-12)
+    hit = on_a_wall(law, 0.02, speed, ao.Adaptive(rtol=1e-9), duration=2e-3)
+    assert hit.restitution == pytest.approx(wanted, abs=1e-8)
+    assert hit.dent.depth == pytest.approx(law.dent(deepest).depth, rel=1e-6)
+
+
+def test_a_path_unloads_by_five_halves_and_reloads_by_three_once_the_bodies_have_parted():
+    law = BOTH[0]
+    deepest, top = 3e-4, law.force(3e-4)
+    rest = law.dent(deepest).depth
+    shares = np.array([0.6, 0.3, 0.6, 0.0, 0.4, 0.2])
+    force = law.force([deepest, *(rest + shares * (deepest - rest))], along=True) / top
+    again = 0.4**1.5
+    wanted = [1.0, 0.6**2.5, 0.3**2.5, 0.6**2.5, 0.0, again, again * 0.5**2.5]
+    assert force == pytest.approx(wanted, abs=1e-9)
+
+
+@pytest.mark.parametrize("solver", [ao.Adaptive(rtol=1e-8), ao.Newmark(dt=1e-7)], ids=str)
+@pytest.mark.parametrize("law", BOTH, ids=str)
+def test_blows_and_ringing_never_give_energy(law, solver):
+    """A ringing tup loads and unloads within a blow; a spring throws it back into its dent."""
+    tup = ao.AOModel(m0=0.02, k0=0.0, m=[0.2], k=[0.02 * 2.5e4**2])
+    plate = ao.AOModel(m0=0.05, k0=2e5, m=[0.05], k=[4e7])
+    hit = ao.simulate(
+        projectile=tup, target=plate, law=law, velocity=3.0, duration=6e-3, solver=solver
+    )
+    total = hit.energy.total
+    assert len(hit.contacts) >= 2
+    assert total == pytest.approx(total[0], rel=2e-4 if hit.solver.startswith("N") else 1e-6)
+    lost = hit.energy.dissipated
+    assert np.diff(lost).min() > -1e-4 * lost[-1]
+    assert lost[-1] > 0.05 * total[0]
+
+
+def test_both_solvers_agree_on_blows_into_a_dent():
+    case = {
+        "projectile": ao.AOModel(m0=0.02, k0=0.0, m=[0.2], k=[0.02 * 2.5e4**2]),
+        "target": ao.AOModel(m0=0.05, k0=2e5, m=[0.05], k=[4e7]),
+        "law": BOTH[0],
+        "velocity": 3.0,
+        "duration": 6e-3,
+    }
+    exact = ao.simulate(**case, solver=ao.Adaptive(rtol=1e-9))
+    stepped = ao.simulate(**case, solver=ao.Newmark(dt=5e-8))
+    assert stepped.impulse == pytest.approx(exact.impulse, rel=1e-4)
+    assert stepped.peak_force == pytest.approx(exact.peak_force, rel=1e-4)
+    assert len(stepped.contacts) == len(exact.contacts)
+
+
+def test_beta_is_a_share():
+    with pytest.raises(ao.InputError, match=r"beta must be from above 0 to 1, got 1\.5"):
+        ao.YangSun(K, CRITICAL, 1.5)
