@@ -499,3 +499,16 @@ def test_what_is_not_understood_is_refused_by_line(
 def test_decks_without_a_mesh_are_refused(text: str, words: str, tmp_path: Path) -> None:
     with pytest.raises(ao.MeshError, match=words):
         read(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("entries", "said"),
+    [
+        ("CQUAD4,11,11,1,3,12,10\n", "1 surface elements are not"),
+        ("CBEAM,13,13,1,12,0.,0.,1.\nCROD,14,4,1,12\n", "2 line elements are not"),
+        ("CQUAD4,11,11,1,4,10,7\nPSHELL,11,1,.001\n", "1 surface elements are not"),
+    ],
+)
+def test_shells_and_beams_beside_solids_are_named(entries: str, said: str, tmp_path: Path) -> None:
+    with pytest.warns(ao.AOImpactWarning, match=said):
+        read(tmp_path, PLAIN.replace("ENDDATA", entries + "ENDDATA"))

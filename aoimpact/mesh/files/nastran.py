@@ -6,9 +6,10 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from ...base import FloatArray, IntArray, warn
 from ..elements import reference_element
@@ -34,6 +35,12 @@ _SOLIDS = {"CTETRA", "CHEXA", "CPENTA", "CPYRAM"}
 _READ = {name for names in _ELEMENTS for name in names} | {
     *("GRID", "SET", "SET1", "SET3"),
     *(f"CORD{i}{kind}" for i in "12" for kind in "RCS"),
+}
+
+# Sections of line and of surface elements.
+_SECTIONS = {
+    1: re.compile("P(BAR|BARL|BEAM|BEAML|BCOMP|BEND|ROD|TUBE)"),
+    2: re.compile("PSHELL|PCOMP[GLS]?|PSHEAR"),
 }
 
 # Largest difference between axes of displacements and the basic ones.
@@ -95,6 +102,11 @@ def read(file: Path) -> RawMesh:
             node_sets[f"{name} nodes"] = one.among(grids.labels)
         if "elements" in one.kinds:
             cell_sets[f"{name} elements"] = one.among(labels)
+    if beside := _beside([part.block for part in elements], set(deck.names), len(nodes)):
+        warn(
+            f"mesh file {str(file)!r}: {beside} are not part of the body, which is made of solids "
+            "alone"
+        )
     counts = sorted((name, len(first)) for name, first in deck.names.items())
     for pattern, what in (
         (OTHER_ELEMENTS, "elements that are not part of the mesh were left out"),
@@ -166,6 +178,31 @@ def _elements(deck: BulkData, names: tuple[str, ...], grids: _Grids) -> Iterator
             raise part.refused(row, f"node {numbers[row, column]} is not there")
         cells = rows[:, UPRIGHT_FIRST.get(kind, slice(None))]
         yield _Elements(part, RawBlock(kind, cells, labels), properties)
+
+
+def _beside(blocks: list[RawBlock], names: set[str], n_nodes: int) -> str:
+    """Count the shells and beams: those with a section, or that are no side or edge of a solid.
+
+    Meshers write sides and edges as elements without sections.
+    """
+
+    def corners(block: RawBlock) -> Any:
+        """Return which nodes are corners of which cells, shape (n_cells, n_nodes)."""
+        cells = block.cells[:, : nodes_in(block.kind.rstrip("0123456789"))]
+        starts = np.arange(0, cells.size + 1, cells.shape[1])
+        shape = len(cells), n_nodes
+        return sp.csr_array((np.ones(cells.size), cells.ravel(), starts), shape=shape)
+
+    solids = [corners(block) for block in blocks if block.dim == 3]
+    counts = {1: 0, 2: 0}
+    for block in blocks if solids else []:
+        if block.dim < 3:
+            own = corners(block)
+            most = (own @ sp.vstack(solids).T).max(axis=1).toarray().ravel()
+            section = any(map(_SECTIONS[block.dim].fullmatch, names))
+            counts[block.dim] += int(np.count_nonzero(section | (most < own.sum(axis=1))))
+    said = ((counts[2], "surface elements"), (counts[1], "line elements"))
+    return " and ".join(f"{count} {what}" for count, what in said if count)
 
 
 def _make_right_handed(nodes: FloatArray, block: RawBlock) -> None:
