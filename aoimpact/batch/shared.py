@@ -131,7 +131,10 @@ def _key(case: Mapping[str, Any]) -> tuple[Any, ...] | None:
         return None
     # By value where equal values are the same; the cases outlive the identities of all others.
     options = [case.get(name) for name in _ALIKE]
-    return (*points, *(of if isinstance(of, str | float) else id(of) for of in options))
+    return (
+        *points,
+        *(repr(of) if isinstance(of, str | float | TimeSolver) else id(of) for of in options),
+    )
 
 
 def _foreseen(case: Mapping[str, Any], points: Mapping[int, SharedPoint]) -> Impact | None:

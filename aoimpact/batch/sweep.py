@@ -83,9 +83,7 @@ def sweep(
     plan = _Plan(_maker(base, checked), checked)
     _check_fits(checked, keep)
     # Cases may share the model of a contact point, for which all must be known.
-    given = itertools.chain(base.values() if isinstance(base, Mapping) else (), *checked.values())
-    shares = isinstance(base, Mapping) and any(isinstance(one, ContactPoint) for one in given)
-    cases = list(plan) if shares else plan
+    cases = list(plan) if _share_points(base, plan) else plan
     values = iterate_many(cases, workers, keep=keep, checkpoint=checkpoint, progress=progress)
     return sweep_table(checked, values, keep)
 
@@ -167,6 +165,22 @@ class _Plan:
                 yield self.make(**dict(zip(self.grid, values, strict=True)))
             except Exception as error:  # of this case alone
                 yield Failed(error)
+
+
+def _share_points(base: Any, plan: _Plan) -> bool:
+    """Return whether cases have contact points in common: of a function the first two."""
+    if isinstance(base, Mapping):
+        given = itertools.chain(base.values(), *plan.grid.values())
+        return any(isinstance(one, ContactPoint) for one in given)
+    if not callable(base):
+        return False
+    cases = list(itertools.islice(plan, 2))
+    points = [
+        {id(of) for of in case.values() if isinstance(of, ContactPoint)}
+        for case in cases
+        if isinstance(case, Mapping)
+    ]
+    return len(points) == 2 and bool(points[0] & points[1])
 
 
 def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:

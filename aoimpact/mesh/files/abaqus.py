@@ -43,7 +43,8 @@ class _Model:
     """Keywords of a deck, by what they belong to.
 
     `outside` has those of the assembly, or of a deck without parts. Parts and instances are found
-    by their names in capitals. `connections` counts keywords that connect nodes.
+    by their names in capitals. `connections` counts keywords that connect nodes,
+    `changes` those of steps that remove or add elements.
     """
 
     outside: list[Keyword] = field(default_factory=list)
@@ -51,6 +52,7 @@ class _Model:
     instances: dict[str, _Instance] = field(default_factory=dict)
     called: dict[str, str] = field(default_factory=dict)
     connections: Counter[str] = field(default_factory=Counter)
+    changes: int = 0
 
 
 def read(file: Path) -> RawMesh:
@@ -91,6 +93,7 @@ def _sorted(keywords: list[Keyword]) -> _Model:
     for keyword in keywords:
         name = keyword.name
         model.connections[name] += CONNECTIONS.fullmatch(name) is not None
+        model.changes += name == "MODELCHANGE"
         if name in _OF_SCOPES:
             within[-1][1].append(keyword)
             if len(within) == 1 and name in ("NODE", "ELEMENT"):
@@ -223,6 +226,8 @@ def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> No
             "connections between nodes were left out, and the body is computed without them: "
             + named
         )
+    if model.changes:
+        said.append(f"{model.changes} *MODEL CHANGE were left out: the body has all elements")
     if counts:
         said.append(f"elements that are no solids are not part of the body: {_listed(counts)}")
     used = {instance.part for instance in model.instances.values()}
