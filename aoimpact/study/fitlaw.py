@@ -295,10 +295,11 @@ def fit_law(
 
     Examples
     --------
+    >>> from aoimpact.testrig import Signal
     >>> ball = ao.rigid(mass=0.1)
     >>> law = ao.HuntCrossley(k=1e9, damping=0.2)
     >>> hit = ao.simulate(ball, ao.rigid(mass=float("inf")), 1.0, law=law)
-    >>> signal = ao.Signal.of(hit, rate=1e6)
+    >>> signal = Signal.of(hit, rate=1e6)
     >>> fit = ao.fit_law(ao.HuntCrossley, signal, mass=0.1, velocity=1.0)
     >>> round(fit.law.k / 1e9, 3), round(fit.law.damping, 3)
     (1.0, 0.2)

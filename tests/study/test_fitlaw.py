@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact.testrig import Signal
 
 WALL = ao.rigid(mass=math.inf)
 RADIUS = 0.01
 
 
-def history(law: ao.ContactLaw, mass: float, speed: float) -> tuple[ao.Signal, float, float]:
+def history(law: ao.ContactLaw, mass: float, speed: float) -> tuple[Signal, float, float]:
     """Force without noise on a clock of its own, when contact begins on it, and the peak."""
     exact = ao.Adaptive(rtol=1e-9)
     case = {"projectile": ao.rigid(mass=mass), "target": WALL, "law": law, "velocity": speed}
@@ -25,11 +26,11 @@ def history(law: ao.ContactLaw, mass: float, speed: float) -> tuple[ao.Signal, f
     hit = ao.simulate(**case, duration=2.0 * length, solver=exact)
     force = np.zeros(len(t))
     force[t > begin] = hit.at(t[t > begin] - begin).force
-    return ao.Signal(t, force), begin, hit.peak_force
+    return Signal(t, force), begin, hit.peak_force
 
 
-def noisy(signal: ao.Signal, size: float, rng: np.random.Generator) -> ao.Signal:
-    return ao.Signal(signal.t, signal.values + size * rng.normal(size=len(signal.t)))
+def noisy(signal: Signal, size: float, rng: np.random.Generator) -> Signal:
+    return Signal(signal.t, signal.values + size * rng.normal(size=len(signal.t)))
 
 
 # ------------------------------------------------------------------- true parameters and errors
@@ -175,7 +176,7 @@ def test_bodies_that_ring_are_taken_as_they_are() -> None:
     law, exact = ao.HuntCrossley(1e9, 0.2), ao.Adaptive(rtol=1e-9)
     ball = ao.AOModel(m0=0.05, k0=0.0, m=[0.05], k=[5e7])
     hit = ao.simulate(ball, WALL, 1.0, law=law, duration=1e-3, solver=exact)
-    signal = ao.Signal.of(hit, rate=5e5)
+    signal = Signal.of(hit, rate=5e5)
     fit = ao.fit_law(ao.HuntCrossley, signal, projectile=ball, target=WALL, velocity=1.0)
     assert fit.law.k == pytest.approx(1e9, rel=1e-5)
     alone = ao.fit_law(ao.HuntCrossley, signal, mass=0.1, velocity=1.0)

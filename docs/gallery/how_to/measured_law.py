@@ -16,13 +16,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import aoimpact as ao
+from aoimpact.testrig import Signal
 
 true = ao.HuntCrossley(k=2e7, damping=0.3)
 wall = ao.rigid(mass=np.inf)
 hit = ao.simulate(ao.rigid(mass=0.1), wall, velocity=1.0, law=true)
-exact = ao.Signal.of(hit, rate=40e3, margin=1e-3)
+exact = Signal.of(hit, rate=40e3, margin=1e-3)
 noise = 0.03 * hit.peak_force * np.random.default_rng(4).normal(size=len(exact.t))
-signal = ao.Signal(exact.t, exact.values + noise)
+signal = Signal(exact.t, exact.values + noise)
 
 fit = ao.fit_law(ao.HuntCrossley, signal, mass=0.1, velocity=1.0)
 print(fit)
@@ -49,9 +50,9 @@ ax.legend()
 steel = ao.Material(E=210e9, nu=0.3, rho=7800, yield_strength=600e6)
 law = ao.ElasticPlastic.between(steel, 0.01, steel, np.inf)
 soft = ao.simulate(ao.rigid(mass=0.03), wall, velocity=0.02, law=law)
-exact = ao.Signal.of(soft, rate=5e6, margin=2e-5)
+exact = Signal.of(soft, rate=5e6, margin=2e-5)
 noise = 0.03 * soft.peak_force * np.random.default_rng(1).normal(size=len(exact.t))
-blow = ao.Signal(exact.t, exact.values + noise)
+blow = Signal(exact.t, exact.values + noise)
 with warnings.catch_warnings(record=True) as said:
     fit = ao.fit_law(law, blow, mass=0.03, velocity=0.02, free=["k", "hardness"])
 print(fit)
