@@ -30,7 +30,7 @@ from ..base import AOImpactError, FloatArray, held_warnings
 from ..integrate import Adaptive
 from ..laws import ContactLaw, Hertz, own_law
 from ..reduction import BodyModel, ModalBody
-from ..results import AS_LONG_AGAIN, FIRST_ORDER_LIMIT, QUANTITIES, Speeds, warning_limits
+from ..results import AS_LONG_AGAIN, MESH_LIMIT, QUANTITIES, Speeds, warning_limits
 from ..scene import Contact, Plan
 from .plain import ANSWERS, ERROR, Answer, events_of, speeds_of
 from .shared import SharedCase
@@ -42,9 +42,9 @@ _PLAIN = [name for name, one in QUANTITIES.items() if one.is_plain]
 # The first guess of an open record, in contact times of rigid bodies.
 _FIRST_LENGTH = 4.0
 
-# Error of the peak force by elements of first order from which `simulate` may warn of that of the
-# force over the record. Of 51 impacts of docs/calibration.md with a warning it was 0.075 or more.
-_COARSE = 0.5 * FIRST_ORDER_LIMIT
+# Error of the peak force by the mesh from which `simulate` may warn of that of the force over the
+# record. Of 51 impacts of docs/calibration.md with a warning it was 0.075 or more.
+_COARSE = 0.5 * MESH_LIMIT
 
 
 @dataclass(eq=False)
@@ -80,12 +80,6 @@ class _Impact:
     length: float
     rows: list[int] = field(default_factory=list)
     altered: list[tuple[tuple[float, float], int, bool]] = field(default_factory=list)
-
-    @property
-    def first_order(self) -> bool:
-        """True if it has elements of first order, of whose error `simulate` warns."""
-        tips = [tip for body in self.case.impact.bodies for tip in body.contact_points]
-        return any(tip.body.mesh is not None and not tip.body.mesh.quadratic for tip in tips)
 
     def plain_at(self, answer: FloatArray) -> bool:
         """True if a run went well, with one touch that has ended."""
@@ -307,7 +301,7 @@ def _kept(
     table = zip(*(column.tolist() for column in columns.values()), strict=True)
     return [
         None
-        if proofs[of.case.quantity][i] > of.most_model or (coarse[i] and of.first_order)
+        if proofs[of.case.quantity][i] > of.most_model or coarse[i]
         else dict(zip(columns, row, strict=True))
         for i, (of, row) in enumerate(zip(impacts, table, strict=True))
     ]

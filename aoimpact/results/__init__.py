@@ -7,7 +7,7 @@ returns them; `batch`, `cli` and `study` print them.
 """
 
 from .advice import (
-    FIRST_ORDER_LIMIT,
+    MESH_LIMIT,
     warn_of_bodies,
     warn_of_exchange,
     warn_of_misfit,
@@ -35,8 +35,8 @@ from .solve import AS_LONG_AGAIN, RecordLength, TimeSolver, solve
 __all__ = [
     "AS_LONG_AGAIN",
     "COLUMNS",
-    "FIRST_ORDER_LIMIT",
     "IMPACT_CHOICES",
+    "MESH_LIMIT",
     "QUANTITIES",
     "SCENE_CHOICES",
     "BodyEnergy",

@@ -34,13 +34,13 @@ if TYPE_CHECKING:
     from .run import Run
 
 __all__ = [
-    "FIRST_ORDER_LIMIT",
+    "MESH_LIMIT",
     "follows",
     "limits",
     "warn_of_bodies",
     "warn_of_exchange",
-    "warn_of_first_order",
     "warn_of_ledger",
+    "warn_of_mesh",
     "warn_of_misfit",
     "warn_of_run",
     "warn_of_size",
@@ -267,25 +267,31 @@ def warn_of_size(radius: float, other: ContactPoint | None, name: str, other_nam
 # Energy drift, over the error of the run or rounding, from which a run is not to be trusted.
 _DRIFT, _LEAST_ERROR = 100.0, 1e-12
 
-# Error by a mesh of first order from which on it is worth a warning.
-FIRST_ORDER_LIMIT = 0.1
+# Error by a mesh, or by a contact, from which on it is worth a warning.
+MESH_LIMIT = 0.1
 
 
-def warn_of_first_order(run: Run, error: ErrorEstimate) -> None:
-    """Warn of a large error by a mesh of first order, which few elements of second order cure."""
-    if error.mesh is None or not error.mesh > FIRST_ORDER_LIMIT:
-        return
+def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
+    """Warn of a large error by meshes or contacts, and name the cure."""
+    quantity = error.quantity or "force"
     touched = {end for contact in run.plan.contacts for end in contact.ports}
-    names = []
+    meshed: dict[bool, list[str]] = {True: [], False: []}  # names; True: second order
     for body, port in sorted(touched):
         tip = run.plan.bodies[body].touched_at(port)
-        if tip is not None and tip.body.mesh is not None and not tip.body.mesh.quadratic:
-            names.append(run.names[body])
-    if names:
+        if tip is not None and tip.body.mesh is not None:
+            meshed[tip.body.mesh.quadratic].append(run.names[body])
+    first_order = meshed[False]
+    if error.mesh is not None and error.mesh > MESH_LIMIT and (first_order or meshed[True]):
+        names = " and ".join(dict.fromkeys(first_order or meshed[True]))
+        what, cure = "the mesh makes", "take smaller elements at the contact"
+        if first_order:
+            what = "elements of first order make"
+            cure = "add midside nodes with FEModel.from_mesh(..., order=2)"
+        warn(f"{names}: {what} an error of {100.0 * error.mesh:.2g} % in the {quantity}; {cure}")
+    if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
-            f"{' and '.join(dict.fromkeys(names))}: elements of first order make an error of "
-            f"{100.0 * error.mesh:.2g} % in the {error.quantity or 'force'}; add midside nodes "
-            "with FEModel.from_mesh(..., order=2)"
+            f"the contact makes an error of {100.0 * error.contact:.2g} % in the {quantity}: it "
+            "reaches over an edge, or curvatures are not known; move the contact or give law="
         )
 
 

@@ -33,7 +33,7 @@ from ..laws import Dent, PatchLaw, own_law
 from ..reduction import FullModel
 from ..scene import Plan, RecordLayout
 from . import plot
-from .advice import follows, warn_of_first_order, warn_of_ledger
+from .advice import follows, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
 from .movie import write_impact_movie
@@ -508,7 +508,7 @@ class Run:
             for name in {**names, **models}
         }
         estimate = ErrorEstimate(parts, energy, quantity, rtol, out.worst_time)
-        warn_of_first_order(self, estimate)
+        warn_of_mesh(self, estimate)
         return estimate
 
     # ---------------------------------------------------------------------- output
