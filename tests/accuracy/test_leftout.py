@@ -40,6 +40,7 @@ def test_bricks_that_lock_in_bending_are_seen_in_the_force() -> None:
     assert rough.error.mesh > 5.0 * fine.error.mesh
 
 
+@pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_the_sum_of_all_parts_is_the_total_and_travels() -> None:
     hit = strike(plate(8, "hexahedron20"))
     error = hit.error
@@ -126,6 +127,7 @@ def test_a_law_that_ends_just_beyond_the_impact_has_its_errors() -> None:
     assert hit.error.contact > 0.0
 
 
+@pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_a_full_model_leaves_out_mesh_and_contact_but_nothing_by_reduction() -> None:
     """As much as the model of the same body that is chosen, whose numbers are found otherwise."""
     body = plate(6, "hexahedron20")
@@ -145,6 +147,7 @@ def test_a_full_model_leaves_out_mesh_and_contact_but_nothing_by_reduction() -> 
     )
 
 
+@pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_a_history_of_several_contacts_says_in_which_it_is_off_most() -> None:
     """A light plate comes back: what is left out shifts the later contact against the earlier."""
     mesh = ao.box_mesh((0.08, 0.08, 0.003), (12, 12, 1), kind="hexahedron20")
@@ -178,6 +181,7 @@ def test_a_patch_wider_than_a_plate_is_thick_is_refused() -> None:
     assert abs(wide.peak_force / 656.3 - 1.0) < wide.error["peak_force"].total  # of fine meshes
 
 
+@pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_a_contact_over_an_edge_has_a_large_error() -> None:
     """Of its disc of 0.48 mm, an edge cuts off a part."""
     block = ao.FEModel.from_mesh(
