@@ -204,7 +204,7 @@ def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> No
     )
     warn(
         f"{quantity.name}: its error from the models is {found.error:.2g}, and not the "
-        f"{tolerance:.2g} that is aimed at, with {max(found.orders)} anti-oscillators: {why}, "
+        f"{tolerance:.2g} that is aimed at, with up to {max(found.orders)} vectors: {why}, "
         "a quantity= that sums up (peak_force, impulse), or rtol= as large as you allow"
     )
 

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from ..base import FloatArray, Frozen, InputError, with_unit
 from ..fields import Field, Probe, Response, relative_error, rest, warn_if_wrong
 from ..integrate import Events
+from ..laws import ContactLaw
 
 __all__ = [
     "BodyEnergy",
@@ -355,6 +356,8 @@ class ContactResult(Frozen, Eventful):
         Energy stored in its law, and lost in it since t = 0 [J]; None without energies.
     events : Events
         Its intervals, peak and impulse.
+    law : ContactLaw
+        As it was given to `connect`, or found from the surfaces.
     """
 
     name: str
@@ -363,6 +366,7 @@ class ContactResult(Frozen, Eventful):
     elastic: FloatArray | None
     dissipated: FloatArray | None
     events: Events
+    law: ContactLaw
 
     @property
     def _own_events(self) -> Events:

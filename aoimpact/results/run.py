@@ -345,7 +345,10 @@ class Run:
             rows = self._layout.contact(self._rows, number)
             stored, lost = (rows.elastic, rows.dissipated) if self.energies else (None, None)
             name = self.contact_names[number]
-            found.append(ContactResult(name, rows.force, rows.indentation, stored, lost, events))
+            law = own_law(self.plan.contacts[number].law)
+            found.append(
+                ContactResult(name, rows.force, rows.indentation, stored, lost, events, law)
+            )
         return tuple(found)
 
     @cached_property

@@ -226,3 +226,21 @@ def test_notebook_shows_a_table_with_everything_escaped() -> None:
 
 def test_summary_owns_to_a_record_that_ends_in_contact() -> None:
     assert "ends in contact" in repr(HalfSine().result(end=0.5))
+
+
+def test_contacts_of_a_scene_have_the_law_of_the_bodies() -> None:
+    """Also where it was found from the surfaces: connecting with it again changes nothing."""
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    block = ao.FEModel.from_mesh(ao.box_mesh((0.05, 0.05, 0.05), (3, 3, 3)), steel, order=2)
+
+    def run(law: ao.ContactLaw | None) -> ao.Run:
+        scene = ao.Scene()
+        ball = scene.add(ao.ball(0.01, steel), velocity=1.0)
+        target = scene.add(block.contact(point=(0.025, 0.025, 0.05)))
+        scene.connect(ball, target, law)
+        return scene.simulate(duration=1e-4)
+
+    first = run(None)
+    law = first.contacts[0].law
+    assert law.k == pytest.approx(ao.Hertz.between(steel, 0.01, steel, float("inf")).k)
+    np.testing.assert_array_equal(run(law).contacts[0].force, first.contacts[0].force)
