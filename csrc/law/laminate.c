@@ -34,7 +34,9 @@ static void yang_sun_force(const aoi_law *law, const double *memory, int piece, 
 {
     const double k = law->parameter[STIFFNESS], deepest = memory[DEEPEST];
     const double reach = recovered(law, deepest), top = k * deepest * sqrt(deepest);
-    const double d = indentation > 0.0 ? indentation : 0.0, share = 1.0 - (deepest - d) / reach;
+    /* From d_p, which is exactly 0 up to the critical indentation. */
+    const double rest = deepest - reach, d = indentation > 0.0 ? indentation : 0.0;
+    const double share = (d - rest) / reach;
     (void)rate;
     *value = (aoi_law_value){0.0, 0.0, 0.0};
     if (piece == LOADING) {
@@ -44,7 +46,7 @@ static void yang_sun_force(const aoi_law *law, const double *memory, int piece, 
         value->force = top * share * sqrt(share);
         value->stiffness = 1.5 * top * sqrt(share) / reach;
     } else if (share > 0.0) { /* y = (d - d_p)/(d1 - d_p) */
-        const double first = 1.0 - (deepest - memory[TOP]) / reach, y = first > 0.0 ? share / first : 0.0;
+        const double first = (memory[TOP] - rest) / reach, y = first > 0.0 ? share / first : 0.0;
         value->force = top * first * sqrt(fmax(first, 0.0)) * y * y * sqrt(y);
         value->stiffness = 2.5 * value->force / (share * reach);
     }
@@ -92,7 +94,7 @@ static double yang_sun_potential(const aoi_law *law, const double *memory, doubl
     }
     const int piece = yang_sun_piece(law, memory, indentation, 0, &low, &high);
     yang_sun_force(law, memory, piece, indentation, 0.0, &value);
-    return value.force * (reach - (deepest - indentation)) / 3.5;
+    return value.force * (indentation - (deepest - reach)) / 3.5;
 }
 
 const aoi_law_kind aoi_law_yang_sun = {"yang_sun",
