@@ -283,7 +283,7 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
     first_order = meshed[False]
     if error.mesh is not None and error.mesh > MESH_LIMIT and (first_order or meshed[True]):
         names = " and ".join(dict.fromkeys(first_order or meshed[True]))
-        what, cure = "the mesh makes", "take smaller elements at the contact"
+        what, cure = "the mesh makes", "take smaller elements"
         if first_order:
             what = "elements of first order make"
             cure = "add midside nodes with FEModel.from_mesh(..., order=2)"

@@ -523,7 +523,7 @@ class Run:
         ----------
         path : path
         names : sequence of str, optional
-            Names of the bodies in the order of `add`; by default their own, or "body 0", …
+            Names of the bodies in the order of `add`; by default their own, or "body 0" and so on.
 
         Examples
         --------
@@ -546,7 +546,7 @@ class Run:
         Parameters
         ----------
         names : sequence of str, optional
-            Names of the bodies in the order of `add`; by default their own, or "body 0", …
+            Names of the bodies in the order of `add`; by default their own, or "body 0" and so on.
 
         Raises
         ------
@@ -572,7 +572,7 @@ class Run:
         Parameters
         ----------
         names : sequence of str, optional
-            Names of the bodies in the order of `add`; by default their own, or "body 0", …
+            Names of the bodies in the order of `add`; by default their own, or "body 0" and so on.
 
         Raises
         ------

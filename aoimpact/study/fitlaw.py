@@ -283,15 +283,15 @@ def fit_law(
         The standard errors are those of independent errors of one size in all points: of a signal
         that was filtered they are too small.
 
-    Warns
-    -----
-    AOImpactWarning
-        If the data do not determine a parameter: its standard error is more than half of it.
-
     Raises
     ------
     InputError, InputTypeError
         If the measurement is incomplete, or `free` names what is no parameter above 0.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the data do not determine a parameter: its standard error is more than half of it.
 
     Examples
     --------

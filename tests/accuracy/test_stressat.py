@@ -122,6 +122,7 @@ def bent_plate(kind: str, across: int, layers: int) -> tuple[ao.Result, Any]:
 
 @pytest.mark.filterwarnings("ignore:.*elements of first order")
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_the_error_of_the_mesh_is_said_of_the_stress() -> None:
     """Elements that lock, bent: against quadratic bricks."""
     fine, right = bent_plate("hexahedron20", 12, 2)
