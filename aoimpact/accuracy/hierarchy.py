@@ -77,7 +77,7 @@ class Hierarchy(ABC):
         return order
 
     def is_whole(self, order: int) -> bool:
-        """Whether the model of this order has the body's exact response at its contact."""
+        """True if the model of this order has the body's exact response at its contact."""
         return self.at_most(order + 1) == self.at_most(order)
 
 

@@ -116,7 +116,7 @@ class TimeScales(NamedTuple):
         return self.span if self.span > _LONG * self.contact_time else None
 
     def suit(self, others: TimeScales) -> bool:
-        """Whether models fitted to these time scales are accurate for the others as well."""
+        """True if models fitted to these time scales are accurate for the others as well."""
         ratio = others.contact_time / self.contact_time
         alike = max(ratio, 1.0 / ratio) <= _REFIT
         return alike and (self.slow is not None or others.slow is None)
@@ -266,7 +266,7 @@ class Search:
             self.orders = self._enlarged(largest)
 
     def _is_enough(self, run: Run | None, largest: _Orders) -> bool:
-        """Whether the models meet the tolerance, or the looser one of a tolerance left out."""
+        """True if the models meet the tolerance, or the looser one of a tolerance left out."""
         if self._meet(self.least_rtol):
             return True
         if run is None or self.looser is None or not self._meet(LOOSEST):
@@ -281,7 +281,7 @@ class Search:
         return True
 
     def _meet(self, rtol: float) -> bool:
-        """Whether the models meet a tolerance, which applies from here on."""
+        """True if the models meet a tolerance, which applies from here on."""
         self.rtol = rtol
         return all(error <= rtol for error in self._errors())
 
@@ -347,7 +347,7 @@ class Search:
         return self.results[key]
 
     def _is_of_input(self, error: AOImpactError, orders: _Orders) -> bool:
-        """Whether an error is due to the caller's input, so that larger models will not help.
+        """True if an error is due to the caller's input, so that larger models will not help.
 
         With few vectors patches are too stiff, and two rigid bodies may both be walls: such errors
         may vanish with larger models.

@@ -7,7 +7,7 @@ import itertools
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..accuracy import Named, keeper
@@ -83,6 +83,8 @@ def sweep(
     plan = _Plan(_maker(base, checked), checked)
     _check_fits(checked, keep)
     # Cases may share the model of a contact point, for which all must be known.
+    if callable(base):  # each case is made once: it may take long
+        plan = replace(plan, made=tuple(itertools.islice(plan, 2)))
     cases = list(plan) if _share_points(base, plan) else plan
     values = iterate_many(cases, workers, keep=keep, checkpoint=checkpoint, progress=progress)
     return sweep_table(checked, values, keep)
@@ -151,16 +153,23 @@ def _check_fits(grid: Mapping[str, Sequence[Any]], keep: Any) -> None:
 
 @dataclass(frozen=True)
 class _Plan:
-    """The cases of a sweep: their number is known, each is made when it is needed."""
+    """The cases of a sweep: their number is known, each is made when it is needed.
+
+    `made` are the first ones, if they are there already.
+    """
 
     make: Any
     grid: dict[str, list[Any]]
+    made: tuple[Any, ...] = ()
 
     def __len__(self) -> int:
         return math.prod(len(values) for values in self.grid.values())
 
     def __iter__(self) -> Iterator[Any]:
-        for values in itertools.product(*self.grid.values()):
+        yield from self.made
+        for values in itertools.islice(
+            itertools.product(*self.grid.values()), len(self.made), None
+        ):
             try:
                 yield self.make(**dict(zip(self.grid, values, strict=True)))
             except Exception as error:  # of this case alone
@@ -172,12 +181,9 @@ def _share_points(base: Any, plan: _Plan) -> bool:
     if isinstance(base, Mapping):
         given = itertools.chain(base.values(), *plan.grid.values())
         return any(isinstance(one, ContactPoint) for one in given)
-    if not callable(base):
-        return False
-    cases = list(itertools.islice(plan, 2))
     points = [
         {id(of) for of in case.values() if isinstance(of, ContactPoint)}
-        for case in cases
+        for case in plan.made
         if isinstance(case, Mapping)
     ]
     return len(points) == 2 and bool(points[0] & points[1])

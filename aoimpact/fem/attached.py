@@ -1,4 +1,4 @@
-"""What is fastened to the nodes of a body: masses, and springs to the ground."""
+"""Attachments to the nodes of a body: masses, and springs to the ground."""
 
 from __future__ import annotations
 

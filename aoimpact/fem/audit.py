@@ -23,7 +23,8 @@ _DENSITIES = 10.0, 25e3
 # in various media", CRC Handbook of Chemistry and Physics. N/mm beside kg make 32 times less.
 _SPEEDS = 500.0, 20e3
 
-# Of what a unit mistaken is likely to be: millimetres for metres, tonnes or grams for kilograms.
+# Typical wave speed, by which mistaken units are guessed: millimetres for metres, tonnes or grams
+# for kilograms.
 _TYPICAL_SPEED = 5e3
 
 # Speeds over the typical one where millimetres were taken for metres, and the other way round:
@@ -195,7 +196,7 @@ def _residuals(body: Any, axes: FloatArray | None) -> tuple[float, ...]:
 
 
 def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
-    """What rows in another order than nodes, or than those of the other matrix, look like."""
+    """Signs of rows in another order than nodes, or than those of the other matrix."""
     if body.nodes is None:  # coordinates may be modal, which K does not couple and M does
         return []
     said = []
@@ -244,7 +245,7 @@ def _missing_neighbours(body: Any) -> float:
 
 
 def _doubts(density: float | None, speed: float | None) -> list[str]:
-    """What wrong units would look like, and which would put it right."""
+    """Signs of wrong units, and which would put it right."""
     said = []
     if speed is not None and not _SPEEDS[0] <= speed <= _SPEEDS[1]:
         said.append(_doubt_of_speed(speed))

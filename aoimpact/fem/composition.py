@@ -1,4 +1,4 @@
-"""What each element of a mesh is made of: one material, or several by named groups of elements."""
+"""Materials of the elements of a mesh: one, or several by named groups of elements."""
 
 from __future__ import annotations
 

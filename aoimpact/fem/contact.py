@@ -89,7 +89,7 @@ _SMALLEST, _LARGEST = 1e-50, 1e50
 
 
 class Body(Protocol):
-    """What a functional needs to know of a finite-element model."""
+    """The part of a finite-element model that a functional needs."""
 
     @property
     def K(self) -> Any: ...
@@ -319,7 +319,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def material(self) -> Material | None:
-        """What the contact meets: the material of the element there; None without a mesh.
+        """Material of the element at the contact; None without a mesh.
 
         Of an orthotropic one the isotropic stand-in of its half-space, `Orthotropic.half_space`.
         """

@@ -1,4 +1,4 @@
-"""What a contact law needs to know of a body: material, and curvatures where it is touched."""
+"""The surface that a contact law meets: material, and curvatures where the body is touched."""
 
 from __future__ import annotations
 

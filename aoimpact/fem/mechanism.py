@@ -53,7 +53,7 @@ class Mechanism:
     _joints: _Joints | None = None
 
     def moved_by(self, b: FloatArray) -> bool:
-        """Whether a force along b, shape (n_dofs,), moves the parts against each other."""
+        """True if a force along b, shape (n_dofs,), moves the parts against each other."""
         size = np.linalg.norm(b) * np.linalg.norm(self.motions)
         return float(np.linalg.norm(b @ self.motions)) > _MOVED * float(size)
 
@@ -205,7 +205,7 @@ class _Joints:
 
 @dataclass(frozen=True, eq=False)
 class _Parts:
-    """What hangs together by whole sides, and the nodes where that meets without a side.
+    """The parts that hang together by whole sides, and the nodes where they meet without one.
 
     Attributes
     ----------
@@ -247,7 +247,7 @@ class _Parts:
         return cls(surface, part, owner, node[link], of_node[link], of_node[link + 1], centre, size)
 
     def constraints(self, free: IntArray) -> sp.csr_array:
-        """What shared nodes and supports constrain: rows on the motions, shape (any, 6 n_parts).
+        """Constraints by shared nodes and supports: rows on the motions, shape (any, 6 n_parts).
 
         The motions are translations and rotations about the parts' own middles.
         """

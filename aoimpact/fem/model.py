@@ -340,7 +340,7 @@ class FEModel(Frozen):
         return model
 
     def __getstate__(self) -> dict[str, Any]:
-        """What cannot be made again: without what is kept in between, and matrices of a mesh."""
+        """State without caches, and without matrices that follow from a mesh."""
         state = {item.name: getattr(self, item.name) for item in fields(self)}
         if self._assembled:
             del state["K"], state["M"]
@@ -702,7 +702,7 @@ def _sum(matrix: Any, other: Any) -> Any:
 
 
 def _density(material: AnyMaterial) -> float:
-    """Of all elements, about: for a volume that is only to be compared with that of a building."""
+    """Mean density of all elements, about: the volume is only compared with that of a building."""
     if not isinstance(material, Materials):
         return material.rho
     return float(np.mean(np.array([of.rho for of in material.materials])[material.index]))
@@ -714,7 +714,7 @@ def _translations(dofs: IntArray | None) -> FloatArray:
 
 
 def _translates(K: Any, axes: FloatArray) -> bool:
-    """Whether no translation meets elastic force: beside that of the single dofs, only rounding."""
+    """True if no translation meets elastic force: beside that of the single dofs, only rounding."""
     force = np.abs(K @ axes).max(initial=0.0)
     return bool(axes.any(axis=0).all() and force <= _ROUNDING * np.abs(K.data).max(initial=0.0))
 

@@ -101,7 +101,7 @@ def static_mode(
 
 
 def moves_rigidly(tip: ContactPoint) -> bool:
-    """Whether a force at the contact moves the body as a whole: for that force it is free."""
+    """True if a force at the contact moves the body as a whole: for that force it is free."""
     rigid = tip.body.rigid_modes
     reach = float(np.linalg.norm(rigid.T @ tip.b))
     return reach > _MOVED * float(np.linalg.norm(tip.b) * np.linalg.norm(rigid))
@@ -208,7 +208,7 @@ def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatAr
 
 
 def translates(tip: ContactPoint) -> bool:
-    """Whether the body may translate along the direction of travel: no support forbids it."""
+    """True if the body may translate along the direction of travel: no support forbids it."""
     body = tip.body
     if tip.direction is None or not body.rigid_modes.shape[1]:
         return False

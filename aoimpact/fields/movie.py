@@ -59,7 +59,7 @@ _VIEW = (0.55, -0.75, 0.5)
 
 @dataclass(frozen=True, eq=False)
 class MovingBody:
-    """What is drawn of a body.
+    """The picture of a body.
 
     Attributes
     ----------

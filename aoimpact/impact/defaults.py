@@ -100,7 +100,7 @@ def checked_numbers(velocity: Any, duration: Any, gap: Any) -> tuple[float, floa
 
 
 def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = False) -> bool:
-    """Whether the direction at a contact must be turned round, to go out of the body or into it.
+    """True if the direction at a contact must be turned round, to go out of the body or into it.
 
     Parameters
     ----------

@@ -424,7 +424,7 @@ class Scene:
         return run(wider=_WIDER)
 
     def _chooses(self, quantity: Any, rtol: float | None) -> bool:
-        """Whether models are to be chosen: always where a body is given by contact points."""
+        """True if models are to be chosen: always where a body is given by contact points."""
         controlled = quantity is not None or rtol is not None
         return controlled or any(body.reducible for body in self._bodies)
 

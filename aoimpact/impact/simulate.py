@@ -195,7 +195,7 @@ class Impact(Scene):
 
     @property
     def turned(self) -> tuple[bool, bool]:
-        """Whether the direction of travel of each body must be reversed; see `turns`."""
+        """True if the direction of travel of each body must be reversed; see `turns`."""
         first, second = self._bodies
         tip = first.touched_at()
         like = tip is not None and tip is second.touched_at()

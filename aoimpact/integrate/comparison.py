@@ -73,7 +73,7 @@ def _lesser_apart(ones: FloatArray, others: FloatArray) -> float:
 
 
 def _impulses(run: DenseRecorder, contact: int) -> FloatArray:
-    """Of each touch of a contact, N s."""
+    """Impulse of each touch of a contact, N s."""
     return np.array([impulse for impulse, _ in run.touches[contact]])
 
 

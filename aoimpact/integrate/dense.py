@@ -48,7 +48,7 @@ class Touch(NamedTuple):
 
 
 class Track:
-    """What a run of the core wrote, to be read at any time.
+    """The record of a run of the core, to be read at any time.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Track:
 
     @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Of each row when it starts, how long it lasts, s, and how many contacts it holds."""
+        """Start and length, s, and number of contacts of each row."""
         start, length, contacts = np.frombuffer(_core.track_rows(self._handle)).reshape(-1, 3).T
         return start, length, contacts
 
@@ -101,7 +101,7 @@ def _ascending(times: FloatArray) -> FloatArray:
 
 
 class _Found(NamedTuple):
-    """What the core found of a contact."""
+    """Intervals, peak and impulse of a contact, as the core found them."""
 
     peak_force: float
     peak_time: float

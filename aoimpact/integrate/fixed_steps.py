@@ -155,7 +155,7 @@ class _Stepping:
 
     @cached_property
     def start(self) -> Start:
-        """What acts just after t = 0.
+        """The forces just after t = 0.
 
         Where a contact point has no mass, the bodies' state does not determine it: its place, or
         under a damper its velocity, follows from the balance of all forces. Two very short steps

@@ -83,7 +83,7 @@ class Newmark:
 
 @dataclass(frozen=True, eq=False)
 class Record(Frozen):
-    """What the core wrote.
+    """The rows that the core wrote.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class Record(Frozen):
 
 
 class Start(NamedTuple):
-    """What acts between the bodies just after t = 0.
+    """The forces between the bodies just after t = 0.
 
     Attributes
     ----------

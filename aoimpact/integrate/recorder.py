@@ -1,4 +1,4 @@
-"""What a solver leaves of a run, to be read at times."""
+"""The record that a solver leaves of a run, to be read at times."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class Recorder(Protocol):
 
     @property
     def events(self) -> tuple[Events, ...]:
-        """Of each contact: where the solver does not locate them, found between its steps."""
+        """Events of each contact; found between the steps where the solver does not locate them."""
         ...
 
     @property
     def dense(self) -> bool:
-        """Whether it can be read at any times."""
+        """True if it can be read at any times."""
         ...
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:

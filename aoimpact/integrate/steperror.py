@@ -181,7 +181,7 @@ def _unseen_loads(plan: Plan, record: Record) -> float:
 
 
 def _relaxes(plan: Plan, body: int) -> bool:
-    """Whether a damper on a massless point lets what a load's jump does to a contact fade."""
+    """True if a damper on a massless point lets what a load's jump does to a contact fade."""
     return any(
         contact.law.depends_on_rate
         for contact in plan.contacts

@@ -67,7 +67,7 @@ def relative_radius(radius_1: Any, radius_2: Any) -> float:
 
 
 def is_pair(radii: Any) -> bool:
-    """Whether an argument is meant as principal radii, and not as one radius."""
+    """True if an argument is meant as principal radii, and not as one radius."""
     if isinstance(radii, np.ndarray):
         return radii.ndim > 0
     return isinstance(radii, Sequence) and not isinstance(radii, (str, bytes))

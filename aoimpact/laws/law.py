@@ -1,4 +1,4 @@
-"""What every contact law does; the laws themselves stand in the other files."""
+"""The interface of all contact laws; the laws themselves stand in the other files."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class CoreLaw(NamedTuple):
 
 
 class Dent(NamedTuple):
-    """What a contact leaves in the surfaces.
+    """The dent that a contact leaves in the surfaces.
 
     Attributes
     ----------
@@ -135,12 +135,12 @@ class ContactLaw:
 
     @property
     def depends_on_rate(self) -> bool:
-        """Whether the force depends on the rate of the indentation."""
+        """True if the force depends on the rate of the indentation."""
         return self._depends_on_rate
 
     @property
     def has_memory(self) -> bool:
-        """Whether the force depends on what the contact went through before."""
+        """True if the force depends on what the contact went through before."""
         return self._has_memory
 
     @property
@@ -171,7 +171,7 @@ class ContactLaw:
 
     @property
     def by_caller(self) -> bool:
-        """Whether functions of the caller's give the force: slow, rough or wrong as they may be.
+        """True if functions of the caller's give the force: slow, rough or wrong as they may be.
 
         :meta private:
         """
@@ -179,7 +179,7 @@ class ContactLaw:
 
     @property
     def pulls(self) -> bool:
-        """Whether the contact ends with the indentation, and pulls before.
+        """True if the contact ends with the indentation, and pulls before.
 
         :meta private:
         """
@@ -194,7 +194,7 @@ class ContactLaw:
         return self._name
 
     def _data(self) -> Any:
-        """What the core needs besides numbers: a table, or the user's functions."""
+        """The objects that the core needs besides numbers: a table, or the user's functions."""
         return None
 
     @property

@@ -313,13 +313,13 @@ class ElasticPlastic(_Yielding):
 
     @property
     def plastic_indentation(self) -> float:
-        """From which on the contact is fully plastic, δ_f, m."""
+        """Indentation δ_f from which on the contact is fully plastic, m."""
         root = 0.5 * self._slope / self.k
         return root * root
 
     @property
     def _slope(self) -> float:
-        """Of the line, N/m."""
+        """Slope of the plastic line, N/m."""
         return 2.0 * math.pi * self.relative_radius * self.hardness
 
     def _parameters(self) -> tuple[float, ...]:

@@ -28,7 +28,7 @@ _LEAST, _MOST_PARTS = 30_000, 4
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """What `Blocks` stores of some rows of a symmetric matrix, in its order.
+    """Some rows of a symmetric matrix as `Blocks` stores them, in its order.
 
     Attributes
     ----------

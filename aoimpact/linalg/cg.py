@@ -16,7 +16,7 @@ _Map = Callable[[FloatArray], FloatArray]
 
 
 class Found(NamedTuple):
-    """What conjugate gradients found.
+    """Result of conjugate gradients.
 
     Attributes
     ----------

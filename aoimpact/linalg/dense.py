@@ -50,7 +50,7 @@ def dense_modes(
 
 
 def _has_light_motions(mass: FloatArray) -> bool:
-    """Whether some motion has next to no mass, as where elements integrate it at few points."""
+    """True if some motion has next to no mass, as where elements integrate it at few points."""
     factor, failed = scipy.linalg.lapack.dpotrf(mass, lower=1)
     pivots = np.diagonal(factor) ** 2
     return bool(failed or (pivots < _LIGHT * np.diagonal(mass)).any())

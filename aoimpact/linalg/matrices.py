@@ -288,7 +288,7 @@ def _check_masses(diagonal: FloatArray) -> None:
 
 
 def _is_definite(matrix: sp.csr_array) -> bool:
-    """Whether no eigenvalue is zero or negative, but for rounding."""
+    """True if no eigenvalue is zero or negative, but for rounding."""
     if matrix.shape[0] <= _SMALL:
         try:
             pivots = np.diag(scipy.linalg.cholesky(matrix.toarray())) ** 2
@@ -303,7 +303,7 @@ def _is_definite(matrix: sp.csr_array) -> bool:
 
 
 def _dominated(matrix: sp.csr_array, factor: float) -> bool:
-    """Whether factor · A_ii ≥ Σ |A_ij| in all rows: no eigenvalue is negative then (Gershgorin)."""
+    """True if factor · A_ii ≥ Σ |A_ij| in all rows: no eigenvalue is negative then (Gershgorin)."""
     diagonal = matrix.diagonal()
     others = abs(matrix).sum(axis=1) - np.abs(diagonal)
     return bool((factor * diagonal >= others).all())

@@ -1,4 +1,4 @@
-"""What is known of a method that solves (K + s²M) x = f: its name, needs, cost and abilities."""
+"""Description of a method that solves (K + s²M) x = f: name, needs, cost and abilities."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ _PER_OPERATION, _PER_ENTRY, _PER_SOLUTION, _BYTES, _COPIES = 1e-11, 4e-8, 1.1e-9
 
 
 def is_installed() -> bool:
-    """Whether the package py-mkl-pardiso is there."""
+    """True if the package py-mkl-pardiso is there."""
     return importlib.util.find_spec("pymklpardiso") is not None
 
 

@@ -78,7 +78,7 @@ class Pencil:
 
     @property
     def diagonal(self) -> FloatArray:
-        """Of K + s²M, shape (n,)."""
+        """Diagonal of K + s²M, shape (n,)."""
         assert self.diagonals is not None
         stiff, heavy = self.diagonals
         return stiff + self.s2 * heavy
@@ -89,7 +89,7 @@ class Pencil:
 
     @property
     def what(self) -> str:
-        """What to call it in messages."""
+        """Its name in messages."""
         return "K + s²M" if self.s2 else "the stiffness matrix"
 
     def matrix(self) -> Any:

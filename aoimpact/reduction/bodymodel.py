@@ -94,11 +94,11 @@ class BodyModel(ABC):
     @property
     @abstractmethod
     def constrained(self) -> bool:
-        """Whether supports or a ground spring constrain it."""
+        """True if supports or a ground spring constrain it."""
 
     @property
     def centre_known(self) -> bool:
-        """Whether its centre of mass is known; else the mean over the static mode stands in."""
+        """True if its centre of mass is known; else the mean over the static mode stands in."""
         return True
 
     @property
@@ -111,7 +111,7 @@ class BodyModel(ABC):
 
     @property
     def wall(self) -> bool:
-        """Whether it is of infinite mass.
+        """True if it is of infinite mass.
 
         :meta private:
         """
@@ -119,7 +119,7 @@ class BodyModel(ABC):
 
     @property
     def fixed(self) -> bool:
-        """Whether it stays in its place: constrained, or a wall.
+        """True if it stays in its place: constrained, or a wall.
 
         :meta private:
         """
@@ -148,7 +148,7 @@ class BodyModel(ABC):
 
     @property
     def weightless(self) -> bool:
-        """Whether gravity has no effect on it, since its supports are not known.
+        """True if gravity has no effect on it, since its supports are not known.
 
         :meta private:
         """
@@ -156,7 +156,7 @@ class BodyModel(ABC):
 
     @property
     def massless(self) -> bool:
-        """Whether a port moves at once with the force on it.
+        """True if a port moves at once with the force on it.
 
         :meta private:
         """
@@ -200,7 +200,7 @@ class BodyModel(ABC):
 
     @property
     def reducible(self) -> bool:
-        """Whether it stands for contact points whose model is yet to be chosen."""
+        """True if it stands for contact points whose model is yet to be chosen."""
         return False
 
     def touched_at(self, port: int = 0) -> ContactPoint | None:
@@ -229,7 +229,7 @@ class BodyModel(ABC):
 
     @property
     def turnable(self) -> bool:
-        """Whether the direction of travel at its ports can be turned round once it is made.
+        """True if the direction of travel at its ports can be turned round once it is made.
 
         :meta private:
         """

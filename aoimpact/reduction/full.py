@@ -84,7 +84,7 @@ class FullModel(Frozen, FiniteElementModel):
 
     @property
     def centre_known(self) -> bool:
-        """Whether its centre of mass is known; else the mean over the static mode stands in."""
+        """True if its centre of mass is known; else the mean over the static mode stands in."""
         return self.centre[2]
 
     @property
@@ -97,7 +97,7 @@ class FullModel(Frozen, FiniteElementModel):
 
     @cached_property
     def constrained(self) -> bool:
-        """Whether no contact point can move without a deformation."""
+        """True if no contact point can move without a deformation."""
         return not any(moves_rigidly(tip) for tip in self.tips)
 
     @cached_property

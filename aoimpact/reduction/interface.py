@@ -145,7 +145,7 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
 
     @property
     def constrained(self) -> bool:
-        """Whether it has no rigid motion."""
+        """True if it has no rigid motion."""
         return not bool((self.omega == 0.0).any())
 
     @property
@@ -260,7 +260,7 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
 
     @cached_property
     def translates(self) -> bool:
-        """Whether the body may translate along the first port's direction."""
+        """True if the body may translate along the first port's direction."""
         return translates(self.tips[0])
 
     @cached_property
@@ -453,7 +453,7 @@ class InterfaceSpace:
 
     @property
     def exhausted(self) -> bool:
-        """Whether all that the ports excite is in the space."""
+        """True if all that the ports excite is in the space."""
         return self._space.exhausted
 
 

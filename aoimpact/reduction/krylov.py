@@ -188,7 +188,7 @@ class KrylovSpace:
 
     @property
     def exhausted(self) -> bool:
-        """Whether all that b excites is in the space."""
+        """True if all that b excites is in the space."""
         return self._space.exhausted
 
     def include(self, duration: float) -> None:

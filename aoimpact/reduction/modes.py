@@ -71,7 +71,7 @@ class ModalModel(Frozen, FiniteElementModel):
 
     @property
     def constrained(self) -> bool:
-        """Whether it has no rigid motion."""
+        """True if it has no rigid motion."""
         return not bool((self.omega2 == 0.0).any())
 
     @property

@@ -164,12 +164,12 @@ class AOModel(Frozen, ReducedModel):
 
     @property
     def constrained(self) -> bool:
-        """Whether the body is constrained: by its ground spring, or as a wall."""
+        """True if the body is constrained: by its ground spring, or as a wall."""
         return self.k0 > 0.0 or math.isinf(self.m0)
 
     @property
     def weightless(self) -> bool:
-        """Whether its weight is not known: constrained, and given by numbers or without nodes."""
+        """True if its weight is not known: constrained, and given by numbers or without nodes."""
         known = self.origin is not None and self.origin.centre_known
         return self.constrained and not known and not math.isinf(self.m0)
 
@@ -211,7 +211,7 @@ class AOModel(Frozen, ReducedModel):
 
     @property
     def centre_known(self) -> bool:
-        """Whether mass and centre of mass are known: not of a body of K and M hit off its centre.
+        """True if mass and centre of mass are known: not of a body of K and M hit off its centre.
 
         A model given by numbers is its own body.
         """
@@ -431,7 +431,7 @@ class AOModel(Frozen, ReducedModel):
 
     @property
     def massless(self) -> bool:
-        """Whether the contact has no mass.
+        """True if the contact has no mass.
 
         :meta private:
         """

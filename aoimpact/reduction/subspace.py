@@ -157,7 +157,7 @@ class Subspace:
 
     @property
     def exhausted(self) -> bool:
-        """Whether the functionals excite no more than what is there."""
+        """True if the functionals excite no more than what is there."""
         return len(self._ordered) < self._wanted
 
     def grow(self, count: int) -> int:
@@ -216,7 +216,7 @@ class Subspace:
         return np.concatenate([np.zeros(min(rigid, size)), omega2]), coordinates
 
     def _without_stiffness(self, omega2: FloatArray, coordinates: FloatArray) -> bool:
-        """Whether any of these Ritz values is no more than rounding of K, in its own motion."""
+        """True if any of these Ritz values is no more than rounding of K, in its own motion."""
         sizes = np.abs(self._basis[: self._count].T @ coordinates)
         if not sizes.size:
             return False

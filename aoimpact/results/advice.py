@@ -291,7 +291,8 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
     if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
             f"the contact makes an error of {100.0 * error.contact:.2g} % in the {quantity}: it "
-            "reaches over an edge, or curvatures are not known; move the contact or give law="
+            "reaches over an edge, its patch is wide, or curvatures are not known. Move it, give a "
+            "smaller radius, or give law="
         )
 
 
@@ -466,7 +467,7 @@ def _allowed(tip: ContactPoint) -> float:
 
 
 def _stretches(tip: ContactPoint) -> bool:
-    """Whether supports on two sides of the point keep the body from drawing in as it deflects."""
+    """True if supports on two sides of the point keep the body from drawing in as it deflects."""
     body = tip.body
     if body.nodes is None or body.free is None or tip.point is None or tip.direction is None:
         return False

@@ -147,12 +147,12 @@ class Quantity:
 
     @property
     def is_history(self) -> bool:
-        """Whether it is a history, or several, rather than numbers."""
+        """True if it is a history, or several, rather than numbers."""
         return self.history is not None
 
     @property
     def is_plain(self) -> bool:
-        """Whether the fast path of `simulate_many` has it."""
+        """True if the fast path of `simulate_many` has it."""
         return self.of_contact is not None or self.of_speeds is not None
 
     def of_plain(self, events: Events, speeds: Speeds) -> FloatArray:

@@ -175,7 +175,7 @@ class Run:
 
     @property
     def energies(self) -> bool:
-        """Whether energies are recorded."""
+        """True if energies are recorded."""
         return self.plan.energies
 
     @cached_property
@@ -469,12 +469,12 @@ class Run:
 
     @property
     def in_contact_at_end(self) -> bool:
-        """Whether the record ends in contact: its numbers are then not yet final."""
+        """True if the record ends in contact: its numbers are then not yet final."""
         return any(events.last_until(self.duration) for events in self.events)
 
     @property
     def _wall_moves(self) -> bool:
-        """Whether a wall moves: it brings energy that is not counted."""
+        """True if a wall moves: it brings energy that is not counted."""
         return any(
             body.wall and of.port_velocities.any()
             for body, of in zip(self.plan.bodies, self.bodies, strict=True)
@@ -482,7 +482,7 @@ class Run:
 
     @property
     def _whole(self) -> bool:
-        """Whether full finite-element models took part, and no reduced ones."""
+        """True if full finite-element models took part, and no reduced ones."""
         models = self.plan.bodies
         full = [isinstance(model, FullModel) for model in models]
         return any(full) and all(

@@ -107,14 +107,14 @@ class _Configuration:
     energy: float
 
     def better_than(self, other: _Configuration) -> bool:
-        """Whether its energy is lower; or as low, but for rounding, and it is nearer to balance."""
+        """True if its energy is lower; or as low, but for rounding, and it is nearer to balance."""
         if self.energy < other.energy:
             return True
         nearer = np.linalg.norm(self.balance) <= np.linalg.norm(other.balance)
         return bool(nearer) and self.energy <= other.energy + _ROUNDING * abs(other.energy)
 
     def no_nearer_than(self, other: _Configuration) -> bool:
-        """Whether the steps since have gained neither energy nor balance."""
+        """True if the steps since have gained neither energy nor balance."""
         gained = other.energy - self.energy > _ROUNDING * abs(other.energy)
         return not gained and bool(
             np.linalg.norm(self.balance) > 0.5 * np.linalg.norm(other.balance)
@@ -164,12 +164,12 @@ class _Statics:
         return rounding
 
     def balanced(self, at: _Configuration, besides: FloatArray | float = 0.0) -> bool:
-        """Whether the imbalance is no more than rounding, and `besides`, N."""
+        """True if the imbalance is no more than rounding, and `besides`, N."""
         rounding = self.network.reach.T @ at.rounding
         return bool((np.abs(at.balance) <= _BALANCED * at.present + rounding + besides).all())
 
     def settled(self, at: _Configuration) -> bool:
-        """Whether the reactions balance the loads to the digits of the largest force.
+        """True if the reactions balance the loads to the digits of the largest force.
 
         A contact that touches without force has none of its own to measure an imbalance by.
         """
@@ -243,7 +243,7 @@ class _Statics:
         )
 
     def _in_loop(self, at: _Configuration) -> bool:
-        """Whether more contacts are closed, but for rounding, than balance determines."""
+        """True if more contacts are closed, but for rounding, than balance determines."""
         closed = np.flatnonzero(at.depth >= -_CLOSED * np.abs(self.gaps))
         if not 0 < len(closed) <= _MOST_LOOPED:
             return False

@@ -37,7 +37,7 @@ __all__ = ["LawFit", "fit_law"]
 _SOLVER = Adaptive(rtol=1e-9)
 _STEP = 1e-4
 
-# Of the variables, for SciPy's steps are relative.
+# Offset of the variables: SciPy's steps are relative to them.
 _ORIGIN = 30.0
 
 # A parameter whose standard error is a larger share of it is not determined.
@@ -119,7 +119,7 @@ class LawFit(Frozen):
 
 @dataclass(frozen=True)
 class _Data:
-    """What was measured, and what a law with a contact that begins at a time, s, shows instead.
+    """Measured values, and those of a law with a contact that begins at a time, s.
 
     Of the measurement about the largest force, N, and indentation, m; the velocity, m/s; and when
     the contact begins.
@@ -229,7 +229,7 @@ class _Problem:
         )
 
     def _jumps(self, x: FloatArray) -> bool:
-        """Whether the force is there soon after the contact has begun."""
+        """True if the force is there soon after the contact has begun."""
         early = self.law_at(x).force(_EARLY * self.data.depth, self.data.velocity)
         return bool(early > _FOOT * self.data.force)
 

@@ -193,12 +193,13 @@ def _beside(blocks: list[RawBlock], names: set[str], n_nodes: int) -> str:
         shape = len(cells), n_nodes
         return sp.csr_array((np.ones(cells.size), cells.ravel(), starts), shape=shape)
 
-    solids = [corners(block) for block in blocks if block.dim == 3]
     counts = {1: 0, 2: 0}
-    for block in blocks if solids else []:
-        if block.dim < 3:
+    solids, others = ([b for b in blocks if (b.dim == 3) is solid] for solid in (True, False))
+    if solids and others:
+        of_node = sp.vstack([corners(block) for block in solids]).T
+        for block in others:
             own = corners(block)
-            most = (own @ sp.vstack(solids).T).max(axis=1).toarray().ravel()
+            most = (own @ of_node).max(axis=1).toarray().ravel()
             section = any(map(_SECTIONS[block.dim].fullmatch, names))
             counts[block.dim] += int(np.count_nonzero(section | (most < own.sum(axis=1))))
     said = ((counts[2], "surface elements"), (counts[1], "line elements"))
