@@ -411,22 +411,33 @@ static void massless_is_the_limit_of_light(void)
     CHECK(worst < 1e-6 * size, "m0 = 1e-13 kg and m0 = 0 differ by %g", worst / size);
 }
 
-/* The state is what goes in, and what a run from there would have gone on with. */
+/* The state is what goes in, and what a run from there would have gone on with; with and without energies. */
 static void state_can_be_taken_up_again(double m0)
 {
     random_star r;
-    world one, two;
+    world one, two, lean;
     uint64_t seed = 41;
     random_star_make(&r, 6, &seed, m0, 1e6);
     start_with_impulse(&one, &r.star, AVERAGE, 1.0, m0 > 0.0 ? 2.0 : 0.0, 400);
     const size_t bytes = one.body[0].n * sizeof(double);
     aoi_progress at = aoi_newmark_progress(one.run);
     CHECK(memcmp(at.x, one.x[0], bytes) == 0 && memcmp(at.v, one.v[0], bytes) == 0, "the initial state");
+    lean = one;
+    lean.lean = 1;
+    CHECK(world_start(&lean, AVERAGE, 201, NULL) == AOI_OK, "without energies");
     for (int j = 0; j < 200; j++) {
         (void)step(&one, 0.0);
+        (void)step(&lean, 0.0);
     }
     at = aoi_newmark_progress(one.run);
     CHECK(at.steps == 200 && near(at.time, 200e-6, 1e-14), "after 200 steps");
+    const aoi_progress other = aoi_newmark_progress(lean.run);
+    double fastest = 0.0, apart = 0.0;
+    for (size_t j = 0; j < one.body[0].n; j++) {
+        fastest = fmax(fastest, fabs(at.v[j]));
+        apart = fmax(apart, fabs(at.v[j] - other.v[j]));
+    }
+    CHECK(apart < 1e-11 * fastest, "m0 = %g: the rates without energies differ by %g", m0, apart / fastest);
     two = one;
     memcpy(two.x[0], at.x, bytes);
     memcpy(two.v[0], at.v, bytes);
