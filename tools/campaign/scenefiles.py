@@ -148,7 +148,7 @@ _PLY = (
 _GROUPS = (
     'mesh = { file = "groups.msh", scale = 0.1 }\npart = ["low", "wedges", "middle", "high"]\n'
     'material = { low = "steel", wedges = "ply", middle = "steel", high = "ply" }\n'
-    "masses = [{ nodes = [0, 1], mass = 0.1 }, "
+    "masses = [{ nodes = [1, 2], mass = 0.1 }, "
     "{ x = 0.1, mass = 2.0, centre = [0.2, 0, 0], inertia = [1e-3, 1e-3, 1e-3] }]\n"
     'springs = [{ z = 0.0, along = "xz", stiffness = 1e6 }]\n'
     "damping = { alpha = 10.0, beta = 1e-7 }\n"
@@ -173,7 +173,7 @@ def _fitted_out() -> list[str]:
         + _PLY
         + _BALL
         + f"[bodies.bar]\n{_GROUPS}{model}"
-        + "contact = { node = 3, direction = [0, 0, 1], radius = 0 }\n"
+        + "contact = { node = 4, direction = [0, 0, 1], radius = 0 }\n"
         + _impact("bar", _HERTZ, 'report = ["peak_force", "error.time"]'),
         _BALL
         + f"[bodies.bar]\n{_MATRICES}{model}contact = {{ node = 8, direction = [0, 0, 1] }}\n"
