@@ -24,7 +24,8 @@ Contact laws
     HuntCrossley, LankaraniNikravesh, Flores, Gonthier, HerbertMcWhannell, LeeWang, Tsuji,
     KuwabaraKono, KelvinVoigt, Thornton, ElasticPlastic, YangSun; restitution
 Impacts, scenes of many bodies, and what integrates them
-    simulate, Scene, Handle; Adaptive, Newmark; StressAt
+    simulate, Scene, Handle; Adaptive, Newmark
+    StressAt, StrainAt, AccelerationAt, ReactionAt
 Results
     Result, Run
 Many impacts, and files

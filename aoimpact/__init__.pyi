@@ -1,3 +1,6 @@
+from .accuracy import AccelerationAt as AccelerationAt
+from .accuracy import ReactionAt as ReactionAt
+from .accuracy import StrainAt as StrainAt
 from .accuracy import StressAt as StressAt
 from .base import AOImpactError as AOImpactError
 from .base import AOImpactWarning as AOImpactWarning

@@ -15,16 +15,22 @@ from .hierarchy import (
 from .interest import CONTROLLED, Keep, Named, impact_quantity, keeper, scene_quantity
 from .leftout import Met, alterations, errors_left_out, extrapolated, finer_run
 from .order import first_guess, larger_orders, models_to_compare, safety_of
+from .sensor import Sensor
+from .sensorat import AccelerationAt, ReactionAt, StrainAt
 from .stressat import StressAt
 
 __all__ = [
     "CONTROLLED",
+    "AccelerationAt",
     "Hierarchy",
     "Keep",
     "KrylovHierarchy",
     "Met",
     "Named",
+    "ReactionAt",
+    "Sensor",
     "SharedPoint",
+    "StrainAt",
     "StressAt",
     "alterations",
     "checked_linear_solver",

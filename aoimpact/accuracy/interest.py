@@ -21,7 +21,7 @@ from ..results import (
     look_up,
     recorded,
 )
-from .stressat import StressAt, stress_quantity
+from .sensor import Sensor
 
 __all__ = ["CONTROLLED", "Keep", "Named", "impact_quantity", "keeper", "scene_quantity"]
 
@@ -36,10 +36,11 @@ def impact_quantity(quantity: Any, projectile: BodyModel, target: BodyModel) -> 
     InputError, InputTypeError
         If there is no such quantity, or the point is on neither body, or on both.
     """
-    if isinstance(quantity, ContactPoint | StressAt):
+    if isinstance(quantity, ContactPoint | Sensor):
+        only_target = quantity.body is None and isinstance(target, FullModel)
         return _of_point(
             quantity,
-            (projectile, target),
+            (None if only_target else projectile, target),
             none="neither projectile nor target",
             several="both projectile and target",
             contact="the contact's own are 'projectile_displacement' and 'target_displacement'",
@@ -65,7 +66,7 @@ def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
             return run[quantity].port_displacements[[quantity.at]]
 
         return Quantity("displacement", "m", history=recorded(place), each="bodies", lasting=True)
-    if isinstance(quantity, ContactPoint | StressAt):
+    if isinstance(quantity, ContactPoint | Sensor):
         return _of_point(
             quantity,
             bodies,
@@ -81,16 +82,18 @@ def _named(quantity: Any, choices: Sequence[str]) -> Quantity:
 
 
 def _of_point(
-    point: ContactPoint | StressAt,
-    bodies: Sequence[BodyModel],
+    point: ContactPoint | Sensor,
+    bodies: Sequence[BodyModel | None],
     *,
     none: str,
     several: str,
     contact: str,
 ) -> Quantity:
-    """The displacement, or the stress, of a point of the one body that has it."""
-    meshed = ((i, body) for i, body in enumerate(bodies) if isinstance(body, FullModel))
-    on = [i for i, body in meshed if body.body is point.body]
+    """The displacement, or what a sensor has, of a point of the one body that has it."""
+    meshed = {i: body.body for i, body in enumerate(bodies) if isinstance(body, FullModel)}
+    on = [i for i, body in meshed.items() if point.body is None or body is point.body]
+    if len(on) > 1 and point.body is None:
+        raise InputError(f"quantity={point!r}: there are {len(on)} such bodies; give body= one")
     if not on:
         raise InputError(
             f"quantity={point!r} is a point on {none}: give a point of a finite-element body that "
@@ -102,8 +105,9 @@ def _of_point(
             f"a model of its own, copy.copy(model), and take the point from that; {contact}"
         )
 
-    if isinstance(point, StressAt):
-        return stress_quantity(point, on[0])
+    if isinstance(point, Sensor):
+        point.check(meshed[on[0]])
+        return point.quantity(meshed[on[0]], on[0])
 
     def displacement(run: Run, times: FloatArray) -> FloatArray:
         return run.bodies[on[0]].displacement_of(point.b, times)[None]

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from ..base import (
     FloatArray,
-    Frozen,
     InputError,
     InputTypeError,
     checked,
@@ -19,23 +19,19 @@ from ..base import (
     held_warnings,
     place,
 )
-from ..fem import ContactPoint, FEModel, Stress, stresses_around
-from ..fields import Response, response_of, stress_rows_at
-from ..linalg import SolverBook
+from ..fem import Body, Stress, stresses_around
+from ..fields import stress_rows_at
 from ..mesh import weights_at
-from ..reduction import SOLVED
 from ..results import Quantity, Run
+from .sensor import Responses, Sensor, body_of
 
-__all__ = ["StressAt", "stress_quantity"]
-
-# Runs that a search goes back to: of one order, and of those up to eight larger.
-_COMPARED = 9
+__all__ = ["StressAt", "roughness"]
 
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "von_mises")
 
 
 @dataclass(frozen=True, eq=False)
-class StressAt(Frozen):
+class StressAt(Sensor):
     """The stress at a point over the record, for ``simulate(quantity=StressAt(...))``.
 
     ``error.mesh`` has what the elements leave out of the force, and by how much their own stress
@@ -69,8 +65,8 @@ class StressAt(Frozen):
     component: str = "von_mises"
 
     def __post_init__(self) -> None:
-        model = self.body.body if isinstance(self.body, ContactPoint) else self.body
-        if not isinstance(model, FEModel):
+        model = body_of(self.body)
+        if model is None:
             raise InputTypeError(f"body must be an FEModel or a contact point, got {self.body!r}")
         if model.mesh is None:
             raise InputError(f"body {model!r} has no mesh, without which no stress is known")
@@ -80,61 +76,70 @@ class StressAt(Frozen):
         weights_at(model.mesh, self.point)
         super().__post_init__()
 
+    def quantity(self, body: Body, number: int) -> Quantity:
+        """Return the stress at the point of the body with that number in the plan.
 
-def stress_quantity(wanted: StressAt, number: int) -> Quantity:
-    """Return the stress at a point of the body with that number in the plan."""
+        :meta private:
+        """
+        responses = Responses(body, number)
 
-    factors = SolverBook(wanted.body.inverse)  # for all models that are compared
+        @cache
+        def rows() -> Any:
+            return stress_rows_at(body, self.point)
 
-    @cache
-    def rows() -> Any:
-        return stress_rows_at(wanted.body, wanted.point)
+        dual = responses.dual(rows)
 
-    @lru_cache(maxsize=_COMPARED)
-    def dual(s: float) -> FloatArray:
-        solver = factors(s**2)
-        return np.stack([solver.solve_roughly(row, SOLVED)[0] for row in rows().toarray()])
+        def stress(run: Run, times: FloatArray) -> FloatArray:
+            if run.plan.bodies[number].wall:  # the body as one that does not deform
+                return np.full((1, len(times)), np.nan)
+            found = responses.of(run).functionals(rows(), times, dual)
+            found = found + responses.of(run).half_space_stress(times, self.point[None])[:, 0].T
+            return _component(Stress(found.T, self.point), self.component)[None]
 
-    @lru_cache(maxsize=_COMPARED)
-    def response(run: Run) -> Response:
-        found = response_of(run.plan, run.recorder, run.events, number, factors)
-        assert found is not None  # a body with a mesh
-        return found
+        def local(run: Run) -> float:
+            history = np.abs(stress(run, run.t)[0])
+            largest = float(history.max())
+            if not largest > 0.0:
+                return 0.0
+            with held_warnings():
+                field = responses.of(run).field(run.t[[int(history.argmax())]])
 
-    def stress(run: Run, times: FloatArray) -> FloatArray:
-        if run.plan.bodies[number].wall:  # the body as one that does not deform
-            return np.full((1, len(times)), np.nan)
-        found = response(run).functionals(rows(), times, dual)
-        found = found + response(run).half_space_stress(times, wanted.point[None])[:, 0].T
-        return _component(Stress(found.T, wanted.point), wanted.component)[None]
+            def seen(stress: Stress) -> FloatArray:
+                return _component(stress, self.component)
 
-    def local(run: Run) -> float:
-        history = np.abs(stress(run, run.t)[0])
-        largest = float(history.max())
-        if not largest > 0.0:
-            return 0.0
-        with held_warnings():
-            field = response(run).field(run.t[[int(history.argmax())]])
-        return _roughness(wanted, field.of_elements[0]) / largest
+            return roughness(body, self.point, seen, field.of_elements[0]) / largest
 
-    return Quantity("stress", "Pa", history=stress, each="bodies", lasting=True, local=local)
+        return Quantity("stress", "Pa", history=stress, each="bodies", lasting=True, local=local)
 
 
 def _component(stress: Stress, name: str) -> FloatArray:
     return stress.von_mises if name == "von_mises" else stress[name]
 
 
-def _roughness(wanted: StressAt, displacement: FloatArray) -> float:
-    """By how much the elements about a point differ from their average there, Pa.
+def roughness(
+    body: Body,
+    point: FloatArray,
+    seen: Callable[[Stress], FloatArray],
+    displacement: FloatArray,
+) -> float:
+    """Return by how much the elements about a point differ from their average there.
 
     The root mean square, as in the energy by which Zienkiewicz and Zhu estimate errors.
+
+    Parameters
+    ----------
+    body : FEModel
+    point : ndarray, shape (3,)
+        m.
+    seen : callable
+        Stress to the number that is asked for.
+    displacement : ndarray, shape (n_nodes, 3)
+        m.
     """
-    nodes, weights = weights_at(wanted.body.mesh, wanted.point)
+    assert body.mesh is not None
+    nodes, weights = weights_at(body.mesh, point)
     square = 0.0
     for node, weight in zip(nodes, weights, strict=True):
-        averaged, of_elements = (
-            _component(found, wanted.component)
-            for found in stresses_around(wanted.body, displacement, int(node))
-        )
+        averaged, of_elements = map(seen, stresses_around(body, displacement, int(node)))
         square += abs(weight) * float(np.mean((of_elements - averaged) ** 2))
     return math.sqrt(square)

@@ -33,6 +33,7 @@ from .contacttime import (
 )
 from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
 from .extraction import Extraction, Splitting
+from .grounding import Grounding, VirtualMotion
 from .labels import checked_labels
 from .material import PAIRS, Material
 from .mechanism import refuse_mechanism
@@ -47,7 +48,7 @@ from .statics import (
     static_mode,
     translates,
 )
-from .stress import Stress, gauss_stress, nodal_stress, stress_rows
+from .stress import Strain, Stress, compliances, gauss_stress, nodal_stress, stress_rows
 from .stresserror import energy_error, missing_energy, stresses_around
 from .supports import selected_nodes
 from .touch import edge_length
@@ -64,6 +65,7 @@ __all__ = [
     "Damping",
     "Extraction",
     "FEModel",
+    "Grounding",
     "Layout",
     "Material",
     "Materials",
@@ -76,10 +78,13 @@ __all__ = [
     "RigidMass",
     "Splitting",
     "StaticMode",
+    "Strain",
     "Stress",
+    "VirtualMotion",
     "audited",
     "centre_of",
     "checked_labels",
+    "compliances",
     "contact_point",
     "contact_within",
     "damping_or_none",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -54,6 +54,9 @@ from .touch import (
     thickness,
     touched,
 )
+
+if TYPE_CHECKING:
+    from .grounding import Grounding
 
 __all__ = ["PATCH_OVER_CONTACT", "Body", "ContactPoint", "contact_point", "contact_within"]
 
@@ -121,6 +124,14 @@ class Body(Protocol):
     def name(self) -> str: ...
     @property
     def rigid_modes(self) -> FloatArray: ...
+    @property
+    def springs(self) -> FloatArray | None: ...
+    @property
+    def masses(self) -> Any: ...
+    @property
+    def assembled(self) -> bool: ...
+    @property
+    def grounding(self) -> Grounding: ...
     @property
     def mechanism(self) -> Mechanism | None: ...
     def inverse(

@@ -60,6 +60,7 @@ from .composition import AnyMaterial, Materials, OneMaterial, materials_of
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
 from .doubts import warn_of_locking, warn_of_separate_parts
+from .grounding import Grounding, grounding_of
 from .labels import axes_of, checked_labels, labelled_nodes, node_numbers
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
@@ -369,6 +370,30 @@ class FEModel(Frozen):
         :meta private:
         """
         return self._springs
+
+    @property
+    def masses(self) -> Any:
+        """Added masses that M contains, over all dofs, kg; None for none.
+
+        :meta private:
+        """
+        return self._masses
+
+    @property
+    def assembled(self) -> bool:
+        """Whether K and M follow from mesh and material, added masses and springs.
+
+        :meta private:
+        """
+        return self._assembled
+
+    @cached_property
+    def grounding(self) -> Grounding:
+        """Supports and springs to the ground, and the forces that they carry.
+
+        :meta private:
+        """
+        return grounding_of(self)
 
     @property
     def n_dofs(self) -> int:

@@ -24,8 +24,10 @@ from .material import PAIRS, Material
 
 __all__ = [
     "COMPONENTS",
+    "Strain",
     "Stress",
     "batches",
+    "compliances",
     "elements_at",
     "extrapolation",
     "gauss_of",
@@ -44,15 +46,15 @@ _BATCH = 16e6
 
 
 @dataclass(frozen=True, eq=False)
-class Stress:
-    """Stress at points of a body.
+class Tensor:
+    """A symmetric tensor at points of a body.
 
     ``stress["xx"]`` is one component.
 
     Attributes
     ----------
     components : ndarray, shape (..., 6)
-        σxx, σyy, σzz, σxy, σyz, σxz, Pa; tension is positive.
+        xx, yy, zz, xy, yz, xz; tension is positive.
     points : ndarray, shape (n_nodes, 3) or (n_cells, n_gauss, 3)
         Where, on the undeformed body, m.
     """
@@ -67,11 +69,21 @@ class Stress:
 
     @property
     def tensor(self) -> FloatArray:
-        """The symmetric tensor, Pa, shape (..., 3, 3)."""
+        """The symmetric tensor, shape (..., 3, 3)."""
         tensor = np.empty((*self.components.shape[:-1], 3, 3))
         for place, (i, j) in enumerate(PAIRS):
             tensor[..., i, j] = tensor[..., j, i] = self.components[..., place]
         return tensor
+
+    @property
+    def principal(self) -> FloatArray:
+        """Principal values, the largest first, shape (..., 3)."""
+        return np.asarray(np.linalg.eigvalsh(self.tensor), dtype=np.float64)[..., ::-1]
+
+
+@dataclass(frozen=True, eq=False)
+class Stress(Tensor):
+    """Stress at points of a body, Pa; see `Tensor`."""
 
     @property
     def von_mises(self) -> FloatArray:
@@ -81,10 +93,15 @@ class Stress:
         equivalent: FloatArray = np.sqrt(0.5 * direct + 3.0 * (xy**2 + yz**2 + xz**2))
         return equivalent
 
-    @property
-    def principal(self) -> FloatArray:
-        """Principal stresses, the largest first, Pa, shape (..., 3)."""
-        return np.asarray(np.linalg.eigvalsh(self.tensor), dtype=np.float64)[..., ::-1]
+
+@dataclass(frozen=True, eq=False)
+class Strain(Tensor):
+    """Strain at points of a body; see `Tensor`. Shears are those of the tensor, half of γ."""
+
+    def along(self, direction: FloatArray) -> FloatArray:
+        """Return the strain along a unit vector, shape (...)."""
+        found: FloatArray = np.einsum("...ij,i,j->...", self.tensor, direction, direction)
+        return found
 
 
 def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:
@@ -212,6 +229,18 @@ def _averaged_slopes(
     i, j, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
     shape = (len(wanted), mesh.n_nodes)
     return [sp.csr_array((values[:, axis], (i, j)), shape=shape) for axis in range(3)]
+
+
+def compliances(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> FloatArray:
+    """Return strain by stress at some nodes, 1/Pa, shape (n, 6, 6), of the material shown there.
+
+    Shears are those of the tensor.
+    """
+    half = np.where(np.arange(6) < 3, 1.0, 0.5)[:, None]
+    every = np.stack([half * np.linalg.inv(of.stiffness) for of in each_of(material)])
+    places = layout(mesh, material)
+    found: FloatArray = every[places.which[shown(places, material)[nodes]]]
+    return found
 
 
 def batches(piece: Piece) -> Iterator[Piece]:

@@ -4,22 +4,34 @@ A body's motion is found again from the recorded contact forces (replay.py). `re
 attributes of a run's bodies, `accuracy` takes stresses and their errors; `testrig` uses it, too.
 """
 
-from .fields import Field, Probe
+from .channel import Channel, filtered_rate, zero_phase
+from .fields import Field, Filtered, Probe
+from .gauge import Gauge, gauge_ends
 from .historyerror import relative_error, rest, warn_if_wrong
 from .movie import MovingBody, movie_path, write_movie
+from .reaction import Reaction
 from .replay import response_of
-from .response import Response, stress_rows_at
+from .response import Response, place_rows, strain_rows_at, stress_rows_at
 
 __all__ = [
+    "Channel",
     "Field",
+    "Filtered",
+    "Gauge",
     "MovingBody",
     "Probe",
+    "Reaction",
     "Response",
+    "filtered_rate",
+    "gauge_ends",
     "movie_path",
+    "place_rows",
     "relative_error",
     "response_of",
     "rest",
+    "strain_rows_at",
     "stress_rows_at",
     "warn_if_wrong",
     "write_movie",
+    "zero_phase",
 ]

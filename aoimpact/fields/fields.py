@@ -11,25 +11,55 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, choice, integer
-from ..fem import AnyMaterial, Body, Stress, gauss_stress, nodal_stress
+from ..base import FloatArray, InputError, choice, integer, warn
+from ..fem import AnyMaterial, Body, Strain, Stress, gauss_stress, nodal_stress
 from ..mesh import Mesh
 from . import deformed, movie, vtu
+from .channel import Channel
 from .historyerror import warn_if_wrong
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
 
-__all__ = ["Field", "Probe", "solid"]
+__all__ = ["Field", "Filtered", "Probe", "solid"]
 
 # Share of the largest displacement of all times below which a body is drawn at rest.
 _AT_REST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
+class Filtered:
+    """Acceleration behind the filter of a channel.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        s.
+    channel : Channel
+        Its frequency class or corner, Hz.
+    """
+
+    t: FloatArray
+    channel: Channel
+    _acceleration: FloatArray = field(repr=False)
+    _error: Callable[[], FloatArray | None] = field(repr=False)
+
+    @property
+    def acceleration(self) -> FloatArray:
+        """Acceleration, m/s², in the shape of `Probe.displacement`; warns where it may be wrong."""
+        warn_if_wrong("filtered acceleration", self.t, self.error)
+        return self._acceleration
+
+    @cached_property
+    def error(self) -> FloatArray | None:
+        """Error by the body's model, relative to the largest value, (n,); None of a full model."""
+        return self._error()
+
+
+@dataclass(frozen=True, eq=False)
 class Probe:
-    """Motion and stress of one place of a body over time.
+    """Motion, strain and stress of one place of a body over time.
 
     Attributes
     ----------
@@ -45,7 +75,10 @@ class Probe:
     _velocity: FloatArray = field(repr=False)
     _follows: Callable[[], bool] = field(repr=False)
     _stress: Callable[[], FloatArray] = field(repr=False)
+    _strain: Callable[[], FloatArray] = field(repr=False)
     _errors: Callable[[], Mapping[str, FloatArray]] = field(repr=False)
+    _acceleration: Callable[[], FloatArray] = field(repr=False)
+    _filtered: Callable[[Channel], Filtered] = field(repr=False)
 
     @property
     def displacement(self) -> FloatArray:
@@ -65,12 +98,64 @@ class Probe:
         return self._velocity
 
     @cached_property
+    def acceleration(self) -> FloatArray:
+        """Acceleration, m/s², in the shape of `displacement`, as the body's model has it.
+
+        By central differences over a thousandth of the shortest contact, or over two fixed steps.
+
+        Warns
+        -----
+        AOImpactWarning
+            It has no finite bandwidth, and no error that could be known: an impact excites modes up
+            to any frequency, each with as much acceleration. `filtered` converges.
+        """
+        warn(
+            "acceleration has no finite bandwidth after an impact: it grows with the number of "
+            "modes of the model, and has no error; take probe.filtered(cfc=1000), or "
+            "quantity=AccelerationAt(point, direction, cfc=1000)"
+        )
+        return self._acceleration()
+
+    def filtered(self, cfc: float | None = None, *, corner: float | None = None) -> Filtered:
+        """Return the acceleration behind a filter.
+
+        SAE J211-1, appendix C: a Butterworth filter of two poles, forward and backward, so that no
+        phase is shifted. Before the record the body is at rest or moves steadily; through its end
+        the record is mirrored, so that the last period of the corner is less certain.
+
+        Parameters
+        ----------
+        cfc : float, optional
+            Channel frequency class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same
+            formula. The signal is 3 dB down at 1.65 times the class.
+        corner : float, optional
+            In place of the class, the frequency where the signal is 3 dB down, Hz.
+
+        Raises
+        ------
+        InputError
+            If neither or both are given, or the record is shorter than a period of the filter.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), ao.full(tip), velocity=0.1,
+        ...     law=ao.Linear(k=1e5), duration=2e-3, solver=ao.Newmark(dt=5e-6))
+        >>> probe = hit.target.probe((0.05, 0.005, 0.0), (0, 0, 1), dt=1e-5)
+        >>> probe.filtered(cfc=1000).acceleration.shape == probe.t.shape
+        True
+        """
+        return self._filtered(Channel(cfc=cfc, corner=corner))
+
+    @cached_property
     def error(self) -> Mapping[str, FloatArray]:
         """Errors by the body's model, relative to the largest value, of shape (n,).
 
         ``error["displacement"]`` and ``error["velocity"]`` are those of these histories; see
-        `BodyResult.error`. ``error["stress"]`` is that of the whole field, as of `Field.error`. It
-        is empty of a full model.
+        `BodyResult.error`. ``error["stress"]`` and ``error["strain"]`` are that of the whole field,
+        as of `Field.error`. It is empty of a full model.
         """
         return self._errors()
 
@@ -87,6 +172,18 @@ class Probe:
         """
         warn_if_wrong("stress", self.t, self.error.get("stress"))
         return Stress(self._stress(), self.points)
+
+    @cached_property
+    def strain(self) -> Strain:
+        """The strain over time, in the shape of `stress`; shears are those of the tensor.
+
+        Raises
+        ------
+        InputError
+            If the body has no elements and material: it was given by K and M.
+        """
+        warn_if_wrong("strain", self.t, self.error.get("strain"))
+        return Strain(self._strain(), self.points)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,10 @@ from ..scene import Plan, extraction_of
 
 __all__ = ["Indentation", "indentations"]
 
+# Radius of a contact, over that of the patch, below which the force counts as one at a point: far
+# from it, closed forms would lose digits as the square of the distance over the radius.
+_NARROWEST = 1e-2
+
 # A rate is the difference over this share of the force.
 _STEP = 1e-4
 
@@ -55,7 +59,7 @@ class Indentation:
         """Return displacement, m, (n, p, 3), and stress, Pa, (n, p, 6), at places (p, 3)."""
         u, stress = np.zeros((len(force), len(x), 3)), np.zeros((len(force), len(x), 6))
         for i in np.flatnonzero(force > 0.0):
-            width = self.width(force[i : i + 1])
+            width = np.maximum(self.width(force[i : i + 1]), _NARROWEST * self.extraction.radius)
             moved, tensor = self.extraction.splitting.half_space_field(x, width)
             u[i] = force[i] * moved[0]
             stress[i] = force[i] * np.stack([tensor[0, :, j, k] for j, k in PAIRS], axis=-1)

@@ -49,8 +49,16 @@ def response_of(
     largest, peak_time = _largest_contact(plan, events, recorder.duration, body)
     if isinstance(model, FullModel) and not recorder.dense:
         motion = recorder.motion(body)
-        under = indentations(plan, body)
-        return Response(model.body, motion, None, None, peak_time, indentations=under)
+        return Response(
+            model.body,
+            motion,
+            None,
+            None,
+            peak_time,
+            indentations=indentations(plan, body),
+            damping=model.damping,
+            gravity=_gravity(plan, model),
+        )
     reduced = _reduced(model).coordinates(plan.gravity)
     if reduced is None:
         return None
@@ -64,7 +72,17 @@ def response_of(
         peak_time,
         static_deflection=_static_deflection(motion, recovery) if plan.preload else None,
         indentations=indentations(plan, body),
+        damping=model.damping,
+        gravity=_gravity(plan, model),
     )
+
+
+def _gravity(plan: Plan, model: BodyModel) -> FloatArray:
+    """Acceleration of gravity along the direction of travel, m/s², shape (3,)."""
+    tip = model.touched_at()
+    if not plan.gravity or tip is None or tip.direction is None or model.weightless:
+        return np.zeros(3)
+    return plan.gravity * tip.direction
 
 
 def _reduced(model: BodyModel) -> ReducedModel:

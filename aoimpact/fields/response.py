@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
@@ -11,16 +11,19 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import HUGE, FloatArray, InputError, IntArray, finite_array, unit_vector
-from ..fem import Body, selected_nodes, stress_rows
+from ..fem import Body, Damping, compliances, selected_nodes, stress_rows
 from ..integrate import Motion
 from ..mesh import node_at, weights_at
 from ..reduction import Recovery
 from ..scene import FreeMotion
-from .fields import Field, Probe, solid
+from .channel import Channel, filtered_rate
+from .fields import Field, Filtered, Probe, solid
+from .gauge import Gauge, gauge_ends
 from .historyerror import relative_error, rest
 from .indentation import Indentation
+from .reaction import Held, Reaction
 
-__all__ = ["OmittedMotion", "Response", "stress_rows_at"]
+__all__ = ["OmittedMotion", "Response", "place_rows", "strain_rows_at", "stress_rows_at"]
 
 
 # s ↦ rows (K + s²M)⁻¹, of the rows that are asked for.
@@ -54,12 +57,46 @@ def stress_rows_at(body: Body, point: FloatArray) -> sp.csr_array:
     return _stress_rows(body, weights.tocsr(), body.free)
 
 
-def _stress_rows(body: Body, weights: sp.csr_array, free: IntArray) -> sp.csr_array:
-    """The stress at places with the nodes' `weights` (p, n_nodes), shape (6 p, n_dofs)."""
+def strain_rows_at(body: Body, point: FloatArray) -> tuple[sp.csr_array, FloatArray]:
+    """Return the strain at a point by a body's dofs, (6, n_dofs), and by stress, 1/Pa, (6, 6)."""
+    assert body.free is not None
+    weights = place_rows(body, point[None])
+    return _stress_rows(body, weights, body.free, strain=True), _compliance(body, weights)[0]
+
+
+def place_rows(body: Body, places: FloatArray) -> sp.csr_array:
+    """Return the nodes' weights at places (p, 3), m, of a body, shape (p, n_nodes)."""
+    assert body.nodes is not None
+    weights = sp.lil_array((len(places), len(body.nodes)))
+    for i, place in enumerate(places):
+        if body.mesh is None:
+            weights[i, node_at(body.nodes, place)] = 1.0
+        else:
+            where, shares = weights_at(body.mesh, place)
+            weights[i, where] = shares
+    return weights.tocsr()
+
+
+def _stress_rows(
+    body: Body, weights: sp.csr_array, free: IntArray, *, strain: bool = False
+) -> sp.csr_array:
+    """The stress, or strain, at places with the nodes' `weights` (p, n_nodes), (6 p, n_dofs)."""
     mesh, material = solid(body, "stress")
     near = np.unique(weights.indices)
     at_nodes = stress_rows(mesh, material, near)[:, free]
+    if strain:
+        at_nodes = sp.block_diag(list(compliances(mesh, material, near)), format="csr") @ at_nodes
     return sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ at_nodes
+
+
+def _compliance(body: Body, weights: sp.csr_array) -> FloatArray:
+    """Strain by stress at places with the nodes' `weights`, 1/Pa, shape (p, 6, 6)."""
+    mesh, material = solid(body, "strain")
+    near = np.unique(weights.indices)
+    found: FloatArray = weights[:, near].toarray() @ compliances(mesh, material, near).reshape(
+        -1, 36
+    )
+    return found.reshape(-1, 6, 6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +120,10 @@ class Response:
         Returns the response in the run with finer models; None where there is none.
     indentations : tuple of Indentation
         The half-space's fields at its contacts, in place of what the mesh makes of them.
+    damping : Damping or None
+        That of the body's model.
+    gravity : ndarray, shape (3,)
+        m/s².
     """
 
     body: Body
@@ -93,6 +134,8 @@ class Response:
     static_deflection: FloatArray | None = None
     finer: Callable[[], Response | None] | None = field(default=None, repr=False)
     indentations: tuple[Indentation, ...] = ()
+    damping: Damping | None = None
+    gravity: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def probe(
         self, point: Any, direction: Any, nodes: Any, times: Any, follows: Callable[[], bool]
@@ -102,17 +145,135 @@ class Response:
         places, weights = self._places(point, nodes)
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
         along = () if direction is not None else (3,)
-        shape = (len(wanted), *places.shape[:-1])
+        shape = places.shape[:-1]
         rows = sp.csr_array(sp.kron(weights, axes))[:, self._free]
-        u, v = (values.T.reshape(*shape, *along) for values in self._functionals(rows, wanted))
-        added = self._half_space(np.atleast_2d(places), wanted)
-        if added is not None:
-            u, v = (
-                of + (more @ axes.T).reshape(of.shape)
-                for of, more in zip((u, v), added[:2], strict=True)
+        flat = np.atleast_2d(places)
+
+        def velocity(response: Response, times: FloatArray) -> FloatArray:
+            return response.motion_at(flat, axes, rows, times)[1]
+
+        def acceleration() -> FloatArray:
+            step, end = self.motion.resolution, self.motion.duration
+            after, before = np.minimum(wanted + step, end), np.maximum(wanted - step, 0.0)
+            change = velocity(self, after) - velocity(self, before)
+            return np.asarray(change / (after - before)[:, None]).reshape(-1, *shape, *along)
+
+        def filtered(channel: Channel) -> Filtered:
+            def rate(response: Response, times: FloatArray) -> FloatArray:
+                end = self.motion.duration
+                return filtered_rate(partial(velocity, response), end, channel, times).T
+
+            return Filtered(
+                wanted,
+                channel,
+                rate(self, wanted).T.reshape(-1, *shape, *along),
+                lambda: self._compared({"acceleration": rate}, wanted).get("acceleration"),
             )
-        stress = partial(self._stress, weights, wanted, shape)
-        return Probe(wanted, places, u, v, follows, stress, partial(self._errors, rows, wanted))
+
+        u, v = (of.reshape(-1, *shape, *along) for of in self.motion_at(flat, axes, rows, wanted))
+        return Probe(
+            wanted,
+            places,
+            u,
+            v,
+            follows,
+            partial(self._stress, weights, wanted, shape),
+            partial(self._stress, weights, wanted, shape, strain=True),
+            partial(self._errors, rows, wanted),
+            acceleration,
+            filtered,
+        )
+
+    def motion_at(
+        self,
+        places: FloatArray,
+        axes: FloatArray,
+        rows: Any,
+        times: FloatArray,
+        dual: Dual | None = None,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return displacement and velocity at places (p, 3) along axes (k, 3), (times, p k).
+
+        rows: of the dofs, shape (p k, n_dofs), by `place_rows` and the axes.
+        """
+        u, v = (values.T for values in self._functionals(rows, times, dual))
+        added = self._half_space(places, times)
+        if added is None:
+            return u, v
+        return (
+            u + (added[0] @ axes.T).reshape(u.shape),
+            v + (added[1] @ axes.T).reshape(v.shape),
+        )
+
+    def gauge(self, point: Any, direction: Any, length: float, times: Any) -> Gauge:
+        """See `BodyResult.gauge`."""
+        wanted = self._times(times)
+        place = finite_array("point", point, shape=(3,), unit="m", most=HUGE)
+        along = unit_vector("direction", direction)
+        ends, along = gauge_ends(self.body, place, along, length)
+        weights = place_rows(self.body, ends)
+        difference = sp.csr_array(np.array([[-1.0, 1.0]]) / np.linalg.norm(ends[1] - ends[0]))
+        rows = sp.csr_array(sp.kron(difference @ weights, along[None]))[:, self._free]
+
+        def strain(response: Response, times: FloatArray) -> FloatArray:
+            found = response.functionals(rows, times)[0]
+            added = response._half_space(ends, times)
+            if added is not None:
+                found = found + (difference @ (added[0] @ along).T)[0]
+            return np.asarray(found)
+
+        return Gauge(
+            wanted,
+            ends,
+            strain(self, wanted),
+            lambda: self._compared({"strain": strain}, wanted).get("strain"),
+        )
+
+    def reaction(self, nodes: Any, times: Any) -> Reaction:
+        """See `BodyResult.reaction`."""
+        wanted = self._times(times)
+        grounding = self.body.grounding
+        held = grounding.nodes("nodes", nodes)
+        assert self.body.nodes is not None
+        points = self.body.nodes[held]
+        centre = points.mean(axis=0)
+        moved = grounding.virtual(grounding.resultants(held, centre))
+
+        def force(response: Response, times: FloatArray) -> FloatArray:
+            return response.held.work(moved, times)[:3]
+
+        def moment(response: Response, times: FloatArray) -> FloatArray:
+            return response.held.work(moved, times)[3:]
+
+        return Reaction(
+            wanted,
+            centre,
+            points,
+            self.held.work(moved, wanted).T,
+            partial(self.held.at_nodes, held, wanted),
+            partial(self._compared, {"force": force, "moment": moment}, wanted),
+        )
+
+    @property
+    def held(self) -> Held:
+        """The body as it is held, for the forces of its supports."""
+        reduced = None if self.recovery is None else self.recovery.reduced
+        return Held(self.body.grounding, self.motion, reduced, self.damping, self.gravity)
+
+    def _compared(
+        self,
+        histories: Mapping[str, Callable[[Response, FloatArray], FloatArray]],
+        times: FloatArray,
+    ) -> dict[str, FloatArray]:
+        """Relative errors of histories by the finer response, each (times,); empty without it."""
+        if (finer := self._finer) is None:
+            return {}
+        looks = np.union1d(times, self._looks)
+        at, errors = np.searchsorted(looks, times), {}
+        for name, history in histories.items():
+            right = history(finer, looks)
+            errors[name] = relative_error(history(self, times), right[..., at], right)
+        return errors
 
     def field(self, times: Any = None) -> Field:
         """See `BodyResult.field`."""
@@ -183,7 +344,8 @@ class Response:
             )
         )
         error = self._error(times)
-        return {"displacement": u, "velocity": v} | ({} if error is None else {"stress": error})
+        found = {"displacement": u, "velocity": v}
+        return found if error is None else found | {"stress": error, "strain": error}
 
     def _error(self, times: FloatArray) -> FloatArray | None:
         """Relative error of the field at `times` in the norm of strain energy; None if unknown."""
@@ -242,14 +404,21 @@ class Response:
         return wanted
 
     def _stress(
-        self, weights: sp.csr_array, times: FloatArray, shape: tuple[int, ...]
+        self,
+        weights: sp.csr_array,
+        times: FloatArray,
+        shape: tuple[int, ...],
+        *,
+        strain: bool = False,
     ) -> FloatArray:
-        """Components at places with the nodes' `weights` (p, n_nodes), shape (*shape, 6)."""
-        rows = _stress_rows(self.body, weights, self._free)
-        stress = self._functionals(rows, times)[0].T.reshape(len(times), -1, 6)
+        """Stress or strain at places with the nodes' `weights` (p, n_nodes), (times, *shape, 6)."""
+        rows = _stress_rows(self.body, weights, self._free, strain=strain)
+        found = self._functionals(rows, times)[0].T.reshape(len(times), -1, 6)
         assert self.body.nodes is not None
-        places = weights @ self.body.nodes
-        return np.asarray((stress + self.half_space_stress(times, places)).reshape(*shape, 6))
+        added = self.half_space_stress(times, weights @ self.body.nodes)
+        if strain:
+            added = np.einsum("pij,tpj->tpi", _compliance(self.body, weights), added)
+        return np.asarray((found + added).reshape(-1, *shape, 6))
 
     def functionals(self, rows: Any, times: FloatArray, dual: Dual | None = None) -> FloatArray:
         """Return rows @ X for `rows` of shape (p, n_dofs), shape (p, times)."""
@@ -312,14 +481,7 @@ class Response:
         places = finite_array("point", point, unit="m", most=HUGE)
         if places.shape[-1:] != (3,) or places.ndim > 2 or places.size == 0:
             raise InputError(f"point must have shape (3,) or (p, 3), got {places.shape}")
-        weights = sp.lil_array((places.size // 3, len(coordinates)))
-        for i, place in enumerate(np.atleast_2d(places)):
-            if self.body.mesh is None:
-                weights[i, node_at(coordinates, place)] = 1.0
-            else:
-                where, shares = weights_at(self.body.mesh, place)
-                weights[i, where] = shares
-        return places, weights.tocsr()
+        return places, place_rows(self.body, places.reshape(-1, 3))
 
 
 def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:

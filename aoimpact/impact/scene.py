@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..accuracy import (
-    StressAt,
+    Sensor,
     checked_linear_solver,
     choose_models,
     errors_left_out,
@@ -336,7 +336,7 @@ class Scene:
         solver: TimeSolver | None = None,
         energies: bool = True,
         preload: bool = False,
-        quantity: str | Handle | ContactPoint | StressAt | None = None,
+        quantity: str | Handle | ContactPoint | Sensor | None = None,
         rtol: float | None = None,
         linear_solver: Solver | None = None,
     ) -> Run:
@@ -354,7 +354,7 @@ class Scene:
             Whether to start from rest under gravity and the loads at t = 0, bodies pressed on each
             other, found by a static solve; velocities are then added. What no force presses stays
             where it was put, or moves aside as far as it must.
-        quantity : str, Handle, ContactPoint or StressAt, optional
+        quantity : str, Handle, ContactPoint, StressAt or its like, optional
             The quantity of interest: "force" (of every contact over the record), "peak_force",
             "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
             every contact), "rebound_velocity" (after the last contact, of every body but those held
@@ -453,6 +453,7 @@ class Scene:
         wider : float, optional
             How many times wider patches are than two bodies alone would need.
         """
+        record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
         bodies, plan_of = self._bodies, partial(self._plan, record, preload)
         meshed = any(body.contact_points for body in bodies)
         factors: dict[Any, LinearSolver] = {}

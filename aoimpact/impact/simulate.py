@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from time import perf_counter
 from typing import Any
 
-from ..accuracy import StressAt, checked_linear_solver, checked_rtol, impact_quantity
+from ..accuracy import Sensor, checked_linear_solver, checked_rtol, impact_quantity
 from ..base import InputError, InputTypeError, boolean, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, own_law
@@ -33,7 +33,7 @@ def simulate(
     solver: TimeSolver | None = None,
     gap: float = 0.0,
     energies: bool = True,
-    quantity: str | ContactPoint | StressAt | None = None,
+    quantity: str | ContactPoint | Sensor | None = None,
     rtol: float | None = None,
     linear_solver: Solver | None = None,
 ) -> Result:
@@ -66,7 +66,7 @@ def simulate(
         Distance to go before the bodies touch, m, not negative.
     energies : bool, optional
         Whether to record energies as well.
-    quantity : str, ContactPoint or StressAt, optional
+    quantity : str, ContactPoint, StressAt or its like, optional
         The quantity of interest: "force" (over the record; the default), "peak_force", "peak_time",
         "impulse", "contact_duration" (of the first contact), "contact_count" (how often they
         touch), "rebound_velocity", "restitution", "projectile_displacement" or

@@ -28,6 +28,10 @@ __all__ = ["DenseMotion", "ForcedMotion", "Motion"]
 # has moved far more than its rounding there, and its curve not yet bent.
 _DIFFERENCE = 1e-6
 
+# Accelerations are central differences over this share of the shortest contact: relative errors of
+# 1e-7 by the rates of the forces, and of 1e-6 by the curves of smooth ones.
+_RESOLUTION = 1e-3
+
 
 class Motion(Protocol):
     """One body's coordinates q over a run, and the forces on its ports."""
@@ -39,6 +43,15 @@ class Motion(Protocol):
 
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return rows @ q and rows @ q̇ at `times`, s; q and q̇ themselves where rows is None."""
+        ...
+
+    def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
+        """Return rows @ q̈ at `times`, s, of a body that is stepped in its own dofs."""
+        ...
+
+    @property
+    def resolution(self) -> float:
+        """Time over which rates are taken, s: forces are smooth over it, or linear in it."""
         ...
 
     def force(self, times: FloatArray) -> FloatArray:
@@ -77,12 +90,23 @@ class DenseMotion:
             v[0] += residual * self.force_rate(times)[0]
         return (u, v) if rows is None else (rows @ u, rows @ v)
 
+    def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
+        raise NotImplementedError  # a dense run has modes, whose acceleration follows from forces
+
+    @property
+    def resolution(self) -> float:
+        return _RESOLUTION * self._shortest
+
+    @property
+    def _shortest(self) -> float:
+        lengths = [end - start for of in self.run.events for start, end in of.contacts]
+        return min(lengths, default=self.duration)
+
     def force(self, times: FloatArray) -> FloatArray:
         return self.run.plan.port_forces(self.body, times, self.run.forces(times))
 
     def force_rate(self, times: FloatArray) -> FloatArray:
-        lengths = [end - start for of in self.run.events for start, end in of.contacts]
-        step = _DIFFERENCE * min(lengths, default=self.duration)
+        step = _DIFFERENCE * self._shortest
         after = np.minimum(times + step, self.duration)
         before = np.maximum(times - step, 0.0)
         rate: FloatArray = (self.force(after) - self.force(before)) / (after - before)
@@ -118,8 +142,25 @@ class ForcedMotion:
     def duration(self) -> float:
         return self.dt * float(self.forces.shape[1] - 1)
 
+    @property
+    def resolution(self) -> float:
+        return self.dt
+
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """See :class:`Motion`.
+        """See :class:`Motion`."""
+        u, v, _ = self._seen(rows, times)
+        if self.residual:
+            contact = np.eye(len(self.model(self.equations.u0)), 1)
+            column = self.residual * (contact if rows is None else rows @ contact)
+            u = u + column * self.force(times)[:1]
+            v = v + column * self.force_rate(times)[:1]
+        return u, v
+
+    def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
+        return np.asarray(self._seen(rows, times)[2])
+
+    def _seen(self, rows: Any, times: FloatArray) -> FloatArray:
+        """rows @ q, q̇ and q̈, without what a massless contact adds, shape (3, rows, times).
 
         Between two steps everything is linear in time. The equations of motion, which are linear
         too, hold there as they do at the steps, and the error is of the rule's own order.
@@ -128,21 +169,16 @@ class ForcedMotion:
         place = np.clip(times / self.dt, 0.0, float(last))
         before = np.minimum(place.astype(np.int64), max(last - 1, 0))
         steps, where = np.unique(np.stack([before, before + 1]), return_inverse=True)
-        kept: list[tuple[FloatArray, FloatArray]] = []
+        kept: list[FloatArray] = []
         for step, state in enumerate(self._states(int(steps[-1]))):
             if step == steps[len(kept)]:
-                u, v = (self.model(values) for values in state)
-                kept.append((u, v) if rows is None else (rows @ u, rows @ v))
+                q = np.array([self.model(values) for values in state])
+                kept.append(q if rows is None else np.array([rows @ one for one in q]))
         seen = np.array(kept).transpose(1, 2, 0)
         left, right = where.reshape(2, -1)
         share = place - before
-        u, v = seen[:, :, left] * (1.0 - share) + seen[:, :, right] * share
-        if self.residual:
-            contact = np.eye(len(self.model(self.equations.u0)), 1)
-            column = self.residual * (contact if rows is None else rows @ contact)
-            u += column * self.force(times)[:1]
-            v += column * self.force_rate(times)[:1]
-        return u, v
+        found: FloatArray = seen[:, :, left] * (1.0 - share) + seen[:, :, right] * share
+        return found
 
     def force(self, times: FloatArray) -> FloatArray:
         return self._between(self.forces, times)
@@ -155,22 +191,22 @@ class ForcedMotion:
         steps = self.dt * np.arange(self.forces.shape[1])
         return np.array([np.interp(times, steps, row) for row in values])
 
-    def _states(self, last: int) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """u and v at the steps 0 … last."""
+    def _states(self, last: int) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+        """u, v and a at the steps 0 … last."""
         body, dt = self.equations, self.dt
         beta, gamma = self.rule.beta, self.rule.gamma
         matrix = body.M + gamma * dt * body.C + beta * dt**2 * body.K
         inverse = factorize(matrix, what="M + γ dt C + β dt² K")
         u, v = body.u0, body.v0
         a = _at_start(body, self.forces[:, 0], inverse)
-        yield u, v
+        yield u, v, a
         for step in range(1, last + 1):
             u = u + dt * v + (0.5 - beta) * dt**2 * a
             v = v + (1.0 - gamma) * dt * a
             a = inverse.solve(body.B @ self.forces[:, step] - body.K @ u - body.C @ v)
             u = u + beta * dt**2 * a
             v = v + gamma * dt * a
-            yield u, v
+            yield u, v, a
 
 
 def _at_start(body: Equations, forces: FloatArray, inverse: Factorization) -> FloatArray:

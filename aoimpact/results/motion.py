@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -12,8 +13,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError, with_unit
-from ..fields import Field, Probe, Response, relative_error, rest, warn_if_wrong
+from ..base import FloatArray, Frozen, InputError, positive, with_unit
+from ..fields import (
+    Field,
+    Gauge,
+    Probe,
+    Reaction,
+    Response,
+    relative_error,
+    rest,
+    warn_if_wrong,
+)
 from ..integrate import Events
 from ..laws import ContactLaw
 
@@ -206,8 +216,9 @@ class BodyResult(Frozen):
         *,
         nodes: Any = None,
         times: npt.ArrayLike | None = None,
+        dt: float | None = None,
     ) -> Probe:
-        """Return the motion, and the stress, of a point or of a set of nodes over time.
+        """Return motion, strain and stress of a point or of a set of nodes over time.
 
         Parameters
         ----------
@@ -220,6 +231,8 @@ class BodyResult(Frozen):
             one bool for each, or numbers: labels, where the body's nodes have labels, else from 0.
         times : array_like, optional
             Ascending, within the record, s; those of the result if left out.
+        dt : float, optional
+            In place of `times`: the step of even times from 0 on, s, as spectra and filters take.
 
         Raises
         ------
@@ -237,8 +250,99 @@ class BodyResult(Frozen):
         >>> probe.stress["xx"].shape == probe.t.shape
         True
         """
-        wanted = self._times if times is None else times
+        wanted = self._sampled(times, dt)
         return self._responding.probe(point, direction, nodes, wanted, self._follows)
+
+    def gauge(
+        self,
+        point: npt.ArrayLike,
+        direction: npt.ArrayLike,
+        length: float,
+        *,
+        times: npt.ArrayLike | None = None,
+        dt: float | None = None,
+    ) -> Gauge:
+        """Return the strain of a gauge on the surface over time, the mean along its length.
+
+        Parameters
+        ----------
+        point : array_like, shape (3,)
+            Its middle on the undeformed body, m.
+        direction : array_like, shape (3,)
+            Along the surface, any length but zero.
+        length : float
+            m.
+        times, dt
+            As of `probe`.
+
+        Raises
+        ------
+        InputError
+            If the gauge does not lie on the surface, a time is outside the record, or the model was
+            given by numbers.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> gauge = hit.target.gauge((0.02, 0.005, 0.0), (1, 0, 0), length=3e-3)
+        >>> gauge.strain.shape == hit.t.shape
+        True
+        """
+        wanted = self._sampled(times, dt)
+        size = positive("length", length, unit="m")
+        return self._responding.gauge(point, direction, size, wanted)
+
+    def reaction(
+        self,
+        nodes: Any = None,
+        *,
+        times: npt.ArrayLike | None = None,
+        dt: float | None = None,
+    ) -> Reaction:
+        """Return the force of supports and springs on the body over time.
+
+        Of what is held among some nodes: force, moment about their middle, and the force on each of
+        them. The reactions of all nodes together, the contact forces and the weight are what
+        changes the body's momentum, to rounding.
+
+        Parameters
+        ----------
+        nodes : str, callable or array_like, optional
+            As of `probe`, such as the name of the set that `fixed` or `springs` named; by default
+            all that is held.
+        times, dt
+            As of `probe`.
+
+        Raises
+        ------
+        InputError
+            If none of the nodes is held, a time is outside the record, or the body was not made
+            from a mesh.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit.target.reaction("xmin").force.shape == (len(hit.t), 3)
+        True
+        """
+        return self._responding.reaction(nodes, self._sampled(times, dt))
+
+    def _sampled(self, times: npt.ArrayLike | None, dt: float | None) -> Any:
+        """The times that are asked for, s."""
+        if dt is None:
+            return self._times if times is None else times
+        if times is not None:
+            raise InputError("give either times or dt, not both")
+        end, step = float(self._times[-1]), positive("dt", dt, unit="s")
+        if step > end:
+            raise InputError(f"dt={step:g} s is longer than the record, {end:g} s")
+        return step * np.arange(math.floor(end / step * (1.0 + 1e-12)) + 1)
 
     def field(self, times: npt.ArrayLike | None = None) -> Field:
         """Return the whole body at some times: displacement, velocity, stress, files, a picture.

@@ -84,10 +84,13 @@ class RecordLength:
         The duration given, or a first guess.
     given : bool
         Whether it was given.
+    margin : float, optional
+        By how much it is longer than the impact needs, if it was not given.
     """
 
     length: float
     given: bool
+    margin: float = 0.0
 
     def __post_init__(self) -> None:
         self._first = self.length
@@ -118,7 +121,7 @@ class RecordLength:
         length = self.length
         while True:
             run = solve(_lasting(plan, length))
-            wanted = _until_over(run)
+            wanted = _until_over(run) + self.margin
             if wanted <= length or length >= self._longest:
                 break
             further = wanted if math.isfinite(wanted) else AS_LONG_AGAIN * length

@@ -24,7 +24,7 @@ from ..base import (
     text,
     with_unit,
 )
-from ..fields import Probe
+from ..fields import Channel, Probe, zero_phase
 from ..integrate import Events
 from ..results import Run
 
@@ -47,14 +47,6 @@ _SAMPLES_OF_CLASS = 10
 
 # The class's frequency over the rate, below which two poles at 1 are all rounding.
 _SLOWEST = 1e-6
-
-# SAE J211-1, appendix C: the passes forward and backward of a two-pole filter of 2.0775 times the
-# class's frequency are together 3 dB down at 1.65 times it.
-_CORNER = 2.0775
-
-# The record is continued by its mirror image through its end, as long as in ISO 6487: 10 ms, and
-# 100 samples at least.
-_CONTINUED, _CONTINUED_SAMPLES = 0.01, 100
 
 # Style of a signal behind its filtered self.
 UNFILTERED = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
@@ -273,11 +265,7 @@ class Signal(Frozen):
                 f"cfc = {frequency:g} is too low for {with_unit(self.rate, 'Hz')} of samples; take "
                 "every k-th sample first"
             )
-        from scipy.signal import butter, filtfilt  # slow to import
-
-        ends = max(_CONTINUED_SAMPLES, math.ceil(_CONTINUED * self.rate))
-        poles = butter(2, _CORNER * frequency, fs=self.rate)
-        smooth = filtfilt(*poles, self.values, padlen=min(ends, len(self.values) - 1))
+        smooth = zero_phase(self.values, Channel(cfc=frequency), self.rate)
         return replace(self, values=smooth, raw=self)
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:

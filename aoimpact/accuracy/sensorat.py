@@ -1,0 +1,356 @@
+"""Strain, filtered acceleration and reactions, as quantities of interest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..base import (
+    FloatArray,
+    InputError,
+    checked,
+    choice,
+    held_warnings,
+    nonnegative,
+    place,
+    unit_vector,
+    warn,
+)
+from ..fem import Body, Strain, Stress, VirtualMotion
+from ..fields import (
+    Channel,
+    filtered_rate,
+    gauge_ends,
+    place_rows,
+    strain_rows_at,
+)
+from ..mesh import weights_at
+from ..results import Quantity, Run
+from .sensor import Responses, Sensor, body_of
+from .stressat import roughness
+
+__all__ = ["AccelerationAt", "ReactionAt", "StrainAt"]
+
+# Channel frequency class that is taken if none was given, Hz.
+_CLASS = 1000.0
+
+# Periods of the filter's pole by which a record is longer than its impact.
+_SETTLED = 4.0
+
+_COMPONENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
+
+
+@dataclass(frozen=True, eq=False)
+class StrainAt(Sensor):
+    """The strain at a point, or of a gauge, for ``simulate(quantity=StrainAt(...))``.
+
+    ``error.mesh`` has what the elements leave out of the force; of the strain at a point also by
+    how much theirs differs from its average there.
+
+    Parameters
+    ----------
+    body : FEModel or ContactPoint
+        The body that takes part, by itself or by where it is touched.
+    point : array_like, shape (3,)
+        In the undeformed body or on its surface, m.
+    component : str or array_like, shape (3,)
+        "xx", "yy", "zz", "xy", "yz", "xz" (shears are those of the tensor), or a direction.
+    length : float, optional
+        Of a gauge along a direction on the surface, m; 0 is the strain at the point.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If the point is off the body, the body has no mesh, or the gauge is not on its surface.
+
+    Examples
+    --------
+    >>> steel = Material(E=210e9, nu=0.3, rho=7800)
+    >>> plate = FEModel.from_mesh(box_mesh((0.2, 0.2, 0.01), (8, 8, 1)), steel)
+    >>> gauge = StrainAt(plate, (0.1, 0.1, 0.0), (1, 0, 0), length=3e-3)  # simulate(quantity=gauge)
+    >>> gauge.length
+    0.003
+    """
+
+    body: Any
+    point: FloatArray
+    component: Any = "xx"
+    length: float = 0.0
+
+    def __post_init__(self) -> None:
+        model = body_of(self.body)
+        if model is None or model.mesh is None:
+            raise InputError(f"body {model!r} has no mesh, without which no strain is known")
+        object.__setattr__(self, "body", model)
+        checked(self, point=place, length=lambda name, x: nonnegative(name, x, unit="m"))
+        if isinstance(self.component, str):
+            choice("component", self.component, tuple(_COMPONENTS))
+        else:
+            checked(self, component=lambda name, x: tuple(unit_vector(name, x).tolist()))
+        weights_at(model.mesh, self.point)
+        if self.length:
+            self.ends  # noqa: B018  which checks them
+        super().__post_init__()
+
+    @cached_property
+    def ends(self) -> tuple[FloatArray, FloatArray]:
+        """Ends of the gauge, m, and the unit vector along it.
+
+        :meta private:
+        """
+        if isinstance(self.component, str):
+            i, j = _COMPONENTS[self.component]
+            if i != j:
+                raise InputError(
+                    f"component={self.component!r}: a gauge measures along a direction; give one"
+                )
+            along = np.eye(3)[i]
+        else:
+            along = np.array(self.component)
+        return gauge_ends(self.body, self.point, along, self.length)
+
+    def quantity(self, body: Body, number: int) -> Quantity:
+        """Return the quantity of a body with that number in the plan.
+
+        :meta private:
+        """
+        if self.length:
+            return self._of_gauge(body, number)
+        responses = Responses(body, number)
+        weights = self._weights
+
+        @cache
+        def by_dofs() -> tuple[Any, FloatArray]:
+            rows, compliance = strain_rows_at(body, self.point)
+            return sp.csr_array(weights[None] @ rows), weights @ compliance
+
+        dual = responses.dual(lambda: by_dofs()[0])
+
+        def strain(run: Run, times: FloatArray) -> FloatArray:
+            if run.plan.bodies[number].wall:  # the body as one that does not deform
+                return np.full((1, len(times)), np.nan)
+            (rows, compliance), response = by_dofs(), responses.of(run)
+            under = response.half_space_stress(times, self.point[None])[:, 0]
+            return response.functionals(rows, times, dual) + compliance @ under.T
+
+        def local(run: Run) -> float:
+            history = np.abs(strain(run, run.t)[0])
+            largest = float(history.max())
+            if not largest > 0.0:
+                return 0.0
+            with held_warnings():
+                field = responses.of(run).field(run.t[[int(history.argmax())]])
+            compliance = by_dofs()[1]
+
+            def seen(stress: Stress) -> FloatArray:
+                return np.asarray(stress.components @ compliance)
+
+            return roughness(body, self.point, seen, field.of_elements[0]) / largest
+
+        return Quantity("strain", "", history=strain, each="bodies", lasting=True, local=local)
+
+    @property
+    def _weights(self) -> FloatArray:
+        """The component by all six, (6,)."""
+        components = np.eye(6)
+        if isinstance(self.component, str):
+            return np.asarray(components[list(_COMPONENTS).index(self.component)])
+        return Strain(components, np.empty(0)).along(np.array(self.component))
+
+    def _of_gauge(self, body: Body, number: int) -> Quantity:
+        responses, (ends, along) = Responses(body, number), self.ends
+        axes = along[None]
+
+        @cache
+        def rows() -> Any:
+            assert body.free is not None
+            return sp.csr_array(sp.kron(place_rows(body, ends), axes))[:, body.free]
+
+        dual = responses.dual(rows)
+        size = float(np.linalg.norm(ends[1] - ends[0]))
+
+        def strain(run: Run, times: FloatArray) -> FloatArray:
+            if run.plan.bodies[number].wall:
+                return np.full((1, len(times)), np.nan)
+            u = responses.of(run).motion_at(ends, axes, rows(), times, dual)[0]
+            return np.asarray((u[:, 1] - u[:, 0])[None] / size)
+
+        return Quantity("strain", "", history=strain, each="bodies", lasting=True)
+
+
+@dataclass(frozen=True, eq=False)
+class AccelerationAt(Sensor):
+    """The acceleration of a point behind a filter, for ``simulate(quantity=AccelerationAt(...))``.
+
+    An acceleration after an impact has no finite bandwidth: it grows with the number of modes of a
+    model, and no model has enough of them. It is defined behind the filter of a channel; see
+    `Probe.filtered`. A record that is not given lasts long enough for the filter.
+
+    Parameters
+    ----------
+    point : array_like, shape (3,)
+        In the undeformed body or on its surface, m.
+    direction : array_like, shape (3,)
+        Any length but zero.
+    cfc : float, optional
+        Channel frequency class of SAE J211, Hz.
+    corner : float, optional
+        In place of the class, the frequency where the filter is 3 dB down, Hz.
+    body : FEModel or ContactPoint, optional
+        By itself the only finite-element body; of an impact of two, the target.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If the point is off the body, or both filters are given.
+
+    Warns
+    -----
+    AOImpactWarning
+        If no filter is given: the class 1000 is taken.
+
+    Examples
+    --------
+    >>> AccelerationAt((0.1, 0.1, 0.0), (0, 0, 1), cfc=1000).channel
+    Channel(cfc=1000.0, corner=None)
+    """
+
+    point: FloatArray
+    direction: FloatArray
+    cfc: float | None = None
+    corner: float | None = None
+    body: Any = None
+
+    def __post_init__(self) -> None:
+        if self.cfc is None and self.corner is None:
+            warn(
+                "AccelerationAt: without a filter an acceleration after an impact has no finite "
+                "bandwidth and grows with the number of modes, so cfc=1000 is taken; give cfc or "
+                "corner"
+            )
+            object.__setattr__(self, "cfc", _CLASS)
+        object.__setattr__(self, "body", body_of(self.body))
+        checked(self, point=place, direction=unit_vector)
+        channel = self.channel
+        object.__setattr__(self, "cfc", channel.cfc)
+        object.__setattr__(self, "corner", channel.corner)
+        if self.body is not None:
+            self.check(self.body)
+        super().__post_init__()
+
+    @property
+    def channel(self) -> Channel:
+        """The filter."""
+        return Channel(cfc=self.cfc, corner=self.corner)
+
+    @property
+    def memory(self) -> float:  # type: ignore[override]
+        """By how much longer than the impact a record is, s.
+
+        :meta private:
+        """
+        return _SETTLED / self.channel.pole
+
+    def check(self, body: Body) -> None:
+        """Refuse a body that has no such quantity.
+
+        :meta private:
+        """
+        if body.nodes is None:
+            raise InputError(f"body {body!r} has no nodes, without which no point is known")
+        place_rows(body, self.point[None])
+
+    def quantity(self, body: Body, number: int) -> Quantity:
+        """Return the quantity of a body with that number in the plan.
+
+        :meta private:
+        """
+        responses, places, axes = Responses(body, number), self.point[None], self.direction[None]
+
+        @cache
+        def rows() -> Any:
+            assert body.free is not None
+            return sp.csr_array(sp.kron(place_rows(body, places), axes))[:, body.free]
+
+        dual = responses.dual(rows)
+
+        def acceleration(run: Run, times: FloatArray) -> FloatArray:
+            if run.plan.bodies[number].wall:
+                return np.full((1, len(times)), np.nan)
+            response = responses.of(run)
+
+            def velocity(at: FloatArray) -> FloatArray:
+                return response.motion_at(places, axes, rows(), at, dual)[1]
+
+            return filtered_rate(velocity, run.duration, self.channel, times).T
+
+        name, unit = "acceleration", "m/s²"
+        return Quantity(name, unit, history=acceleration, each="bodies", lasting=True)
+
+
+@dataclass(frozen=True, eq=False)
+class ReactionAt(Sensor):
+    """The force of supports or springs on a body, for ``simulate(quantity=ReactionAt(...))``.
+
+    Parameters
+    ----------
+    nodes : str, callable or array_like
+        As of `BodyResult.reaction`, such as the name of the set that is held.
+    direction : array_like, shape (3,)
+        Any length but zero.
+    body : FEModel or ContactPoint, optional
+        By itself the only finite-element body; of an impact of two, the target.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If none of the nodes is held, or the body was not made from a mesh.
+
+    Examples
+    --------
+    >>> ReactionAt("edge", (0, 0, 1)).nodes
+    'edge'
+    """
+
+    nodes: Any
+    direction: FloatArray
+    body: Any = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "body", body_of(self.body))
+        checked(self, direction=unit_vector)
+        if self.body is not None:
+            self.check(self.body)
+        super().__post_init__()
+
+    def check(self, body: Body) -> None:
+        """Refuse a body that has no such quantity.
+
+        :meta private:
+        """
+        body.grounding.nodes("nodes", self.nodes)
+
+    def quantity(self, body: Body, number: int) -> Quantity:
+        """Return the quantity of a body with that number in the plan.
+
+        :meta private:
+        """
+        responses, grounding = Responses(body, number), body.grounding
+
+        @cache
+        def moved() -> VirtualMotion:
+            held = grounding.nodes("nodes", self.nodes)
+            motions = grounding.resultants(held, np.zeros(3))[:, :3]
+            return grounding.virtual((motions @ self.direction)[:, None])
+
+        def reaction(run: Run, times: FloatArray) -> FloatArray:
+            if run.plan.bodies[number].wall:
+                return np.full((1, len(times)), math.nan)
+            return responses.of(run).held.work(moved(), times)
+
+        return Quantity("reaction", "N", history=reaction, each="bodies", lasting=True)

@@ -1,0 +1,83 @@
+"""A strain gauge on the surface of a body."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ..base import FloatArray, InputError, plain, with_unit
+from ..fem import Body
+from .historyerror import warn_if_wrong
+
+__all__ = ["Gauge", "gauge_ends"]
+
+# sin of the angle between a gauge and the surface beyond which it does not lie on it.
+_OFF = 0.1
+
+# Distance of an end from the surface, over the gauge's length, beyond which it is off the body.
+_BEYOND = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Gauge:
+    """Strain of a gauge over time: the mean along its length.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        s.
+    ends : ndarray, shape (2, 3)
+        On the undeformed body, m.
+    """
+
+    t: FloatArray
+    ends: FloatArray
+    _strain: FloatArray = field(repr=False)
+    _error: Callable[[], FloatArray | None] = field(repr=False)
+
+    @property
+    def strain(self) -> FloatArray:
+        """Strain, shape (n,), positive in tension; warns where it may be wrong, see `error`."""
+        warn_if_wrong("strain of a gauge", self.t, self.error)
+        return self._strain
+
+    @cached_property
+    def error(self) -> FloatArray | None:
+        """Error by the body's model, relative to the largest value, (n,); None of a full model."""
+        return self._error()
+
+
+def gauge_ends(
+    body: Body, point: FloatArray, direction: FloatArray, length: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return both ends of a gauge, shape (2, 3), m, and the unit vector from one to the other.
+
+    The ends lie on the surface: the mean strain along a chord is the change of its length. On a
+    curved surface that differs from the mean along the arc by (length/radius)²/24.
+    """
+    half = 0.5 * length * direction
+    ends = np.stack([point - half, point + half])
+    if body.surface is not None:
+        surface = body.surface
+        normals = [surface.normal(of.face, of.uv)[0] for of in surface.nearest(point)]
+        if min(abs(float(normal @ direction)) for normal in normals) > _OFF:
+            raise InputError(
+                f"direction {plain(direction)} does not lie in the surface at {plain(point)} m, "
+                f"whose normal is {plain(normals[0])}: give one along the surface"
+            )
+        places = [surface.nearest(end)[0] for end in ends]
+        off = max(float(place.distance[0]) for place in places)
+        if off > _BEYOND * length:
+            raise InputError(
+                f"length={with_unit(length, 'm')}: the gauge at {plain(point)} m reaches "
+                f"{with_unit(off, 'm', 2)} beyond the surface; give a shorter one"
+            )
+        ends = np.concatenate([place.x for place in places])
+    along = ends[1] - ends[0]
+    size = float(np.linalg.norm(along))
+    if size == 0.0:
+        raise InputError(f"length={with_unit(length, 'm')}: both ends of the gauge are one point")
+    return ends, along / size
