@@ -177,7 +177,8 @@ class StrainAt(Sensor):
         def strain(run: Run, times: FloatArray) -> FloatArray:
             if run.plan.bodies[number].wall:
                 return np.full((1, len(times)), np.nan)
-            u = responses.of(run).motion_at(ends, axes, rows(), times, dual)[0]
+            response = responses.of(run)
+            u = response.motion_at(ends, axes, rows(), times, dual, rates=False)[0]
             return np.asarray((u[:, 1] - u[:, 0])[None] / size)
 
         return Quantity("strain", "", history=strain, each="bodies", lasting=True)

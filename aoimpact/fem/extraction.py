@@ -261,14 +261,11 @@ class Splitting:
         """
         y = (x - self.point) @ self.frame.T
         chi, slope = cutoff(y, self.space.radius) if self.behind else (np.ones(len(y)), None)
-        widths = [self.space.radius] if radius is None else radius.tolist()
-        u, stress = (
-            np.stack(parts)
-            for parts in zip(
-                *(replace(self.space, radius=width).displacement_stress(y) for width in widths),
-                strict=True,
-            )
-        )
+        a = self.space.radius
+        ratio = np.ones(1) if radius is None else a / radius
+        # Fields of discs of all radii are alike: u(y; a) = u(y/a; 1)/a and σ(y; a) = σ(y/a; 1)/a².
+        u, stress = self.space.displacement_stress(ratio[:, None, None] * y)
+        u, stress = ratio[:, None, None] * u, ratio[:, None, None, None] ** 2 * stress
         moved, stress = chi[:, None] * u, chi[:, None, None] * stress
         if slope is not None:
             stress += np.einsum("ijkl,npk,pl->npij", self.space.stiffness, u, slope)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
 from ..base import HUGE, FloatArray, InputError, IntArray, finite_array, unit_vector
-from ..fem import Body, Damping, compliances, selected_nodes, stress_rows
+from ..fem import Body, Damping, VirtualMotion, compliances, selected_nodes, stress_rows
 from ..integrate import Motion
 from ..mesh import node_at, weights_at
 from ..reduction import Recovery
@@ -99,6 +99,32 @@ def _compliance(body: Body, weights: sp.csr_array) -> FloatArray:
     return found.reshape(-1, 6, 6)
 
 
+class _At(NamedTuple):
+    """Where and along which axes a motion is measured; see `Response.motion_at`."""
+
+    places: FloatArray
+    axes: FloatArray
+    rows: Any
+
+
+def _filtered_rate(
+    at: _At, channel: Channel, duration: float, response: Response, times: FloatArray
+) -> FloatArray:
+    """Acceleration behind a filter, shape (p k, times)."""
+    return filtered_rate(lambda t: response.motion_at(*at, t)[1], duration, channel, times).T
+
+
+def _gauge_strain(at: _At, response: Response, times: FloatArray) -> FloatArray:
+    """Elongation between two places over their distance, shape (times,)."""
+    first, second = response.motion_at(*at, times, rates=False)[0].T
+    return np.asarray((second - first) / np.linalg.norm(at.places[1] - at.places[0]))
+
+
+def _work(moved: VirtualMotion, part: slice, response: Response, times: FloatArray) -> FloatArray:
+    """Some components of a reaction, shape (3, times)."""
+    return response.held.work(moved, times)[part]
+
+
 @dataclass(frozen=True, eq=False)
 class Response:
     """A whole body at any time of a run.
@@ -145,44 +171,34 @@ class Response:
         places, weights = self._places(point, nodes)
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
         along = () if direction is not None else (3,)
-        shape = places.shape[:-1]
         rows = sp.csr_array(sp.kron(weights, axes))[:, self._free]
-        flat = np.atleast_2d(places)
-
-        def velocity(response: Response, times: FloatArray) -> FloatArray:
-            return response.motion_at(flat, axes, rows, times)[1]
-
-        def acceleration() -> FloatArray:
-            step, end = self.motion.resolution, self.motion.duration
-            after, before = np.minimum(wanted + step, end), np.maximum(wanted - step, 0.0)
-            change = velocity(self, after) - velocity(self, before)
-            return np.asarray(change / (after - before)[:, None]).reshape(-1, *shape, *along)
-
-        def filtered(channel: Channel) -> Filtered:
-            def rate(response: Response, times: FloatArray) -> FloatArray:
-                end = self.motion.duration
-                return filtered_rate(partial(velocity, response), end, channel, times).T
-
-            return Filtered(
-                wanted,
-                channel,
-                rate(self, wanted).T.reshape(-1, *shape, *along),
-                lambda: self._compared({"acceleration": rate}, wanted).get("acceleration"),
-            )
-
-        u, v = (of.reshape(-1, *shape, *along) for of in self.motion_at(flat, axes, rows, wanted))
+        at, shape = _At(np.atleast_2d(places), axes, rows), (-1, *places.shape[:-1], *along)
+        u, v = (of.reshape(shape) for of in self.motion_at(*at, wanted))
         return Probe(
             wanted,
             places,
             u,
             v,
             follows,
-            partial(self._stress, weights, wanted, shape),
-            partial(self._stress, weights, wanted, shape, strain=True),
+            partial(self._stress, weights, wanted, places.shape[:-1]),
+            partial(self._stress, weights, wanted, places.shape[:-1], strain=True),
             partial(self._errors, rows, wanted),
-            acceleration,
-            filtered,
+            partial(self._acceleration, at, wanted, shape),
+            partial(self._filtered, at, wanted, shape),
         )
+
+    def _acceleration(self, at: _At, times: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+        step, end = self.motion.resolution, self.motion.duration
+        after, before = np.minimum(times + step, end), np.maximum(times - step, 0.0)
+        change = self.motion_at(*at, after)[1] - self.motion_at(*at, before)[1]
+        return np.asarray((change / (after - before)[:, None]).reshape(shape))
+
+    def _filtered(
+        self, at: _At, times: FloatArray, shape: tuple[int, ...], channel: Channel
+    ) -> Filtered:
+        rate = partial(_filtered_rate, at, channel, self.motion.duration)
+        error = partial(self._compared_with, rate, times)
+        return Filtered(times, channel, rate(self, times).T.reshape(shape), error)
 
     def motion_at(
         self,
@@ -191,13 +207,16 @@ class Response:
         rows: Any,
         times: FloatArray,
         dual: Dual | None = None,
+        *,
+        rates: bool = True,
     ) -> tuple[FloatArray, FloatArray]:
         """Return displacement and velocity at places (p, 3) along axes (k, 3), (times, p k).
 
-        rows: of the dofs, shape (p k, n_dofs), by `place_rows` and the axes.
+        rows: of the dofs, shape (p k, n_dofs), by `place_rows` and the axes. Without `rates` the
+        velocity lacks the half-space's.
         """
         u, v = (values.T for values in self._functionals(rows, times, dual))
-        added = self._half_space(places, times)
+        added = self._half_space(places, times, rates=rates)
         if added is None:
             return u, v
         return (
@@ -211,23 +230,11 @@ class Response:
         place = finite_array("point", point, shape=(3,), unit="m", most=HUGE)
         along = unit_vector("direction", direction)
         ends, along = gauge_ends(self.body, place, along, length)
-        weights = place_rows(self.body, ends)
-        difference = sp.csr_array(np.array([[-1.0, 1.0]]) / np.linalg.norm(ends[1] - ends[0]))
-        rows = sp.csr_array(sp.kron(difference @ weights, along[None]))[:, self._free]
-
-        def strain(response: Response, times: FloatArray) -> FloatArray:
-            found = response.functionals(rows, times)[0]
-            added = response._half_space(ends, times)
-            if added is not None:
-                found = found + (difference @ (added[0] @ along).T)[0]
-            return np.asarray(found)
-
-        return Gauge(
-            wanted,
-            ends,
-            strain(self, wanted),
-            lambda: self._compared({"strain": strain}, wanted).get("strain"),
-        )
+        axes = along[None]
+        rows = sp.csr_array(sp.kron(place_rows(self.body, ends), axes))[:, self._free]
+        strain = partial(_gauge_strain, _At(ends, axes, rows))
+        error = partial(self._compared_with, strain, wanted)
+        return Gauge(wanted, ends, strain(self, wanted), error)
 
     def reaction(self, nodes: Any, times: Any) -> Reaction:
         """See `BodyResult.reaction`."""
@@ -239,20 +246,22 @@ class Response:
         centre = points.mean(axis=0)
         moved = grounding.virtual(grounding.resultants(held, centre))
 
-        def force(response: Response, times: FloatArray) -> FloatArray:
-            return response.held.work(moved, times)[:3]
-
-        def moment(response: Response, times: FloatArray) -> FloatArray:
-            return response.held.work(moved, times)[3:]
-
         return Reaction(
             wanted,
             centre,
             points,
             self.held.work(moved, wanted).T,
             partial(self.held.at_nodes, held, wanted),
-            partial(self._compared, {"force": force, "moment": moment}, wanted),
+            partial(self._reaction_errors, moved, wanted),
         )
+
+    def _reaction_errors(self, moved: VirtualMotion, times: FloatArray) -> dict[str, FloatArray]:
+        parts = {"force": slice(None, 3), "moment": slice(3, None)}
+        errors = {
+            name: self._compared_with(partial(_work, moved, part), times)
+            for name, part in parts.items()
+        }
+        return {name: error for name, error in errors.items() if error is not None}
 
     @property
     def held(self) -> Held:
@@ -260,20 +269,16 @@ class Response:
         reduced = None if self.recovery is None else self.recovery.reduced
         return Held(self.body.grounding, self.motion, reduced, self.damping, self.gravity)
 
-    def _compared(
-        self,
-        histories: Mapping[str, Callable[[Response, FloatArray], FloatArray]],
-        times: FloatArray,
-    ) -> dict[str, FloatArray]:
-        """Relative errors of histories by the finer response, each (times,); empty without it."""
+    def _compared_with(
+        self, history: Callable[[Response, FloatArray], FloatArray], times: FloatArray
+    ) -> FloatArray | None:
+        """Relative error of a history by the finer response, (times,); None without it."""
         if (finer := self._finer) is None:
-            return {}
+            return None
         looks = np.union1d(times, self._looks)
-        at, errors = np.searchsorted(looks, times), {}
-        for name, history in histories.items():
-            right = history(finer, looks)
-            errors[name] = relative_error(history(self, times), right[..., at], right)
-        return errors
+        right = history(finer, looks)
+        same = right[..., np.searchsorted(looks, times)]
+        return relative_error(history(self, times), same, right)
 
     def field(self, times: Any = None) -> Field:
         """See `BodyResult.field`."""
@@ -297,21 +302,26 @@ class Response:
 
     def half_space_stress(self, times: FloatArray, places: FloatArray) -> FloatArray:
         """Return what contacts add to the elements' stress at places (p, 3), (times, p, 6)."""
-        added = self._half_space(places, times)
+        added = self._half_space(places, times, rates=False)
         return np.zeros((len(times), len(places), 6)) if added is None else added[2]
 
     def _half_space(
-        self, places: FloatArray, times: FloatArray
+        self, places: FloatArray, times: FloatArray, *, rates: bool = True
     ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-        """The half-space's displacement, its rate and stress at places; None without contacts."""
+        """The half-space's displacement, its rate and stress at places; None without contacts.
+
+        Without the rates, which take twice as long, zeros.
+        """
         if not self.indentations:
             return None
-        forces, rates = self.motion.force(times), self.motion.force_rate(times)
+        forces = self.motion.force(times)
+        changes = self.motion.force_rate(times) if rates else np.zeros_like(forces)
         fields = []
         for of in self.indentations:
-            force, rate = of.pressing(forces), of.inward * rates[of.port]
+            force, rate = of.pressing(forces), of.inward * changes[of.port]
             u, stress = of.at(places, force)
-            fields.append((u, of.rate(places, force, rate), stress))
+            v = of.rate(places, force, rate) if rates else np.zeros_like(u)
+            fields.append((u, v, stress))
         u, v, stress = (np.sum(parts, axis=0) for parts in zip(*fields, strict=True))
         return u, v, stress
 
