@@ -112,7 +112,7 @@ class StrainAt(Sensor):
             along = np.eye(3)[i]
         else:
             along = np.array(self.component)
-        return gauge_ends(self.body, self.point, along, self.length)
+        return gauge_ends(self.body, self.point, along, self.length, "component")
 
     def quantity(self, body: Body, number: int) -> Quantity:
         """Return the quantity of a body with that number in the plan.

@@ -31,6 +31,9 @@ _CONTINUED, _CONTINUED_SAMPLES = 0.01, 100
 # Samples in a period of the pole: means over an interval are 0.07 % low there.
 _SAMPLES, _LEAST_SAMPLES = 50, 100
 
+# Samples beyond which a filter is taken for a mistake.
+_MOST = 20_000_000
+
 # Before the record: how many periods of the pole of steady motion the filter is given.
 _BEFORE = 4
 
@@ -68,7 +71,7 @@ class Channel:
             checked(self, cfc=lambda name, value: positive(name, value, unit="Hz"))
 
     def __str__(self) -> str:
-        return f"CFC {self.cfc:g}" if self.corner is None else f"a filter of {self.corner:g} Hz"
+        return f"cfc={self.cfc:g}" if self.corner is None else f"corner={self.corner:g}"
 
     @property
     def pole(self) -> float:
@@ -131,8 +134,12 @@ def filtered_rate(
     """
     if duration * channel.pole < 1.0:
         raise InputError(
-            f"duration: the record of {with_unit(duration, 's')} is shorter than a period of "
-            f"{channel}, {with_unit(1.0 / channel.pole, 's')}; simulate a longer one"
+            f"{channel}: the record of {with_unit(duration, 's')} is shorter than a period of the "
+            f"filter, 1/({channel.pole:.4g} Hz); give a longer duration"
+        )
+    if duration * channel.pole * _SAMPLES > _MOST:
+        raise InputError(
+            f"{channel} takes more than {_MOST} samples of a record of {with_unit(duration, 's')}"
         )
     from scipy.interpolate import CubicSpline  # slow to import
 

@@ -51,13 +51,17 @@ class Gauge:
 
 
 def gauge_ends(
-    body: Body, point: FloatArray, direction: FloatArray, length: float
+    body: Body, point: FloatArray, direction: FloatArray, length: float, name: str = "direction"
 ) -> tuple[FloatArray, FloatArray]:
     """Return both ends of a gauge, shape (2, 3), m, and the unit vector from one to the other.
 
     The ends lie on the surface: the mean strain along a chord is the change of its length. On a
     curved surface that differs from the mean along the arc by (length/radius)²/24.
     """
+    assert body.nodes is not None
+    where = f"the gauge of length={with_unit(length, 'm')} at point {plain(point)} m"
+    if length > float(np.ptp(body.nodes, axis=0).max()):
+        raise InputError(f"{where} is longer than the body: give a shorter one, in metres")
     half = 0.5 * length * direction
     ends = np.stack([point - half, point + half])
     if body.surface is not None:
@@ -65,19 +69,19 @@ def gauge_ends(
         normals = [surface.normal(of.face, of.uv)[0] for of in surface.nearest(point)]
         if min(abs(float(normal @ direction)) for normal in normals) > _OFF:
             raise InputError(
-                f"direction {plain(direction)} does not lie in the surface at {plain(point)} m, "
+                f"{name} {plain(direction)} does not lie in the surface at point {plain(point)} m, "
                 f"whose normal is {plain(normals[0])}: give one along the surface"
             )
         places = [surface.nearest(end)[0] for end in ends]
         off = max(float(place.distance[0]) for place in places)
         if off > _BEYOND * length:
             raise InputError(
-                f"length={with_unit(length, 'm')}: the gauge at {plain(point)} m reaches "
-                f"{with_unit(off, 'm', 2)} beyond the surface; give a shorter one"
+                f"{where} along {name} {plain(direction)} reaches {with_unit(off, 'm', 2)} beyond "
+                "the surface; give a shorter one, or move it"
             )
         ends = np.concatenate([place.x for place in places])
     along = ends[1] - ends[0]
     size = float(np.linalg.norm(along))
     if size == 0.0:
-        raise InputError(f"length={with_unit(length, 'm')}: both ends of the gauge are one point")
+        raise InputError(f"{where}: both ends are one point of the surface")
     return ends, along / size

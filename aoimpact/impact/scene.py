@@ -354,14 +354,15 @@ class Scene:
             Whether to start from rest under gravity and the loads at t = 0, bodies pressed on each
             other, found by a static solve; velocities are then added. What no force presses stays
             where it was put, or moves aside as far as it must.
-        quantity : str, Handle, ContactPoint, StressAt or its like, optional
+        quantity : str, Handle, ContactPoint or sensor, optional
             The quantity of interest: "force" (of every contact over the record), "peak_force",
             "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
             every contact), "rebound_velocity" (after the last contact, of every body but those held
             at rest), "restitution" (of a scene of one contact), a handle, for the
-            displacement of that contact coordinate over the record, or a point of a body, for its
-            displacement over the record. Contact points are reduced as far as the tolerance allows,
-            and AO models truncated if this or `rtol` is given; `Run.models` are those taken. A body
+            displacement of that contact coordinate over the record, a point of a body, for its
+            displacement over the record, or a sensor such as `ReactionAt`, as for `simulate`.
+            Contact points are reduced as far as the tolerance allows, and AO models truncated if
+            this or `rtol` is given; `Run.models` are those taken. A body
             that was added twice is reduced once. Numbers are read by `Run.value`.
         rtol : float, optional
             Its relative error. If left out, 2e-3, or up to 1e-2 where 2e-3 takes a third more

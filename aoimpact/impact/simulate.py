@@ -66,12 +66,13 @@ def simulate(
         Distance to go before the bodies touch, m, not negative.
     energies : bool, optional
         Whether to record energies as well.
-    quantity : str, ContactPoint, StressAt or its like, optional
+    quantity : str, ContactPoint or sensor, optional
         The quantity of interest: "force" (over the record; the default), "peak_force", "peak_time",
         "impulse", "contact_duration" (of the first contact), "contact_count" (how often they
         touch), "rebound_velocity", "restitution", "projectile_displacement" or
         "target_displacement" (of the contact point, over the record); or a point of a body, for its
-        displacement over the record, or a `StressAt`, for its stress. Contact points are reduced as
+        displacement over the record, or a `StressAt`, `StrainAt`, `AccelerationAt` or `ReactionAt`
+        over the record. Contact points are reduced as
         far as the tolerance allows, and AO models truncated if this or `rtol` is given;
         `Result.models` are those taken. Only this quantity is right to `rtol`:
         `Result.error` estimates the errors of the others by name.

@@ -37,6 +37,10 @@ __all__ = [
 ]
 
 
+# Even times of a record beyond which dt is taken for a mistake.
+_MOST_SAMPLES = 20_000_000
+
+
 @dataclass(frozen=True, eq=False)
 class BodyEnergy(Frozen):
     """Energy of one body over time [J].
@@ -340,8 +344,10 @@ class BodyResult(Frozen):
         if times is not None:
             raise InputError("give either times or dt, not both")
         end, step = float(self._times[-1]), positive("dt", dt, unit="s")
-        if step > end:
-            raise InputError(f"dt={step:g} s is longer than the record, {end:g} s")
+        if not end / _MOST_SAMPLES <= step <= end:
+            raise InputError(
+                f"dt={step:g} s must be from {end / _MOST_SAMPLES:.2g} s to the record's {end:g} s"
+            )
         return step * np.arange(math.floor(end / step * (1.0 + 1e-12)) + 1)
 
     def field(self, times: npt.ArrayLike | None = None) -> Field:

@@ -95,6 +95,7 @@ PLY = ao.Orthotropic(E=(135e9, 9e9, 9e9), G=(5e9, 5e9, 3.2e9), nu=(0.3, 0.3, 0.4
 BOX = ao.box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
 BAR = ao.FEModel.from_mesh(BOX, STEEL)
 TIP = BAR.contact(point=(0.1, 0.0, 0.0), direction=(-1.0, 0.0, 0.0), radius=0)
+HELD = ao.FEModel.from_mesh(BOX, STEEL, fixed=[("xmin", "xyz")])
 BLOCK = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.1, 0.1), (2, 8, 8)), STEEL)
 PATCH = BLOCK.contact(point=(0.1, 0.05, 0.05), direction=(-1.0, 0.0, 0.0), radius=0.035)
 STRIKE: dict[str, Any] = {
@@ -106,6 +107,7 @@ STRIKE: dict[str, Any] = {
 }
 HIT = ao.simulate(**STRIKE)
 FIELDS = ao.simulate(**STRIKE | {"target": ao.antioscillators(TIP, 2)})
+CLAMPED = ao.simulate(**STRIKE | {"target": ao.antioscillators(HELD.contact(dof=2), 2)})
 
 
 def _scene() -> tuple[ao.Scene, Any, Any]:
@@ -238,6 +240,19 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.StressAt,
         {"body": BAR, "point": (0.1, 0.0, 0.0), "component": "xx"},
     ),
+    "StrainAt": (
+        ao.StrainAt,
+        {"body": BAR, "point": (0.05, 0.01, 0.0), "component": (1, 0, 0), "length": 1e-3},
+    ),
+    "AccelerationAt": (
+        ao.AccelerationAt,
+        {"point": (0.1, 0.0, 0.0), "direction": (0, 0, 1), "cfc": 1000.0, "body": BAR},
+    ),
+    "AccelerationAt with a corner": (
+        ao.AccelerationAt,
+        {"point": (0.1, 0.0, 0.0), "direction": (0, 0, 1), "corner": 1000.0},
+    ),
+    "ReactionAt": (ao.ReactionAt, {"nodes": "xmin", "direction": (0, 0, 1), "body": HELD}),
     "Rayleigh": (ao.Rayleigh, {"alpha": 1.0, "beta": 1e-6}),
     "ModalDamping": (ao.ModalDamping, {"ratio": 0.1}),
     "Hertz.between": (
@@ -453,6 +468,22 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"point": (0.05, 0.0, 0.0), "direction": (1, 0, 0), "times": None},
     ),
     "probe of nodes": (FIELDS.target.probe, {"nodes": "xmin"}),
+    "probe at even times": (FIELDS.target.probe, {"point": (0.05, 0.0, 0.0), "dt": 1e-5}),
+    "filtered": (
+        FIELDS.target.probe((0.05, 0.0, 0.0)).filtered,
+        {"cfc": 2000.0},
+    ),
+    "gauge": (
+        FIELDS.target.gauge,
+        {
+            "point": (0.05, 0.01, 0.0),
+            "direction": (1, 0, 0),
+            "length": 1e-3,
+            "times": None,
+            "dt": None,
+        },
+    ),
+    "reaction": (CLAMPED.target.reaction, {"nodes": "xmin", "times": None, "dt": None}),
     "field": (FIELDS.target.field, {"times": [1e-5]}),
     "to_vtu": (FIELDS.target.to_vtu, {"path": "fields", "times": [1e-5]}),
     "simulate_many": (

@@ -1,0 +1,123 @@
+"""Strain, filtered acceleration and reactions as quantities, against all oscillators of a body."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+from twelve import ALL_EDGES, ALUMINIUM, STEEL, box
+
+LAW = ao.PowerLaw(ao.Hertz.between(STEEL, 0.01, ALUMINIUM, math.inf).k, 1.5)
+POINT, DOWN = (0.065, 0.05, 0.0), (0.0, 0.0, -1.0)
+
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:.*elements of first order"),
+    pytest.mark.filterwarnings("ignore:.*may be off by"),
+    pytest.mark.filterwarnings("ignore:.*the mesh makes an error"),
+]
+
+
+@pytest.fixture(scope="module")
+def plate() -> Any:
+    return box(ALUMINIUM, (0.1, 0.1, 0.005), (6, 6, 1), (0.4, 0.5, 1), ALL_EDGES)
+
+
+def strike(target: Any, **options: Any) -> ao.Result:
+    given = {"projectile": ao.rigid(mass=0.01), "law": LAW, "velocity": 1.0}
+    return ao.simulate(target=target, **(given | options))
+
+
+# Each with how it is read of a result, and the record's length, s.
+WANTED: dict[str, tuple[Callable[[Any], Any], Callable[[Any, Any], Any], float | None]] = {
+    "strain": (
+        lambda tip: ao.StrainAt(tip, POINT, "xx"),
+        lambda of, t: of.probe(POINT, times=t).strain["xx"],
+        2e-4,
+    ),
+    "gauge": (
+        lambda tip: ao.StrainAt(tip, POINT, (1, 1, 0), length=4e-3),
+        lambda of, t: of.gauge(POINT, (1, 1, 0), 4e-3, times=t).strain,
+        2e-4,
+    ),
+    "acceleration": (
+        lambda tip: ao.AccelerationAt(POINT, DOWN, cfc=1000),
+        lambda of, t: of.probe(POINT, DOWN, times=t).filtered(cfc=1000).acceleration,
+        None,
+    ),
+    "reaction": (
+        lambda tip: ao.ReactionAt("xmin", DOWN),
+        lambda of, t: of.reaction("xmin", times=t).force @ DOWN,
+        2e-4,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WANTED)
+def test_the_true_error_is_within_the_tolerance(plate: Any, name: str) -> None:
+    quantity, read, duration = WANTED[name]
+    hit = strike(plate, quantity=quantity(plate), rtol=2e-2, duration=duration)
+    whole = ao.antioscillators(plate)
+    right = strike(whole, duration=hit.duration).target
+    times = np.linspace(0.0, hit.duration, 300)
+    known = read(right, times)
+    assert np.abs(read(hit.target, times) - known).max() <= 2e-2 * np.abs(known).max()
+    assert hit.error.model <= 2e-2
+    assert hit.error.quantity == ("strain" if name == "gauge" else name)
+    assert hit.models[1].n < whole.n / 2
+
+
+def test_a_record_is_long_enough_for_the_filter(plate: Any) -> None:
+    hit = strike(plate, quantity=ao.AccelerationAt(POINT, DOWN, cfc=1000), rtol=5e-2)
+    assert hit.duration > hit.contacts[-1][1] + 4.0 / 2077.5
+
+
+def test_without_a_filter_a_warning_says_why(plate: Any) -> None:
+    with pytest.warns(ao.AOImpactWarning, match="no finite bandwidth"):
+        sensor = ao.AccelerationAt(POINT, DOWN)
+    assert sensor.cfc == 1000.0
+
+
+def test_in_a_scene_the_only_meshed_body_is_meant(plate: Any) -> None:
+    scene = ao.Scene()
+    ball = scene.add(ao.rigid(mass=0.01), velocity=1.0)
+    target = scene.add(plate)
+    scene.connect(ball, target, LAW)
+    wanted = ao.ReactionAt("xmin", DOWN)
+    run = scene.simulate(duration=2e-4, quantity=wanted, rtol=5e-2)
+    one = strike(plate, duration=2e-4, quantity=wanted, rtol=5e-2)
+    times = np.linspace(0.0, 2e-4, 50)
+    ours, theirs = (of.reaction("xmin", times=times).force for of in (run[target], one.target))
+    np.testing.assert_allclose(ours, theirs, atol=1e-6 * np.abs(theirs).max())
+
+
+BAR = ao.FEModel.from_mesh(
+    ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1)), ALUMINIUM, fixed=[("xmin", "xyz")]
+)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: ao.StrainAt(BAR, (1.0, 0.0, 0.0)), "off the body"),
+        (lambda: ao.StrainAt(BAR, (0.05, 0.0, 0.0), "xX"), "component"),
+        (lambda: ao.StrainAt(BAR, (0.05, 0.005, 0.0), "xy", length=1e-3), "a gauge measures"),
+        (
+            lambda: ao.StrainAt(BAR, (0.05, 0.005, 0.0), (0, 0, 1), length=1e-3),
+            "lie in the surface",
+        ),
+        (lambda: ao.AccelerationAt((1.0, 0.0, 0.0), DOWN, cfc=60, body=BAR), "off the body"),
+        (lambda: ao.AccelerationAt((0.05, 0.0, 0.0), DOWN, cfc=60, corner=60), "either cfc or"),
+        (lambda: ao.ReactionAt("xmax", DOWN, body=BAR), "is held"),
+        (lambda: ao.ReactionAt("edge", DOWN, body=BAR), "no node set"),
+        (lambda: strike(BAR.contact(dof=2), quantity=ao.ReactionAt("xmax", DOWN)), "is held"),
+    ],
+)
+def test_what_makes_no_sense_is_named(make: Callable[[], Any], message: str) -> None:
+    with pytest.raises(ao.InputError, match=message):
+        make()

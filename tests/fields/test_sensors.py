@@ -1,0 +1,334 @@
+"""Strain, gauges, accelerations and reactions against closed forms and conservation of momentum."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from scipy.signal import butter, freqz, lfilter
+
+import aoimpact as ao
+from aoimpact.fields import Channel
+
+FloatArray = npt.NDArray[np.float64]
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+ALUMINIUM = ao.Material(E=70e9, nu=0.33, rho=2700)
+LAW = ao.Linear(k=2e6)
+DOWN = (0.0, 0.0, -1.0)
+
+# The models give the force; what else they give here is compared as they have it.
+pytestmark = pytest.mark.filterwarnings("ignore:.*may be off by", "ignore:the record of")
+
+
+def inner_edge(nodes: FloatArray) -> Any:
+    return (nodes[:, 1] < 1e-9) & (nodes[:, 0] > 0.01) & (nodes[:, 0] < 0.09)
+
+
+HELD = {
+    "supports": {"fixed": [("xmin", "xyz"), ("xmax", "xyz")]},
+    "springs": {"fixed": [("xmin", "xyz")], "springs": [(inner_edge, "z", 1e6)]},
+    "springs only": {"springs": [("zmin", "xyz", 1e6)]},
+    "guided": {"fixed": [("xmin", "z"), ("xmax", "z")]},
+    "weights": {"fixed": [("xmin", "xyz")], "masses": [("xmax", 0.05)]},
+}
+
+
+def plate(held: str, damping: Any = None) -> ao.ContactPoint:
+    mesh = ao.box_mesh((0.1, 0.08, 0.005), (5, 4, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, damping=damping, **HELD[held])
+    return body.contact(point=(0.04, 0.03, 0.005), direction=DOWN, radius=0)
+
+
+def impulse(force: FloatArray, dt: float) -> FloatArray:
+    """∫ F dt by the rule by which Newmark's steps change velocities, exactly."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * dt * (force[1:] + force[:-1]))])
+
+
+@pytest.mark.parametrize("reduced", [True, False], ids=["reduced", "full"])
+@pytest.mark.parametrize("held", HELD)
+def test_reactions_change_the_momentum(held: str, reduced: bool) -> None:
+    tip = plate(held)
+    target = ao.antioscillators(tip, 6) if reduced else ao.full(tip)
+    dt = 2e-6
+    hit = ao.simulate(
+        ao.rigid(mass=0.1), target, 1.0, law=LAW, duration=4e-4, solver=ao.Newmark(dt=dt)
+    )
+    reaction = hit.target.reaction()
+    mass = tip.body.mass
+    assert mass is not None
+    momentum = mass * hit.target.centre_velocity
+    along = reaction.force @ DOWN
+    scale = np.abs(impulse(hit.force, dt)).max()
+    np.testing.assert_allclose(impulse(hit.force + along, dt), momentum, atol=1e-9 * scale)
+    np.testing.assert_allclose(
+        reaction.nodal_force.sum(axis=1), reaction.force, atol=1e-7 * np.abs(along).max()
+    )
+    lever = reaction.points - reaction.centre
+    moment = np.cross(lever, reaction.nodal_force).sum(axis=1)
+    np.testing.assert_allclose(moment, reaction.moment, atol=1e-7 * np.abs(reaction.moment).max())
+
+
+@pytest.mark.parametrize("reduced", [True, False], ids=["reduced", "full"])
+def test_dashpots_to_the_ground_take_their_share_of_the_momentum(reduced: bool) -> None:
+    """C = αM + βK: α slows the body as the ground would; β K is in the reactions."""
+    damping, dt = ao.Rayleigh(alpha=300.0, beta=1e-6), 2e-6
+    tip = plate("springs", damping)
+    target = ao.antioscillators(tip, 6) if reduced else ao.full(tip)
+    hit = ao.simulate(
+        ao.rigid(mass=0.1), target, 1.0, law=LAW, duration=4e-4, solver=ao.Newmark(dt=dt)
+    )
+    mass = tip.body.mass
+    assert mass is not None
+    speed = hit.target.centre_velocity
+    force = hit.force + hit.target.reaction().force @ DOWN - damping.alpha * mass * speed
+    scale = np.abs(impulse(hit.force, dt)).max()
+    np.testing.assert_allclose(impulse(force, dt), mass * speed, atol=1e-9 * scale)
+
+
+def test_the_parts_of_the_ground_add_up() -> None:
+    hit = ao.simulate(
+        ao.rigid(mass=0.1), ao.antioscillators(plate("springs"), 6), 1.0, law=LAW, duration=4e-4
+    )
+    whole = hit.target.reaction(dt=1e-5).force
+    parts = [hit.target.reaction(of, dt=1e-5).force for of in ("xmin", inner_edge)]
+    np.testing.assert_allclose(sum(parts), whole, atol=1e-9 * np.abs(whole).max())
+
+
+@pytest.mark.parametrize("held", ["supports", "springs only", "weights"])
+def test_supports_carry_the_weight_at_rest(held: str) -> None:
+    scene = ao.Scene(gravity=9.81)
+    tip = plate(held)
+    target = scene.add(tip)
+    ball = scene.add(ao.rigid(mass=0.2))
+    scene.connect(ball, target, LAW)
+    run = scene.simulate(duration=1e-4, preload=True)
+    reaction = run[target].reaction(times=[0.0, 1e-4])
+    assert tip.body.mass is not None
+    weight = 9.81 * (tip.body.mass + 0.2)
+    np.testing.assert_allclose(reaction.force @ DOWN, -weight, rtol=1e-6)
+
+
+def test_springs_carry_what_they_are_deflected_by() -> None:
+    tip = plate("springs")
+    hit = ao.simulate(
+        ao.rigid(mass=0.1), ao.full(tip), 1.0, law=LAW, duration=4e-4, solver=ao.Newmark(dt=2e-6)
+    )
+    moved = hit.target.probe(nodes=inner_edge).displacement
+    by_springs = -1e6 * moved.mean(axis=1)[:, 2]
+    found = hit.target.reaction(inner_edge).force
+    np.testing.assert_allclose(found[:, 2], by_springs, atol=1e-9 * np.abs(by_springs).max())
+    assert not found[:, :2].any()
+
+
+def column(length: float, side: float, count: int, **options: Any) -> ao.FEModel:
+    """A rod of a material without lateral contraction, whose waves are those of one dimension."""
+    mesh = ao.box_mesh((length, side, side), (count, 1, 1), kind="hexahedron20")
+    return ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.0, rho=2700), **options)
+
+
+def end_face(body: ao.FEModel) -> ao.ContactPoint:
+    """A uniform pressure of 1 N in all on the face x = 0, by the shape functions of its side."""
+    mesh = body.mesh
+    assert mesh is not None
+    nodes = mesh.node_sets["xmin"]
+    places = mesh.nodes[nodes][:, 1:]
+    at_corner = (np.abs(places - places.mean(axis=0)) > 1e-9).all(axis=1)
+    b = np.zeros(body.n_dofs)
+    b[3 * nodes] = np.where(at_corner, -1.0 / 12.0, 1.0 / 3.0)
+    return body.contact(b=b)
+
+
+def test_the_strain_of_a_rod_that_a_mass_strikes() -> None:
+    """F'' + (k/Z) F' + (k/m) F = 0 of a mass on a spring on a long rod; ε = -F(t - x/c)/(E A)."""
+    side, mass, k, speed = 0.01, 0.1, 5e7, 1.0
+    rod = column(0.4, side, 200)
+    area, at = side**2, 0.1
+    c = math.sqrt(70e9 / 2700.0)
+    decay = 0.5 * k / (2700.0 * c * area)
+    omega = math.sqrt(k / mass - decay**2)
+    hit = ao.simulate(
+        ao.rigid(mass=mass),
+        end_face(rod),
+        speed,
+        law=ao.Linear(k=k),
+        duration=8e-5,
+        quantity=ao.StrainAt(rod, (at, 0.5 * side, 0.0), "xx"),
+        rtol=2e-3,
+    )
+    t = np.linspace(0.0, 8e-5, 400)
+    late = np.maximum(t - at / c, 0.0)
+    force = k * speed / omega * np.exp(-decay * late) * np.sin(omega * late)
+    known = -force / (70e9 * area)
+    largest = np.abs(known).max()
+    found = hit.target.probe((at, 0.5 * side, 0.0), times=t).strain["xx"]
+    np.testing.assert_allclose(found, known, atol=5e-3 * largest)
+    gauge = hit.target.gauge((at, 0.5 * side, 0.0), (1, 0, 0), length=2e-3, times=t)
+    np.testing.assert_allclose(gauge.strain, known, atol=5e-3 * largest)
+
+
+def navier_strain(
+    lengths: tuple[float, float, float],
+    struck: tuple[float, float],
+    at: tuple[float, float],
+    t: FloatArray,
+    force: FloatArray,
+) -> FloatArray:
+    """ε_xx at z = -h/2 of a simply supported plate by Kirchhoff's theory and Navier's modes.
+
+    Each mode is integrated exactly for a force that is straight between the times.
+    """
+    a, b, h = lengths
+    D = ALUMINIUM.E * h**3 / (12.0 * (1.0 - ALUMINIUM.nu**2))
+    dt, strain = t[1] - t[0], np.zeros_like(t)
+    slope = np.diff(force) / dt
+    for m in range(1, 60):
+        for n in range(1, 60):
+            kx, ky = m * math.pi / a, n * math.pi / b
+            omega = (kx**2 + ky**2) * math.sqrt(D / (ALUMINIUM.rho * h))
+            modal = math.sin(kx * struck[0]) * math.sin(ky * struck[1])
+            seen = math.sin(kx * at[0]) * math.sin(ky * at[1]) * kx**2
+            if omega * dt > 1.0:  # follows its force: of the last 2e-3 of the strain
+                strain += modal * seen * force / omega**2
+                continue
+            c, s = math.cos(omega * dt), math.sin(omega * dt)
+            q, v = 0.0, 0.0
+            history = [0.0]
+            for f0, df in zip(force[:-1], slope, strict=True):
+                rest, drift = f0 / omega**2, df / omega**2
+                q, v = (
+                    rest + drift * dt + (q - rest) * c + (v - drift) / omega * s,
+                    drift - (q - rest) * omega * s + (v - drift) * c,
+                )
+                history.append(q)
+            strain += modal * seen * np.array(history)
+    mass = ALUMINIUM.rho * h * a * b / 4.0
+    return 0.5 * h * strain / mass
+
+
+@pytest.mark.slow
+def test_a_gauge_on_a_simply_supported_plate() -> None:
+    """Opposite to the contact and 30 mm beside it, against plate theory under the same force."""
+    lengths = 0.3, 0.2, 0.003
+    mesh = ao.box_mesh(lengths, (30, 20, 1), kind="hexahedron20")
+    sides = [("xmin", "yz"), ("xmax", "yz"), ("ymin", "xz"), ("ymax", "xz")]
+    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=sides)
+    tip = body.contact(point=(0.15, 0.1, 0.003), direction=DOWN, radius=0.002)
+    at = 0.18, 0.1
+    hit = ao.simulate(
+        ao.rigid(mass=0.05),
+        tip,
+        0.5,
+        law=ao.Linear(k=5e5),
+        duration=3e-3,
+        quantity=ao.StrainAt(body, (*at, 0.0), (1, 0, 0), length=3e-3),
+        rtol=5e-3,
+    )
+    t = np.linspace(0.0, 3e-3, 1501)
+    gauge = hit.target.gauge((*at, 0.0), (1, 0, 0), 3e-3, times=t).strain
+    known = navier_strain(lengths, (0.15, 0.1), at, t, hit.at(t).force)
+    np.testing.assert_allclose(gauge, known, atol=0.02 * np.abs(known).max())
+
+
+def published_filter(values: FloatArray, cfc: float, dt: float) -> FloatArray:
+    """SAE J211-1, appendix C: its difference equation, forward and backward."""
+    omega = math.tan(math.pi * cfc * 2.0775 * dt)
+    root = math.sqrt(2.0) * omega
+    scale = 1.0 + root + omega**2
+    a = [omega**2 / scale, 2.0 * omega**2 / scale, omega**2 / scale]
+    b = [1.0, 2.0 * (omega**2 - 1.0) / scale, (1.0 - root + omega**2) / scale]
+    once = lfilter(a, b, values)
+    return np.asarray(lfilter(a, b, once[::-1])[::-1])
+
+
+def light_cube(duration: float) -> tuple[ao.Result, float]:
+    cube = ao.FEModel.from_mesh(ao.box_mesh((0.01,) * 3, (1, 1, 1)), STEEL)
+    tip = cube.contact(point=(0.005, 0.005, 0.01), direction=DOWN, radius=0)
+    hit = ao.simulate(
+        ao.rigid(mass=0.1),
+        ao.antioscillators(tip, 1),
+        0.1,
+        law=ao.Linear(k=1e5),
+        duration=duration,
+    )
+    assert cube.mass is not None
+    return hit, cube.mass
+
+
+def test_the_acceleration_of_a_light_cube() -> None:
+    """ẍ = F/m at any time, with a warning; behind a filter as the standard's equations have it."""
+    hit, mass = light_cube(3e-3)
+    dt = 2e-6
+    probe = hit.target.probe((0.005, 0.005, 0.005), DOWN, dt=dt)  # its centre of mass
+    assert len(probe.t) == 1501
+    known = hit.at(probe.t).force / mass
+    with pytest.warns(ao.AOImpactWarning, match="no finite bandwidth"):
+        raw = probe.acceleration
+    # At the beginning it is a mean over the first thousandth of the contact.
+    np.testing.assert_allclose(raw[1:], known[1:], atol=1e-3 * known.max())
+    space = np.zeros(2000)
+    padded = published_filter(np.concatenate([space, known, space]), 1000.0, dt)
+    smooth = probe.filtered(cfc=1000).acceleration
+    np.testing.assert_allclose(smooth, padded[2000:-2000], atol=2e-3 * known.max())
+
+
+def test_a_corner_is_where_two_passes_leave_half_the_power() -> None:
+    _, gain = freqz(*butter(2, Channel(corner=800.0).pole, fs=1e7), worN=[800.0], fs=1e7)
+    assert abs(gain[0]) ** 4 == pytest.approx(0.5, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({}, "either cfc or corner"),
+        ({"cfc": 60.0, "corner": 100.0}, "either"),
+        ({"cfc": 60.0}, "shorter"),
+    ],
+)
+def test_filters_that_make_no_sense_are_refused(given: dict[str, float], message: str) -> None:
+    hit, _ = light_cube(3e-3)
+    with pytest.raises(ao.InputError, match=message):
+        hit.target.probe((0.002, 0.003, 0.001), DOWN).filtered(**given)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda of: of.gauge((0.05, 0.04, 0.0), (0, 0, 1), 1e-3), "does not lie in the surface"),
+        (lambda of: of.gauge((0.09, 0.04, 0.0), (1, 0, 0), 0.06), "beyond the surface"),
+        (lambda of: of.gauge((0.05, 0.04, 0.0), (1, 0, 0), 0.0), "length"),
+        (lambda of: of.reaction("ymin"), "no node of nodes='ymin' is held"),
+        (lambda of: of.reaction("edge"), "no node set 'edge'"),
+        (lambda of: of.probe((0.05, 0.04, 0.0), times=[0.0], dt=1e-6), "either times or dt"),
+        (lambda of: of.probe((0.05, 0.04, 0.0), dt=1.0), "to the record"),
+    ],
+)
+def test_what_makes_no_sense_is_named(call: Any, message: str) -> None:
+    mesh = ao.box_mesh((0.1, 0.08, 0.005), (5, 4, 1))
+    inside = {"fixed": [(lambda x: (x[:, 0] < 1e-9) & (x[:, 1] > 0.01) & (x[:, 1] < 0.07), "xyz")]}
+    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, **inside)
+    tip = body.contact(point=(0.04, 0.03, 0.005), radius=0)
+    hit = ao.simulate(ao.rigid(mass=0.1), ao.antioscillators(tip, 2), 1.0, law=LAW, duration=1e-4)
+    with pytest.raises(ao.InputError, match=message):
+        call(hit.target)
+
+
+def test_bodies_without_the_rows_of_their_supports_have_no_reactions() -> None:
+    K = np.array([[2e6, -1e6], [-1e6, 1e6]])
+    chain = ao.FEModel(K=K, M=np.diag([0.5, 0.5]))
+    hit = ao.simulate(ao.rigid(mass=0.1), ao.antioscillators(chain.contact(dof=1), 1), 1.0, law=LAW)
+    with pytest.raises(ao.InputError, match="rows of K and M of the supports"):
+        hit.target.reaction()
+
+
+def test_a_point_far_from_a_contact_is_at_rest_as_it_begins() -> None:
+    """The half-space's field of a contact that has hardly a width."""
+    mesh = ao.box_mesh((0.1, 0.08, 0.005), (5, 4, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz")])
+    tip = body.contact(point=(0.05, 0.04, 0.005))
+    hit = ao.simulate(ao.ball(0.01, STEEL), tip, 1.0)
+    velocity = hit.target.probe((0.08, 0.04, 0.0), times=[0.0, 1e-12]).velocity
+    assert np.abs(velocity).max() < 1e-3
