@@ -46,7 +46,7 @@ CONSTANTS = [
 
 # Of the campaign's first scenes those that err by a hundredth of a tolerance or more, never by all
 # of it, and take the oracle less than 2 s.
-SEEDS = [3, 6, 12, 14, 20, 26, 28, 31, 32, 34, 36, 37, 39, 43, 45, 57, 65, 66, 71, 73, 77, 101]
+SEEDS = [3, 6, 12, 14, 20, 26, 28, 31, 32, 34, 36, 37, 39, 43, 57, 65, 66, 71, 73, 77, 101]
 SEEDS += [105, 106, 112, 114, 119, 122, 123, 127, 129, 130, 133, 135, 141, 144, 145, 149, 152, 154]
 SEEDS += [156]
 
