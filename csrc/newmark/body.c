@@ -37,6 +37,8 @@ void aoi_stepped_lay_out(aoi_stepped *body, const aoi_modes *model, aoi_memory *
     for (size_t i = 0; i < AOI_STEPPED_OWN; i++) {
         body->own[i] = aoi_memory_doubles(memory, n);
     }
+    body->plain = !model->full && !model->decay && !model->gravity && model->ports == 1;
+    body->seen = aoi_memory_doubles(memory, body->plain ? aoi_times(AOI_PLAIN_SEEN, n) : 0);
     body->compliance = aoi_memory_doubles(memory, pairs);
     body->rate_compliance = aoi_memory_doubles(memory, pairs);
 }

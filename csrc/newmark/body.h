@@ -13,7 +13,7 @@ typedef struct aoi_rule_step {
 /* AOI_ERROR_ARGUMENT for an invalid rule, or where dt^2 leaves the range of numbers. */
 int aoi_rule_prepare(const aoi_rule *rule, aoi_rule_step *step);
 
-enum { AOI_STEPPED_OWN = 6 };
+enum { AOI_STEPPED_OWN = 5, AOI_PLAIN_SEEN = 4 };
 
 /* A body in steps. */
 typedef struct aoi_stepped {
@@ -25,6 +25,7 @@ typedef struct aoi_stepped {
     double *gain;                         /* [ports][n]: the next acceleration per force on a port   */
     double *before;                       /* [n]: rates before the step of a damped body, else NULL  */
     double *own[AOI_STEPPED_OWN];         /* [n] each: arrays of the kind                            */
+    double *seen;                         /* [n][AOI_PLAIN_SEEN], of a plain body                    */
     double *compliance, *rate_compliance; /* [ports][ports]: what forces at the end of a step do to
                                              the ports' displacements and velocities then            */
     double dissipated;                    /* J, since the start                                      */
@@ -39,7 +40,7 @@ typedef struct aoi_stepped {
 
 /* What distinguishes bodies in modes and in finite elements. */
 typedef struct aoi_stepped_kind {
-    int (*prepare)(aoi_stepped *body);               /* gain, own, whether before is there, plain       */
+    int (*prepare)(aoi_stepped *body);               /* gain, own, whether before is there              */
     int (*begin)(aoi_stepped *body);                 /* a of the state, under forces free_a on x        */
     int (*accelerate)(aoi_stepped *body);            /* free_a of the predictors in x and v             */
     double (*power)(const aoi_stepped *body);        /* W: what dashpots take at the rates in before    */

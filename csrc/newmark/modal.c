@@ -10,13 +10,15 @@
 /* Of each mode, over that factor of a': omega^2, 2 decay, gravity. */
 enum { STIFFNESS, DRAG, DRIVE };
 
-/* A plain body has its predictors at hand: PLACE, and of the rates in free_a. These move by a whole step at once, since
- * what corrects a step and predicts the next adds up: q' = q + dt (w + (gamma + 1/2) dt a), w' = w + dt a. What is seen
- * of it are sums over q: of stiffness times the port's shape, and times the weights of the centre of mass. */
-enum { PORT_SHARE = DRAG, PLACE = DRIVE, CENTRE_SHARE };
-
 /* Of every body. */
-enum { INERTIA = CENTRE_SHARE + 1, SPRING };
+enum { INERTIA = DRIVE + 1, SPRING };
+
+/* A plain body has its predictors at hand: PLACE, and of the rates in free_a. These move by a whole step at once, since
+ * what corrects a step and predicts the next adds up: q' = q + dt (w + (gamma + 1/2) dt a), w' = w + dt a. */
+enum { PLACE = DRIVE };
+
+/* Sums over q that are seen of it: displacement and free acceleration of the port, and of the centre of mass. */
+enum { PORT, PORT_A, CENTRE, CENTRE_A };
 
 static double twice_decay(const aoi_modes *modes, size_t j)
 {
@@ -45,7 +47,6 @@ static int modal_prepare(aoi_stepped *body)
     if (!modes->decay) {
         body->before = NULL;
     }
-    body->plain = !modes->decay && !modes->gravity && modes->ports == 1;
     return AOI_OK;
 }
 
@@ -83,26 +84,47 @@ void aoi_plain_start(aoi_stepped *body)
     for (size_t j = 0; j < modes->n; j++) {
         place[j] = body->x[j] + step->dt * (body->v[j] + step->predict_u * body->a[j]);
         rate[j] = body->v[j] + step->predict_v * body->a[j];
-        body->own[PORT_SHARE][j] = modes->shape[j] * body->own[STIFFNESS][j];
-        body->own[CENTRE_SHARE][j] = modes->centre[j] * body->own[STIFFNESS][j];
+        double *seen = body->seen + AOI_PLAIN_SEEN * j;
+        seen[PORT] = modes->shape[j];
+        seen[PORT_A] = -modes->shape[j] * body->own[STIFFNESS][j];
+        seen[CENTRE] = modes->centre[j];
+        seen[CENTRE_A] = -modes->centre[j] * body->own[STIFFNESS][j];
         body->centre_reached += modes->centre[j] * body->gain[j];
     }
     body->port_rate = aoi_vector_dot(modes->n, modes->shape, rate);
     body->centre_rate = aoi_vector_dot(modes->n, modes->centre, rate);
 }
 
-/* As aoi_vector_dot; most rigid bodies have one mode. */
-static double dot(size_t n, const double *x, const double *y) { return n == 1 ? *x * *y : aoi_vector_dot(n, x, y); }
+/* sum_j seen[j] place_j, row by row: the compiler keeps the sums of even and of odd modes in vector registers. */
+static void look(size_t n, const double *restrict seen, const double *restrict place, double *restrict sum)
+{
+    double even[AOI_PLAIN_SEEN] = {0.0, 0.0, 0.0, 0.0}, odd[AOI_PLAIN_SEEN] = {0.0, 0.0, 0.0, 0.0};
+    size_t j = 0;
+    for (; j + 2 <= n; j += 2, seen += 2 * AOI_PLAIN_SEEN) {
+        for (size_t i = 0; i < AOI_PLAIN_SEEN; i++) {
+            even[i] += seen[i] * place[j];
+        }
+        for (size_t i = 0; i < AOI_PLAIN_SEEN; i++) {
+            odd[i] += seen[AOI_PLAIN_SEEN + i] * place[j + 1];
+        }
+    }
+    for (size_t i = 0; i < AOI_PLAIN_SEEN && j < n; i++) {
+        even[i] += seen[i] * place[j];
+    }
+    for (size_t i = 0; i < AOI_PLAIN_SEEN; i++) {
+        sum[i] = even[i] + odd[i];
+    }
+}
 
 void aoi_plain_predict(aoi_stepped *body, double *displacement, double *velocity)
 {
     const aoi_rule_step *step = body->step;
-    const size_t n = body->model->n, moving = body->centre_count;
-    const double *place = body->own[PLACE];
-    body->port_a = -dot(n, body->own[PORT_SHARE], place);
-    body->centre_a = -dot(moving, body->own[CENTRE_SHARE], place);
-    body->centre[0] = dot(moving, body->model->centre, place);
-    *displacement = dot(n, body->model->shape, place) + step->reach * body->port_a;
+    double sum[AOI_PLAIN_SEEN];
+    look(body->model->n, body->seen, body->own[PLACE], sum);
+    body->port_a = sum[PORT_A];
+    body->centre_a = sum[CENTRE_A];
+    body->centre[0] = sum[CENTRE];
+    *displacement = sum[PORT] + step->reach * body->port_a;
     *velocity = body->port_rate + step->correct_v * body->port_a;
 }
 

@@ -288,16 +288,14 @@ static void find_push(const aoi_newmark *run, const double *force, double *push)
     }
 }
 
-/* Adds to displacements and velocities of a body's ports the effect of forces on them at the end of the step. */
-static void push_ports(const aoi_stepped *body, const double *force, double *displacement, double *velocity)
+/* Adds what a force on a port does by the end of the step to displacements and velocities of all ports of its body. */
+static void press(aoi_newmark *run, size_t b, size_t port, double force)
 {
-    const size_t ports = body->model->ports;
-    const double *compliance = body->compliance, *rate_compliance = body->rate_compliance;
+    const aoi_stepped *body = &run->body[b];
+    const size_t ports = body->model->ports, first = run->system->first_port[b];
     for (size_t p = 0; p < ports; p++) {
-        for (size_t q = 0; q < ports; q++) {
-            displacement[p] += *compliance++ * force[q];
-            velocity[p] += *rate_compliance++ * force[q];
-        }
+        run->displacement[first + p] += body->compliance[p * ports + port] * force;
+        run->velocity[first + p] += body->rate_compliance[p * ports + port] * force;
     }
 }
 
@@ -436,20 +434,23 @@ int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule
     return status;
 }
 
-/* Moves all bodies to the end of a step without contacts; displacement and velocity: of all ports then. */
-static int predict(aoi_newmark *run, double time, double *displacement, double *velocity)
+/* Moves all bodies and ports to the end of a step without contacts. */
+static int predict(aoi_newmark *run, double time)
 {
     const aoi_system *system = run->system;
-    const size_t *first = system->first_port;
+    const size_t *first = system->first_port, bytes = first[system->body_count] * sizeof(double);
     if (run->loaded) {
-        const size_t bytes = first[system->body_count] * sizeof(double);
         memcpy(run->displacement_before, run->displacement, bytes);
         memcpy(run->load_before, run->load, bytes);
         find_loads(run, time, NULL);
     }
+    if (run->deflects) {
+        memcpy(run->push_before, run->push, bytes);
+    }
+    memcpy(run->push, run->load, bytes);
     for (size_t b = 0; b < system->body_count; b++) {
         aoi_stepped *body = &run->body[b];
-        double *u = displacement + first[b], *v = velocity + first[b];
+        double *u = run->displacement + first[b], *v = run->velocity + first[b];
         if (body->plain) {
             aoi_plain_predict(body, u, v);
         } else {
@@ -459,10 +460,10 @@ static int predict(aoi_newmark *run, double time, double *displacement, double *
             }
         }
         for (size_t p = 0; run->deflects && p < body->model->ports; p++) {
-            v[p] -= aoi_stepped_residual(body, p, run->push + first[b]) / run->step.dt;
+            v[p] -= aoi_stepped_residual(body, p, run->push_before + first[b]) / run->step.dt;
         }
-        if (run->loaded) {
-            push_ports(body, run->load + first[b], u, v);
+        for (size_t p = 0; run->loaded && p < body->model->ports; p++) {
+            press(run, b, p, run->load[first[b] + p]);
         }
     }
     return AOI_OK;
@@ -471,18 +472,18 @@ static int predict(aoi_newmark *run, double time, double *displacement, double *
 /* Adds the contact forces. */
 static void correct(aoi_newmark *run)
 {
-    const size_t *first = run->system->first_port;
-    if (run->deflects) {
-        memcpy(run->push_before, run->push, first[run->system->body_count] * sizeof(double));
-    }
-    find_push(run, run->coupled.force, run->push);
-    for (size_t b = 0; b < run->system->body_count; b++) {
-        aoi_stepped *body = &run->body[b];
-        double *push = run->push + first[b];
-        push_ports(body, push, run->displacement + first[b], run->velocity + first[b]);
-        for (size_t p = 0; p < body->model->ports && run->loaded; p++) {
-            push[p] += run->load[first[b] + p];
+    const aoi_system *system = run->system;
+    for (size_t c = 0; c < system->contact_count; c++) {
+        const aoi_contact *of = &system->contact[c];
+        const double force[2] = {-run->coupled.force[c], run->coupled.force[c]};
+        for (int side = 0; side < 2; side++) {
+            run->push[run->state[c].port[side]] += force[side];
+            press(run, of->body[side], of->port[side], force[side]);
         }
+    }
+    for (size_t b = 0; b < system->body_count; b++) {
+        aoi_stepped *body = &run->body[b];
+        const double *push = run->push + system->first_port[b];
         if (body->plain) {
             aoi_plain_correct(body, *push, run->energies);
         } else {
@@ -494,7 +495,7 @@ static void correct(aoi_newmark *run)
 static int step(aoi_newmark *run, double time)
 {
     aoi_coupled *e = &run->coupled;
-    int status = predict(run, time, run->displacement, run->velocity);
+    int status = predict(run, time);
     for (size_t c = 0; c < e->count; c++) {
         const size_t *port = run->state[c].port;
         e->free[c] = run->displacement[port[0]] - run->displacement[port[1]] - run->system->contact[c].gap;
