@@ -73,85 +73,71 @@ static int run_to_end(aoi_adaptive *run, const aoi_system *system, double end, a
     return status;
 }
 
-/* The start: bodies that move as a whole (moving: their rates at unit velocity) from modes x, or from
- * none of them where x is None. v: the rates, set here. */
-static void take_start(buffer_list *buffers, PyObject *x_in, PyObject *moving, PyObject *velocities,
-                       const aoi_system *system, double *v, aoi_start *start)
+/* The start: bodies that move as a whole (moving: their rates at unit velocity). v: the rates, set here. */
+static void take_moving(call *of, PyObject *moving, PyObject *velocities, aoi_system *system, double *v)
 {
-    size_t all = system->first[system->body_count];
-    start->x = doubles_or_none(buffers, x_in, "x", &all);
-    start->v = v;
-    start->rested = start->x != NULL;
-    need_tuple(buffers, moving, (Py_ssize_t)system->body_count);
-    need_tuple(buffers, velocities, (Py_ssize_t)system->body_count);
-    for (size_t b = 0; b < system->body_count && !buffers->failed; b++) {
+    for (size_t b = 0; b < system->body_count && of->status == AOI_OK; b++) {
         size_t n = system->body[b].n;
-        const double *rate = doubles(buffers, PyTuple_GetItem(moving, (Py_ssize_t)b), "moving", &n);
-        const double velocity = PyFloat_AsDouble(PyTuple_GetItem(velocities, (Py_ssize_t)b));
-        if (PyErr_Occurred()) {
-            buffers->failed = 1;
-        }
-        for (size_t j = 0; j < n && !buffers->failed; j++) {
+        const double *rate;
+        double velocity;
+        TAKE_SOME(of, moving, b, system->body_count, ARRAY('d', rate, n));
+        TAKE_SOME(of, velocities, b, system->body_count, VALUE('x', velocity));
+        for (size_t j = 0; j < n && of->status == AOI_OK; j++) {
             v[system->first[b] + j] = velocity * rate[j];
         }
     }
 }
 
-static int append_pair(PyObject *list, double first, double second)
+/* Appends a pair that is given away. */
+static int append(PyObject *list, PyObject *pair)
 {
-    PyObject *pair = Py_BuildValue("dd", first, second);
     const int fine = pair && PyList_Append(list, pair) == 0;
     Py_XDECREF(pair);
     return fine;
 }
 
-/* Of each contact (peak force, its time, impulse, [(start, end)], [(impulse, pace)]). */
-static PyObject *contacts_without_intervals(const aoi_adaptive *run, size_t count)
+/* (peak force, its time, impulse, [(start, end)], [(impulse, pace)]) of a contact. */
+static PyObject *one_contact(const aoi_adaptive *run, size_t c, size_t count, const aoi_interval *interval)
 {
-    PyObject *result = PyTuple_New((Py_ssize_t)count);
-    for (size_t c = 0; result && c < count; c++) {
-        const aoi_peak of = aoi_adaptive_peak(run, c);
-        PyObject *spans = PyList_New(0), *touches = PyList_New(0);
-        PyObject *one = spans && touches
-                            ? Py_BuildValue("dddOO", of.force, of.time, of.impulse, spans, touches)
-                            : NULL;
-        Py_XDECREF(spans);
-        Py_XDECREF(touches);
-        if (!one || PyTuple_SetItem(result, (Py_ssize_t)c, one) != 0) {
-            Py_CLEAR(result);
-        }
+    const aoi_peak of = aoi_adaptive_peak(run, c);
+    PyObject *spans = PyList_New(0), *touches = PyList_New(0);
+    int fine = spans && touches;
+    for (size_t i = 0; fine && i < count; i++) {
+        fine = interval[i].contact != c ||
+               (append(spans, Py_BuildValue("dd", interval[i].start, interval[i].end)) &&
+                append(touches, Py_BuildValue("dd", interval[i].impulse, interval[i].pace)));
     }
-    return result;
+    if (!fine) {
+        Py_CLEAR(spans);
+    }
+    return Py_BuildValue("dddNN", of.force, of.time, of.impulse, spans, touches);
 }
 
 /* Intervals that are found by one reading of the track; two readings find more. */
 enum { FEW_INTERVALS = 4 };
 
-static PyObject *contacts_of(const aoi_adaptive *run, const aoi_system *system, const aoi_track *track,
-                             double end)
+static PyObject *contacts_of(const aoi_adaptive *run, kept_track *kept, double end)
 {
+    const aoi_system *system = &kept->made.system;
     const size_t contacts = system->contact_count;
-    PyObject *result = contacts_without_intervals(run, contacts);
-    aoi_interval *work = malloc((contacts + 1) * sizeof *work), few[FEW_INTERVALS], *interval = few;
-    const size_t count = work ? aoi_track_intervals(system, track, end, work, FEW_INTERVALS, few) : 0;
-    if (count > FEW_INTERVALS && (interval = malloc(count * sizeof *interval))) {
-        (void)aoi_track_intervals(system, track, end, work, count, interval);
+    aoi_interval *work = call_room(&kept->of, contacts, sizeof *work), few[FEW_INTERVALS], *interval = few;
+    const size_t count = work ? aoi_track_intervals(system, &kept->track, end, work, FEW_INTERVALS, few) : 0;
+    if (count > FEW_INTERVALS) {
+        interval = call_room(&kept->of, count, sizeof *interval);
+        if (interval) {
+            (void)aoi_track_intervals(system, &kept->track, end, work, count, interval);
+        }
     }
-    if (!work || !interval) {
-        PyErr_NoMemory();
-    }
-    int fine = result && work && interval;
-    for (size_t i = 0; fine && i < count; i++) {
-        PyObject *of = PyTuple_GetItem(result, (Py_ssize_t)interval[i].contact);
-        fine = append_pair(PyTuple_GetItem(of, 3), interval[i].start, interval[i].end) &&
-               append_pair(PyTuple_GetItem(of, 4), interval[i].impulse, interval[i].pace);
+    PyObject *result = kept->of.status == AOI_OK ? PyTuple_New((Py_ssize_t)contacts) : NULL;
+    for (size_t c = 0; result && c < contacts; c++) {
+        PyObject *one = one_contact(run, c, count, interval);
+        if (!one || PyTuple_SetItem(result, (Py_ssize_t)c, one) != 0) {
+            Py_CLEAR(result);
+        }
     }
     free(work);
     if (interval != few) {
         free(interval);
-    }
-    if (!fine) {
-        Py_CLEAR(result);
     }
     return result;
 }
@@ -162,12 +148,7 @@ static PyObject *adaptive_result(const aoi_adaptive *run, kept_track **kept, dou
     const aoi_system *system = &(*kept)->made.system;
     const Py_ssize_t state = (Py_ssize_t)(system->first[system->body_count] * sizeof(double));
     const aoi_progress at = aoi_adaptive_progress(run);
-    PyObject *contacts = contacts_of(run, system, &(*kept)->track, end);
-    PyObject *track = contacts ? track_capsule(kept) : NULL;
-    if (!track) {
-        Py_XDECREF(contacts);
-        return NULL;
-    }
+    PyObject *contacts = contacts_of(run, *kept, end), *track = contacts ? track_capsule(kept) : NULL;
     return Py_BuildValue("Ny#y#Nnn", track, (const char *)at.x, state, (const char *)at.v, state, contacts,
                          (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
 }
@@ -199,7 +180,7 @@ static int run_with_room(aoi_adaptive **run, kept_track *kept, const aoi_start *
         *run = malloc(aoi_adaptive_size(system));
         if (!*run) {
             PyErr_NoMemory();
-            return AOI_OK;
+            return CALL_RAISED;
         }
         kept->track.used = kept->track.rows = 0;
         status = aoi_adaptive_start(*run, system, start, rtol, end);
@@ -210,45 +191,42 @@ static int run_with_room(aoi_adaptive **run, kept_track *kept, const aoi_start *
     return status;
 }
 
-PyObject *adaptive(PyObject *self, PyObject *args)
+/* (bodies, contacts, rtol, end, x, moving, velocities, most steps); x: modes at the start, None where they are zero. */
+PyObject *adaptive(PyObject *args)
 {
-    PyObject *bodies, *contacts, *x_in, *moving, *velocities, *result = NULL;
-    aoi_start start = {.x = NULL};
-    double rtol, end, *v = NULL;
-    aoi_adaptive *run = NULL;
-    aoi_progress reached = {.time = 0.0};
-    Py_ssize_t most_steps;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!ddOOOn", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts, &rtol, &end,
-                          &x_in, &moving, &velocities, &most_steps)) {
+    call of = {.status = AOI_OK};
+    PyObject *bodies = NULL, *contacts = NULL, *x, *moving = NULL, *velocities = NULL, *result = NULL;
+    double rtol, end;
+    size_t most_steps;
+    TAKE(&of, args, VALUE('t', bodies), VALUE('t', contacts), VALUE('x', rtol), VALUE('x', end), VALUE('O', x),
+         VALUE('t', moving), VALUE('t', velocities), VALUE('n', most_steps));
+    kept_track *kept = of.status == AOI_OK ? track_new(bodies, contacts) : NULL;
+    if (!kept) {
         return NULL;
     }
-    int status;
-    buffer_list starts = {.failed = 0};
-    kept_track *kept = track_new(bodies, contacts, &status);
-    int fine = kept && status == AOI_OK && !PyErr_Occurred();
-    if (fine) {
-        const aoi_system *system = &kept->made.system;
-        v = calloc(system->first[system->body_count] + 1, sizeof(double));
-        if (v) {
-            take_start(&starts, x_in, moving, velocities, system, v, &start);
-        } else {
-            PyErr_NoMemory();
-        }
-        fine = !starts.failed && !PyErr_Occurred();
+    aoi_system *system = &kept->made.system;
+    aoi_adaptive *run = NULL;
+    call_fail(&of, kept->of.status);
+    size_t all = of.status == AOI_OK ? system->first[system->body_count] : 0;
+    double *v = call_room(&of, all, sizeof *v);
+    aoi_start start = {.v = v};
+    TAKE_SOME(&of, args, 4, 8, ARRAY('o', start.x, all));
+    take_moving(&of, moving, velocities, system, v);
+    start.rested = start.x != NULL;
+    if (of.status == AOI_OK) {
+        of.status = run_with_room(&run, kept, &start, rtol, end, most_steps);
     }
-    if (fine) {
-        status = run_with_room(&run, kept, &start, rtol, end, (size_t)most_steps);
-        reached = run ? aoi_adaptive_progress(run) : reached;
+    if (run) {
+        const aoi_progress reached = aoi_adaptive_progress(run);
+        raise_of_laws(&of, "adaptive run", reached.time, kept->made.law, system->contact_count, reached.failed);
     }
-    if (kept && !PyErr_Occurred()) {
-        result = status == AOI_OK ? adaptive_result(run, &kept, end)
-                                  : raise_of_laws(status, "adaptive run", reached.time, kept->made.law,
-                                                  kept->made.system.contact_count, (Py_ssize_t)reached.failed);
+    if (of.status == AOI_OK && !PyErr_Occurred()) {
+        result = adaptive_result(run, &kept, end);
     }
-    buffers_release(&starts);
     free(run);
     free(v);
     track_free(kept);
+    PyObject *done = finish(&of, "adaptive run", "");
+    Py_XDECREF(done);
     return result;
 }

@@ -10,9 +10,10 @@
 #include <Python.h>
 #include <time.h>
 
+#include "aoimpact.h"
 #include "linear/sparse.h"
 
-/* ------------------------------------------------------------------ buffers.c: in and out */
+/* ------------------------------------------------------------------ call.c: in and out */
 
 enum { MOST_BUFFERS = 40 };
 
@@ -22,41 +23,53 @@ typedef struct buffer_block {
     struct buffer_block *next;
 } buffer_block;
 
-/* The buffers that one call holds, as many as it takes; after the first failure the others are not
- * taken. Made as {.failed = 0}, it is empty. */
-typedef struct buffer_list {
-    int failed;
+/* A call's first failure, after which nothing more is taken, and the buffers that it holds. Made as
+ * {.status = AOI_OK}, it is empty. */
+typedef struct call {
+    int status; /* or CALL_RAISED: an error is set */
     buffer_block block;
-} buffer_list;
+} call;
 
-void buffers_release(buffer_list *buffers);
+enum { CALL_RAISED = -1 };
 
-/* type: 'd' for float64, 'f' for float32, 'i' for int32. In this and the next three, count is the length that the
- * buffer must have; with -1 any length is accepted, and returned. */
-void *buffers_take(buffer_list *buffers, PyObject *object, const char *name, char type, int writable,
-                size_t *count);
-const double *doubles(buffer_list *buffers, PyObject *object, const char *name, size_t *count);
-double *doubles_out(buffer_list *buffers, PyObject *object, const char *name, size_t *count);
-const double *doubles_or_none(buffer_list *buffers, PyObject *object, const char *name, size_t *count); /* NULL: None */
-const int32_t *integers(buffer_list *buffers, PyObject *object, const char *name, size_t *count);
+void call_fail(call *of, int status);
+void call_release(call *of);
 
-/* Fails where the object is not a tuple of that size. */
-void need_tuple(buffer_list *buffers, PyObject *tuple, Py_ssize_t size);
+/* One item of a tuple, and where it goes. kind: 'd', 'f', 'i' for the memory of a buffer of float64, float32, int32;
+ * 'D', 'F', 'I' for one to write; 'o' for float64 or None (NULL); 'x' a double, 'n' a size_t, 'p' an int, whether true;
+ * 't' a tuple, 'O' any PyObject. An array holds *count * *each + more values; where *count is ANY_LENGTH, it is found. */
+typedef struct argument {
+    const char *name;
+    char kind;
+    void *to;
+    size_t *count, *each, more;
+} argument;
 
-/* Whether a tuple, not empty, begins with that word. */
-int is_kind(PyObject *tuple, const char *kind);
+#define ANY_LENGTH ((size_t)-1)
+#define VALUE(kind, to) {#to, kind, (void *)&(to), NULL, NULL, 0}
+#define ARRAY(kind, to, count) {#to, kind, (void *)&(to), &(count), NULL, 0}
+#define LONGER(kind, to, count, more) {#to, kind, (void *)&(to), &(count), NULL, more}
+#define MATRIX(kind, to, count, each) {#to, kind, (void *)&(to), &(count), &(each), 0}
+
+/* Takes a tuple by a table of its items; or those from the first on of a tuple of so many. */
+#define ROWS(...) sizeof((argument[]){__VA_ARGS__}) / sizeof(argument), (argument[]){__VA_ARGS__}
+#define TAKE(of, tuple, ...)                                                                       \
+    call_take(of, tuple, 0, sizeof((argument[]){__VA_ARGS__}) / sizeof(argument), ROWS(__VA_ARGS__))
+#define TAKE_SOME(of, tuple, first, size, ...) call_take(of, tuple, first, size, ROWS(__VA_ARGS__))
+void call_take(call *of, PyObject *tuple, size_t first, size_t size, size_t count, const argument *table);
+
+/* Item i of a tuple of so many. */
+PyObject *tuple_item(call *of, PyObject *tuple, size_t i, size_t size);
 
 /* Raises what a function of aoimpact.base.errors returns for the arguments, a tuple, which it takes over. */
-PyObject *raise_made(const char *maker, PyObject *arguments);
+void raise_made(const char *maker, PyObject *arguments);
 
-/* Raises the error of aoimpact.base.errors for a status: the table of the core's codes is there. raise_at: with the
- * state in which a law gave NaN, and the contact that failed, or -1. */
-PyObject *raise_status(int status, const char *what, double time);
-PyObject *raise_at(int status, const char *what, double time, double indentation, double rate,
-                   Py_ssize_t contact);
+/* Raises the error for a status: the table of the core's codes is in aoimpact.base.errors. With the state in which a
+ * law gave NaN, and the contact that failed, or -1. */
+void raise_at(int status, const char *what, double time, double indentation, double rate, Py_ssize_t contact);
 
-/* Releases the buffers; None, or NULL with an error raised. */
-PyObject *finish(buffer_list *buffers, int status, const char *what);
+/* Releases the buffers; what Py_BuildValue makes of the rest, or NULL with an error raised. */
+PyObject *finish(call *of, const char *what, const char *format, ...);
 
 /* ------------------------------------------------------------------ pause.c: signals */
 
@@ -83,27 +96,25 @@ void signal_check_regain(signal_check *signals);
 /* ------------------------------------------------------------------ tuples to structs */
 
 /* (name, parameters, compliance, limit, note, data), made by ContactLaw.for_core and read only here. */
-int take_law(buffer_list *buffers, PyObject *tuple, aoi_law *law);
+void take_law(call *of, PyObject *tuple, aoi_law *law);
 
 /* (first body, its port, second body, its port, gap, law), made by Contact.for_core; law is what it refers to. */
-int take_contact(buffer_list *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law);
+void take_contact(call *of, PyObject *tuple, aoi_contact *contact, aoi_law *law);
 
-/* raise_status for a run with count laws, any of which may have stopped it; what a law written in
- * Python has raised stays as it is. contact: which went deeper than its law holds, if that is the status.
- * The buffers must still be held. */
-PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law *law, size_t count,
-                        Py_ssize_t contact);
+/* Raises the error of a run's status, if it has one; of count laws any may have stopped it; what a law written in
+ * Python has raised stays as it is. contact: which failed. The buffers must still be held. */
+void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, size_t count, size_t contact);
 
 /* (start, indices, values) of a matrix of n rows. */
-int take_sparse(buffer_list *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix);
+void take_sparse(call *of, PyObject *tuple, size_t *n, aoi_sparse *matrix);
 
 /* (start, rows, values, pivots, place, panel); factors->work is there already. */
-int take_factors(buffer_list *buffers, PyObject *tuple, size_t n, aoi_factors *factors);
+void take_factors(call *of, PyObject *tuple, size_t n, aoi_factors *factors);
 
 /* What the tuple of a body holds, in this order; None for what there is not. Python makes it by these names, which it
  * has from _core.MODES. */
 #define MODES_PARTS(X)                                                                             \
-    X(omega) X(decay) X(shape) X(push) X(residual) X(gravity) X(inertia) X(centre)                 \
+    X(centre) X(shape) X(push) X(omega) X(decay) X(residual) X(gravity) X(inertia)                 \
     X(centre_residual) X(load_time) X(load_force) X(full)
 
 /* The matrices of a body and its factors. */
@@ -125,23 +136,26 @@ typedef struct taken {
 } taken;
 
 /* full: room for matrices, or NULL where a body with matrices is refused. */
-int take_body(buffer_list *buffers, PyObject *tuple, aoi_modes *body, taken_full *full, signal_check *signals);
+void take_body(call *of, PyObject *tuple, aoi_modes *body, taken_full *full, signal_check *signals);
 
 /* Bodies and contacts of two tuples, linked; made is empty before, and stays where it is. */
-int take_system(buffer_list *buffers, PyObject *bodies, PyObject *contacts, taken *made);
+void take_system(call *of, PyObject *bodies, PyObject *contacts, taken *made);
 void free_system(taken *made);
+
+/* malloc, zeroed, of count + 1; the call fails where there is no memory. */
+void *call_room(call *of, size_t count, size_t size);
 
 /* A track, and all that it takes to read it: what Python holds as a capsule. Only read once a run has written it, so that
  * threads may share it. */
 typedef struct kept_track {
-    buffer_list buffers;
+    call of; /* holds the buffers */
     taken made;
     aoi_track track;
     PyObject *bodies, *contacts;
 } kept_track;
 
-/* One without rows; NULL, or an error set, where it cannot be made. */
-kept_track *track_new(PyObject *bodies, PyObject *contacts, int *status);
+/* One without rows; NULL with an error set, or one whose call may have failed. */
+kept_track *track_new(PyObject *bodies, PyObject *contacts);
 
 /* The capsule, which takes it over and leaves NULL; NULL with an error raised. */
 PyObject *track_capsule(kept_track **kept);
@@ -150,53 +164,28 @@ void track_free(kept_track *kept);
 
 /* -------------------------------------- the module's functions, by file; module.c has their table */
 
-/* laws.c */
-PyObject *law_force(PyObject *self, PyObject *args);
-PyObject *law_potential(PyObject *self, PyObject *args);
+#define FUNCTIONS(X)                                                                               \
+    /* laws.c */                                                                                   \
+    X(law_force) X(law_potential)                                                                  \
+    /* reduce.c */                                                                                 \
+    X(static_constrained) X(static_free) X(constraint_project) X(constraint_reflector)             \
+    X(constraint_congruence) X(star_from_constraint_modes)                                         \
+    /* krylov.c */                                                                                 \
+    X(krylov_extend)                                                                               \
+    /* star.c */                                                                                   \
+    X(star_receptance) X(modal_receptance) X(star_to_modal) X(star_from_modal)                     \
+    /* sparse.c */                                                                                 \
+    X(factors_find_panels) X(factors_solve)                                                        \
+    /* multigrid.c */                                                                              \
+    X(blocks_pattern) X(blocks_multiply) X(blocks_subtract) X(blocks_smooth) X(graph_aggregate)    \
+    /* newmark.c, adaptive.c */                                                                    \
+    X(newmark) X(adaptive)                                                                         \
+    /* track.c */                                                                                  \
+    X(track_open) X(track_bytes) X(track_rows) X(track_sample) X(track_forces) X(track_states)     \
+    /* many.c */                                                                                   \
+    X(briefs)
 
-/* reduce.c */
-PyObject *static_constrained(PyObject *self, PyObject *args);
-PyObject *static_free(PyObject *self, PyObject *args);
-PyObject *constraint_project(PyObject *self, PyObject *args);
-PyObject *constraint_reflector(PyObject *self, PyObject *args);
-PyObject *constraint_congruence(PyObject *self, PyObject *args);
-PyObject *star_from_constraint_modes(PyObject *self, PyObject *args);
-
-/* krylov.c */
-PyObject *krylov_extend(PyObject *self, PyObject *args);
-
-/* star.c */
-PyObject *star_receptance(PyObject *self, PyObject *args);
-PyObject *modal_receptance(PyObject *self, PyObject *args);
-PyObject *star_to_modal(PyObject *self, PyObject *args);
-PyObject *star_from_modal(PyObject *self, PyObject *args);
-
-/* sparse.c */
-PyObject *factors_find_panels(PyObject *self, PyObject *args);
-PyObject *factors_solve(PyObject *self, PyObject *args);
-
-/* multigrid.c */
-PyObject *blocks_pattern(PyObject *self, PyObject *args);
-PyObject *blocks_multiply(PyObject *self, PyObject *args);
-PyObject *blocks_subtract(PyObject *self, PyObject *args);
-PyObject *blocks_smooth(PyObject *self, PyObject *args);
-PyObject *graph_aggregate(PyObject *self, PyObject *args);
-
-/* newmark.c */
-PyObject *newmark(PyObject *self, PyObject *args);
-
-/* adaptive.c */
-PyObject *adaptive(PyObject *self, PyObject *args);
-
-/* track.c */
-PyObject *track_open(PyObject *self, PyObject *args);
-PyObject *track_bytes(PyObject *self, PyObject *capsule);
-PyObject *track_rows(PyObject *self, PyObject *capsule);
-PyObject *track_sample(PyObject *self, PyObject *args);
-PyObject *track_forces(PyObject *self, PyObject *args);
-PyObject *track_states(PyObject *self, PyObject *args);
-
-/* many.c */
-PyObject *briefs(PyObject *self, PyObject *args);
+#define DECLARED(name) PyObject *name(PyObject *args);
+FUNCTIONS(DECLARED)
 
 #endif

@@ -54,74 +54,46 @@ static void drop_views(callable *solver)
     Py_XDECREF(solver->memory);
 }
 
-/* progress: the columns there are and the solves so far, written back on errors, too. */
-static int take_space(buffer_list *buffers, PyObject *args, aoi_krylov *space, callable *solver,
-                      int32_t **progress, size_t *wanted)
+/* (K, M, s2, solve, b, basis, stiffness, load, rigid, given, progress, wanted); progress: the columns there are and the
+ * solves so far, written back on errors, too. */
+PyObject *krylov_extend(PyObject *args)
 {
-    PyObject *K, *M, *b, *basis, *stiffness, *load, *reached;
-    size_t all = (size_t)-1, functionals = (size_t)-1, square, two = 2;
-    Py_ssize_t rigid, given, last;
-    if (!PyArg_ParseTuple(args, "O!O!dOOOOOnnOn", &PyTuple_Type, &K, &PyTuple_Type, &M, &space->s2,
-                          &solver->solve, &b, &basis, &stiffness, &load, &rigid, &given, &reached,
-                          &last)) {
-        buffers->failed = 1;
-        return AOI_OK;
-    }
-    need_tuple(buffers, K, 3);
-    *progress = buffers_take(buffers, reached, "progress", 'i', 1, &two);
-    const Py_ssize_t rows = buffers->failed ? 0 : PyObject_Length(PyTuple_GetItem(K, 0));
-    if (rows < 2 || rigid < 0 || given < rigid || last < 0 || (*progress)[0] < given ||
-        (*progress)[1] < 0) {
-        return AOI_ERROR_ARGUMENT;
-    }
-    size_t n = (size_t)rows - 1;
-    const int status = take_sparse(buffers, K, n, &space->K);
-    const int status_m = take_sparse(buffers, M, n, &space->M);
-    space->b = doubles(buffers, b, "b", &functionals);
-    space->basis = doubles_out(buffers, basis, "basis", &all);
-    space->capacity = all / n;
-    square = space->capacity * space->capacity;
-    space->stiffness = doubles_out(buffers, stiffness, "stiffness", &square);
-    space->load = doubles_out(buffers, load, "load", &n);
-    space->port_count = functionals / n;
-    space->rigid_count = (size_t)rigid;
-    space->given_count = (size_t)given;
-    space->count = (size_t)(*progress)[0];
-    space->next = (size_t)(*progress)[1];
-    *wanted = (size_t)last;
-    solver->bytes = n * sizeof(double);
-    if (functionals < n || functionals % n != 0 || all % n != 0 || space->count > space->capacity) {
-        return AOI_ERROR_ARGUMENT;
-    }
-    return status != AOI_OK ? status : status_m;
-}
-
-PyObject *krylov_extend(PyObject *self, PyObject *args)
-{
-    buffer_list buffers = {.failed = 0};
-    aoi_krylov space = {.s2 = 0.0};
+    call of = {.status = AOI_OK};
+    aoi_krylov space = {.port_count = ANY_LENGTH, .capacity = ANY_LENGTH};
     callable solver = {.solve = NULL};
-    int32_t *progress = NULL;
-    size_t wanted = 0;
-    (void)self;
-    int status = take_space(&buffers, args, &space, &solver, &progress, &wanted);
-    if (!buffers.failed && status == AOI_OK) {
+    PyObject *K = NULL, *M = NULL;
+    size_t n = ANY_LENGTH, wanted, two = 2;
+    int32_t *progress;
+    TAKE(&of, args, VALUE('t', K), VALUE('t', M), VALUE('x', space.s2), VALUE('O', solver.solve),
+         MATRIX('d', space.b, space.port_count, n), MATRIX('D', space.basis, space.capacity, n),
+         MATRIX('D', space.stiffness, space.capacity, space.capacity), ARRAY('D', space.load, n),
+         VALUE('n', space.rigid_count), VALUE('n', space.given_count), ARRAY('I', progress, two), VALUE('n', wanted));
+    take_sparse(&of, K, &n, &space.K);
+    take_sparse(&of, M, &n, &space.M);
+    if (of.status == AOI_OK &&
+        (n == 0 || space.port_count == 0 || (Py_ssize_t)wanted < 0 || progress[0] < 0 || progress[1] < 0 ||
+         space.given_count < space.rigid_count || (size_t)progress[0] < space.given_count ||
+         (size_t)progress[0] > space.capacity)) {
+        of.status = AOI_ERROR_ARGUMENT;
+    }
+    if (of.status == AOI_OK) {
+        space.count = (size_t)progress[0];
+        space.next = (size_t)progress[1];
         space.solver = (aoi_residual_solver){call_back, &solver};
+        solver.bytes = n * sizeof(double);
         make_views(&solver);
-        space.work = malloc(aoi_krylov_work_size(space.K.n, space.capacity) * sizeof(double));
-        if (!PyErr_Occurred() && space.work) {
+        space.work = call_room(&of, aoi_krylov_work_size(n, space.capacity), sizeof(double));
+        if (!PyErr_Occurred()) {
             signal_check_open(&solver.signals);
             space.pause = &solver.signals.pause;
             signal_check_release(&solver.signals);
-            status = aoi_krylov_extend(&space, wanted);
+            of.status = aoi_krylov_extend(&space, wanted);
             signal_check_regain(&solver.signals);
-        } else if (!PyErr_Occurred()) {
-            PyErr_NoMemory();
         }
         free(space.work);
         drop_views(&solver);
         progress[0] = (int32_t)space.count;
         progress[1] = (int32_t)space.next;
     }
-    return finish(&buffers, status, "Krylov subspace");
+    return finish(&of, "Krylov subspace", "");
 }

@@ -4,20 +4,6 @@
 
 #include <math.h>
 
-/* Numbers of a tuple; -1, with an error set, where it is none or they are too many. */
-static Py_ssize_t take_parameters(PyObject *tuple, double *parameter)
-{
-    const Py_ssize_t count = PyTuple_Check(tuple) ? PyTuple_Size(tuple) : AOI_LAW_PARAMETERS + 1;
-    if (count > AOI_LAW_PARAMETERS) {
-        PyErr_SetString(PyExc_TypeError, "a law's parameters are a tuple of a few numbers");
-        return -1;
-    }
-    for (Py_ssize_t i = 0; i < count; i++) {
-        parameter[i] = PyFloat_AsDouble(PyTuple_GetItem(tuple, i));
-    }
-    return PyErr_Occurred() ? -1 : count;
-}
-
 /* The value returned by a function of a law written in Python: a number that a double holds, not an array or a text. */
 static double number_of(PyObject *returned, double indentation, double rate)
 {
@@ -30,7 +16,7 @@ static double number_of(PyObject *returned, double indentation, double rate)
         }
         PyErr_Clear();
     }
-    (void)raise_made("law_result_error", Py_BuildValue("(Odd)", returned, indentation, rate));
+    raise_made("law_result_error", Py_BuildValue("(Odd)", returned, indentation, rate));
     return (double)NAN;
 }
 
@@ -54,18 +40,14 @@ static double call_python(void *data, int which, double indentation, double rate
 
 /* data: (functions, depends_on_rate, pulls, what to hold on to), functions a tuple of AOI_USER_FUNCTIONS callables or
  * addresses, None where there is none. */
-static int take_user_law(buffer_list *buffers, PyObject *data, aoi_law *law)
+static void take_user_law(call *of, PyObject *data, aoi_law *law)
 {
     aoi_user_law user = {.call = NULL};
-    need_tuple(buffers, data, 4);
-    PyObject *functions = buffers->failed ? NULL : PyTuple_GetItem(data, 0);
-    need_tuple(buffers, functions, AOI_USER_FUNCTIONS);
-    if (buffers->failed) {
-        return AOI_OK;
-    }
-    user.data = functions;
+    PyObject *functions = NULL, *held;
+    int depends, pulls;
+    TAKE(of, data, VALUE('t', functions), VALUE('p', depends), VALUE('p', pulls), VALUE('O', held));
     for (int i = 0; i < AOI_USER_FUNCTIONS; i++) {
-        PyObject *one = PyTuple_GetItem(functions, i);
+        PyObject *one = tuple_item(of, functions, (size_t)i, AOI_USER_FUNCTIONS);
         user.given[i] = one != Py_None;
         if (PyLong_Check(one)) {
             const uintptr_t address = (uintptr_t)PyLong_AsVoidPtr(one);
@@ -74,162 +56,144 @@ static int take_user_law(buffer_list *buffers, PyObject *data, aoi_law *law)
             user.call = call_python;
         }
     }
-    const int depends = PyObject_IsTrue(PyTuple_GetItem(data, 1));
-    const int pulls = PyObject_IsTrue(PyTuple_GetItem(data, 2));
-    return aoi_law_create_user(law, &user, depends != 0, pulls != 0);
+    user.data = functions;
+    if (of->status == AOI_OK) {
+        of->status = aoi_law_create_user(law, &user, depends, pulls);
+    }
 }
 
-static int take_named_law(buffer_list *buffers, PyObject *name, PyObject *parameters, aoi_law *law)
+static void take_table(call *of, PyObject *tuple, aoi_law *law)
 {
-    double parameter[AOI_LAW_PARAMETERS];
-    const Py_ssize_t count = take_parameters(parameters, parameter);
-    const char *text = count < 0 ? NULL : PyUnicode_AsUTF8AndSize(name, NULL);
-    if (!text) {
-        buffers->failed = 1;
-        return AOI_OK;
+    size_t points = ANY_LENGTH, columns = 4;
+    const double *table;
+    TAKE_SOME(of, tuple, 5, 6, MATRIX('d', table, points, columns));
+    if (of->status == AOI_OK) {
+        of->status = aoi_law_create_table(law, points, table);
     }
-    return aoi_law_create(law, text, (size_t)count, parameter);
 }
 
-int take_law(buffer_list *buffers, PyObject *tuple, aoi_law *law)
+static void take_named_law(call *of, PyObject *name, PyObject *parameters, aoi_law *law)
 {
-    size_t entries = AOI_LAW_NOTE, values = (size_t)-1;
-    int status;
-    need_tuple(buffers, tuple, 6);
-    if (buffers->failed) {
-        return AOI_OK;
+    double parameter[AOI_LAW_PARAMETERS + 1];
+    const size_t given = (size_t)PyTuple_Size(parameters), most = AOI_LAW_PARAMETERS + 1;
+    const size_t count = given < most ? given : most; /* too many are refused */
+    for (size_t i = 0; i < count; i++) {
+        parameter[i] = PyFloat_AsDouble(PyTuple_GetItem(parameters, (Py_ssize_t)i));
     }
-    PyObject *name = PyTuple_GetItem(tuple, 0), *data = PyTuple_GetItem(tuple, 5);
-    const double compliance = PyFloat_AsDouble(PyTuple_GetItem(tuple, 2));
-    const double limit = PyFloat_AsDouble(PyTuple_GetItem(tuple, 3));
-    double *note = doubles_out(buffers, PyTuple_GetItem(tuple, 4), "note", &entries);
-    if (is_kind(tuple, "user")) {
-        status = take_user_law(buffers, data, law);
-    } else if (is_kind(tuple, "table")) {
-        const double *table = doubles(buffers, data, "table", &values);
-        status = buffers->failed ? AOI_OK : aoi_law_create_table(law, values / 4, table);
+    const char *text = PyErr_Occurred() ? NULL : PyUnicode_AsUTF8AndSize(name, NULL);
+    call_fail(of, text ? aoi_law_create(law, text, count, parameter) : CALL_RAISED);
+}
+
+void take_law(call *of, PyObject *tuple, aoi_law *law)
+{
+    PyObject *name = NULL, *parameters = NULL, *data = NULL;
+    double compliance = 0.0, limit = 0.0, *note = NULL;
+    size_t entries = AOI_LAW_NOTE;
+    TAKE(of, tuple, VALUE('O', name), VALUE('t', parameters), VALUE('x', compliance), VALUE('x', limit),
+         ARRAY('D', note, entries), VALUE('O', data));
+    if (of->status != AOI_OK) {
+        return;
+    }
+    if (PyUnicode_Check(name) && PyUnicode_CompareWithASCIIString(name, "user") == 0) {
+        take_user_law(of, data, law);
+    } else if (PyUnicode_Check(name) && PyUnicode_CompareWithASCIIString(name, "table") == 0) {
+        take_table(of, tuple, law);
     } else {
-        status = buffers->failed
-                     ? AOI_OK
-                     : take_named_law(buffers, name, PyTuple_GetItem(tuple, 1), law);
+        take_named_law(of, name, parameters, law);
     }
-    law->compliance = compliance;
-    law->limit = limit;
-    law->note = note;
-    if (note) {
+    if (of->status == AOI_OK) {
+        law->compliance = compliance;
+        law->limit = limit;
+        law->note = note;
         note[0] = note[1] = (double)NAN;
+        of->status = aoi_law_check(law);
     }
-    if (buffers->failed || status != AOI_OK) {
-        return status;
-    }
-    return aoi_law_check(law);
 }
 
-int take_contact(buffer_list *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
+void take_contact(call *of, PyObject *tuple, aoi_contact *contact, aoi_law *law)
 {
-    need_tuple(buffers, tuple, 6);
-    if (buffers->failed) {
-        return AOI_OK;
-    }
-    for (Py_ssize_t i = 0; i < 2; i++) {
-        contact->body[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i));
-        contact->port[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i + 1));
-    }
-    contact->gap = PyFloat_AsDouble(PyTuple_GetItem(tuple, 4));
+    PyObject *described = NULL;
     contact->law = law;
-    if (PyErr_Occurred()) {
-        buffers->failed = 1;
-        return AOI_OK;
-    }
-    return take_law(buffers, PyTuple_GetItem(tuple, 5), law);
+    TAKE(of, tuple, VALUE('n', contact->body[0]), VALUE('n', contact->port[0]), VALUE('n', contact->body[1]),
+         VALUE('n', contact->port[1]), VALUE('x', contact->gap), VALUE('O', described));
+    take_law(of, described, law);
 }
 
-PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law *law, size_t count,
-                        Py_ssize_t contact)
+void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, size_t count, size_t contact)
 {
     double indentation = (double)NAN, rate = (double)NAN;
-    int why = AOI_ERROR_LAW;
-    if (PyErr_Occurred()) {
-        return NULL; /* what a law of the caller's raised, as it is */
+    int why = of->status;
+    if (PyErr_Occurred() || of->status == AOI_OK || of->status == CALL_RAISED) {
+        return;
     }
     for (size_t i = 0; i < count && isnan(indentation) && law[i].note; i++) {
         indentation = law[i].note[0];
         rate = law[i].note[1];
-        why = isnan(indentation) ? why : (int)law[i].note[2];
+        /* A NaN that the run only met as its own trouble. */
+        if (!isnan(indentation) && of->status != AOI_ERROR_PATCH && of->status != AOI_ERROR_ARGUMENT) {
+            why = (int)law[i].note[2];
+        }
     }
-    /* A NaN that the run only met as its own trouble. */
-    const int of_a_law = !isnan(indentation) && status != AOI_ERROR_PATCH &&
-                         status != AOI_ERROR_ARGUMENT;
-    return raise_at(of_a_law ? why : status, what, time, indentation, rate,
-                    status == AOI_ERROR_PATCH ? contact : -1);
+    raise_at(why, what, time, indentation, rate, of->status == AOI_ERROR_PATCH ? (Py_ssize_t)contact : -1);
+    of->status = CALL_RAISED;
 }
 
 /* Checks signals in every 4096th call; 0 where one has raised. */
 static int no_signal(size_t i) { return i % 4096 != 0 || PyErr_CheckSignals() == 0; }
 
-/* finish() for a status that may be the law's. */
-static PyObject *finish_law(buffer_list *buffers, int status, const aoi_law *law)
+static PyObject *finish_law(call *of, const aoi_law *law)
 {
-    if (!buffers->failed && status != AOI_OK && status != AOI_ERROR_ARGUMENT) {
-        (void)raise_of_laws(status, "contact law", -1.0, law, 1, -1);
-        buffers->failed = 1;
+    if (of->status != AOI_ERROR_ARGUMENT) {
+        raise_of_laws(of, "contact law", -1.0, law, 1, 0);
     }
-    return finish(buffers, status, "contact law");
+    return finish(of, "contact law", "");
 }
 
-PyObject *law_force(PyObject *self, PyObject *args)
+/* (law, indentation, rate, force, stiffness, damping, along); along: the indentations follow each other, and the law
+ * remembers them. */
+PyObject *law_force(PyObject *args)
 {
-    PyObject *law_in, *indentation_in, *rate_in, *force_out, *stiffness_out, *damping_out;
-    buffer_list buffers = {.failed = 0};
-    size_t n = (size_t)-1;
-    double memory[AOI_LAW_MEMORY] = {0.0};
-    int along; /* the indentations follow each other, and the law remembers them */
-    aoi_law law;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!OOOOOp", &PyTuple_Type, &law_in, &indentation_in, &rate_in,
-                          &force_out, &stiffness_out, &damping_out, &along)) {
-        return NULL;
-    }
-    int status = take_law(&buffers, law_in, &law);
-    const double *indentation = doubles(&buffers, indentation_in, "indentation", &n);
-    const double *rate = doubles(&buffers, rate_in, "rate", &n);
-    double *force = doubles_out(&buffers, force_out, "force", &n);
-    double *stiffness = doubles_out(&buffers, stiffness_out, "stiffness", &n);
-    double *damping = doubles_out(&buffers, damping_out, "damping", &n);
-    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n && no_signal(i); i++) {
+    call of = {.status = AOI_OK};
+    PyObject *described = NULL;
+    const double *indentation, *rate;
+    double *force, *stiffness, *damping, memory[AOI_LAW_MEMORY] = {0.0};
+    size_t n = ANY_LENGTH;
+    int along;
+    aoi_law law = {.note = NULL};
+    TAKE(&of, args, VALUE('t', described), ARRAY('d', indentation, n), ARRAY('d', rate, n), ARRAY('D', force, n),
+         ARRAY('D', stiffness, n), ARRAY('D', damping, n), VALUE('p', along));
+    take_law(&of, described, &law);
+    for (size_t i = 0; of.status == AOI_OK && i < n && no_signal(i); i++) {
         aoi_law_value value;
         aoi_law_push(&law, memory, indentation[i], rate[i], &value);
         force[i] = value.force;
         stiffness[i] = value.stiffness;
         damping[i] = value.damping;
         if (isnan(value.force)) {
-            status = AOI_ERROR_LAW;
+            of.status = AOI_ERROR_LAW;
         } else if (!aoi_law_stands(&law, memory, indentation[i], rate[i])) {
-            status = AOI_ERROR_PATCH;
+            of.status = AOI_ERROR_PATCH;
         } else if (along) {
             aoi_law_remember(&law, indentation[i], rate[i], memory);
         }
     }
-    return finish_law(&buffers, status, &law);
+    return finish_law(&of, &law);
 }
 
-PyObject *law_potential(PyObject *self, PyObject *args)
+/* (law, indentation, energy) */
+PyObject *law_potential(PyObject *args)
 {
-    PyObject *law_in, *indentation_in, *energy_out;
-    buffer_list buffers = {.failed = 0};
-    size_t n = (size_t)-1;
-    const double untouched[AOI_LAW_MEMORY] = {0.0};
-    aoi_law law;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!OO", &PyTuple_Type, &law_in, &indentation_in, &energy_out)) {
-        return NULL;
-    }
-    int status = take_law(&buffers, law_in, &law);
-    const double *indentation = doubles(&buffers, indentation_in, "indentation", &n);
-    double *energy = doubles_out(&buffers, energy_out, "energy", &n);
-    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n && no_signal(i); i++) {
+    call of = {.status = AOI_OK};
+    PyObject *described = NULL;
+    const double *indentation, untouched[AOI_LAW_MEMORY] = {0.0};
+    double *energy;
+    size_t n = ANY_LENGTH;
+    aoi_law law = {.note = NULL};
+    TAKE(&of, args, VALUE('t', described), ARRAY('d', indentation, n), ARRAY('D', energy, n));
+    take_law(&of, described, &law);
+    for (size_t i = 0; of.status == AOI_OK && i < n && no_signal(i); i++) {
         energy[i] = aoi_law_potential(&law, untouched, indentation[i]);
-        status = isnan(energy[i]) ? AOI_ERROR_LAW : AOI_OK;
+        of.status = isnan(energy[i]) ? AOI_ERROR_LAW : AOI_OK;
     }
-    return finish_law(&buffers, status, &law);
+    return finish_law(&of, &law);
 }

@@ -41,30 +41,22 @@ typedef struct work {
     size_t v_count, memory_size;
 } work;
 
-static int take_cases(buffer_list *buffers, PyObject *bodies, PyObject *moving, PyObject *laws, cases *of)
+static void take_cases(call *of, PyObject *bodies, PyObject *moving, PyObject *laws, cases *made)
 {
-    int status = AOI_OK;
-    of->body_count = (size_t)PyTuple_Size(bodies);
-    of->law_count = (size_t)PyTuple_Size(laws);
-    of->body = calloc(of->body_count + 1, sizeof *of->body);
-    of->moving = calloc(of->body_count + 1, sizeof *of->moving);
-    of->law = calloc(of->law_count + 1, sizeof *of->law);
-    if (!of->body || !of->moving || !of->law) {
-        buffers->failed = 1;
-        PyErr_NoMemory();
-        return AOI_OK;
+    made->body_count = of->status == AOI_OK ? (size_t)PyTuple_Size(bodies) : 0;
+    made->law_count = of->status == AOI_OK ? (size_t)PyTuple_Size(laws) : 0;
+    made->body = call_room(of, made->body_count, sizeof *made->body);
+    made->moving = call_room(of, made->body_count, sizeof *made->moving);
+    made->law = call_room(of, made->law_count, sizeof *made->law);
+    for (size_t b = 0; b < made->body_count && of->status == AOI_OK; b++) {
+        aoi_modes *body = &made->body[b];
+        take_body(of, tuple_item(of, bodies, b, made->body_count), body, NULL, NULL);
+        TAKE_SOME(of, moving, b, made->body_count, ARRAY('d', made->moving[b], body->n));
+        call_fail(of, body->ports == 1 ? AOI_OK : AOI_ERROR_ARGUMENT);
     }
-    need_tuple(buffers, moving, (Py_ssize_t)of->body_count);
-    for (size_t b = 0; b < of->body_count && !buffers->failed && status == AOI_OK; b++) {
-        status = take_body(buffers, PyTuple_GetItem(bodies, (Py_ssize_t)b), &of->body[b], NULL, NULL);
-        size_t n = of->body[b].n;
-        of->moving[b] = doubles(buffers, PyTuple_GetItem(moving, (Py_ssize_t)b), "moving", &n);
-        status = of->body[b].ports == 1 ? status : AOI_ERROR_ARGUMENT;
+    for (size_t c = 0; c < made->law_count && of->status == AOI_OK; c++) {
+        take_law(of, tuple_item(of, laws, c, made->law_count), &made->law[c]);
     }
-    for (size_t c = 0; c < of->law_count && !buffers->failed && status == AOI_OK; c++) {
-        status = take_law(buffers, PyTuple_GetItem(laws, (Py_ssize_t)c), &of->law[c]);
-    }
-    return status;
 }
 
 /* AOI_ERROR_ARGUMENT where a case names what is not there. */
@@ -172,36 +164,24 @@ static int make_all(const cases *of, size_t count, const int32_t *which, const d
 }
 
 /* (bodies, moving, laws, which (count, 3), numbers (count, 4), answers (count, 10)) */
-PyObject *briefs(PyObject *self, PyObject *args)
+PyObject *briefs(PyObject *args)
 {
-    PyObject *bodies, *moving, *laws, *which_in, *numbers_in, *answers_out;
-    buffer_list buffers = {.failed = 0};
-    cases of = {.body = NULL};
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!O!OOO", &PyTuple_Type, &bodies, &PyTuple_Type, &moving,
-                          &PyTuple_Type, &laws, &which_in, &numbers_in, &answers_out)) {
-        return NULL;
-    }
-    size_t values = (size_t)-1;
-    double *answers = doubles_out(&buffers, answers_out, "answers", &values);
-    const size_t count = buffers.failed ? 0 : values / ANSWER_COLUMNS;
-    size_t triples = 3 * count, quadruples = CASE_COLUMNS * count;
-    const int32_t *which = integers(&buffers, which_in, "which", &triples);
-    const double *numbers = doubles(&buffers, numbers_in, "numbers", &quadruples);
-    int status = take_cases(&buffers, bodies, moving, laws, &of);
-    if (!buffers.failed && status == AOI_OK) {
-        status = values % ANSWER_COLUMNS == 0 ? check_cases(&of, count, which) : AOI_ERROR_ARGUMENT;
-    }
-    if (!buffers.failed && status == AOI_OK && !make_all(&of, count, which, numbers, answers)) {
+    call of = {.status = AOI_OK};
+    PyObject *bodies = NULL, *moving = NULL, *laws = NULL;
+    cases made = {.body = NULL};
+    size_t count = ANY_LENGTH, three = 3, columns = CASE_COLUMNS, answered = ANSWER_COLUMNS;
+    const int32_t *which;
+    const double *numbers;
+    double *answers;
+    TAKE(&of, args, VALUE('t', bodies), VALUE('t', moving), VALUE('t', laws), MATRIX('i', which, count, three),
+         MATRIX('d', numbers, count, columns), MATRIX('D', answers, count, answered));
+    take_cases(&of, bodies, moving, laws, &made);
+    if (of.status == AOI_OK && (of.status = check_cases(&made, count, which)) == AOI_OK &&
+        !make_all(&made, count, which, numbers, answers)) {
         PyErr_NoMemory();
     }
-    free(of.body);
-    free((void *)of.moving);
-    free(of.law);
-    PyObject *done = finish(&buffers, status, "many impacts");
-    if (done && PyErr_Occurred()) {
-        Py_DECREF(done);
-        return NULL;
-    }
-    return done;
+    free(made.body);
+    free((void *)made.moving);
+    free(made.law);
+    return finish(&of, "many impacts", "");
 }

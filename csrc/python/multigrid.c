@@ -8,14 +8,14 @@ static const char PATTERN[] = "aoimpact pattern of blocks";
 
 /* What has been checked once, for all calls, of which each reads the matrix once. */
 typedef struct pattern {
-    buffer_list buffers;
+    call of; /* holds the buffers */
     aoi_blocks matrix;
     size_t stored;
 } pattern;
 
 static void pattern_free(pattern *made)
 {
-    buffers_release(&made->buffers);
+    call_release(&made->of);
     free(made);
 }
 
@@ -24,41 +24,24 @@ static void pattern_end(PyObject *capsule)
     pattern_free(PyCapsule_GetPointer(capsule, PATTERN));
 }
 
-static int pattern_check(pattern *made, PyObject *order_in, PyObject *start_in, PyObject *indices_in)
+/* (order, row starts, indices, size) */
+PyObject *blocks_pattern(PyObject *args)
 {
-    size_t rows = (size_t)-1, starts = (size_t)-1;
-    aoi_blocks *matrix = &made->matrix;
-    made->stored = (size_t)-1;
-    matrix->order = integers(&made->buffers, order_in, "order", &rows);
-    matrix->start = integers(&made->buffers, start_in, "row starts", &starts);
-    matrix->indices = integers(&made->buffers, indices_in, "indices", &made->stored);
-    matrix->n = rows;
-    if (made->buffers.failed) {
-        return AOI_OK;
-    }
-    return starts == rows + 1 ? aoi_blocks_check(matrix, (aoi_part){0, rows}, made->stored)
-                              : AOI_ERROR_ARGUMENT;
-}
-
-PyObject *blocks_pattern(PyObject *self, PyObject *args)
-{
-    PyObject *order_in, *start_in, *indices_in;
-    int size;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOOi", &order_in, &start_in, &indices_in, &size)) {
-        return NULL;
-    }
+    PyObject *capsule = NULL;
     pattern *made = calloc(1, sizeof *made);
     if (!made) {
         return PyErr_NoMemory();
     }
-    made->matrix.size = size > 0 ? (size_t)size : 0;
-    const int status = pattern_check(made, order_in, start_in, indices_in);
-    PyObject *capsule = NULL;
-    if (!made->buffers.failed && status != AOI_OK) {
-        raise_status(status, "pattern of blocks", -1.0);
-    } else if (!made->buffers.failed) {
+    call *of = &made->of;
+    aoi_blocks *matrix = &made->matrix;
+    matrix->n = made->stored = ANY_LENGTH;
+    TAKE(of, args, ARRAY('i', matrix->order, matrix->n), LONGER('i', matrix->start, matrix->n, 1),
+         ARRAY('i', matrix->indices, made->stored), VALUE('n', matrix->size));
+    if (of->status == AOI_OK &&
+        (of->status = aoi_blocks_check(matrix, (aoi_part){0, matrix->n}, made->stored)) == AOI_OK) {
         capsule = PyCapsule_New(made, PATTERN, pattern_end);
+    } else {
+        (void)finish(of, "pattern of blocks", "");
     }
     if (!capsule) {
         pattern_free(made);
@@ -66,172 +49,123 @@ PyObject *blocks_pattern(PyObject *self, PyObject *args)
     return capsule;
 }
 
-/* A call on some rows, in some stage. */
+/* A call on some rows. */
 typedef struct part_call {
-    buffer_list buffers;
+    call of;
     aoi_blocks matrix;
     aoi_part part;
-    int stage;
-    size_t length, entries;
+    size_t length, entries, works; /* a work array has n works numbers */
 } part_call;
 
-/* The pattern that a matrix, a tuple of so many, begins with. */
-static void take_pattern(part_call *call, PyObject *tuple, Py_ssize_t size)
+/* The first two of `size` items: a matrix, a tuple that begins with a pattern, and (begin, end). */
+static void take_part(part_call *all, PyObject *args, size_t size, size_t parts)
 {
-    need_tuple(&call->buffers, tuple, size);
-    const pattern *made =
-        call->buffers.failed ? NULL : PyCapsule_GetPointer(PyTuple_GetItem(tuple, 0), PATTERN);
-    if (!made) {
-        call->buffers.failed = 1;
+    call *of = &all->of;
+    PyObject *described = NULL, *rows = NULL;
+    TAKE_SOME(of, args, 0, size, VALUE('t', described), VALUE('t', rows));
+    PyObject *capsule = tuple_item(of, described, 0, parts);
+    const pattern *made = of->status == AOI_OK ? PyCapsule_GetPointer(capsule, PATTERN) : NULL;
+    call_fail(of, made ? AOI_OK : CALL_RAISED);
+    TAKE(of, rows, VALUE('n', all->part.begin), VALUE('n', all->part.end));
+    if (of->status != AOI_OK) {
         return;
     }
-    call->matrix = made->matrix;
-    call->length = made->matrix.n * made->matrix.size;
-    call->entries = made->stored * made->matrix.size * made->matrix.size;
-    if (call->part.begin > call->part.end || call->part.end > made->matrix.n) {
+    all->matrix = made->matrix;
+    all->length = made->matrix.n * made->matrix.size;
+    all->entries = made->stored * made->matrix.size * made->matrix.size;
+    all->works = AOI_BLOCKS_WORK * (made->matrix.size + 1);
+    if (all->part.begin > all->part.end || all->part.end > made->matrix.n) {
         PyErr_SetString(PyExc_ValueError, "a part must lie within the rows");
-        call->buffers.failed = 1;
+        call_fail(of, CALL_RAISED);
+    }
+    if (parts == 3) { /* (pattern, values, inverse) */
+        TAKE_SOME(of, described, 1, 3, ARRAY('f', all->matrix.values, all->entries),
+                  MATRIX('f', all->matrix.inverse, all->length, all->matrix.size));
     }
 }
 
-/* (pattern, values, inverse). */
-static void take_blocks(part_call *call, PyObject *tuple)
+/* A product has two stages. */
+static void need_stage(call *of, size_t stage)
 {
-    take_pattern(call, tuple, 3);
-    if (!call->buffers.failed) {
-        size_t diagonal = call->length * call->matrix.size;
-        call->matrix.values =
-            buffers_take(&call->buffers, PyTuple_GetItem(tuple, 1), "values", 'f', 0, &call->entries);
-        call->matrix.inverse =
-            buffers_take(&call->buffers, PyTuple_GetItem(tuple, 2), "inverse", 'f', 0, &diagonal);
-    }
-}
-
-/* Of a product, which has two. */
-static void need_stage(part_call *call)
-{
-    if (!call->buffers.failed && call->stage != 0 && call->stage != 1) {
+    if (of->status == AOI_OK && stage > 1) {
         PyErr_SetString(PyExc_ValueError, "a stage of a product must be 0 or 1");
-        call->buffers.failed = 1;
+        call_fail(of, CALL_RAISED);
     }
 }
 
-static void *take_work(part_call *call, PyObject *work_out, char type)
+/* (matrix, part, stage, x, y, work) */
+PyObject *blocks_multiply(PyObject *args)
 {
-    size_t length = AOI_BLOCKS_WORK * call->matrix.n * (call->matrix.size + 1);
-    return buffers_take(&call->buffers, work_out, "work", type, 1, &length);
-}
-
-/* (begin, end) of rows, for PyArg_ParseTuple; beyond all rows where a number is negative. */
-static int to_part(PyObject *object, void *found)
-{
-    Py_ssize_t begin, end;
-    aoi_part *part = found;
-    if (!PyTuple_Check(object)) {
-        PyErr_SetString(PyExc_TypeError, "a part must be a tuple (begin, end)");
-        return 0;
-    }
-    if (!PyArg_ParseTuple(object, "nn", &begin, &end)) {
-        return 0;
-    }
-    *part = (aoi_part){(size_t)begin, (size_t)end};
-    return 1;
-}
-
-PyObject *blocks_multiply(PyObject *self, PyObject *args)
-{
-    PyObject *matrix_in, *x_in, *y_out, *work_out;
-    part_call call = {.matrix.n = 0};
-    const double *values = NULL;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!O&iOOO", &PyTuple_Type, &matrix_in, to_part, &call.part, &call.stage,
-                          &x_in, &y_out, &work_out)) {
-        return NULL;
-    }
-    take_pattern(&call, matrix_in, 2);
-    need_stage(&call);
-    if (!call.buffers.failed) {
-        values = doubles(&call.buffers, PyTuple_GetItem(matrix_in, 1), "values", &call.entries);
-    }
-    const double *x = doubles(&call.buffers, x_in, "x", &call.length);
-    double *y = buffers_take(&call.buffers, y_out, "y", 'd', 1, &call.length);
-    double *work = take_work(&call, work_out, 'd');
-    if (!call.buffers.failed) {
+    part_call all = {.matrix.n = 0};
+    const double *values, *x;
+    double *y, *work;
+    size_t stage;
+    take_part(&all, args, 6, 2);
+    TAKE_SOME(&all.of, tuple_item(&all.of, args, 0, 6), 1, 2, ARRAY('d', values, all.entries));
+    TAKE_SOME(&all.of, args, 2, 6, VALUE('n', stage), ARRAY('d', x, all.length), ARRAY('D', y, all.length),
+              MATRIX('D', work, all.matrix.n, all.works));
+    need_stage(&all.of, stage);
+    if (all.of.status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
-        aoi_blocks_multiply(&call.matrix, call.part, call.stage, values, x, y, work);
+        aoi_blocks_multiply(&all.matrix, all.part, (int)stage, values, x, y, work);
         Py_END_ALLOW_THREADS
     }
-    return finish(&call.buffers, AOI_OK, "product of blocks");
+    return finish(&all.of, "product of blocks", "");
 }
 
-PyObject *blocks_subtract(PyObject *self, PyObject *args)
+/* (matrix, part, stage, x, r, work) */
+PyObject *blocks_subtract(PyObject *args)
 {
-    PyObject *matrix_in, *x_in, *r_out, *work_out;
-    part_call call = {.matrix.n = 0};
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!O&iOOO", &PyTuple_Type, &matrix_in, to_part, &call.part, &call.stage,
-                          &x_in, &r_out, &work_out)) {
-        return NULL;
-    }
-    take_blocks(&call, matrix_in);
-    need_stage(&call);
-    const float *x = buffers_take(&call.buffers, x_in, "x", 'f', 0, &call.length);
-    float *r = buffers_take(&call.buffers, r_out, "r", 'f', 1, &call.length);
-    float *work = take_work(&call, work_out, 'f');
-    if (!call.buffers.failed) {
+    part_call all = {.matrix.n = 0};
+    const float *x;
+    float *r, *work;
+    size_t stage;
+    take_part(&all, args, 6, 3);
+    TAKE_SOME(&all.of, args, 2, 6, VALUE('n', stage), ARRAY('f', x, all.length), ARRAY('F', r, all.length),
+              MATRIX('F', work, all.matrix.n, all.works));
+    need_stage(&all.of, stage);
+    if (all.of.status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
-        aoi_blocks_subtract(&call.matrix, call.part, call.stage, x, r, work);
+        aoi_blocks_subtract(&all.matrix, all.part, (int)stage, x, r, work);
         Py_END_ALLOW_THREADS
     }
-    return finish(&call.buffers, AOI_OK, "product of blocks");
+    return finish(&all.of, "product of blocks", "");
 }
 
-PyObject *blocks_smooth(PyObject *self, PyObject *args)
+/* (matrix, part, stage, steps, low, high, finish, x, r, work) */
+PyObject *blocks_smooth(PyObject *args)
 {
-    PyObject *matrix_in, *x_out, *r_out, *work_out;
-    part_call call = {.matrix.n = 0};
-    int steps, finished, status = AOI_OK;
+    part_call all = {.matrix.n = 0};
+    size_t stage, steps;
+    int finished;
     double low, high;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!O&iiddpOOO", &PyTuple_Type, &matrix_in, to_part, &call.part,
-                          &call.stage, &steps, &low, &high, &finished, &x_out, &r_out, &work_out)) {
-        return NULL;
+    float *x, *r, *work;
+    take_part(&all, args, 10, 3);
+    TAKE_SOME(&all.of, args, 2, 10, VALUE('n', stage), VALUE('n', steps), VALUE('x', low), VALUE('x', high),
+              VALUE('p', finished), ARRAY('F', x, all.length), ARRAY('F', r, all.length),
+              MATRIX('F', work, all.matrix.n, all.works));
+    if (all.of.status == AOI_OK && (Py_ssize_t)steps < 1) {
+        all.of.status = AOI_ERROR_ARGUMENT;
     }
-    take_blocks(&call, matrix_in);
-    float *x = buffers_take(&call.buffers, x_out, "x", 'f', 1, &call.length);
-    float *r = buffers_take(&call.buffers, r_out, "r", 'f', 1, &call.length);
-    float *work = take_work(&call, work_out, 'f');
-    if (!call.buffers.failed) {
+    if (all.of.status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
-        status = steps < 1 || call.stage < 0
-                     ? AOI_ERROR_ARGUMENT
-                     : aoi_blocks_smooth(&call.matrix, call.part, (size_t)call.stage, (size_t)steps, low,
-                                         high, finished, x, r, work);
+        all.of.status = aoi_blocks_smooth(&all.matrix, all.part, stage, steps, low, high, finished, x, r, work);
         Py_END_ALLOW_THREADS
     }
-    return finish(&call.buffers, status, "smoothing");
+    return finish(&all.of, "smoothing", "");
 }
 
-PyObject *graph_aggregate(PyObject *self, PyObject *args)
+/* (row starts, indices, aggregates) */
+PyObject *graph_aggregate(PyObject *args)
 {
-    PyObject *start_in, *indices_in, *aggregate_out;
-    buffer_list buffers = {.failed = 0};
-    size_t rows = (size_t)-1, stored = (size_t)-1, count = 0;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOO", &start_in, &indices_in, &aggregate_out)) {
-        return NULL;
+    call of = {.status = AOI_OK};
+    aoi_sparse graph = {.n = ANY_LENGTH};
+    size_t stored = ANY_LENGTH, count = 0;
+    int32_t *aggregate;
+    TAKE(&of, args, LONGER('i', graph.start, graph.n, 1), ARRAY('i', graph.indices, stored),
+         ARRAY('I', aggregate, graph.n));
+    if (of.status == AOI_OK && (of.status = aoi_sparse_check(&graph, stored)) == AOI_OK) {
+        count = aoi_graph_aggregate(graph.n, graph.start, graph.indices, aggregate);
     }
-    const int32_t *start = integers(&buffers, start_in, "row starts", &rows);
-    const int32_t *indices = integers(&buffers, indices_in, "indices", &stored);
-    size_t n = rows > 0 ? rows - 1 : 0;
-    int32_t *aggregate = buffers_take(&buffers, aggregate_out, "aggregates", 'i', 1, &n);
-    int status = AOI_OK;
-    if (!buffers.failed) {
-        const aoi_sparse graph = {n, start, indices, NULL};
-        status = rows > 0 ? aoi_sparse_check(&graph, stored) : AOI_ERROR_ARGUMENT;
-        count = status == AOI_OK ? aoi_graph_aggregate(n, start, indices, aggregate) : 0;
-    }
-    PyObject *done = finish(&buffers, status, "aggregation");
-    Py_XDECREF(done);
-    return done ? PyLong_FromSize_t(count) : NULL;
+    return finish(&of, "aggregation", "n", (Py_ssize_t)count);
 }

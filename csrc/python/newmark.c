@@ -33,55 +33,41 @@ static int run_in_pieces(aoi_newmark *run, taken *made, const aoi_rule *rule, co
 
 /* (bodies, contacts, dt, beta, gamma, x, v, force, force rate, record, energies); x and v are those of all bodies at
  * the start, and at the end. */
-PyObject *newmark(PyObject *self, PyObject *args)
+PyObject *newmark(PyObject *args)
 {
-    PyObject *bodies, *contacts, *x_io, *v_io, *force_in, *force_rate_in, *record_out;
-    buffer_list buffers = {.failed = 0};
+    call of = {.status = AOI_OK};
+    PyObject *bodies = NULL, *contacts = NULL;
     taken made = {.body = NULL};
     aoi_newmark *run = NULL;
     aoi_rule rule;
     aoi_start start = {.x = NULL};
     int energies;
-    size_t values = (size_t)-1, done = 0;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!dddOOOOOp", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts, &rule.dt,
-                          &rule.beta, &rule.gamma, &x_io, &v_io, &force_in, &force_rate_in,
-                          &record_out, &energies)) {
-        return NULL;
+    size_t columns = ANY_LENGTH, done = 0;
+    double *x, *v, *record;
+    TAKE_SOME(&of, args, 0, 11, VALUE('t', bodies), VALUE('t', contacts));
+    take_system(&of, bodies, contacts, &made);
+    if (of.status == AOI_OK) {
+        size_t all = made.system.first[made.system.body_count], rows = aoi_record_rows(&made.system);
+        TAKE_SOME(&of, args, 2, 11, VALUE('x', rule.dt), VALUE('x', rule.beta), VALUE('x', rule.gamma),
+                  ARRAY('D', x, all), ARRAY('D', v, all), ARRAY('o', start.force, made.system.contact_count),
+                  ARRAY('o', start.force_rate, made.system.contact_count), MATRIX('D', record, columns, rows),
+                  VALUE('p', energies));
+        run = call_room(&of, aoi_newmark_size(&made.system), 1);
     }
-    int status = take_system(&buffers, bodies, contacts, &made);
-    size_t all = made.system.first ? made.system.first[made.system.body_count] : (size_t)-1;
-    size_t count = made.system.contact_count;
-    double *x = doubles_out(&buffers, x_io, "x", &all), *v = doubles_out(&buffers, v_io, "v", &all);
-    start.x = x;
-    start.v = v;
-    start.force = doubles_or_none(&buffers, force_in, "force", &count);
-    start.force_rate = doubles_or_none(&buffers, force_rate_in, "force rate", &count);
-    double *record = doubles_out(&buffers, record_out, "record", &values);
-    if (!buffers.failed && status == AOI_OK) {
-        const size_t rows = aoi_record_rows(&made.system), columns = rows > 0 ? values / rows : 0;
-        run = calloc(1, aoi_newmark_size(&made.system));
-        if (!run) {
-            PyErr_NoMemory();
-        } else if (columns == 0 || columns * rows != values) {
-            status = AOI_ERROR_ARGUMENT;
-        } else {
-            status = run_in_pieces(run, &made, &rule, &start, energies, record, columns, &done);
+    if (run) {
+        start.x = x;
+        start.v = v;
+        of.status = run_in_pieces(run, &made, &rule, &start, energies, record, columns, &done);
+        const aoi_progress end = aoi_newmark_progress(run);
+        const size_t bytes = made.system.first[made.system.body_count] * sizeof(double);
+        if (of.status == AOI_OK && !PyErr_Occurred()) {
+            memcpy(x, end.x, bytes);
+            memcpy(v, end.v, bytes);
         }
-    }
-    const size_t failed = run ? aoi_newmark_progress(run).failed : 0;
-    if (run && status == AOI_OK && !PyErr_Occurred()) {
-        memcpy(x, aoi_newmark_progress(run).x, all * sizeof(double));
-        memcpy(v, aoi_newmark_progress(run).v, all * sizeof(double));
-    }
-    if (!buffers.failed && status != AOI_OK) {
-        raise_of_laws(status, "Newmark step", rule.dt * (double)(done + 1), made.law, count, (Py_ssize_t)failed);
+        raise_of_laws(&of, "Newmark step", rule.dt * (double)(done + 1), made.law, made.system.contact_count,
+                      end.failed);
     }
     free(run);
     free_system(&made);
-    PyObject *result = finish(&buffers, AOI_OK, "Newmark step");
-    if (result && PyErr_Occurred()) {
-        Py_CLEAR(result);
-    }
-    return result;
+    return finish(&of, "Newmark step", "");
 }

@@ -2,129 +2,89 @@
 #include "python/binding.h"
 #include "star/reduce.h"
 
-PyObject *static_constrained(PyObject *self, PyObject *args)
+PyObject *static_constrained(PyObject *args)
 {
-    PyObject *b_in, *x_out;
-    buffer_list buffers = {.failed = 0};
-    size_t n = (size_t)-1;
-    double stiffness = 0.0;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OO", &b_in, &x_out)) {
-        return NULL;
+    call of = {.status = AOI_OK};
+    size_t n = ANY_LENGTH;
+    const double *b;
+    double *x, stiffness = 0.0;
+    TAKE(&of, args, ARRAY('d', b, n), ARRAY('D', x, n));
+    if (of.status == AOI_OK) {
+        of.status = aoi_static_constrained(n, b, x, &stiffness);
     }
-    const double *b = doubles(&buffers, b_in, "b", &n);
-    double *x = doubles_out(&buffers, x_out, "x", &n);
-    const int status = buffers.failed ? AOI_OK : aoi_static_constrained(n, b, x, &stiffness);
-    PyObject *done = finish(&buffers, status, "static mode");
-    Py_XDECREF(done);
-    return done ? PyFloat_FromDouble(stiffness) : NULL;
+    return finish(&of, "static mode", "d", stiffness);
 }
 
-PyObject *static_free(PyObject *self, PyObject *args)
+PyObject *static_free(PyObject *args)
 {
-    PyObject *rigid_in, *b_in, *phi_out;
-    buffer_list buffers = {.failed = 0};
-    size_t n = (size_t)-1, all = (size_t)-1;
-    double mass = 0.0;
-    int status = AOI_OK;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOO", &rigid_in, &b_in, &phi_out)) {
-        return NULL;
+    call of = {.status = AOI_OK};
+    size_t n = ANY_LENGTH, count = ANY_LENGTH;
+    const double *rigid, *b;
+    double *phi_st, mass = 0.0;
+    TAKE(&of, args, MATRIX('d', rigid, count, n), ARRAY('d', b, n), ARRAY('D', phi_st, n));
+    if (of.status == AOI_OK) {
+        of.status = aoi_static_free(n, count, rigid, b, phi_st, &mass);
     }
-    const double *b = doubles(&buffers, b_in, "b", &n);
-    double *phi = doubles_out(&buffers, phi_out, "phi_st", &n);
-    const double *rigid = doubles(&buffers, rigid_in, "rigid modes", &all);
-    if (!buffers.failed) {
-        status = n > 0 && all % n == 0 ? aoi_static_free(n, all / n, rigid, b, phi, &mass)
-                                       : AOI_ERROR_ARGUMENT;
-    }
-    PyObject *done = finish(&buffers, status, "static mode");
-    Py_XDECREF(done);
-    return done ? PyFloat_FromDouble(mass) : NULL;
+    return finish(&of, "static mode", "d", mass);
 }
 
-PyObject *constraint_project(PyObject *self, PyObject *args)
+PyObject *constraint_project(PyObject *args)
 {
-    PyObject *b_in, *z_in, *x_out;
-    buffer_list buffers = {.failed = 0};
-    size_t n = (size_t)-1;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOO", &b_in, &z_in, &x_out)) {
-        return NULL;
+    call of = {.status = AOI_OK};
+    size_t n = ANY_LENGTH;
+    const double *b, *z;
+    double *x;
+    TAKE(&of, args, ARRAY('d', b, n), ARRAY('d', z, n), ARRAY('D', x, n));
+    if (of.status == AOI_OK) {
+        of.status = aoi_constraint_project(n, b, z, x);
     }
-    const double *b = doubles(&buffers, b_in, "b", &n);
-    const double *z = doubles(&buffers, z_in, "z", &n);
-    double *x = doubles_out(&buffers, x_out, "x", &n);
-    const int status = buffers.failed ? AOI_OK : aoi_constraint_project(n, b, z, x);
-    return finish(&buffers, status, "constraint modes");
+    return finish(&of, "constraint modes", "");
 }
 
-PyObject *constraint_reflector(PyObject *self, PyObject *args)
+PyObject *constraint_reflector(PyObject *args)
 {
-    PyObject *b_in, *h_out;
-    buffer_list buffers = {.failed = 0};
-    size_t n = (size_t)-1;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OO", &b_in, &h_out)) {
-        return NULL;
+    call of = {.status = AOI_OK};
+    size_t n = ANY_LENGTH;
+    const double *b;
+    double *h;
+    TAKE(&of, args, ARRAY('d', b, n), ARRAY('D', h, n));
+    if (of.status == AOI_OK) {
+        of.status = aoi_constraint_reflector(n, b, h);
     }
-    const double *b = doubles(&buffers, b_in, "b", &n);
-    double *h = doubles_out(&buffers, h_out, "h", &n);
-    const int status = buffers.failed ? AOI_OK : aoi_constraint_reflector(n, b, h);
-    return finish(&buffers, status, "constraint modes");
+    return finish(&of, "constraint modes", "");
 }
 
-PyObject *constraint_congruence(PyObject *self, PyObject *args)
+PyObject *constraint_congruence(PyObject *args)
 {
-    PyObject *h_in, *a_out, *work_out;
-    buffer_list buffers = {.failed = 0};
-    size_t n = (size_t)-1;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOO", &h_in, &a_out, &work_out)) {
-        return NULL;
-    }
-    const double *h = doubles(&buffers, h_in, "h", &n);
-    size_t square = n * n;
-    double *a = doubles_out(&buffers, a_out, "a", &square);
-    double *work = doubles_out(&buffers, work_out, "work", &n);
-    if (!buffers.failed) {
+    call of = {.status = AOI_OK};
+    size_t n = ANY_LENGTH;
+    const double *h;
+    double *a, *work;
+    TAKE(&of, args, ARRAY('d', h, n), MATRIX('D', a, n, n), ARRAY('D', work, n));
+    if (of.status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
         aoi_constraint_congruence(n, h, a, work);
         Py_END_ALLOW_THREADS
     }
-    return finish(&buffers, AOI_OK, "constraint modes");
+    return finish(&of, "constraint modes", "");
 }
 
-PyObject *star_from_constraint_modes(PyObject *self, PyObject *args)
+PyObject *star_from_constraint_modes(PyObject *args)
 {
-    PyObject *static_in, *m_static_in, *phi_in, *m_phi_in, *omega2_in, *m_out, *k_out, *c_out, *oscillator_out;
-    buffer_list buffers = {.failed = 0};
-    size_t count = (size_t)-1, n = (size_t)-1;
+    call of = {.status = AOI_OK};
+    size_t n = ANY_LENGTH, count = ANY_LENGTH;
     aoi_star star = {.n = 0};
-    double k0;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOdOOOOOOO", &static_in, &m_static_in, &k0, &phi_in, &m_phi_in, &omega2_in, &m_out,
-                          &k_out, &c_out, &oscillator_out)) {
-        return NULL;
-    }
-    const double *phi_st = doubles(&buffers, static_in, "phi_st", &n);
-    const double *m_phi_st = doubles(&buffers, m_static_in, "M phi_st", &n);
-    const double *omega2 = doubles(&buffers, omega2_in, "omega2", &count);
-    size_t all = n * count;
-    const double *phi = doubles(&buffers, phi_in, "phi", &all);
-    const double *m_phi = doubles(&buffers, m_phi_in, "M phi", &all);
-    double *m = doubles_out(&buffers, m_out, "m", &count);
-    double *k = doubles_out(&buffers, k_out, "k", &count);
-    double *c = doubles_out(&buffers, c_out, "c", &count);
-    int32_t *oscillator = buffers_take(&buffers, oscillator_out, "oscillator", 'i', 1, &count);
-    int status = AOI_OK;
-    if (!buffers.failed) {
+    const double *phi_st, *m_phi_st, *phi, *m_phi, *omega2;
+    double k0, *m, *k, *coefficient;
+    int32_t *oscillator;
+    TAKE(&of, args, ARRAY('d', phi_st, n), ARRAY('d', m_phi_st, n), VALUE('x', k0), MATRIX('d', phi, count, n),
+         MATRIX('d', m_phi, count, n), ARRAY('d', omega2, count), ARRAY('D', m, count), ARRAY('D', k, count),
+         ARRAY('D', coefficient, count), ARRAY('I', oscillator, count));
+    if (of.status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
-        status = aoi_star_from_constraint_modes(n, count, phi_st, m_phi_st, k0, phi, m_phi, omega2, &star, m, k, c,
-                                                oscillator);
+        of.status = aoi_star_from_constraint_modes(n, count, phi_st, m_phi_st, k0, phi, m_phi, omega2, &star, m, k,
+                                                   coefficient, oscillator);
         Py_END_ALLOW_THREADS
     }
-    PyObject *done = finish(&buffers, status, "anti-oscillators");
-    Py_XDECREF(done);
-    return done ? Py_BuildValue("nd", (Py_ssize_t)star.n, star.m0) : NULL;
+    return finish(&of, "anti-oscillators", "nd", (Py_ssize_t)star.n, star.m0);
 }

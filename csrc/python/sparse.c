@@ -2,84 +2,59 @@
 #include "python/binding.h"
 #include "linear/sparse.h"
 
-int take_sparse(buffer_list *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix)
+void take_sparse(call *of, PyObject *tuple, size_t *n, aoi_sparse *matrix)
 {
-    size_t rows = n + 1, stored = (size_t)-1;
-    need_tuple(buffers, tuple, 3);
-    if (buffers->failed) {
-        return AOI_OK;
+    size_t stored = ANY_LENGTH;
+    TAKE(of, tuple, LONGER('i', matrix->start, *n, 1), ARRAY('i', matrix->indices, stored),
+         ARRAY('d', matrix->values, stored));
+    matrix->n = *n;
+    if (of->status == AOI_OK) {
+        of->status = aoi_sparse_check(matrix, stored);
     }
-    matrix->n = n;
-    matrix->start = integers(buffers, PyTuple_GetItem(tuple, 0), "row starts", &rows);
-    matrix->values = doubles(buffers, PyTuple_GetItem(tuple, 2), "values", &stored);
-    matrix->indices = integers(buffers, PyTuple_GetItem(tuple, 1), "indices", &stored);
-    return buffers->failed ? AOI_OK : aoi_sparse_check(matrix, stored);
 }
 
-int take_factors(buffer_list *buffers, PyObject *tuple, size_t n, aoi_factors *factors)
+void take_factors(call *of, PyObject *tuple, size_t n, aoi_factors *factors)
 {
-    size_t columns = n + 1, stored = (size_t)-1, panels = (size_t)-1;
-    need_tuple(buffers, tuple, 6);
-    if (buffers->failed) {
-        return AOI_OK;
-    }
+    size_t stored = ANY_LENGTH;
     factors->n = n;
-    factors->start = integers(buffers, PyTuple_GetItem(tuple, 0), "column starts", &columns);
-    factors->values = doubles(buffers, PyTuple_GetItem(tuple, 2), "factor values", &stored);
-    factors->rows = integers(buffers, PyTuple_GetItem(tuple, 1), "factor rows", &stored);
-    factors->pivots = doubles(buffers, PyTuple_GetItem(tuple, 3), "pivots", &n);
-    factors->place = integers(buffers, PyTuple_GetItem(tuple, 4), "place", &n);
-    factors->panel = integers(buffers, PyTuple_GetItem(tuple, 5), "panels", &panels);
-    factors->panel_count = panels - 1;
-    if (!buffers->failed && panels < 1) {
-        return AOI_ERROR_ARGUMENT;
+    factors->panel_count = ANY_LENGTH;
+    TAKE(of, tuple, LONGER('i', factors->start, n, 1), ARRAY('i', factors->rows, stored),
+         ARRAY('d', factors->values, stored), ARRAY('d', factors->pivots, n), ARRAY('i', factors->place, n),
+         LONGER('i', factors->panel, factors->panel_count, 1));
+    if (of->status == AOI_OK) {
+        of->status = aoi_factors_check(factors, stored);
     }
-    return buffers->failed ? AOI_OK : aoi_factors_check(factors, stored);
 }
 
-PyObject *factors_find_panels(PyObject *self, PyObject *args)
+PyObject *factors_find_panels(PyObject *args)
 {
-    PyObject *start_in, *rows_in, *panel_out;
-    buffer_list buffers = {.failed = 0};
-    size_t columns = (size_t)-1, stored = (size_t)-1, count = 0;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOO", &start_in, &rows_in, &panel_out)) {
-        return NULL;
+    call of = {.status = AOI_OK};
+    aoi_sparse pattern = {.n = ANY_LENGTH};
+    size_t stored = ANY_LENGTH, count = 0;
+    int32_t *panel;
+    TAKE(&of, args, LONGER('i', pattern.start, pattern.n, 1), ARRAY('i', pattern.indices, stored),
+         LONGER('I', panel, pattern.n, 1));
+    if (of.status == AOI_OK && (of.status = aoi_sparse_check(&pattern, stored)) == AOI_OK) {
+        count = aoi_factors_find_panels(pattern.n, pattern.start, pattern.indices, panel);
     }
-    const int32_t *start = integers(&buffers, start_in, "column starts", &columns);
-    const int32_t *rows = integers(&buffers, rows_in, "factor rows", &stored);
-    int32_t *panel = buffers_take(&buffers, panel_out, "panels", 'i', 1, &columns);
-    int status = AOI_OK;
-    if (!buffers.failed) {
-        const aoi_sparse pattern = {columns > 0 ? columns - 1 : 0, start, rows, NULL};
-        status = columns > 0 ? aoi_sparse_check(&pattern, stored) : AOI_ERROR_ARGUMENT;
-        count = status == AOI_OK ? aoi_factors_find_panels(pattern.n, start, rows, panel) : 0;
-    }
-    PyObject *done = finish(&buffers, status, "factors");
-    Py_XDECREF(done);
-    return done ? PyLong_FromSize_t(count) : NULL;
+    return finish(&of, "factors", "n", (Py_ssize_t)count);
 }
 
-PyObject *factors_solve(PyObject *self, PyObject *args)
+PyObject *factors_solve(PyObject *args)
 {
-    PyObject *factors_in, *work_out, *x_out;
-    buffer_list buffers = {.failed = 0};
-    aoi_factors factors = {.n = 0};
-    size_t n = (size_t)-1;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "O!OO", &PyTuple_Type, &factors_in, &work_out, &x_out)) {
-        return NULL;
-    }
-    double *x = doubles_out(&buffers, x_out, "x", &n);
-    factors.work = doubles_out(&buffers, work_out, "work", &n);
-    int status = take_factors(&buffers, factors_in, n, &factors);
-    if (!buffers.failed && status == AOI_OK) {
-        signal_check signals;
+    call of = {.status = AOI_OK};
+    signal_check signals;
+    PyObject *described = NULL;
+    size_t n = ANY_LENGTH;
+    aoi_factors factors = {.pause = &signals.pause};
+    double *x;
+    TAKE(&of, args, VALUE('t', described), ARRAY('D', factors.work, n), ARRAY('D', x, n));
+    take_factors(&of, described, n, &factors);
+    if (of.status == AOI_OK) {
         signal_check_open(&signals);
-        factors.pause = &signals.pause;
         signal_check_release(&signals);
-        status = aoi_factors_solve(&factors, x);
+        of.status = aoi_factors_solve(&factors, x);
         signal_check_regain(&signals);
     }
-    return finish(&buffers, status, "back-substitution");
+    return finish(&of, "back-substitution", "");
 }

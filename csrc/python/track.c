@@ -15,7 +15,7 @@ static const char NAME[] = "aoimpact._core.track";
 void track_free(kept_track *kept)
 {
     if (kept) {
-        buffers_release(&kept->buffers);
+        call_release(&kept->of);
         free_system(&kept->made);
         free(kept->track.values);
         free(kept->track.row);
@@ -25,7 +25,7 @@ void track_free(kept_track *kept)
     }
 }
 
-kept_track *track_new(PyObject *bodies, PyObject *contacts, int *status)
+kept_track *track_new(PyObject *bodies, PyObject *contacts)
 {
     kept_track *kept = calloc(1, sizeof *kept);
     if (!kept) {
@@ -34,7 +34,7 @@ kept_track *track_new(PyObject *bodies, PyObject *contacts, int *status)
     }
     kept->bodies = Py_NewRef(bodies);
     kept->contacts = Py_NewRef(contacts);
-    *status = take_system(&kept->buffers, bodies, contacts, &kept->made);
+    take_system(&kept->of, bodies, contacts, &kept->made);
     return kept;
 }
 
@@ -54,34 +54,34 @@ PyObject *track_capsule(kept_track **kept)
     return capsule;
 }
 
+static void *copied(call *of, const char *bytes, Py_ssize_t size)
+{
+    void *copy = call_room(of, (size_t)size, 1);
+    return copy ? memcpy(copy, bytes, (size_t)size) : NULL;
+}
+
 /* (bodies, contacts, values, places): the track of track_bytes, checked. */
-PyObject *track_open(PyObject *self, PyObject *args)
+PyObject *track_open(PyObject *args)
 {
     PyObject *bodies, *contacts, *capsule = NULL;
     const char *values, *places;
     Py_ssize_t size, place_size;
-    int status;
-    (void)self;
     if (!PyArg_ParseTuple(args, "O!O!y#y#", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts, &values, &size, &places,
                           &place_size)) {
         return NULL;
     }
-    kept_track *kept = track_new(bodies, contacts, &status);
-    if (kept && status == AOI_OK && !PyErr_Occurred()) {
-        kept->track.used = (size_t)size / sizeof(double);
-        kept->track.rows = (size_t)place_size / sizeof(size_t);
-        kept->track.values = malloc((size_t)size + 1);
-        kept->track.row = malloc((size_t)place_size + 1);
-        if (kept->track.values && kept->track.row) {
-            memcpy(kept->track.values, values, (size_t)size);
-            memcpy(kept->track.row, places, (size_t)place_size);
-            status = aoi_track_check(&kept->made.system, &kept->track);
-        } else {
-            PyErr_NoMemory();
-        }
+    kept_track *kept = track_new(bodies, contacts);
+    if (!kept) {
+        return NULL;
     }
-    if (kept && !PyErr_Occurred()) {
-        capsule = status == AOI_OK ? track_capsule(&kept) : raise_status(status, "dense output", -1.0);
+    call *of = &kept->of;
+    kept->track = (aoi_track){.used = (size_t)size / sizeof(double), .rows = (size_t)place_size / sizeof(size_t)};
+    kept->track.values = copied(of, values, size);
+    kept->track.row = copied(of, places, place_size);
+    if (of->status == AOI_OK && (of->status = aoi_track_check(&kept->made.system, &kept->track)) == AOI_OK) {
+        capsule = track_capsule(&kept);
+    } else {
+        (void)finish(of, "dense output", "");
     }
     track_free(kept);
     return capsule;
@@ -102,27 +102,35 @@ static PyObject *bytes_of(const void *record, size_t size)
     return bytes;
 }
 
-PyObject *track_bytes(PyObject *self, PyObject *capsule)
+/* What a capsule holds; NULL where it is none. */
+static const kept_track *held(call *of, PyObject *capsule)
 {
-    const kept_track *kept = PyCapsule_GetPointer(capsule, NAME);
-    (void)self;
+    const kept_track *kept = of->status == AOI_OK ? PyCapsule_GetPointer(capsule, NAME) : NULL;
+    call_fail(of, kept ? AOI_OK : CALL_RAISED);
+    return kept;
+}
+
+PyObject *track_bytes(PyObject *args)
+{
+    call of = {.status = AOI_OK};
+    PyObject *capsule = NULL;
+    TAKE(&of, args, VALUE('O', capsule));
+    const kept_track *kept = held(&of, capsule);
     PyObject *values = kept ? bytes_of(kept->track.values, kept->track.used * sizeof(double)) : NULL;
     PyObject *places = values ? bytes_of(kept->track.row, kept->track.rows * sizeof(size_t)) : NULL;
-    if (!places) {
-        Py_XDECREF(values);
-        return NULL;
-    }
     return Py_BuildValue("NN", values, places);
 }
 
 /* Of each row when it starts, how long it lasts, s, and how many contacts it holds, as bytes of doubles. */
-PyObject *track_rows(PyObject *self, PyObject *capsule)
+PyObject *track_rows(PyObject *args)
 {
-    const kept_track *kept = PyCapsule_GetPointer(capsule, NAME);
-    (void)self;
-    double *made = kept ? malloc((3 * kept->track.rows + 1) * sizeof *made) : NULL;
+    call of = {.status = AOI_OK};
+    PyObject *capsule = NULL;
+    TAKE(&of, args, VALUE('O', capsule));
+    const kept_track *kept = held(&of, capsule);
+    double *made = call_room(&of, kept ? 3 * kept->track.rows : 0, sizeof *made);
     if (!made) {
-        return kept ? PyErr_NoMemory() : NULL;
+        return NULL;
     }
     for (size_t r = 0; r < kept->track.rows; r++) {
         const double *row = kept->track.values + kept->track.row[r];
@@ -139,6 +147,7 @@ PyObject *track_rows(PyObject *self, PyObject *capsule)
 
 /* What is read at each of many times; of a body, its state. */
 typedef struct reading {
+    const kept_track *kept;
     aoi_sampler *sampler;
     const double *time;
     double *out;
@@ -161,77 +170,63 @@ static void read_state(const reading *of, size_t i)
     aoi_sampler_state(of->sampler, of->time[i], of->body, of->out + i * of->width);
 }
 
-/* Reads a track at ascending times into an array of so many rows, or columns; between looks for signals without the
- * GIL. */
-static PyObject *read_track(PyObject *capsule, PyObject *times_in, PyObject *out, size_t rows,
-                            void (*read)(const reading *, size_t), reading of)
+/* Reads a track at ascending times into an array of so many rows, or columns, the item of args at a place of so many;
+ * between looks for signals without the GIL. */
+static PyObject *read_track(call *of, PyObject *args, size_t place, size_t size, size_t rows,
+                            void (*read)(const reading *, size_t), reading at)
 {
-    const kept_track *kept = PyCapsule_GetPointer(capsule, NAME);
-    buffer_list buffers = {.failed = 0};
-    int status = AOI_OK;
-    of.count = (size_t)-1;
-    of.time = doubles(&buffers, times_in, "times", &of.count);
-    size_t wanted = rows * of.count;
-    of.out = doubles_out(&buffers, out, "what is read", &wanted);
-    of.sampler = buffers.failed ? NULL : malloc(aoi_sampler_size(&kept->made.system));
-    if (of.sampler) {
-        status = aoi_sampler_start(of.sampler, &kept->made.system, &kept->track);
-    } else if (!buffers.failed) {
-        PyErr_NoMemory();
+    TAKE_SOME(of, args, place, size, MATRIX('D', at.out, at.count, rows));
+    at.sampler = call_room(of, at.kept ? aoi_sampler_size(&at.kept->made.system) : 0, 1);
+    if (at.sampler) {
+        of->status = aoi_sampler_start(at.sampler, &at.kept->made.system, &at.kept->track);
     }
-    for (size_t i = 0; of.sampler && status == AOI_OK && i < of.count && PyErr_CheckSignals() == 0;) {
+    for (size_t i = 0; of->status == AOI_OK && i < at.count && PyErr_CheckSignals() == 0;) {
         const double until = seconds_now() + SIGNAL_INTERVAL;
         Py_BEGIN_ALLOW_THREADS
-        for (; i < of.count && seconds_now() < until; i++) {
-            read(&of, i);
+        for (; i < at.count && seconds_now() < until; i++) {
+            read(&at, i);
         }
         Py_END_ALLOW_THREADS
     }
-    free(of.sampler);
-    return finish(&buffers, status, "dense output");
+    free(at.sampler);
+    return finish(of, "dense output", "");
 }
 
 /* (track, times, record, energies) */
-PyObject *track_sample(PyObject *self, PyObject *args)
+PyObject *track_sample(PyObject *args)
 {
-    PyObject *capsule, *times, *record;
-    reading of = {.energies = 0};
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOOp", &capsule, &times, &record, &of.energies)) {
-        return NULL;
-    }
-    const kept_track *kept = PyCapsule_GetPointer(capsule, NAME);
-    return kept ? read_track(capsule, times, record, aoi_record_rows(&kept->made.system), read_column, of) : NULL;
+    call of = {.status = AOI_OK};
+    PyObject *capsule = NULL, *record;
+    reading at = {.count = ANY_LENGTH};
+    TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('O', record), VALUE('p', at.energies));
+    at.kept = held(&of, capsule);
+    const size_t rows = at.kept ? aoi_record_rows(&at.kept->made.system) : 0;
+    return read_track(&of, args, 2, 4, rows, read_column, at);
 }
 
 /* (track, times, forces) */
-PyObject *track_forces(PyObject *self, PyObject *args)
+PyObject *track_forces(PyObject *args)
 {
-    PyObject *capsule, *times, *forces;
-    const reading of = {.energies = 0};
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOO", &capsule, &times, &forces)) {
-        return NULL;
-    }
-    const kept_track *kept = PyCapsule_GetPointer(capsule, NAME);
-    return kept ? read_track(capsule, times, forces, kept->made.system.contact_count, read_forces, of) : NULL;
+    call of = {.status = AOI_OK};
+    PyObject *capsule = NULL, *forces;
+    reading at = {.count = ANY_LENGTH};
+    TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('O', forces));
+    at.kept = held(&of, capsule);
+    return read_track(&of, args, 2, 3, at.kept ? at.kept->made.system.contact_count : 0, read_forces, at);
 }
 
 /* (track, times, body, states) */
-PyObject *track_states(PyObject *self, PyObject *args)
+PyObject *track_states(PyObject *args)
 {
-    PyObject *capsule, *times, *states;
-    reading of = {.energies = 0};
-    Py_ssize_t body;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOnO", &capsule, &times, &body, &states)) {
-        return NULL;
+    call of = {.status = AOI_OK};
+    PyObject *capsule = NULL, *states;
+    reading at = {.count = ANY_LENGTH};
+    TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('n', at.body), VALUE('O', states));
+    at.kept = held(&of, capsule);
+    if (at.kept && at.body >= at.kept->made.system.body_count) {
+        call_fail(&of, AOI_ERROR_ARGUMENT);
+    } else if (at.kept) {
+        at.width = 2 * at.kept->made.system.body[at.body].n;
     }
-    const kept_track *kept = PyCapsule_GetPointer(capsule, NAME);
-    if (kept && (body < 0 || (size_t)body >= kept->made.system.body_count)) {
-        return raise_status(AOI_ERROR_ARGUMENT, "dense output", -1.0);
-    }
-    of.body = (size_t)body;
-    of.width = kept ? 2 * kept->made.system.body[body].n : 0;
-    return kept ? read_track(capsule, times, states, of.width, read_state, of) : NULL;
+    return read_track(&of, args, 3, 4, at.width, read_state, at);
 }
