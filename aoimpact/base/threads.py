@@ -24,7 +24,7 @@ def at_once(calls: _Calls) -> None:
     some calls may not have been made.
     """
     inside = threading.current_thread().name.startswith(_PREFIX)
-    count = 1 if inside else min(_cores(), len(calls))
+    count = 1 if inside or len(calls) == 1 else min(_cores(), len(calls))
     if count <= 1:
         _one_by_one(calls)
         return

@@ -109,18 +109,19 @@ class Blocks:
     def multiply(self, x: FloatArray, work: FloatArray) -> FloatArray:
         """Return A x."""
         matrix, product = (self.pattern, self.values), np.empty_like(x)
-
-        def call(part: Part, stage: int) -> None:
-            _core.blocks_multiply(matrix, part, stage, x, product, work)
-
-        in_stages(2, self.parts, call)
+        in_stages(2, self.parts, _core.blocks_multiply, matrix, x, product, work)
         return product
 
 
-def in_stages(count: int, parts: list[Part], call: Callable[[Part, int], None]) -> None:
-    """Make a call for each part: none begins a stage before all have ended the last one."""
+def in_stages(
+    count: int, parts: list[Part], function: Callable[..., None], matrix: Any, *rest: Any
+) -> None:
+    """Call the core for each part: none begins a stage before all have ended the last one."""
     for stage in range(count):
-        at_once([partial(call, part, stage) for part in parts])
+        if len(parts) == 1:
+            function(matrix, parts[0], stage, *rest)
+        else:
+            at_once([partial(function, matrix, part, stage, *rest) for part in parts])
 
 
 def slabs(places: FloatArray, size: int) -> npt.NDArray[np.int64]:

@@ -90,14 +90,9 @@ class _Level:
     restriction: Any
     width: int  # of the vectors' rows: 3 where one weight serves all components of a node
 
-    def coarse(self, r: Single) -> Single:
-        return self._apply(self.restriction, r)
-
-    def fine(self, e: Single) -> Single:
-        return self._apply(self.prolongation, e)
-
-    def _apply(self, matrix: Any, x: Single) -> Single:
-        result: Single = matrix @ (x.reshape(-1, 3) if self.width == 3 else x)
+    def moved(self, x: Single, by: Any) -> Single:
+        """Return `x` on the next level by the restriction, or on this one by the prolongation."""
+        result: Single = by @ (x.reshape(-1, 3) if self.width == 3 else x)
         return result.reshape(-1)
 
 
@@ -296,7 +291,8 @@ class Multigrid:
         x = np.zeros_like(r)
         level.smoother.smooth(x, r, finish=True)
         self._shift(depth, x, r)
-        correction = level.fine(self._cycle(depth + 1, level.coarse(r)))
+        below = self._cycle(depth + 1, level.moved(r, level.restriction))
+        correction = level.moved(below, level.prolongation)
         x += correction
         level.smoother.subtract(correction, r)
         self._shift(depth, correction, r)

@@ -8,7 +8,7 @@ import scipy
 
 from .. import _core
 from ..base import FloatArray, SingularError
-from .blocks import Blocks, Part, in_stages
+from .blocks import Blocks, in_stages
 from .cg import inner
 
 __all__ = ["Smoother"]
@@ -63,20 +63,13 @@ class Smoother:
 
     def subtract(self, x: Single, r: Single) -> None:
         """Do r -= A x."""
-
-        def call(part: Part, stage: int) -> None:
-            _core.blocks_subtract(self._matrix, part, stage, x, r, self._work)
-
-        in_stages(2, self._parts, call)
+        in_stages(2, self._parts, _core.blocks_subtract, self._matrix, x, r, self._work)
 
     def smooth(self, x: Single, r: Single, *, finish: bool) -> None:
         """Improve `x` in place, r = f - A x; with `finish` that holds for `r` afterwards too."""
         band = self._lowest, self.highest
-
-        def call(part: Part, stage: int) -> None:
-            _core.blocks_smooth(self._matrix, part, stage, _STEPS, *band, finish, x, r, self._work)
-
-        in_stages(_STEPS + 1, self._parts, call)
+        others = _STEPS, *band, finish, x, r, self._work
+        in_stages(_STEPS + 1, self._parts, _core.blocks_smooth, self._matrix, *others)
 
     def _largest_eigenvalue(self, inverse: FloatArray, what: str) -> float:
         """λ_max of D⁻¹A by Lanczos' method, written as conjugate gradients."""
