@@ -21,8 +21,7 @@ Models, from a rigid mass to all finite elements
     AOModel, ModalModel, InterfaceModel, FullModel
 Contact laws
     Hertz, Linear, PowerLaw, Tabulated, UserLaw, ContactLaw
-    HuntCrossley, LankaraniNikravesh, Flores, Gonthier, HerbertMcWhannell, LeeWang, Tsuji,
-    KuwabaraKono, KelvinVoigt, Thornton, ElasticPlastic, YangSun; restitution
+    HuntCrossley, Tsuji, KuwabaraKono, KelvinVoigt, Thornton, ElasticPlastic, YangSun; restitution
 Impacts, scenes of many bodies, and what integrates them
     simulate, Scene, Handle; Adaptive, Newmark
     StressAt, StrainAt, AccelerationAt, ReactionAt

@@ -33,15 +33,10 @@ from .integrate import Adaptive as Adaptive
 from .integrate import Newmark as Newmark
 from .laws import ContactLaw as ContactLaw
 from .laws import ElasticPlastic as ElasticPlastic
-from .laws import Flores as Flores
-from .laws import Gonthier as Gonthier
-from .laws import HerbertMcWhannell as HerbertMcWhannell
 from .laws import Hertz as Hertz
 from .laws import HuntCrossley as HuntCrossley
 from .laws import KelvinVoigt as KelvinVoigt
 from .laws import KuwabaraKono as KuwabaraKono
-from .laws import LankaraniNikravesh as LankaraniNikravesh
-from .laws import LeeWang as LeeWang
 from .laws import Linear as Linear
 from .laws import PowerLaw as PowerLaw
 from .laws import Tabulated as Tabulated

@@ -50,18 +50,12 @@ double damped_damping(double d, double v) { return 0.2e10 * d * sqrt(d) + 0.0 * 
 def library() -> dict[str, ao.ContactLaw]:
     """Return one of every law, about as stiff as Hertz's at the depth of the impact."""
     depth = np.linspace(0.0, 1.0, 50) ** 1.5 * 1e-4
-    nominal = {"k": K, "restitution": 0.8, "velocity": VELOCITY}
     return {
         "PowerLaw n=1.5": ao.PowerLaw(K, 1.5),
         "PowerLaw n=1.7": ao.PowerLaw(7e10, 1.7),
         "Linear": ao.Linear(3e7),
         "HuntCrossley": ao.HuntCrossley(K, 0.2),
         "HuntCrossley n=1.7": ao.HuntCrossley(7e10, 0.2, 1.7),
-        "LankaraniNikravesh": ao.LankaraniNikravesh(**nominal),
-        "Flores": ao.Flores(**nominal),
-        "Gonthier": ao.Gonthier(**nominal),
-        "HerbertMcWhannell": ao.HerbertMcWhannell(**nominal),
-        "LeeWang": ao.LeeWang(**nominal),
         "Tsuji": ao.Tsuji.from_restitution(K, 0.8, MASS / 2),
         "KuwabaraKono": ao.KuwabaraKono.from_restitution(K, 0.8, VELOCITY, MASS / 2),
         "KelvinVoigt": ao.KelvinVoigt.from_restitution(3e7, 0.8, MASS / 2),

@@ -28,11 +28,6 @@ LAWS: dict[str, Callable[[float, float, float], ao.ContactLaw]] = {
     "HuntCrossley": lambda k, e, n: ao.HuntCrossley.from_restitution(
         k * 1e5 ** (n - 1.5), e, SPEED, n
     ),
-    "LankaraniNikravesh": lambda k, e, n: ao.LankaraniNikravesh(k * 1e5 ** (n - 1.5), e, SPEED, n),
-    "Flores": lambda k, e, n: ao.Flores(k * 1e5 ** (n - 1.5), e, SPEED, n),
-    "Gonthier": lambda k, e, n: ao.Gonthier(k * 1e5 ** (n - 1.5), e, SPEED, n),
-    "HerbertMcWhannell": lambda k, e, n: ao.HerbertMcWhannell(k * 1e5 ** (n - 1.5), e, SPEED, n),
-    "LeeWang": lambda k, e, n: ao.LeeWang(k * 1e5 ** (n - 1.5), e, SPEED, n),
     "Tsuji": lambda k, e, n: ao.Tsuji.from_restitution(k, e, MASS),
     "KuwabaraKono": lambda k, e, n: ao.KuwabaraKono(k, 1e-5 * (1.0 - e)),
     "KelvinVoigt": lambda k, e, n: ao.KelvinVoigt.from_restitution(3e-3 * k, e, MASS),

@@ -18,14 +18,9 @@ from .surfaces import LawFromSurfaces, law_between
 from .tabulated import Tabulated
 from .user import UserLaw
 from .viscous import (
-    Flores,
-    Gonthier,
-    HerbertMcWhannell,
     HuntCrossley,
     KelvinVoigt,
     KuwabaraKono,
-    LankaraniNikravesh,
-    LeeWang,
     Tsuji,
 )
 
@@ -35,17 +30,12 @@ __all__ = [
     "CoreLaw",
     "Dent",
     "ElasticPlastic",
-    "Flores",
-    "Gonthier",
-    "HerbertMcWhannell",
     "Hertz",
     "HertzianLaw",
     "HuntCrossley",
     "KelvinVoigt",
     "KuwabaraKono",
-    "LankaraniNikravesh",
     "LawFromSurfaces",
-    "LeeWang",
     "Linear",
     "PatchLaw",
     "PowerLaw",

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from ..base import InputError, nonnegative, positive, real
+from ..base import InputError, nonnegative, real
 from ..fem import Material
 from .curvature import (
     contact_modulus,
@@ -21,12 +21,19 @@ from .law import MOST_SHARE, ContactLaw, HertzianLaw
 __all__ = ["Hertz", "Linear", "PowerLaw", "exponent"]
 
 
-def exponent(value: Any) -> float:
+def exponent(name: str, value: Any, unit: str) -> float:
     """Return n of k δⁿ as a float, at least 1."""
-    n = real("n", value)
+    n = real(name, value)
     if n < 1.0:
-        raise InputError(f"n must be at least 1 (F would start with a jump), got {n:g}")
+        raise InputError(f"{name} must be at least 1 (F would start with a jump), got {n:g}")
     return n
+
+
+def _eccentricity(name: str, value: Any, unit: str) -> float:
+    eccentricity = nonnegative(name, value)
+    if eccentricity >= 1.0:
+        raise InputError(f"{name} must be in [0, 1), got {eccentricity:g}")
+    return eccentricity
 
 
 @dataclass(frozen=True, repr=False)
@@ -57,17 +64,7 @@ class Hertz(HertzianLaw):
     eccentricity: float = field(default=0.0, kw_only=True)
     _name = "hertz"
     _units: ClassVar[dict[str, str]] = {"relative_radius": "m", "eccentricity": ""}
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        eccentricity = nonnegative("eccentricity", self.eccentricity)
-        if eccentricity >= 1.0:
-            raise InputError(f"eccentricity must be in [0, 1), got {eccentricity:g}")
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
-        object.__setattr__(self, "eccentricity", eccentricity)
-
-    def _parameters(self) -> tuple[float, ...]:
-        return (self.k,)
+    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {"eccentricity": _eccentricity}
 
     def _steepest(self, compliance: float) -> float:
         """The own indentation at which c dF/dδ reaches the share allowed, in closed form."""
@@ -141,11 +138,8 @@ class PowerLaw(ContactLaw):
     k: float
     n: float
     _units: ClassVar[dict[str, str]] = {"n": ""}
+    _checks: ClassVar[dict[str, Any]] = {"n": exponent}
     _name = "power"
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^n"))
-        object.__setattr__(self, "n", exponent(self.n))
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.n)
@@ -169,9 +163,3 @@ class Linear(ContactLaw):
     k: float
     _name = "linear"
     _power = 1.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m"))
-
-    def _parameters(self) -> tuple[float, ...]:
-        return (self.k,)

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ..base import InputError, positive
 from .law import HertzianLaw
 
 __all__ = ["YangSun"]
+
+
+def _share(name: str, value: Any, unit: str) -> float | None:
+    if value is None:
+        return None
+    share = positive(name, value)
+    if share > 1.0:
+        raise InputError(f"{name} must be from above 0 to 1, got {share:g}")
+    return share
 
 
 @dataclass(frozen=True, repr=False)
@@ -53,20 +62,13 @@ class YangSun(HertzianLaw):
         "critical_indentation": "m",
         "beta": "",
     }
+    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {
+        "critical_indentation": positive,
+        "beta": _share,
+    }
     _name = "yang_sun"
     _has_memory = True
     _unloading_power = 2.5
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
-        critical = positive("critical_indentation", self.critical_indentation, unit="m")
-        object.__setattr__(self, "critical_indentation", critical)
-        if self.beta is not None:
-            beta = positive("beta", self.beta)
-            if beta > 1.0:
-                raise InputError(f"beta must be from above 0 to 1, got {beta:g}")
-            object.__setattr__(self, "beta", beta)
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.critical_indentation, self.beta or 0.0)

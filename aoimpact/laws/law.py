@@ -124,6 +124,8 @@ class ContactLaw:
     # Of the parameters, by name, for summaries; that of k follows from the power.
     _units: ClassVar[dict[str, str]] = {}
 
+    # Checks of parameters, by name and in their order; k is positive.
+    _checks: ClassVar[dict[str, Callable[..., Any]]] = {}
     # Of the indentation, where no parameter n says so.
     _power: ClassVar[float] = 1.5
 
@@ -132,6 +134,11 @@ class ContactLaw:
 
     # R, m, of a law with a contact radius, √(R δ).
     relative_radius: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, check in (self._checks | {"k": positive}).items():
+            unit = self.units["k"] if name == "k" else self._units[name]
+            object.__setattr__(self, name, check(name, getattr(self, name), unit=unit))
 
     @property
     def depends_on_rate(self) -> bool:
@@ -187,7 +194,7 @@ class ContactLaw:
 
     def _parameters(self) -> tuple[float, ...]:
         """Return what the core makes the law from, in the order of its row in csrc/law."""
-        raise NotImplementedError
+        return (self.k,)  # type: ignore[attr-defined]
 
     def _kind(self) -> str:
         """The core's name of the law."""
@@ -457,6 +464,15 @@ def loading_work(law: ContactLaw, indentation: float) -> float:
     return law._work(indentation)
 
 
+def _radius(name: str, value: Any, unit: str) -> float | None:
+    if value is None:
+        return None
+    radius = positive(name, value, unit=unit)
+    if radius > HUGE:
+        raise InputError(f"{name}={radius:g} m is larger than any body: give it in metres")
+    return radius
+
+
 @dataclass(frozen=True, repr=False)
 class HertzianLaw(ContactLaw):
     """A law that begins with Hertz's k δ^(3/2), and may know how wide its contact is.
@@ -469,15 +485,7 @@ class HertzianLaw(ContactLaw):
 
     relative_radius: float | None = field(default=None, kw_only=True)
     _units: ClassVar[dict[str, str]] = {"relative_radius": "m"}
-
-    def __post_init__(self) -> None:
-        if self.relative_radius is not None:
-            radius = positive("relative_radius", self.relative_radius, unit="m")
-            if radius > HUGE:
-                raise InputError(
-                    f"relative_radius={radius:g} m is larger than any body: give it in metres"
-                )
-            object.__setattr__(self, "relative_radius", radius)
+    _checks: ClassVar[dict[str, Any]] = {"relative_radius": _radius}
 
     def __repr__(self) -> str:
         values = {entry.name: getattr(self, entry.name) for entry in fields(self)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import scipy
 
@@ -66,17 +66,15 @@ class _Yielding(HertzianLaw):
     k: float
     yield_force: float
     _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"yield_force": "N"}
+    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {"yield_force": positive}
     _has_memory = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
-        force = positive("yield_force", self.yield_force, unit="N", infinite=False)
-        object.__setattr__(self, "yield_force", force)
         if not 0.0 < self.yield_indentation < math.inf:
             raise InputError(
-                f"k={self.k:g} N/m^1.5 and yield_force={force:g} N: the indentation of yield, "
-                "(F_y/k)^(2/3) m, is beyond the range of numbers"
+                f"k={self.k:g} N/m^1.5 and yield_force={self.yield_force:g} N: the indentation of "
+                "yield, (F_y/k)^(2/3) m, is beyond the range of numbers"
             )
 
     @property
@@ -236,12 +234,15 @@ class ElasticPlastic(_Yielding):
     hardness: float
     relative_radius: float = field(kw_only=True)
     _units: ClassVar[dict[str, str]] = _Yielding._units | {"hardness": "Pa"}
+    _checks: ClassVar[dict[str, Any]] = _Yielding._checks | {
+        "relative_radius": positive,
+        "hardness": positive,
+    }
     _name = "elastic_plastic"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        radius = positive("relative_radius", self.relative_radius, unit="m")
-        object.__setattr__(self, "hardness", positive("hardness", self.hardness, unit="Pa"))
+        radius = self.relative_radius
         # Hertz's largest pressure is 3 F/(2 π R δ).
         pressure = 1.5 / math.pi * self.k * math.sqrt(self.yield_indentation) / radius
         given = (

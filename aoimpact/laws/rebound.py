@@ -96,7 +96,7 @@ def hunt_crossley_restitution(damping: float) -> float:
     u - log(1+u) = -u e - log(1 - u e), u = χ V: from the energy in the phase plane; the Lambert W
     form of it is e = (1 + W(-(1+u) exp(-(1+u)))) / u.
     """
-    if damping == 0.0:
+    if damping < 1e-17:  # e = 1 - 2/3 χ V to first order
         return 1.0
     wanted = _lead(damping)
 

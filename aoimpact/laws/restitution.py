@@ -45,7 +45,7 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
 
     Examples
     --------
-    >>> published = ao.Flores(k=1e9, restitution=0.5, velocity=1.0)
+    >>> published = ao.HuntCrossley.from_restitution(1e9, 0.5, velocity=1.0, formula="flores")
     >>> round(ao.restitution(published, mass=0.01, velocity=1.0), 4)
     0.4704
     >>> law = ao.HuntCrossley.from_restitution(k=1e9, restitution=0.5, velocity=1.0)

@@ -7,6 +7,7 @@ the force does. `from_restitution` finds the damping for which a rigid pair has 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -24,17 +25,7 @@ from .rebound import (
     swing_restitution,
 )
 
-__all__ = [
-    "Flores",
-    "Gonthier",
-    "HerbertMcWhannell",
-    "HuntCrossley",
-    "KelvinVoigt",
-    "KuwabaraKono",
-    "LankaraniNikravesh",
-    "LeeWang",
-    "Tsuji",
-]
+__all__ = ["HuntCrossley", "KelvinVoigt", "KuwabaraKono", "Tsuji"]
 
 
 # Of a smaller share of the approach, velocities of 16 digits leave less than four.
@@ -54,28 +45,18 @@ def _restitution_of(value: Any) -> float:
     return e
 
 
-class _Hysteretic(HertzianLaw):
-    """F = k δⁿ (1 + χ δ̇), however χ comes about."""
-
-    k: float
-    n: float
-    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"n": ""}
-    _name = "hunt_crossley"
-    _depends_on_rate = True
-
-    def _chi(self) -> float:
-        """χ, s/m."""
-        raise NotImplementedError
-
-    def _parameters(self) -> tuple[float, ...]:
-        return (self.k, self._chi(), self.n)
-
-    def rigid_restitution(self, mass: float, velocity: float) -> float:
-        return hunt_crossley_restitution(self._chi() * positive("velocity", velocity, unit="m/s"))
+# χ V of a nominal restitution e by published formulas.
+_FORMULAS: dict[str, Callable[[float], float]] = {
+    "lankarani-nikravesh": lambda e: 0.75 * (1.0 - e) * (1.0 + e),
+    "flores": lambda e: 1.6 * (1.0 - e) / e,
+    "gonthier": lambda e: (1.0 - e) * (1.0 + e) / e,
+    "herbert-mcwhannell": lambda e: 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0),
+    "lee-wang": lambda e: 0.75 * (1.0 - e),
+}
 
 
 @dataclass(frozen=True, repr=False)
-class HuntCrossley(_Hysteretic):
+class HuntCrossley(HertzianLaw):
     """F = k δⁿ (1 + χ δ̇).
 
     K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975) 440-445, with any χ (theirs was
@@ -102,16 +83,13 @@ class HuntCrossley(_Hysteretic):
     k: float
     damping: float
     n: float = 1.5
-    _units: ClassVar[dict[str, str]] = _Hysteretic._units | {"damping": "s/m"}
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^n"))
-        object.__setattr__(self, "damping", nonnegative("damping", self.damping, unit="s/m"))
-        object.__setattr__(self, "n", exponent(self.n))
-
-    def _chi(self) -> float:
-        return self.damping
+    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"n": "", "damping": "s/m"}
+    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {
+        "n": exponent,
+        "damping": nonnegative,
+    }
+    _name = "hunt_crossley"
+    _depends_on_rate = True
 
     @classmethod
     def from_restitution(
@@ -121,11 +99,14 @@ class HuntCrossley(_Hysteretic):
         velocity: float,
         n: float = 1.5,
         *,
+        formula: str | None = None,
         relative_radius: float | None = None,
     ) -> HuntCrossley:
         """Return the law with which a rigid pair at `velocity` delivers `restitution`.
 
-        χ V (1 + e) = log((1 + χ V) / (1 - χ V e)), whatever the masses, k and n.
+        χ V (1 + e) = log((1 + χ V) / (1 - χ V e)), whatever the masses, k and n. Published formulas
+        approximate χ V. With them a rigid pair delivers another restitution than the nominal e,
+        the further from it the smaller it is; `aoimpact.restitution` computes it.
 
         Parameters
         ----------
@@ -136,167 +117,34 @@ class HuntCrossley(_Hysteretic):
         velocity : float
             Of approach, V, m/s.
         n, relative_radius : float, optional
+        formula : str, optional
+            "lankarani-nikravesh": χ V = 3 (1 - e²)/4 (J. Mech. Des. 112 (1990) 369-376);
+            "flores": 8 (1 - e)/(5 e) (Multibody Syst. Dyn. 25 (2011) 357-375); "gonthier":
+            (1 - e²)/e (Multibody Syst. Dyn. 11 (2004) 209-233); "herbert-mcwhannell":
+            6 (1 - e)/((2e - 1)² + 3) (J. Eng. Ind. 99 (1977) 270-275); "lee-wang": 3 (1 - e)/4
+            (J. Mech. Transm. Autom. Des. 105 (1983) 534-543).
 
         Examples
         --------
         >>> law = ao.HuntCrossley.from_restitution(1e9, 0.5, velocity=1.0)
         >>> round(ao.restitution(law, mass=0.1, velocity=1.0), 6)
         0.5
+        >>> law = ao.HuntCrossley.from_restitution(1e9, 0.5, velocity=1.0, formula="flores")
+        >>> round(ao.restitution(law, mass=0.1, velocity=1.0), 2)
+        0.47
         """
-        damping = hunt_crossley_damping(_restitution_of(restitution))
-        chi = damping / positive("velocity", velocity, unit="m/s")
-        return cls(k, chi, n, relative_radius=relative_radius)
+        e, speed = _restitution_of(restitution), positive("velocity", velocity, unit="m/s")
+        if formula is None:
+            product = hunt_crossley_damping(e)
+        else:
+            product = _FORMULAS[choice("formula", formula, tuple(_FORMULAS))](e)
+        return cls(k, product / speed, n, relative_radius=relative_radius)
 
+    def _parameters(self) -> tuple[float, ...]:
+        return (self.k, self.damping, self.n)
 
-@dataclass(frozen=True, repr=False)
-class _Nominal(_Hysteretic):
-    """F = k δⁿ (1 + χ δ̇) with χ V a formula in the nominal restitution.
-
-    Parameters
-    ----------
-    k : float
-        N/mⁿ, positive.
-    restitution : float
-        The nominal e, above 0 and at most 1.
-    velocity : float
-        Of approach, V, m/s, positive: for other velocities the law is the same, and its
-        restitution another.
-    n : float, optional
-        Exponent, at least 1.
-    relative_radius : float, optional
-        As of `Hertz`.
-    """
-
-    k: float
-    restitution: float
-    velocity: float
-    n: float = 1.5
-    _units: ClassVar[dict[str, str]] = _Hysteretic._units | {"restitution": "", "velocity": "m/s"}
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^n"))
-        object.__setattr__(self, "restitution", _restitution_of(self.restitution))
-        object.__setattr__(self, "velocity", positive("velocity", self.velocity, unit="m/s"))
-        object.__setattr__(self, "n", exponent(self.n))
-
-    @staticmethod
-    def _factor(e: float) -> float:
-        """χ V."""
-        raise NotImplementedError
-
-    @property
-    def damping(self) -> float:
-        """χ, s/m."""
-        return self._factor(self.restitution) / self.velocity
-
-    def _chi(self) -> float:
-        return self.damping
-
-
-_PARAMETERS = (_Nominal.__doc__ or "").partition("\n\n")[2]
-
-
-class LankaraniNikravesh(_Nominal):
-    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = 3 (1 - e²) / (4 V), as published.
-
-    H. M. Lankarani, P. E. Nikravesh, J. Mech. Des. 112 (1990) 369-376. A rigid pair delivers
-    another restitution than the nominal one, the further from it the smaller it is: see
-    `restitution`.
-
-{_PARAMETERS}
-
-    Examples
-    --------
-    >>> law = ao.LankaraniNikravesh(k=1e9, restitution=0.9, velocity=1.0)
-    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
-    0.913
-    """
-
-    @staticmethod
-    def _factor(e: float) -> float:
-        return 0.75 * (1.0 - e) * (1.0 + e)
-
-
-class Flores(_Nominal):
-    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = 8 (1 - e) / (5 e V), as published.
-
-    P. Flores, M. Machado, M. T. Silva, J. M. Martins, Multibody Syst. Dyn. 25 (2011) 357-375. A
-    rigid pair delivers nearly the nominal restitution: see `restitution`.
-
-{_PARAMETERS}
-
-    Examples
-    --------
-    >>> law = ao.Flores(k=1e9, restitution=0.9, velocity=1.0)
-    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
-    0.894
-    """
-
-    @staticmethod
-    def _factor(e: float) -> float:
-        return 1.6 * (1.0 - e) / e
-
-
-class Gonthier(_Nominal):
-    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = (1 - e²) / (e V), as published.
-
-    Y. Gonthier, J. McPhee, C. Lange, J.-C. Piedbœuf, Multibody Syst. Dyn. 11 (2004) 209-233: their
-    approximation of the damping that delivers e. A rigid pair delivers nearly the nominal
-    restitution where that is small, and loses 4/3 of 1 - e near 1: see `restitution`.
-
-{_PARAMETERS}
-
-    Examples
-    --------
-    >>> law = ao.Gonthier(k=1e9, restitution=0.9, velocity=1.0)
-    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
-    0.876
-    """
-
-    @staticmethod
-    def _factor(e: float) -> float:
-        return (1.0 - e) * (1.0 + e) / e
-
-
-class HerbertMcWhannell(_Nominal):
-    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = 6 (1 - e) / (((2e - 1)² + 3) V), as published.
-
-    R. G. Herbert, D. C. McWhannell, J. Eng. Ind. 99 (1977) 270-275. A rigid pair delivers another
-    restitution than the nominal one: see `restitution`.
-
-{_PARAMETERS}
-
-    Examples
-    --------
-    >>> law = ao.HerbertMcWhannell(k=1e9, restitution=0.9, velocity=1.0)
-    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
-    0.901
-    """
-
-    @staticmethod
-    def _factor(e: float) -> float:
-        return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)
-
-
-class LeeWang(_Nominal):
-    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = 3 (1 - e) / (4 V), as published.
-
-    T. W. Lee, A. C. Wang, J. Mech. Transm. Autom. Des. 105 (1983) 534-543. A rigid pair delivers
-    another restitution than the nominal one: see `restitution`.
-
-{_PARAMETERS}
-
-    Examples
-    --------
-    >>> law = ao.LeeWang(k=1e9, restitution=0.9, velocity=1.0)
-    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
-    0.952
-    """
-
-    @staticmethod
-    def _factor(e: float) -> float:
-        return 0.75 * (1.0 - e)
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
+        return hunt_crossley_restitution(self.damping * positive("velocity", velocity, unit="m/s"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -327,14 +175,12 @@ class Tsuji(HertzianLaw):
     alpha: float
     mass: float
     _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"alpha": "", "mass": "kg"}
+    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {
+        "alpha": nonnegative,
+        "mass": positive,
+    }
     _name: ClassVar[str] = "tsuji"
     _depends_on_rate: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
-        object.__setattr__(self, "alpha", nonnegative("alpha", self.alpha))
-        object.__setattr__(self, "mass", positive("mass", self.mass, unit="kg"))
 
     @classmethod
     def from_restitution(
@@ -397,13 +243,9 @@ class KuwabaraKono(HertzianLaw):
     k: float
     A: float
     _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"A": "s"}
+    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {"A": nonnegative}
     _name: ClassVar[str] = "kuwabara_kono"
     _depends_on_rate: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
-        object.__setattr__(self, "A", nonnegative("A", self.A, unit="s"))
 
     @classmethod
     def from_restitution(
@@ -481,12 +323,12 @@ class KelvinVoigt(ContactLaw):
     c: float
     end: str = "force"
     _units: ClassVar[dict[str, str]] = {"c": "N s/m", "end": ""}
+    _checks: ClassVar[dict[str, Any]] = {"c": nonnegative}
     _power = 1.0
     _depends_on_rate: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "k", positive("k", self.k, unit="N/m"))
-        object.__setattr__(self, "c", nonnegative("c", self.c, unit="N s/m"))
+        super().__post_init__()
         choice("end", self.end, ("force", "indentation"))
 
     @classmethod

@@ -139,7 +139,13 @@ _SURFACE = {"material": _MATERIAL, "radius": ("m", ["m", 2])}
 _SURFACES = Table({"between": [_SURFACE, 2], "angle?": "rad"})
 
 # By the annotation of a parameter.
-_KIND_OF: dict[Any, Any] = {float: NUMBER, float | None: NUMBER, bool: FLAG, str: TEXT}
+_KIND_OF: dict[Any, Any] = {
+    float: NUMBER,
+    float | None: NUMBER,
+    bool: FLAG,
+    str: TEXT,
+    str | None: TEXT,
+}
 
 
 def _parameters(cls: Any) -> dict[str, Any]:
@@ -161,10 +167,11 @@ def _law(cls: Any) -> Any:
     own = _parameters(cls)
     if hasattr(cls, "from_restitution"):
         given = inspect.signature(cls.from_restitution).parameters
+        types = get_type_hints(cls.from_restitution)
         other = {}
         for name, entry in given.items():
             mark = "" if entry.default is inspect.Parameter.empty else "?"
-            other[name + mark] = own.get(name, own.get(name + "?", NUMBER))
+            other[name + mark] = own.get(name, own.get(name + "?", _KIND_OF[types[name]]))
         follows = next(name for name in own if name.rstrip("?") not in given)
         return Variants({follows.rstrip("?"): own, "restitution": other})
     if cls is laws.Thornton:

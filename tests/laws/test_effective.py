@@ -281,7 +281,6 @@ KNOWING: list[Any] = [
     lambda **more: ao.Thornton(LAW.k, 100.0, **more),
     lambda **more: ao.HuntCrossley(LAW.k, 0.1, **more),
     lambda **more: ao.HuntCrossley.from_restitution(LAW.k, 0.9, 1.0, **more),
-    lambda **more: ao.LankaraniNikravesh(LAW.k, 0.9, 1.0, **more),
     lambda **more: ao.Tsuji.from_restitution(LAW.k, 0.9, 0.01, **more),
     lambda **more: ao.KuwabaraKono.from_restitution(LAW.k, 0.9, 1.0, 0.01, **more),
 ]

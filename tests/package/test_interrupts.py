@@ -87,7 +87,11 @@ def test_steps_that_become_a_hundred_times_as_long_are_not_deaf() -> None:
     first, second, wall = (scene.add(ao.rigid(m)) for m in (0.326, 0.5493, np.inf))
     scene.connect(first, second, ao.Hertz(k=18010000.0))
     scene.connect(second, place, ao.HuntCrossley(k=2064000000000.0, damping=0.6125, n=2.5))
-    scene.connect(place, wall, ao.LeeWang(k=763100.0, restitution=0.2728, velocity=0.2077, n=1.0))
+    scene.connect(
+        place,
+        wall,
+        ao.HuntCrossley.from_restitution(763100.0, 0.2728, 0.2077, n=1.0, formula="lee-wang"),
+    )
     scene.apply(first, force=([0.0, 0.0001558], [7.743, 0.0]))
     times = [time.thread_time()]
 

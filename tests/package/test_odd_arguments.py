@@ -185,7 +185,7 @@ def _arguments(function: Callable[..., Any]) -> set[str]:
 
 
 # Arguments of laws' methods that are not arguments of the laws themselves.
-OF_METHODS = {"restitution": 0.5, "velocity": 1.0, "mass": 1.0}
+OF_METHODS = {"restitution": 0.5, "velocity": 1.0, "mass": 1.0, "formula": "flores"}
 
 
 def _laws() -> Iterator[tuple[str, tuple[Callable[..., Any], dict[str, Any]]]]:

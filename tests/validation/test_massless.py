@@ -336,7 +336,8 @@ def held(k0: float) -> ao.AOModel:
 
 
 HERTZ, TSUJI = ao.Hertz(1e10), ao.Tsuji(1e10, 0.3, mass=1.0)
-FLORES, LINEAR = ao.Flores(1e10, 0.6, 1.0), ao.Linear(1e8)
+FLORES = ao.HuntCrossley.from_restitution(1e10, 0.6, 1.0, formula="flores")
+LINEAR = ao.Linear(1e8)
 DEPTHS = np.linspace(0.0, 3e-3, 200)[1:]
 TABLE = ao.Tabulated(DEPTHS, 1e10 * DEPTHS**1.5)
 
@@ -384,7 +385,9 @@ CROWDS = {
             ),
             Ball(ao.Linear(5071719.278567715), 0.5564037266511, 1.60544027840929, 0.0015981912),
             Ball(
-                ao.LeeWang(3349439314.5724, 0.2294882987614, 2.87151831455697, n=2.0),
+                ao.HuntCrossley.from_restitution(
+                    3349439314.5724, 0.2294882987614, 2.87151831455697, n=2.0, formula="lee-wang"
+                ),
                 1.139244596,
                 -0.65863088530773,
                 0.00479457360580,
@@ -439,7 +442,7 @@ def drawn(seed: int) -> ao.Scene:
             ao.Hertz(hertz),
             ao.Linear(k),
             ao.HuntCrossley(hertz, 0.5),
-            ao.Flores(hertz, 0.6, 1.0),
+            ao.HuntCrossley.from_restitution(hertz, 0.6, 1.0, formula="flores"),
             ao.Tsuji(hertz, 0.3, mass=mass),
             ao.KelvinVoigt(k, c),
             ao.KelvinVoigt(k, c, end="indentation"),
@@ -534,7 +537,11 @@ def test_a_place_that_snaps_back_is_the_limit_of_a_small_mass(name):
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8])
 @pytest.mark.parametrize(
     "law",
-    [ao.Gonthier(1e14, 0.77, 7.0, n=2.5), ao.Tsuji(1e12, 0.3, mass=1.0), ao.KelvinVoigt(1e10, 1e3)],
+    [
+        ao.HuntCrossley.from_restitution(1e14, 0.77, 7.0, n=2.5, formula="gonthier"),
+        ao.Tsuji(1e12, 0.3, mass=1.0),
+        ao.KelvinVoigt(1e10, 1e3),
+    ],
 )
 def test_a_point_at_rest_that_is_let_go_has_the_force_of_its_rest_at_first(law, rtol):
     """Its dashpot gives way within less than any other time of the scene."""
@@ -646,7 +653,11 @@ def test_a_ball_that_a_dashpot_lets_go_of_on_a_soft_massless_point(soft, chi):
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])
-@pytest.mark.parametrize("law", [ao.HuntCrossley(1e9, 0.3), ao.Flores(1e9, 0.5, 1.0)], ids=type)
+@pytest.mark.parametrize(
+    "law",
+    [ao.HuntCrossley(1e9, 0.3), ao.HuntCrossley.from_restitution(1e9, 0.5, 1.0, formula="flores")],
+    ids=type,
+)
 def test_a_load_presses_bodies_together_from_rest(law: ao.ContactLaw, rtol: float) -> None:
     """The force begins like t^(9/2), with the same relative error in a step of any length."""
     scene = ao.Scene()
@@ -714,7 +725,11 @@ def test_a_preloaded_body_that_another_strikes_at_the_start(rtol: float) -> None
         ao.AOModel(m0=0.0, k0=3.6e5, m=[1.88, 0.179, 0.152], k=[3.15e8, 2.7e5, 1.22e7]),
         velocity=0.66,
     )
-    scene.connect(pressed, scene.add(ao.rigid(mass=np.inf)), ao.Flores(3.5e9, 0.5, 1.0))
+    scene.connect(
+        pressed,
+        scene.add(ao.rigid(mass=np.inf)),
+        ao.HuntCrossley.from_restitution(3.5e9, 0.5, 1.0, formula="flores"),
+    )
     blow = ao.KelvinVoigt(2.27e8, 33.0, end="indentation")
     scene.connect(flying, pressed, blow, gap=3e-6)
     scene.apply(pressed, force=([0.0, 8e-5], [3456.0, 1728.0]))

@@ -244,20 +244,6 @@ class Patched(Formula):
         return within + (force + 0.5 * slope * past) * past
 
 
-def _chi(kind: str, e: float, v: float) -> float:
-    if kind == "LankaraniNikravesh":
-        return 0.75 * (1.0 - e * e) / v
-    if kind == "Flores":
-        return 1.6 * (1.0 - e) / (e * v)
-    if kind == "Gonthier":
-        return (1.0 - e * e) / (e * v)
-    if kind == "HerbertMcWhannell":
-        return 6.0 * (1.0 - e) / (((2.0 * e - 1.0) ** 2 + 3.0) * v)
-    if kind == "LeeWang":
-        return 0.75 * (1.0 - e) / v
-    raise ValueError(kind)
-
-
 def formula(law: Law) -> Formula:
     """Return the law as the oracle takes it; new for every contact, since some remember."""
     of: dict[str, Any] = law.arguments
@@ -284,7 +270,5 @@ def formula(law: Law) -> Formula:
         return Kelvin(viscous=of["c"] > 0.0, pulls=pulls, k=of["k"], c=of["c"])
     if law.kind == "Thornton":
         return Thornton(remembers=True, k=of["k"], yield_force=of["yield_force"])
-    if law.kind == "Tabulated":
-        return Table(of["indentation"], of["force"])
-    chi = _chi(law.kind, of["restitution"], of["velocity"])
-    return Power(viscous=chi > 0.0, k=of["k"], n=of["n"], chi=chi)
+    assert law.kind == "Tabulated"
+    return Table(of["indentation"], of["force"])

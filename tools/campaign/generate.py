@@ -82,10 +82,7 @@ def _law(rng: np.random.Generator, scales: _Scales) -> Law:
     k = _rounded(scales.force / scales.depth**1.5 * _decades(rng, -spread, spread))
     linear = _rounded(k * math.sqrt(scales.depth))
     kinds = ["Hertz", "PowerLaw", "Linear", "Thornton", "Tabulated", "UserLaw"]
-    viscous = [
-        "HuntCrossley", "LankaraniNikravesh", "Flores", "Gonthier", "HerbertMcWhannell", "LeeWang",
-        "Tsuji", "KuwabaraKono", "KelvinVoigt", "KelvinVoigt",
-    ]  # fmt: skip
+    viscous = [*4 * ["HuntCrossley"], "Tsuji", "KuwabaraKono", *2 * ["KelvinVoigt"]]
     if rng.random() < 0.35:
         law = Law("Hertz", {"k": k})
         return _in_patch(rng, scales, law) if rng.random() < 0.25 else law
@@ -114,11 +111,9 @@ def _law(rng: np.random.Generator, scales: _Scales) -> Law:
         return Law(kind, {"k": k, "alpha": _rounded(1.0 - e), "mass": _rounded(scales.mass)})
     if kind == "KuwabaraKono":
         return Law(kind, {"k": k, "A": _rounded((1.0 - e) * scales.time * 0.1)})
-    if kind == "KelvinVoigt":
-        c = _rounded((1.0 - e) * math.sqrt(linear * scales.mass))
-        end = "force" if rng.random() < 0.6 else "indentation"
-        return Law(kind, {"k": linear, "c": c, "end": end})
-    return Law(kind, {"k": power, "restitution": e, "velocity": _rounded(scales.speed), "n": n})
+    c = _rounded((1.0 - e) * math.sqrt(linear * scales.mass))
+    end = "force" if rng.random() < 0.6 else "indentation"
+    return Law(kind, {"k": linear, "c": c, "end": end})
 
 
 def _in_patch(rng: np.random.Generator, scales: _Scales, law: Law) -> Law:

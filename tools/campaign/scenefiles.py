@@ -53,7 +53,7 @@ _LAWS = (
     '{ type = "PowerLaw", k = 1e9, n = 1.4 }',
     '{ type = "Linear", k = 1e6 }',
     '{ type = "HuntCrossley", k = 1e9, restitution = 0.8, velocity = 1.0 }',
-    '{ type = "LankaraniNikravesh", k = 1e9, restitution = 0.8, velocity = 1.0 }',
+    '{ type = "HuntCrossley", k = 1e9, restitution = 0.8, velocity = 1.0, formula = "gonthier" }',
     '{ type = "Tsuji", k = 1e9, alpha = 0.1, mass = 0.02 }',
     '{ type = "KuwabaraKono", k = 1e9, A = 1e-6 }',
     '{ type = "KelvinVoigt", k = 1e6, c = 10.0, end = "indentation" }',
@@ -61,7 +61,7 @@ _LAWS = (
     '{ type = "Tabulated", indentation = [0.0, 1e-4, 1e-3], force = [0.0, 100.0, 3000.0] }',
     '{ type = "Hertz", k = { between = [{ material = "steel", radius = 0.01 }, '
     '{ material = "steel", radius = inf }] } }',
-    '{ type = "Flores", k = 1e9, restitution = 0.7, velocity = 1.0, relative_radius = 0.01 }',
+    '{ type = "HuntCrossley", k = 1e9, damping = 0.2, relative_radius = 0.01 }',
     '{ type = "KelvinVoigt", k = 1e6, restitution = 0.5, mass = 0.02 }',
     '{ type = "Thornton", k = { between = [{ material = "steel", radius = 0.01 }, '
     '{ material = "steel", radius = -0.1 }] }, yield_pressure = 1e9 }',

@@ -21,13 +21,18 @@ k, mass, velocity = 1e10, 0.016, 1.0  # N/m^1.5; reduced mass of the pair, kg; m
 # ``from_restitution`` goes the other way and finds the damping that delivers what was asked. For F = k δⁿ (1 + χ δ̇) a
 # rigid pair delivers, whatever k, n and the masses, the e with χV(1 + e) = log((1 + χV)/(1 - χVe)).
 
+
+def published_by(formula):
+    return lambda e: ao.HuntCrossley.from_restitution(k, e, velocity, formula=formula)
+
+
 published = {
     "Hunt–Crossley, 3(1-e)/2": lambda e: ao.HuntCrossley(k, 1.5 * (1 - e) / velocity),
-    "Lankarani–Nikravesh": lambda e: ao.LankaraniNikravesh(k, e, velocity),
-    "Lee–Wang": lambda e: ao.LeeWang(k, e, velocity),
-    "Herbert–McWhannell": lambda e: ao.HerbertMcWhannell(k, e, velocity),
-    "Gonthier": lambda e: ao.Gonthier(k, e, velocity),
-    "Flores": lambda e: ao.Flores(k, e, velocity),
+    "Lankarani–Nikravesh": published_by("lankarani-nikravesh"),
+    "Lee–Wang": published_by("lee-wang"),
+    "Herbert–McWhannell": published_by("herbert-mcwhannell"),
+    "Gonthier": published_by("gonthier"),
+    "Flores": published_by("flores"),
 }
 exact = {
     "HuntCrossley": lambda e: ao.HuntCrossley.from_restitution(k, e, velocity),
@@ -69,7 +74,7 @@ fig.legend(loc="outside right upper", fontsize=8)
 # plastic, falls like V^(-1/4) once the contact yields.
 
 laws = {name: make(0.7) for name, make in exact.items()}
-laws["Flores, nominal 0.7"] = ao.Flores(k, 0.7, velocity)
+laws["Flores, nominal 0.7"] = published["Flores"](0.7)
 laws["Thornton"] = ao.Thornton(k, yield_force=100.0)
 speeds = np.geomspace(1e-3, 1e2, 60)
 fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")

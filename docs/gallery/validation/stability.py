@@ -103,7 +103,7 @@ print(
 
 laws = {
     "HuntCrossley": ao.HuntCrossley(k=1e9, damping=0.5),
-    "Flores": ao.Flores(1e9, 0.5, 1.0),
+    "Flores": ao.HuntCrossley.from_restitution(1e9, 0.5, 1.0, formula="flores"),
     "Tsuji": ao.Tsuji(k=1e9, alpha=0.3, mass=0.1),
     "KuwabaraKono": ao.KuwabaraKono(k=1e9, A=1e-6),
     "KelvinVoigt": ao.KelvinVoigt(k=1e7, c=200.0),
