@@ -17,7 +17,6 @@ from .sphere import (
     LAW,
     RESOLVED_DURATION,
     RESOLVED_FORCE,
-    MeshCase,
     SphereStudy,
     excesses,
     local_over_nonlocal,
@@ -177,10 +176,12 @@ def figure_9(study: BeamStudy) -> Figure:
     )
     figure, (ax,) = new_figure("Figure 9. Sphere on the beam, 1 m/s: impact force", note)
     grey = {"color": "0.75", "linewidth": 4.0, "linestyle": "-"}
-    study.full_short.plot_force(ax, during="record", label="one-AO sphere, full beam", **grey)
+    study.hit("full", study.short).plot_force(
+        ax, during="record", label="one-AO sphere, full beam", **grey
+    )
     for hit, name, style in (
-        (study.ao_short, "one-AO sphere", FULL),
-        (study.rigid_short, "rigid sphere", RIGID),
+        (study.hit("ao", study.short), "one-AO sphere", FULL),
+        (study.hit("rigid", study.short), "rigid sphere", RIGID),
     ):
         steps = style | {"linewidth": 1.0, "marker": ".", "markersize": 4}
         hit.plot_force(ax, during="record", label=name, **steps)
@@ -195,8 +196,8 @@ def figure_10(study: BeamStudy) -> Figure:
     title = "Figure 10. Displacements of sphere and beam"
     figure, (ax,) = new_figure(title, note)
     for hit, name, style in (
-        (study.ao_short, "one-AO sphere", FULL),
-        (study.rigid_short, "rigid sphere", RIGID),
+        (study.hit("ao", study.short), "one-AO sphere", FULL),
+        (study.hit("rigid", study.short), "rigid sphere", RIGID),
     ):
         micro = 1e6 * hit.t
         ax.plot(
@@ -224,9 +225,9 @@ def figure_11(study: BeamStudy) -> Figure:
     figure, (ax,) = new_figure(title, note)
     grey = {"color": "0.75", "linewidth": 4.0}
     for hit, name, style in (
-        (study.full_long, "one-AO sphere, full beam", grey),
-        (study.ao_long, "one-AO sphere", FULL),
-        (study.rigid_long, "rigid sphere", RIGID),
+        (study.hit("full", study.long), "one-AO sphere, full beam", grey),
+        (study.hit("ao", study.long), "one-AO sphere", FULL),
+        (study.hit("rigid", study.long), "rigid sphere", RIGID),
     ):
         ax.plot(1e3 * hit.t, 1e6 * hit.target.centre_displacement, label=name, **style)
     ax.set(xlabel="time (ms)", ylabel="displacement (µm)", xlim=(0, 20))
@@ -234,7 +235,7 @@ def figure_11(study: BeamStudy) -> Figure:
     return figure
 
 
-def figure_mesh(study: SphereStudy, cases: dict[float, MeshCase]) -> Figure:
+def figure_mesh(study: SphereStudy) -> Figure:
     """Not in the paper: k1 and the force follow the mesh, and not towards the truth."""
     note = (
         "One AO each, contact at one node. Resolved contact mechanics: "
@@ -242,13 +243,14 @@ def figure_mesh(study: SphereStudy, cases: dict[float, MeshCase]) -> Figure:
     )
     title = "The force of the paper's recipe belongs to the mesh"
     figure, (left, right) = new_figure(title, note, columns=2)
+    cases = study.meshes.values()
     own = (len(study.body.nodes if study.body.nodes is not None else ()), study.one_ao)
-    nodes = [case.nodes for case in cases.values()]
-    left.semilogx(nodes, [1e-6 * case.k1 for case in cases.values()], "o-", color=COLOURS[0])
+    nodes = [case.nodes for case in cases]
+    left.semilogx(nodes, [1e-6 * case.k1 for case in cases], "o-", color=COLOURS[0])
     left.plot([own[0]], [1e-6 * float(study.oscillator.k[0])], "D", color=COLOURS[1])
     left.plot([1053], [275.7], "x", color="black", markersize=8)
     left.set(xlabel="nodes", ylabel="k1 (MN/m)", ylim=(0, None))
-    forces = [case.peak_force for case in cases.values()]
+    forces = [case.peak_force for case in cases]
     right.semilogx(nodes, forces, "o-", color=COLOURS[0], label="meshes of this package")
     right.plot([own[0]], [own[1].peak_force], "D", color=COLOURS[1], label="the shipped mesh")
     right.plot([1053], [812.6], "x", color="black", markersize=8, label="the paper")

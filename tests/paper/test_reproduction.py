@@ -196,9 +196,9 @@ def test_single_nodes_are_meant_and_nothing_else_is_silenced(
     with warnings.catch_warnings():
         warnings.simplefilter("error", ao.AOImpactWarning)
         spheres.pair(spheres.oscillator)
-        beam.hit(spheres.oscillator, beam.star, beam.short)
+        beam.hit("ao", beam.short)
     with pytest.warns(ao.AOImpactWarning, match="ends in contact"):
-        beam.hit(spheres.oscillator, beam.star, 0.1 * beam.short)
+        beam.hit("ao", 0.1 * beam.short)
 
 
 @pytest.mark.slow
@@ -229,7 +229,7 @@ def test_momentum_is_the_impulse_until_waves_reach_the_supports(
     beam: paper_beam.BeamStudy,
 ) -> None:
     """Pressure waves need 80 µs for half a metre; implicit steps let a little through before."""
-    hit = beam.full_short
+    hit = beam.hit("full", beam.short)
     steps = 0.5 * np.diff(hit.t) * (hit.force[1:] + hit.force[:-1])
     received = np.cumsum(steps)
     momentum = paper_beam.BEAM_MASS * hit.target.centre_velocity[1:]
