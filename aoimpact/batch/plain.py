@@ -10,22 +10,21 @@ each.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import IntEnum
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from .. import _core
-from ..base import AOImpactError, FloatArray, boolean, held_warnings
+from ..base import AOImpactError, boolean, held_warnings
 from ..impact import checked_numbers, plan_impact
-from ..integrate import Adaptive, Events
+from ..integrate import Adaptive
 from ..laws import ContactLaw
-from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, is_valid_for
-from ..results import QUANTITIES, Speeds, warning_limits
+from ..reduction import AOModel, ModalModel, fitted_times, is_valid_for
+from ..results import QUANTITIES, warning_limits
 from ..scene import normal_gap
+from .briefs import Answer, Briefs
 
-__all__ = ["ANSWERS", "ERROR", "PLAIN_NUMBERS", "Answer", "events_of", "plain_numbers", "speeds_of"]
+__all__ = ["ERROR", "PLAIN_NUMBERS", "plain_numbers"]
 
 ERROR = "error.time"
 
@@ -41,42 +40,14 @@ _BY_DEFAULT = Adaptive()
 _SMALL, _LARGE = 1e-30, 1e30
 
 
-class Answer(IntEnum):
-    """Columns of what the core returns (enum in csrc/python/many.c).
-
-    The last are the velocities of both centres of mass after the contact.
-    """
-
-    STATUS = 0
-    TOUCHES = 1
-    LASTING = 2
-    PEAK_FORCE = 3
-    PEAK_TIME = 4
-    IMPULSE = 5
-    START = 6
-    END = 7
-    FIRST = 8
-    SECOND = 9
-
-
-ANSWERS = len(Answer)
-
-# Columns of the numbers of a case, as the core takes them.
-_VELOCITY, _GAP, _DURATION, _RTOL = range(4)
-
-
 @dataclass(frozen=True)
 class _Pair:
-    """Two bodies and a law as the core takes them.
+    """Two bodies and a law, plain ones.
 
     Attributes
     ----------
-    places : tuple of int
-        Places of projectile, target and law in `_Parts`.
-    drift : float
-        Share of the projectile's velocity that its centre of mass keeps whatever happens.
-    fixed : tuple of bool
-        For projectile and target, True if it is constrained, or a wall.
+    number : int
+        Among those that the core is given.
     fits : tuple of float
         Durations of the contact, s, between which the models are valid without a further check.
     models : tuple
@@ -84,9 +55,7 @@ class _Pair:
         Force, N, and velocity, m/s, up to which no warning is due.
     """
 
-    places: tuple[int, int, int]
-    drift: float
-    fixed: tuple[bool, bool]
+    number: int
     fits: tuple[float, float]
     models: tuple[Any, ...]
     warning_limits: tuple[float, float]
@@ -99,61 +68,26 @@ class _Pair:
         )
 
 
-@dataclass
-class _Parts:
-    """The bodies and laws of some cases, each once."""
-
-    bodies: list[ModalBody] = field(default_factory=list)
-    laws: list[Any] = field(default_factory=list)
-    pairs: list[_Pair] = field(default_factory=list)
-    _numbers: dict[tuple[int, int, int], int | None] = field(default_factory=dict)
-    _places: dict[int, int] = field(default_factory=dict)
-
-    def pair(self, case: Mapping[str, Any]) -> int | None:
-        """Return the number of a case's bodies and law; None where they are not plain, or wrong."""
-        # The cases outlive this object: no id is used twice.
-        key = id(case["projectile"]), id(case["target"]), id(case["law"])
-        if key not in self._numbers:
-            pair = self._new(case)
-            self._numbers[key] = None if pair is None else len(self.pairs)
-            self.pairs += [] if pair is None else [pair]
-        return self._numbers[key]
-
-    def _new(self, case: Mapping[str, Any]) -> _Pair | None:
-        models = (case["projectile"], case["target"])
-        if not all(isinstance(model, (AOModel, ModalModel)) for model in models):
-            return None
-        tips = [model.extraction_at() for model in models]
-        if any(tip is not None and tip.splitting.by_width for tip in tips):
-            return None  # the law depends on the velocity
-        law = case["law"]
-        if law.by_caller or law.pulls:  # calls Python at every step; may need a second run
-            return None
-        with held_warnings() as messages:
-            try:
-                plan = plan_impact(*models, case["law"], velocity=1.0, duration=1.0)
-                bodies = plan.modal
-            except Exception:
-                return None  # simulate raises it
-        if messages or not all(body.centre_known for body in plan.bodies):
-            return None
-        omitted = plan.omitted[0]
-        self.laws.append(plan.contacts[0].law.for_core())
-        run = tuple(plan.bodies)
-        return _Pair(
-            (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
-            0.0 if omitted is None else omitted.share,
-            (plan.bodies[0].fixed, plan.bodies[1].fixed),
-            fitted_times(run),
-            run,
-            warning_limits(plan),
-        )
-
-    def _place(self, body: ModalBody) -> int:
-        if id(body) not in self._places:
-            self._places[id(body)] = len(self.bodies)
-            self.bodies.append(body)
-        return self._places[id(body)]
+def _pair(case: Mapping[str, Any], calls: Briefs) -> _Pair | None:
+    """The bodies and the law of a case; None where they are not plain, or wrong."""
+    models, law = (case["projectile"], case["target"]), case["law"]
+    if not all(isinstance(model, (AOModel, ModalModel)) for model in models):
+        return None
+    tips = [model.extraction_at() for model in models]
+    if any(tip is not None and tip.splitting.by_width for tip in tips):
+        return None  # the law depends on the velocity
+    if law.by_caller or law.pulls:  # calls Python at every step; may need a second run
+        return None
+    with held_warnings() as messages:
+        try:
+            plan = plan_impact(*models, law, velocity=1.0, duration=1.0)
+            number = calls.pair(plan.bodies, plan.contacts[0].law)
+        except Exception:
+            return None  # simulate raises it
+    if messages or not all(body.centre_known for body in plan.bodies):
+        return None
+    run = tuple(plan.bodies)
+    return _Pair(number, fitted_times(run), run, warning_limits(plan))
 
 
 def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, float] | None]:
@@ -166,49 +100,39 @@ def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, 
     names : sequence of str
         Names in PLAIN_NUMBERS.
     """
-    parts = _Parts()
-    places: list[int] = []
-    numbered: list[int] = []
-    rows: list[tuple[float, ...]] = []
+    calls = Briefs()
+    known: dict[tuple[int, int, int], _Pair | None] = {}
+    asked: list[tuple[int, _Pair]] = []
     for i, case in enumerate(cases):
-        numbers = _given(case)
-        pair = None if numbers is None else parts.pair(case)
-        if numbers is not None and pair is not None:
-            places.append(i)
-            numbered.append(pair)
-            rows.append(numbers)
+        if (numbers := _given(case)) is None:
+            continue
+        # The cases outlive this call: no id is used twice.
+        key = id(case["projectile"]), id(case["target"]), id(case["law"])
+        if key not in known:
+            known[key] = _pair(case, calls)
+        if (pair := known[key]) is not None:
+            calls.ask(pair.number, *numbers)
+            asked.append((i, pair))
     found: list[dict[str, float] | None] = [None] * len(cases)
-    if not places:
+    if not asked:
         return found
-    given, of = np.array(rows), np.array(numbered)
-    answers = np.empty((len(of), ANSWERS))
-    _core.briefs(
-        tuple(body.for_core() for body in parts.bodies),
-        tuple(body.moving for body in parts.bodies),
-        tuple(parts.laws),
-        np.array([pair.places for pair in parts.pairs], dtype=np.int32)[of],
-        given,
-        answers,
-    )
-    velocity = given[:, _VELOCITY]
-    parted = answers[:, Answer.END] < given[:, _DURATION] * (1.0 - 1e-12)
+    answers = calls.run()
+    velocity, _, duration, rtol = np.array(calls.numbers).T
+    parted = answers[:, Answer.END] < duration * (1.0 - 1e-12)
     once = (answers[:, Answer.TOUCHES] == 1.0) & (answers[:, Answer.LASTING] == 0.0) & parted
-    force, speed = np.array([pair.warning_limits for pair in parts.pairs])[of].T
+    force, speed = np.array([pair.warning_limits for _, pair in asked]).T
     quiet = (answers[:, Answer.PEAK_FORCE] <= force) & (velocity <= speed)
     plain = (answers[:, Answer.STATUS] == 0.0) & once & quiet
-    drift = np.array([pair.drift for pair in parts.pairs])[of]
-    fixed = np.array([pair.fixed for pair in parts.pairs])[of]
-    events, speeds = events_of(answers), speeds_of(answers, velocity, drift, fixed)
+    events, speeds = calls.events, calls.speeds
     columns = [
-        given[:, _RTOL] if name == ERROR else QUANTITIES[name].of_plain(events, speeds)
-        for name in names
+        rtol if name == ERROR else QUANTITIES[name].of_plain(events, speeds) for name in names
     ]
     durations = (answers[:, Answer.END] - answers[:, Answer.START]).tolist()
     values = zip(*(column.tolist() for column in columns), strict=True)
-    for i, pair, is_plain, duration, row in zip(
-        places, numbered, plain.tolist(), durations, values, strict=True
+    for (i, pair), is_plain, lasted, row in zip(
+        asked, plain.tolist(), durations, values, strict=True
     ):
-        if is_plain and parts.pairs[pair].valid(duration):  # simulate warns of the others
+        if is_plain and pair.valid(lasted):  # simulate warns of the others
             found[i] = dict(zip(names, row, strict=True))
     return found
 
@@ -240,20 +164,3 @@ def _given(case: Any) -> tuple[float, ...] | None:
             return None
         gap = normal_gap(gap)
     return velocity, gap, duration, solver.rtol
-
-
-def events_of(answers: FloatArray) -> Events:
-    """The events of runs of one contact, with columns in place of numbers."""
-    at: Any = answers.T
-    span = at[Answer.START], at[Answer.END]
-    return Events(at[Answer.PEAK_FORCE], at[Answer.PEAK_TIME], (span,), at[Answer.IMPULSE])
-
-
-def speeds_of(answers: FloatArray, velocity: Any, drift: Any, fixed: Any) -> Speeds:
-    """The velocities of runs of two bodies, of which the first keeps a share whatever happens."""
-    after = answers[:, Answer.FIRST] + np.asarray(drift) * velocity
-    return Speeds(
-        np.array([velocity, np.zeros_like(velocity)]),
-        np.array([after, answers[:, Answer.SECOND]]),
-        np.asarray(fixed).T,
-    )

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from .. import _core
 from ..accuracy import (
     CONTROLLED,
     Met,
@@ -28,11 +27,12 @@ from ..accuracy import (
 )
 from ..base import AOImpactError, FloatArray, held_warnings
 from ..integrate import Adaptive
-from ..laws import ContactLaw, Hertz, own_law
-from ..reduction import BodyModel, ModalBody
-from ..results import AS_LONG_AGAIN, MESH_LIMIT, QUANTITIES, Speeds, warning_limits
+from ..laws import Hertz, own_law
+from ..reduction import BodyModel
+from ..results import AS_LONG_AGAIN, MESH_LIMIT, QUANTITIES, warning_limits
 from ..scene import Contact, Plan
-from .plain import ANSWERS, ERROR, Answer, events_of, speeds_of
+from .briefs import Answer, Briefs
+from .plain import ERROR
 from .shared import SharedCase
 
 __all__ = ["shared_numbers"]
@@ -81,6 +81,14 @@ class _Impact:
     rows: list[int] = field(default_factory=list)
     altered: list[tuple[tuple[float, float], int, bool]] = field(default_factory=list)
 
+    def asked(
+        self, bodies: Sequence[BodyModel], calls: Briefs, contact: Contact | None = None
+    ) -> int:
+        """Ask for a run with other bodies, or another contact; return its row."""
+        joint = contact or self.plan.contacts[0]
+        numbers = self.plan.velocities[0], joint.gap, self.length, self.rtol
+        return calls.ask(calls.pair(bodies, joint.law), *numbers)
+
     def plain_at(self, answer: FloatArray) -> bool:
         """True if a run went well, with one touch that has ended."""
         return bool(
@@ -89,66 +97,6 @@ class _Impact:
             and answer[Answer.LASTING] == 0.0
             and answer[Answer.END] < self.length * (1.0 - 1e-12)
         )
-
-
-class _Calls:
-    """Runs asked of the core and its answers, a row for each run."""
-
-    def __init__(self) -> None:
-        self._bodies: list[ModalBody] = []
-        self._laws: list[ContactLaw] = []
-        self._places: dict[int, int] = {}
-        self._rows: list[tuple[int, int, int]] = []
-        self._numbers: list[tuple[float, float, float, float]] = []
-        self._drifts: list[float] = []
-        self._fixed: list[tuple[bool, bool]] = []
-        self.answers: FloatArray = np.empty((0, ANSWERS))
-
-    def ask(
-        self,
-        bodies: Sequence[BodyModel],
-        velocity: float,
-        contact: Contact,
-        length: float,
-        rtol: float,
-    ) -> int:
-        """Add a run; return its row."""
-        first, second = bodies
-        one, other = (self._place(self._bodies, body.modal) for body in bodies)
-        self._rows.append((one, other, self._place(self._laws, contact.law)))
-        self._numbers.append((velocity, contact.gap, length, rtol))
-        share, mass = first.omitted
-        self._drifts.append(share if mass else 0.0)
-        self._fixed.append((first.fixed, second.fixed))
-        return len(self._rows) - 1
-
-    def _place(self, of: list[Any], item: Any) -> int:
-        """The place of a body or law in the list of them, which keeps its identity."""
-        place = self._places.setdefault(id(item), len(of))
-        if place == len(of):
-            of.append(item)
-        return place
-
-    def run(self) -> FloatArray:
-        """Run what has been asked since the last time; return all answers, shape (rows, 10)."""
-        done = len(self.answers)
-        new = np.empty((len(self._rows) - done, ANSWERS))
-        _core.briefs(
-            tuple(body.for_core() for body in self._bodies),
-            tuple(body.moving for body in self._bodies),
-            tuple(law.for_core() for law in self._laws),
-            np.array(self._rows[done:], dtype=np.int32).reshape(-1, 3),
-            np.array(self._numbers[done:]).reshape(-1, 4),
-            new,
-        )
-        self.answers = np.concatenate([self.answers, new])
-        return self.answers
-
-    @property
-    def speeds(self) -> Speeds:
-        """The velocities of all runs."""
-        velocity = np.array([numbers[0] for numbers in self._numbers])
-        return speeds_of(self.answers, velocity, self._drifts, self._fixed)
 
 
 def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict[str, float]]:
@@ -165,12 +113,10 @@ def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict
     impacts = {i: of for i, of in started.items() if of is not None}
     if not impacts:
         return {}
-    calls = _Calls()
+    calls = Briefs()
     # The largest model determines the length of a record that is left out.
     for of in impacts.values():
-        of.rows = [
-            calls.ask(of.larger[-1], of.plan.velocities[0], of.plan.contacts[0], of.length, of.rtol)
-        ]
+        of.rows = [of.asked(of.larger[-1], calls)]
     answers = calls.run()
     impacts = {i: of for i, of in impacts.items() if of.plain_at(answers[of.rows[0]])}
     for of in impacts.values():
@@ -178,9 +124,7 @@ def shared_numbers(cases: Sequence[Any], names: Iterable[str]) -> dict[int, dict
             start, end = answers[of.rows[0], Answer.START : Answer.END + 1].tolist()
             of.length = start + AS_LONG_AGAIN * (end - start)
         others = [of.plan.bodies, *of.larger[:-1]]
-        speed, joint = of.plan.velocities[0], of.plan.contacts[0]
-        rows = [calls.ask(bodies, speed, joint, of.length, of.rtol) for bodies in others]
-        of.rows = [*rows, *of.rows]
+        of.rows = [*(of.asked(bodies, calls) for bodies in others), *of.rows]
     answers = calls.run()
     impacts = {
         i: of
@@ -222,7 +166,7 @@ def _started(case: SharedCase) -> _Impact | None:
     return _Impact(case, plan, larger, safety, points[0].rtol, rule.rtol, length)
 
 
-def _alter(of: _Impact, answer: FloatArray, calls: _Calls) -> bool:
+def _alter(of: _Impact, answer: FloatArray, calls: Briefs) -> bool:
     """Ask for the runs that show the errors by mesh and law; False where `simulate` must look.
 
     answer: that for the model.
@@ -245,18 +189,17 @@ def _alter(of: _Impact, answer: FloatArray, calls: _Calls) -> bool:
         for altered in (next(iter(ways)) for ways in causes):
             if (plan := altered.plan) is not None:
                 if id(plan) not in rows:
-                    contact, speed = plan.contacts[0], plan.velocities[0]
-                    rows[id(plan)] = calls.ask(plan.bodies, speed, contact, of.length, of.rtol)
+                    rows[id(plan)] = of.asked(plan.bodies, calls, plan.contacts[0])
                 size = altered.size, altered.scale
                 of.altered.append((size, rows[id(plan)], by_mesh))
     return True
 
 
 def _kept(
-    impacts: Sequence[_Impact], names: Sequence[str], calls: _Calls
+    impacts: Sequence[_Impact], names: Sequence[str], calls: Briefs
 ) -> list[dict[str, float] | None]:
     """The numbers of impacts with their errors, as `Named` keeps them; None of one not plain."""
-    count, speeds, events = len(impacts), calls.speeds, events_of(calls.answers)
+    count, speeds, events = len(impacts), calls.speeds, calls.events
     rows = np.array([of.rows[0] for of in impacts], dtype=np.intp)
     # Impacts and rows of the runs that theirs are compared with.
     pairs = [(i, at) for i, of in enumerate(impacts) for at in of.rows[1:]]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from inspect import signature
 from pathlib import Path
 
-from aoimpact.batch import plain
+from aoimpact.batch import briefs
 from aoimpact.integrate import tolerances
 from aoimpact.laws import law
 
@@ -29,13 +30,13 @@ def test_columns_of_plain_impacts() -> None:
     case = enumerated("python/many.c", "CASE_VELOCITY")
     assert case.pop("CASE_COLUMNS") == len(case)
     for name, column in case.items():
-        assert getattr(plain, name.removeprefix("CASE")) == column
+        assert list(signature(briefs.Briefs.ask).parameters)[2 + column] == name[5:].lower()
     found = enumerated("python/many.c", "ANSWER_STATUS")
     first = found.pop("ANSWER_VELOCITIES")
-    assert (first, first + 1) == (plain.Answer.FIRST, plain.Answer.SECOND)
+    assert (first, first + 1) == (briefs.Answer.FIRST, briefs.Answer.SECOND)
     assert found.pop("ANSWER_COLUMNS") == first + 2
     for name, column in found.items():
-        assert plain.Answer[name.removeprefix("ANSWER_")] == column
+        assert briefs.Answer[name.removeprefix("ANSWER_")] == column
 
 
 def test_shares() -> None:
