@@ -158,10 +158,10 @@ def choose_models(
         run = record.run(plan_of(models, energies), timed)
         found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
     else:
-        known = shared_orders(bodies, trial, quantity)
-        found = (
-            known
-            or Search(
+        if (known := shared_orders(bodies, trial, quantity)) is not None:
+            found, tolerance = known, known.rtol  # who shares models sees to it
+        else:
+            found = Search(
                 bodies,
                 run=trial,
                 quantity=quantity,
@@ -172,10 +172,6 @@ def choose_models(
                 best=not given,
                 looser=looser if meshed and not given else None,
             ).proven()
-        )
-        if known is not None:
-            tolerance = known.rtol  # who shares models sees to it
-        else:
             if found.rtol > in_models:
                 tolerance = found.rtol + in_time
             if found.error > tolerance:
@@ -183,14 +179,18 @@ def choose_models(
         run = record.run(plan_of(found.models, energies), timed)
     if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
+    run = replace(run, chosen=_chosen(found, quantity, tolerance))
+    return replace(run, left_out=left_out) if meshed else run
+
+
+def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
+    """How models were chosen: the quantity, its tolerance, and the errors of all numbers."""
     numbers = number_errors(found.run, found.larger, found.safety) | {quantity.name: found.error}
     largest = ""
     if quantity.history is not None:
         most = float(np.abs(quantity.history(found.run, found.run.t)).max(initial=0.0))
         largest = "" if math.isnan(most) else with_unit(most, quantity.unit, 5)
-    chosen = Chosen(quantity.name, tolerance, numbers, largest)
-    run = replace(run, chosen=chosen)
-    return replace(run, left_out=left_out) if meshed else run
+    return Chosen(quantity.name, tolerance, numbers, largest)
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:

@@ -150,6 +150,7 @@ def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:
     return TimeScales(quantity.contact_time(run) or otherwise.contact_time, quantity.span(run))
 
 
+@dataclass(eq=False)
 class Search:
     """The search for small orders of bodies that give a quantity to `rtol` of the whole bodies.
 
@@ -180,24 +181,18 @@ class Search:
         more vectors than for `LOOSEST` meet that one only.
     """
 
-    def __init__(
-        self,
-        bodies: Sequence[Any],
-        *,
-        run: Callable[[Models], Run],
-        quantity: Quantity,
-        rtol: float,
-        solver: Solver = "auto",
-        factors: dict[Any, LinearSolver] | None = None,
-        anew: Callable[[], None] | None = None,
-        best: bool = False,
-        looser: Callable[[Run], float] | None = None,
-    ) -> None:
-        self.bodies, self.solver, self.factors = bodies, solver, factors
-        self.run: Callable[[Models], Run] = run
-        self.quantity, self.rtol, self.least_rtol = quantity, rtol, rtol
-        self.anew, self.best = anew, best
-        self.looser: Callable[[Run], float] | None = looser
+    bodies: Sequence[Any]
+    run: Callable[[Models], Run]
+    quantity: Quantity
+    rtol: float
+    solver: Solver = "auto"
+    factors: dict[Any, LinearSolver] | None = None
+    anew: Callable[[], None] | None = None
+    best: bool = False
+    looser: Callable[[Run], float] | None = None
+
+    def __post_init__(self) -> None:
+        self.least_rtol = self.rtol
 
     def proven(self) -> Orders:
         """Return the orders, with models that are fitted to the time scales of their runs.
