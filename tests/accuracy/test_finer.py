@@ -20,7 +20,7 @@ LONG = 2e-3
 
 
 @cache
-def setup(name: str) -> dict[str, Any]:
+def impact(name: str) -> dict[str, Any]:
     projectile, target, law, velocity, _ = IMPACTS[name]()
     return {"projectile": projectile, "target": target, "law": law, "velocity": velocity}
 
@@ -30,15 +30,15 @@ def right(name: str) -> ao.Result:
     """With all oscillators."""
     with held_warnings():
         return ao.simulate(
-            **(setup(name) | {"target": ao.antioscillators(setup(name)["target"])}), duration=LONG
+            **(impact(name) | {"target": ao.antioscillators(impact(name)["target"])}), duration=LONG
         )
 
 
 def struck(name: str, n: int, **fit: Any) -> ao.Result:
-    tip, time = setup(name)["target"], right(name).contact_duration
+    tip, time = impact(name)["target"], right(name).contact_duration
     model = ao.antioscillators(tip, n, method="krylov", contact_time=time, **fit)
     with held_warnings():
-        return ao.simulate(**(setup(name) | {"target": model}), duration=LONG)
+        return ao.simulate(**(impact(name) | {"target": model}), duration=LONG)
 
 
 def read(body: Any, name: str) -> np.ndarray:
@@ -63,7 +63,7 @@ def test_the_error_said_of_every_history_is_about_the_true_one(
 
 def test_a_probe_away_from_the_contact_says_so_too() -> None:
     name = "held plate"
-    place = {"point": setup(name)["target"].point + np.array([5e-3, 0.0, 0.0])}
+    place = {"point": impact(name)["target"].point + np.array([5e-3, 0.0, 0.0])}
     times = np.linspace(0.0, LONG, 200)
     probe, exact = (
         hit.target.probe(**place, direction=(0, 0, -1), times=times)
@@ -108,9 +108,9 @@ def test_errors_of_histories_travel() -> None:
 
 
 def test_the_finer_model_of_a_body_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    tip, time = setup("held plate")["target"], right("held plate").contact_duration
+    tip, time = impact("held plate")["target"], right("held plate").contact_duration
     model = ao.antioscillators(tip, 5, method="krylov", contact_time=time)
-    strike = partial(ao.simulate, **(setup("held plate") | {"target": model}), duration=LONG)
+    strike = partial(ao.simulate, **(impact("held plate") | {"target": model}), duration=LONG)
     with held_warnings():
         assert strike().target.error
         monkeypatch.setattr("aoimpact.accuracy.leftout.KrylovSpace", None)
