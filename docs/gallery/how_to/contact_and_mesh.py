@@ -77,8 +77,8 @@ ax.set(xlabel="time (µs)", ylabel="force (N)", xlim=(0, 80), ylim=(0, 1150))
 ax.legend()
 
 # %%
-# Beside contact of finite elements
-# ---------------------------------
+# Compared with contact of finite elements
+# ----------------------------------------
 # A finite-element program needs no law where its elements are smaller than the contact, here 0.31 mm in radius. CalculiX'
 # penalty contact, on tetrahedra graded towards the contact, is given one sphere against a rigid plane at half the speed:
 # half the work, and the same force. The numbers were measured by ``benchmarks/calculix.py``: processor time from mesh to

@@ -107,8 +107,8 @@ for ax in (left, right):
 fig.legend(loc="outside upper center", ncols=2)
 
 # %%
-# The energy goes up as the plate takes it up, and part of the way back down as the plate gives it back. What is left at the
-# end is the absorbed energy, which is the area of the loop in the left panel. The deflection that is left is the dent's.
+# The energy goes up as the plate takes it up, and part of the way back down as the plate gives it back. The energy that is left at the
+# end is the absorbed energy, the area of the loop in the left panel. The deflection that is left is the dent's.
 #
 # Two things at the start and at the end belong to the measurement. The curve of the force does not start at zero, since the
 # filter spreads the force over some 0.2 ms before the first touch and after the last; deflection and energy are integrals of

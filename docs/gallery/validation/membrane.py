@@ -146,8 +146,8 @@ for widened in (1.35, 2.0):
     print(f"{widened} times the contact's: {deep:.3f} mm, {rebound:.3f}")
 
 # %%
-# What agrees, what does not, and why
-# -----------------------------------
+# Agreement and differences
+# -------------------------
 # *The light ball* agrees in deflection and rebound within the uncertainty of the measurement. Nothing was fitted.
 #
 # *The deflection of the heavy ball* is 2 to 3 % too small, about the uncertainty.
