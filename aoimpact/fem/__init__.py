@@ -33,6 +33,7 @@ from .contacttime import (
 )
 from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
 from .extraction import Extraction, Splitting
+from .frequencyresponse import FrequencyResponse
 from .grounding import Grounding, VirtualMotion
 from .labels import checked_labels
 from .material import PAIRS, Material
@@ -65,6 +66,7 @@ __all__ = [
     "Damping",
     "Extraction",
     "FEModel",
+    "FrequencyResponse",
     "Grounding",
     "Layout",
     "Material",

@@ -60,6 +60,7 @@ from .composition import AnyMaterial, Materials, OneMaterial, materials_of
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
 from .doubts import warn_of_locking, warn_of_separate_parts
+from .frequencyresponse import FrequencyResponse, frequency_response
 from .grounding import Grounding, grounding_of
 from .labels import axes_of, checked_labels, labelled_nodes, node_numbers
 from .mechanism import Mechanism, mechanism_in, mechanism_of
@@ -556,6 +557,50 @@ class FEModel(Frozen):
                 f"n must be at most {len(omega2)}, got {count}: the other motions have no mass"
             )
         return np.sqrt(omega2) / (2.0 * np.pi)
+
+    def frf(
+        self,
+        *,
+        excitation: ContactPoint,
+        response: ContactPoint | None = None,
+        frequencies: npt.ArrayLike,
+        kind: str = "receptance",
+    ) -> FrequencyResponse:
+        """Return a frequency response function, with a bound of its error.
+
+        By natural modes up to twice the highest frequency (ten times, under damping by modes), and
+        the static response of all others as a series, of which the rest is bounded.
+
+        Parameters
+        ----------
+        excitation : ContactPoint
+            Where a force acts, from `contact`.
+        response : ContactPoint, optional
+            Where the motion is measured; at the excitation if left out.
+        frequencies : array_like, shape (n,)
+            Hz.
+        kind : {"receptance", "mobility", "accelerance"}, optional
+            Displacement, velocity or acceleration over force.
+
+        Returns
+        -------
+        FrequencyResponse
+            Complex ``values`` for e^{iωt}, and ``error``, a bound in the same unit.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If a point is not of this body, a frequency is negative, or it is 0 and the body free.
+
+        Examples
+        --------
+        >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+        >>> chain = ao.FEModel(K=K, M=M)
+        >>> end = chain.contact(dof=1)
+        >>> chain.frf(excitation=end, frequencies=[0.0, 100.0]).values.real  # m/N
+        array([2.00000000e-06, 3.57617853e-06])
+        """
+        return frequency_response(self, excitation, response, frequencies, kind)
 
     def contact(
         self,

@@ -348,7 +348,8 @@ class BodyResult(Frozen):
             raise InputError(
                 f"dt={step:g} s must be from {end / _MOST_SAMPLES:.2g} s to the record's {end:g} s"
             )
-        return step * np.arange(math.floor(end / step * (1.0 + 1e-12)) + 1)
+        count = math.floor(end / step * (1.0 + 1e-12)) + 1
+        return np.minimum(step * np.arange(count), end)
 
     def field(self, times: npt.ArrayLike | None = None) -> Field:
         """Return the whole body at some times: displacement, velocity, stress, files, a picture.

@@ -462,6 +462,15 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "linear_solver": None,
         },
     ),
+    "FEModel.frf": (
+        HELD.frf,
+        {
+            "excitation": HELD.contact(dof=2),
+            "response": HELD.contact(dof=5),
+            "frequencies": [100.0, 200.0],
+            "kind": "mobility",
+        },
+    ),
     "Run.value": (HIT.value, {"name": "restitution"}),
     "probe": (
         FIELDS.target.probe,

@@ -1,0 +1,206 @@
+"""Frequency response functions: displacement, velocity or acceleration over force at a frequency.
+
+With the modes Φ up to a frequency well above those asked for, and cᵀX of a force at b,
+
+    H(ω) = Σ_j c_j b_j / (ω_j² - ω² + 2iσ_jω),
+
+where the modes that are left out follow as a power series in ω² of static solutions
+(M. A. Akgün, *J. Sound Vib.* 167, 289, 1993; the first term is the residual flexibility),
+
+    Σ_{j>m} c_j b_j / (ω_j² - μ) = Σ_k μᵏ S_k,    S_k = cᵀ(K⁻¹M)ᵏ K⁻¹ b less the modes' own.
+
+Under Rayleigh's damping μ = (ω² - iαω)/(1 + iβω), and the sum is divided by 1 + iβω. After p terms
+the rest is at most rᵖ/(1 - r) · √(bᵀX_b cᵀX_c) with r = |μ|/ω_{m+1}² and X the static residuals, by
+Cauchy and Schwarz. Damping by modes is left out of the static part, and bounded likewise.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import HUGE, FloatArray, Frozen, InputError, InputTypeError, choice, finite_array
+from ..linalg import lowest
+from .contact import Body, ContactPoint
+from .damping import Damping, ModalDamping, Rayleigh
+from .statics import displacement
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["FrequencyResponse", "frequency_response"]
+
+KINDS = {"receptance": "m/N", "mobility": "m/(s N)", "accelerance": "m/(s² N)"}
+
+# Modes are taken up to this multiple of the highest frequency, under modal damping up to the other,
+# which leaves 2ζ/10 of the static residual.
+_BEYOND, _BEYOND_DAMPED = 2.0, 10.0
+
+# Dofs up to which all modes are taken.
+_ALL = 600
+
+# Remainder of the series over the static residual.
+_NEGLIGIBLE = 1e-12
+
+# Modes that are asked for at first.
+_FIRST = 16
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse(Frozen):
+    """A frequency response function of a body.
+
+    Attributes
+    ----------
+    frequencies : ndarray, shape (n,)
+        Hz.
+    values : ndarray of complex, shape (n,)
+        Response over force, of the `kind`, for e^{iωt}.
+    error : ndarray, shape (n,)
+        Bound of |values - exact|, of the finite elements' K and M, in the unit of the values. It
+        does not have what the mesh leaves out.
+    kind : str
+        "receptance" (displacement, m/N), "mobility" (velocity) or "accelerance" (acceleration).
+    modes : int
+        How many natural modes were taken.
+    """
+
+    frequencies: FloatArray
+    values: npt.NDArray[np.complex128]
+    error: FloatArray
+    kind: str
+    modes: int
+
+    def __repr__(self) -> str:
+        low, high = self.frequencies.min(), self.frequencies.max()
+        return (
+            f"FrequencyResponse({self.kind}, {len(self.frequencies)} frequencies from {low:g} to "
+            f"{high:g} Hz, {self.modes} modes)"
+        )
+
+    def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the magnitude over frequency; keywords go to ``Axes.semilogy``.
+
+        Examples
+        --------
+        >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+        >>> chain = ao.FEModel(K=K, M=M, damping=ao.ModalDamping(0.01))
+        >>> end = chain.contact(dof=1)
+        >>> ax = chain.frf(excitation=end, frequencies=np.linspace(1, 500, 100)).plot()
+        """
+        if ax is None:
+            from matplotlib import pyplot as plt  # slow to import
+
+            ax = plt.subplots()[1]
+        ax.semilogy(self.frequencies, np.abs(self.values), **kwargs)
+        ax.set(xlabel="frequency [Hz]", ylabel=f"{self.kind} [{KINDS[self.kind]}]")
+        return ax
+
+
+def frequency_response(
+    body: Body, excitation: Any, response: Any, frequencies: Any, kind: str
+) -> FrequencyResponse:
+    """Return a frequency response function; see `FEModel.frf`."""
+    b = _functional(body, "excitation", excitation)
+    c = b if response is None else _functional(body, "response", response)
+    hertz = np.atleast_1d(finite_array("frequencies", frequencies, unit="Hz", most=HUGE))
+    if hertz.ndim != 1 or not hertz.size or hertz.min() < 0.0:
+        raise InputError(
+            f"frequencies must be a flat list of numbers, none negative, got {frequencies!r}"
+        )
+    if hertz.min() == 0.0 and body.rigid_modes.shape[1]:
+        raise InputError("frequencies: a free body has no response at 0 Hz; give some above 0")
+    of = choice("kind", kind, tuple(KINDS))
+    omega = 2.0 * math.pi * hertz
+    modes = _Modes.up_to(body, float(omega.max()))
+    values, error = modes.receptance(b, c, omega)
+    factor = {"receptance": 1.0 + 0.0 * omega, "mobility": 1j * omega, "accelerance": -(omega**2)}
+    found = np.asarray(factor[of] * values, dtype=np.complex128)
+    return FrequencyResponse(hertz, found, np.abs(factor[of]) * error, of, len(modes.omega))
+
+
+def _functional(body: Body, name: str, point: Any) -> FloatArray:
+    """The functional b of a contact point of the body."""
+    if not isinstance(point, ContactPoint):
+        raise InputTypeError(f"{name} must come from body.contact(...), got {point!r}")
+    if point.body is not body:
+        raise InputError(f"{name} is a point of another body: take it from this body's contact()")
+    return point.b
+
+
+@dataclass(frozen=True, eq=False)
+class _Modes:
+    """The lowest modes of a body, none missed.
+
+    Attributes
+    ----------
+    body : FEModel
+    omega : ndarray, shape (m,)
+        rad/s.
+    shapes : ndarray, shape (n_dofs, m)
+    above : float
+        A frequency below which there is no other, rad/s; infinite where there is none.
+    """
+
+    body: Body
+    omega: FloatArray
+    shapes: FloatArray
+    above: float
+
+    @classmethod
+    def up_to(cls, body: Body, highest: float) -> _Modes:
+        """Return the modes up to well above a frequency, rad/s."""
+        beyond = _BEYOND_DAMPED if isinstance(body.damping, ModalDamping) else _BEYOND
+        dofs, rigid = body.n_dofs, body.rigid_modes
+        count = dofs if dofs <= _ALL else min(dofs, rigid.shape[1] + _FIRST)
+        while True:
+            omega2, shapes = lowest(body.K, body.M, count, known=rigid, invert=body.inverse)
+            omega = np.sqrt(omega2)
+            if len(omega) < count or count == dofs:
+                return cls(body, omega, shapes, math.inf)
+            if omega[-1] > beyond * highest:
+                # The last one found is the first that is left out.
+                return cls(body, omega[:-1], shapes[:, :-1], float(omega[-1]))
+            count = min(2 * count, dofs)
+
+    def receptance(
+        self, b: FloatArray, c: FloatArray, omega: FloatArray
+    ) -> tuple[npt.NDArray[np.complex128], FloatArray]:
+        """Return the receptance and its bound, m/N, each of shape (n,)."""
+        damping: Damping | None = self.body.damping
+        weight = (self.shapes.T @ b) * (self.shapes.T @ c)
+        decay = np.zeros_like(self.omega) if damping is None else damping.decay(self.omega)
+        with np.errstate(divide="ignore", invalid="ignore"):  # at a resonance without damping
+            den = self.omega**2 - omega[:, None] ** 2 + 2j * decay * omega[:, None]
+            found = np.where(weight == 0.0, 0.0, weight / den).sum(axis=1)
+        alpha, beta = (damping.alpha, damping.beta) if isinstance(damping, Rayleigh) else (0.0, 0.0)
+        stiffer = 1.0 + 1j * beta * omega
+        mu = (omega**2 - 1j * alpha * omega) / stiffer
+        ratio = np.abs(mu) / self.above**2
+        residual = self._static(b)
+        other = residual if c is b else self._static(c)
+        size = math.sqrt(max(b @ residual, 0.0) * max(c @ other, 0.0))
+        terms, largest = 1, float(ratio.max())
+        if largest > 0.0:
+            terms = max(1, math.ceil(math.log(_NEGLIGIBLE) / math.log(largest)))
+        power = np.ones_like(mu)
+        for _ in range(terms):
+            found = found + power * (c @ residual) / stiffer
+            residual, power = self._static(self.body.M @ residual), power * mu
+        error = size * ratio**terms / (1.0 - ratio)
+        if isinstance(damping, ModalDamping):
+            error = error + size * 2.0 * damping.ratio * np.sqrt(ratio) / (1.0 - ratio) ** 2
+        return found, error
+
+    def _static(self, load: FloatArray) -> FloatArray:
+        """K⁻¹ of a load without the modes, shape (n_dofs,)."""
+        moved = self.body.M @ self.shapes
+        rest = load - moved @ (self.shapes.T @ load)
+        if not np.abs(rest).max(initial=0.0) > 1e-12 * np.abs(load).max(initial=0.0):
+            return np.zeros_like(load)
+        found = displacement(self.body, rest, self.body.inverse)
+        return np.asarray(found - self.shapes @ (moved.T @ found))

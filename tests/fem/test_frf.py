@@ -1,0 +1,116 @@
+"""Frequency response functions against SciPy's solutions with the full matrices."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import scipy.linalg
+import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
+
+import aoimpact as ao
+
+ALUMINIUM = ao.Material(E=70e9, nu=0.33, rho=2700)
+
+DAMPING = {
+    "undamped": None,
+    "Rayleigh": ao.Rayleigh(alpha=20.0, beta=1e-6),
+    "modes": ao.ModalDamping(0.02),
+}
+SUPPORTS: dict[str, Any] = {"clamped": [("xmin", "xyz")], "free": None, "guided": [("zmin", "z")]}
+
+
+def plate(damping: Any, fixed: Any, across: int) -> tuple[ao.FEModel, ao.ContactPoint, Any]:
+    mesh = ao.box_mesh((0.2, 0.1, 0.01), (across, across // 2, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=fixed, damping=damping)
+    corner = (0.2, 0.1, 0.01)
+    first = body.contact(point=(0.1, 0.05, 0.01), direction=(1, 0, -1), radius=0)
+    return body, first, body.contact(point=corner, direction=(1, 1, 0), radius=0)
+
+
+def damping_matrix(body: ao.FEModel) -> npt.NDArray[np.float64]:
+    damping = body.damping
+    if damping is None:
+        return np.zeros(body.K.shape)
+    if isinstance(damping, ao.Rayleigh):
+        return np.asarray((damping.alpha * body.M + damping.beta * body.K).toarray())
+    omega2, phi = scipy.linalg.eigh(body.K.toarray(), body.M.toarray())
+    moved = body.M @ phi
+    omega = np.where(omega2 < 1e-9 * omega2[-1], 0.0, np.sqrt(np.abs(omega2)))  # rigid: rounding
+    return np.asarray((moved * (2.0 * damping.ratio * omega)) @ moved.T)
+
+
+@pytest.mark.parametrize("held", SUPPORTS)
+@pytest.mark.parametrize("damped", DAMPING)
+def test_all_modes_give_the_solutions_of_the_full_matrices(damped: str, held: str) -> None:
+    body, first, second = plate(DAMPING[damped], SUPPORTS[held], 4)
+    frequencies = np.linspace(50.0, 6000.0, 21)
+    found = body.frf(excitation=first, response=second, frequencies=frequencies, kind="accelerance")
+    C = damping_matrix(body)
+    for frequency, value in zip(frequencies, found.values, strict=True):
+        omega = 2.0 * math.pi * frequency
+        dynamic = body.K.toarray() + 1j * omega * C - omega**2 * body.M.toarray()
+        known = -(omega**2) * (second.b @ np.linalg.solve(dynamic, first.b))
+        assert abs(value - known) <= 1e-6 * abs(known)
+
+
+@pytest.mark.parametrize("held", SUPPORTS)
+@pytest.mark.parametrize("damped", ["undamped", "Rayleigh"])
+def test_few_modes_and_a_series_do_as_well(damped: str, held: str) -> None:
+    body, first, second = plate(DAMPING[damped], SUPPORTS[held], 10)
+    assert body.n_dofs > 1000
+    frequencies = np.linspace(100.0, 4000.0, 5)
+    found = body.frf(excitation=first, response=second, frequencies=frequencies, kind="mobility")
+    assert found.modes < 60
+    alpha, beta = (20.0, 1e-6) if damped == "Rayleigh" else (0.0, 0.0)
+    for frequency, value, bound in zip(frequencies, found.values, found.error, strict=True):
+        omega = 2.0 * math.pi * frequency
+        C = alpha * body.M + beta * body.K
+        dynamic = sp.csc_array(body.K + 1j * omega * C - omega**2 * body.M)
+        known = 1j * omega * (second.b @ spsolve(dynamic, first.b.astype(complex)))
+        assert bound <= 1e-6 * abs(known)
+        assert abs(value - known) <= 1e-6 * abs(known)
+
+
+def test_modal_damping_of_a_large_body_is_within_its_bound() -> None:
+    """Against the sum over all modes."""
+    damping = ao.ModalDamping(0.02)
+    body, first, second = plate(damping, SUPPORTS["clamped"], 10)
+    frequencies = np.linspace(100.0, 2000.0, 5)
+    found = body.frf(excitation=first, response=second, frequencies=frequencies)
+    omega2, phi = scipy.linalg.eigh(body.K.toarray(), body.M.toarray())
+    omega = 2.0 * math.pi * frequencies[:, None]
+    weights = (phi.T @ first.b) * (phi.T @ second.b)
+    known = (weights / (omega2 - omega**2 + 0.04j * np.sqrt(omega2) * omega)).sum(axis=1)
+    assert found.modes < body.n_dofs / 4
+    assert (np.abs(found.values - known) <= found.error + 1e-7 * np.abs(known)).all()
+    assert (found.error <= 2e-2 * np.abs(known).max()).all()
+
+
+def test_kinds_are_derivatives() -> None:
+    body, first, _ = plate(None, SUPPORTS["clamped"], 4)
+    frequencies = np.array([10.0, 300.0])
+    one, two, three = (
+        body.frf(excitation=first, frequencies=frequencies, kind=kind).values
+        for kind in ("receptance", "mobility", "accelerance")
+    )
+    rate = 2j * math.pi * frequencies
+    np.testing.assert_allclose(two, rate * one)
+    np.testing.assert_allclose(three, rate * two)
+
+
+def test_what_makes_no_sense_is_named() -> None:
+    body, first, _ = plate(None, None, 4)
+    other = plate(None, None, 4)[1]
+    with pytest.raises(ao.InputError, match="0 Hz"):
+        body.frf(excitation=first, frequencies=[0.0])
+    with pytest.raises(ao.InputError, match="another body"):
+        body.frf(excitation=first, response=other, frequencies=[1.0])
+    with pytest.raises(ao.InputTypeError, match="excitation must come from"):
+        body.frf(excitation="tip", frequencies=[1.0])  # type: ignore[arg-type]
+    with pytest.raises(ao.InputError, match="kind must be"):
+        body.frf(excitation=first, frequencies=[1.0], kind="force")

@@ -1,0 +1,92 @@
+"""Sensors of a plate: within their claimed errors of the full model, and an impact-hammer test."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+ALUMINIUM = ao.Material(E=70e9, nu=0.33, rho=2700)
+DOWN = (0.0, 0.0, -1.0)
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:.*the mesh makes an error"),
+    pytest.mark.filterwarnings("ignore:.*may be off by"),
+    pytest.mark.filterwarnings("ignore:the record of"),
+]
+
+
+def test_an_accelerometer_and_supports_of_a_plate() -> None:
+    """A ball on 200 x 150 x 6 mm: 30 mm from the contact behind CFC 1000, and two supports.
+
+    The full model is stepped by Newmark's rule, whose own error is that of twice its step.
+    """
+    mesh = ao.box_mesh((0.2, 0.15, 0.006), (16, 12, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    tip = body.contact(point=(0.1, 0.075, 0.006), radius=0.001)
+    at, duration = (0.13, 0.075, 0.0), 2.2e-3
+    ball = ao.ball(0.01, STEEL)
+    times = np.arange(0.0, duration, 4e-6)
+
+    def acceleration(hit: ao.Result) -> np.ndarray:
+        return np.asarray(hit.target.probe(at, DOWN, times=times).filtered(cfc=1000).acceleration)
+
+    def reaction(hit: ao.Result) -> np.ndarray:
+        return np.asarray(hit.target.reaction("xmin", times=times).force @ DOWN)
+
+    fine, coarse = (
+        ao.simulate(
+            ball,
+            ao.full(tip),
+            1.0,
+            duration=duration,
+            solver=ao.Newmark(dt=dt, estimate=False),
+            energies=False,
+        )
+        for dt in (1e-6, 2e-6)
+    )
+    for quantity, read, rtol in (
+        (ao.AccelerationAt(at, DOWN, cfc=1000), acceleration, 1e-2),
+        (ao.ReactionAt("xmin", DOWN), reaction, 5e-2),
+    ):
+        hit = ao.simulate(ball, tip, 1.0, duration=duration, quantity=quantity, rtol=rtol)
+        right = read(fine)
+        by_steps = np.abs(read(coarse) - right).max()
+        away = np.abs(read(hit) - right).max()
+        assert hit.error.model is not None
+        assert hit.error.model <= rtol
+        assert away <= hit.error.model * np.abs(right).max() + by_steps
+        assert by_steps < rtol * np.abs(right).max()
+
+
+def test_a_hammer_test_measures_the_frequency_response() -> None:
+    """Spectra of velocity over force of a damped plate until it is at rest, within 1 %."""
+    mesh = ao.box_mesh((0.3, 0.2, 0.006), (9, 6, 1), kind="hexahedron20")
+    damping = ao.Rayleigh(alpha=80.0, beta=1e-6)
+    plate = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz")], damping=damping)
+    at = (0.3, 0.2, 0.006)
+    struck = plate.contact(point=(0.2, 2.0 / 30.0, 0.006), direction=DOWN, radius=0)
+    measured = plate.contact(point=at, direction=DOWN, radius=0)
+    hit = ao.simulate(
+        ao.rigid(mass=0.1),
+        struck,
+        1.0,
+        law=ao.Linear(k=2e6),
+        duration=0.3,
+        quantity=measured,
+        rtol=5e-3,
+    )
+    dt = 2e-5
+    probe = hit.target.probe(at, DOWN, dt=dt)
+    f = np.fft.rfftfreq(len(probe.t), dt)
+    band = (f > 20.0) & (f < 1500.0)
+    spectra = [np.fft.rfft(of)[band] for of in (probe.velocity, hit.at(probe.t).force)]
+    known = plate.frf(excitation=struck, response=measured, frequencies=f[band], kind="mobility")
+    largest = np.abs(known.values).max()
+    np.testing.assert_allclose(spectra[0] / spectra[1], known.values, atol=1e-2 * largest)
+    assert math.isfinite(largest)
