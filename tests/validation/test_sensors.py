@@ -24,14 +24,17 @@ pytestmark = [
 def test_an_accelerometer_and_supports_of_a_plate() -> None:
     """A ball on 200 x 150 x 6 mm: 30 mm from the contact behind CFC 1000, and two supports.
 
-    The full model is stepped by Newmark's rule, whose own error is that of twice its step.
+    The full model has all of its modes, so that it has no error by its steps.
     """
-    mesh = ao.box_mesh((0.2, 0.15, 0.006), (16, 12, 1), kind="hexahedron20")
+    mesh = ao.box_mesh((0.2, 0.15, 0.006), (12, 9, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
     tip = body.contact(point=(0.1, 0.075, 0.006), radius=0.001)
     at, duration = (0.13, 0.075, 0.0), 2.2e-3
     ball = ao.ball(0.01, STEEL)
     times = np.arange(0.0, duration, 4e-6)
+    full = ao.simulate(
+        ball, ao.full(tip), 1.0, duration=duration, solver=ao.Adaptive(rtol=1e-6), energies=False
+    )
 
     def acceleration(hit: ao.Result) -> np.ndarray:
         return np.asarray(hit.target.probe(at, DOWN, times=times).filtered(cfc=1000).acceleration)
@@ -39,29 +42,15 @@ def test_an_accelerometer_and_supports_of_a_plate() -> None:
     def reaction(hit: ao.Result) -> np.ndarray:
         return np.asarray(hit.target.reaction("xmin", times=times).force @ DOWN)
 
-    fine, coarse = (
-        ao.simulate(
-            ball,
-            ao.full(tip),
-            1.0,
-            duration=duration,
-            solver=ao.Newmark(dt=dt, estimate=False),
-            energies=False,
-        )
-        for dt in (1e-6, 2e-6)
-    )
     for quantity, read, rtol in (
         (ao.AccelerationAt(at, DOWN, cfc=1000), acceleration, 1e-2),
         (ao.ReactionAt("xmin", DOWN), reaction, 5e-2),
     ):
         hit = ao.simulate(ball, tip, 1.0, duration=duration, quantity=quantity, rtol=rtol)
-        right = read(fine)
-        by_steps = np.abs(read(coarse) - right).max()
-        away = np.abs(read(hit) - right).max()
+        right = read(full)
         assert hit.error.model is not None
         assert hit.error.model <= rtol
-        assert away <= hit.error.model * np.abs(right).max() + by_steps
-        assert by_steps < rtol * np.abs(right).max()
+        assert np.abs(read(hit) - right).max() <= hit.error.model * np.abs(right).max()
 
 
 def test_a_hammer_test_measures_the_frequency_response() -> None:
@@ -79,7 +68,7 @@ def test_a_hammer_test_measures_the_frequency_response() -> None:
         law=ao.Linear(k=2e6),
         duration=0.3,
         quantity=measured,
-        rtol=5e-3,
+        rtol=3e-4,
     )
     dt = 2e-5
     probe = hit.target.probe(at, DOWN, dt=dt)

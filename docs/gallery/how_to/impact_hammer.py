@@ -33,7 +33,7 @@ hit = ao.simulate(
     law=ao.Linear(k=2e6),
     duration=0.4,
     quantity=measured,
-    rtol=5e-3,
+    rtol=1e-3,
 )
 print(hit)
 
