@@ -183,7 +183,7 @@ class _Modes:
         ratio = np.abs(mu) / self.above**2
         residual = self._static(b)
         other = residual if c is b else self._static(c)
-        size = math.sqrt(max(b @ residual, 0.0) * max(c @ other, 0.0))
+        size = math.sqrt(abs(float(b @ residual)) * abs(float(c @ other)))
         terms, largest = 1, float(ratio.max())
         if largest > 0.0:
             terms = max(1, math.ceil(math.log(_NEGLIGIBLE) / math.log(largest)))

@@ -598,7 +598,7 @@ class FEModel(Frozen):
         >>> chain = ao.FEModel(K=K, M=M)
         >>> end = chain.contact(dof=1)
         >>> chain.frf(excitation=end, frequencies=[0.0, 100.0]).values.real  # m/N
-        array([2.00000000e-06, 3.57617853e-06])
+        array([2.00000000e-06, 4.03459906e-06])
         """
         return frequency_response(self, excitation, response, frequencies, kind)
 

@@ -31,6 +31,7 @@ from .quantities import (
 )
 from .run import Handle, Result, Run
 from .solve import AS_LONG_AGAIN, RecordLength, TimeSolver, solve
+from .validity import Advice
 
 __all__ = [
     "AS_LONG_AGAIN",
@@ -39,6 +40,7 @@ __all__ = [
     "MESH_LIMIT",
     "QUANTITIES",
     "SCENE_CHOICES",
+    "Advice",
     "BodyEnergy",
     "BodyResult",
     "Chosen",

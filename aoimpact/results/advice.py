@@ -35,8 +35,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MESH_LIMIT",
+    "SPEED",
     "follows",
     "limits",
+    "small_deflection",
     "warn_of_bodies",
     "warn_of_exchange",
     "warn_of_ledger",
@@ -316,7 +318,7 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
 _WIDTH, _STRAIN = 0.3, 0.2
 
 # Velocity over that of waves in a bar: the strain of two bars that meet, as large as the tolerance.
-_SPEED = 0.01
+SPEED = 0.01
 
 # Deflection over thickness of a body constrained on both sides, where the linear one is 12 % off:
 # the load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
@@ -369,7 +371,7 @@ def limits(plan: Plan, contact: Contact) -> Limits:
             pressure = _yield(surface, materials)[0]
     slowest = min((of.bar_speed for of in materials if of is not None), default=math.inf)
     deflection = min(_deflecting(plan, contact), default=math.inf)
-    return Limits(pressure, width, _SPEED * slowest, deflection)
+    return Limits(pressure, width, SPEED * slowest, deflection)
 
 
 @lru_cache
@@ -464,6 +466,14 @@ def _allowed(tip: ContactPoint) -> float:
     """The least deflection that may be too large, m; infinite for a body without a mesh."""
     mesh = tip.body.mesh
     return math.inf if mesh is None else min(_THICKNESS * tip.depth, _SIZE * mesh.size)
+
+
+def small_deflection(tip: ContactPoint) -> tuple[float, str, float]:
+    """Return what a deflection is small beside, m, its name, and the share up to which it is."""
+    assert tip.body.mesh is not None
+    if _stretches(tip):
+        return tip.depth, "thickness", _THICKNESS
+    return tip.body.mesh.size, "size", _SIZE
 
 
 def _stretches(tip: ContactPoint) -> bool:

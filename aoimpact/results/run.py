@@ -41,6 +41,7 @@ from .plot import During
 from .quantities import all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
 from .table import ROLES, as_dataframe, as_dataset, body_names, columns, different, write_csv
+from .validity import Advice, advice_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -752,6 +753,21 @@ class Result(Eventful, Run):
         """Residual dent, ``depth`` and ``diameter`` [m]; see `ContactLaw.dent`."""
         deepest = float(self.indentation.max(initial=0.0))
         return self.plan.contacts[0].law.dent(deepest) if deepest > 0.0 else Dent(0.0, 0.0)
+
+    @property
+    def advice(self) -> tuple[Advice, ...]:
+        """How far the impact is from the limits of linear elasticity; see `Advice`.
+
+        Yield, deflection, mass ratio and speed, as far as they are known, as the summary has them.
+
+        Examples
+        --------
+        >>> ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800, yield_strength=1e9))
+        >>> hit = ao.simulate(projectile=ball, target=ball, velocity=0.01)
+        >>> [(of.name, of.within) for of in hit.advice]
+        [('yield', True), ('speed', True)]
+        """
+        return advice_of(self)
 
     @property
     def hertz_pressure(self) -> float:

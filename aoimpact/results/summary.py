@@ -51,9 +51,12 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
     rows += [
         ("rebound velocity", _rebound(result, "rebound_velocity")),
         ("restitution", _rebound(result, "restitution")),
-        error_row(result),
-        ("solver", result.solver),
     ]
+    if (dent := result.dent).depth > 0.0:
+        wide = "" if math.isnan(dent.diameter) else f", {with_unit(dent.diameter, 'm', 3)} wide"
+        rows.append(("residual dent", f"{with_unit(dent.depth, 'm', 3)} deep{wide}"))
+    rows += [(of.name, str(of)) for of in result.advice]
+    rows += [error_row(result), ("solver", result.solver)]
     made_by = [model.linear_solver for model in result.models]
     if any(made_by):
         rows.append(("linear solver", ", ".join(dict.fromkeys(filter(None, made_by)))))

@@ -276,3 +276,40 @@ def test_a_sweep_says_it_once() -> None:
     with pytest.warns(ao.AOImpactWarning, match=r"times the radius.*\(99 more of 100 cases warn"):
         kept = ao.simulate_many([case | {"velocity": 100.0}] * 100, keep="peak_force")
     assert len(kept) == 100
+
+
+# ------------------------------------------------------------------- the table of the summary
+
+
+def advised(hit: ao.Result) -> dict[str, Any]:
+    return {of.name: of for of in hit.advice}
+
+
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+def test_the_summary_has_how_far_the_limits_are() -> None:
+    target = star(plate(SOFT, 0.005, BOTH_ENDS))
+    hit = strike(target, 0.5)
+    table = advised(hit)
+    assert list(table) == ["yield", "deflection", "mass ratio", "speed"]
+    deepest = np.abs(hit.target.port_displacements[0]).max()
+    assert table["deflection"].value == pytest.approx(deepest / 0.005)
+    assert table["mass ratio"].value == pytest.approx(0.0327 / hit.target.mass)
+    assert table["speed"].value == pytest.approx(0.5 / math.sqrt(SOFT.E / SOFT.rho))
+    for name in table:
+        assert f"\n  {name} " in repr(hit)
+
+
+@pytest.mark.parametrize(("velocity", "within"), [(1e-4, True), (1.0, False)])
+def test_yield_of_a_law_that_yields(velocity: float, within: bool) -> None:
+    law = ao.ElasticPlastic.between(STEEL, R, SOFT, math.inf)
+    hit = ao.simulate(HEAVY, ao.rigid(mass=math.inf), velocity, law=law)
+    found = advised(hit)["yield"]
+    assert found.within == within
+    assert found.value == pytest.approx(hit.peak_force / law.yield_force)
+    assert ("\n  residual dent" in repr(hit)) == (not within)
+
+
+def test_nothing_is_advised_of_numbers() -> None:
+    ball = ao.rigid(mass=0.1)
+    hit = ao.simulate(ball, ball, 1.0, law=ao.Linear(k=1e5))
+    assert hit.advice == ()
