@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import (
+    HUGE,
     FloatArray,
     Frozen,
     InputError,
@@ -544,7 +545,7 @@ def _at_dof(body: Body, dof: int) -> ContactPoint:
 
 def _of_functional(body: Body, b: Any, radius: float | str) -> ContactPoint:
     """The contact of a functional of one's own, with as much of a place as it has."""
-    values = finite_array("b", b, ndim=1).copy()
+    values = finite_array("b", b, ndim=1, most=HUGE).copy()
     if len(values) != body.n_dofs:
         cure = "; take b[body.free]" if body.nodes is not None else ""
         whole = body.nodes is not None and len(values) == 3 * len(body.nodes)
@@ -552,6 +553,9 @@ def _of_functional(body: Body, b: Any, radius: float | str) -> ContactPoint:
             f"b must have one entry for each of the {body.n_dofs} rows of K, got {len(values)}"
             + (cure if whole else "")
         )
+    largest = np.abs(values).max()
+    if 0.0 < largest < 1.0 / HUGE:
+        raise InputError(f"b has no entry above {largest:.3g}: scale it, for a mean to a sum of 1")
     tip = ContactPoint(body, values)
     if body.nodes is not None:
         length = float(np.linalg.norm(tip.resultant))

@@ -14,6 +14,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import (
+    HUGE,
     FloatArray,
     Frozen,
     InputError,
@@ -794,7 +795,7 @@ def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | Non
         if free is not None:
             raise InputError("free tells the nodes' dofs apart and needs nodes; give both or none")
         return None, None
-    places = np.array(finite_array("nodes", nodes, shape=(None, 3), unit="m"))
+    places = np.array(finite_array("nodes", nodes, shape=(None, 3), unit="m", most=HUGE))
     if free is None:
         if n_dofs != 3 * len(places):
             raise InputError(

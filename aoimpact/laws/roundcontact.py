@@ -80,4 +80,5 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
     if not materials or any(material is None for material in materials):
         return None
     modulus = 1.0 / math.fsum(1.0 / of.plane_strain_modulus for of in materials if of is not None)
-    return RoundContact(k, modulus, (0.75 * k / modulus) ** 2, eccentricity)
+    root = 0.75 * k / modulus
+    return RoundContact(k, modulus, root * root, eccentricity)  # ** raises where this overflows

@@ -154,8 +154,12 @@ def _first_oscillators(
         x -= parts @ basis[: k + 1]
         x -= (basis[: k + 1] @ (M @ x)) @ basis[: k + 1]  # once more, for what rounding leaves
         diagonal[k], off[k] = parts[k], math.sqrt(x @ (M @ x))
-        basis[k + 1] = x / off[k]
-        if k < look and k + 1 < most:
+        if not math.isfinite(off[k]):
+            raise ConvergenceError("the contact functional is too small to be computed with")
+        exhausted = off[k] == 0.0
+        if not exhausted:
+            basis[k + 1] = x / off[k]
+        if k < look and k + 1 < most and not exhausted:
             continue
         look += max(4, look // 4)
         theta, y = scipy.linalg.eigh_tridiagonal(diagonal[: k + 1], off[:k])
@@ -172,7 +176,7 @@ def _first_oscillators(
         enough = np.count_nonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2) >= n
         if enough and order == "mass" and n:
             enough = largest <= np.sort(masses[chosen])[-n]
-        if enough:
+        if enough or exhausted:
             largest = 0.0
             break
     phi = y[:, chosen].T @ basis[: k + 1]
@@ -206,7 +210,8 @@ def _wanted_oscillators(
     dofs = tip.body.n_dofs
     if dofs > DENSE_DOFS:
         try:
-            found, left_out = _first_oscillators(tip, static, n, order, solvers)
+            with np.errstate(over="ignore", invalid="ignore"):  # found by what comes of it
+                found, left_out = _first_oscillators(tip, static, n, order, solvers)
         except ConvergenceError:
             if dofs > _DENSE_MOST:
                 raise

@@ -329,6 +329,7 @@ def test_a_functional_that_is_no_mean_has_no_direction() -> None:
     [
         ({"b": np.zeros(FREE.n_dofs)}, "b must have entries of about 1, not all zero"),
         ({"b": np.ones(7)}, f"b must have one entry for each of the {FREE.n_dofs} rows of K"),
+        ({"b": np.full(FREE.n_dofs, 1e-206)}, "b has no entry above 1e-206"),
         ({"b": np.ones(FREE.n_dofs), "dof": 3}, "give either dof or b, not both"),
         ({"b": np.ones(FREE.n_dofs), "direction": DOWN}, "give either b, or point and direction"),
         ({"node": 99999, "direction": DOWN}, "node must be from 0 to"),

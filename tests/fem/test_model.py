@@ -524,6 +524,7 @@ def test_a_broken_sparse_matrix_is_refused() -> None:
         (np.zeros((2, 3)), None, InputError, "K has 3 rows, but 2 nodes have 6 dofs; .* give free"),
         (np.zeros((2, 2)), None, InputError, "nodes must have shape"),
         (np.full((1, 3), np.nan), None, InputError, "nodes must be finite"),
+        (np.full((1, 3), 1e150), None, InputError, "nodes must not exceed"),
         (None, [0, 1, 2], InputError, "free .* needs nodes"),
         (np.zeros((2, 3)), [0, 1], InputError, r"free must have shape \(3,\)"),
         (np.zeros((2, 3)), [0, 1, 6], InputError, r"free must be within 0 … 5 .* got 0 … 6"),
