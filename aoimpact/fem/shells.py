@@ -1,0 +1,457 @@
+"""Shell elements of three and four nodes with six degrees of freedom at each.
+
+Each element is flat, in the mean plane of its nodes; nodes off that plane are joined to it by
+rigid links, as in R. H. MacNeal (Computers & Structures 8, 175, 1978). In this plane
+
+- bending and transverse shear are those of MITC4 (K.-J. Bathe and E. N. Dvorkin, Int. J. Num.
+  Meth. Eng. 21, 367, 1985) and of MITC3+ with a bubble of the rotations (Y. Lee, P.-S. Lee and
+  K.-J. Bathe, Computers & Structures 138, 12, 2014);
+- the membrane of four nodes has incompatible modes (R. L. Taylor, P. J. Beresford and E. L. Wilson,
+  Int. J. Num. Meth. Eng. 10, 1211, 1976), and its rotation about the normal is tied weakly to that
+  of the displacements (T. J. R. Hughes and F. Brezzi, Comp. Meth. Appl. Mech. Eng. 72, 105, 1989);
+- the membrane of three nodes is the optimal triangle with drilling freedoms (C. A. Felippa, Comp.
+  Meth. Appl. Mech. Eng. 192, 2125, 2003).
+
+An element is what its strains are: nine rows B of generalised strains at points of quadrature, the
+eight of `Layers` and the drilling strain. Inner freedoms are condensed into B, so that
+K = Σ w Bᵀ C B, and strains of a deformed body follow from the same B.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import FloatArray, IntArray
+from .laminate import Layers
+
+__all__ = ["Strains", "nodal_normals", "element_frames", "element_mass", "element_stiffness", "strain_rows"]
+
+
+# Stiffness against the drilling strain over the membrane's shear stiffness. A rotation about the
+# normal that no displacement follows has little to resist it; then in-plane bending does not lock
+# (1 % with elements ten times as long as wide needs 1e-3), and a fold transmits no couple.
+_DRILLING = 1e-4
+
+# Cosine of the angle between elements at a node beyond which they meet at a fold: 35°.
+_FOLD = 0.82
+
+# Elements are taken so many at a time that the strains' rows stay in the caches.
+_BATCH = 512
+
+_GAUSS = 1.0 / np.sqrt(3.0)
+_CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+
+# Slopes along r and s of a triangle's linear shape functions.
+_LINEAR = np.array([(-1.0, 1.0, 0.0), (-1.0, 0.0, 1.0)])
+
+# Six points of a triangle and their shares of its area, exact to degree 4 (D. A. Dunavant, Int. J.
+# Num. Meth. Eng. 21, 1129, 1985).
+_OUTER, _INNER = 0.091576213509770743, 0.445948490915964886
+_SHARES = np.repeat([0.109951743655321868, 0.223381589678011466], 3)
+_AREAS = np.array([np.roll([1.0 - 2.0 * a, a, a], i) for a in (_OUTER, _INNER) for i in range(3)])
+
+# Felippa's natural strains at each corner, (corner, edge, rotation), times 3 l²/(2 A) of the edge.
+_NATURAL = np.array(
+    [
+        [(1, 2, 1), (0, 1, -1), (-1, -1, -2)],
+        [(-2, -1, -1), (1, 1, 2), (-1, 0, 1)],
+        [(1, -1, 0), (-1, -2, -1), (2, 1, 1)],
+    ],
+    dtype=np.float64,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Strains:
+    """Generalised strains of some elements as functions of their nodes' freedoms.
+
+    Attributes
+    ----------
+    rows : ndarray, shape (n, points, 9, 6 nodes)
+        Of (u, v, w, θx, θy, θz) in global axes; the ninth is the drilling strain.
+    weights : ndarray, shape (n, points)
+        Areas, m².
+    shape : ndarray, shape (points, nodes)
+        Shape functions at the points.
+    frames : ndarray, shape (n, 3, 3)
+        Rows are the elements' axes; the third is the normal.
+    """
+
+    rows: FloatArray
+    weights: FloatArray
+    shape: FloatArray
+    frames: FloatArray
+
+
+def element_stiffness(
+    corners: FloatArray, layers: Layers, normals: FloatArray | None = None
+) -> FloatArray:
+    """Return the stiffness of elements, shape (n, 6 nodes, 6 nodes), exactly symmetric.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (n, 3 or 4, 3)
+        m.
+    layers : Shell or Laminate
+    normals : ndarray, shape (n, 3 or 4, 3), optional
+        Unit normals of the surface at the nodes, from `nodal_normals`; the elements' own if left
+        out.
+    """
+    nodes = corners.shape[1]
+    found = np.empty((len(corners), 6 * nodes, 6 * nodes))
+    stiffness = _stiffness(layers)
+    for some in _batches(len(corners)):
+        strains = strain_rows(corners[some], layers, None if normals is None else normals[some])
+        rows = strains.rows.reshape(len(strains.rows), -1, 6 * nodes)
+        forces = (strains.weights[..., None, None] * (stiffness @ strains.rows)).reshape(rows.shape)
+        matrix = rows.swapaxes(1, 2) @ forces
+        found[some] = 0.5 * (matrix + matrix.swapaxes(1, 2))
+    return found
+
+
+def element_mass(corners: FloatArray, layers: Layers) -> FloatArray:
+    """Return the consistent mass of elements with their rotary inertia, shape as the stiffness.
+
+    A point at z moves with u + z θ×n. Rotation about the normal has no inertia.
+    """
+    n, nodes = corners.shape[:2]
+    normal = element_frames(corners, layers)[0][:, 2]
+    shape, weights = _areas(corners, normal)
+    pairs = np.einsum("nq,qa,qb->nab", weights, shape, shape)
+    m0, m1, m2 = layers.inertia
+    six = np.zeros((n, 6, 6))
+    six[:, :3, :3] = m0 * np.eye(3)
+    six[:, 3:, 3:] = m2 * (np.eye(3) - normal[:, :, None] * normal[:, None, :])
+    x, y, z = normal.T
+    for i, j, value in ((0, 1, z), (1, 2, x), (2, 0, y)):  # of u·(θ×n)
+        six[:, i, 3 + j] = six[:, 3 + j, i] = m1 * value
+        six[:, j, 3 + i] = six[:, 3 + i, j] = -m1 * value
+    matrix: FloatArray = np.einsum("nab,nij->naibj", pairs, six)
+    return matrix.reshape(n, 6 * nodes, 6 * nodes)
+
+
+def element_frames(
+    corners: FloatArray, layers: Layers | None
+) -> tuple[FloatArray, FloatArray]:
+    """Return the elements' axes, rows of (n, 3, 3), and their nodes in them, (n, nodes, 3).
+
+    x is the projection of the layers' reference, or about the first edge without one.
+    """
+    if corners.shape[1] == 3:
+        first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    else:  # along r and s, in the middle
+        first = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
+        second = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
+    normal = _unit(np.cross(first, second))
+    reference = None if layers is None else layers.reference
+    along = first if reference is None else np.broadcast_to(reference, first.shape)
+    x = _unit(along - np.einsum("ni,ni->n", along, normal)[:, None] * normal)
+    frames = np.stack([x, np.cross(normal, x), normal], axis=1)
+    local = np.einsum("nij,naj->nai", frames, corners - corners.mean(axis=1, keepdims=True))
+    return frames, local
+
+
+def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatArray]:
+    """Return the surface's unit normals at the nodes of elements, (n, 3 or 4, 3) for each group.
+
+    The mean over the elements at a node that are within `_FOLD` of this one, on its side. Elements
+    beyond belong to another surface, joined at a fold.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    groups : sequence of ndarray of int, shape (n, 3) or (n, 4)
+    """
+    own = [element_frames(nodes[cells], None)[0][:, 2] for cells in groups]
+    at = np.concatenate([cells.reshape(-1) for cells in groups])
+    normal = np.concatenate(
+        [np.repeat(each, cells.shape[1], axis=0) for each, cells in zip(own, groups, strict=True)]
+    )
+    # Every pair of corners at one node, by the sorted corners' distance in that order.
+    order = np.argsort(at, kind="stable")
+    at, normal = at[order], normal[order]
+    total = normal.copy()
+    for step in range(1, int(np.bincount(at).max())):
+        one = np.flatnonzero(at[step:] == at[:-step])
+        other = one + step
+        cosine = np.einsum("ni,ni->n", normal[one], normal[other])
+        share = np.where(np.abs(cosine) > _FOLD, np.sign(cosine), 0.0)[:, None]
+        total[one] += share * normal[other]
+        total[other] += share * normal[one]
+    mean = np.empty_like(total)
+    mean[order] = _unit(total)
+    ends = np.cumsum([cells.size for cells in groups])[:-1]
+    parts = np.split(mean, ends)
+    return [part.reshape(*cells.shape, 3) for part, cells in zip(parts, groups, strict=True)]
+
+
+def strain_rows(
+    corners: FloatArray, layers: Layers, normals: FloatArray | None = None
+) -> Strains:
+    """Return the strains of some elements; parameters as for `element_stiffness`."""
+    frames, local = element_frames(corners, layers)
+    stiffness = _stiffness(layers)
+    if normals is not None:
+        normals = np.einsum("nij,naj->nai", frames, normals)
+    if corners.shape[1] == 3:
+        rows, inner, weights = _triangle(local, stiffness, _flatness(local, normals, stiffness))
+        shape = _AREAS
+    else:
+        rows, inner, weights = _quadrilateral(local)
+        shape = _bilinear(_GAUSS * _CORNERS)[0]
+    rows = _condensed(rows, inner, stiffness, weights)
+    rows = rows.reshape(*rows.shape[:3], -1, 2, 3)
+    # From the plane to the nodes: u + θ × d with d along the normal.
+    height = local[:, None, None, :, 2]
+    rows[..., 1, 0] += height * rows[..., 0, 1]
+    rows[..., 1, 1] -= height * rows[..., 0, 0]
+    if normals is not None:
+        _turn_to_surface(rows, local, normals)
+    rows = rows @ frames[:, None, None, None]
+    return Strains(rows.reshape(*rows.shape[:3], -1), weights, shape, frames)
+
+
+def _flatness(
+    local: FloatArray, normals: FloatArray | None, stiffness: FloatArray
+) -> FloatArray:
+    """1/(1 + (h δ/t)²), with δ the angle between an element and its surface at the nodes.
+
+    How far the membrane of a triangle may follow rotations about the normal: on a curved surface
+    these take part in bending, and a thin element locks.
+    """
+    if normals is None:
+        return np.ones(len(local))
+    angle2 = (normals[..., :2] ** 2).sum(axis=2).max(axis=1)
+    edge2 = ((local - np.roll(local, 1, axis=1)) ** 2).sum(axis=2).max(axis=1)
+    thickness2 = 12.0 * stiffness[3, 3] / stiffness[0, 0]
+    flat: FloatArray = 1.0 / (1.0 + edge2 * angle2 / thickness2)
+    return flat
+
+
+def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -> None:
+    """Rotations ω + R(θ - ω) in place of θ, in local axes and in place.
+
+    ω is the rotation of the element's plane and R turns the surface's normal at the node to the
+    element's. So bending and twisting on one side of a node are the same on the other, though the
+    planes differ, and do not mix with the rotation about the normal. That is counted about the mean
+    of both normals: between the element's middle and the node the rotation of a bent surface
+    changes along the surface, so that its part along this mean is of third order.
+    """
+    n, nodes = local.shape[:2]
+    x, y, z = np.moveaxis(normals, 2, 0)
+    cross = np.zeros((n, nodes, 3, 3))  # of v = normal × e3
+    cross[..., 0, 2], cross[..., 2, 0] = -x, x
+    cross[..., 1, 2], cross[..., 2, 1] = -y, y
+    turn = np.eye(3) + cross + cross @ cross / (1.0 + z)[..., None, None]
+    turn[..., 2, :] = _unit(normals + (0.0, 0.0, 1.0))
+    if nodes == 3:
+        slopes = np.linalg.inv(local[:, 1:, :2] - local[:, :1, :2]) @ _LINEAR
+    else:
+        along = _bilinear(np.zeros((1, 2)))[1][0]
+        slopes = np.linalg.inv(along @ local[..., :2]) @ along
+    plane = np.zeros((n, 3, nodes, 3))  # ω by the displacements
+    plane[:, 0, :, 2], plane[:, 1, :, 2] = slopes[:, 1], -slopes[:, 0]
+    plane[:, 2, :, 0], plane[:, 2, :, 1] = -0.5 * slopes[:, 1], 0.5 * slopes[:, 0]
+    left = np.einsum("nqsai,naij->nqsj", rows[..., 1, :], np.eye(3) - turn)
+    rows[..., 0, :] += np.einsum("nqsj,njai->nqsai", left, plane)
+    rows[..., 1, :] = np.einsum("nqsai,naij->nqsaj", rows[..., 1, :], turn)
+
+
+def _stiffness(layers: Layers) -> FloatArray:
+    """Of the nine strains, shape (9, 9)."""
+    matrix = np.zeros((9, 9))
+    matrix[:8, :8] = layers.stiffness
+    matrix[8, 8] = _DRILLING * matrix[2, 2]
+    return matrix
+
+
+def _batches(n: int) -> Iterator[slice]:
+    for start in range(0, n, _BATCH):
+        yield slice(start, start + _BATCH)
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    unit: FloatArray = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return unit
+
+
+def _condensed(
+    rows: FloatArray, inner: FloatArray, stiffness: FloatArray, weights: FloatArray
+) -> FloatArray:
+    """The strains of the nodes' freedoms with the inner ones where their forces vanish."""
+    force = weights[..., None, None] * (stiffness @ inner)
+    n, dofs = len(rows), inner.shape[-1]
+    force = force.reshape(n, -1, dofs).swapaxes(1, 2)
+    own = force @ inner.reshape(n, -1, dofs)
+    moved = np.linalg.solve(own, force @ rows.reshape(n, -1, rows.shape[-1]))
+    condensed: FloatArray = rows - inner @ moved[:, None]
+    return condensed
+
+
+def _bilinear(places: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Shape functions at (r, s), and their slopes along r and s, (points, 4) and (points, 2, 4)."""
+    r, s = places[:, :1], places[:, 1:]
+    a, b = 1.0 + r * _CORNERS[:, 0], 1.0 + s * _CORNERS[:, 1]
+    return 0.25 * a * b, 0.25 * np.stack([_CORNERS[:, 0] * b, _CORNERS[:, 1] * a], axis=1)
+
+
+def _areas(corners: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Shape functions at the points of quadrature, and the points' areas in the mean plane."""
+    if corners.shape[1] == 3:
+        edges = corners[:, 1:] - corners[:, :1]
+        area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+        return _AREAS, area[:, None] * _SHARES
+    shape, slopes = _bilinear(_GAUSS * _CORNERS)
+    along = np.einsum("qda,nai->nqdi", slopes, corners)
+    return shape, np.einsum("nqi,ni->nq", np.cross(along[:, :, 0], along[:, :, 1]), normal)
+
+
+def _plane_rows(slope: FloatArray, shape: FloatArray) -> FloatArray:
+    """Membrane, bending and drilling rows of ∂N/∂x, ∂N/∂y (n, points, 2, nodes).
+
+    Shape (n, points, 9, 6 nodes), with nothing in the rows of transverse shear.
+    """
+    rows = np.zeros((*slope.shape[:2], 9, slope.shape[-1], 6))
+    x, y = slope[:, :, 0], slope[:, :, 1]
+    rows[:, :, 0, :, 0] = rows[:, :, 2, :, 1] = x
+    rows[:, :, 1, :, 1] = rows[:, :, 2, :, 0] = y
+    rows[:, :, 3, :, 4], rows[:, :, 4, :, 3] = x, -y
+    rows[:, :, 5, :, 4], rows[:, :, 5, :, 3] = y, -x
+    rows[:, :, 8, :, 5] = shape
+    rows[:, :, 8, :, 0], rows[:, :, 8, :, 1] = 0.5 * y, -0.5 * x
+    return rows
+
+
+def _quadrilateral(local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Strains of the nodes' freedoms in the plane and of the incompatible modes, and the areas."""
+    plane = local[..., :2]
+    shape, slopes = _bilinear(_GAUSS * _CORNERS)
+    jacobian = np.einsum("qda,nai->nqdi", slopes, plane)  # rows are along r and s
+    area = np.linalg.det(jacobian)
+    inverse = np.linalg.inv(jacobian)
+    rows = _plane_rows(inverse @ slopes, shape)
+    # Shear strains along r at s = ±1, and along s at r = ±1, interpolated between these.
+    across = _covariant(plane, np.array([(0.0, 1.0), (0.0, -1.0)]), 0)
+    along = _covariant(plane, np.array([(1.0, 0.0), (-1.0, 0.0)]), 1)
+    r, s = _GAUSS * _CORNERS.T
+    share = np.stack([[1.0 + s, 1.0 - s], [1.0 + r, 1.0 - r]]) / 2.0  # (direction, tied, point)
+    tied = np.einsum("dtq,ndtak->nqdak", share, np.stack([across, along], axis=1))
+    rows[:, :, 6:8] = np.einsum("nqij,nqjak->nqiak", inverse, tied)
+    # Incompatible modes 1 - r² and 1 - s² of u and v, by the Jacobian in the middle.
+    middle = np.linalg.inv(np.einsum("da,nai->ndi", _bilinear(np.zeros((1, 2)))[1][0], plane))
+    centre = 1.0 / np.linalg.det(middle)
+    modes = -2.0 * np.stack([np.stack([r, 0 * s]), np.stack([0 * r, s])])  # (mode, direction, q)
+    slope = np.einsum("nij,mjq->nqim", middle, modes) * (centre[:, None] / area)[..., None, None]
+    inner = np.zeros((len(local), 4, 9, 4))
+    inner[:, :, 0, :2] = inner[:, :, 2, 2:] = slope[:, :, 0]
+    inner[:, :, 1, 2:] = inner[:, :, 2, :2] = slope[:, :, 1]
+    return rows.reshape(len(local), 4, 9, 24), inner, area
+
+
+def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatArray:
+    """Shear strain w,d + x,d·β along r or s at places, by nodes: (n, places, 4, 6); β = (θy, -θx)."""
+    shape, slopes = _bilinear(places)
+    slope = slopes[:, direction]
+    edge = np.einsum("qa,nai->nqi", slope, plane)
+    rows = np.zeros((len(plane), len(places), 4, 6))
+    rows[..., 2] = slope
+    rows[..., 3] = -edge[..., 1:] * shape
+    rows[..., 4] = edge[..., :1] * shape
+    return rows
+
+
+def _triangle(
+    local: FloatArray, stiffness: FloatArray, flatness: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Strains of the nodes' freedoms in the plane and of the bubble's rotations, and the areas."""
+    plane, n = local[..., :2], len(local)
+    jacobian = plane[:, 1:] - plane[:, :1]  # rows are along r and s
+    inverse = np.linalg.inv(jacobian)
+    area = 0.5 * np.linalg.det(jacobian)
+    # Rotations: h_i - f/3 at the nodes, and the bubble f = 27 h1 h2 h3.
+    bubble = 27.0 * np.stack(
+        [_AREAS[:, (i + 1) % 3] * _AREAS[:, (i + 2) % 3] for i in range(3)], axis=1
+    )
+    bent = bubble @ _LINEAR.T  # its slopes along r and s
+    along = np.concatenate([_LINEAR - bent[..., None] / 3.0, bent[..., None]], axis=2)
+    every = _plane_rows(inverse[:, None] @ along, np.column_stack([_AREAS, np.zeros(6)]))
+    rows, inner = every[:, :, :, :3], every[:, :, :, 3, 3:5]
+    slope = inverse @ _LINEAR
+    rows[:, :, 8, :, 0], rows[:, :, 8, :, 1] = 0.5 * slope[:, None, 1], -0.5 * slope[:, None, 0]
+    basic, higher = _optimal_membrane(plane, area, stiffness)
+    basic[..., 2] *= flatness[:, None, None]
+    higher *= flatness[:, None, None, None, None]
+    rows[:, :, :3, :, [0, 1, 5]] = basic[:, None] + higher
+    shear = _tied_shear(jacobian)  # (n, points, 2, 4, 6)
+    shear = np.einsum("nij,nqjak->nqiak", inverse, shear)
+    rows[:, :, 6:8], inner[:, :, 6:8] = shear[..., :3, :], shear[..., 3, 3:5]
+    return rows.reshape(n, -1, 9, 18), inner, area[:, None] * _SHARES
+
+
+def _tied_shear(jacobian: FloatArray) -> FloatArray:
+    """MITC3+'s covariant shear strains at the points, by nodes and bubble: (n, q, 2, 4, 6)."""
+    d = 1e-4
+    third, sixth = 1.0 / 3.0, 1.0 / 6.0
+    places = np.array(
+        [
+            *((sixth, 4.0 * sixth), (4.0 * sixth, sixth), (sixth, sixth)),
+            *((third + d, third - 2.0 * d), (third - 2.0 * d, third + d), (third + d, third + d)),
+        ]
+    )
+    h = np.column_stack([1.0 - places.sum(axis=1), places])
+    bubble = 27.0 * h.prod(axis=1, keepdims=True)
+    shape = np.column_stack([h - bubble / 3.0, bubble])
+    at = np.zeros((len(jacobian), len(places), 2, 4, 6))
+    at[..., :3, 2] = _LINEAR
+    at[..., 3] = -jacobian[:, None, :, 1:] * shape[:, None]
+    at[..., 4] = jacobian[:, None, :, :1] * shape[:, None]
+    (ra, rb, rc, rd, _, rf), (sa, sb, sc, _, se, sf) = at.transpose(2, 1, 0, 3, 4)
+    twist = third * (rf - rd - sf + se)
+    along_r = 2.0 * third * (rb - 0.5 * sb) + third * (rc + sc)
+    along_s = 2.0 * third * (sa - 0.5 * ra) + third * (rc + sc)
+    r, s = _AREAS[:, 1, None, None, None], _AREAS[:, 2, None, None, None]
+    tied = [along_r + (3.0 * s - 1.0) * twist, along_s + (1.0 - 3.0 * r) * twist]
+    return np.stack(tied, axis=1).transpose(2, 0, 1, 3, 4)
+
+
+def _optimal_membrane(
+    plane: FloatArray, area: FloatArray, stiffness: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The basic, constant membrane strains of (u, v, θz), and the higher ones at the points.
+
+    Shapes (n, 3, 3 nodes, 3) and (n, points, 3, 3 nodes, 3); the higher ones are linear and zero in
+    the mean.
+    """
+    ratio = stiffness[0, 1] ** 2 / (stiffness[0, 0] * stiffness[1, 1])  # ν²
+    beta = max(0.5 * (1.0 - 4.0 * ratio), 0.01)
+    # x[:, i, j] = x_i - x_j; i, j, k are the corners in turn, edge i goes from i to j.
+    x, y = (plane[:, :, None, d] - plane[:, None, :, d] for d in (0, 1))
+    i, j, k = np.arange(3), np.array([1, 2, 0]), np.array([2, 0, 1])
+    basic = np.zeros((len(plane), 3, 3, 3))  # (strain, node, freedom)
+    basic[:, 0, :, 0] = basic[:, 2, :, 1] = 0.5 * y[:, j, k]
+    basic[:, 1, :, 1] = basic[:, 2, :, 0] = 0.5 * x[:, k, j]
+    basic[:, 0, :, 2] = 0.125 * y[:, j, k] * (y[:, i, k] - y[:, j, i])
+    basic[:, 1, :, 2] = 0.125 * x[:, k, j] * (x[:, k, i] - x[:, i, j])
+    basic[:, 2, :, 2] = 0.25 * (x[:, k, i] * y[:, i, k] - x[:, i, j] * y[:, j, i])
+    basic /= area[:, None, None, None]
+    # Rotations of the corners beyond the mean one, and the strains along the edges by them.
+    beyond = np.zeros((len(plane), 3, 3, 3))  # (corner, node, freedom)
+    beyond[..., 0], beyond[..., 1] = x[:, None, k, j], y[:, None, k, j]
+    beyond[..., :2] /= 4.0 * area[:, None, None, None]
+    beyond[:, i, i, 2] = 1.0
+    cartesian = np.stack(
+        [
+            y[:, j, k] * y[:, i, k],
+            x[:, j, k] * x[:, i, k],
+            y[:, j, k] * x[:, k, i] + x[:, k, j] * y[:, i, k],
+        ],
+        axis=1,
+    )
+    natural = np.einsum("qp,pec->qec", _AREAS, _NATURAL)
+    higher = np.einsum("nse,qec,ncaf->nqsaf", cartesian, natural, beyond)
+    higher *= (0.25 * np.sqrt(beta) / area)[:, None, None, None, None]
+    return basic, higher
