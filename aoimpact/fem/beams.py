@@ -219,7 +219,9 @@ class Beam:
         """EA, EIy, EIz, GJ and the shear stiffness along y and z: N and N m², shape (6,)."""
         of, E, G = self.numbers, self.material.E, self.material.shear_modulus
         y, z = of.shear_factors
-        return np.array([E * of.area, E * of.Iy, E * of.Iz, G * of.J, y * G * of.area, z * G * of.area])
+        return np.array(
+            [E * of.area, E * of.Iy, E * of.Iz, G * of.J, y * G * of.area, z * G * of.area]
+        )
 
     @property
     def inertia(self) -> FloatArray:
@@ -319,8 +321,14 @@ def _rows(
         phi = 12.0 * bent / (shear * L * L)
         whole, one = 1.0 + phi, np.ones_like(x)
         deflection = (
-            (2.0 * x**3 - 3.0 * x**2 - phi * x + whole, L * (x**3 - (2.0 + phi / 2.0) * x**2 + (1.0 + phi / 2.0) * x)),
-            (-2.0 * x**3 + 3.0 * x**2 + phi * x, L * (x**3 - (1.0 - phi / 2.0) * x**2 - phi / 2.0 * x)),
+            (
+                2.0 * x**3 - 3.0 * x**2 - phi * x + whole,
+                L * (x**3 - (2.0 + phi / 2.0) * x**2 + (1.0 + phi / 2.0) * x),
+            ),
+            (
+                -2.0 * x**3 + 3.0 * x**2 + phi * x,
+                L * (x**3 - (1.0 - phi / 2.0) * x**2 - phi / 2.0 * x),
+            ),
         )
         rotation = (
             (6.0 * (x**2 - x) / L, 3.0 * x**2 - (4.0 + phi) * x + whole),
@@ -343,7 +351,9 @@ def _rows(
                 rows[:, :, row, end, θ] = turned * sign * by_θ / whole
     shape = (len(length), len(places), 6, 12)
     turn = frames[:, None, None, None]
-    moved, strain = ((rows.reshape(*shape[:3], 2, 2, 3) @ turn).reshape(shape) for rows in (moved, strain))
+    moved, strain = (
+        (rows.reshape(*shape[:3], 2, 2, 3) @ turn).reshape(shape) for rows in (moved, strain)
+    )
     return moved, strain
 
 

@@ -142,14 +142,18 @@ class Layers:
         """Points of quadrature: number of the ply, z and weight, m."""
         return [
             (number, 0.5 * (low + high + x * (high - low)), 0.5 * w * (high - low))
-            for number, (low, high) in enumerate(np.stack([self.interfaces[:-1], self.interfaces[1:]], 1))
+            for number, (low, high) in enumerate(
+                np.stack([self.interfaces[:-1], self.interfaces[1:]], 1)
+            )
             for x, w in zip(_POINTS, _WEIGHTS, strict=True)
         ]
 
     @cached_property
     def _moduli(self) -> FloatArray:
         """Of plane stress in each ply, Pa, shape (n_plies, 3, 3)."""
-        return np.array([np.linalg.inv(ply.compliance[np.ix_(_PLANE, _PLANE)]) for ply in self.plies])
+        return np.array(
+            [np.linalg.inv(ply.compliance[np.ix_(_PLANE, _PLANE)]) for ply in self.plies]
+        )
 
     @cached_property
     def _shear(self) -> FloatArray:
@@ -176,7 +180,9 @@ class Layers:
         """-∫ over the plies below each, of what `_shear_stress` integrates, shape (n, 2, 2)."""
         steps = [
             self._change(number, low, high)
-            for number, (low, high) in enumerate(zip(self.interfaces, self.interfaces[1:], strict=False))
+            for number, (low, high) in enumerate(
+                zip(self.interfaces, self.interfaces[1:], strict=False)
+            )
         ]
         below: FloatArray = np.cumsum([np.zeros((2, 2)), *steps[:-1]], axis=0)
         return below
@@ -196,7 +202,9 @@ class Layers:
     @property
     def stations(self) -> tuple[tuple[int, str], ...]:
         """Where stress is given: number of the ply, and "bottom" or "top" of it."""
-        return tuple((number, side) for number in range(len(self.plies)) for side in ("bottom", "top"))
+        return tuple(
+            (number, side) for number in range(len(self.plies)) for side in ("bottom", "top")
+        )
 
     def stress(self, strains: FloatArray) -> FloatArray:
         """Return the stress at the `stations`, in the element's axes.
@@ -324,7 +332,9 @@ class Laminate(Layers):
         fibre_axis: npt.ArrayLike | None = None,
         offset: float = 0.0,
     ) -> None:
-        stack = tuple(instance(f"plies[{i}]", ply, Ply) for i, ply in enumerate(listed("plies", plies)))
+        stack = tuple(
+            instance(f"plies[{i}]", ply, Ply) for i, ply in enumerate(listed("plies", plies))
+        )
         if not stack:
             raise InputError("plies must have at least one Ply, got none")
         if fibre_axis is not None:

@@ -27,7 +27,14 @@ import numpy as np
 from ..base import FloatArray, IntArray
 from .laminate import Layers
 
-__all__ = ["Strains", "nodal_normals", "element_frames", "element_mass", "element_stiffness", "strain_rows"]
+__all__ = [
+    "Strains",
+    "nodal_normals",
+    "element_frames",
+    "element_mass",
+    "element_stiffness",
+    "strain_rows",
+]
 
 
 # Stiffness against the drilling strain over the membrane's shear stiffness. A rotation about the
@@ -133,9 +140,7 @@ def element_mass(corners: FloatArray, layers: Layers) -> FloatArray:
     return matrix.reshape(n, 6 * nodes, 6 * nodes)
 
 
-def element_frames(
-    corners: FloatArray, layers: Layers | None
-) -> tuple[FloatArray, FloatArray]:
+def element_frames(corners: FloatArray, layers: Layers | None) -> tuple[FloatArray, FloatArray]:
     """Return the elements' axes, rows of (n, 3, 3), and their nodes in them, (n, nodes, 3).
 
     x is the projection of the layers' reference, or about the first edge without one.
@@ -189,9 +194,7 @@ def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatAr
     return [part.reshape(*cells.shape, 3) for part, cells in zip(parts, groups, strict=True)]
 
 
-def strain_rows(
-    corners: FloatArray, layers: Layers, normals: FloatArray | None = None
-) -> Strains:
+def strain_rows(corners: FloatArray, layers: Layers, normals: FloatArray | None = None) -> Strains:
     """Return the strains of some elements; parameters as for `element_stiffness`."""
     frames, local = element_frames(corners, layers)
     stiffness = _stiffness(layers)
@@ -215,9 +218,7 @@ def strain_rows(
     return Strains(rows.reshape(*rows.shape[:3], -1), weights, shape, frames)
 
 
-def _flatness(
-    local: FloatArray, normals: FloatArray | None, stiffness: FloatArray
-) -> FloatArray:
+def _flatness(local: FloatArray, normals: FloatArray | None, stiffness: FloatArray) -> FloatArray:
     """1/(1 + (h δ/t)²), with δ the angle between an element and its surface at the nodes.
 
     How far the membrane of a triangle may follow rotations about the normal: on a curved surface

@@ -1,0 +1,247 @@
+"""Compliance of a shell under a contact: a mesh of plate elements in place of an elastic layer.
+
+A contact law contains the indentation of a half-space, and a shell contains bending and transverse
+shear. A layer of the same thickness has a compliance R beyond the half-space that is finite, while
+that of a shear-deformable plate grows without bound as the load narrows, by ln(t/a)/(2π S), and so
+does that of a mesh with smaller elements. As for solids (`extraction`), the excess c = G - R is
+taken out of the law, here of an infinite layer: the mesh about the contact is solved for K + s²M
+with the motion of Mindlin's infinite plate at its rim, and R is that of elastodynamics. So c holds
+what the elements make of bending and shear near the load, and nothing of the body's other bounds.
+
+The displacement of one face under a pressure on it, at the wave number k, is the sum of half the
+symmetric and half the antisymmetric motions of Rayleigh and Lamb (K. F. Graff, Wave motion in
+elastic solids, 1975, section 8.1), with ξ² = k² + s²/c_p² and η² = k² + s²/c_s²:
+
+    H = s²ξ/(2μ c_s²) Σ 1/((k² + η²)² T(ξt/2) - 4k²ξη T(ηt/2)),   T = tanh and coth.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse.linalg as sla
+from scipy.special import kv
+
+from ..base import FloatArray, IntArray, held_warnings
+from .laminate import Layers, Shell
+from .material import Material
+from .thin import thin_stiffness_mass
+
+__all__ = ["excess_compliance", "layer_compliance", "plate_compliance", "plate_motion"]
+
+
+# Wave numbers of the integrals over k: how many, and how far beyond 1/λ and 1/a.
+_WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
+
+# The mesh about the contact reaches over so many of its edges, or lengths λ if these are less.
+_EDGES, _LENGTHS = 6.0, 8.0
+
+# k a below which the transform of Hertz's pressure is its series.
+_SERIES = 1e-2
+
+# ν of the plate that stands for a laminate.
+_NU = 0.3
+
+
+def layer_compliance(material: Material, thickness: float, radius: float, s: float) -> float:
+    """Return the compliance of an infinite layer beyond that of the half-space, m/N.
+
+    The mean displacement under Hertz's pressure of a force e^{st} on one face, weighted with that
+    pressure, less the static one of a half-space, 0.6/(a E*).
+
+    Parameters
+    ----------
+    material : Material
+    thickness : float
+        t, m.
+    radius : float
+        a, m.
+    s : float
+        rad/s, positive.
+    """
+    k = _waves(radius, thickness, _bending_length(Shell(thickness, material), s))
+    mu, h = material.shear_modulus, 0.5 * thickness
+    slow2 = (s / material.shear_speed) ** 2
+    xi, eta = np.sqrt(k**2 + (s / material.pressure_speed) ** 2), np.sqrt(k**2 + slow2)
+    one, other = (k**2 + eta**2) ** 2, 4.0 * k**2 * xi * eta
+    by_xi, by_eta = np.tanh(h * xi), np.tanh(h * eta)
+    both = 1.0 / (one * by_xi - other * by_eta) + 1.0 / (one / by_xi - other / by_eta)
+    half_space = 2.0 / (material.plane_strain_modulus * k)
+    return _mean(k, radius, 0.5 * slow2 * xi / mu * both - half_space)
+
+
+def plate_compliance(layers: Layers, radius: float, s: float) -> float:
+    """Return the mean displacement of Mindlin's infinite plate under Hertz's pressure, m/N."""
+    D, S, m, inertia = _numbers(layers)
+    k = _waves(radius, layers.total_thickness, _bending_length(layers, s))
+    bent = D * k**2 + S + inertia * s**2
+    return _mean(k, radius, bent / ((S * k**2 + m * s**2) * bent - (S * k) ** 2))
+
+
+def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
+    """Return w, θx and θy of Mindlin's infinite plate under a force e^{st} of 1 N at the origin.
+
+    Parameters
+    ----------
+    layers : Shell or Laminate
+        Of a laminate the isotropic plate of the same mean stiffness.
+    s : float
+        rad/s, positive.
+    x : ndarray, shape (n, 2)
+        m, none at the origin.
+    """
+    D, S, m, inertia = _numbers(layers)
+    # Roots of S D ζ⁴ - s²(m D + S I) ζ² + m s²(S + I s²) = 0: k² = -ζ² is a pole.
+    half = 0.5 * s**2 * (m / S + inertia / D)
+    root = np.sqrt(half**2 - m * s**2 * (S + inertia * s**2) / (S * D) + 0j)
+    one, other = half + root, half - root
+    r = np.linalg.norm(x, axis=1)
+    parts = []
+    for here, there in ((one, other), (other, one)):
+        zeta = np.sqrt(here)
+        share = 1.0 / (2.0 * np.pi * D * (there - here))
+        shear = 1.0 + (inertia * s**2 - D * here) / S
+        parts.append((shear * share * kv(0, zeta * r), share * zeta * kv(1, zeta * r)))
+    (w_one, slope_one), (w_other, slope_other) = parts
+    w, slope = (w_one + w_other).real, -(slope_one + slope_other).real / r
+    return np.stack([w, slope * x[:, 1], -slope * x[:, 0]], axis=1)
+
+
+def excess_compliance(
+    nodes: FloatArray,
+    cells: list[IntArray],
+    layers: Layers,
+    forces: FloatArray,
+    point: FloatArray,
+    normal: FloatArray,
+    radius: float,
+    s: float,
+) -> float:
+    """Return c = G - R, the compliance that shell elements have in excess of a layer's, m/N.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    cells : list of ndarray of int, shape (n, 3) or (n, 4)
+        Elements of the surface that is touched.
+    layers : Shell or Laminate
+        Under the contact. A laminate is taken as the isotropic plate of its mean stiffness.
+    forces : ndarray, shape (n_nodes,)
+        Shares of a unit force along the normal: the contact's functional.
+    point, normal : ndarray, shape (3,)
+        m; where the surface is touched, and its normal, either way.
+    radius : float
+        a, of the contact itself, m.
+    s : float
+        rad/s, of K + s²M; 10 over the duration of the contact.
+    """
+    like = _plate(layers)
+    flat = nodes - point
+    flat = flat - np.outer(flat @ normal, normal)
+    away = np.linalg.norm(flat, axis=1)
+    loaded = np.flatnonzero(forces)
+    edge = _edge(nodes, cells, loaded)
+    reach = min(_EDGES * edge, max(_LENGTHS * _bending_length(like, s), 3.0 * edge))
+    inside = away < reach + away[loaded].max()
+    chosen = [group[inside[group].any(axis=1)] for group in cells]
+    used = np.unique(np.concatenate([group.reshape(-1) for group in chosen]))
+    number = np.full(len(nodes), -1)
+    number[used] = np.arange(len(used))
+    axes = _plane(normal)
+    plane = flat[used] @ axes.T
+    at = np.column_stack([plane, np.zeros(len(used))])
+    K, M = thin_stiffness_mass(at, [(number[group], like) for group in chosen if len(group)])
+    dofs = (6 * np.arange(len(used))[:, None] + [2, 3, 4]).reshape(-1)
+    A = (K + s**2 * M)[dofs][:, dofs].tocsr()
+    moved = np.zeros((len(used), 3))
+    rim = ~inside[used]
+    moved[rim] = plate_motion(like, s, plane[rim])
+    free = np.repeat(~rim, 3)
+    load = np.zeros((len(used), 3))
+    load[:, 0] = forces[used]
+    right = load.reshape(-1) - A @ moved.reshape(-1)
+    moved.reshape(-1)[free] = sla.spsolve(A[free][:, free].tocsc(), right[free])
+    of_mesh = float(load[:, 0] @ moved[:, 0]) - plate_compliance(like, radius, s)
+    layer = _as_layer(like)
+    thickness = layers.total_thickness
+    own = Shell(thickness, layer)
+    excess = plate_compliance(own, radius, s) - layer_compliance(layer, thickness, radius, s)
+    return of_mesh + excess
+
+
+def _numbers(layers: Layers) -> tuple[float, float, float, float]:
+    """Bending and shear stiffness, mass and rotary inertia per area, of the isotropic plate."""
+    matrix = layers.stiffness
+    D = float((3.0 * (matrix[3, 3] + matrix[4, 4]) + 2.0 * matrix[3, 4] + 4.0 * matrix[5, 5]) / 8.0)
+    S = float(0.5 * (matrix[6, 6] + matrix[7, 7]))
+    return D, S, float(layers.inertia[0]), float(layers.inertia[2])
+
+
+def _bending_length(layers: Layers, s: float) -> float:
+    """λ = (D/(m s²))^(1/4): how far a bending motion e^{st} reaches, m."""
+    D, _, m, _ = _numbers(layers)
+    return float((D / (m * s**2)) ** 0.25)
+
+
+def _waves(radius: float, thickness: float, length: float) -> FloatArray:
+    low, high = _LONG / max(length, thickness), _SHORT / min(radius, thickness)
+    return np.exp(np.linspace(np.log(low), np.log(high), _WAVES))
+
+
+def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
+    """∫ p̂² H k dk/(2π) with Hertz's pressure p̂ = 3 (sin x - x cos x)/x³, x = k a; over log k."""
+    x = k * radius
+    exact = 3.0 * (np.sin(x) - x * np.cos(x)) / np.maximum(x, _SERIES) ** 3
+    pressure = np.where(x < _SERIES, 1.0 - x**2 / 10.0, exact)
+    values = pressure**2 * compliance * k**2
+    return float(np.trapezoid(values, np.log(k)) / (2.0 * np.pi))
+
+
+class _Plate(Layers):
+    """An isotropic plate by its numbers, with its middle surface at the nodes."""
+
+    reference = None
+
+    def __init__(
+        self, stiffness: FloatArray, inertia: FloatArray, thickness: float, nu: float
+    ) -> None:
+        self.stiffness, self.inertia, self.nu = stiffness, inertia, nu
+        self.total_thickness = thickness
+
+
+def _plate(layers: Layers) -> _Plate:
+    """The plate that bends and shears as the layers do in the mean over all directions."""
+    D, S, m, inertia = _numbers(layers)
+    material = layers.plies[0].material
+    nu = material.nu if len(layers.plies) == 1 and isinstance(material, Material) else _NU
+    matrix = np.zeros((8, 8))
+    matrix[3:6, 3:6] = D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
+    matrix[:3, :3] = matrix[3:6, 3:6] * 12.0 / layers.total_thickness**2
+    matrix[6, 6] = matrix[7, 7] = S
+    return _Plate(matrix, np.array([m, 0.0, inertia]), layers.total_thickness, nu)
+
+
+def _as_layer(plate: _Plate) -> Material:
+    """The material of a layer of the same shear stiffness."""
+    shear = plate.stiffness[6, 6] / (5.0 / 6.0 * plate.total_thickness)
+    with held_warnings():  # of a stand-in nobody has given the units
+        return Material(
+            2.0 * shear * (1.0 + plate.nu), plate.nu, plate.inertia[0] / plate.total_thickness
+        )
+
+
+def _edge(nodes: FloatArray, cells: list[IntArray], loaded: IntArray) -> float:
+    """The longest edge of the elements at some nodes, m."""
+    longest = 0.0
+    for group in cells:
+        corners = nodes[group[np.isin(group, loaded).any(axis=1)]]
+        edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+        longest = max(longest, float(edges.max(initial=0.0)))
+    return longest
+
+
+def _plane(normal: FloatArray) -> FloatArray:
+    """Two unit vectors across the normal, rows of (2, 3)."""
+    first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(normal, first)])
