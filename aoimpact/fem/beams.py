@@ -260,10 +260,9 @@ def beam_frames(ends: FloatArray, beam: Beam) -> tuple[FloatArray, FloatArray]:
         z = np.broadcast_to(axis / np.linalg.norm(axis), x.shape)
     y = np.cross(z, x)
     size = np.linalg.norm(y, axis=1)
-    if (size < _PARALLEL).any():
+    if count := np.count_nonzero(size < _PARALLEL):
         raise InputError(
-            f"orientation={beam.orientation} is along {np.count_nonzero(size < _PARALLEL)} elements; "
-            "give a direction across them"
+            f"orientation={beam.orientation} is along {count} elements; take one across them"
         )
     y /= size[:, None]
     return np.stack([x, y, np.cross(x, y)], axis=1), length
@@ -309,7 +308,7 @@ def _energy(
 def _rows(
     frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Displacements and rotations, and strains, at places; each (n, n_places, 6, 12), global axes."""
+    """Displacements and rotations, and strains, at places: (n, n_places, 6, 12), global axes."""
     x, L = places[None, :], length[:, None]
     moved, strain = (np.zeros((len(length), len(places), 6, 2, 6)) for _ in range(2))
     _, bent_y, bent_z, _, shear_y, shear_z = beam.stiffness
@@ -349,12 +348,13 @@ def _rows(
             for end, (by_v, by_θ) in enumerate(by):
                 rows[:, :, row, end, v] = turned * by_v / whole
                 rows[:, :, row, end, θ] = turned * sign * by_θ / whole
-    shape = (len(length), len(places), 6, 12)
-    turn = frames[:, None, None, None]
-    moved, strain = (
-        (rows.reshape(*shape[:3], 2, 2, 3) @ turn).reshape(shape) for rows in (moved, strain)
-    )
-    return moved, strain
+    return _global(moved, frames), _global(strain, frames)
+
+
+def _global(rows: FloatArray, frames: FloatArray) -> FloatArray:
+    """Rows by freedoms in global axes, (n, n_places, 6, 12), from those in the elements' axes."""
+    turned = rows.reshape(*rows.shape[:3], 2, 2, 3) @ frames[:, None, None, None]
+    return turned.reshape(*rows.shape[:3], 12)
 
 
 def _length(name: str, value: Any) -> float:

@@ -13,6 +13,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -82,8 +83,7 @@ class Ply:
         material = self.material
         if isinstance(material, Orthotropic):
             material = material.turned(math.radians(self.angle_deg))
-        inverse: FloatArray = np.linalg.inv(material.stiffness)
-        return inverse
+        return np.asarray(np.linalg.inv(material.stiffness), dtype=np.float64)
 
 
 class Layers:
@@ -119,7 +119,7 @@ class Layers:
 
     @cached_property
     def stiffness(self) -> FloatArray:
-        """N, M, Q of the generalised strains, shape (8, 8): A, B, D in N/m, N, N m; shear in N/m."""
+        """N, M, Q of the generalised strains, shape (8, 8): A, B, D in N/m, N, N m; then N/m."""
         matrix = np.zeros((8, 8))
         matrix[:6, :6] = self._plane
         flexibility = np.zeros((2, 2))
@@ -142,9 +142,7 @@ class Layers:
         """Points of quadrature: number of the ply, z and weight, m."""
         return [
             (number, 0.5 * (low + high + x * (high - low)), 0.5 * w * (high - low))
-            for number, (low, high) in enumerate(
-                np.stack([self.interfaces[:-1], self.interfaces[1:]], 1)
-            )
+            for number, (low, high) in enumerate(pairwise(self.interfaces.tolist()))
             for x, w in zip(_POINTS, _WEIGHTS, strict=True)
         ]
 
@@ -172,17 +170,14 @@ class Layers:
     @cached_property
     def _slopes(self) -> FloatArray:
         """ε and κ along x by Mxx,x = Qx, and along y by Myy,y = Qy; shape (2, 6), per newton/m."""
-        columns: FloatArray = np.linalg.inv(self._plane)[:, 3:5].T
-        return columns
+        return np.asarray(np.linalg.inv(self._plane)[:, 3:5].T, dtype=np.float64)
 
     @cached_property
     def _below(self) -> FloatArray:
         """-∫ over the plies below each, of what `_shear_stress` integrates, shape (n, 2, 2)."""
         steps = [
             self._change(number, low, high)
-            for number, (low, high) in enumerate(
-                zip(self.interfaces, self.interfaces[1:], strict=False)
-            )
+            for number, (low, high) in enumerate(pairwise(self.interfaces.tolist()))
         ]
         below: FloatArray = np.cumsum([np.zeros((2, 2)), *steps[:-1]], axis=0)
         return below
@@ -240,8 +235,8 @@ class Layers:
 
     def _z(self, station: int) -> float:
         number, side = self.stations[station]
-        low, high = self.interfaces[number : number + 2]
-        return {"bottom": low, "middle": 0.5 * (low + high), "top": high}[side]
+        low, high = self.interfaces[number : number + 2].tolist()
+        return float({"bottom": low, "middle": 0.5 * (low + high), "top": high}[side])
 
 
 @dataclass(frozen=True)

@@ -29,10 +29,10 @@ from .laminate import Layers
 
 __all__ = [
     "Strains",
-    "nodal_normals",
     "element_frames",
     "element_mass",
     "element_stiffness",
+    "nodal_normals",
     "strain_rows",
 ]
 
@@ -44,6 +44,9 @@ _DRILLING = 1e-4
 
 # Cosine of the angle between elements at a node beyond which they meet at a fold: 35°.
 _FOLD = 0.82
+
+# Sine of an angle between normals that is rounding.
+_LEVEL = 1e-9
 
 # Elements are taken so many at a time that the strains' rows stay in the caches.
 _BATCH = 512
@@ -94,7 +97,11 @@ class Strains:
 
 
 def element_stiffness(
-    corners: FloatArray, layers: Layers, normals: FloatArray | None = None
+    corners: FloatArray,
+    layers: Layers,
+    normals: FloatArray | None = None,
+    *,
+    constant: bool = False,
 ) -> FloatArray:
     """Return the stiffness of elements, shape (n, 6 nodes, 6 nodes), exactly symmetric.
 
@@ -106,12 +113,17 @@ def element_stiffness(
     normals : ndarray, shape (n, 3 or 4, 3), optional
         Unit normals of the surface at the nodes, from `nodal_normals`; the elements' own if left
         out.
+    constant : bool, optional
+        True for triangles in one body with quadrilaterals: their membrane strain is constant then.
+        Under constant stress the optimal triangle has moments about the normal at its nodes, which
+        only triangles balance.
     """
     nodes = corners.shape[1]
     found = np.empty((len(corners), 6 * nodes, 6 * nodes))
     stiffness = _stiffness(layers)
     for some in _batches(len(corners)):
-        strains = strain_rows(corners[some], layers, None if normals is None else normals[some])
+        around = None if normals is None else normals[some]
+        strains = strain_rows(corners[some], layers, around, constant=constant)
         rows = strains.rows.reshape(len(strains.rows), -1, 6 * nodes)
         forces = (strains.weights[..., None, None] * (stiffness @ strains.rows)).reshape(rows.shape)
         matrix = rows.swapaxes(1, 2) @ forces
@@ -127,7 +139,7 @@ def element_mass(corners: FloatArray, layers: Layers) -> FloatArray:
     n, nodes = corners.shape[:2]
     normal = element_frames(corners, layers)[0][:, 2]
     shape, weights = _areas(corners, normal)
-    pairs = np.einsum("nq,qa,qb->nab", weights, shape, shape)
+    pairs = np.einsum("nq,qab->nab", weights, shape[:, :, None] * shape[:, None, :])
     m0, m1, m2 = layers.inertia
     six = np.zeros((n, 6, 6))
     six[:, :3, :3] = m0 * np.eye(3)
@@ -194,14 +206,21 @@ def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatAr
     return [part.reshape(*cells.shape, 3) for part, cells in zip(parts, groups, strict=True)]
 
 
-def strain_rows(corners: FloatArray, layers: Layers, normals: FloatArray | None = None) -> Strains:
+def strain_rows(
+    corners: FloatArray,
+    layers: Layers,
+    normals: FloatArray | None = None,
+    *,
+    constant: bool = False,
+) -> Strains:
     """Return the strains of some elements; parameters as for `element_stiffness`."""
     frames, local = element_frames(corners, layers)
     stiffness = _stiffness(layers)
     if normals is not None:
         normals = np.einsum("nij,naj->nai", frames, normals)
     if corners.shape[1] == 3:
-        rows, inner, weights = _triangle(local, stiffness, _flatness(local, normals, stiffness))
+        flatness = np.zeros(len(local)) if constant else _flatness(local, normals, stiffness)
+        rows, inner, weights = _triangle(local, stiffness, flatness)
         shape = _AREAS
     else:
         rows, inner, weights = _quadrilateral(local)
@@ -212,7 +231,7 @@ def strain_rows(corners: FloatArray, layers: Layers, normals: FloatArray | None 
     height = local[:, None, None, :, 2]
     rows[..., 1, 0] += height * rows[..., 0, 1]
     rows[..., 1, 1] -= height * rows[..., 0, 0]
-    if normals is not None:
+    if normals is not None and np.abs(normals[..., :2]).max(initial=0.0) > _LEVEL:
         _turn_to_surface(rows, local, normals)
     rows = rows @ frames[:, None, None, None]
     return Strains(rows.reshape(*rows.shape[:3], -1), weights, shape, frames)
@@ -248,7 +267,7 @@ def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -
     cross[..., 0, 2], cross[..., 2, 0] = -x, x
     cross[..., 1, 2], cross[..., 2, 1] = -y, y
     turn = np.eye(3) + cross + cross @ cross / (1.0 + z)[..., None, None]
-    turn[..., 2, :] = _unit(normals + (0.0, 0.0, 1.0))
+    turn[..., 2, :] = _unit(normals + np.array([0.0, 0.0, 1.0]))
     if nodes == 3:
         slopes = np.linalg.inv(local[:, 1:, :2] - local[:, :1, :2]) @ _LINEAR
     else:
@@ -257,8 +276,9 @@ def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -
     plane = np.zeros((n, 3, nodes, 3))  # ω by the displacements
     plane[:, 0, :, 2], plane[:, 1, :, 2] = slopes[:, 1], -slopes[:, 0]
     plane[:, 2, :, 0], plane[:, 2, :, 1] = -0.5 * slopes[:, 1], 0.5 * slopes[:, 0]
-    left = np.einsum("nqsai,naij->nqsj", rows[..., 1, :], np.eye(3) - turn)
-    rows[..., 0, :] += np.einsum("nqsj,njai->nqsai", left, plane)
+    by_rotation = rows[..., 1, :].reshape(n, -1, 3 * nodes)
+    left = by_rotation @ (np.eye(3) - turn).reshape(n, 3 * nodes, 3)
+    rows[..., 0, :] += (left @ plane.reshape(n, 3, -1)).reshape(rows[..., 0, :].shape)
     rows[..., 1, :] = np.einsum("nqsai,naij->nqsaj", rows[..., 1, :], turn)
 
 
@@ -266,8 +286,16 @@ def _stiffness(layers: Layers) -> FloatArray:
     """Of the nine strains, shape (9, 9)."""
     matrix = np.zeros((9, 9))
     matrix[:8, :8] = layers.stiffness
-    matrix[8, 8] = _DRILLING * matrix[2, 2]
+    matrix[8, 8] = _DRILLING * _mean_membrane(matrix)[1]
     return matrix
+
+
+def _mean_membrane(stiffness: FloatArray) -> tuple[float, float]:
+    """ν and the shear stiffness, N/m, of the membrane in the mean over all directions."""
+    direct = float(stiffness[0, 0] + stiffness[1, 1])
+    across, shear = float(stiffness[0, 1]), float(stiffness[2, 2])
+    ratio = (direct + 6.0 * across - 4.0 * shear) / (3.0 * direct + 2.0 * across + 4.0 * shear)
+    return ratio, (direct - 2.0 * across + 4.0 * shear) / 8.0
 
 
 def _batches(n: int) -> Iterator[slice]:
@@ -340,8 +368,8 @@ def _quadrilateral(local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
     along = _covariant(plane, np.array([(1.0, 0.0), (-1.0, 0.0)]), 1)
     r, s = _GAUSS * _CORNERS.T
     share = np.stack([[1.0 + s, 1.0 - s], [1.0 + r, 1.0 - r]]) / 2.0  # (direction, tied, point)
-    tied = np.einsum("dtq,ndtak->nqdak", share, np.stack([across, along], axis=1))
-    rows[:, :, 6:8] = np.einsum("nqij,nqjak->nqiak", inverse, tied)
+    tied = np.einsum("dtq,ndtx->nqdx", share, np.stack([across, along], axis=1))
+    rows[:, :, 6:8] = (inverse @ tied).reshape(len(local), 4, 2, 4, 6)
     # Incompatible modes 1 - r² and 1 - s² of u and v, by the Jacobian in the middle.
     middle = np.linalg.inv(np.einsum("da,nai->ndi", _bilinear(np.zeros((1, 2)))[1][0], plane))
     centre = 1.0 / np.linalg.det(middle)
@@ -354,7 +382,7 @@ def _quadrilateral(local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
 
 
 def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatArray:
-    """Shear strain w,d + x,d·β along r or s at places, by nodes: (n, places, 4, 6); β = (θy, -θx)."""
+    """Shear strain w,d + x,d·(θy, -θx) along r or s at places, by freedoms: (n, places, 24)."""
     shape, slopes = _bilinear(places)
     slope = slopes[:, direction]
     edge = np.einsum("qa,nai->nqi", slope, plane)
@@ -362,7 +390,7 @@ def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatAr
     rows[..., 2] = slope
     rows[..., 3] = -edge[..., 1:] * shape
     rows[..., 4] = edge[..., :1] * shape
-    return rows
+    return rows.reshape(len(plane), len(places), -1)
 
 
 def _triangle(
@@ -427,8 +455,7 @@ def _optimal_membrane(
     Shapes (n, 3, 3 nodes, 3) and (n, points, 3, 3 nodes, 3); the higher ones are linear and zero in
     the mean.
     """
-    ratio = stiffness[0, 1] ** 2 / (stiffness[0, 0] * stiffness[1, 1])  # ν²
-    beta = max(0.5 * (1.0 - 4.0 * ratio), 0.01)
+    beta = max(0.5 - 2.0 * _mean_membrane(stiffness)[0] ** 2, 0.01)
     # x[:, i, j] = x_i - x_j; i, j, k are the corners in turn, edge i goes from i to j.
     x, y = (plane[:, :, None, d] - plane[:, None, :, d] for d in (0, 1))
     i, j, k = np.arange(3), np.array([1, 2, 0]), np.array([2, 0, 1])

@@ -39,6 +39,7 @@ def thin_stiffness_mass(
     place, indices, indptr = _pattern(len(nodes), [cells for cells, _ in parts])
     surfaces = [cells for cells, part in parts if not isinstance(part, Beam)]
     normals = iter(nodal_normals(nodes, surfaces) if surfaces else [])
+    constant = len({cells.shape[1] for cells in surfaces}) > 1
     stiffness, mass = [], []
     for cells, part in parts:
         ends = nodes[cells]
@@ -46,7 +47,9 @@ def thin_stiffness_mass(
             stiffness.append(_blocks(beam_stiffness(ends, part)))
             mass.append(_blocks(beam_mass(ends, part)))
         else:
-            stiffness.append(_blocks(element_stiffness(ends, part, next(normals))))
+            stiffness.append(
+                _blocks(element_stiffness(ends, part, next(normals), constant=constant))
+            )
             mass.append(_blocks(element_mass(ends, part)))
     found = []
     for each in (stiffness, mass):

@@ -1,0 +1,195 @@
+"""Beams: closed forms of sections, static loads, waves and frequencies, and the paper's beam."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from thinmeshes import dofs, frequencies, grid, rigid_motions, solved
+
+import aoimpact as ao
+from aoimpact.base.errors import InputError, InputTypeError
+from aoimpact.fem.beams import (
+    Beam,
+    BeamSection,
+    CircularSection,
+    RectangularSection,
+    TubularSection,
+    beam_mass,
+    beam_rows,
+    beam_stiffness,
+)
+from aoimpact.fem.laminate import Shell
+from aoimpact.fem.thin import thin_stiffness_mass
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+BAR = Beam(RectangularSection(width=0.02, height=0.05), STEEL, orientation=(0, 0, 1))
+
+
+def line(n: int, length: float) -> tuple[Any, Any]:
+    nodes = np.column_stack([np.linspace(0, length, n + 1), np.zeros((n + 1, 2))])
+    return nodes, np.column_stack([np.arange(n), np.arange(1, n + 1)])
+
+
+def test_an_element_resists_all_but_rigid_motion() -> None:
+    ends = np.array([[[0, 0, 0], [0.3, 0.4, 0.2]]])
+    K, M = beam_stiffness(ends, BAR)[0], beam_mass(ends, BAR)[0]
+    assert abs(K @ rigid_motions(ends[0])).max() < 1e-13 * abs(K).max()
+    assert (np.linalg.eigvalsh(K) < 1e-9 * abs(K).max()).sum() == 6
+    mass = rigid_motions(ends[0]).T @ M @ rigid_motions(ends[0])
+    assert np.diag(mass)[:3] == pytest.approx(7800 * 0.02 * 0.05 * np.linalg.norm(ends[0, 1]))
+    assert np.array_equal(M, M.T)
+
+
+@pytest.mark.parametrize("direction", [(1, 0, 0), (0.3, -0.5, 0.8)])
+def test_one_element_is_exact_under_loads_at_nodes(direction: Any) -> None:
+    """A cantilever under all six loads at its tip: stretched, bent twice with shear, twisted."""
+    x = np.array(direction) / np.linalg.norm(direction)
+    y = np.cross([0, 0, 1.0], x)
+    y /= np.linalg.norm(y)
+    axes = np.array([x, y, np.cross(x, y)])
+    L, E, G = 0.4, 210e9, STEEL.shear_modulus
+    K, _ = thin_stiffness_mass(np.array([0 * x, L * x]), [(np.array([[0, 1]]), BAR)])
+    area, iy, iz = 1e-3, 0.02 * 0.05**3 / 12, 0.05 * 0.02**3 / 12
+    kappa = 10 * 1.3 / (12 + 11 * 0.3)
+    j = BAR.numbers.J
+    exact = np.diag([L / (E * area), 0, 0, L / (G * j), L / (E * iy), L / (E * iz)])
+    exact[1, 1] = L**3 / (3 * E * iz) + L / (kappa * G * area)
+    exact[2, 2] = L**3 / (3 * E * iy) + L / (kappa * G * area)
+    exact[1, 5] = exact[5, 1] = L**2 / (2 * E * iz)
+    exact[2, 4] = exact[4, 2] = -(L**2) / (2 * E * iy)
+    turn = np.kron(np.eye(2), axes)
+    tip = [solved(K, np.concatenate([np.zeros(6), load]), np.arange(6))[1] for load in turn]
+    assert turn @ np.array(tip).T == pytest.approx(exact, rel=1e-9, abs=1e-16)
+
+
+def test_torsion_of_a_rectangle() -> None:
+    """J/(a b³) of S. P. Timoshenko and J. N. Goodier, section 109."""
+    for ratio, wanted in ((1, 0.1406), (2, 0.229), (5, 0.291), (10, 0.312)):
+        section = RectangularSection(ratio * 0.01, 0.01).with_nu(0.3)
+        assert section.J / (ratio * 0.01**4) == pytest.approx(wanted, abs=6e-4)
+        turned = RectangularSection(0.01, ratio * 0.01).with_nu(0.3)
+        assert abs(turned.J - section.J) < 1e-12 * section.J
+
+
+def test_shear_factors_are_cowpers() -> None:
+    assert RectangularSection(1, 2).with_nu(0.0).shear_factors[0] == pytest.approx(5 / 6)
+    assert CircularSection(1.0).with_nu(0.3).shear_factors[1] == pytest.approx(7.8 / 8.8)
+    thin = TubularSection(1.0, 1e-6).with_nu(0.3).shear_factors[0]
+    assert thin == pytest.approx(2 * 1.3 / (4 + 3 * 0.3), rel=1e-5)
+
+
+def test_tubes_and_circles() -> None:
+    tube, circle = TubularSection(0.02, 0.002).with_nu(0.3), CircularSection(0.02).with_nu(0.3)
+    assert tube.area == pytest.approx(math.pi * (0.02**2 - 0.018**2))
+    assert tube.Iy == pytest.approx(math.pi / 4 * (0.02**4 - 0.018**4))
+    assert circle.J / (math.pi / 2 * 0.02**4) == pytest.approx(1.0)
+
+
+def test_frequencies_converge_to_timoshenkos() -> None:
+    """A simply supported thick beam: Timoshenko's frequency equation."""
+    L, mode = 0.5, 2
+    k = mode * np.pi / L
+    area, second = 1e-3, 0.02 * 0.05**3 / 12
+    S, EI = BAR.stiffness[5], 210e9 * second
+    K = np.array([[S * k * k, S * k], [S * k, EI * k * k + S]])
+    exact = np.linalg.eigvals(np.linalg.solve(np.diag([7800 * area, 7800 * second]), K)).min()
+    errors = []
+    for n in (4, 8):
+        nodes, cells = line(n, L)
+        K, M = thin_stiffness_mass(nodes, [(cells, BAR)])
+        ends = dofs([0, n], [2])
+        found = frequencies(K, M, mode, ends, dofs(np.arange(n + 1), [0, 1, 3, 5]))[-1]
+        errors.append(found / (np.sqrt(exact) / (2 * np.pi)) - 1)
+    assert errors[1] < 3e-3
+    assert math.log2(errors[0] / errors[1]) > 2.0
+
+
+def test_waves_along_a_bar_and_about_it() -> None:
+    """Free: longitudinal f = c/(2 L) and torsional f = √(G J/(ρ Ip))/(2 L)."""
+    nodes, cells = line(40, 1.0)
+    K, M = thin_stiffness_mass(nodes, [(cells, BAR)])
+    along, about = (
+        frequencies(K, M, 2, dofs(nodes[:, 0] >= 0, [d for d in range(6) if d != free]))[1]
+        for free in (0, 3)
+    )
+    of = BAR.numbers
+    assert along == pytest.approx(STEEL.bar_speed / 2, rel=1e-3)
+    twisted = math.sqrt(STEEL.shear_modulus * of.J / (7800 * (of.Iy + of.Iz)))
+    assert about == pytest.approx(twisted / 2, rel=1e-3)
+
+
+def test_the_papers_beam() -> None:
+    """Simply supported, 1000 x 20 x 20 mm: 48.98 n² Hz less shear and rotary inertia."""
+    nodes, cells = line(50, 1.0)
+    beam = Beam(RectangularSection(0.02, 0.02), ao.Material(70e9, 0.3, 2400), (0, 0, 1))
+    K, M = thin_stiffness_mass(nodes, [(cells, beam)])
+    motions = rigid_motions(nodes)
+    assert motions[:, 2] @ M @ motions[:, 2] == pytest.approx(0.96)
+    found = frequencies(K, M, 3, dofs([0, 50], [2]), dofs(nodes[:, 0] >= 0, [0, 1, 3, 5]))
+    n = np.arange(1, 4)
+    slender = 0.5 * (n * np.pi * 0.02) ** 2 / 12 * (1 + 2.6 * (12 + 3.3) / 13)  # 1 + E/(κ G)
+    assert found == pytest.approx(48.98 * n**2 * (1 - slender), rel=5e-4)
+
+
+def test_a_portal_frame_sways() -> None:
+    """Two clamped columns and a beam: P h³/(12 E I) (2 + 3 k)/(1 + 6 k), k = h over the span."""
+    h, span = 0.8, 1.2
+    columns = Beam(CircularSection(0.01), STEEL)
+    nodes = np.array([[0, 0, 0], [0, 0, h], [span, 0, h], [span, 0, 0]])
+    K, _ = thin_stiffness_mass(nodes, [(np.array([[0, 1], [1, 2], [2, 3]]), columns)])
+    force = np.zeros((4, 6))
+    force[[1, 2], 0] = 0.5
+    x = solved(K, force.ravel(), dofs([0, 3], range(6)))
+    ratio = span / h  # of beam and columns, one section
+    exact = h**3 / (12 * columns.stiffness[1]) * (2 * ratio + 3) / (ratio + 6)
+    assert x[1, 0] == pytest.approx(exact, rel=5e-3)
+
+
+def test_stress_of_a_cantilever() -> None:
+    """M c/I at the corners of the section, at the clamped end."""
+    nodes, cells = line(2, 0.5)
+    K, _ = thin_stiffness_mass(nodes, [(cells, BAR)])
+    force = np.zeros((3, 6))
+    force[2, 2] = 100.0
+    x = solved(K, force.ravel(), np.arange(6))
+    rows = beam_rows(nodes[cells], BAR, np.array([0.0, 1.0]))
+    stress = BAR.stress(np.einsum("nqsd,nd->nqs", rows, x[cells].reshape(2, -1)))
+    extreme = 100 * 0.5 * 0.025 / (0.02 * 0.05**3 / 12)
+    assert np.sort(stress[0, 0]) == pytest.approx(extreme * np.array([-1, -1, 1, 1]), rel=1e-9)
+    assert abs(stress[1, 1]).max() < 1e-9 * extreme
+
+
+def test_a_plate_with_a_beam_of_its_own_section_bends_as_one() -> None:
+    """Beams along a strip share its nodes: E I adds up."""
+    nodes, cells, r, s = grid(8, 2, lambda r, s: (0.4 * r, 0.04 * (s - 0.5), 0 * r))
+    middle = np.flatnonzero(abs(s - 0.5) < 1e-9)
+    spine = np.column_stack([middle[:-1], middle[1:]])
+    parts: Any = [(cells, Shell(2e-3, ao.Material(210e9, 0.0, 7800))), (spine, BAR)]
+    K, _ = thin_stiffness_mass(nodes, parts)
+    force = np.zeros((len(nodes), 6))
+    force[middle[-1], 2] = 1.0
+    x = solved(K, force.ravel(), dofs(r == 0, range(6)))
+    both = 210e9 * (0.02 * 0.05**3 / 12 + 0.04 * 2e-3**3 / 12)
+    exact = 0.4**3 / (3 * both) + 0.4 / BAR.stiffness[5]
+    assert x[middle[-1], 2] == pytest.approx(exact, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "error"),
+    [
+        (lambda: RectangularSection(0.0, 1.0), InputError),
+        (lambda: TubularSection(0.01, 0.02), InputError),
+        (lambda: BeamSection(1e-4, 1e-9, -1e-9, 1e-9), InputError),
+        (lambda: BeamSection(1e-4, 1e-9, 1e-9, 1e-9, shear_factors=(0.5, 1.5)), InputError),
+        (lambda: Beam(RectangularSection(0.01, 0.01), STEEL), InputError),
+        (lambda: Beam(CircularSection(0.01), "steel"), InputTypeError),
+        (lambda: Beam(RectangularSection(0.01, 0.01), STEEL, (0, 0, 0)), InputError),
+        (lambda: beam_stiffness(np.array([[[0, 0, 0], [0, 0, 1.0]]]), BAR), InputError),
+    ],
+)
+def test_refusals(make: Any, error: type[Exception]) -> None:
+    with pytest.raises(error):
+        make()

@@ -1,0 +1,150 @@
+"""Contact on a shell: an elastic layer in place of plate elements, against resolved contact."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import scipy.sparse.linalg as sla
+from scipy.special import kei
+from thinmeshes import dofs, grid, turned
+
+import aoimpact as ao
+from aoimpact.fem.laminate import Shell
+from aoimpact.fem.layer import (
+    excess_compliance,
+    layer_compliance,
+    plate_compliance,
+    plate_motion,
+)
+from aoimpact.fem.thin import thin_stiffness_mass
+
+FloatArray = npt.NDArray[np.float64]
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+KINDS = pytest.mark.parametrize("kind", ["quad", "triangle"])
+
+
+def test_a_slow_layer_bends_as_a_thin_plate() -> None:
+    """1/(8 s √(D m)), an infinite plate's velocity under a force (C. Zener, 1941)."""
+    t, s = 1e-3, 100.0
+    thin = 1.0 / (8.0 * s * math.sqrt(210e9 * t**3 / (12 * 0.91) * 7800 * t))
+    assert layer_compliance(STEEL, t, 3e-4, s) == pytest.approx(thin, rel=1e-3)
+    assert plate_compliance(Shell(t, STEEL), 3e-4, s) == pytest.approx(thin, rel=1e-3)
+
+
+def test_a_thick_layer_is_a_half_space() -> None:
+    """Beyond the half-space's own compliance 0.6/(a E*) hardly any is left."""
+    left = layer_compliance(STEEL, 0.2, 3e-4, 1e5)
+    assert abs(left) < 0.02 * 0.6 / (3e-4 * STEEL.plane_strain_modulus)
+
+
+def test_the_static_layer_has_the_known_compliance() -> None:
+    """H(k) in closed form: less the plate's 1/(D k⁴), it does not depend on s."""
+    t, a = 2e-3, 3e-4
+    k = np.geomspace(1e-1, 4e5, 4000)
+    q = np.minimum(0.5 * k * t, 15.0)
+    sinh, cosh = np.sinh(2 * q), np.cosh(2 * q)
+    e = 0.91 / 210e9
+    whole = e / k * ((cosh - 1) / (sinh + 2 * q) + (cosh + 1) / (sinh - 2 * q))
+    bent = 12 * e / (t**3 * k**4)
+    x = k * a
+    pressure = (3 * (np.sin(x) - x * np.cos(x)) / np.maximum(x, 1e-2) ** 3) ** 2
+    pressure[x < 1e-2] = 1.0
+    rest = np.where(q < 0.02, 2.4 * e / (t * k**2), whole - bent) - 2 * e / k
+
+    def static(s: float) -> float:
+        length = (210e9 * t**3 / (12 * 0.91) / (7800 * t * s * s)) ** 0.25
+        slow = 1 / (1 + (k * length) ** -4)
+        # Shear and the half-space's share, cut off where bending waves are.
+        values = pressure * ((rest + 2 * e / k) * slow - 2 * e / k) * k**2
+        return float(np.trapezoid(values, np.log(k)) / (2 * np.pi)) + length**2 / (
+            8 / 12 * t**3 / e
+        )
+
+    for s in (1e4, 1e5):
+        # Inertia's terms of the order of t² are the same for all s.
+        shear = 1 / (8 * np.pi * 5 / 6 * STEEL.shear_modulus * t)
+        rotary = t**2 / (96 * np.pi * 210e9 * t**3 / (12 * 0.91))
+        found = layer_compliance(STEEL, t, a, s)
+        assert found == pytest.approx(static(s) - shear - rotary, rel=5e-3)
+
+
+def test_motion_of_mindlins_plate() -> None:
+    """Far off that of a thin plate; near the force its slope is that of shear, -1/(2π S r)."""
+    t, s = 2e-3, 1e5
+    shell = Shell(t, STEEL)
+    D, S, m = shell.stiffness[3, 3], shell.stiffness[6, 6], shell.inertia[0]
+    length = (D / (m * s * s)) ** 0.25
+    x = np.array([[3 * length, 0.0], [0.0, 3 * length]])
+    moved = plate_motion(shell, s, x)
+    assert moved[0, 0] == pytest.approx(-(length**2) / (2 * np.pi * D) * kei(3.0), rel=0.1)
+    assert moved[0, 1] == pytest.approx(0.0, abs=1e-20)
+    assert moved[1, 1] == pytest.approx(-moved[0, 2])
+    near = np.array([[1e-5, 0.0], [1.01e-5, 0.0]])
+    slope = np.diff(plate_motion(shell, s, near)[:, 0])[0] / 1e-7
+    assert slope == pytest.approx(-1 / (2 * np.pi * S * 1.005e-5), rel=0.01)
+
+
+def sheet(t: float, n: int, kind: str, size: float = 0.15) -> tuple[Any, Any, Any, FloatArray, int]:
+    """Bending of a free square sheet: K, M, elements, nodes and the node in the middle."""
+    nodes, cells, r, s = grid(n, n, lambda r, s: (size * (r - 0.5), size * (s - 0.5), 0 * r), kind)
+    K, M = thin_stiffness_mass(nodes, [(cells, Shell(t, STEEL))])
+    bent = dofs(r >= 0, [2, 3, 4])
+    middle = int(np.flatnonzero((abs(r - 0.5) < 1e-9) & (abs(s - 0.5) < 1e-9))[0])
+    return K[bent][:, bent], M[bent][:, bent], cells, nodes, middle
+
+
+def excess(t: float, cells: Any, nodes: FloatArray, node: int, s: float, tilt: Any = None) -> float:
+    turn = np.eye(3) if tilt is None else tilt
+    forces = np.zeros(len(nodes))
+    forces[node] = 1.0
+    return excess_compliance(
+        nodes @ turn.T, [cells], Shell(t, STEEL), forces, turn @ nodes[node], turn[:, 2], 3e-4, s
+    )
+
+
+@KINDS
+@pytest.mark.parametrize(("t", "n"), [(2e-3, 30), (2e-3, 60), (1e-3, 30), (8e-3, 30)])
+def test_the_mesh_about_a_contact_gives_its_excess(kind: str, t: float, n: int) -> None:
+    """G of a sheet in which no wave comes back, less the layer's R: c, from the mesh nearby."""
+    s = 3e5
+    K, M, cells, nodes, node = sheet(t, n, kind)
+    b = np.zeros(K.shape[0])
+    b[3 * node] = 1.0
+    of_mesh = float(b @ sla.spsolve((K + s * s * M).tocsc(), b))
+    c = of_mesh - layer_compliance(STEEL, t, 3e-4, s)
+    assert excess(t, cells, nodes, node, s) == pytest.approx(c, rel=0.01, abs=8e-11)
+
+
+def test_excess_does_not_depend_on_place_in_space() -> None:
+    _, _, cells, nodes, node = sheet(2e-3, 20, "quad")
+    flat, tilted = (excess(2e-3, cells, nodes, node, 3e5, tilt) for tilt in (None, turned()))
+    assert tilted == pytest.approx(flat, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("t", "rigid", "peak"), [(2e-3, True, 241.7), (2e-3, False, 215.1), (4e-3, False, 347.7)]
+)
+def test_a_ball_on_a_sheet(t: float, rigid: bool, peak: float) -> None:
+    """R 5 mm at 1 m/s: resolved contact (241.7 N), and Zener's thin plates, by any elements."""
+    duration, radius = 40e-6, 5e-3
+    law = (
+        ao.Hertz(k=4 / 3 * STEEL.plane_strain_modulus * math.sqrt(radius))
+        if rigid
+        else ao.Hertz.between(STEEL, radius, STEEL, math.inf)
+    )
+    found = []
+    for n in (20, 40):
+        K, M, cells, nodes, node = sheet(t, n, "quad", 0.1)
+        b = np.zeros(K.shape[0])
+        b[3 * node] = 1.0
+        c = excess(t, cells, nodes, node, 10 / duration)
+        tip = ao.FEModel(K, M).contact(b=b)
+        hit = ao.simulate(ao.ball(radius, STEEL), tip, 1.0, law=law.within_patch(c), duration=60e-6)
+        found.append(hit.peak_force)
+    assert found == pytest.approx([peak, peak], rel=0.015)
+    assert found[1] == pytest.approx(found[0], rel=0.01)

@@ -1,0 +1,82 @@
+"""Meshes of shells and beams, and statics of them, for the tests of the elements."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg
+import scipy.sparse.linalg as sla
+
+from aoimpact.fem.shells import strain_rows
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+
+def grid(
+    n: int, m: int, place: Callable[[FloatArray, FloatArray], Any], kind: str = "quad"
+) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
+    """Nodes, elements, and (r, s) of the nodes: n x m cells of the unit square, put into space."""
+    r, s = np.meshgrid(np.linspace(0.0, 1.0, n + 1), np.linspace(0.0, 1.0, m + 1), indexing="ij")
+    r, s = r.ravel(), s.ravel()
+    nodes = np.stack(np.broadcast_arrays(*place(r, s)), axis=1).astype(np.float64)
+    i = np.arange(len(r)).reshape(n + 1, m + 1)
+    cells = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], axis=-1).reshape(-1, 4)
+    if kind == "triangle":
+        cells = np.vstack([cells[:, :3], cells[:, [0, 2, 3]]])
+    return nodes, cells, r, s
+
+
+def dofs(nodes: Any, components: Sequence[int] | range) -> IntArray:
+    """Dofs of nodes, by a mask or numbers: 0, 1, 2 for displacements, 3, 4, 5 for rotations."""
+    numbers = np.asarray(nodes)
+    numbers = np.flatnonzero(numbers) if numbers.dtype == bool else np.atleast_1d(numbers)
+    return (6 * numbers[:, None] + np.array(list(components))).ravel()
+
+
+def solved(K: Any, force: FloatArray, *fixed: IntArray) -> FloatArray:
+    """Displacements and rotations, shape (n_nodes, 6)."""
+    free = np.setdiff1d(np.arange(len(force)), np.concatenate(fixed))
+    x = np.zeros(len(force))
+    x[free] = sla.spsolve(K[free][:, free].tocsc(), force[free])
+    return x.reshape(-1, 6)
+
+
+def frequencies(K: Any, M: Any, n: int, *fixed: IntArray) -> FloatArray:
+    """The n lowest natural frequencies, Hz."""
+    free = np.setdiff1d(np.arange(K.shape[0]), np.concatenate(fixed) if fixed else [])
+    K, M = K[free][:, free].tocsc(), M[free][:, free].tocsc()
+    shift = 1e-4 * float(abs(K).max()) / float(abs(M).max())
+    solve = sla.splu(K + shift * M)
+    inverse = sla.LinearOperator(K.shape, matvec=solve.solve, dtype=np.float64)
+    start = np.random.default_rng(0).normal(size=K.shape[0])
+    found = sla.eigsh(K, n, M, sigma=-shift, OPinv=inverse, v0=start, return_eigenvectors=False)
+    return np.sqrt(np.maximum(np.sort(found), 0.0)) / (2.0 * np.pi)
+
+
+def pressed(nodes: FloatArray, cells: IntArray, layers: Any, force: Any) -> FloatArray:
+    """Nodal forces of a force per area (3,), N/m²; shape (6 n_nodes,)."""
+    strains = strain_rows(nodes[cells], layers)
+    area = np.zeros(len(nodes))
+    np.add.at(area, cells, strains.weights @ strains.shape)
+    loads = np.zeros((len(nodes), 6))
+    loads[:, :3] = area[:, None] * np.array(force)
+    return loads.ravel()
+
+
+def rigid_motions(nodes: FloatArray) -> FloatArray:
+    """Translations along x, y and z and rotations about these, shape (6 n_nodes, 6)."""
+    motions = np.zeros((len(nodes), 6, 6))
+    for i, axis in enumerate(np.eye(3)):
+        motions[:, :3, i] = axis
+        motions[:, :3, 3 + i] = np.cross(axis, nodes)
+        motions[:, 3:, 3 + i] = axis
+    return motions.reshape(-1, 6)
+
+
+def turned() -> FloatArray:
+    """A rotation about no axis of coordinates, (3, 3)."""
+    return np.asarray(scipy.linalg.expm(np.cross(np.eye(3), [0.4, -0.7, 1.1])))
