@@ -18,6 +18,7 @@ elastic solids, 1975, section 8.1), with ξ² = k² + s²/c_p² and η² = k² +
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse.linalg as sla
 from scipy.special import kv
 
@@ -154,7 +155,7 @@ def excess_compliance(
     dofs = (6 * np.arange(len(used))[:, None] + [2, 3, 4]).reshape(-1)
     A = (K + s**2 * M)[dofs][:, dofs].tocsr()
     moved = np.zeros((len(used), 3))
-    rim = ~inside[used]
+    rim = _rim([number[group] for group in chosen], len(used)) & (forces[used] == 0.0)
     moved[rim] = plate_motion(like, s, plane[rim])
     free = np.repeat(~rim, 3)
     load = np.zeros((len(used), 3))
@@ -238,6 +239,15 @@ def _edge(nodes: FloatArray, cells: list[IntArray], loaded: IntArray) -> float:
         edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
         longest = max(longest, float(edges.max(initial=0.0)))
     return longest
+
+
+def _rim(cells: list[IntArray], n_nodes: int) -> npt.NDArray[np.bool_]:
+    """Nodes on edges that belong to a single element, shape (n_nodes,)."""
+    ends = [np.stack([group, np.roll(group, -1, axis=1)], axis=2).reshape(-1, 2) for group in cells]
+    edges, count = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0, return_counts=True)
+    rim = np.zeros(n_nodes, dtype=bool)
+    rim[edges[count == 1]] = True
+    return rim
 
 
 def _plane(normal: FloatArray) -> FloatArray:

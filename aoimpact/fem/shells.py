@@ -24,15 +24,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import FloatArray, IntArray
+from ..base import FloatArray, InputError, IntArray, plain
 from .laminate import Layers
+from .material import PAIRS
 
 __all__ = [
     "Strains",
     "element_frames",
     "element_mass",
     "element_stiffness",
+    "in_global_axes",
     "nodal_normals",
+    "nodal_strains",
     "strain_rows",
 ]
 
@@ -47,6 +50,9 @@ _FOLD = 0.82
 
 # Sine of an angle between normals that is rounding.
 _LEVEL = 1e-9
+
+# Sine of the angle between a fibre axis and the normal below which there is no direction.
+_ACROSS = 1e-6
 
 # Elements are taken so many at a time that the strains' rows stay in the caches.
 _BATCH = 512
@@ -164,8 +170,14 @@ def element_frames(corners: FloatArray, layers: Layers | None) -> tuple[FloatArr
         second = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
     normal = _unit(np.cross(first, second))
     reference = None if layers is None else layers.reference
-    along = first if reference is None else np.broadcast_to(reference, first.shape)
-    x = _unit(along - np.einsum("ni,ni->n", along, normal)[:, None] * normal)
+    along = _unit(first if reference is None else np.broadcast_to(reference, first.shape))
+    across = along - np.einsum("ni,ni->n", along, normal)[:, None] * normal
+    if count := np.count_nonzero(np.linalg.norm(across, axis=1) < _ACROSS):
+        raise InputError(
+            f"fibre_axis or axis 1, {plain(along[0])}, is normal to {count} elements; "
+            "give a direction along the surface"
+        )
+    x = _unit(across)
     frames = np.stack([x, np.cross(normal, x), normal], axis=1)
     local = np.einsum("nij,naj->nai", frames, corners - corners.mean(axis=1, keepdims=True))
     return frames, local
@@ -235,6 +247,31 @@ def strain_rows(
         _turn_to_surface(rows, local, normals)
     rows = rows @ frames[:, None, None, None]
     return Strains(rows.reshape(*rows.shape[:3], -1), weights, shape, frames)
+
+
+def nodal_strains(strains: Strains, moved: FloatArray) -> FloatArray:
+    """Return the generalised strains of deformed elements at their nodes, shape (n, nodes, 8).
+
+    From the points of quadrature by the (bi)linear function that fits there best.
+
+    Parameters
+    ----------
+    strains : Strains
+    moved : ndarray, shape (n, nodes, 6)
+        Displacements and rotations of the elements' nodes.
+    """
+    rows = strains.rows[:, :, :8]
+    at_points = np.einsum("nqsd,nd->nqs", rows, moved.reshape(len(moved), -1))
+    return np.asarray(np.linalg.pinv(strains.shape) @ at_points, dtype=np.float64)
+
+
+def in_global_axes(components: FloatArray, frames: FloatArray) -> FloatArray:
+    """Return stresses (n, ..., 6) in elements' axes, xx, yy, zz, xy, yz, xz, in the body's axes."""
+    own = np.zeros((*components.shape[:-1], 3, 3))
+    for value, (i, j) in zip(np.moveaxis(components, -1, 0), PAIRS, strict=True):
+        own[..., i, j] = own[..., j, i] = value
+    turned = np.einsum("nai,n...ab,nbj->n...ij", frames, own, frames, optimize=True)
+    return np.stack([turned[..., i, j] for i, j in PAIRS], axis=-1)
 
 
 def _flatness(local: FloatArray, normals: FloatArray | None, stiffness: FloatArray) -> FloatArray:

@@ -126,6 +126,16 @@ def test_excess_does_not_depend_on_place_in_space() -> None:
     assert tilted == pytest.approx(flat, rel=1e-8)
 
 
+@KINDS
+def test_excess_near_an_edge_is_that_of_the_mesh_alone(kind: str) -> None:
+    """The body's bounds are no part of it: they are in the body's own G."""
+    _, _, cells, nodes, node = sheet(2e-3, 20, kind)
+    in_the_middle = excess(2e-3, cells, nodes, node, 3e5)
+    for off in (3, 2):  # elements from the edge
+        near = excess(2e-3, cells, nodes, 21 * off + 10, 3e5)
+        assert near == pytest.approx(in_the_middle, abs=0.1 * abs(in_the_middle) + 2e-10)
+
+
 @pytest.mark.parametrize(
     ("t", "rigid", "peak"), [(2e-3, True, 241.7), (2e-3, False, 215.1), (4e-3, False, 347.7)]
 )

@@ -11,8 +11,16 @@ import pytest
 from thinmeshes import dofs, frequencies, grid, pressed, rigid_motions, solved, turned
 
 import aoimpact as ao
+from aoimpact.base.errors import InputError
 from aoimpact.fem.laminate import Shell
-from aoimpact.fem.shells import element_mass, element_stiffness, nodal_normals, strain_rows
+from aoimpact.fem.shells import (
+    element_mass,
+    element_stiffness,
+    in_global_axes,
+    nodal_normals,
+    nodal_strains,
+    strain_rows,
+)
 from aoimpact.fem.thin import thin_stiffness_mass
 
 FloatArray = npt.NDArray[np.float64]
@@ -334,6 +342,38 @@ def test_an_offset_only_moves_the_nodes(kind: str) -> None:
     assert face[6:] == pytest.approx(middle[6:], rel=2e-3 if kind == "quad" else 0.02)
 
 
+@KINDS
+def test_stress_of_a_plate_in_any_plane_of_space(kind: str) -> None:
+    """Simply supported under q sin sin: Mxx = q/(π² (1/a² + 1/b²)²) (1/a² + ν/b²), σ = 6 M/t²."""
+    a, b, t, n = 0.3, 0.2, 2e-3, 24
+    turn = turned()
+    nodes, cells, r, s = grid(n, n, lambda r, s: (a * r, b * s, 0 * r), kind)
+    plate = Shell(t, STEEL)
+    K, _ = assembled(nodes, cells, plate)
+    force = pressed(nodes, cells, plate, (0, 0, 1)).reshape(-1, 6)
+    force *= (np.sin(np.pi * r) * np.sin(np.pi * s))[:, None]
+    edges = (dofs((r == 0) | (r == 1), [2, 3]), dofs((s == 0) | (s == 1), [2, 4]))
+    x = solved(K, force.ravel(), *edges, dofs(r >= 0, [0, 1, 5])).reshape(-1, 2, 3) @ turn.T
+    corners = (nodes @ turn.T)[cells]
+    strains = strain_rows(corners, plate)
+    at_nodes = nodal_strains(strains, x[cells].reshape(*cells.shape, 6))
+    stress = in_global_axes(plate.stress(at_nodes), strains.frames)
+    mean = np.zeros((len(nodes), 3, 6))
+    np.add.at(mean, cells, stress)
+    mean /= np.bincount(cells.ravel())[:, None, None]
+    middle = np.flatnonzero((abs(r - 0.5) < 1e-9) & (abs(s - 0.5) < 1e-9))[0]
+    at = mean[middle]
+    tensor = turn.T @ at[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(3, 3, 3) @ turn
+    shape = np.array([1 / a**2 + 0.3 / b**2, 1 / b**2 + 0.3 / a**2])
+    moments = shape / (np.pi**2 * (1 / a**2 + 1 / b**2) ** 2)
+    face = 6 * np.diag([*moments, 0]) / t**2
+    tolerance = {"rel": 0.01, "abs": 0.01 * face.max()}
+    # Pressed along its normal, the plate is in tension on its top.
+    assert tensor[2] == pytest.approx(face, **tolerance)
+    assert tensor[0] == pytest.approx(-face, **tolerance)
+    assert tensor[1] == pytest.approx(np.zeros((3, 3)), abs=0.01 * face.max())
+
+
 def square_tube(
     along: int, side: int, a: float, length: float, kind: str
 ) -> tuple[FloatArray, Any, FloatArray]:
@@ -416,6 +456,14 @@ def test_distorted_meshes_cost_little(kind: str) -> None:
     exact = 35.985 * math.sqrt(210e9 * 8e-9 / (12 * 0.91) / 15.6) / 0.04 / (2 * np.pi)
     assert found == pytest.approx([exact, exact], rel=0.04)
     assert found[1] == pytest.approx(found[0], rel=0.025)
+
+
+def test_a_fibre_axis_along_the_normal_is_refused() -> None:
+    nodes, cells, _, _ = grid(2, 2, lambda r, s: (r, s, 0 * r))
+    ply = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+    upright = Shell(0.01, ao.Orthotropic(ply.E, ply.G, ply.nu, ply.rho, ((0, 0, 1), (1, 0, 0))))
+    with pytest.raises(InputError, match="normal to 4 elements"):
+        assembled(nodes, cells, upright)
 
 
 def test_matrices_are_symmetric_and_sorted() -> None:
