@@ -309,45 +309,40 @@ def _rows(
     frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Displacements and rotations, and strains, at places: (n, n_places, 6, 12), global axes."""
-    x, L = places[None, :], length[:, None]
-    moved, strain = (np.zeros((len(length), len(places), 6, 2, 6)) for _ in range(2))
+    moved, strain = (np.zeros((len(length), len(places), 6, 12)) for _ in range(2))
+    for end, share, slope in ((0, 1.0 - places, -1.0 / length), (6, places, 1.0 / length)):
+        for row in (0, 3):  # stretched and twisted
+            moved[:, :, row, end + row] = share
+            strain[:, :, row, end + row] = slope[:, None]
+    L, one = length, np.ones_like(length)
+    powers = places[:, None] ** np.arange(4)
+    first, second = powers[:, [0, 0, 1, 2]] * [0, 1, 2, 3], powers[:, [0, 0, 0, 1]] * [0, 0, 2, 6]
     _, bent_y, bent_z, _, shear_y, shear_z = beam.stiffness
-    for end, share, slope in ((0, 1.0 - x, -1.0 / L), (1, x, 1.0 / L)):
-        moved[:, :, 0, end, 0] = moved[:, :, 3, end, 3] = share
-        strain[:, :, 0, end, 0] = strain[:, :, 3, end, 3] = slope
-    # Along y with θz, and along z with -θy.
-    for v, θ, sign, bent, shear in ((1, 5, 1.0, bent_z, shear_y), (2, 4, -1.0, bent_y, shear_z)):
+    # Along y with θz, and along z with -θy: v' = θ + γ, by v and θ at either end.
+    for v, rotation, sign, bent, shear in (
+        (1, 5, 1.0, bent_z, shear_y),
+        (2, 4, -1.0, bent_y, shear_z),
+    ):
         phi = 12.0 * bent / (shear * L * L)
-        whole, one = 1.0 + phi, np.ones_like(x)
-        deflection = (
-            (
-                2.0 * x**3 - 3.0 * x**2 - phi * x + whole,
-                L * (x**3 - (2.0 + phi / 2.0) * x**2 + (1.0 + phi / 2.0) * x),
-            ),
-            (
-                -2.0 * x**3 + 3.0 * x**2 + phi * x,
-                L * (x**3 - (1.0 - phi / 2.0) * x**2 - phi / 2.0 * x),
-            ),
+        cubic = np.array(
+            [
+                [one + phi, -phi, -3.0 * one, 2.0 * one],
+                [0.0 * L, L * (1.0 + phi / 2.0), -L * (2.0 + phi / 2.0), L],
+                [0.0 * L, phi, 3.0 * one, -2.0 * one],
+                [0.0 * L, -L * phi / 2.0, -L * (1.0 - phi / 2.0), L],
+            ]
         )
-        rotation = (
-            (6.0 * (x**2 - x) / L, 3.0 * x**2 - (4.0 + phi) * x + whole),
-            (-6.0 * (x**2 - x) / L, 3.0 * x**2 - (2.0 - phi) * x),
+        cubic /= 1.0 + phi
+        gamma = np.array([-phi / L, -phi / 2.0, phi / L, -phi / 2.0]) / (1.0 + phi)
+        deflection, slope, curvature = (
+            np.einsum("fpn,qp->nqf", cubic / L**order, by) * [1.0, sign, 1.0, sign]
+            for order, by in enumerate((powers, first, second))
         )
-        curvature = (
-            ((12.0 * x - 6.0) / L**2, (6.0 * x - 4.0 - phi) / L),
-            (-(12.0 * x - 6.0) / L**2, (6.0 * x - 2.0 + phi) / L),
-        )
-        sheared = ((-phi / L * one, -0.5 * phi * one), (phi / L * one, -0.5 * phi * one))
-        into = (
-            (moved, v, deflection, 1.0),
-            (moved, θ, rotation, sign),
-            (strain, 2 if v == 1 else 1, curvature, sign),
-            (strain, v + 3, sheared, 1.0),
-        )
-        for rows, row, by, turned in into:
-            for end, (by_v, by_θ) in enumerate(by):
-                rows[:, :, row, end, v] = turned * by_v / whole
-                rows[:, :, row, end, θ] = turned * sign * by_θ / whole
+        sheared = (gamma.T * [1.0, sign, 1.0, sign])[:, None]
+        ends = [v, rotation, 6 + v, 6 + rotation]
+        moved[:, :, v, ends], strain[:, :, 3 + v, ends] = deflection, sheared
+        moved[:, :, rotation, ends] = sign * (slope - sheared)
+        strain[:, :, 3 - v, ends] = sign * curvature
     return _global(moved, frames), _global(strain, frames)
 
 
