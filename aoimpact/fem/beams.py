@@ -190,7 +190,7 @@ class Beam:
     >>> from aoimpact.fem import Material
     >>> alu = Material(E=70e9, nu=0.33, rho=2700)
     >>> beam = Beam(RectangularSection(0.02, 0.01), alu, orientation=(0, 0, 1))
-    >>> round(beam.inertia[0], 3)  # kg/m
+    >>> round(float(beam.inertia[0]), 3)  # kg/m
     0.54
     """
 

@@ -19,7 +19,7 @@ K = Σ w Bᵀ C B, and strains of a deformed body follow from the same B.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,9 +53,6 @@ _LEVEL = 1e-9
 
 # Sine of the angle between a fibre axis and the normal below which there is no direction.
 _ACROSS = 1e-6
-
-# Elements are taken so many at a time that the strains' rows stay in the caches.
-_BATCH = 512
 
 _GAUSS = 1.0 / np.sqrt(3.0)
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
@@ -124,17 +121,12 @@ def element_stiffness(
         Under constant stress the optimal triangle has moments about the normal at its nodes, which
         only triangles balance.
     """
-    nodes = corners.shape[1]
-    found = np.empty((len(corners), 6 * nodes, 6 * nodes))
-    stiffness = _stiffness(layers)
-    for some in _batches(len(corners)):
-        around = None if normals is None else normals[some]
-        strains = strain_rows(corners[some], layers, around, constant=constant)
-        rows = strains.rows.reshape(len(strains.rows), -1, 6 * nodes)
-        forces = (strains.weights[..., None, None] * (stiffness @ strains.rows)).reshape(rows.shape)
-        matrix = rows.swapaxes(1, 2) @ forces
-        found[some] = 0.5 * (matrix + matrix.swapaxes(1, 2))
-    return found
+    strains = strain_rows(corners, layers, normals, constant=constant)
+    forces = strains.weights[..., None, None] * (_stiffness(layers) @ strains.rows)
+    shape = (len(corners), -1, 6 * corners.shape[1])
+    matrix = strains.rows.reshape(shape).swapaxes(1, 2) @ forces.reshape(shape)
+    symmetric: FloatArray = 0.5 * (matrix + matrix.swapaxes(1, 2))
+    return symmetric
 
 
 def element_mass(corners: FloatArray, layers: Layers) -> FloatArray:
@@ -333,11 +325,6 @@ def _mean_membrane(stiffness: FloatArray) -> tuple[float, float]:
     across, shear = float(stiffness[0, 1]), float(stiffness[2, 2])
     ratio = (direct + 6.0 * across - 4.0 * shear) / (3.0 * direct + 2.0 * across + 4.0 * shear)
     return ratio, (direct - 2.0 * across + 4.0 * shear) / 8.0
-
-
-def _batches(n: int) -> Iterator[slice]:
-    for start in range(0, n, _BATCH):
-        yield slice(start, start + _BATCH)
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

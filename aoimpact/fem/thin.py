@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray
@@ -14,6 +15,9 @@ from .shells import element_mass, element_stiffness, nodal_normals
 
 __all__ = ["ThinPart", "thin_stiffness_mass"]
 
+
+# Elements are taken so many at a time that their strains stay in the caches.
+_BATCH = 512
 
 # Nodes of elements, shape (n, 2), (n, 3) or (n, 4), and what these are.
 ThinPart = tuple[IntArray, Layers | Beam]
@@ -36,48 +40,51 @@ def thin_stiffness_mass(
         N/m, N and N m; kg, kg m and kg m². Exactly symmetric, column indices sorted. Rows of M of
         rotations about a flat shell's normal are zero.
     """
-    place, indices, indptr = _pattern(len(nodes), [cells for cells, _ in parts])
+    places, indices, indptr = _pattern(len(nodes), [cells for cells, _ in parts])
     surfaces = [cells for cells, part in parts if not isinstance(part, Beam)]
     normals = iter(nodal_normals(nodes, surfaces) if surfaces else [])
     constant = len({cells.shape[1] for cells in surfaces}) > 1
-    stiffness, mass = [], []
-    for cells, part in parts:
-        ends = nodes[cells]
-        if isinstance(part, Beam):
-            stiffness.append(_blocks(beam_stiffness(ends, part)))
-            mass.append(_blocks(beam_mass(ends, part)))
-        else:
-            stiffness.append(
-                _blocks(element_stiffness(ends, part, next(normals), constant=constant))
-            )
-            mass.append(_blocks(element_mass(ends, part)))
-    found = []
-    for each in (stiffness, mass):
-        blocks = np.concatenate(each)
-        to_pairs = sp.csr_array(
-            (np.ones(len(place)), (place, np.arange(len(place)))), shape=(len(indices), len(place))
-        )
-        values = (to_pairs @ blocks).reshape(-1, 6, 6)
-        matrix = sp.bsr_array((values, indices, indptr), shape=(6 * len(nodes),) * 2).tocsr()
-        matrix.eliminate_zeros()
-        found.append(matrix)
-    return found[0], found[1]
-
-
-def _blocks(matrices: FloatArray) -> FloatArray:
-    """Blocks of 6 x 6 of element matrices, shape (n nodes², 36)."""
-    n, width = matrices.shape[:2]
-    split = matrices.reshape(n, width // 6, 6, width // 6, 6).swapaxes(2, 3)
-    blocks: FloatArray = split.reshape(-1, 36)
-    return blocks
-
-
-def _pattern(n_nodes: int, groups: Sequence[IntArray]) -> tuple[IntArray, IntArray, IntArray]:
-    """Of each block of each element its place among pairs of nodes; those by compressed rows."""
-    pairs = np.concatenate(
-        [(cells[:, :, None] * n_nodes + cells[:, None, :]).reshape(-1) for cells in groups]
+    K, M = np.zeros(36 * len(indices)), np.zeros(36 * len(indices))
+    for (cells, part), place in zip(parts, places, strict=True):
+        normal = None if isinstance(part, Beam) else next(normals)
+        for start in range(0, len(cells), _BATCH):
+            some = slice(start, start + _BATCH)
+            ends = nodes[cells[some]]
+            if isinstance(part, Beam):
+                stiffness, mass = beam_stiffness(ends, part), beam_mass(ends, part)
+            else:
+                assert normal is not None
+                stiffness = element_stiffness(ends, part, normal[some], constant=constant)
+                mass = element_mass(ends, part)
+            _add(K, place[some], stiffness)
+            _add(M, place[some], mass)
+    one, other = (
+        sp.bsr_array(
+            (values.reshape(-1, 6, 6), indices, indptr), shape=(6 * len(nodes),) * 2
+        ).tocsr()
+        for values in (K, M)
     )
-    key, place = np.unique(pairs, return_inverse=True)
+    one.eliminate_zeros()
+    other.eliminate_zeros()
+    return one, other
+
+
+def _add(values: FloatArray, place: IntArray, matrices: FloatArray) -> None:
+    """Add the blocks of 6 x 6 of element matrices to those of pairs of nodes."""
+    n, nodes = place.shape[:2]
+    blocks = matrices.reshape(n, nodes, 6, nodes, 6).swapaxes(2, 3)
+    at = 36 * place[..., None] + np.arange(36)
+    np.add.at(values, at.reshape(-1), blocks.reshape(-1))
+
+
+def _pattern(
+    n_nodes: int, groups: Sequence[IntArray]
+) -> tuple[list[IntArray], npt.NDArray[np.int32], npt.NDArray[np.int32]]:
+    """Of each block of each element its place among pairs of nodes; those by compressed rows."""
+    pairs = [cells[:, :, None] * n_nodes + cells[:, None, :] for cells in groups]
+    key, place = np.unique(np.concatenate([each.ravel() for each in pairs]), return_inverse=True)
+    parts = np.split(place, np.cumsum([each.size for each in pairs])[:-1])
     row, column = np.divmod(key, n_nodes)
     indptr = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=n_nodes))])
-    return place, column.astype(np.int32), indptr.astype(np.int32)
+    places = [part.reshape(each.shape) for part, each in zip(parts, pairs, strict=True)]
+    return places, column.astype(np.int32), indptr.astype(np.int32)
