@@ -184,6 +184,9 @@ class Beam:
     orientation : array_like, shape (3,), optional
         The section's z axis is the projection of this direction across the beam; y = z × x, with x
         from the first node to the second. Not needed by round sections.
+    offset : (float, float), optional
+        Where the section's centroid is along its y and z axes, seen from the nodes, m: of a
+        stiffener on a shell, half of both heights.
 
     Examples
     --------
@@ -197,16 +200,19 @@ class Beam:
     section: Section
     material: Material
     orientation: Any = None
+    offset: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         kinds = (BeamSection, RectangularSection, TubularSection)
         checked(self, section=kinds, material=(Material,))
+        along_y, along_z = finite_array("offset", self.offset, shape=(2,), unit="m").tolist()
+        object.__setattr__(self, "offset", (along_y, along_z))
         if self.orientation is not None:
             axis = finite_array("orientation", self.orientation, shape=(3,))
             if not axis.any():
                 raise InputError("orientation must not be zero")
             object.__setattr__(self, "orientation", tuple(axis.tolist()))
-        elif not isinstance(self.section, TubularSection):
+        elif not isinstance(self.section, TubularSection) or any(self.offset):
             raise InputError("orientation: the section needs the direction of its z axis")
 
     @cached_property
@@ -343,12 +349,15 @@ def _rows(
         moved[:, :, v, ends], strain[:, :, 3 + v, ends] = deflection, sheared
         moved[:, :, rotation, ends] = sign * (slope - sheared)
         strain[:, :, 3 - v, ends] = sign * curvature
-    return _global(moved, frames), _global(strain, frames)
+    return _global(moved, frames, beam), _global(strain, frames, beam)
 
 
-def _global(rows: FloatArray, frames: FloatArray) -> FloatArray:
-    """Rows by freedoms in global axes, (n, n_places, 6, 12), from those in the elements' axes."""
+def _global(rows: FloatArray, frames: FloatArray, beam: Beam) -> FloatArray:
+    """Rows by the nodes' freedoms in global axes, (n, n_places, 6, 12), from the centroid's."""
     turned = rows.reshape(*rows.shape[:3], 2, 2, 3) @ frames[:, None, None, None]
+    if any(beam.offset):  # the centroid moves with u + θ × d
+        d = np.einsum("i,nij->nj", beam.offset, frames[:, 1:])
+        turned[..., 1, :] += np.cross(d[:, None, None, None], turned[..., 0, :])
     return turned.reshape(*rows.shape[:3], 12)
 
 

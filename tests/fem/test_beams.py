@@ -177,6 +177,28 @@ def test_a_plate_with_a_beam_of_its_own_section_bends_as_one() -> None:
     assert x[middle[-1], 2] == pytest.approx(exact, rel=5e-3)
 
 
+def test_an_eccentric_stiffener_makes_one_section_with_its_plate() -> None:
+    """E I of both about their common axis: I1 + I2 + A1 A2/(A1 + A2) d²."""
+    t, width, height = 2e-3, 0.04, 0.02
+    nodes, cells, r, s = grid(32, 2, lambda r, s: (0.8 * r, width * (s - 0.5), 0 * r))
+    middle = np.flatnonzero(abs(s - 0.5) < 1e-9)
+    spine = np.column_stack([middle[:-1], middle[1:]])
+    d = (t + height) / 2
+    metal = ao.Material(210e9, 0.0, 7800)
+    rib = Beam(RectangularSection(5e-3, height), metal, (0, 0, 1), offset=(0, -d))
+    K, M = thin_stiffness_mass(nodes, [(cells, Shell(t, metal)), (spine, rib)])
+    force = np.zeros((len(nodes), 6))
+    force[middle[-1], 2] = 1.0
+    x = solved(K, force.ravel(), dofs(r == 0, range(6)))
+    plate, web = width * t, 5e-3 * height
+    second = (plate * t**2 + web * height**2) / 12 + plate * web / (plate + web) * d**2
+    assert x[middle[-1], 2] == pytest.approx(0.8**3 / (3 * 210e9 * second), rel=0.015)
+    motions = rigid_motions(nodes)
+    assert abs(K @ motions).max() < 1e-9 * abs(K).max()
+    about = (motions.T @ M @ motions)[4, 0]  # of x by rotation about y: ∫ρ z dV
+    assert about == pytest.approx(-7800 * web * 0.8 * d)
+
+
 @pytest.mark.parametrize(
     ("make", "error"),
     [
