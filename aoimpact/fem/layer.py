@@ -136,46 +136,56 @@ def excess_compliance(
     s : float
         rad/s, of K + s²M; 10 over the duration of the contact.
     """
-    like = _plate(layers)
-    flat = nodes - point
-    flat = flat - np.outer(flat @ normal, normal)
-    away = np.linalg.norm(flat, axis=1)
-    loaded = np.flatnonzero(forces)
-    edge = _edge(nodes, cells, loaded)
-    reach = min(_EDGES * edge, max(_LENGTHS * _bending_length(like, s), 3.0 * edge))
+    like, thickness = _plate(layers), layers.total_thickness
+    axes = _plane(normal)
+    of_mesh = _mesh_compliance((nodes - point) @ axes.T, cells, like, forces, s)
+    layer = _as_layer(like)
+    shear = plate_compliance(like, radius, s) - plate_compliance(Shell(thickness, layer), radius, s)
+    return of_mesh - shear - layer_compliance(layer, thickness, radius, s)
+
+
+def _mesh_compliance(
+    x: FloatArray, cells: list[IntArray], plate: _Plate, forces: FloatArray, s: float
+) -> float:
+    """Mean displacement under a unit force of an infinite plate, meshed about the force.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n_nodes, 2)
+        Places in the tangent plane, m; the force is at the origin.
+    """
+    away, loaded = np.linalg.norm(x, axis=1), np.flatnonzero(forces)
+    edge = _edge(x, cells, loaded)
+    reach = min(_EDGES * edge, max(_LENGTHS * _bending_length(plate, s), 3.0 * edge))
     inside = away < reach + away[loaded].max()
     chosen = [group[inside[group].any(axis=1)] for group in cells]
-    used = np.unique(np.concatenate([group.reshape(-1) for group in chosen]))
-    number = np.full(len(nodes), -1)
-    number[used] = np.arange(len(used))
-    axes = _plane(normal)
-    plane = flat[used] @ axes.T
-    at = np.column_stack([plane, np.zeros(len(used))])
-    K, M = thin_stiffness_mass(at, [(number[group], like) for group in chosen if len(group)])
-    dofs = (6 * np.arange(len(used))[:, None] + [2, 3, 4]).reshape(-1)
-    A = (K + s**2 * M)[dofs][:, dofs].tocsr()
-    moved = np.zeros((len(used), 3))
-    rim = _rim([number[group] for group in chosen], len(used)) & (forces[used] == 0.0)
-    moved[rim] = plate_motion(like, s, plane[rim])
-    free = np.repeat(~rim, 3)
-    load = np.zeros((len(used), 3))
+    chosen = [group for group in chosen if len(group)]
+    used = np.unique(np.concatenate([group.ravel() for group in chosen]))
+    chosen = [np.searchsorted(used, group) for group in chosen]
+    x, load = x[used], np.zeros((len(used), 3))
     load[:, 0] = forces[used]
-    right = load.reshape(-1) - A @ moved.reshape(-1)
-    moved.reshape(-1)[free] = sla.spsolve(A[free][:, free].tocsc(), right[free])
-    of_mesh = float(load[:, 0] @ moved[:, 0]) - plate_compliance(like, radius, s)
-    layer = _as_layer(like)
-    thickness = layers.total_thickness
-    own = Shell(thickness, layer)
-    excess = plate_compliance(own, radius, s) - layer_compliance(layer, thickness, radius, s)
-    return of_mesh + excess
+    K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
+    bent = (6 * np.arange(len(used))[:, None] + [2, 3, 4]).ravel()
+    A = (K + s**2 * M)[bent][:, bent].tocsr()
+    moved, rim = np.zeros((len(used), 3)), _rim(chosen, len(used)) & (load[:, 0] == 0.0)
+    moved[rim] = plate_motion(plate, s, x[rim])
+    free = np.repeat(~rim, 3)
+    right = (load.ravel() - A @ moved.ravel())[free]
+    moved[~rim] = sla.spsolve(A[free][:, free].tocsc(), right).reshape(-1, 3)
+    return float(load[:, 0] @ moved[:, 0])
 
 
 def _numbers(layers: Layers) -> tuple[float, float, float, float]:
-    """Bending and shear stiffness, mass and rotary inertia per area, of the isotropic plate."""
-    matrix = layers.stiffness
-    D = float((3.0 * (matrix[3, 3] + matrix[4, 4]) + 2.0 * matrix[3, 4] + 4.0 * matrix[5, 5]) / 8.0)
-    S = float(0.5 * (matrix[6, 6] + matrix[7, 7]))
-    return D, S, float(layers.inertia[0]), float(layers.inertia[2])
+    """Bending and shear stiffness, mass and rotary inertia per area, of the isotropic plate.
+
+    About the surface in which bending makes no membrane force.
+    """
+    A, B = layers.stiffness[:3, :3], layers.stiffness[:3, 3:6]
+    d = layers.stiffness[3:6, 3:6] - B.T @ np.linalg.solve(A, B)
+    D = float((3.0 * (d[0, 0] + d[1, 1]) + 2.0 * d[0, 1] + 4.0 * d[2, 2]) / 8.0)
+    S = float(0.5 * np.trace(layers.stiffness[6:, 6:]))
+    m, first, second = layers.inertia.tolist()
+    return D, S, m, second - first**2 / m
 
 
 def _bending_length(layers: Layers, s: float) -> float:

@@ -126,6 +126,18 @@ def test_excess_does_not_depend_on_place_in_space() -> None:
     assert tilted == pytest.approx(flat, rel=1e-8)
 
 
+def test_an_offset_is_no_part_of_the_excess() -> None:
+    _, _, cells, nodes, node = sheet(2e-3, 20, "quad")
+    forces = np.zeros(len(nodes))
+    forces[node] = 1.0
+    up = np.array([0.0, 0.0, 1.0])
+    middle, face = (
+        excess_compliance(nodes, [cells], Shell(2e-3, STEEL, z), forces, nodes[node], up, 3e-4, 3e5)
+        for z in (0.0, 1e-3)
+    )
+    assert face == pytest.approx(middle, rel=1e-6)
+
+
 @KINDS
 def test_excess_near_an_edge_is_that_of_the_mesh_alone(kind: str) -> None:
     """The body's bounds are no part of it: they are in the body's own G."""
