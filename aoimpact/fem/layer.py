@@ -17,13 +17,15 @@ elastic solids, 1975, section 8.1), with ξ² = k² + s²/c_p² and η² = k² +
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse.linalg as sla
 from scipy.special import kv
 
-from ..base import FloatArray, IntArray, held_warnings
-from .laminate import Layers, Shell
+from ..base import FloatArray, IntArray
+from .laminate import Laminate, Layers, Ply, Shell
 from .material import Material
 from .thin import thin_stiffness_mass
 
@@ -39,8 +41,11 @@ _EDGES, _LENGTHS = 6.0, 8.0
 # k a below which the transform of Hertz's pressure is its series.
 _SERIES = 1e-2
 
-# ν of the plate that stands for a laminate.
+# ν of the plate that stands for a laminate in the mesh's share.
 _NU = 0.3
+
+# Of laminates: wave numbers, directions, elements through the thickness, and the finest's share.
+_FEW_WAVES, _TURNS, _GRADES, _FINEST = 60, 4, 24, 5e-3
 
 
 def layer_compliance(material: Material, thickness: float, radius: float, s: float) -> float:
@@ -126,7 +131,8 @@ def excess_compliance(
     cells : list of ndarray of int, shape (n, 3) or (n, 4)
         Elements of the surface that is touched.
     layers : Shell or Laminate
-        Under the contact. A laminate is taken as the isotropic plate of its mean stiffness.
+        Under the contact, which presses on its top. The mesh's share of a laminate's c is that of
+        the isotropic plate of the same mean stiffness.
     forces : ndarray, shape (n_nodes,)
         Shares of a unit force along the normal: the contact's functional.
     point, normal : ndarray, shape (3,)
@@ -139,9 +145,12 @@ def excess_compliance(
     like, thickness = _plate(layers), layers.total_thickness
     axes = _plane(normal)
     of_mesh = _mesh_compliance((nodes - point) @ axes.T, cells, like, forces, s)
-    layer = _as_layer(like)
-    shear = plate_compliance(like, radius, s) - plate_compliance(Shell(thickness, layer), radius, s)
-    return of_mesh - shear - layer_compliance(layer, thickness, radius, s)
+    by_mesh = of_mesh - plate_compliance(like, radius, s)
+    material = layers.plies[0].material
+    if len(layers.plies) == 1 and isinstance(material, Material):
+        rest = layer_compliance(material, thickness, radius, s)
+        return by_mesh + plate_compliance(like, radius, s) - rest
+    return by_mesh + _laminate_excess(layers, radius, s)
 
 
 def _mesh_compliance(
@@ -232,13 +241,85 @@ def _plate(layers: Layers) -> _Plate:
     return _Plate(matrix, np.array([m, 0.0, inertia]), layers.total_thickness, nu)
 
 
-def _as_layer(plate: _Plate) -> Material:
-    """The material of a layer of the same shear stiffness."""
-    shear = plate.stiffness[6, 6] / (5.0 / 6.0 * plate.total_thickness)
-    with held_warnings():  # of a stand-in nobody has given the units
-        return Material(
-            2.0 * shear * (1.0 + plate.nu), plate.nu, plate.inertia[0] / plate.total_thickness
-        )
+def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
+    """What a laminate's plate is more compliant than the laminate beyond its top's half-space, m/N.
+
+    In the mean over directions of waves. The laminate itself is resolved through its thickness by
+    quadratic elements, finer towards the top (E. Kausel and J. M. Roësset, Bull. Seism. Soc. Am.
+    71, 1743, 1981).
+    """
+    top = layers.plies[-1].material
+    modulus = (top.half_space((0.0, 0.0, 1.0))).plane_strain_modulus
+    k = np.geomspace(0.02 / _bending_length(layers, s), 25.0 / radius, _FEW_WAVES)
+    excess = 2.0 / (modulus * k)
+    for angle in 180.0 / _TURNS * np.arange(_TURNS):
+        plies = [Ply(ply.thickness, ply.material, ply.angle_deg - angle) for ply in layers.plies]
+        turned = Laminate(plies, fibre_axis=(1.0, 0.0, 0.0))
+        excess += (_plate_waves(turned, k, s) - _layer_waves(turned, k, s)) / _TURNS
+    return _mean(k, radius, excess)
+
+
+def _plate_waves(layers: Layers, k: FloatArray, s: float) -> FloatArray:
+    """w of (u, v, w, βx, βy) e^{ikx} under a unit pressure, by the plate theory of first order."""
+    along, still = np.zeros((8, 5)), np.zeros((8, 5))
+    for row, column in ((0, 0), (2, 1), (3, 3), (5, 4), (6, 2)):
+        along[row, column] = 1.0
+    still[6, 3] = still[7, 4] = 1.0
+    m0, m1, m2 = layers.inertia
+    mass = np.diag([m0, m0, m0, m2, m2])
+    mass[[0, 1, 3, 4], [3, 4, 0, 1]] = m1
+    K0, K1, K2 = _by_wave_number(along, still, layers.stiffness)
+    return _waves_of(K0, K1, K2, mass, 2, k, s)
+
+
+def _layer_waves(layers: Layers, k: FloatArray, s: float) -> FloatArray:
+    """w of the top face under a unit pressure e^{ikx} on it, by elements through the thickness."""
+    t, z = layers.total_thickness, layers.interfaces
+    ends = np.concatenate([z, z[-1] - np.geomspace(_FINEST * t, t, _GRADES)])
+    ends = np.unique(np.round(ends / t, 6)) * t
+    n = 2 * len(ends) - 1
+    parts = np.zeros((4, 3 * n, 3 * n))
+    along, still = np.zeros((6, 3)), np.zeros((6, 3))
+    along[[0, 3, 5], [0, 1, 2]] = still[[2, 4, 5], [2, 1, 0]] = 1.0
+    points, weights = np.polynomial.legendre.leggauss(3)
+    for number, (low, high) in enumerate(pairwise(ends.tolist())):
+        ply = layers.plies[max(int(np.searchsorted(z[:-1], 0.5 * (low + high))) - 1, 0)]
+        stiffness: FloatArray = np.asarray(np.linalg.inv(ply.compliance), dtype=np.float64)
+        half = 0.5 * (high - low)
+        dofs = slice(6 * number, 6 * number + 9)
+        for x, weight in zip(points, weights, strict=True):
+            shape = np.kron([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], np.eye(3))
+            slope = np.kron(np.array([x - 0.5, -2.0 * x, x + 0.5]) / half, np.eye(3))
+            elastic = _by_wave_number(along @ shape, still @ slope, stiffness)
+            for part, of in zip(parts, (*elastic, ply.material.rho * shape.T @ shape), strict=True):
+                part[dofs, dofs] += weight * half * of
+    K0, K1, K2, M = parts
+    return _waves_of(K0, K1, K2, M, 3 * n - 1, k, s)
+
+
+def _by_wave_number(
+    along: FloatArray, still: FloatArray, stiffness: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """K0, K1 and K2 of BᴴCB = K0 + ik K1 + k² K2 with B = ik along + still."""
+    mixed = still.T @ stiffness @ along
+    return still.T @ stiffness @ still, mixed - mixed.T, along.T @ stiffness @ along
+
+
+def _waves_of(
+    K0: FloatArray,
+    K1: FloatArray,
+    K2: FloatArray,
+    M: FloatArray,
+    row: int,
+    k: FloatArray,
+    s: float,
+) -> FloatArray:
+    """The displacement in a row under a unit force there, at each wave number."""
+    force = np.zeros(len(M))
+    force[row] = 1.0
+    fixed = K0 + s**2 * M
+    found = [np.linalg.solve(fixed + 1j * q * K1 + q * q * K2, force)[row].real for q in k]
+    return np.array(found)
 
 
 def _edge(nodes: FloatArray, cells: list[IntArray], loaded: IntArray) -> float:

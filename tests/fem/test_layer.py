@@ -13,7 +13,7 @@ from scipy.special import kei
 from thinmeshes import dofs, grid, turned
 
 import aoimpact as ao
-from aoimpact.fem.laminate import Shell
+from aoimpact.fem.laminate import Laminate, Ply, Shell
 from aoimpact.fem.layer import (
     excess_compliance,
     layer_compliance,
@@ -136,6 +136,30 @@ def test_an_offset_is_no_part_of_the_excess() -> None:
         for z in (0.0, 1e-3)
     )
     assert face == pytest.approx(middle, rel=1e-6)
+
+
+def excess_of(layers: Any, a: float = 5e-4, s: float = 2e5) -> float:
+    nodes, cells, r, t = grid(12, 12, lambda r, s: (0.06 * (r - 0.5), 0.06 * (s - 0.5), 0 * r))
+    forces = ((abs(r - 0.5) < 1e-9) & (abs(t - 0.5) < 1e-9)).astype(np.float64)
+    return excess_compliance(nodes, [cells], layers, forces, np.zeros(3), np.eye(3)[2], a, s)
+
+
+def test_a_laminate_of_one_material_is_a_layer_of_it() -> None:
+    """Elements through the thickness against Rayleigh and Lamb."""
+    layer, plies = Shell(2e-3, STEEL), Laminate([Ply(1e-3, STEEL), Ply(1e-3, STEEL)])
+    assert excess_of(plies) == pytest.approx(excess_of(layer), abs=2e-11)
+
+
+def test_excess_of_a_laminate() -> None:
+    """It does not depend on how the body lies, and hardly on how fine plies are stacked."""
+    carbon = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+
+    def stack(*angles: float) -> Laminate:
+        return Laminate([Ply(2e-3 / len(angles), carbon, x) for x in angles], (1, 0, 0))
+
+    one = excess_of(stack(0, 45, 90, -45, -45, 90, 45, 0))
+    assert excess_of(stack(90, 135, 180, 45, 45, 180, 135, 90)) == pytest.approx(one, rel=1e-6)
+    assert excess_of(stack(45, 0, -45, 90, 90, -45, 0, 45)) == pytest.approx(one, rel=0.1)
 
 
 @KINDS
