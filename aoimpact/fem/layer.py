@@ -242,14 +242,14 @@ def _plate(layers: Layers) -> _Plate:
 
 
 def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
-    """What a laminate's plate is more compliant than the laminate beyond its top's half-space, m/N.
+    """Compliance of a laminate's plate, less the laminate's own beyond its top's half-space, m/N.
 
-    In the mean over directions of waves. The laminate itself is resolved through its thickness by
+    In the mean over directions of waves. The laminate is resolved through its thickness by
     quadratic elements, finer towards the top (E. Kausel and J. M. Roësset, Bull. Seism. Soc. Am.
     71, 1743, 1981).
     """
     top = layers.plies[-1].material
-    modulus = (top.half_space((0.0, 0.0, 1.0))).plane_strain_modulus
+    modulus = top.half_space((0.0, 0.0, 1.0)).plane_strain_modulus
     k = np.geomspace(0.02 / _bending_length(layers, s), 25.0 / radius, _FEW_WAVES)
     excess = 2.0 / (modulus * k)
     for angle in 180.0 / _TURNS * np.arange(_TURNS):

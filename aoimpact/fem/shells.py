@@ -40,9 +40,9 @@ __all__ = [
 ]
 
 
-# Stiffness against the drilling strain over the membrane's shear stiffness. A rotation about the
-# normal that no displacement follows has little to resist it; then in-plane bending does not lock
-# (1 % with elements ten times as long as wide needs 1e-3), and a fold transmits no couple.
+# Stiffness against the drilling strain over the membrane's shear stiffness. It is small so that
+# in-plane bending does not lock (1e-3 costs 1 % where elements are ten times as long as wide), and
+# that folds transmit no couple about the normal.
 _DRILLING = 1e-4
 
 # Cosine of the angle between elements at a node beyond which they meet at a fold: 35°.

@@ -51,22 +51,26 @@ def thin_stiffness_mass(
             some = slice(start, start + _BATCH)
             ends = nodes[cells[some]]
             if isinstance(part, Beam):
-                stiffness, mass = beam_stiffness(ends, part), beam_mass(ends, part)
+                k, m = beam_stiffness(ends, part), beam_mass(ends, part)
             else:
                 assert normal is not None
-                stiffness = element_stiffness(ends, part, normal[some], constant=constant)
-                mass = element_mass(ends, part)
-            _add(K, place[some], stiffness)
-            _add(M, place[some], mass)
-    one, other = (
-        sp.bsr_array(
-            (values.reshape(-1, 6, 6), indices, indptr), shape=(6 * len(nodes),) * 2
-        ).tocsr()
-        for values in (K, M)
-    )
-    one.eliminate_zeros()
-    other.eliminate_zeros()
-    return one, other
+                k = element_stiffness(ends, part, normal[some], constant=constant)
+                m = element_mass(ends, part)
+            _add(K, place[some], k)
+            _add(M, place[some], m)
+    stiffness, mass = (_compressed(values, indices, indptr) for values in (K, M))
+    return stiffness, mass
+
+
+def _compressed(
+    values: FloatArray, indices: npt.NDArray[np.int32], indptr: npt.NDArray[np.int32]
+) -> sp.csr_array:
+    """The matrix of blocks of 6 x 6, without the zeros in them."""
+    size = 6 * (len(indptr) - 1)
+    blocks = sp.bsr_array((values.reshape(-1, 6, 6), indices, indptr), shape=(size, size))
+    matrix = blocks.tocsr()
+    matrix.eliminate_zeros()
+    return matrix
 
 
 def _add(values: FloatArray, place: IntArray, matrices: FloatArray) -> None:
