@@ -1,0 +1,1 @@
+from proto2 import *
