@@ -12,7 +12,8 @@ impact then takes milliseconds. Units are SI. Two steel balls at 1 m/s:
 
 Bodies
     Material, Orthotropic, FEModel, RigidMass, read_mesh, read_matrices; ball, rigid
-    Mesh, box_mesh, sphere_mesh, paper_sphere_mesh; write_matrices, Audit
+    Shell, Laminate, Ply; Beam, RectangularSection, CircularSection, TubularSection, BeamSection
+    Mesh, box_mesh, sheet_mesh, sphere_mesh, paper_sphere_mesh; write_matrices, Audit
     Rayleigh, ModalDamping
 Where they are touched
     FEModel.contact, ContactPoint, Patch

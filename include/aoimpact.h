@@ -219,7 +219,7 @@ struct aoi_law {
     /* NULL: 0. Else the indentation at and below which there is no force. */
     double (*rest)(const aoi_law *law, const double *memory);
     double parameter[AOI_LAW_PARAMETERS]; /* of aoi_law_create, and what follows from them; or the caller's */
-    double compliance;   /* c >= 0 [m/N] taken out: F = law(indentation + c F, rate)             */
+    double compliance;   /* c [m/N] taken out: F = law(indentation + c F, rate); below 0: in series */
     double limit;        /* deepest indentation at which that stands at rest: a run that goes deeper
                             ends with AOI_ERROR_PATCH. Who sets a compliance sets this as well: to
                             where c times the law's stiffness comes near 1, if it does           */
@@ -275,7 +275,7 @@ AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table
 AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
 
 /* AOI_ERROR_ARGUMENT where a law cannot be used: NULL, without force or potential, with a compliance that is
- * negative or not finite, with a limit that is not positive. */
+ * not finite, with a limit that is not positive. */
 AOI_API int aoi_law_check(const aoi_law *law);
 
 /* The force itself, for fixed steps and plots: zero at and below rest, and cut at zero unless the law pulls.

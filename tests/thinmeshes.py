@@ -1,4 +1,4 @@
-"""Meshes of shells and beams, and statics of them, for the tests of the elements."""
+"""Meshes and bodies of shells and beams, and statics of them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy.typing as npt
 import scipy.linalg
 import scipy.sparse.linalg as sla
 
+import aoimpact as ao
 from aoimpact.fem.shells import strain_rows
 
 FloatArray = npt.NDArray[np.float64]
@@ -28,6 +29,24 @@ def grid(
     if kind == "triangle":
         cells = np.vstack([cells[:, :3], cells[:, [0, 2, 3]]])
     return nodes, cells, r, s
+
+
+def matrices(nodes: FloatArray, *parts: tuple[IntArray, Any]) -> tuple[Any, Any]:
+    """K and M of a body, over 6 dofs at each node in turn; parts are elements and what they are."""
+    kinds = {2: "line", 3: "triangle", 4: "quad"}
+    cells, groups, first = {}, {}, 0
+    for width in (4, 3, 2):
+        for i, (own, _) in enumerate(parts):
+            if own.shape[1] == width:
+                cells.setdefault(kinds[width], []).append(own)
+                groups[f"part {i}"] = np.arange(first, first + len(own))
+                first += len(own)
+    blocks: Any = [(kind, np.concatenate(own)) for kind, own in cells.items()]
+    mesh = ao.Mesh(nodes, blocks, "mixed", cell_sets=groups)
+    body = ao.FEModel.from_mesh(mesh, {f"part {i}": part for i, (_, part) in enumerate(parts)})
+    each = np.arange(3 * len(nodes)).reshape(-1, 3)
+    order = np.hstack([each, each + 3 * len(nodes)]).ravel()
+    return body.K[order][:, order], body.M[order][:, order]
 
 
 def dofs(nodes: Any, components: Sequence[int] | range) -> IntArray:

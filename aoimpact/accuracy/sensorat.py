@@ -26,6 +26,7 @@ from ..fields import (
     Channel,
     filtered_rate,
     gauge_ends,
+    motion_rows,
     place_rows,
     strain_rows_at,
 )
@@ -150,7 +151,7 @@ class StrainAt(Sensor):
             def seen(stress: Stress) -> FloatArray:
                 return np.asarray(stress.components @ compliance)
 
-            return roughness(body, self.point, seen, field.of_elements[0]) / largest
+            return roughness(body, self.point, seen, field) / largest
 
         return Quantity("strain", "", history=strain, each="bodies", lasting=True, local=local)
 
@@ -168,8 +169,7 @@ class StrainAt(Sensor):
 
         @cache
         def rows() -> Any:
-            assert body.free is not None
-            return sp.csr_array(sp.kron(place_rows(body, ends), axes))[:, body.free]
+            return motion_rows(body, place_rows(body, ends), axes)
 
         dual = responses.dual(rows)
         size = float(np.linalg.norm(ends[1] - ends[0]))
@@ -275,8 +275,7 @@ class AccelerationAt(Sensor):
 
         @cache
         def rows() -> Any:
-            assert body.free is not None
-            return sp.csr_array(sp.kron(place_rows(body, places), axes))[:, body.free]
+            return motion_rows(body, place_rows(body, places), axes)
 
         dual = responses.dual(rows)
 

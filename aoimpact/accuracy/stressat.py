@@ -19,8 +19,8 @@ from ..base import (
     held_warnings,
     place,
 )
-from ..fem import Body, Stress, stresses_around
-from ..fields import stress_rows_at
+from ..fem import Body, Layer, Stress, checked_layer, corner_stress, stresses_around
+from ..fields import Field, stress_rows_at
 from ..mesh import weights_at
 from ..results import Quantity, Run
 from .sensor import Responses, Sensor, body_of
@@ -45,6 +45,8 @@ class StressAt(Sensor):
         Anywhere in the undeformed body or on its surface, m.
     component : str, optional
         "xx", "yy", "zz", "xy", "yz", "xz" or "von_mises".
+    layer : {"top", "middle", "bottom"} or (int, str), optional
+        Where in a shell; see `Field.stress`.
 
     Raises
     ------
@@ -63,6 +65,7 @@ class StressAt(Sensor):
     body: Any
     point: FloatArray
     component: str = "von_mises"
+    layer: Any = "top"
 
     def __post_init__(self) -> None:
         model = body_of(self.body)
@@ -73,6 +76,7 @@ class StressAt(Sensor):
         object.__setattr__(self, "body", model)
         checked(self, point=place)
         choice("component", self.component, _COMPONENTS)
+        checked(self, layer=checked_layer)
         weights_at(model.mesh, self.point)
         super().__post_init__()
 
@@ -85,7 +89,7 @@ class StressAt(Sensor):
 
         @cache
         def rows() -> Any:
-            return stress_rows_at(body, self.point)
+            return stress_rows_at(body, self.point, self.layer)
 
         dual = responses.dual(rows)
 
@@ -107,7 +111,7 @@ class StressAt(Sensor):
             def seen(stress: Stress) -> FloatArray:
                 return _component(stress, self.component)
 
-            return roughness(body, self.point, seen, field.of_elements[0]) / largest
+            return roughness(body, self.point, seen, field, self.layer) / largest
 
         return Quantity("stress", "Pa", history=stress, each="bodies", lasting=True, local=local)
 
@@ -120,7 +124,8 @@ def roughness(
     body: Body,
     point: FloatArray,
     seen: Callable[[Stress], FloatArray],
-    displacement: FloatArray,
+    field: Field,
+    layer: Layer = "top",
 ) -> float:
     """Return by how much the elements about a point differ from their average there.
 
@@ -133,13 +138,24 @@ def roughness(
         m.
     seen : callable
         Stress to the number that is asked for.
-    displacement : ndarray, shape (n_nodes, 3)
-        m.
+    field : Field
+        At one time.
+    layer : str or (int, str), optional
+        Of a shell.
     """
     assert body.mesh is not None
     nodes, weights = weights_at(body.mesh, point)
     square = 0.0
     for node, weight in zip(nodes, weights, strict=True):
-        averaged, of_elements = map(seen, stresses_around(body, displacement, int(node)))
+        if body.mesh.thin:
+            moved = np.hstack([field.displacement[0], field.rotation[0]])
+            assert body.material is not None
+            around = corner_stress(body.mesh, body.material, int(node), layer, moved)
+            if not len(around):  # a beam is exact
+                continue
+            pair = Stress(around.mean(axis=0), point), Stress(around, point)
+        else:
+            pair = stresses_around(body, field.of_elements[0], int(node))
+        averaged, of_elements = map(seen, pair)
         square += abs(weight) * float(np.mean((of_elements - averaged) ** 2))
     return math.sqrt(square)

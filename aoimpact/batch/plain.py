@@ -74,7 +74,7 @@ def _pair(case: Mapping[str, Any], calls: Briefs) -> _Pair | None:
     if not all(isinstance(model, (AOModel, ModalModel)) for model in models):
         return None
     tips = [model.extraction_at() for model in models]
-    if any(tip is not None and tip.splitting.by_width for tip in tips):
+    if any(tip is not None and tip.by_width for tip in tips):
         return None  # the law depends on the velocity
     if law.by_caller or law.pulls:  # calls Python at every step; may need a second run
         return None

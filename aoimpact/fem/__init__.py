@@ -8,6 +8,7 @@ static mode. For all folders above that hold a body: `laws` takes patches and su
 from .assembly import stiffness_mass
 from .attached import RigidMass
 from .audit import Audit, audited
+from .beams import Beam, BeamSection, CircularSection, RectangularSection, TubularSection
 from .composition import (
     AnyMaterial,
     Layout,
@@ -18,6 +19,8 @@ from .composition import (
     layout,
     materials_of,
     pieces,
+    thickness_of_cells,
+    thin_groups,
 )
 from .contact import PATCH_OVER_CONTACT, Body, ContactPoint, contact_point, contact_within
 from .contactsurface import ContactSurface
@@ -35,7 +38,9 @@ from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
 from .extraction import Extraction, Splitting
 from .frequencyresponse import FrequencyResponse
 from .grounding import Grounding, VirtualMotion
-from .labels import checked_labels
+from .labels import checked_labels, translations
+from .laminate import Laminate, Layers, Ply, Shell
+from .layer import bending_length
 from .material import PAIRS, Material
 from .mechanism import refuse_mechanism
 from .model import FEModel
@@ -52,6 +57,9 @@ from .statics import (
 from .stress import Strain, Stress, compliances, gauss_stress, nodal_stress, stress_rows
 from .stresserror import energy_error, missing_energy, stresses_around
 from .supports import selected_nodes
+from .thinerror import thin_stiffness_error
+from .thinextraction import ThinExtraction
+from .thinstress import Layer, body_stress_rows, checked_layer, corner_stress
 from .touch import edge_length
 
 __all__ = [
@@ -60,7 +68,10 @@ __all__ = [
     "SHIFT_TIMES_DURATION",
     "AnyMaterial",
     "Audit",
+    "Beam",
+    "BeamSection",
     "Body",
+    "CircularSection",
     "ContactPoint",
     "ContactSurface",
     "Damping",
@@ -68,6 +79,9 @@ __all__ = [
     "FEModel",
     "FrequencyResponse",
     "Grounding",
+    "Laminate",
+    "Layer",
+    "Layers",
     "Layout",
     "Material",
     "Materials",
@@ -76,19 +90,28 @@ __all__ = [
     "Orthotropic",
     "Patch",
     "Piece",
+    "Ply",
     "Rayleigh",
+    "RectangularSection",
     "RigidMass",
+    "Shell",
     "Splitting",
     "StaticMode",
     "Strain",
     "Stress",
+    "ThinExtraction",
+    "TubularSection",
     "VirtualMotion",
     "audited",
+    "bending_length",
+    "body_stress_rows",
     "centre_of",
     "checked_labels",
+    "checked_layer",
     "compliances",
     "contact_point",
     "contact_within",
+    "corner_stress",
     "damping_or_none",
     "displacement",
     "each_of",
@@ -114,5 +137,9 @@ __all__ = [
     "stiffness_mass",
     "stress_rows",
     "stresses_around",
+    "thickness_of_cells",
+    "thin_groups",
+    "thin_stiffness_error",
     "translates",
+    "translations",
 ]

@@ -1,4 +1,4 @@
-"""Stiffness and consistent mass of a mesh of solid elements.
+"""Stiffness and consistent mass of a mesh of solid elements, and of one with shells and beams.
 
 Both matrices are blocks of 3 x 3 between pairs of nodes that share an element. Where each element's
 entries go is worked out once, for pairs of nodes; then they are added up where the matrices over
@@ -19,10 +19,11 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, at_once, bar, require
 from ..linalg import ENTRIES_AT_ONCE
-from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
-from .composition import AnyMaterial, Piece, pieces
+from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, taken
+from .composition import AnyMaterial, Materials, Piece, pieces, thin_parts
 from .material import Material
 from .orthotropic import Orthotropic
+from .thin import thin_stiffness_mass
 
 __all__ = ["stiffness_mass"]
 
@@ -34,6 +35,9 @@ _BATCH = 4e6
 # Bytes per pair of nodes that share an element: nine entries of K and three of M, each with its
 # column, and M's before they are spread over the dofs.
 _BYTES_PER_PAIR = 9 * 12 + 3 * 12 + 8
+
+# Bytes per pair of nodes of one shell or beam: 36 entries of K and M, with their columns, twice.
+_BYTES_PER_BLOCK = 2 * 2 * 36 * 12
 
 # The blocks of the upper triangle; the others are their transposes.
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -69,19 +73,51 @@ class _Pattern:
 def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
     """Return K and the consistent M over all dofs 3·node + component.
 
-    Fully integrated: K exact on elements with straight sides and constant Jacobian, M on all.
-    Blocks of K for isotropic elasticity: K_ij = ∫ λ ∂iφ ∂jφᵀ + μ ∂jφ ∂iφᵀ + δij μ ∇φ·∇φᵀ dV; else
-    K_ij = ∫ C_ikjl ∂kφ ∂lφᵀ dV.
+    With shells or beams the rotations of all nodes follow, 3·n_nodes + 3·node + component. Rows of
+    nodes of solids alone are empty there.
 
     Parameters
     ----------
     mesh : Mesh
-    material : Material, Orthotropic or Materials
+    material : Material, Orthotropic, Shell, Laminate, Beam or Materials
 
     Returns
     -------
-    K, M : scipy.sparse.csr_array, shape (3 n_nodes, 3 n_nodes)
-        N/m and kg. Exactly symmetric, column indices sorted.
+    K, M : scipy.sparse.csr_array, shape (3 n_nodes, 3 n_nodes) or (6 n_nodes, 6 n_nodes)
+        N/m and kg; of rotations also N, N m, kg m and kg m². Exactly symmetric, column indices
+        sorted.
+    """
+    parts = thin_parts(mesh, material)
+    if not parts:
+        return _of_solids(mesh, material)
+    require(
+        _BYTES_PER_BLOCK * float(sum(part.cells.size * part.cells.shape[1] for part in parts)),
+        f"stiffness and mass of {mesh.n_nodes} nodes of shells and beams",
+        "coarsen the mesh away from the contact",
+    )
+    dofs = np.arange(3 * mesh.n_nodes).reshape(-1, 3)
+    order = np.argsort(np.hstack([dofs, dofs + 3 * mesh.n_nodes]).ravel())
+    found = thin_stiffness_mass(mesh.nodes, [(part.cells, part.of) for part in parts])
+    K, M = (matrix[order][:, order] for matrix in found)
+    if solids := pieces(mesh, material):
+        assert isinstance(material, Materials)
+        cells = np.sort(np.concatenate([piece.numbers for piece in solids]))
+        nodes = np.unique(np.concatenate([piece.cells.ravel() for piece in solids]))
+        at = dofs[nodes].ravel()
+        own = _of_solids(taken(mesh, cells), material.taken(cells))
+        entries = [(of.data, (at[of.row], at[of.col])) for of in (m.tocoo() for m in own)]
+        K, M = (
+            m + sp.csr_array(new, shape=m.shape) for m, new in zip((K, M), entries, strict=True)
+        )
+    return _with_int32(K.sorted_indices()), _with_int32(M.sorted_indices())
+
+
+def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
+    """K and M of the solid elements.
+
+    Fully integrated: K exact on elements with straight sides and constant Jacobian, M on all.
+    Blocks of K for isotropic elasticity: K_ij = ∫ λ ∂iφ ∂jφᵀ + μ ∂jφ ∂iφᵀ + δij μ ∇φ·∇φᵀ dV; else
+    K_ij = ∫ C_ikjl ∂kφ ∂lφᵀ dV.
     """
     pattern = _pattern(mesh)
     require(

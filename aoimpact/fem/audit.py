@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray, aligned, with_unit
+from ..base import FloatArray, IntArray, aligned, with_unit
 
 __all__ = ["Audit", "audited"]
 
@@ -122,7 +122,7 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
     centre = extent = density = speed = None
     if nodes is not None and axes is not None:
         extent = np.ptp(nodes, axis=0)
-        at, inertia = nodes[body.free // 3], body.M @ axes
+        at, inertia = nodes[_node(body)], body.M @ axes
         if body.mass is not None:
             centre = np.array([inertia[:, 0] @ (axes[:, 0] * at[:, c]) for c in range(3)])
             centre = centre / body.mass
@@ -157,14 +157,21 @@ def _density(body: Any, extent: FloatArray, moved: float) -> float | None:
 
 def _speed(body: Any, axes: FloatArray, moved: FloatArray) -> float | None:
     """√(dᵀKd/tᵀMt), d = x - x₀ along each axis, x₀ the mean of the constrained nodes."""
-    constrained = np.bincount(body.free // 3, minlength=len(body.nodes)) < 3
+    moving = body.free[body.free < 3 * len(body.nodes)]
+    constrained = np.bincount(moving // 3, minlength=len(body.nodes)) < 3
     origin = body.nodes[constrained if constrained.any() else slice(None)].mean(axis=0)
-    strain = (body.nodes[body.free // 3] - origin) * axes
+    strain = (body.nodes[_node(body)] - origin) * axes
     energy = np.sum(strain * (body.K @ strain), axis=0)
     known = moved > 0.0
     if not known.any():
         return None
     return float(np.median(np.sqrt(np.maximum(energy[known], 0.0) / moved[known])))
+
+
+def _node(body: Any) -> IntArray:
+    """The node of each row."""
+    found: IntArray = body.free // 3 % len(body.nodes)
+    return found
 
 
 def _n_nodes(body: Any) -> int | None:
@@ -185,8 +192,11 @@ def _residuals(body: Any, axes: FloatArray | None) -> tuple[float, ...]:
         return ()
     motions = [axes[:, c] for c in range(3)]
     if body.nodes is not None:
-        at = body.nodes[body.free // 3] - body.nodes.mean(axis=0)
+        at = body.nodes[_node(body)] - body.nodes.mean(axis=0)
         motions += [np.sum(np.cross(turn, at) * axes, axis=1) for turn in np.eye(3)]
+        turned = body.free >= 3 * len(body.nodes)
+        for axis, motion in enumerate(motions[3:]):
+            motion[turned & (body.free % 3 == axis)] = 1.0
     size = abs(body.K)
     forces = [float(np.linalg.norm(size @ np.abs(r))) for r in motions]
     return tuple(
@@ -231,7 +241,7 @@ def _missing(matrix: Any, other: Any) -> float:
 
 def _missing_neighbours(body: Any) -> float:
     """The share of nodes whose nearest other one K does not couple them with."""
-    node = body.free // 3
+    node = _node(body)
     places = np.unique(node)
     if len(places) < 2:
         return 0.0

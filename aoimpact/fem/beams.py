@@ -25,6 +25,7 @@ __all__ = [
     "TubularSection",
     "beam_frames",
     "beam_mass",
+    "beam_motion",
     "beam_rows",
     "beam_stiffness",
 ]
@@ -79,6 +80,14 @@ class BeamSection:
             raise InputError(f"shear_factors must be in (0, 1], got {along_y:g} and {along_z:g}")
         object.__setattr__(self, "shear_factors", (along_y, along_z))
 
+    @property
+    def curvature(self) -> float:
+        """Of the surface across the axis, 1/m: of one that is given by numbers it is taken as flat.
+
+        :meta private:
+        """
+        return 0.0
+
     def with_nu(self, nu: float) -> BeamSection:
         """Return the section's numbers for a material of Poisson's ratio ν.
 
@@ -95,6 +104,11 @@ class RectangularSection:
     ----------
     width, height : float
         Along y and z, m.
+
+    Examples
+    --------
+    >>> RectangularSection(width=0.02, height=0.04).height
+    0.04
     """
 
     width: float
@@ -102,6 +116,14 @@ class RectangularSection:
 
     def __post_init__(self) -> None:
         checked(self, width=_length, height=_length)
+
+    @property
+    def curvature(self) -> float:
+        """Of the surface across the axis, 1/m.
+
+        :meta private:
+        """
+        return 0.0
 
     def with_nu(self, nu: float) -> BeamSection:
         """Return its numbers, with Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
@@ -127,6 +149,11 @@ class TubularSection:
         Outer radius, m.
     thickness : float
         Of the wall, m; up to the radius.
+
+    Examples
+    --------
+    >>> TubularSection(radius=0.015, thickness=1e-3).thickness
+    0.001
     """
 
     radius: float
@@ -138,6 +165,14 @@ class TubularSection:
             raise InputError(
                 f"thickness must be at most radius={self.radius:g} m, got {self.thickness:g} m"
             )
+
+    @property
+    def curvature(self) -> float:
+        """Of the surface across the axis, 1/m.
+
+        :meta private:
+        """
+        return 1.0 / self.radius
 
     def with_nu(self, nu: float) -> BeamSection:
         """Return its numbers, with Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
@@ -161,6 +196,11 @@ class CircularSection(TubularSection):
     ----------
     radius : float
         m.
+
+    Examples
+    --------
+    >>> CircularSection(radius=0.01)
+    CircularSection(radius=0.01)
     """
 
     def __init__(self, radius: float) -> None:
@@ -215,6 +255,11 @@ class Beam:
         elif not isinstance(self.section, TubularSection) or any(self.offset):
             raise InputError("orientation: the section needs the direction of its z axis")
 
+    @property
+    def rho(self) -> float:
+        """Density, kg/m³."""
+        return self.material.rho
+
     @cached_property
     def numbers(self) -> BeamSection:
         """The section's, with its shear factors for this material."""
@@ -247,6 +292,8 @@ class Beam:
         -------
         ndarray, shape (..., n_points)
             Pa.
+
+        :meta private:
         """
         y, z = np.array(self.numbers.points).T
         stretch, bent_y, bent_z = (strains[..., i, None] for i in range(3))
@@ -299,6 +346,19 @@ def beam_rows(ends: FloatArray, beam: Beam, places: FloatArray) -> FloatArray:
         Of ε, the curvatures θy' and θz', the twist θx', and the shears γxy and γxz.
     """
     return _rows(*beam_frames(ends, beam), beam, places)[1]
+
+
+def beam_motion(ends: FloatArray, beam: Beam, place: float) -> FloatArray:
+    """Return the displacement of the axis at a place, 0 to 1 along an element.
+
+    Returns
+    -------
+    ndarray, shape (3, 2, 2, 3)
+        Along x, y, z, by the displacements and then the rotations of each of the two nodes.
+    """
+    frames, length = beam_frames(ends, beam)
+    rows = _rows(frames, length, beam, np.array([place]))[0][0, 0, :3]
+    return np.asarray((frames[0].T @ rows).reshape(3, 2, 2, 3))
 
 
 def _energy(

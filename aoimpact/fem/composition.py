@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..base import Frozen, InputError, InputTypeError, IntArray
+from ..base import FloatArray, Frozen, InputError, InputTypeError, IntArray
 from ..mesh import Block, Mesh, ReferenceElement, group
-from .material import Material
-from .orthotropic import Orthotropic
+from .beams import Beam
+from .laminate import Layers
+from .orthotropic import Solid
 
 __all__ = [
     "AnyMaterial",
@@ -19,13 +20,25 @@ __all__ = [
     "Materials",
     "OneMaterial",
     "Piece",
+    "ThinPart",
     "each_of",
     "layout",
     "materials_of",
     "pieces",
+    "thickness_of_cells",
+    "thin_groups",
+    "thin_parts",
 ]
 
-OneMaterial = Material | Orthotropic
+OneMaterial = Solid | Layers | Beam
+
+# What each kind of elements may be made of, in words and as types.
+_FITTING: dict[str, tuple[str, Any]] = {
+    "quad": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),
+    "triangle": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),
+    "line": ("ao.Beam(section, material, orientation)", Beam),
+}
+_SOLID: tuple[str, Any] = ("a Material or an Orthotropic", Solid)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +47,9 @@ class Materials(Frozen):
 
     Attributes
     ----------
-    groups : mapping of str to Material or Orthotropic
+    groups : mapping of str to Material, Orthotropic, Shell, Laminate or Beam
         By the named groups of elements, as given.
-    materials : tuple of Material or Orthotropic
+    materials : tuple of these
         Each once.
     index : ndarray of int, shape (n_cells,)
         Which of them each element is made of.
@@ -56,7 +69,7 @@ class Materials(Frozen):
         return Materials(self.groups, self.materials, self.index[cells])
 
 
-AnyMaterial = Material | Orthotropic | Materials
+AnyMaterial = OneMaterial | Materials
 
 
 def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
@@ -65,8 +78,23 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
     Raises
     ------
     InputError, InputTypeError
-        If it is no material, a group is unknown, or an element has none or two of them.
+        If it is no material, a group is unknown, or an element has none or two of them, or one
+        that is not for elements of its kind.
     """
+    found = _of_elements(mesh, given)
+    for block in mesh.blocks:
+        wanted, fitting = _FITTING.get(block.kind, _SOLID)
+        for which, rows in _by_material(block, found):
+            one = found.materials[which] if isinstance(found, Materials) else found
+            if not isinstance(one, fitting):
+                raise InputError(
+                    f"material: {len(rows)} elements are of kind {block.kind}, which needs "
+                    f"{wanted}, got {type(one).__name__}"
+                )
+    return found
+
+
+def _of_elements(mesh: Mesh, given: Any) -> AnyMaterial:
     if isinstance(given, Materials) and len(given.index) != mesh.n_cells:
         raise InputError(
             f"material: these materials belong to a mesh of {len(given.index)} elements, not to "
@@ -76,8 +104,8 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
         return given
     if not isinstance(given, Mapping):
         raise InputTypeError(
-            "material must be a Material, an Orthotropic or a dict of groups of elements and "
-            f"materials, got {type(given).__name__}"
+            "material must be a Material, an Orthotropic, a Shell, a Laminate, a Beam or a dict of "
+            f"groups of elements and these, got {type(given).__name__}"
         )
     if not given:
         raise InputError("material names no groups of elements; give a material for each group")
@@ -85,8 +113,8 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
     for number, (name, material) in enumerate(given.items()):
         if not isinstance(material, OneMaterial):
             raise InputTypeError(
-                f"material[{name!r}] must be a Material or an Orthotropic, "
-                f"got {type(material).__name__}"
+                f"material[{name!r}] must be a Material, an Orthotropic, a Shell, a Laminate or a "
+                f"Beam, got {type(material).__name__}"
             )
         cells = group(mesh, "material", name)
         if (owner[cells] >= 0).any():
@@ -104,6 +132,13 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
     if len(distinct) == 1:
         return next(iter(distinct))
     return Materials(dict(given), tuple(distinct), np.array(number_of)[owner])
+
+
+def thin_groups(given: Any) -> tuple[str, ...]:
+    """Return the names of the groups that the argument `material` makes shells or beams."""
+    if not isinstance(given, Mapping):
+        return ()
+    return tuple(name for name, of in given.items() if isinstance(of, (Layers, Beam)))
 
 
 def _called(mesh: Mesh, cell: int) -> int:
@@ -134,7 +169,7 @@ def each_of(material: AnyMaterial) -> tuple[OneMaterial, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """Elements of one kind and one material.
+    """Solid elements of one kind and one material.
 
     Attributes
     ----------
@@ -147,7 +182,7 @@ class Piece:
     """
 
     block: Block
-    material: OneMaterial
+    material: Solid
     which: int
     rows: IntArray
 
@@ -176,16 +211,60 @@ class Piece:
 
 
 def pieces(mesh: Mesh, material: AnyMaterial) -> list[Piece]:
-    """Return the elements of a mesh by kind and material."""
-    if not isinstance(material, Materials):
-        return [Piece(block, material, 0, np.arange(len(block.cells))) for block in mesh.blocks]
+    """Return the solid elements of a mesh by kind and material."""
     found = []
     for block in mesh.blocks:
-        index = material.index[block.numbers]
-        for which in np.unique(index):
-            rows = np.flatnonzero(index == which)
-            found.append(Piece(block, material.materials[which], int(which), rows))
+        for which, rows in _by_material(block, material):
+            one = material.materials[which] if isinstance(material, Materials) else material
+            if isinstance(one, Solid):
+                found.append(Piece(block, one, which, rows))
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class ThinPart:
+    """Elements of one kind that are one shell or beam.
+
+    Attributes
+    ----------
+    cells : ndarray of int, shape (n, 2), (n, 3) or (n, 4)
+        Their nodes.
+    numbers : ndarray of int, shape (n,)
+        The elements' numbers among all of the mesh.
+    of : Shell, Laminate or Beam
+    """
+
+    cells: IntArray
+    numbers: IntArray
+    of: Layers | Beam
+
+
+def thin_parts(mesh: Mesh, material: AnyMaterial) -> list[ThinPart]:
+    """Return the surface and line elements of a mesh by kind and what they are."""
+    found = []
+    for block in mesh.blocks:
+        for which, rows in _by_material(block, material):
+            one = material.materials[which] if isinstance(material, Materials) else material
+            if isinstance(one, (Layers, Beam)):
+                found.append(ThinPart(block.cells[rows], block.first + rows, one))
+    return found
+
+
+def thickness_of_cells(mesh: Mesh, material: AnyMaterial) -> FloatArray:
+    """Return the thickness of each element that is a shell, m, shape (n_cells,); 0 of others."""
+    found = np.zeros(mesh.n_cells)
+    for part in thin_parts(mesh, material):
+        if isinstance(part.of, Layers):
+            found[part.numbers] = part.of.total_thickness
+    return found
+
+
+def _by_material(block: Block, material: AnyMaterial) -> list[tuple[int, IntArray]]:
+    """The numbers of the materials of a block, and the rows of the elements of each."""
+    if not isinstance(material, Materials):
+        return [(0, np.arange(len(block.cells)))]
+    index = material.index[block.numbers]
+    return [(int(which), np.flatnonzero(index == which)) for which in np.unique(index)]
 
 
 @dataclass(frozen=True, eq=False)

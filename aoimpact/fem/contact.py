@@ -36,21 +36,25 @@ from ..base import (
     warn,
 )
 from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
-from ..mesh import AT_NODE, Mesh, Surface, surface_shape
-from .composition import AnyMaterial
+from ..mesh import AT_NODE, Mesh, Surface, nearest_line, surface_shape
+from .beams import Beam, beam_motion
+from .composition import AnyMaterial, Materials
 from .contactsurface import ContactSurface, contact_surface
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
 from .damping import Damping
 from .extraction import Extraction, extracted
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
+from .laminate import Layers
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
+from .thinextraction import ThinExtraction, extracted_from_beam, extracted_from_shell
 from .touch import (
     Touch,
     edge_length,
     material_at,
     normal_at,
+    of_face,
     pressed_normal,
     thickness,
     touched,
@@ -236,6 +240,8 @@ class ContactPoint(Frozen):
 
         :meta private:
         """
+        if self.thin is not None and self.directed and self.normal is not None:
+            return replace(self, normal=-self.normal)  # a projectile: touched on its other side
         opposite = None if self.direction is None else -self.direction
         tip = replace(self, b=-self.b, direction=opposite)
         if "extraction" in vars(self):
@@ -243,7 +249,22 @@ class ContactPoint(Frozen):
         return tip
 
     @cached_property
-    def extraction(self) -> Extraction | None:
+    def thin(self) -> Layers | Beam | None:
+        """The shell or beam that is touched; None of a solid, and without a mesh."""
+        surface, material = self.body.surface, self.body.material
+        if self.body.mesh is None or material is None or self.point is None:
+            return None
+        if not self.body.mesh.thin:
+            return None
+        if surface is None:
+            cell = nearest_line(self.body.mesh, self.point)[0]
+            of = material.of(cell) if isinstance(material, Materials) else material
+        else:
+            of = of_face(surface, material, int(surface.nearest(self.point)[0].face[0]))
+        return of if isinstance(of, (Layers, Beam)) else None
+
+    @cached_property
+    def extraction(self) -> Extraction | ThinExtraction | None:
         """The compliance that the mesh has in place of the half-space of a contact law.
 
         It takes one linear solution for the contact and one for the body beyond the half-space.
@@ -268,24 +289,41 @@ class ContactPoint(Frozen):
 
     @property
     def _on_surface(self) -> bool:
-        known = self.normal is not None and self.direction is not None
-        return known and self.body.mesh is not None
+        if self.point is None or self.direction is None or self.body.mesh is None:
+            return False
+        return self.normal is not None
 
     @property
     def _width(self) -> float:
         """Radius of the contact itself, m, or about that."""
         if self.contact_radius is not None:
             return self.contact_radius
-        assert self.body.surface is not None
         assert self.point is not None
+        if isinstance(self.thin, Beam):
+            return _WITHIN_EDGE * math.sqrt(self.thin.numbers.area)
+        assert self.body.surface is not None
         within = _WITHIN_EDGE * edge_length(self.body.surface, self.point)
         return within if self.patch is None else min(within, self.patch.radius / PATCH_OVER_CONTACT)
 
-    def _extracted(self, solver: LinearSolver) -> Extraction:
-        assert self.body.surface is not None
+    def _extracted(self, solver: LinearSolver) -> Extraction | ThinExtraction:
         assert self.point is not None
         assert self.direction is not None
+        if isinstance(self.thin, Beam):
+            return extracted_from_beam(self.body, self.b, self._width, solver)
+        assert self.body.surface is not None
         normal = normal_at(self.body.surface, self.point)
+        if self.thin is not None:
+            assert self.normal is not None
+            layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
+            cosine = float(self.direction @ self.normal)
+            shares, couples = self._nodal_forces @ self.normal / cosine, self._couples / cosine
+            load, at = (self.b, shares, couples, cosine), (self.point, self.normal, self._width)
+            return extracted_from_shell(self.body, layers, *load, *at, solver)
+        if self.body.mesh is not None and self.body.mesh.thin:
+            raise InputError(
+                f"point {plain(self.point)} m is on a solid of a body with shells or beams, which "
+                "is not supported yet; touch the shell, or make the body of solids alone"
+            )
         force = self._nodal_forces @ self.direction, self.direction
         found = extracted(self.body, self.b, *force, self.point, normal, self._width, solver)
         given = self.patch is not None and not self.automatic
@@ -325,9 +363,16 @@ class ContactPoint(Frozen):
             If the point is on a sharp edge.
         """
         surface, material = self.body.surface, self.material
-        if surface is None or material is None or self.point is None:
+        if material is None or self.point is None:
             return None
-        return contact_surface(surface_shape(surface, self.point), material)
+        if isinstance(self.thin, Beam):
+            return ContactSurface(material, (self.thin.section.curvature, 0.0))
+        if surface is None:
+            return None
+        shape = surface_shape(surface, self.point)
+        if self.normal is not None and float(shape.normal @ self.normal) < 0.0:
+            shape = shape.from_below
+        return contact_surface(shape, material)
 
     @cached_property
     def material(self) -> Material | None:
@@ -336,6 +381,8 @@ class ContactPoint(Frozen):
         Of an orthotropic one the isotropic stand-in of its half-space, `Orthotropic.half_space`.
         """
         surface, material = self.body.surface, self.body.material
+        if isinstance(self.thin, Beam):
+            return self.thin.material
         if surface is None or material is None or self.point is None:
             return None
         normal = self.direction if self.normal is None else self.normal
@@ -347,6 +394,8 @@ class ContactPoint(Frozen):
     def depth(self) -> float:
         """Thickness of the body under the point, m; infinite without a mesh."""
         surface = self.body.surface
+        if isinstance(self.thin, Layers):
+            return self.thin.total_thickness
         if surface is None or self.point is None or self.direction is None:
             return math.inf
         return thickness(surface, self.point, self.direction)
@@ -369,7 +418,7 @@ class ContactPoint(Frozen):
         if self.point is None:
             raise InputError("moment: this contact point was made without a point")
         moment: FloatArray = np.cross(self.body.nodes - self.point, forces).sum(axis=0)
-        return moment
+        return np.asarray(moment + self._couples.sum(axis=0))
 
     @property
     def _nodal_forces(self) -> FloatArray:
@@ -378,9 +427,20 @@ class ContactPoint(Frozen):
                 "a resultant needs nodes: make the model with FEModel.from_mesh(...) or "
                 "FEModel(K=, M=, nodes=)"
             )
-        forces = np.zeros(3 * len(self.body.nodes))
-        forces[self.body.free] = self.b
+        n = 3 * len(self.body.nodes)
+        moved = self.body.free < n
+        forces = np.zeros(n)
+        forces[self.body.free[moved]] = self.b[moved]
         return forces.reshape(-1, 3)
+
+    @property
+    def _couples(self) -> FloatArray:
+        """Those on the nodes of a shell or beam for a unit contact force, m, shape (n_nodes, 3)."""
+        assert self.body.nodes is not None
+        assert self.body.free is not None
+        full = np.zeros((2, len(self.body.nodes), 3))
+        full.reshape(-1)[self.body.free] = self.b
+        return np.asarray(full[1])
 
     def __repr__(self) -> str:
         body = repr(self.body.name) if self.body.name else f"a body of {self.body.n_dofs} dofs"
@@ -460,12 +520,17 @@ def _at_point(
         )
     where = place("point", point)
     along = None if direction is None else unit_vector("direction", direction)
+    if body.mesh is not None and body.surface is None:
+        return _on_beam(body, where, along, radius, expected)
     if body.surface is None or body.material is None:
         return _without_faces(body, where, along, radius)
     node, gap = _closest(body.nodes, where)
     if along is not None and radius == 0.0 and _at_a_node(body.nodes, gap):
         normal = pressed_normal(body.surface, body.nodes[node], along)
         return replace(_at_node(body, node, along), normal=normal)
+    if isinstance(radius, str) and body.surface.thin(body.surface.nearest(where)[0].face)[0]:
+        tip = _at_touch(body, touched(body.surface, where, along, 0.0))
+        return replace(tip, directed=along is not None, automatic=True, contact_radius=expected)
     if isinstance(radius, str):
         wide = edge_length(body.surface, where)
         wide = wide if expected is None else PATCH_OVER_CONTACT * expected
@@ -496,6 +561,8 @@ def contact_within(tip: ContactPoint, radius: float) -> ContactPoint:
         If there is none for any that the mesh shows.
     """
     assert tip.point is not None
+    if tip.thin is not None:  # a shell bends under a point as under a patch
+        return tip
     found = _with_room(tip.body, tip.point, tip.direction, radius)
     return replace(found, directed=tip.directed, automatic=tip.automatic)
 
@@ -534,12 +601,50 @@ def _without_faces(
     return _at_node(body, _nearest_node(body, point), along)
 
 
+def _on_beam(
+    body: Body, point: FloatArray, along: FloatArray | None, radius: float | str, expected: Any
+) -> ContactPoint:
+    """A place on the axis of a beam, which moves as its element does."""
+    assert body.mesh is not None
+    assert body.material is not None
+    if radius not in ("auto", 0.0):
+        raise InputError(f"radius={radius}: a beam has no patch; leave radius out")
+    if along is None:
+        raise InputTypeError("contact needs direction: a beam has no normal")
+    cell, place, gap = nearest_line(body.mesh, point)
+    ends = body.mesh.cells[cell, :2]
+    x = (1.0 - place) * body.mesh.nodes[ends[0]] + place * body.mesh.nodes[ends[1]]
+    of = body.material.of(cell) if isinstance(body.material, Materials) else body.material
+    assert isinstance(of, Beam)
+    if gap > math.sqrt(of.numbers.area) + AT_NODE * body.mesh.size:
+        raise InputError(
+            f"point {plain(point)} m is {gap:.3g} m from the nearest place on the axis of a beam, "
+            f"{plain(x)} m; give a point there (is it in metres?)"
+        )
+    shares = beam_motion(body.mesh.nodes[ends][None], of, place)
+    full = np.zeros((2, body.mesh.n_nodes, 3))
+    full[0, ends], full[1, ends] = np.einsum("i,ineJ->enJ", along, shares)
+    assert body.free is not None
+    b = full.reshape(-1)[body.free]
+    if np.abs(b).max(initial=0.0) <= _HELD:
+        raise InputError(
+            f"point {plain(point)} m with direction {plain(along)}: supports hold the beam there; "
+            "choose another point or direction"
+        )
+    node = int(ends[round(place)]) if min(place, 1.0 - place) < AT_NODE else None
+    automatic = isinstance(radius, str)
+    known = {"normal": -along, "automatic": automatic, "contact_radius": expected}
+    return ContactPoint(body, b, along, x, node, None, **known)
+
+
 def _at_dof(body: Body, dof: int) -> ContactPoint:
     b = np.zeros(body.n_dofs)
     b[dof] = 1.0
     if body.nodes is None or body.free is None:
         return ContactPoint(body, b, None, None, None)
     node, component = divmod(int(body.free[dof]), 3)
+    if node >= len(body.nodes):
+        return ContactPoint(body, b, None, body.nodes[node - len(body.nodes)], None)
     return _on_surface(ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node))
 
 
@@ -669,9 +774,9 @@ def _at_label(body: Body, node: Any, direction: Any, radius: float | str) -> Con
 def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
     assert body.nodes is not None
     assert body.free is not None
-    b = np.zeros(3 * len(body.nodes))
-    b[3 * node : 3 * node + 3] = along
-    b = b[body.free]
+    shares = np.zeros(len(body.nodes))
+    shares[node] = 1.0
+    b = _on_dofs(body, shares, along)
     if np.linalg.norm(b) < 1e-12:
         raise InputError(
             f"point {plain(body.nodes[node])} m with direction {plain(along)}: node "
@@ -685,8 +790,7 @@ def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
 def _at_touch(body: Body, touch: Touch) -> ContactPoint:
     """Put the touch's shares of a unit force on the dofs that are free."""
     assert body.free is not None
-    forces = np.outer(touch.weights, touch.direction).reshape(-1)
-    b = forces[body.free]
+    b = _on_dofs(body, touch.weights, touch.direction, touch.couples)
     if np.abs(b).max(initial=0.0) <= _HELD:
         raise InputError(
             f"point {plain(touch.point)} m with direction {plain(touch.direction)}: supports hold "
@@ -696,6 +800,18 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
     return ContactPoint(
         body, b, touch.direction, touch.point, node, touch.patch, normal=touch.normal
     )
+
+
+def _on_dofs(
+    body: Body, shares: FloatArray, along: FloatArray, couples: FloatArray | None = None
+) -> FloatArray:
+    """The free dofs of nodal forces along a direction, and of couples."""
+    assert body.free is not None
+    forces = np.zeros((2, len(shares), 3))
+    forces[0] = np.outer(shares, along)
+    if couples is not None:
+        forces[1] = couples
+    return np.asarray(forces.reshape(-1)[body.free])
 
 
 def _closest(nodes: FloatArray, point: FloatArray) -> tuple[int, float]:

@@ -8,12 +8,12 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import plain, warn
+from ..base import InputError, plain, warn
 from ..mesh import Mesh
-from .composition import AnyMaterial, pieces
+from .composition import AnyMaterial, pieces, thin_parts
 from .material import Material
 
-__all__ = ["warn_of_locking", "warn_of_separate_parts"]
+__all__ = ["check_joints", "warn_of_locking", "warn_of_separate_parts"]
 
 # ν above which elements of first order lock in volume. A bar of 16 × 2 × 2 hexahedra bends 10 % too
 # stiffly (in frequency) at 0.3, 19 % at 0.45, 35 % at 0.49, 195 % at 0.4999; quadratic ones 4 %.
@@ -38,6 +38,32 @@ def warn_of_locking(mesh: Mesh, material: AnyMaterial) -> None:
         warn(
             f"{count} elements of first order have nu={nu:g}: they resist bending and indentation "
             "far too much, as their volume can hardly change. Take quadratic ones, order=2"
+        )
+
+
+def check_joints(mesh: Mesh, material: AnyMaterial) -> None:
+    """Refuse shells and beams whose edge or end is a hinge on solids, which have no rotations.
+
+    Raises
+    ------
+    InputError
+    """
+    parts = thin_parts(mesh, material)
+    solids = np.zeros(mesh.n_nodes, dtype=bool)
+    for piece in pieces(mesh, material):
+        solids[piece.cells] = True
+    shared, held = np.zeros((2, mesh.n_nodes), dtype=bool)
+    for part in parts:
+        on = solids[part.cells]
+        shared[part.cells[on]] = True
+        held[part.cells[on.all(axis=1)]] = True
+    hinged = np.flatnonzero(shared & ~held)
+    if len(hinged):
+        place = plain(mesh.nodes[hinged[0]])
+        raise InputError(
+            f"mesh: {len(hinged)} nodes where shells or beams meet solids are hinges, the first is "
+            f"near {place} m; continue the shell by a row of elements on the solid's face, or the "
+            "beam by an element into the solid"
         )
 
 

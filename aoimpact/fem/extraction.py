@@ -37,9 +37,10 @@ from ..base import FloatArray, IntArray, RoomError
 from ..linalg import LinearSolver
 from ..mesh import plane_of, taken
 from .assembly import stiffness_mass
-from .composition import Materials, OneMaterial, pieces
+from .composition import Materials, pieces
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
 from .material import Material
+from .orthotropic import Solid
 from .patch import spread
 from .stresserror import energy_error, missing_energy
 from .subdivision import cells_towards, sides_towards
@@ -104,6 +105,11 @@ class Extraction:
     radius: float
     splitting: Splitting
     mesh_field: FloatArray
+
+    @property
+    def by_width(self) -> float:
+        """dR/d(log a), m/N; 0 for a flat contact."""
+        return self.splitting.by_width
 
     def removed_for(self, radius: float | None) -> float:
         """Return c for a contact of another radius, m; `removed` where it is not known."""
@@ -370,13 +376,15 @@ def _supported(body: Any) -> IntArray:
     return np.flatnonzero(constrained(body.free, body.mesh.n_nodes).any(axis=1))
 
 
-def _at_contact(body: Any, point: FloatArray) -> tuple[OneMaterial, int | None]:
+def _at_contact(body: Any, point: FloatArray) -> tuple[Solid, int | None]:
     """The material of the element at a place of the surface, and its number among several."""
     material = body.material
-    if not isinstance(material, Materials):
-        return material, 0
-    cell = int(body.surface.cell[body.surface.nearest(point)[0].face[0]])
-    return material.of(cell), int(material.index[cell])
+    number = 0
+    if isinstance(material, Materials):
+        cell = int(body.surface.cell[body.surface.nearest(point)[0].face[0]])
+        number, material = int(material.index[cell]), material.of(cell)
+    assert isinstance(material, Solid)
+    return material, number
 
 
 def cutoff(y: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
@@ -535,7 +543,7 @@ class _Load:
         return (3 * there[:, None] + np.arange(3)).reshape(-1), K, M
 
 
-def _tensor(material: OneMaterial, frame: FloatArray) -> FloatArray:
+def _tensor(material: Solid, frame: FloatArray) -> FloatArray:
     """C_ijkl in local axes."""
     if isinstance(material, Material):
         return IsotropicHalfSpace(material, 1.0).stiffness

@@ -22,6 +22,7 @@ import scipy.sparse as sp
 from ..base import FloatArray, InputError, IntArray
 from ..mesh import motions_at
 from .assembly import stiffness_mass
+from .labels import translations
 from .statics import displacement
 from .supports import selected_nodes
 
@@ -65,7 +66,7 @@ class Grounding:
         Constrained dofs, 3·node + component.
     K : scipy.sparse array, shape (held, n_dofs)
         Rows of K of these, over the free dofs.
-    M : scipy.sparse array, shape (held, 3 n_nodes)
+    M : scipy.sparse array, shape (held, 3 n_nodes), of shells and beams (held, 6 n_nodes)
         Rows of M, over all dofs.
     """
 
@@ -86,7 +87,7 @@ class Grounding:
         assert body.nodes is not None
         assert body.free is not None
         sprung = np.empty(0, np.int64) if springs is None else body.free[np.flatnonzero(springs)]
-        grounded = np.union1d(self.held, sprung) // 3
+        grounded = np.union1d(self.held, sprung) // 3 % len(body.nodes)
         if selector is not None:
             sets = {} if body.mesh is None else body.mesh.node_sets
             chosen = selected_nodes(name, selector, body.nodes, sets, body.node_labels)
@@ -97,12 +98,17 @@ class Grounding:
         return np.unique(grounded)
 
     def resultants(self, nodes: IntArray, centre: FloatArray) -> FloatArray:
-        """Return the ground's translations and rotations about a centre, shape (3 n_nodes, 6)."""
+        """Return the ground's translations and rotations about a centre, shape (n, 6).
+
+        Over the displacements of all nodes and, of shells and beams, their rotations.
+        """
         body = self.body
         assert body.nodes is not None
-        motions = np.zeros((body.nodes.size, 6))
+        motions = np.zeros((self.M.shape[1], 6))
         dofs = (3 * nodes[:, None] + np.arange(3)).ravel()
         motions[dofs] = motions_at(body.nodes[nodes] - centre).reshape(-1, 6)
+        if len(motions) > body.nodes.size:
+            motions[body.nodes.size + dofs, 3 + dofs % 3] = 1.0
         return motions
 
     def virtual(self, motions: FloatArray) -> VirtualMotion:
@@ -119,7 +125,8 @@ class Grounding:
             if load.any():
                 column[:] = displacement(body, load.copy(), body.inverse)
         inertia = body.M @ phi + (self.M[:, body.free].T @ ground)
-        axes = np.tile(np.eye(3), (motions.shape[0] // 3, 1))
+        assert body.nodes is not None
+        axes = translations(len(motions), len(body.nodes))
         return VirtualMotion(ground, springs, phi, inertia, ground.T @ (self.M @ axes))
 
 
@@ -137,7 +144,9 @@ def grounding_of(body: Body) -> Grounding:
             "them: make it with FEModel.from_mesh(mesh, material, fixed=...)"
         )
     assert body.material is not None
-    held = np.setdiff1d(np.arange(3 * body.mesh.n_nodes), body.free)
+    n, turning = body.mesh.n_nodes, body.mesh.thin_nodes
+    rotations = 3 * (n + turning[:, None]) + np.arange(3)
+    held = np.setdiff1d(np.concatenate([np.arange(3 * n), rotations.ravel()]), body.free)
     K, M = stiffness_mass(body.mesh, body.material)
     if body.masses is not None:
         M = M + body.masses

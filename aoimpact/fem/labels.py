@@ -19,6 +19,7 @@ __all__ = [
     "node_numbers",
     "nodes_by_number",
     "one_node",
+    "translations",
 ]
 
 # Components: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
@@ -63,10 +64,10 @@ def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
     return pairs
 
 
-def axes_of(free: IntArray | None, labels: IntArray | None) -> FloatArray | None:
+def axes_of(free: IntArray | None, labels: IntArray | None, n_nodes: int) -> FloatArray | None:
     """Return what a unit translation along each axis moves, shape (n_dofs, 3); None if unknown."""
     if free is not None:
-        return np.eye(3)[free % 3]
+        return np.where(free[:, None] < 3 * n_nodes, np.eye(3)[free % 3], 0.0)
     if labels is None:
         return None
     component = labels[:, 1]
@@ -74,10 +75,17 @@ def axes_of(free: IntArray | None, labels: IntArray | None) -> FloatArray | None
     return axes
 
 
+def translations(n_dofs: int, n_nodes: int) -> FloatArray:
+    """Return those of all nodes along each axis, without rotation, shape (n_dofs, 3)."""
+    moved = np.zeros((n_dofs, 3))
+    moved[: 3 * n_nodes] = np.tile(np.eye(3), (n_nodes, 1))
+    return moved
+
+
 def labelled_nodes(labels: IntArray, free: IntArray, n_nodes: int) -> IntArray:
     """Return the label of each node, shape (n_nodes,), from those of the rows of K; -1: no row."""
     of_nodes = np.full(n_nodes, -1)
-    of_nodes[free // 3] = labels[:, 0]
+    of_nodes[free // 3 % n_nodes] = labels[:, 0]
     return of_nodes
 
 

@@ -21,9 +21,8 @@ import numpy.typing as npt
 
 from ..base import FloatArray, InputError, checked, finite_array, instance, positive, real
 from ..base import sequence as listed
-from .composition import OneMaterial
 from .material import Material
-from .orthotropic import Orthotropic
+from .orthotropic import Orthotropic, Solid
 
 __all__ = ["Laminate", "Layers", "Ply", "Shell"]
 
@@ -32,6 +31,9 @@ _AXES = Orthotropic.axes
 
 # Components of plane stress, and (xz, yz), in the order xx, yy, zz, xy, yz, xz.
 _PLANE, _SHEAR = [0, 1, 3], [5, 4]
+
+# Range of thicknesses, m, and largest offset over the thickness, of which stiffness is computed.
+_THINNEST, _THICKEST, _FAR_OFF = 1e-9, 1e3, 1e3
 
 # Gauss' points in a ply: the energy of shear stresses that are quadratic in z is of degree 4.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
@@ -63,7 +65,7 @@ class Ply:
     """
 
     thickness: float
-    material: OneMaterial
+    material: Solid
     angle_deg: float = 0.0
 
     def __post_init__(self) -> None:
@@ -109,6 +111,35 @@ class Layers:
     def total_thickness(self) -> float:
         """Of all plies, m."""
         return math.fsum(ply.thickness for ply in self.plies)
+
+    @property
+    def rho(self) -> float:
+        """Mean density, kg/m³."""
+        return float(self.inertia[0]) / self.total_thickness
+
+    @property
+    def sided(self) -> bool:
+        """True if it matters which side of the surface is the top.
+
+        :meta private:
+        """
+        return self.offset != 0.0 or len(self.plies) > 1
+
+    def seen_from(self, *, top: bool) -> Layers:
+        """Return the layers as a contact on the top, or on the bottom, finds them below it.
+
+        :meta private:
+        """
+        if top or not self.sided:
+            return self
+        return Laminate(self.plies[::-1], self.reference, -self.offset)
+
+    def half_space(self, *, top: bool) -> Material:
+        """Return the isotropic material that a contact on one side meets.
+
+        :meta private:
+        """
+        return self.plies[-1 if top else 0].material.half_space((0.0, 0.0, 1.0))
 
     @cached_property
     def interfaces(self) -> FloatArray:
@@ -217,13 +248,18 @@ class Layers:
         ndarray, shape (..., n_stations, 6)
             xx, yy, zz, xy, yz, xz, Pa; tension is positive, and zz is zero.
         """
+        places = [(number, self._z(at)) for at, (number, _) in enumerate(self.stations)]
+        return np.stack([self.stress_at(strains, *place) for place in places], axis=-2)
+
+    def stress_at(self, strains: FloatArray, number: int, z: float) -> FloatArray:
+        """Return the stress at a height in a ply, shape (..., 6).
+
+        :meta private:
+        """
         forces = strains[..., 6:] @ self.stiffness[6:, 6:]
-        found = np.zeros((*strains.shape[:-1], len(self.stations), 6))
-        for at, (number, _) in enumerate(self.stations):
-            z = self._z(at)
-            plane = (strains[..., :3] + z * strains[..., 3:6]) @ self._moduli[number]
-            found[..., at, _PLANE] = plane
-            found[..., at, _SHEAR] = forces @ self._shear_stress(number, z).T
+        found = np.zeros((*strains.shape[:-1], 6))
+        found[..., _PLANE] = (strains[..., :3] + z * strains[..., 3:6]) @ self._moduli[number]
+        found[..., _SHEAR] = forces @ self._shear_stress(number, z).T
         return found
 
     def strain(self, strains: FloatArray) -> FloatArray:
@@ -263,11 +299,12 @@ class Shell(Layers):
     """
 
     thickness: float
-    material: OneMaterial
+    material: Solid
     offset: float = 0.0
 
     def __post_init__(self) -> None:
         checked(self, thickness=_thickness, material=(Material, Orthotropic), offset=_offset)
+        _check_offset(self)
 
     @cached_property
     def plies(self) -> tuple[Ply, ...]:  # type: ignore[override]
@@ -341,6 +378,7 @@ class Laminate(Layers):
         object.__setattr__(self, "offset", _offset("offset", offset))
         if fibre_axis is None and any(isinstance(ply.material, Orthotropic) for ply in stack):
             raise InputError("fibre_axis: orthotropic plies need the direction of 0 degrees")
+        _check_offset(self)
 
     @property
     def reference(self) -> FloatArray | None:
@@ -352,7 +390,19 @@ class Laminate(Layers):
 
 
 def _thickness(name: str, value: Any) -> float:
-    return positive(name, value, unit="m")
+    thickness = positive(name, value, unit="m")
+    if not _THINNEST <= thickness <= _THICKEST:
+        raise InputError(
+            f"{name} must be within {_THINNEST:g} … {_THICKEST:g} m, got {thickness:g} m; give it "
+            "in metres"
+        )
+    return thickness
+
+
+def _check_offset(layers: Layers) -> None:
+    most = _FAR_OFF * layers.total_thickness
+    if abs(layers.offset) > most:
+        raise InputError(f"offset must be within ±{most:g} m, got {layers.offset:g} m")
 
 
 def _offset(name: str, value: Any) -> float:

@@ -17,6 +17,7 @@ elastic solids, 1975, section 8.1), with ξ² = k² + s²/c_p² and η² = k² +
 
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -29,7 +30,16 @@ from .laminate import Laminate, Layers, Ply, Shell
 from .material import Material
 from .thin import thin_stiffness_mass
 
-__all__ = ["excess_compliance", "layer_compliance", "plate_compliance", "plate_motion"]
+__all__ = [
+    "bending_length",
+    "contact_reach",
+    "excess_compliance",
+    "layer_compliance",
+    "layer_compliance_of",
+    "mesh_compliance",
+    "plate_compliance",
+    "plate_motion",
+]
 
 
 # Wave numbers of the integrals over k: how many, and how far beyond 1/λ and 1/a.
@@ -64,7 +74,7 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
     s : float
         rad/s, positive.
     """
-    k = _waves(radius, thickness, _bending_length(Shell(thickness, material), s))
+    k = _waves(radius, thickness, bending_length(Shell(thickness, material), s))
     mu, h = material.shear_modulus, 0.5 * thickness
     slow2 = (s / material.shear_speed) ** 2
     xi, eta = np.sqrt(k**2 + (s / material.pressure_speed) ** 2), np.sqrt(k**2 + slow2)
@@ -78,7 +88,7 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
 def plate_compliance(layers: Layers, radius: float, s: float) -> float:
     """Return the mean displacement of Mindlin's infinite plate under Hertz's pressure, m/N."""
     D, S, m, inertia = _numbers(layers)
-    k = _waves(radius, layers.total_thickness, _bending_length(layers, s))
+    k = _waves(radius, layers.total_thickness, bending_length(layers, s))
     bent = D * k**2 + S + inertia * s**2
     return _mean(k, radius, bent / ((S * k**2 + m * s**2) * bent - (S * k) ** 2))
 
@@ -142,19 +152,54 @@ def excess_compliance(
     s : float
         rad/s, of K + s²M; 10 over the duration of the contact.
     """
-    like, thickness = _plate(layers), layers.total_thickness
-    axes = _plane(normal)
-    of_mesh = _mesh_compliance((nodes - point) @ axes.T, cells, like, forces, s)
-    by_mesh = of_mesh - plate_compliance(like, radius, s)
+    of_mesh = mesh_compliance(nodes, cells, layers, forces, point, normal, s)
+    return of_mesh - layer_compliance_of(layers, radius, s)
+
+
+def layer_compliance_of(
+    layers: Layers, radius: float, s: float, slowly: float | None = None
+) -> float:
+    """Return R, the compliance of infinite layers beyond the half-space under the contact, m/N.
+
+    Of a laminate that of the isotropic plate of the same mean stiffness, more by what the laminate
+    itself has beyond its own plate theory: so c of the mesh may be that of the isotropic plate.
+    That part takes most of the time and varies slowly: it may be that of another frequency, slowly.
+    """
     material = layers.plies[0].material
     if len(layers.plies) == 1 and isinstance(material, Material):
-        rest = layer_compliance(material, thickness, radius, s)
-        return by_mesh + plate_compliance(like, radius, s) - rest
-    return by_mesh + _laminate_excess(layers, radius, s)
+        return layer_compliance(material, layers.total_thickness, radius, s)
+    beyond = _laminate_excess(layers, radius, s if slowly is None else slowly)
+    return plate_compliance(_plate(layers), radius, s) - beyond
+
+
+def mesh_compliance(
+    nodes: FloatArray,
+    cells: list[IntArray],
+    layers: Layers,
+    forces: FloatArray,
+    point: FloatArray,
+    normal: FloatArray,
+    s: float,
+    couples: FloatArray | None = None,
+) -> float:
+    """Return G, the compliance of an infinite plate that is meshed as the shell is there, m/N.
+
+    Parameters as for `excess_compliance`; couples, shape (n_nodes, 3), are those of the functional.
+    """
+    axes, load = _plane(normal), np.zeros((len(nodes), 3))
+    load[:, 0] = forces
+    if couples is not None:
+        load[:, 1:] = couples @ axes.T
+    return _mesh_compliance((nodes - point) @ axes.T, cells, _plate(layers), load, s)
+
+
+def contact_reach(layers: Layers, edge: float, s: float) -> float:
+    """Return how far the mesh about a contact is taken that has elements of that edge there, m."""
+    return min(_EDGES * edge, max(_LENGTHS * bending_length(layers, s), 3.0 * edge))
 
 
 def _mesh_compliance(
-    x: FloatArray, cells: list[IntArray], plate: _Plate, forces: FloatArray, s: float
+    x: FloatArray, cells: list[IntArray], plate: _Plate, load: FloatArray, s: float
 ) -> float:
     """Mean displacement under a unit force of an infinite plate, meshed about the force.
 
@@ -162,26 +207,27 @@ def _mesh_compliance(
     ----------
     x : ndarray, shape (n_nodes, 2)
         Places in the tangent plane, m; the force is at the origin.
+    load : ndarray, shape (n_nodes, 3)
+        Forces and couples about both axes, of a unit force.
     """
-    away, loaded = np.linalg.norm(x, axis=1), np.flatnonzero(forces)
+    away, loaded = np.linalg.norm(x, axis=1), np.flatnonzero(load.any(axis=1))
     edge = _edge(x, cells, loaded)
-    reach = min(_EDGES * edge, max(_LENGTHS * _bending_length(plate, s), 3.0 * edge))
+    reach = contact_reach(plate, edge, s)
     inside = away < reach + away[loaded].max()
     chosen = [group[inside[group].any(axis=1)] for group in cells]
     chosen = [group for group in chosen if len(group)]
     used = np.unique(np.concatenate([group.ravel() for group in chosen]))
     chosen = [np.searchsorted(used, group) for group in chosen]
-    x, load = x[used], np.zeros((len(used), 3))
-    load[:, 0] = forces[used]
+    x, load = x[used], load[used]
     K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
     bent = (6 * np.arange(len(used))[:, None] + [2, 3, 4]).ravel()
     A = (K + s**2 * M)[bent][:, bent].tocsr()
-    moved, rim = np.zeros((len(used), 3)), _rim(chosen, len(used)) & (load[:, 0] == 0.0)
+    moved, rim = np.zeros((len(used), 3)), _rim(chosen, len(used)) & ~load.any(axis=1)
     moved[rim] = plate_motion(plate, s, x[rim])
     free = np.repeat(~rim, 3)
     right = (load.ravel() - A @ moved.ravel())[free]
     moved[~rim] = sla.spsolve(A[free][:, free].tocsc(), right).reshape(-1, 3)
-    return float(load[:, 0] @ moved[:, 0])
+    return float((load * moved).sum())
 
 
 def _numbers(layers: Layers) -> tuple[float, float, float, float]:
@@ -197,7 +243,7 @@ def _numbers(layers: Layers) -> tuple[float, float, float, float]:
     return D, S, m, second - first**2 / m
 
 
-def _bending_length(layers: Layers, s: float) -> float:
+def bending_length(layers: Layers, s: float) -> float:
     """λ = (D/(m s²))^(1/4): how far a bending motion e^{st} reaches, m."""
     D, _, m, _ = _numbers(layers)
     return float((D / (m * s**2)) ** 0.25)
@@ -241,6 +287,7 @@ def _plate(layers: Layers) -> _Plate:
     return _Plate(matrix, np.array([m, 0.0, inertia]), layers.total_thickness, nu)
 
 
+@lru_cache(maxsize=8)
 def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
     """Compliance of a laminate's plate, less the laminate's own beyond its top's half-space, m/N.
 
@@ -248,9 +295,8 @@ def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
     quadratic elements, finer towards the top (E. Kausel and J. M. Roësset, Bull. Seism. Soc. Am.
     71, 1743, 1981).
     """
-    top = layers.plies[-1].material
-    modulus = top.half_space((0.0, 0.0, 1.0)).plane_strain_modulus
-    k = np.geomspace(0.02 / _bending_length(layers, s), 25.0 / radius, _FEW_WAVES)
+    modulus = layers.half_space(top=True).plane_strain_modulus
+    k = np.geomspace(0.02 / bending_length(layers, s), 25.0 / radius, _FEW_WAVES)
     excess = 2.0 / (modulus * k)
     for angle in 180.0 / _TURNS * np.arange(_TURNS):
         plies = [Ply(ply.thickness, ply.material, ply.angle_deg - angle) for ply in layers.plies]

@@ -50,6 +50,7 @@ from ..mesh import (
     Surface,
     boundary,
     every_motion,
+    read_for,
     read_mesh,
     rigid_motions,
     unresisted_motions,
@@ -57,13 +58,13 @@ from ..mesh import (
 from .assembly import stiffness_mass
 from .attached import Mounted, SpringSupport, added_mass, spring_stiffness
 from .audit import Audit, audited
-from .composition import AnyMaterial, Materials, OneMaterial, materials_of
+from .composition import AnyMaterial, Materials, OneMaterial, materials_of, thin_groups
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
-from .doubts import warn_of_locking, warn_of_separate_parts
+from .doubts import check_joints, warn_of_locking, warn_of_separate_parts
 from .frequencyresponse import FrequencyResponse, frequency_response
 from .grounding import Grounding, grounding_of
-from .labels import axes_of, checked_labels, labelled_nodes, node_numbers
+from .labels import axes_of, checked_labels, labelled_nodes, node_numbers, translations
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
 
@@ -96,8 +97,8 @@ class FEModel(Frozen):
     nodes : array_like, shape (n_nodes, 3), optional
         Coordinates, m. Without them contacts are given by `dof`.
     free : array_like of int, shape (n_dofs,), optional
-        For each row of K its dof 3·node + component among those of all nodes; all, in this order,
-        if left out.
+        For each row of K its dof 3·node + component among those of all nodes, or of a rotation
+        3·n_nodes + 3·node + component; all displacements, in this order, if left out.
     damping : Rayleigh or ModalDamping, optional
         Inherited by the models made from this one.
     name : str, optional
@@ -163,8 +164,9 @@ class FEModel(Frozen):
         nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
         labels = checked_labels(self.labels, K.shape[0])
         mass = momentum = None
-        along = axes_of(free, labels)
-        whole = nodes is not None and K.shape[0] == 3 * len(nodes)
+        n_nodes = 0 if nodes is None else len(nodes)
+        along = axes_of(free, labels, n_nodes)
+        whole = free is not None and np.count_nonzero(free < 3 * n_nodes) == 3 * n_nodes
         if along is not None and (whole or (nodes is None and _translates(K, along))):
             momentum = M @ along
             mass = _checked_total(np.einsum("ni,nj->ij", momentum, along))
@@ -196,19 +198,21 @@ class FEModel(Frozen):
         damping: Damping | None = None,
         name: str = "",
     ) -> FEModel:
-        """Return the model of a meshed solid.
+        """Return the model of a meshed body: of solids, shells and beams.
 
         Parameters
         ----------
         mesh : path, meshio.Mesh or Mesh
             In metres; see `read_mesh`.
-        material : Material, Orthotropic, or mapping of str to these
+        material : Material, Orthotropic, Shell, Laminate, Beam, or mapping of str to these
             One for all, or one for each named group of elements; every element needs exactly one.
-        fixed : sequence of (nodes, letters), optional
+            Surface elements are shells, line elements beams.
+        fixed : sequence of (nodes, letters) or (nodes, letters, letters), optional
             Supports: node numbers, the name of a node set of the mesh, or a function of the nodes'
-            coordinates (n_nodes, 3) that returns one bool for each; and the components constrained
-            there, of "x", "y", "z". Numbers are the file's, ``mesh.node_labels``; in a mesh without
-            these they count from 0. None leaves the body free.
+            coordinates (n_nodes, 3) that returns one bool for each; the displacements constrained
+            there, of "x", "y", "z"; and of shells and beams the rotations about these. Numbers are
+            the file's, ``mesh.node_labels``; in a mesh without these they count from 0. None leaves
+            the body free.
         masses : sequence of (nodes, kg) or RigidMass, optional
             Added masses: nodes as in `fixed`, and what they carry together, in equal shares and in
             all three directions; of a face, shares by area would be uniform, and a mass on a face
@@ -266,25 +270,30 @@ class FEModel(Frozen):
         FEModel(132 dofs, 44 nodes, 10 hexahedron, 2.027 kg, 66 springs to the ground, free)
         """
         damped, called = damping_or_none(damping), text("name", name)
-        solid = read_mesh(mesh, part=part, order=order)
+        solid = read_for(mesh, thin_groups(material), part=part, order=order)
         made_of = materials_of(solid, material)
-        surface = boundary(solid) if len(solid.blocks) > 1 else None  # which checks that they fit
+        surface = boundary(solid) if _mixes_solids(solid) else None  # which checks that they fit
+        check_joints(solid, made_of)
         free = free_dofs(solid, fixed)
         heavier = added_mass(solid, masses, free)
         stiffer = spring_stiffness(solid, springs, free)
-        translations = _translations(np.arange(3 * solid.n_nodes))
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             K, M = stiffness_mass(solid, made_of)
-            momentum = M @ translations
-            own = float(momentum[::3, 0].sum())
-            momentum = momentum if heavier is None else (M + heavier) @ translations
-            mass = float(momentum[::3, 0].sum())
+            moves = translations(K.shape[0], solid.n_nodes)
+            if heavier is not None:
+                heavier.resize(M.shape)
+            momentum = M @ moves
+            moved = slice(0, 3 * solid.n_nodes, 3)
+            own = float(momentum[moved, 0].sum())
+            momentum = momentum if heavier is None else (M + heavier) @ moves
+            mass = float(momentum[moved, 0].sum())
         _check_reach(mass, K, M, solid, made_of)
         _warn_of_units(mass, solid.size, own / _density(made_of) / solid.n_cells)
         warn_of_locking(solid, made_of)
         warn_of_separate_parts(solid, heavier)
         attached = _attached(heavier, stiffer)
-        stiffer = None if stiffer is None else stiffer[free]
+        if stiffer is not None:
+            stiffer = np.pad(stiffer, (0, K.shape[0] - len(stiffer)))[free]
         K, M = _completed(K, M, heavier, stiffer, free)
         momentum = momentum[free]
         # The matrices are right by construction: nothing of __post_init__ is needed.
@@ -332,10 +341,11 @@ class FEModel(Frozen):
             raise InputError("with_mesh: this body has no nodes; give FEModel(nodes=)")
         solid = read_mesh(mesh)
         made_of = materials_of(solid, material)
-        node, component = np.divmod(self.free, 3)
-        numbers = np.arange(len(self.nodes))
+        n = len(self.nodes)
+        node, rotation = self.free // 3 % n, self.free // (3 * n)
+        numbers = np.arange(n)
         numbers[node] = node_numbers(self.nodes, node, solid.nodes, solid.size)
-        free = 3 * numbers[node] + component
+        free = 3 * (numbers[node] + solid.n_nodes * rotation) + self.free % 3
         model = object.__new__(type(self))
         model._set(K=self.K, M=self.M, nodes=solid.nodes, free=free, labels=self.labels)
         model._set(mass=self.mass, _momentum=self._momentum, mesh=solid, material=made_of)
@@ -416,7 +426,8 @@ class FEModel(Frozen):
         if self._springs is not None:
             parts.append(f"{np.count_nonzero(self._springs)} springs to the ground")
         if self.nodes is not None:
-            fixed = 3 * len(self.nodes) - self.n_dofs
+            rotating = 0 if self.mesh is None else len(self.mesh.thin_nodes)
+            fixed = 3 * (len(self.nodes) + rotating) - self.n_dofs
             parts.append(f"{fixed} dofs constrained" if fixed else "free")
         return f"FEModel({', '.join(parts)})"
 
@@ -435,7 +446,10 @@ class FEModel(Frozen):
 
         :meta private:
         """
-        along, axes = unit_vector("direction", direction), axes_of(self.free, self.labels)
+        along, n_nodes = unit_vector("direction", direction), 0
+        if self.nodes is not None:
+            n_nodes = len(self.nodes)
+        axes = axes_of(self.free, self.labels, n_nodes)
         if axes is None:
             raise InputError("a translation needs nodes: make the model with FEModel(..., nodes=)")
         return axes @ along
@@ -473,7 +487,7 @@ class FEModel(Frozen):
         leave free; without nodes the null space of K, by its lowest modes.
         """
         if self.nodes is not None:
-            motions = rigid_motions(self.nodes)[self.free]
+            motions = rigid_motions(self.nodes, rotations=self._pencil.rotates)[self.free]
             modes = unresisted_motions(self.K, self.M, motions, self._springs)
         elif self.K.data.any():
             modes = null_space(self.K, self.M)
@@ -489,7 +503,7 @@ class FEModel(Frozen):
         Known of bodies with a mesh and, up to 10 000 dofs, of those with nodes; without nodes they
         count among the rigid motions.
         """
-        if self.surface is None:
+        if self.surface is None or self._pencil.rotates:  # joints of shells and beams are rigid
             if self._soft is None:
                 return None
             return mechanism_in(self._soft, self.K, self.M, self.rigid_modes)
@@ -712,8 +726,10 @@ class FEModel(Frozen):
 
     @cached_property
     def surface(self) -> Surface | None:
-        """The faces of the mesh that no other element shares; None without a mesh."""
-        return None if self.mesh is None else boundary(self.mesh)
+        """The faces of the mesh that no other element shares; None without a mesh, and of beams."""
+        if self.mesh is None or {block.kind for block in self.mesh.blocks} == {"line"}:
+            return None
+        return boundary(self.mesh)
 
 
 def _attached(masses: Any, springs: FloatArray | None) -> IntArray:
@@ -779,9 +795,8 @@ def _density(material: AnyMaterial) -> float:
     return float(np.mean(np.array([of.rho for of in material.materials])[material.index]))
 
 
-def _translations(dofs: IntArray | None) -> FloatArray:
-    assert dofs is not None
-    return np.eye(3)[dofs % 3]
+def _mixes_solids(mesh: Mesh) -> bool:
+    return sum(not block.element.thin for block in mesh.blocks) > 1
 
 
 def _translates(K: Any, axes: FloatArray) -> bool:
@@ -811,10 +826,10 @@ def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | Non
         raise InputTypeError(f"free must be integer dof numbers, got dtype {dofs.dtype}")
     if dofs.shape != (n_dofs,):
         raise InputError(f"free must have shape ({n_dofs},), as K has, got {dofs.shape}")
-    if dofs.min() < 0 or dofs.max() >= 3 * len(places):
+    if dofs.min() < 0 or dofs.max() >= 6 * len(places):
         raise InputError(
-            f"free must be within 0 … {3 * len(places) - 1} for {len(places)} nodes, "
-            f"got {dofs.min()} … {dofs.max()}"
+            f"free must be within 0 … {3 * len(places) - 1} for {len(places)} nodes, of rotations "
+            f"as many more, got {dofs.min()} … {dofs.max()}"
         )
     if len(np.unique(dofs)) != n_dofs:
         raise InputError(f"free names {n_dofs - len(np.unique(dofs))} dofs more than once")
@@ -839,7 +854,7 @@ def _checked_total(total: FloatArray) -> float:
 def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: AnyMaterial) -> None:
     """Refuse what leaves the range of doubles, so that no nan or zero mass is computed with."""
     stiffest = float(max(K.data.max(), -K.data.min()))  # nan and infinity fail the comparisons
-    lightest = float(M.diagonal().min())
+    lightest = float(M.diagonal()[: 3 * mesh.n_nodes].min())
     if not (lightest > LEAST and mass < LARGEST and LEAST < stiffest < LARGEST):
         raise InputError(
             f"the body is {mesh.size:.3g} m long, of {material}: its mass ({mass:g} kg) or "

@@ -21,7 +21,7 @@ from ..base import (
 )
 from .material import PAIRS, Material, warn_of_units
 
-__all__ = ["Orthotropic"]
+__all__ = ["Orthotropic", "Solid"]
 
 
 _AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -194,6 +194,10 @@ class Orthotropic:
         """
         x, y, z = unit_vector("normal", normal).round(12).tolist()
         return _half_space(self, (x, y, z))
+
+
+# What solids and plies are made of.
+Solid = Material | Orthotropic
 
 
 @lru_cache(maxsize=256)

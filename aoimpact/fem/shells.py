@@ -29,6 +29,7 @@ from .laminate import Layers
 from .material import PAIRS
 
 __all__ = [
+    "FOLD",
     "Strains",
     "element_frames",
     "element_mass",
@@ -46,7 +47,7 @@ __all__ = [
 _DRILLING = 1e-4
 
 # Cosine of the angle between elements at a node beyond which they meet at a fold: 35°.
-_FOLD = 0.82
+FOLD = 0.82
 
 # Sine of an angle between normals that is rounding.
 _LEVEL = 1e-9
@@ -178,7 +179,7 @@ def element_frames(corners: FloatArray, layers: Layers | None) -> tuple[FloatArr
 def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatArray]:
     """Return the surface's unit normals at the nodes of elements, (n, 3 or 4, 3) for each group.
 
-    The mean over the elements at a node that are within `_FOLD` of this one, on its side. Elements
+    The mean over the elements at a node that are within `FOLD` of this one, on its side. Elements
     beyond belong to another surface, joined at a fold.
 
     Parameters
@@ -200,7 +201,7 @@ def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatAr
         one = np.flatnonzero(at[step:] == at[:-step])
         other = one + step
         cosine = np.einsum("ni,ni->n", normal[one], normal[other])
-        share = np.where(np.abs(cosine) > _FOLD, np.sign(cosine), 0.0)[:, None]
+        share = np.where(np.abs(cosine) > FOLD, np.sign(cosine), 0.0)[:, None]
         total[one] += share * normal[other]
         total[other] += share * normal[one]
     mean = np.empty_like(total)

@@ -23,51 +23,60 @@ __all__ = [
 ]
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
-Support = tuple[Selector, str]
+Support = tuple[Selector, str] | tuple[Selector, str, str]
 
 
 def constrained(free: IntArray, n_nodes: int) -> npt.NDArray[np.bool_]:
     """Return True for each component of a node that a support holds, shape (n_nodes, 3)."""
     mask = np.ones(3 * n_nodes, dtype=bool)
-    mask[free] = False
+    mask[free[free < len(mask)]] = False
     return mask.reshape(-1, 3)
 
 
 def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
-    """Return the dofs 3·node + component that no support holds, ascending.
+    """Return the dofs that no support holds, ascending; see `dofs`.
 
     Parameters
     ----------
     mesh : Mesh
-    fixed : sequence of (nodes, letters)
+    fixed : sequence of (nodes, letters) or (nodes, letters, letters)
         The nodes by number, by the name of a set, or by a function of all coordinates that returns
-        one bool for each; the letters, of "x", "y" and "z", say which components are constrained.
+        one bool for each; the letters, of "x", "y" and "z", say which displacements are
+        constrained, and the second ones which rotations about these axes.
 
     Raises
     ------
     InputError, InputTypeError
         If an entry selects nothing, names an unknown set or letter, or nothing is left free.
     """
-    fixed_dofs = np.zeros((mesh.n_nodes, 3), dtype=bool)
-    for i, entry in enumerate(_entries(fixed)):
-        selector, letters = entry
-        wanted = components(f"fixed[{i}]", letters)
+    left = np.zeros((2, mesh.n_nodes, 3), dtype=bool)
+    left[0], left[1, mesh.thin_nodes] = True, True
+    for i, (selector, *letters) in enumerate(_entries(fixed)):
+        wanted = [components(f"fixed[{i}]", each) for each in letters]
         selected = nodes_of_mesh(f"fixed[{i}]", selector, mesh)
-        for component in wanted:
-            fixed_dofs[selected, component] = True
-    if fixed_dofs.all():
+        if len(letters) == 2 and not np.isin(selected, mesh.thin_nodes).any():
+            raise InputError(
+                f"fixed[{i}]: letters of rotations are for shells and beams, none of which has "
+                "these nodes; give the displacements alone"
+            )
+        for which, axes in enumerate(wanted):
+            left[which, selected[:, None], axes] = False
+    if not left.any():
         raise InputError("fixed holds every dof of the body; leave some free to move")
-    return np.flatnonzero(~fixed_dofs.reshape(-1))
+    return np.flatnonzero(left)
 
 
 def _entries(fixed: Any) -> Sequence[Support]:
-    how = 'give a list of pairs such as [("xmin", "xyz"), ([0, 7], "z")]'
+    how = (
+        'give a list such as [("xmin", "xyz"), ([0, 7], "z")], of shells and beams also '
+        '("rim", "xyz", "xyz") to hold rotations'
+    )
     if fixed is None:
         return ()
     if isinstance(fixed, (str, Mapping)) or not isinstance(fixed, Sequence):
         raise InputTypeError(f"fixed: {how}; got {type(fixed).__name__}")
     for i, entry in enumerate(fixed):
-        if isinstance(entry, str) or not isinstance(entry, Sequence) or len(entry) != 2:
+        if isinstance(entry, str) or not isinstance(entry, Sequence) or len(entry) not in (2, 3):
             raise InputTypeError(f"fixed[{i}] is not a pair of nodes and letters: {how}")
     return fixed
 

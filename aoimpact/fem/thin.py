@@ -13,18 +13,15 @@ from .beams import Beam, beam_mass, beam_stiffness
 from .laminate import Layers
 from .shells import element_mass, element_stiffness, nodal_normals
 
-__all__ = ["ThinPart", "thin_stiffness_mass"]
+__all__ = ["thin_stiffness_mass"]
 
 
 # Elements are taken so many at a time that their strains stay in the caches.
 _BATCH = 512
 
-# Nodes of elements, shape (n, 2), (n, 3) or (n, 4), and what these are.
-ThinPart = tuple[IntArray, Layers | Beam]
-
 
 def thin_stiffness_mass(
-    nodes: FloatArray, parts: Sequence[ThinPart]
+    nodes: FloatArray, parts: Sequence[tuple[IntArray, Layers | Beam]]
 ) -> tuple[sp.csr_array, sp.csr_array]:
     """Return K and M over the dofs 6·node + (u, v, w, θx, θy, θz), rotations right-handed.
 
@@ -33,6 +30,7 @@ def thin_stiffness_mass(
     nodes : ndarray, shape (n_nodes, 3)
         m.
     parts : sequence of (ndarray of int, Shell, Laminate or Beam)
+        Nodes of elements, shape (n, 2), (n, 3) or (n, 4), and what these are.
 
     Returns
     -------

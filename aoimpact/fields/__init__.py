@@ -11,7 +11,7 @@ from .historyerror import relative_error, rest, warn_if_wrong
 from .movie import MovingBody, movie_path, write_movie
 from .reaction import Reaction
 from .replay import response_of
-from .response import Response, place_rows, strain_rows_at, stress_rows_at
+from .response import Response, motion_rows, place_rows, strain_rows_at, stress_rows_at
 
 __all__ = [
     "Channel",
@@ -24,6 +24,7 @@ __all__ = [
     "Response",
     "filtered_rate",
     "gauge_ends",
+    "motion_rows",
     "movie_path",
     "place_rows",
     "relative_error",

@@ -93,9 +93,16 @@ def _largest(values: FloatArray, faces: list[IntArray], mesh: Mesh) -> str:
 
 
 def outlines(mesh: Mesh) -> list[IntArray]:
-    """The faces of the surface, each as the nodes on its edges, in order around it."""
-    surface = boundary(mesh)
+    """The faces of the surface, each as the nodes on its edges, in order around it.
+
+    A line goes there and back.
+    """
     found: list[IntArray] = []
+    for lines in (of.cells for of in mesh.blocks if of.kind == "line"):
+        found.extend(lines[:, [0, 1, 0]])
+    if len(found) == mesh.n_cells:
+        return found
+    surface = boundary(mesh)
     for number, (block, side) in enumerate(surface.sides):
         places = mesh.blocks[block].element.nodes[side.nodes]
         u, v = np.linalg.pinv(side.axes.T) @ (places - places[: side.n_corners].mean(axis=0)).T

@@ -12,7 +12,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import FloatArray, InputError, choice, integer, warn
-from ..fem import AnyMaterial, Body, Strain, Stress, gauss_stress, nodal_stress
+from ..fem import (
+    AnyMaterial,
+    Body,
+    Layer,
+    Strain,
+    Stress,
+    body_stress_rows,
+    checked_layer,
+    gauss_stress,
+    nodal_stress,
+    thickness_of_cells,
+)
 from ..mesh import Mesh
 from . import deformed, movie, vtu
 from .channel import Channel
@@ -207,6 +218,12 @@ class Field:
     # Under contacts: the elements' part of the displacement, and the half-space's stress at places.
     _of_elements: FloatArray | None = field(default=None, repr=False)
     _half_space: Callable[[FloatArray], FloatArray] | None = field(default=None, repr=False)
+    _rotation: FloatArray | None = field(default=None, repr=False)
+
+    @property
+    def rotation(self) -> FloatArray:
+        """Rotations of the nodes of shells and beams, rad, in the shape of `displacement`."""
+        return np.zeros_like(self.displacement) if self._rotation is None else self._rotation
 
     @cached_property
     def error(self) -> FloatArray | None:
@@ -232,11 +249,11 @@ class Field:
         more = ", …" if len(self.times) > 4 else ""
         return f"Field(t = {times}{more} s of {self.body!r})"
 
-    def stress(self, at: str = "nodes") -> Stress:
+    def stress(self, at: str = "nodes", *, layer: Layer = "top") -> Stress:
         """Return the stress.
 
-        Under a contact it is that of Hertz's pressure in closed form; the rest is that of the
-        elements.
+        Under a contact of solids it is that of Hertz's pressure in closed form; the rest is that of
+        the elements.
 
         Parameters
         ----------
@@ -244,12 +261,18 @@ class Field:
             "nodes": extrapolated from the Gauss points and averaged over the elements that meet
             there, components of shape (k, n_nodes, 6); where materials meet, over those of the
             stiffest. "gauss": at the Gauss points of the elements' stiffness, components of shape
-            (k, n_cells, n_gauss, 6), in a mixed mesh with nan where an element has fewer.
+            (k, n_cells, n_gauss, 6), in a mixed mesh with nan where an element has fewer. Shells
+            and beams have it at the nodes.
+        layer : {"top", "middle", "bottom"} or (int, str), optional
+            Of shells: the top is where the elements' normals point. (3, "bottom") is the lower face
+            of the fourth ply from the bottom, and stress there is along the ply's axes: xx along
+            the fibres, and nan where a body has no such ply. Of beams the sides of the section
+            along z.
 
         Raises
         ------
         InputError
-            If the body has no elements and material: it was given by K and M.
+            If the body has no elements and material: it was given by K and M; or `layer` is none.
 
         Warns
         -----
@@ -269,6 +292,16 @@ class Field:
         warn_if_wrong("stress", self.times, self.error)
         place = choice("at", at, ("nodes", "gauss"))
         mesh, material = solid(self.body, "stress")
+        of_layer = checked_layer("layer", layer)
+        if mesh.thin:
+            if place != "nodes":
+                raise InputError(f'at={at!r}: stress of shells and beams is known at="nodes"')
+            rows, known = body_stress_rows(mesh, material, np.arange(mesh.n_nodes), of_layer)
+            dofs = np.concatenate([self.displacement, self.rotation], axis=1)
+            values = (rows @ dofs.reshape(len(self.times), -1).T).T
+            components = values.reshape(len(self.times), -1, 6)
+            components[:, ~known] = np.nan
+            return Stress(components, mesh.nodes)
         evaluate = nodal_stress if place == "nodes" else gauss_stress
         moved = self.of_elements
         found = evaluate(mesh, material, moved)
@@ -281,7 +314,8 @@ class Field:
         """Write one .vtu file for each time, and a .pvd file that lists them, for ParaView.
 
         At the nodes: displacement (m), velocity (m/s), stress (xx, yy, zz, xy, yz, xz), von_mises
-        and principal, all Pa.
+        and principal, all Pa. Of shells and beams also rotation (rad), stress_middle and
+        stress_bottom, with stress on the top; and the thickness (m) of elements.
 
         Parameters
         ----------
@@ -305,7 +339,7 @@ class Field:
         >>> hit.target.field([1e-4]).to_vtu(folder / "bar").name
         'bar.pvd'
         """
-        mesh, _ = solid(self.body, "to_vtu")
+        mesh, material = solid(self.body, "to_vtu")
         stress = self.stress()
         data = {
             "displacement": self.displacement,
@@ -314,7 +348,20 @@ class Field:
             "von_mises": stress.von_mises,
             "principal": stress.principal,
         }
-        return vtu.write_series(path, mesh, self.times, data)
+        if not mesh.thin:
+            return vtu.write_series(path, mesh, self.times, data)
+        data["rotation"] = self.rotation
+        for side in ("middle", "bottom"):
+            data[f"stress_{side}"] = self.stress(layer=side).components
+        return vtu.write_series(path, mesh, self.times, data, thickness_of_cells(mesh, material))
+
+    @property
+    def _free(self) -> bool:
+        """Whether no support holds any displacement."""
+        free = self.body.free
+        assert free is not None
+        n = self.displacement[0].size
+        return bool(np.count_nonzero(free < n) == n)
 
     def plot(
         self, ax: Axes3D | None = None, *, which: int = 0, scale: float | None = None, **kwargs: Any
@@ -356,7 +403,7 @@ class Field:
             moved = np.zeros_like(moved)
         every = self.stress().von_mises
         colour = every[number] if moved.any() else np.zeros(mesh.n_nodes)
-        if self.body.n_dofs == moved.size:
+        if self._free:
             moved = moved - moved.mean(axis=0)
         time = float(self.times[number])
         return deformed.plot_deformed(
@@ -402,7 +449,7 @@ class Field:
         """
         mesh, _ = solid(self.body, "movie")
         moved = self.displacement
-        if self.body.n_dofs == moved[0].size:
+        if self._free:
             moved = moved - moved.mean(axis=1, keepdims=True)
         drawn = movie.MovingBody.of_mesh(mesh, moved, self.stress().von_mises)
         down = np.array([0.0, 0.0, -1.0])

@@ -59,6 +59,11 @@ def gauge_ends(
     curved surface that differs from the mean along the arc by (length/radius)²/24.
     """
     assert body.nodes is not None
+    if body.mesh is not None and body.mesh.thin:
+        raise InputError(
+            "a gauge measures between two points of a solid's surface; of shells and beams take "
+            "the strain of a face, probe(point, layer=).strain"
+        )
     where = f"the gauge of length={with_unit(length, 'm')} at point {plain(point)} m"
     if length > float(np.ptp(body.nodes, axis=0).max()):
         raise InputError(f"{where} is longer than the body: give a shorter one, in metres")

@@ -86,8 +86,8 @@ def indentations(plan: Plan, body: int) -> tuple[Indentation, ...]:
         if not contact.touches(body) or port in found:
             continue
         known, tip = extraction_of(contact.law, model, port), model.touched_at(port)
-        if known is None or tip is None or tip.direction is None:
-            continue
+        if tip is None or tip.direction is None or not isinstance(known, Extraction):
+            continue  # of a shell the mesh's own field is all that is known
         inward = float(np.sign(known.splitting.frame[2] @ tip.direction))
         round_contact, radius = plan.round_contact(contact), known.radius
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base import FloatArray, IntArray
-from ..fem import Damping, Grounding, Rayleigh, VirtualMotion, displacement
+from ..fem import Damping, Grounding, Rayleigh, VirtualMotion, displacement, translations
 from ..integrate import Motion
 from ..reduction import GeneralizedCoordinates
 from .historyerror import warn_if_wrong
@@ -56,7 +56,7 @@ class Held:
         dofs = (3 * nodes[:, None] + np.arange(3)).ravel()
         fixed, free = np.isin(held, dofs), np.flatnonzero(np.isin(body.free, dofs))
         found = np.zeros((body.nodes.size, len(times)))
-        axes = np.tile(np.eye(3), (len(body.nodes), 1))
+        axes = translations(self.grounding.M.shape[1], len(body.nodes))
         own = (self.grounding.M @ axes)[fixed] @ self.gravity
         stiff = np.zeros((len(free), len(body.free)))
         if body.springs is not None:

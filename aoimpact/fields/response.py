@@ -11,7 +11,16 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import HUGE, FloatArray, InputError, IntArray, finite_array, unit_vector
-from ..fem import Body, Damping, VirtualMotion, compliances, selected_nodes, stress_rows
+from ..fem import (
+    Body,
+    Damping,
+    Layer,
+    VirtualMotion,
+    body_stress_rows,
+    checked_layer,
+    compliances,
+    selected_nodes,
+)
 from ..integrate import Motion
 from ..mesh import node_at, weights_at
 from ..reduction import Recovery
@@ -23,7 +32,14 @@ from .historyerror import relative_error, rest
 from .indentation import Indentation
 from .reaction import Held, Reaction
 
-__all__ = ["OmittedMotion", "Response", "place_rows", "strain_rows_at", "stress_rows_at"]
+__all__ = [
+    "OmittedMotion",
+    "Response",
+    "motion_rows",
+    "place_rows",
+    "strain_rows_at",
+    "stress_rows_at",
+]
 
 
 # s ↦ rows (K + s²M)⁻¹, of the rows that are asked for.
@@ -47,14 +63,14 @@ class OmittedMotion:
     motion: FreeMotion
 
 
-def stress_rows_at(body: Body, point: FloatArray) -> sp.csr_array:
+def stress_rows_at(body: Body, point: FloatArray, layer: Layer = "top") -> sp.csr_array:
     """Return the stress at a point of a body as a function of its dofs, shape (6, n_dofs)."""
     mesh, _ = solid(body, "stress")
     where, shares = weights_at(mesh, point)
     weights = sp.lil_array((1, mesh.n_nodes))
     weights[0, where] = shares
     assert body.free is not None
-    return _stress_rows(body, weights.tocsr(), body.free)
+    return _stress_rows(body, weights.tocsr(), body.free, layer)
 
 
 def strain_rows_at(body: Body, point: FloatArray) -> tuple[sp.csr_array, FloatArray]:
@@ -78,13 +94,21 @@ def place_rows(body: Body, places: FloatArray) -> sp.csr_array:
 
 
 def _stress_rows(
-    body: Body, weights: sp.csr_array, free: IntArray, *, strain: bool = False
+    body: Body,
+    weights: sp.csr_array,
+    free: IntArray,
+    layer: Layer = "top",
+    *,
+    strain: bool = False,
 ) -> sp.csr_array:
     """The stress, or strain, at places with the nodes' `weights` (p, n_nodes), (6 p, n_dofs)."""
     mesh, material = solid(body, "stress")
     near = np.unique(weights.indices)
-    at_nodes = stress_rows(mesh, material, near)[:, free]
-    if strain:
+    rows, known = body_stress_rows(mesh, material, near, layer, strain=strain)
+    if not known.all():
+        raise InputError(f"layer={layer!r}: the body has no such ply at the point")
+    at_nodes = rows[:, free]
+    if strain and not mesh.thin:
         at_nodes = sp.block_diag(list(compliances(mesh, material, near)), format="csr") @ at_nodes
     return sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ at_nodes
 
@@ -92,11 +116,22 @@ def _stress_rows(
 def _compliance(body: Body, weights: sp.csr_array) -> FloatArray:
     """Strain by stress at places with the nodes' `weights`, 1/Pa, shape (p, 6, 6)."""
     mesh, material = solid(body, "strain")
+    if mesh.thin:  # under whose contacts there is no half-space
+        return np.zeros((weights.shape[0], 6, 6))
     near = np.unique(weights.indices)
     found: FloatArray = weights[:, near].toarray() @ compliances(mesh, material, near).reshape(
         -1, 36
     )
     return found.reshape(-1, 6, 6)
+
+
+def motion_rows(body: Body, weights: sp.csr_array, axes: FloatArray) -> sp.csr_array:
+    """Return the motion along axes (k, 3) at places with the nodes' weights, (p k, n_dofs)."""
+    assert body.free is not None
+    rows = sp.csr_array(sp.kron(weights, axes))
+    if body.mesh is not None and body.mesh.thin:  # rotations move no node
+        rows.resize((rows.shape[0], 2 * rows.shape[1]))
+    return rows[:, body.free]
 
 
 class _At(NamedTuple):
@@ -164,14 +199,21 @@ class Response:
     gravity: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def probe(
-        self, point: Any, direction: Any, nodes: Any, times: Any, follows: Callable[[], bool]
+        self,
+        point: Any,
+        direction: Any,
+        nodes: Any,
+        times: Any,
+        follows: Callable[[], bool],
+        layer: Any = "top",
     ) -> Probe:
         """See `BodyResult.probe`; follows: whether displacements are known to be right."""
+        of_layer = checked_layer("layer", layer)
         wanted = self._times(times)
         places, weights = self._places(point, nodes)
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
         along = () if direction is not None else (3,)
-        rows = sp.csr_array(sp.kron(weights, axes))[:, self._free]
+        rows = motion_rows(self.body, weights, axes)
         at, shape = _At(np.atleast_2d(places), axes, rows), (-1, *places.shape[:-1], *along)
         u, v = (of.reshape(shape) for of in self.motion_at(*at, wanted))
         return Probe(
@@ -180,8 +222,8 @@ class Response:
             u,
             v,
             follows,
-            partial(self._stress, weights, wanted, places.shape[:-1]),
-            partial(self._stress, weights, wanted, places.shape[:-1], strain=True),
+            partial(self._stress, weights, wanted, places.shape[:-1], of_layer),
+            partial(self._stress, weights, wanted, places.shape[:-1], of_layer, strain=True),
             partial(self._errors, rows, wanted),
             partial(self._acceleration, at, wanted, shape),
             partial(self._filtered, at, wanted, shape),
@@ -231,7 +273,7 @@ class Response:
         along = unit_vector("direction", direction)
         ends, along = gauge_ends(self.body, place, along, length)
         axes = along[None]
-        rows = sp.csr_array(sp.kron(place_rows(self.body, ends), axes))[:, self._free]
+        rows = motion_rows(self.body, place_rows(self.body, ends), axes)
         strain = partial(_gauge_strain, _At(ends, axes, rows))
         error = partial(self._compared_with, strain, wanted)
         return Gauge(wanted, ends, strain(self, wanted), error)
@@ -289,6 +331,11 @@ class Response:
             v = self.recovery.displacement(v, self.motion.force_rate(wanted))
         u, v = self._completed(None, u, v, wanted)
         moved, speeds = self._at_nodes(u), self._at_nodes(v)
+        if self._rotates:
+            turned = self._at_nodes(u, rotations=True)
+            return Field(
+                self.body, wanted, moved, speeds, partial(self._error, wanted), _rotation=turned
+            )
         error = partial(self._error, wanted)
         if not self.indentations:
             return Field(self.body, wanted, moved, speeds, error)
@@ -418,11 +465,12 @@ class Response:
         weights: sp.csr_array,
         times: FloatArray,
         shape: tuple[int, ...],
+        layer: Layer,
         *,
         strain: bool = False,
     ) -> FloatArray:
         """Stress or strain at places with the nodes' `weights` (p, n_nodes), (times, *shape, 6)."""
-        rows = _stress_rows(self.body, weights, self._free, strain=strain)
+        rows = _stress_rows(self.body, weights, self._free, layer, strain=strain)
         found = self._functionals(rows, times)[0].T.reshape(len(times), -1, 6)
         assert self.body.nodes is not None
         added = self.half_space_stress(times, weights @ self.body.nodes)
@@ -469,12 +517,20 @@ class Response:
             u, v = u + np.outer(moved, way), v + np.outer(moved, speed)
         return u, v
 
-    def _at_nodes(self, dofs: FloatArray) -> FloatArray:
+    @cached_property
+    def _rotates(self) -> bool:
+        """Whether dofs of the body are rotations."""
+        assert self.body.nodes is not None
+        return bool(self._free.max() >= self.body.nodes.size)
+
+    def _at_nodes(self, dofs: FloatArray, *, rotations: bool = False) -> FloatArray:
         """Dofs (n_dofs, k) as vectors at all nodes, zero where they are constrained."""
         free, nodes = self._free, self.body.nodes
         assert nodes is not None
-        full = np.zeros((dofs.shape[1], 3 * len(nodes)))
-        full[:, free] = dofs.T
+        n = nodes.size
+        own = (free >= n) == rotations
+        full = np.zeros((dofs.shape[1], n))
+        full[:, free[own] % n] = dofs[own].T
         return full.reshape(-1, len(nodes), 3)
 
     def _places(self, point: Any, nodes: Any) -> tuple[FloatArray, sp.csr_array]:

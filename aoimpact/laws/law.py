@@ -20,6 +20,7 @@ from ..base import (
     boolean,
     finite_array,
     positive,
+    real,
     with_unit,
 )
 from .rebound import integrated_restitution
@@ -291,7 +292,8 @@ class ContactLaw:
         Parameters
         ----------
         compliance : float
-            c, the sum over both bodies, m/N.
+            c, the sum over both bodies, m/N; negative where a model of a shell is stiffer than the
+            shell, so that -c is in series with the law.
 
         Raises
         ------
@@ -304,8 +306,8 @@ class ContactLaw:
         >>> round(float(law.within_patch(1e-8).force(1e-4)), 6)  # 1/(1/k - c) is the stiffness left
         1111.111111
         """
-        c = positive("compliance", compliance, unit="m/N")
-        deepest = min(self._steepest(c), self.limit)
+        c = _series("compliance", compliance)
+        deepest = min(self._steepest(c) if c > 0.0 else math.inf, self.limit)
         limit = deepest - c * self.force(deepest) if math.isfinite(deepest) else math.inf
         if not limit > 0.0:
             raise InputError(f"compliance={c:g} m/N leaves nothing of {self!r}")
@@ -505,7 +507,7 @@ class PatchLaw(ContactLaw):
     ----------
     law : ContactLaw
     compliance : float
-        c, m/N.
+        c, m/N, not zero.
     limit : float, optional
         Deepest indentation δ that it stands for, m.
     """
@@ -519,7 +521,7 @@ class PatchLaw(ContactLaw):
             raise InputTypeError(
                 f"law must be a contact law with nothing taken out, got {self.law!r}"
             )
-        object.__setattr__(self, "compliance", positive("compliance", self.compliance, unit="m/N"))
+        object.__setattr__(self, "compliance", _series("compliance", self.compliance))
         object.__setattr__(self, "limit", positive("limit", self.limit, unit="m", infinite=True))
 
     @property
@@ -531,8 +533,10 @@ class PatchLaw(ContactLaw):
         return self.law.has_memory
 
     def __str__(self) -> str:
+        done = "removed" if self.compliance > 0.0 else "added"
         return (
-            f"{self.law} (compliance of the mesh removed: {with_unit(self.compliance, 'm/N', 3)})"
+            f"{self.law} (compliance of the mesh {done}: "
+            f"{with_unit(abs(self.compliance), 'm/N', 3)})"
         )
 
     @property
@@ -554,3 +558,11 @@ class PatchLaw(ContactLaw):
         force = self.force(indentation)
         own = self.law._work(indentation + self.compliance * force)
         return float(own - 0.5 * self.compliance * force**2)
+
+
+def _series(name: str, value: Any) -> float:
+    """A compliance that is not zero, m/N."""
+    compliance = real(name, value, unit="m/N")
+    if compliance == 0.0:
+        raise InputError(f"{name} must not be 0 m/N; take the law itself")
+    return compliance

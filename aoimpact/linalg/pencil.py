@@ -32,7 +32,7 @@ class Pencil:
         s², (rad/s)².
     nodes : ndarray, shape (n_nodes, 3), optional
     free : ndarray of int, shape (n,), optional
-        For each row its dof 3·node + component.
+        For each row its dof: 3·node + component, and 3·n_nodes more of rotations.
     mesh : Mesh, optional
     diagonals : tuple of ndarray, shape (n,)
         Of K and M; found if not given.
@@ -73,7 +73,7 @@ class Pencil:
         """Coordinates of the rows, shape (n, 3), if they are known."""
         if self.nodes is None or self.free is None:
             return None
-        found: FloatArray = self.nodes[self.free // 3]
+        found: FloatArray = self.nodes[self.free // 3 % len(self.nodes)]
         return found
 
     @property
@@ -82,6 +82,13 @@ class Pencil:
         assert self.diagonals is not None
         stiff, heavy = self.diagonals
         return stiff + self.s2 * heavy
+
+    @property
+    def rotates(self) -> bool:
+        """True of shells and beams, which have rotations of nodes beside displacements."""
+        if self.nodes is None or self.free is None:
+            return False
+        return bool(self.free.max() >= 3 * len(self.nodes))
 
     @property
     def n(self) -> int:

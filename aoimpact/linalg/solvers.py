@@ -17,6 +17,7 @@ from ..base import (
     GIB,
     ConvergenceError,
     FloatArray,
+    InputError,
     InputTypeError,
     advance,
     available,
@@ -278,6 +279,8 @@ def linear_solver(
     if callable(solver):
         return _users_own(pencil, solver)
     name = str(checked_solver(solver))
+    if pencil.rotates and name == MULTIGRID.name:
+        raise InputError(f"solver={name!r} is for solids; leave it out for shells and beams")
     method = _quickest(pencil, solutions) if name == "auto" else METHODS[name]
     what = f"solver {method.name!r} of {pencil.what} ({pencil.n} dofs)"
     require(method.memory(pencil), what, _cure(pencil, method))
@@ -295,6 +298,8 @@ def linear_solver(
 
 def _quickest(pencil: Pencil, solutions: int) -> Method:
     """The method that will be quickest of those that are installed and fit into memory."""
+    if pencil.rotates:  # multigrid is for blocks of three displacements
+        return _direct(pencil) or min(_factorising(), key=lambda m: m.memory(pencil))
     count = float(min(solutions, sys.maxsize))
     iterating = MULTIGRID.seconds(pencil, count, pencil.first_cut)
     if _least(pencil) > max(iterating, _PROMPT):
@@ -333,7 +338,7 @@ def _as_long_as_factors(pencil: Pencil, method: Method) -> float:
 
 
 def _cure(pencil: Pencil, method: Method) -> str:
-    if method is not MULTIGRID:
+    if method is not MULTIGRID and not pencil.rotates:
         return f"solver={MULTIGRID.name!r} takes {MULTIGRID.memory(pencil) / GIB:.2g} GiB"
     return "take a coarser mesh, free memory, or give a solver of your own by solver="
 

@@ -115,7 +115,8 @@ def _write_rows(body: Any, path: Path) -> dict[str, Path]:
     files = {}
     labels = body.labels
     if labels is None and body.free is not None:
-        labels = np.stack([body.free // 3 + 1, body.free % 3 + 1], axis=1)
+        rotation, dof = np.divmod(body.free, 3 * len(body.nodes))
+        labels = np.stack([dof // 3 + 1, dof % 3 + 1 + 3 * rotation], axis=1)
     if labels is not None:
         files["dofs"] = path / "dofs.txt"
         words = np.array(["NONE", "UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ"])[labels[:, 1]]
@@ -135,7 +136,7 @@ def _write_rows(body: Any, path: Path) -> dict[str, Path]:
 def _numbers(body: Any) -> Any:
     """The labels of all nodes; those that no row has follow on the largest."""
     numbers = np.zeros(len(body.nodes), dtype=np.int64)
-    numbers[body.free // 3] = body.labels[:, 0]
+    numbers[body.free // 3 % len(numbers)] = body.labels[:, 0]
     others = numbers == 0
     numbers[others] = numbers.max() + 1 + np.arange(others.sum())
     return numbers

@@ -1,4 +1,4 @@
-"""Meshes of solid elements: files, generators, elements and their sides, surface, points.
+"""Meshes: files, generators, elements and their sides, surface, points.
 
 It knows shapes, but neither materials nor matrices. `fem` makes bodies of meshes, `linalg` takes
 their nodes and corners for multigrid, `fields` their elements for stresses and pictures.
@@ -6,16 +6,16 @@ their nodes and corners for multigrid, `fields` their elements for stresses and 
 
 from .convert import open_edges
 from .curvature import SurfaceShape, surface_shape
-from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
+from .elements import KINDS, THIN, ReferenceElement, cofactors, jacobians, reference_element
 from .files import load
 from .files.abaqusdeck import looks_like_inp
 from .files.nastran import nastran_nodes
 from .files.nastrandeck import is_nastran
 from .files.viameshio import meshio_of_all_kinds
-from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from .locate import AT_NODE, node_at, weights_at
+from .generate import box_mesh, paper_sphere_mesh, sheet_mesh, sphere_mesh
+from .locate import AT_NODE, nearest_line, node_at, weights_at
 from .mesh import Block, Mesh, group, taken
-from .read import read_mesh
+from .read import read_for, read_mesh
 from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of
 
@@ -23,6 +23,7 @@ __all__ = [
     "AT_NODE",
     "KINDS",
     "SHARP",
+    "THIN",
     "Block",
     "Mesh",
     "Place",
@@ -41,13 +42,16 @@ __all__ = [
     "meshio_of_all_kinds",
     "motions_at",
     "nastran_nodes",
+    "nearest_line",
     "node_at",
     "open_edges",
     "paper_sphere_mesh",
     "plane_of",
+    "read_for",
     "read_mesh",
     "reference_element",
     "rigid_motions",
+    "sheet_mesh",
     "sphere_mesh",
     "surface_shape",
     "taken",

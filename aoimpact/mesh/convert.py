@@ -42,6 +42,8 @@ def of_second_order(mesh: Mesh) -> Mesh:
     MeshError
         If it has elements of both orders.
     """
+    if any(block.element.thin for block in mesh.blocks):
+        raise MeshError(f"order: shells and beams are of first order, got {mesh.contents}")
     linear = [not block.element.quadratic for block in mesh.blocks]
     if not any(linear):
         return mesh
@@ -177,6 +179,9 @@ def _plan(kind: str, pattern: tuple[int, ...]) -> tuple[str, list[int], IntArray
     """
     element = reference_element(kind)
     distinct = sorted(set(pattern))
+    if element.thin:  # a quadrilateral of which an edge has no length
+        beside = len(distinct) == 3 and pattern not in ((0, 1, 0, 3), (0, 1, 2, 1))
+        return ("triangle", distinct, np.zeros((0, 2), np.int64)) if beside else None
     target = _SHAPES.get(len(distinct))
     # Nodes within collapsed sides have no place in other kinds.
     if len(element.nodes) == 27 or target is None:

@@ -91,6 +91,12 @@ class SurfaceShape(Frozen):
     error: float
     reach: float
 
+    @property
+    def from_below(self) -> SurfaceShape:
+        """That of the other side of a shell."""
+        turned = -self.normal, -self.curvatures[::-1], self.directions[::-1]
+        return replace(self, normal=turned[0], curvatures=turned[1], directions=np.array(turned[2]))
+
 
 def surface_shape(
     surface: Surface, point: FloatArray, *, reach: float | None = None

@@ -1,4 +1,4 @@
-"""The solid elements: shape functions and quadrature of each kind, nodes in meshio's order.
+"""The elements: shape functions and quadrature of each kind, nodes in meshio's order.
 
 It is enough to say which functions the shape functions are combinations of: each is one at its own
 node and zero at the others.
@@ -23,6 +23,7 @@ _APEX = 1e-150
 __all__ = [
     "KINDS",
     "TETRAHEDRON_EDGES",
+    "THIN",
     "ReferenceElement",
     "ReferenceFace",
     "Rule",
@@ -43,7 +44,7 @@ class Cell:
         The kind of element whose nodes are the corners alone.
     corners : ndarray, shape (n_corners, 3)
     normals : ndarray, shape (n_sides, 3)
-        Outward normals of the sides, of any length.
+        Outward normals of the sides, of any length; of a surface those of its edges.
     of_brick : ndarray, shape (n_cells, n_corners, 3)
         The cells into which a brick, from 0 to 1 along each axis, is cut.
     """
@@ -129,6 +130,11 @@ class ReferenceElement:
     def quadratic(self) -> bool:
         """True if it has nodes between its corners."""
         return self.n_nodes > self.n_corners
+
+    @property
+    def thin(self) -> bool:
+        """True of surface and line elements, whose reference cells lie in z = 0."""
+        return self.kind in THIN
 
     @cached_property
     def edges(self) -> IntArray:
@@ -339,6 +345,17 @@ _PYRAMID = _cell(
     of_brick=_pyramids_of_a_brick(),
 )
 
+# Shells and beams: a surface has one side, seen from +z, and a line none.
+_LINE = _cell("line", ((0, 0, 0), (1, 0, 0)), ((-1, 0, 0), (1, 0, 0)))
+_TRIANGLE = _cell(
+    "triangle", ((0, 0, 0), (1, 0, 0), (0, 1, 0)), ((-1, 0, 0), (0, -1, 0), (1, 1, 0))
+)
+_QUAD = _cell(
+    "quad",
+    ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)),
+    ((-1, 0, 0), (0, -1, 0), (1, 0, 0), (0, 1, 0)),
+)
+
 # The nodes after the corners, each in the middle of these corners (VTK's file-format figures).
 _Middles = tuple[tuple[int, ...], ...]
 TETRAHEDRON_EDGES: _Middles = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
@@ -405,12 +422,19 @@ _ALL = {
     "pyramid13": _Kind(_PYRAMID, _PYRAMID_EDGES, _PYRAMID_13, 4, 6),
 }
 
+# Solids, and beside them what shells and beams are made of, without quadrature of its own.
 KINDS = tuple(_ALL)
+_ALL |= {
+    "line": _Kind(_LINE, (), ((0, 0, 0, 0), (1, 0, 0, 0)), 1, 1),
+    "triangle": _Kind(_TRIANGLE, (), ((0, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0)), 1, 1),
+    "quad": _Kind(_QUAD, (), _space(1, lambda i, j, k: k == 0), 1, 1),
+}
+THIN = ("quad", "triangle", "line")
 
 
 @cache
 def reference_element(kind: str) -> ReferenceElement:
-    """Return the element of meshio's name `kind`, one of `KINDS`."""
+    """Return the element of meshio's name `kind`, one of `KINDS` or `THIN`."""
     of = _ALL[kind]
     corners = of.cell.corners
     nodes = np.vstack([corners, *(corners[list(c)].mean(axis=0) for c in of.middles)])
@@ -424,10 +448,13 @@ def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
     """Return the sides of the element of meshio's name `kind`.
 
     A side is the volume element on a plane of its reference cell, so the shape functions of every
-    kind of face, curved ones too, are those of the volume.
+    kind of face, curved ones too, are those of the volume. A surface element is its own side.
     """
     element, found = reference_element(kind), []
-    for normal in element.cell.normals:
+    sides = element.cell.normals
+    if element.thin:
+        sides = np.eye(3)[[] if kind == "line" else [2]]
+    for normal in sides:
         height = element.nodes @ normal
         on = np.flatnonzero(np.abs(height - height.max()) < 1e-12)
         corners, others = on[on < element.n_corners], on[on >= element.n_corners]

@@ -1,4 +1,4 @@
-"""Meshes of simple bodies, made here: balls of any fineness, boxes, and the paper's sphere."""
+"""Meshes of simple bodies, made here: balls, boxes, sheets, and the paper's sphere."""
 
 from __future__ import annotations
 
@@ -216,6 +216,56 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
         sets[f"{name}min"] = np.flatnonzero(grid[:, axis] == 0)
         sets[f"{name}max"] = np.flatnonzero(grid[:, axis] == places[axis] - 1)
     return Mesh(grid * (sides / (places - 1)), cells.reshape(keys.shape), kind, sets)
+
+
+def sheet_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "quad") -> Mesh:
+    """Return a flat rectangle for shells, from the origin to `lengths` in the plane z = 0.
+
+    Parameters
+    ----------
+    lengths : array_like, shape (2,)
+        Along x and y, m.
+    divisions : sequence of 2 int
+        Rectangles along x and y; an even number puts a node in the middle.
+    kind : str, optional
+        "quad", or "triangle": each rectangle is two of them.
+
+    Returns
+    -------
+    Mesh
+        With the node sets "xmin", "xmax", "ymin", "ymax" of the edges, and "rim" of all of them.
+        Normals point to +z.
+
+    Raises
+    ------
+    InputError
+        If a length is not positive, a division less than one, `kind` unknown, or the mesh so fine
+        that it would fill the memory.
+
+    Examples
+    --------
+    >>> ao.sheet_mesh((0.3, 0.2), (6, 4))
+    Mesh(35 nodes, 24 quad, sets: xmin, xmax, ymin, ymax, rim)
+    """
+    sides = finite_array("lengths", lengths, shape=(2,), unit="m")
+    for i, side in enumerate(sides):
+        positive(f"lengths[{i}]", float(side), unit="m")
+    given = sequence("divisions", divisions)
+    if len(given) != 2:
+        raise InputError(f"divisions must be two integers, got {given!r}")
+    n, m = (integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(given))
+    choice("kind", kind, ("quad", "triangle"))
+    _refuse_monster(float(min((n + 1) * (m + 1), 10**30)), "divisions", [n, m])
+    row, column = (each.ravel() for each in np.indices((n + 1, m + 1)))
+    number = np.arange(len(row)).reshape(n + 1, m + 1)
+    corners = (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
+    cells = np.stack([each.ravel() for each in corners], axis=1)
+    if kind == "triangle":
+        cells = np.stack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
+    edges = {"xmin": row == 0, "xmax": row == n, "ymin": column == 0, "ymax": column == m}
+    edges["rim"] = np.logical_or.reduce(list(edges.values()))
+    nodes = np.stack([row * (sides[0] / n), column * (sides[1] / m), 0.0 * row], axis=1)
+    return Mesh(nodes, cells, kind, {name: np.flatnonzero(on) for name, on in edges.items()})
 
 
 def paper_sphere_mesh() -> Mesh:

@@ -65,6 +65,18 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
     return nodes, weights
 
 
+def nearest_line(mesh: Mesh, point: FloatArray) -> tuple[int, float, float]:
+    """Return the line element nearest to a point, where along it, 0 to 1, and the distance, m."""
+    block = next(of for of in mesh.blocks if of.kind == "line")
+    ends = mesh.nodes[block.cells]
+    along = ends[:, 1] - ends[:, 0]
+    place = np.einsum("ni,ni->n", point - ends[:, 0], along) / (along**2).sum(axis=1)
+    place = np.clip(place, 0.0, 1.0)
+    gap = np.linalg.norm(ends[:, 0] + place[:, None] * along - point, axis=1)
+    nearest = int(gap.argmin())
+    return block.first + nearest, float(place[nearest]), float(gap[nearest])
+
+
 def node_at(nodes: FloatArray, point: FloatArray) -> int:
     """Return the number of the node at a point of a body without elements.
 

@@ -1,4 +1,4 @@
-"""Meshes of solid elements, checked."""
+"""Meshes of solid, surface and line elements, checked."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ..base import (
     FloatArray,
@@ -24,10 +25,14 @@ from ..base import (
     sequence,
     text,
 )
-from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
+from .elements import KINDS, THIN, ReferenceElement, cofactors, jacobians, reference_element
 
 # Least det J of an element with a volume, as a fraction of the cube of its size.
 _FLAT = 1e-12
+
+# Least area of a surface element over the square of its longest edge; cosine between the normals at
+# two of its corners, 45° for quadrilaterals that are folded rather than warped.
+_SLIVER, _FOLDED = 1e-6, np.sqrt(0.5)
 
 # Range of coordinates and sizes, m, of which doubles hold the cubes and fourth powers.
 _LARGEST, SMALLEST = 1e50, 1e-50
@@ -40,7 +45,7 @@ class Block(Frozen):
     Attributes
     ----------
     kind : str
-        One of `KINDS`.
+        One of `KINDS` or `THIN`.
     cells : ndarray of int, shape (n, nodes per cell)
     first : int
         Number of the first among all elements of the mesh.
@@ -63,7 +68,7 @@ class Block(Frozen):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(Frozen):
-    """A mesh of solid elements.
+    """A mesh of solid elements, or of surface and line elements for shells and beams.
 
     Parameters
     ----------
@@ -74,8 +79,8 @@ class Mesh(Frozen):
         kind and its cells. As an attribute of such a mesh: an array as wide as the largest element,
         in which short rows repeat their first node; see `blocks`.
     kind : str, optional
-        meshio's name of the element, such as "tetra10" or "hexahedron20"; "mixed" for several
-        kinds.
+        meshio's name of the element, such as "tetra10", "hexahedron20", "quad" or "line"; "mixed"
+        for several kinds.
     node_sets : mapping of str to array of int, optional
         Named sets of nodes, e.g. for supports.
     cell_sets : mapping of str to array of int, optional
@@ -179,6 +184,17 @@ class Mesh(Frozen):
         return float(np.ptp(self.nodes, axis=0).max())
 
     @property
+    def thin(self) -> bool:
+        """True if there are surface or line elements, for shells and beams."""
+        return any(block.element.thin for block in self.blocks)
+
+    @property
+    def thin_nodes(self) -> IntArray:
+        """Nodes of surface and line elements, ascending: those that rotate."""
+        cells = [block.cells.ravel() for block in self.blocks if block.element.thin]
+        return np.unique(np.concatenate([np.zeros(0, np.int64), *cells]))
+
+    @property
     def quadratic(self) -> bool:
         """True if elements have nodes between their corners."""
         return any(block.element.quadratic for block in self.blocks)
@@ -237,6 +253,11 @@ def group(mesh: Mesh, name: str, wanted: Any) -> IntArray:
     found = called(wanted, mesh.cell_sets)
     if found is None:
         known = ", ".join(map(repr, mesh.cell_sets)) or "none"
+        if called(wanted, mesh.node_sets):
+            raise InputError(
+                f"{name}: {wanted!r} is a set of nodes of this mesh. If it is a group of shells or "
+                "beams in the file, name all groups of the body in read_mesh(path, part=)"
+            )
         raise InputError(
             f"{name}: the mesh has no group of elements {wanted!r}"
             f"{nearest(wanted, mesh.cell_sets)}. It has {known}"
@@ -284,7 +305,7 @@ def replace_nodes(mesh: Mesh, nodes: FloatArray) -> Mesh:
 def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
     """Return kinds of elements and their cells from either form of the arguments."""
     if not (isinstance(kind, str) and kind == "mixed"):
-        return [(choice("kind", kind, KINDS), cells)]
+        return [(choice("kind", kind, KINDS + THIN), cells)]
     how = 'cells of a mixed mesh must be a list of pairs such as [("tetra", array), …]'
     try:
         pairs = [(name, part) for name, part in cells]
@@ -292,7 +313,7 @@ def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
         raise InputTypeError(f"{how}; with an array give its kind") from None
     if not pairs:
         raise InputError(f"{how}, got none")
-    kinds = [choice(f"cells[{i}][0]", name, KINDS) for i, (name, _) in enumerate(pairs)]
+    kinds = [choice(f"cells[{i}][0]", name, KINDS + THIN) for i, (name, _) in enumerate(pairs)]
     if len(set(kinds)) < len(kinds):
         raise InputError(f"cells: join the cells of one kind, got {', '.join(kinds)}")
     return list(zip(kinds, (part for _, part in pairs), strict=True))
@@ -402,14 +423,20 @@ def _check_elements(
             f"order: element {element(later)} repeats element {element(earlier)}, with nodes "
             f"{nodes_of(earlier)}. Remove them in the mesher (a volume in two groups, or copied)"
         )
-    lowest, highest = jacobian_range(nodes, cells, block.element)
-    flat = np.maximum(np.abs(lowest), np.abs(highest)) <= _FLAT
-    inverted = (lowest <= _FLAT) & ~flat
     repeats = (corners[:, 1:] == corners[:, :-1]).any(axis=1)
+    if block.element.thin:
+        flat, inverted = _misshapen(nodes[cells])
+        flat &= ~repeats
+        size, turned = "area or length", "are folded, or have an angle of 180° or more"
+    else:
+        lowest, highest = jacobian_range(nodes, cells, block.element)
+        flat = np.maximum(np.abs(lowest), np.abs(highest)) <= _FLAT
+        inverted = (lowest <= _FLAT) & ~flat
+        size, turned = "volume", "are inverted (Jacobian not positive)"
     cure = "Repair or improve the mesh there"
     for bad, what, how in (
-        (flat, "are flat (no volume)", cure),
-        (inverted, "are inverted (Jacobian not positive)", cure),
+        (flat, f"are flat (no {size})", cure),
+        (inverted, turned, cure),
         (repeats, "repeat a node", "Read the mesh by read_mesh, which makes them other solids"),
     ):
         for row in np.flatnonzero(bad)[:1].tolist():
@@ -418,6 +445,21 @@ def _check_elements(
                 f"{int(bad.sum())} of {len(cells)} elements {what}; the first is element "
                 f"{element(row)} near ({centre}) m with nodes {nodes_of(row)}. {how}"
             )
+
+
+def _misshapen(corners: FloatArray) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """Return which surface or line elements have no area or length, and which are folded."""
+    ahead = np.roll(corners, -1, axis=1) - corners
+    longest = (ahead**2).sum(axis=2).max(axis=1)
+    if corners.shape[1] == 2:
+        return longest <= SMALLEST**2, np.zeros(len(corners), dtype=bool)
+    at_corners = np.cross(np.roll(ahead, 1, axis=1), ahead)
+    mean = at_corners.sum(axis=1)
+    size = np.linalg.norm(mean, axis=1)
+    flat = size <= _SLIVER * longest
+    along = np.einsum("nci,ni->nc", at_corners, mean / np.where(flat, 1.0, size)[:, None])
+    folded = (along <= _FOLDED * np.linalg.norm(at_corners, axis=2)).any(axis=1)
+    return flat, folded & ~flat
 
 
 def jacobian_range(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,12 +18,13 @@ from ..base import (
     InputTypeError,
     IntArray,
     MeshError,
+    called,
     finite_array,
     positive,
     warn,
 )
 from .convert import Solids, collapse, of_second_order
-from .elements import KINDS, reference_element
+from .elements import KINDS, THIN, reference_element
 from .files import load
 from .files.raw import RawMesh
 from .files.viameshio import from_meshio, is_meshio
@@ -36,6 +38,7 @@ from .mesh import (
     right_handed,
     select,
 )
+from .orient import against_neighbours
 
 
 def read_mesh(
@@ -45,16 +48,19 @@ def read_mesh(
     part: str | Sequence[str] | None = None,
     order: int | None = None,
 ) -> Mesh:
-    """Return the mesh of solid elements in a file, complete or not at all.
+    """Return the mesh in a file, complete or not at all.
 
     Files of Abaqus and CalculiX (.inp), Exodus, Gmsh (2.2 and 4.1), Kratos, MED, Nastran, Tecplot
     (one zone) and VTK (.vtk, .vtu) are checked for what they announce. Other formats that meshio
     knows are read with a warning that nothing was checked; some are refused by name.
 
-    Cells of lower dimension are not part of the body; their groups become named node sets. Groups
-    of volume cells become both sets of nodes and groups of elements. Bricks and other elements that
-    repeat nodes become the wedges, pyramids and tetrahedra that they are. Midside nodes in another
-    order than VTK's and elements numbered left-handed throughout are put right.
+    The body is made of the cells of the highest dimension, solids if there are any, else surfaces
+    for shells, else lines for beams; with `part` of those in the groups named, of any dimension.
+    Groups of other cells become named node sets. Groups of the body's cells become both sets of
+    nodes and groups of elements. Neighbouring surface elements get normals on the same side. Bricks
+    and other elements that repeat nodes become the wedges, pyramids and tetrahedra that they are.
+    Midside nodes in another order than VTK's and elements numbered left-handed throughout are put
+    right.
 
     A set of an instance of an Abaqus part is called "instance.set", and "set" as well if no other
     instance has one of that name. Each instance is a group of elements.
@@ -68,7 +74,8 @@ def read_mesh(
     scale : float, optional
         Factor on the coordinates, to metres: 1e-3 for a file in millimetres.
     part : str or sequence of str, optional
-        Groups of elements that make up the body; all elements if left out. See `Mesh.part`.
+        Groups of elements that make up the body; all elements if left out. See `Mesh.part`. To
+        have stiffeners, give the groups of the skin and of the stiffeners.
     order : int, optional
         2 adds a node in the middle of each edge to elements of first order: tetra becomes tetra10,
         hexahedron hexahedron20, wedge wedge15 and pyramid pyramid13. Edges stay straight. The new
@@ -78,9 +85,9 @@ def read_mesh(
     Raises
     ------
     MeshError
-        If the file cannot be read (`MissingFileError` if it is not there), has no volume cells or
-        some of an unsupported kind, or elements that are inverted or flat, or that repeat nodes and
-        are no solid of another kind.
+        If the file cannot be read (`MissingFileError` if it is not there), has no elements or some
+        of an unsupported kind, or elements that are inverted or flat, or that repeat nodes and are
+        no solid of another kind.
     InputError
         If there is no group of the name given as `part`, or `order` is another number.
 
@@ -101,7 +108,24 @@ def read_mesh(
     >>> mesh.nodes.max(axis=0)  # m
     array([0.02, 0.01, 0.01])
     """
+    return read_for(source, (), scale=scale, part=part, order=order)
+
+
+def read_for(
+    source: Any,
+    thin: Sequence[str],
+    *,
+    scale: float = 1.0,
+    part: str | Sequence[str] | None = None,
+    order: int | None = None,
+) -> Mesh:
+    """Return `read_mesh` of a file, with groups of surface and line cells `thin` in the body."""
     factor = positive("scale", scale)
+    named = list(thin)
+    if isinstance(part, str):
+        named.append(part)
+    elif isinstance(part, (list, tuple)):  # what else it may be is refused below
+        named += [name for name in part if isinstance(name, str)]
     if order is not None and not (isinstance(order, (int, np.integer)) and order == 2):
         raise InputError(f"order must be 2 or None, got {order!r}")
     if isinstance(source, Mesh):
@@ -109,24 +133,24 @@ def read_mesh(
     elif isinstance(source, (str, os.PathLike)):
         raw = load(source)
         try:
-            mesh = _ordered(raw, factor)
+            mesh = _ordered(raw, factor, named)
         except (MeshError, InputError, InputTypeError) as error:
             raise MeshError(f"mesh file {os.fspath(source)!r}: {error}") from None
     elif is_meshio(source):
-        mesh = _ordered(from_meshio(source), factor)
+        mesh = _ordered(from_meshio(source), factor, named)
     else:
         kind = type(source).__name__
         raise InputTypeError(f"mesh must be a path, a meshio.Mesh or a Mesh, got {kind}")
-    mesh = mesh if part is None else select(mesh, "part", part)
+    mesh = _on_one_side(mesh if part is None else select(mesh, "part", part))
     return mesh if order is None else of_second_order(mesh)
 
 
-def _ordered(raw: RawMesh, factor: float) -> Mesh:
-    """Return the solid elements of a file, put in order and checked."""
+def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
+    """Return the elements of a file that are the body's, put in order and checked."""
     if np.ndim(raw.nodes) != 2:
         shape = np.shape(raw.nodes)
         raise MeshError(f"coordinates of the mesh must have shape (any, 3), got {shape}")
-    solids = _solids(raw)
+    solids = _body(raw, named)
     used = np.zeros(len(raw.nodes), dtype=bool)
     for _, cells, _ in solids:
         used[cells] = True
@@ -134,7 +158,8 @@ def _ordered(raw: RawMesh, factor: float) -> Mesh:
     if not used.all():
         first = int(np.flatnonzero(~used)[0])
         warn(
-            f"{int((~used).sum())} of {len(used)} nodes belong to no volume element and were "
+            f"{int((~used).sum())} of {len(used)} nodes belong to no {_what(solids)} element and "
+            "were "
             + (
                 f"dropped; nodes after {first} have new numbers (named sets keep their members)"
                 if raw.node_labels is None
@@ -205,8 +230,11 @@ def _coordinates(points: Any, used: npt.NDArray[np.bool_]) -> FloatArray:
     return finite_array("coordinates of the mesh", points, shape=(None, 3), unit="m")
 
 
-def _solids(raw: RawMesh) -> list[Solids]:
-    """Return the solid cells kind by kind, with the numbers that they have in `raw`."""
+def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
+    """Return the cells of the body kind by kind, with the numbers that they have in `raw`.
+
+    Those of the highest dimension, and those in the groups named.
+    """
     blocks = [
         (block, np.arange(first, first + len(block.cells)))
         for block, first in zip(raw.blocks, raw.first[:-1], strict=True)
@@ -215,32 +243,70 @@ def _solids(raw: RawMesh) -> list[Solids]:
     counts: Counter[str] = Counter()
     for block, numbers in blocks:
         counts[block.kind] += len(numbers)
-    volume = {block.kind for block, _ in blocks if block.dim == 3}
-    unknown = volume.difference(KINDS)
-    if unknown or not volume:
+    highest = max((block.dim for block, _ in blocks), default=0)
+    chosen = np.zeros(raw.first[-1], dtype=bool)
+    for name in named:
+        if found := called(name, raw.cell_sets):
+            chosen[raw.cell_sets[found]] = True
+    parts = []
+    for block, numbers in blocks:
+        own = chosen[numbers] | (block.dim == highest)
+        if block.dim and own.any():
+            parts.append((block.kind, block.cells[own], numbers[own]))
+    unknown = {kind for kind, _, _ in parts}.difference(KINDS + THIN)
+    if unknown or not parts:
         listed = ", ".join(
-            f"{n} {kind}" for kind, n in sorted(counts.items()) if kind in unknown or not volume
+            f"{n} {kind}" for kind, n in sorted(counts.items()) if kind in unknown or not parts
         )
         what = (
-            f"the mesh has volume cells of an unsupported kind: {listed}"
+            f"the mesh has cells of an unsupported kind: {listed}"
             if unknown
-            else f"the mesh has no volume cells: it has {listed or 'no cells at all'}"
+            else f"the mesh has no elements: it has {listed or 'no cells at all'}"
         )
-        raise MeshError(f"{what}; supported are {', '.join(KINDS)}")
-    solids = _by_kind((of.kind, of.cells, numbers) for of, numbers in blocks if of.kind in volume)
+        raise MeshError(f"{what}; supported are {', '.join(KINDS + THIN)}{_flat_cure(unknown)}")
     return [
         (kind, checked_cells(cells, reference_element(kind), len(raw.nodes)), numbers)
-        for kind, cells, numbers in solids
+        for kind, cells, numbers in _by_kind(parts)
     ]
 
 
+def _what(body: list[Solids]) -> str:
+    """The highest dimension of the body's elements in a word."""
+    kinds = {kind for kind, _, _ in body}
+    if not kinds.issubset(THIN):
+        return "volume"
+    return "line" if kinds == {"line"} else "surface"
+
+
+def _flat_cure(unknown: set[str]) -> str:
+    """What to do about surface and line elements of second order, if there are any."""
+    second = any(kind.startswith(("triangle", "quad", "line")) for kind in unknown)
+    return ". Shells and beams are of first order: mesh with these" if second else ""
+
+
+def _on_one_side(mesh: Mesh) -> Mesh:
+    """Return the mesh with surface elements turned where they lie against their neighbours."""
+    surfaces = [block for block in mesh.blocks if block.kind in ("quad", "triangle")]
+    turned = against_neighbours([block.cells for block in surfaces])
+    if not (count := sum(int(each.sum()) for each in turned)):
+        return mesh
+    warn(
+        f"{count} of {sum(map(len, turned))} surface elements have normals against those of their "
+        "neighbours; they were turned"
+    )
+    cells = {block.kind: block.cells for block in mesh.blocks}
+    for block, flipped in zip(surfaces, turned, strict=True):
+        cells[block.kind] = np.where(flipped[:, None], block.cells[:, ::-1], block.cells)
+    return replace(mesh, cells=list(cells.items()), kind="mixed")  # type: ignore[arg-type]
+
+
 def _by_kind(parts: Iterable[Solids]) -> list[Solids]:
-    """Join elements of one kind, in the order of `KINDS`."""
+    """Join elements of one kind, in the order of `KINDS` and `THIN`."""
     found: dict[str, list[Solids]] = {}
     for part in parts:
         found.setdefault(part[0], []).append(part)
     joined = []
-    for kind in (kind for kind in KINDS if kind in found):
+    for kind in (kind for kind in KINDS + THIN if kind in found):
         _, cells, numbers = zip(*found[kind], strict=True)
         shapes = sorted({str(np.shape(table)[1:]) for table in cells})
         if len(shapes) > 1:

@@ -20,14 +20,19 @@ _RESISTED = 1e-9
 _DEPENDENT = 1e-9
 
 
-def rigid_motions(nodes: FloatArray) -> FloatArray:
+def rigid_motions(nodes: FloatArray, *, rotations: bool = False) -> FloatArray:
     """Return three translations and three rotations about the middle, shape (3 n_nodes, 6).
 
-    Rotations are scaled by the body's size, so that all columns are of the same magnitude.
+    Rotations are scaled by the body's size, so that all columns are of the same magnitude. With
+    `rotations`, the nodes' own rotations follow the displacements of all: shape (6 n_nodes, 6).
     """
     middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
     size = float(np.ptp(nodes, axis=0).max()) or 1.0
-    return motions_at((nodes - middle) / size).reshape(-1, 6)
+    moved = motions_at((nodes - middle) / size).reshape(-1, 6)
+    if not rotations:
+        return moved
+    turned = np.hstack([np.zeros((3, 3)), np.eye(3) / size])
+    return np.vstack([moved, np.tile(turned, (len(nodes), 1))])
 
 
 def motions_at(places: FloatArray) -> FloatArray:

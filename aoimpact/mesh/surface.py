@@ -1,4 +1,4 @@
-"""The surface of a mesh: the sides of its elements that no other element shares."""
+"""The surface of a mesh: sides of solids that no other element shares, and surface elements."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class Surface:
         The element that each face belongs to, and which of the `reference_faces` of the mesh's
         kinds, taken one after the other, it is.
     joined : ndarray of int, shape (any, 2)
-        Pairs of elements that share a side.
+        Pairs of elements that share a side; of surface and line elements, an edge or a node.
     sides : list of (int, ReferenceFace)
         The sides of each kind of element in the mesh, with the number of its block.
     """
@@ -143,6 +143,10 @@ class Surface:
         """Return which block of the mesh each face's element is in."""
         number: IntArray = np.array([block for block, _ in self.sides])[self.side[face]]
         return number
+
+    def thin(self, face: IntArray) -> npt.NDArray[np.bool_]:
+        """Return which faces are surface elements themselves, which have two sides."""
+        return np.array([self.mesh.blocks[i].element.thin for i, _ in self.sides])[self.side[face]]
 
     @cached_property
     def balls(self) -> tuple[FloatArray, FloatArray]:
@@ -408,6 +412,8 @@ class Surface:
 def boundary(mesh: Mesh) -> Surface:
     """Return the surface of a mesh: the sides whose corners belong to no other element.
 
+    A surface element is a side, whose normal is that of its nodes' order; a line has none.
+
     Raises
     ------
     MeshError
@@ -422,7 +428,10 @@ def boundary(mesh: Mesh) -> Surface:
     for side, (number, face) in enumerate(sides):
         block = mesh.blocks[number]
         key = np.full((len(block.cells), 4), -1)
-        key[:, : face.n_corners] = np.sort(block.cells[:, face.nodes[: face.n_corners]], axis=1)
+        if block.element.thin:  # a side of its own, also on the side of a solid
+            key[:] = -2 - np.arange(block.first, block.numbers.stop)[:, None]
+        else:
+            key[:, : face.n_corners] = np.sort(block.cells[:, face.nodes[: face.n_corners]], axis=1)
         corners.append(key)
         cells.append(np.arange(block.first, block.first + len(block.cells)))
         numbers.append(np.full(len(block.cells), side))

@@ -18,8 +18,10 @@ from ..fem import (
     ContactSurface,
     Damping,
     Extraction,
+    ThinExtraction,
     energy_error,
     missing_energy,
+    thin_stiffness_error,
 )
 from .band import Band, band_of
 from .modalbody import ModalBody
@@ -211,7 +213,7 @@ class BodyModel(ABC):
         points = self.contact_points
         return points[port] if points else None
 
-    def extraction_at(self, port: int = 0) -> Extraction | None:
+    def extraction_at(self, port: int = 0) -> Extraction | ThinExtraction | None:
         """Return the compliances at a port; None of a rigid body, and where they are not known.
 
         :meta private:
@@ -322,8 +324,12 @@ class ReducedModel(BodyModel):
             if known is None:
                 return 0.0
             assert point.direction is not None
+            deflection = self.deflection(2.0**octave, port)
+            if isinstance(known, ThinExtraction):
+                found[key] = thin_stiffness_error(point.body, deflection, known.near)
+                return found[key]
             moved = np.zeros(known.mesh_field.size)
-            moved[point.body.free] = self.deflection(2.0**octave, port)
+            moved[point.body.free] = deflection
             inward = known.splitting.frame[2] @ point.direction
             beyond = math.copysign(1.0, inward) * moved.reshape(-1, 3) - known.mesh_field
             false, own = energy_error(point.body, beyond, ~known.splitting.smooth)

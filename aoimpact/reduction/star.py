@@ -36,6 +36,7 @@ from ..fem import (
     Extraction,
     Material,
     Patch,
+    ThinExtraction,
     damping_or_none,
 )
 from .bodymodel import ReducedModel
@@ -223,7 +224,7 @@ class AOModel(Frozen, ReducedModel):
         found: Patch | None = None if self.origin is None else self.origin.tip.patch
         return found
 
-    def extraction_at(self, port: int = 0) -> Extraction | None:
+    def extraction_at(self, port: int = 0) -> Extraction | ThinExtraction | None:
         """Return the compliances at the contact; None of a rigid body, and if they are not known.
 
         :meta private:

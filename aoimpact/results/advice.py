@@ -17,7 +17,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..base import FloatArray, plain, warn, with_unit
-from ..fem import ContactPoint, Material, Rayleigh
+from ..fem import (
+    SHIFT_TIMES_DURATION,
+    ContactPoint,
+    Layers,
+    Material,
+    Rayleigh,
+    bending_length,
+    edge_length,
+)
 from ..laws import (
     ContactLaw,
     RoundContact,
@@ -278,17 +286,21 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
     quantity = error.quantity or "force"
     touched = {end for contact in run.plan.contacts for end in contact.ports}
     meshed: dict[bool, list[str]] = {True: [], False: []}  # names; True: second order
+    thin, flat = False, ""
     for body, port in sorted(touched):
         tip = run.plan.bodies[body].touched_at(port)
         if tip is not None and tip.body.mesh is not None:
+            thin |= tip.thin is not None
             meshed[tip.body.mesh.quadratic].append(run.names[body])
+            flat = flat or _as_a_shell(tip)
     first_order = meshed[False]
     if error.mesh is not None and error.mesh > MESH_LIMIT and (first_order or meshed[True]):
         names = " and ".join(dict.fromkeys(first_order or meshed[True]))
         what, cure = "the mesh makes", "take smaller elements"
-        if first_order:
+        if first_order and not thin:
             what = "elements of first order make"
             cure = "add midside nodes with FEModel.from_mesh(..., order=2)"
+        cure = flat or cure
         warn(f"{names}: {what} an error of {100.0 * error.mesh:.2g} % in the {quantity}; {cure}")
     if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
@@ -296,6 +308,27 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
             "reaches over an edge, its patch is wide, or curvatures are not known. Move it, give a "
             "smaller radius, or give law="
         )
+
+
+# Thickness over width of solid elements that are those of a sheet.
+_FLAT = 0.1
+
+
+def _as_a_shell(tip: ContactPoint) -> str:
+    """What to take in place of flat solids under a contact; nothing to say of others."""
+    surface, normal = tip.body.surface, tip.normal
+    if surface is None or tip.point is None or normal is None or tip.thin is not None:
+        return ""
+    cell = int(surface.cell[surface.nearest(tip.point)[0].face[0]])
+    height = float(np.ptp(surface.mesh.nodes[surface.mesh.cells[cell]] @ normal))
+    width = edge_length(surface, tip.point)
+    if height >= _FLAT * width or not math.isfinite(tip.depth):
+        return ""
+    return (
+        f"solid elements there are {with_unit(height, 'm', 3)} thick and "
+        f"{with_unit(width, 'm', 3)} wide: mesh the sheet's middle surface with quadrilaterals, "
+        f"and take ao.Shell(thickness={tip.depth:.4g}, material={tip.material!r})"
+    )
 
 
 def warn_of_ledger(energy: float, error: float | None) -> None:
@@ -319,6 +352,10 @@ _WIDTH, _STRAIN = 0.3, 0.2
 
 # Velocity over that of waves in a bar: the strain of two bars that meet, as large as the tolerance.
 SPEED = 0.01
+
+# Longest element over the length of a bending wave, (D/(m s²))^(1/4) at s = 10/T. With elements
+# half as long again a force is 1 % off by quadrilaterals, and 6 % by triangles.
+_WAVES = 2.0
 
 # Deflection over thickness of a body constrained on both sides, where the linear one is 12 % off:
 # the load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
@@ -348,12 +385,15 @@ class Limits(NamedTuple):
         m/s, at which the bodies meet.
     deflection : float
         Energy, J, of all bodies: from there on a body may deflect too far.
+    thickness : float
+        Force, N, of a contact that is wider than a shell is thick.
     """
 
     pressure: float
     width: float
     speed: float
     deflection: float
+    thickness: float = math.inf
 
 
 _UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf)
@@ -364,14 +404,24 @@ def limits(plan: Plan, contact: Contact) -> Limits:
     own, materials = own_law(contact.law), plan.materials(contact)
     if not any(materials):
         return _UNLIMITED if own.relative_radius is None else _limits_of_numbers(own)
-    pressure = width = math.inf
+    pressure = width = thickness = math.inf
     if (surface := round_contact(own, materials)) is not None:
         width = surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5
+        half = 0.5 * min(_thicknesses(plan, contact), default=math.inf)
+        thickness = surface.k * (half * half / surface.radius) ** 1.5
         if not own.has_memory:
             pressure = _yield(surface, materials)[0]
     slowest = min((of.bar_speed for of in materials if of is not None), default=math.inf)
     deflection = min(_deflecting(plan, contact), default=math.inf)
-    return Limits(pressure, width, SPEED * slowest, deflection)
+    return Limits(pressure, width, SPEED * slowest, deflection, thickness)
+
+
+def _thicknesses(plan: Plan, contact: Contact) -> Iterator[float]:
+    """Those of the shells at a contact, m."""
+    for body, port in contact.ports:
+        tip = plan.bodies[body].touched_at(port)
+        if tip is not None and isinstance(tip.thin, Layers):
+            yield tip.thin.total_thickness
 
 
 @lru_cache
@@ -389,7 +439,7 @@ def warning_limits(plan: Plan) -> tuple[float, float]:
     speed = most.speed
     if most.deflection < math.inf:
         speed = min(speed, math.sqrt(2.0 * most.deflection / mass) if mass else 0.0)
-    return min(most.pressure, most.width), speed
+    return min(most.pressure, most.width, most.thickness), speed
 
 
 def warn_of_run(run: Run) -> None:
@@ -412,13 +462,14 @@ def warn_of_run(run: Run) -> None:
         force = events.peak_force
         speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
         energy = _energy(plan) if most.deflection < math.inf else 0.0
-        reached = force, force, speed, energy
+        reached = force, force, speed, energy, force
         for kind, value, limit in zip(Limits._fields, reached, most, strict=True):
             if value > limit:
                 excess = value / limit if limit else math.inf
                 worst[kind] = max(worst.get(kind, (0.0, 0)), (excess, number))
     texts = [_missed(run)] if plan.contacts and not pressed else []
     texts += [_TEXTS[kind](run, number) for kind, (_, number) in worst.items()]
+    texts += [_said_of_waves(run, number) for number in range(len(plan.contacts))]
     for text in filter(None, texts):
         warn(text)
 
@@ -561,11 +612,45 @@ def _said_of_speed(run: Run, number: int) -> str:
     )
 
 
+def _said_of_thickness(run: Run, number: int) -> str:
+    contact, force = run.plan.contacts[number], run.events[number].peak_force
+    surface = run.plan.round_contact(contact)
+    assert surface is not None
+    thin = min(_thicknesses(run.plan, contact))
+    return (
+        f"{_contact(run, number)}: at the peak the contact has a radius of "
+        f"{with_unit(float(surface.width(force)), 'm', 3)}, more than half the thickness of the "
+        f"shell, {with_unit(thin, 'm', 3)}: its law is that of a half-space, which a shell so thin "
+        "is not; take solids, or a measured law, Tabulated(...)"
+    )
+
+
+def _said_of_waves(run: Run, number: int) -> str:
+    """Of a mesh too coarse for the bending waves that a contact sends into a shell."""
+    contact, events = run.plan.contacts[number], run.events[number]
+    rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
+    for body, port in contact.ports if rise > 0.0 else ():
+        tip = run.plan.bodies[body].touched_at(port)
+        if tip is None or not isinstance(tip.thin, Layers) or tip.body.surface is None:
+            continue
+        assert tip.point is not None
+        edge = edge_length(tip.body.surface, tip.point)
+        wave = bending_length(tip.thin, 0.5 * SHIFT_TIMES_DURATION / rise)
+        if edge > _WAVES * wave:
+            return (
+                f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} long, "
+                f"and bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
+                f"{with_unit(_WAVES * wave, 'm', 2)}; refine the mesh there"
+            )
+    return ""
+
+
 _TEXTS: dict[str, Callable[[Run, int], str]] = {
     "pressure": _said_of_pressure,
     "width": _said_of_width,
     "deflection": _said_of_deflection,
     "speed": _said_of_speed,
+    "thickness": _said_of_thickness,
 }
 
 

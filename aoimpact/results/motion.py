@@ -221,6 +221,7 @@ class BodyResult(Frozen):
         nodes: Any = None,
         times: npt.ArrayLike | None = None,
         dt: float | None = None,
+        layer: Any = "top",
     ) -> Probe:
         """Return motion, strain and stress of a point or of a set of nodes over time.
 
@@ -237,6 +238,8 @@ class BodyResult(Frozen):
             Ascending, within the record, s; those of the result if left out.
         dt : float, optional
             In place of `times`: the step of even times from 0 on, s, as spectra and filters take.
+        layer : {"top", "middle", "bottom"} or (int, str), optional
+            Where in a shell stress and strain are; see `Field.stress`.
 
         Raises
         ------
@@ -255,7 +258,7 @@ class BodyResult(Frozen):
         True
         """
         wanted = self._sampled(times, dt)
-        return self._responding.probe(point, direction, nodes, wanted, self._follows)
+        return self._responding.probe(point, direction, nodes, wanted, self._follows, layer)
 
     def gauge(
         self,

@@ -58,6 +58,8 @@ def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: floa
     tips = [plan.bodies[body].touched_at(port) for body, port in contact.ports]
     radii = [tip.patch.radius for tip in tips if tip is not None and tip.patch is not None]
     cure = "leave radius out, so that a patch carries the contact"
+    if any(tip is not None and tip.thin is not None for tip in tips):
+        cure = "the contact is as wide as the shell is thick; take solids there"
     if radii:
         cure = f"give the contact points radius={factor * max(radii):.2g} m or more"
     return LawLimitError(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..base import HUGE, FloatArray, InputError
-from ..fem import Extraction
+from ..fem import Extraction, ThinExtraction
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, effective_law, own_law
 from ..reduction import BodyModel
 from .rows import BodyRows
@@ -68,7 +68,9 @@ def law_of_models(
     )
 
 
-def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> Extraction | None:
+def extraction_of(
+    law: ContactLaw, model: BodyModel, port: int
+) -> Extraction | ThinExtraction | None:
     """Return the compliances of a body under a law, or None if nothing is taken out of it there.
 
     A law that is not like Hertz's leaves out the indentation at a node, as springs and buffers do.

@@ -13,21 +13,30 @@ import numpy as np
 
 from ..base import InputError, nearest
 from ..fem import (
+    Beam,
+    BeamSection,
+    CircularSection,
     ContactPoint,
     FEModel,
+    Laminate,
     Material,
     ModalDamping,
     OneMaterial,
     Orthotropic,
+    Ply,
     Rayleigh,
+    RectangularSection,
     RigidMass,
+    Shell,
+    TubularSection,
     contact_point,
     materials_of,
+    thin_groups,
 )
 from ..impact import Scene, SceneCase
 from ..laws import ContactLaw, ElasticPlastic, Hertz, Thornton
 from ..matrixfiles import read_matrices
-from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
+from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_for, sheet_mesh, sphere_mesh
 from ..reduction import (
     AOModel,
     FullModel,
@@ -182,8 +191,10 @@ class Builder:
         material = table.get("matrices", table).get("material")
         if material is None:
             return None
-        names = [material] if isinstance(material, str) else material.values()
-        return [self.data["materials"][each] for each in names]
+        names = [material] if isinstance(material, str) else list(material.values())
+        tables = [self.data["materials"][each] for each in names]
+        within = {each for table in tables for each in _solids_in(table)}
+        return [*tables, *(self.data["materials"][each] for each in sorted(within))]
 
     def _model(self, name: str) -> Any:
         table, place = self.data["bodies"][name], ("bodies", name)
@@ -227,11 +238,11 @@ class Builder:
         table, place = self.data["bodies"][name], ("bodies", name)
         with self.located(*place, "mesh"):
             parts = {key: table[key] for key in ("part", "order") if key in table}
-            mesh = self._mesh(table["mesh"], **parts)
-        with self.located(*place, "material"):
             of = table["material"]  # of a body, or by group of elements
             named = isinstance(of, str)
             made = self._material(of) if named else {key: self._material(of[key]) for key in of}
+            mesh = self._mesh(table["mesh"], thin_groups(made), **parts)
+        with self.located(*place, "material"):
             material = materials_of(mesh, made)
         entries: dict[str, Any] = {
             key: self._entries(name, key, mesh)
@@ -263,7 +274,7 @@ class Builder:
         with self.located("bodies", name, "matrices"):
             return read_matrices(**given, **self._damping(name))
 
-    def _mesh(self, mesh: str | Mapping[str, Any], **parts: Any) -> Mesh:
+    def _mesh(self, mesh: str | Mapping[str, Any], thin: Sequence[str], **parts: Any) -> Mesh:
         source: Any
         if isinstance(mesh, str):
             source = paper_sphere_mesh() if mesh == _PAPER_SPHERE else self.folder / mesh
@@ -271,28 +282,52 @@ class Builder:
             source, parts = self.folder / mesh["file"], {"scale": mesh.get("scale", 1.0)} | parts
         elif "sphere" in mesh:
             source = sphere_mesh(mesh["sphere"], mesh["size"])
+        elif "sheet" in mesh:
+            source = sheet_mesh(mesh["sheet"], mesh["divisions"], kind=mesh.get("kind", "quad"))
         else:
             source = box_mesh(mesh["box"], mesh["divisions"], kind=mesh.get("kind", "hexahedron"))
-        return read_mesh(source, **parts)
+        return read_for(source, thin, **parts)
 
     # ---------------------------------------------------------------- materials and laws
 
     def _material(self, name: str) -> OneMaterial:
-        table = self.data["materials"][name]
+        table = dict(self.data["materials"][name])
         with self.located("materials", name):
+            if "shell" in table:
+                return Shell(material=self._of_solid(name, table.pop("shell")), **table)
+            if "laminate" in table:
+                plies = [
+                    Ply(**ply | {"material": self._of_solid(name, ply["material"])})
+                    for ply in table.pop("laminate")
+                ]
+                return Laminate(plies, **table)
+            if "beam" in table:
+                section = _section(table.pop("section"))
+                return Beam(section, self._isotropic(table.pop("beam")), **table)
             if "orthotropic" not in table:
                 return Material(**table)
             axes = {"axes": table["axes"]} if "axes" in table else {}
             made = Orthotropic(**table["orthotropic"], rho=table["rho"], **axes)
             return made.turned(table["turned"], made.axes[2]) if "turned" in table else made
 
+    def _of_solid(self, within: str, name: str) -> Material | Orthotropic:
+        """The material of which a shell or a ply is made."""
+        if "E" not in (table := self.data["materials"][name]) and "orthotropic" not in table:
+            raise InputError(
+                f"{within!r} is made of {name!r}, which is no material but a shell or beam"
+            )
+        material = self._material(name)
+        assert isinstance(material, (Material, Orthotropic))
+        return material
+
     def _isotropic(self, name: str) -> Material:
         """A material that a ball or a law's surface needs."""
-        material = self._material(name)
-        if isinstance(material, Orthotropic):
+        if "E" not in self.data["materials"][name]:
             raise InputError(
-                f"material: {name!r} is orthotropic; balls and surfaces need an isotropic one"
+                f"material: {name!r} is not isotropic; balls, beams and surfaces need such a one"
             )
+        material = self._material(name)
+        assert isinstance(material, Material)
         return material
 
     def _law(self, *place: str | int) -> ContactLaw | None:
@@ -350,10 +385,28 @@ def _mounted(nodes: Any, entry: Mapping[str, Any]) -> Any:
 
 # By the list they are in: what the keyword of `FEModel.from_mesh` takes.
 _FASTENED: dict[str, Callable[[Any, Mapping[str, Any]], Any]] = {
-    "fixed": lambda nodes, entry: (nodes, entry["hold"]),
+    "fixed": lambda nodes, entry: (
+        nodes,
+        *(entry[key] for key in ("hold", "hold_rotations") if key in entry),
+    ),
     "masses": _mounted,
     "springs": lambda nodes, entry: (nodes, entry["along"], entry["stiffness"]),
 }
+
+
+def _solids_in(table: Mapping[str, Any]) -> list[str]:
+    """The names of the materials of a shell, laminate or beam."""
+    plies = [ply["material"] for ply in table.get("laminate", ())]
+    return plies + [table[key] for key in ("shell", "beam") if key in table]
+
+
+def _section(table: Mapping[str, Any]) -> Any:
+    """A beam's cross-section."""
+    if "area" in table:
+        return BeamSection(**table)
+    if "width" in table:
+        return RectangularSection(**table)
+    return (TubularSection if "thickness" in table else CircularSection)(**table)
 
 
 def _nodes_of(entry: Mapping[str, Any], mesh: Mesh) -> Any:

@@ -37,6 +37,17 @@ _MATERIAL, _BODY = Reference("materials"), Reference("bodies")
 
 # ------------------------------------------------------------------- materials and bodies
 
+_SECTION = Variants(
+    {
+        "width": {"width": "m", "height": "m"},
+        "radius": {"radius": "m", "thickness?": "m"},
+        "area": {
+            **{"area": "m²", "Iy": "m⁴", "Iz": "m⁴", "J": "m⁴"},
+            **{"shear_factors?": [NUMBER, 2], "points?": [["m", 2]]},
+        },
+    }
+)
+
 _MATERIALS = Variants(
     {
         "E": {
@@ -52,6 +63,18 @@ _MATERIALS = Variants(
             "axes?": [_VECTOR],
             "turned?": "rad",
         },
+        "shell": {"shell": _MATERIAL, "thickness": "m", "offset?": "m"},
+        "laminate": {
+            "laminate": [{"thickness": "m", "material": _MATERIAL, "angle_deg?": NUMBER}],
+            "fibre_axis?": _VECTOR,
+            "offset?": "m",
+        },
+        "beam": {
+            "beam": _MATERIAL,
+            "section": _SECTION,
+            "orientation?": _VECTOR,
+            "offset?": ["m", 2],
+        },
     }
 )
 
@@ -60,6 +83,11 @@ _MESH = Variants(
         "file": {"file": TEXT, "scale?": NUMBER},
         "sphere": {"sphere": "m, the radius", "size": "m"},
         "box": {"box": _VECTOR, "divisions": [INTEGER, 3], "kind?": Choice(KINDS)},
+        "sheet": {
+            "sheet": [NUMBER, 2],
+            "divisions": [INTEGER, 2],
+            "kind?": Choice(("quad", "triangle")),
+        },
     }
 )
 
@@ -122,7 +150,7 @@ _BODIES = Variants(
             "material": (_MATERIAL, Entries(_MATERIAL)),
             "part?": (TEXT, [TEXT]),
             "order?": INTEGER,
-            "fixed?": [{"hold": TEXT} | _NODES],
+            "fixed?": [{"hold": TEXT, "hold_rotations?": TEXT} | _NODES],
             "masses?": [
                 {"mass": "kg", "centre?": _VECTOR, "inertia?": (_VECTOR, [_VECTOR, 3])} | _NODES
             ],

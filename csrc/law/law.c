@@ -62,7 +62,7 @@ int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *p
 int aoi_law_check(const aoi_law *law)
 {
     const int usable = law && law->force && law->potential && isfinite(law->compliance) &&
-                       law->compliance >= 0.0 && law->limit > 0.0;
+                       law->limit > 0.0;
     return usable ? AOI_OK : AOI_ERROR_ARGUMENT;
 }
 
@@ -225,6 +225,10 @@ void aoi_law_force(const aoi_law *law, const double *memory, int piece, double i
     } else if (piece == AOI_NO_PIECE || own_indentation(law, memory, piece, indentation, rate, &own,
                                                         value) == AOI_ERROR_LAW_JUMPS) {
         no_force(law, indentation, rate, value);
+    } else if (law->compliance < 0.0 && own < aoi_law_rest(law, memory)) {
+        /* The law begins with a force larger than the spring has yet: it does not yield before. */
+        const double rest = aoi_law_rest(law, memory);
+        *value = (aoi_law_value){(rest - indentation) / law->compliance, -1.0 / law->compliance, 0.0};
     } else {
         stiffen(law->compliance, value);
     }
@@ -286,6 +290,26 @@ static double reach_of(const aoi_law *law, const double *memory, int piece, doub
                                                           : HUGE_VAL;
 }
 
+/* With a compliance below zero d < indentation: goes down from a piece to one that begins as low. At an
+ * end, to rounding, only a falling motion goes on to the next. */
+static int lower_piece(const aoi_law *law, const double *memory, double indentation, int rising,
+                       int piece, double *low, double *high)
+{
+    const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
+    double start = total_at(law, memory, piece, *low);
+    while (start > indentation + rounding && *low > -HUGE_VAL) {
+        const double before = *low;
+        piece = law->piece(law, memory, nextafter(*low, -HUGE_VAL), rising, low, high);
+        if (!(*low < before)) {
+            return AOI_NO_PIECE;
+        }
+        start = total_at(law, memory, piece, *low);
+    }
+    *high = total_at(law, memory, piece, *high);
+    *low = start;
+    return piece;
+}
+
 int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, int rising,
                   double *low, double *high)
 {
@@ -297,6 +321,9 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
     int piece = law->piece(law, memory, indentation, rising, low, high);
     if (law->compliance == 0.0) {
         return piece;
+    }
+    if (law->compliance < 0.0) {
+        return lower_piece(law, memory, indentation, rising, piece, low, high);
     }
     /* With a compliance d > indentation: go up from piece to piece until one reaches as far. At an
      * end, to rounding, only a rising motion goes on to the next. */
@@ -320,7 +347,7 @@ void aoi_law_remember(const aoi_law *law, double indentation, double rate, doubl
     if (!law->remember) {
         return;
     }
-    if (law->compliance > 0.0 && indentation > aoi_law_rest(law, memory)) {
+    if (law->compliance != 0.0 && indentation > aoi_law_rest(law, memory)) {
         aoi_law_value value;
         double low, high;
         const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
@@ -355,7 +382,7 @@ void aoi_law_push(const aoi_law *law, const double *memory, double indentation, 
 double aoi_law_push_only(const aoi_law *law, const double *memory, double indentation, double rate)
 {
     aoi_law_value value = {0.0, 0.0, 0.0};
-    if (!law->alone || law->compliance > 0.0 || !(indentation > aoi_law_rest(law, memory))) {
+    if (!law->alone || law->compliance != 0.0 || !(indentation > aoi_law_rest(law, memory))) {
         aoi_law_push(law, memory, indentation, rate, &value);
         return value.force;
     }

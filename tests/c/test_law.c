@@ -164,6 +164,13 @@ static const named every[] = {
     {"thornton", 2, {1e10, 100.0}, 2e-9},
     {"elastic_plastic", 3, {1e10, 100.0, 1e8}, 2e-9},
     {"yang_sun", 3, {1e10, 4e-6, 0.0}, 2e-9},
+    {"hertz", 1, {1e10}, -5e-9},
+    {"hunt_crossley", 3, {1e10, 0.4, 1.5}, -5e-9},
+    {"tsuji", 2, {1e10, 3e3}, -5e-9},
+    {"kelvin_voigt", 2, {3e7, 200.0}, -5e-9},
+    {"thornton", 2, {1e10, 100.0}, -5e-9},
+    {"elastic_plastic", 3, {1e10, 100.0, 1e8}, -5e-9},
+    {"yang_sun", 3, {1e10, 4e-6, 0.0}, -5e-9},
 };
 enum { EVERY = sizeof every / sizeof every[0] };
 
@@ -274,6 +281,9 @@ static void compliance_is_taken_out(void)
             aoi_law_push(&law, memory, d, v, &value);
             const double inside = d + law.compliance * value.force;
             aoi_law_push(&plain, memory, inside, v, &own);
+            if (law.compliance < 0.0 && fabs(inside) < 1e-12 * d) { /* less than a dashpot's */
+                continue;
+            }
             CHECK(near(value.force, own.force, 1e-12), "%s at %g m: %.17g, %.17g", every[i].name, d,
                   value.force, own.force);
             const double give = 1.0 - law.compliance * own.stiffness;
@@ -843,7 +853,7 @@ static void what_no_law_is_made_of(void)
     const double stays[] = {0.0, 1.0, 1.0, 0.0, 1e3, 1e3, 1e3, 1e3, 1e3, 0.0, 500.0, 500.0};
     CHECK(aoi_law_create_table(&law, 3, falls) == AOI_ERROR_ARGUMENT, "a force that falls");
     CHECK(aoi_law_create_table(&law, 3, stays) == AOI_ERROR_ARGUMENT, "two forces at one indentation");
-    const double nan = (double)NAN, compliance[] = {-1.0, nan, HUGE_VAL, 0.0, 0.0, 0.0};
+    const double nan = (double)NAN, compliance[] = {-HUGE_VAL, nan, HUGE_VAL, 0.0, 0.0, 0.0};
     const double limit[] = {1.0, 1.0, 1.0, 0.0, -1.0, nan};
     for (size_t i = 0; i < 6; i++) {
         CHECK(aoi_law_create_table(&law, 3, table) == AOI_OK, "a line");

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from thinmeshes import dofs, frequencies, grid, rigid_motions, solved
+from thinmeshes import dofs, frequencies, grid, matrices, rigid_motions, solved
 
 import aoimpact as ao
 from aoimpact.base.errors import InputError, InputTypeError
@@ -22,7 +22,6 @@ from aoimpact.fem.beams import (
     beam_stiffness,
 )
 from aoimpact.fem.laminate import Shell
-from aoimpact.fem.thin import thin_stiffness_mass
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 BAR = Beam(RectangularSection(width=0.02, height=0.05), STEEL, orientation=(0, 0, 1))
@@ -51,7 +50,7 @@ def test_one_element_is_exact_under_loads_at_nodes(direction: Any) -> None:
     y /= np.linalg.norm(y)
     axes = np.array([x, y, np.cross(x, y)])
     L, E, G = 0.4, 210e9, STEEL.shear_modulus
-    K, _ = thin_stiffness_mass(np.array([0 * x, L * x]), [(np.array([[0, 1]]), BAR)])
+    K, _ = matrices(np.array([0 * x, L * x]), (np.array([[0, 1]]), BAR))
     area, iy, iz = 1e-3, 0.02 * 0.05**3 / 12, 0.05 * 0.02**3 / 12
     kappa = 10 * 1.3 / (12 + 11 * 0.3)
     j = BAR.numbers.J
@@ -99,7 +98,7 @@ def test_frequencies_converge_to_timoshenkos() -> None:
     errors = []
     for n in (4, 8):
         nodes, cells = line(n, L)
-        K, M = thin_stiffness_mass(nodes, [(cells, BAR)])
+        K, M = matrices(nodes, (cells, BAR))
         ends = dofs([0, n], [2])
         found = frequencies(K, M, mode, ends, dofs(np.arange(n + 1), [0, 1, 3, 5]))[-1]
         errors.append(found / (np.sqrt(exact) / (2 * np.pi)) - 1)
@@ -110,7 +109,7 @@ def test_frequencies_converge_to_timoshenkos() -> None:
 def test_waves_along_a_bar_and_about_it() -> None:
     """Free: longitudinal f = c/(2 L) and torsional f = √(G J/(ρ Ip))/(2 L)."""
     nodes, cells = line(40, 1.0)
-    K, M = thin_stiffness_mass(nodes, [(cells, BAR)])
+    K, M = matrices(nodes, (cells, BAR))
     along, about = (
         frequencies(K, M, 2, dofs(nodes[:, 0] >= 0, [d for d in range(6) if d != free]))[1]
         for free in (0, 3)
@@ -125,7 +124,7 @@ def test_the_papers_beam() -> None:
     """Simply supported, 1000 x 20 x 20 mm: 48.98 n² Hz less shear and rotary inertia."""
     nodes, cells = line(50, 1.0)
     beam = Beam(RectangularSection(0.02, 0.02), ao.Material(70e9, 0.3, 2400), (0, 0, 1))
-    K, M = thin_stiffness_mass(nodes, [(cells, beam)])
+    K, M = matrices(nodes, (cells, beam))
     motions = rigid_motions(nodes)
     assert motions[:, 2] @ M @ motions[:, 2] == pytest.approx(0.96)
     found = frequencies(K, M, 3, dofs([0, 50], [2]), dofs(nodes[:, 0] >= 0, [0, 1, 3, 5]))
@@ -139,7 +138,7 @@ def test_a_portal_frame_sways() -> None:
     h, span = 0.8, 1.2
     columns = Beam(CircularSection(0.01), STEEL)
     nodes = np.array([[0, 0, 0], [0, 0, h], [span, 0, h], [span, 0, 0]])
-    K, _ = thin_stiffness_mass(nodes, [(np.array([[0, 1], [1, 2], [2, 3]]), columns)])
+    K, _ = matrices(nodes, (np.array([[0, 1], [1, 2], [2, 3]]), columns))
     force = np.zeros((4, 6))
     force[[1, 2], 0] = 0.5
     x = solved(K, force.ravel(), dofs([0, 3], range(6)))
@@ -151,7 +150,7 @@ def test_a_portal_frame_sways() -> None:
 def test_stress_of_a_cantilever() -> None:
     """M c/I at the corners of the section, at the clamped end."""
     nodes, cells = line(2, 0.5)
-    K, _ = thin_stiffness_mass(nodes, [(cells, BAR)])
+    K, _ = matrices(nodes, (cells, BAR))
     force = np.zeros((3, 6))
     force[2, 2] = 100.0
     x = solved(K, force.ravel(), np.arange(6))
@@ -168,7 +167,7 @@ def test_a_plate_with_a_beam_of_its_own_section_bends_as_one() -> None:
     middle = np.flatnonzero(abs(s - 0.5) < 1e-9)
     spine = np.column_stack([middle[:-1], middle[1:]])
     parts: Any = [(cells, Shell(2e-3, ao.Material(210e9, 0.0, 7800))), (spine, BAR)]
-    K, _ = thin_stiffness_mass(nodes, parts)
+    K, _ = matrices(nodes, *parts)
     force = np.zeros((len(nodes), 6))
     force[middle[-1], 2] = 1.0
     x = solved(K, force.ravel(), dofs(r == 0, range(6)))
@@ -186,7 +185,7 @@ def test_an_eccentric_stiffener_makes_one_section_with_its_plate() -> None:
     d = (t + height) / 2
     metal = ao.Material(210e9, 0.0, 7800)
     rib = Beam(RectangularSection(5e-3, height), metal, (0, 0, 1), offset=(0, -d))
-    K, M = thin_stiffness_mass(nodes, [(cells, Shell(t, metal)), (spine, rib)])
+    K, M = matrices(nodes, (cells, Shell(t, metal)), (spine, rib))
     force = np.zeros((len(nodes), 6))
     force[middle[-1], 2] = 1.0
     x = solved(K, force.ravel(), dofs(r == 0, range(6)))

@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from thinmeshes import dofs, frequencies, grid, pressed, solved
+from thinmeshes import dofs, frequencies, grid, matrices, pressed, solved
 
 import aoimpact as ao
 from aoimpact.base.errors import InputError, InputTypeError
 from aoimpact.fem.laminate import Laminate, Ply, Shell
 from aoimpact.fem.shells import strain_rows
-from aoimpact.fem.thin import thin_stiffness_mass
 
 CARBON = ao.Orthotropic(E=(135e9, 9e9, 9e9), G=(5e9, 5e9, 3.2e9), nu=(0.3, 0.3, 0.4), rho=1550)
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -139,7 +138,7 @@ def test_cross_ply_plate_under_a_sine_of_pressure(kind: str) -> None:
     a, n = 0.2, 16
     laminate = stack(0, 90, 0, thickness=a / 300)
     nodes, cells, r, s = grid(n, n, lambda r, s: (a * r, a * s, 0 * r), kind)
-    K, _ = thin_stiffness_mass(nodes, [(cells, laminate)])
+    K, _ = matrices(nodes, (cells, laminate))
     area = pressed(nodes, cells, laminate, (0, 0, 1)).reshape(-1, 6)
     force = area * (np.sin(np.pi * r) * np.sin(np.pi * s))[:, None]
     ends, sides = (r == 0) | (r == 1), (s == 0) | (s == 1)
@@ -160,7 +159,7 @@ def test_the_fibre_axis_turns_with_the_mesh() -> None:
         )
         axis = (math.cos(fibre), math.sin(fibre), 0.0)
         sheet = Laminate([Ply(1e-3, CARBON, ply), Ply(1e-3, CARBON, ply + 90)], fibre_axis=axis)
-        K, M = thin_stiffness_mass(nodes, [(np.roll(cells, roll, axis=1), sheet)])
+        K, M = matrices(nodes, (np.roll(cells, roll, axis=1), sheet))
         return frequencies(K, M, 9)[6:]
 
     plain = lowest(0.0, 0.0, 30.0, 0)
@@ -174,7 +173,7 @@ def test_an_orthotropic_shell_is_a_laminate_of_one_ply() -> None:
     nodes, cells, _, _ = grid(3, 3, lambda r, s: (0.1 * r, 0.1 * s, 0.01 * r * s))
     shell = Shell(1e-3, CARBON.turned(0.5))
     laminate = Laminate([Ply(1e-3, CARBON)], fibre_axis=(math.cos(0.5), math.sin(0.5), 0))
-    one, other = (thin_stiffness_mass(nodes, [(cells, part)])[0] for part in (shell, laminate))
+    one, other = (matrices(nodes, (cells, part))[0] for part in (shell, laminate))
     assert abs(one - other).max() < 1e-9 * abs(one).max()
 
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from thinmeshes import dofs, frequencies, grid, pressed, rigid_motions, solved, turned
+from thinmeshes import dofs, frequencies, grid, matrices, pressed, rigid_motions, solved, turned
 
 import aoimpact as ao
+from aoimpact import Shell
 from aoimpact.base.errors import InputError
-from aoimpact.fem.laminate import Shell
 from aoimpact.fem.shells import (
     element_mass,
     element_stiffness,
@@ -21,7 +21,6 @@ from aoimpact.fem.shells import (
     nodal_strains,
     strain_rows,
 )
-from aoimpact.fem.thin import thin_stiffness_mass
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -37,7 +36,7 @@ def material(E: float, nu: float) -> ao.Material:
 
 
 def assembled(nodes: FloatArray, cells: Any, layers: Shell) -> tuple[Any, Any]:
-    return thin_stiffness_mass(nodes, [(cells, layers)])
+    return matrices(nodes, (cells, layers))
 
 
 @pytest.mark.parametrize("corners", [3, 4])
@@ -99,7 +98,7 @@ def test_a_distorted_mesh_has_constant_strain_exactly(kind: str, state: str, off
         "triangle": [triangles],
         "mixed": [PATCH_CELLS[:3], triangles[[3, 4, 8, 9]]],
     }[kind]
-    K, _ = thin_stiffness_mass(nodes, [(cells, sheet) for cells in parts])
+    K, _ = matrices(nodes, *((cells, sheet) for cells in parts))
     force = (K @ moved.ravel()).reshape(8, 6)
     size = (abs(K) @ abs(moved.ravel())).max()
     assert abs(force[4:]).max() < 1e-14 * size
@@ -468,7 +467,8 @@ def test_a_fibre_axis_along_the_normal_is_refused() -> None:
 
 def test_matrices_are_symmetric_and_sorted() -> None:
     nodes, cells, _, _ = grid(5, 4, lambda r, s: (r, s, 0.1 * r * s))
-    for matrix in assembled(nodes, cells, Shell(0.01, STEEL)):
+    body = ao.FEModel.from_mesh(ao.Mesh(nodes, cells, "quad"), Shell(0.01, STEEL))
+    for matrix in (body.K, body.M):
         assert matrix.has_sorted_indices
         assert abs(matrix - matrix.T).max() == 0.0
         assert matrix.indices.dtype == np.int32

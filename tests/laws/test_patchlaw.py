@@ -146,11 +146,41 @@ def test_a_thornton_contact_on_a_patch_loses_what_its_law_does():
     assert 0.5 < hit.restitution < 0.95
 
 
+@pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-8), ao.Adaptive(rtol=1e-9)])
+def test_a_spring_in_series_is_a_compliance_below_zero(solver):
+    """Linear in series with 1/k is (1/K + 1/k)⁻¹: peak force v √(k m); and F = law(δ - F/k)."""
+    law = ao.Linear(1e8).within_patch(-1e-8)
+    assert on_a_wall(law, 0.016, 1.0, solver).peak_force == pytest.approx(
+        np.sqrt(5e7 * 0.016), rel=1e-6
+    )
+    law = ao.Hertz(K).within_patch(-5e-9)
+    force = law.force(2e-5)
+    assert force == pytest.approx(ao.Hertz(K).force(2e-5 - 5e-9 * force), rel=1e-12)
+    hit = on_a_wall(law, 0.016, 1.0, solver)
+    assert hit.restitution == pytest.approx(1.0, abs=1e-6)
+    assert law.potential(hit.indentation.max()) == pytest.approx(0.008, rel=1e-3)
+    assert "compliance of the mesh added: 5 nm/N" in str(law)
+
+
+@pytest.mark.parametrize("compliance", [-5e-9, -1e-10])
+def test_a_plastic_contact_in_series_with_a_spring_loses_as_much(compliance):
+    """A spring returns what it takes: the deepest force and the dent are the law's own."""
+    law, mass, speed = ao.Thornton(K, 200.0), 0.016, 0.7
+    hit, alone = (
+        on_a_wall(each, mass, speed, ao.Newmark(dt=1e-8))
+        for each in (law.within_patch(compliance), law)
+    )
+    assert hit.restitution == pytest.approx(
+        ao.restitution(law.within_patch(compliance), mass, speed), rel=1e-5
+    )
+    assert hit.restitution > alone.restitution  # part of the energy is the spring's
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
         (lambda: ao.Linear(1e9).within_patch(2e-9), "more than Linear"),
-        (lambda: ao.Hertz(K).within_patch(0.0), "compliance must be positive"),
+        (lambda: ao.Hertz(K).within_patch(0.0), "compliance must not be 0 m/N"),
         (lambda: ao.Hertz(K).within_patch(C).within_patch(C), "law with nothing taken out"),
     ],
 )

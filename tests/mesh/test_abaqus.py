@@ -372,12 +372,13 @@ def test_other_elements_are_listed_and_ignored_unless_a_group_needs_them(
     tmp_path: Path, more: str, said: str
 ) -> None:
     deck = NODES + BRICK + more + "*ELSET,ELSET=MIXED\n1,9\n"
-    with pytest.warns(AOImpactWarning, match=f"not part of the body: {said}$"):
+    with pytest.warns(AOImpactWarning, match=f"not part of the body.*: {said}$"):
         mesh = read(tmp_path, deck)
     assert mesh.n_cells == 1
     assert mesh.part("BAR").n_cells == 1
     for name in ("G", "MIXED"):
-        with pytest.raises(InputError, match=f"{name}.* also holds .*which are no solids"):
+        why = f"{name}.* also holds .*which are no solids|is a set of nodes"
+        with pytest.raises(InputError, match=why):
             mesh.part(name)
 
 

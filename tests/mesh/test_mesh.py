@@ -216,9 +216,12 @@ def test_scale_turns_millimetres_into_metres() -> None:
 @pytest.mark.parametrize(
     ("cells", "words"),
     [
-        ([], "no volume cells: it has no cells at all"),
-        ([("triangle", np.array([[0, 1, 2], [1, 2, 3]]))], "no volume cells: it has 2 triangle"),
-        ([("hexahedron", np.zeros((0, 8), int))], "no volume cells"),
+        ([], "no elements: it has no cells at all"),
+        (
+            [("triangle6", np.arange(6)[None])],
+            "unsupported kind: 1 triangle6; .* are of first order",
+        ),
+        ([("hexahedron", np.zeros((0, 8), int))], "no elements"),
         (
             [("wedge18", np.arange(18).reshape(1, 18) % 12)],
             "unsupported kind: 1 wedge18; supported",

@@ -492,7 +492,7 @@ def test_what_is_not_understood_is_refused_by_line(
     [
         ("SOL 101\nCEND\n" + grids(), r"line 2, CEND: BEGIN BULK is missing"),
         ("BEGIN BULK\n,1,2\n" + grids(), r"line 2, continuation: there is no entry before it"),
-        ("BEGIN BULK\n" + grids(), "no volume cells"),
+        ("BEGIN BULK\n" + grids(), "no elements"),
         ("BEGIN BULK\n\0" + grids(), "binary|cannot be read"),
     ],
 )

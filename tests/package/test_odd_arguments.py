@@ -310,6 +310,39 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.box_mesh,
         {"lengths": (1.0, 1.0, 1.0), "divisions": (1, 1, 1), "kind": "tetra"},
     ),
+    "sheet_mesh": (
+        ao.sheet_mesh,
+        {"lengths": (1.0, 1.0), "divisions": (1, 1), "kind": "triangle"},
+    ),
+    "Shell": (ao.Shell, {"thickness": 1e-3, "material": STEEL, "offset": 0.0}),
+    "Ply": (ao.Ply, {"thickness": 1e-3, "material": PLY, "angle_deg": 45.0}),
+    "Laminate": (
+        ao.Laminate,
+        {"plies": [ao.Ply(1e-3, PLY)], "fibre_axis": (1, 0, 0), "offset": 0.0},
+    ),
+    "Beam": (
+        ao.Beam,
+        {
+            "section": ao.CircularSection(0.01),
+            "material": STEEL,
+            "orientation": (0, 0, 1),
+            "offset": (0.0, 0.0),
+        },
+    ),
+    "RectangularSection": (ao.RectangularSection, {"width": 0.02, "height": 0.01}),
+    "CircularSection": (ao.CircularSection, {"radius": 0.01}),
+    "TubularSection": (ao.TubularSection, {"radius": 0.01, "thickness": 1e-3}),
+    "BeamSection": (
+        ao.BeamSection,
+        {
+            "area": 1e-3,
+            "Iy": 1e-6,
+            "Iz": 1e-7,
+            "J": 1e-8,
+            "shear_factors": (0.8, 0.8),
+            "points": ((0.0, 0.0),),
+        },
+    ),
     "sphere_mesh": (ao.sphere_mesh, {"radius": 1.0, "size": 1.0}),
     "Mesh": (
         ao.Mesh,

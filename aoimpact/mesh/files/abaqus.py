@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from ...base import IntArray, MeshError, warn
 from .abaqusdeck import Keyword, key, read_keywords
-from .abaqusnames import CONNECTIONS, HARMLESS, SIDES, UNSUPPORTED
+from .abaqusnames import CONNECTIONS, HARMLESS, SIDES, STRUCTURAL, UNSUPPORTED
 from .abaqusscope import Elements, Scope, Which
 from .raw import RawBlock, RawMesh
 
@@ -156,13 +156,17 @@ def _joined(file: Path, model: _Model) -> RawMesh:
     rows = [block.nodes + of.first["NSET"] for of in scopes for block in of.elements]
     node_sets, cell_sets = _named(whole, model)
     kinds = np.repeat(np.arange(len(blocks)), [len(block.labels) for block in blocks])
-    others = np.array([block.type[:3] != "C3D" for block in blocks], dtype=bool)
+    solid = np.array([block.type[:3] == "C3D" for block in blocks], dtype=bool)
+    if not solid.any():  # a body of shells and beams: nothing else with a shape is part of it
+        blocks = [b if STRUCTURAL.match(b.type) else replace(b, kind="") for b in blocks]
+    unread = np.array([not block.kind for block in blocks], dtype=bool)
     bodies_named = {instance.name for instance in model.instances.values()}
     left_out = {}
     for name, members in cell_sets.items():
         of_kind = kinds[members]
-        if others[of_kind].any() and name not in bodies_named:
-            listed = Counter(blocks[i].type for i in of_kind[others[of_kind]].tolist())
+        others = ~solid[of_kind] if solid[of_kind].any() else unread[of_kind]
+        if others.any() and name not in bodies_named:
+            listed = Counter(blocks[i].type for i in of_kind[others].tolist())
             left_out[name] = _listed(listed)
     _warn(file, whole, model, blocks)
     n_nodes = sum(len(body.labels) for body in bodies)
@@ -228,8 +232,17 @@ def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> No
         )
     if model.changes:
         said.append(f"{model.changes} *MODEL CHANGE were left out: the body has all elements")
-    if counts:
-        said.append(f"elements that are no solids are not part of the body: {_listed(counts)}")
+    solids = any(block.type.startswith("C3D") for block in blocks)
+    thin = {block.type for block in blocks if block.kind}
+    unread = Counter({name: count for name, count in counts.items() if name not in thin})
+    if solids and counts != unread:
+        said.append(
+            "elements that are no solids are not part of the body, unless their groups are named "
+            f"as shells and beams: {_listed(counts)}"
+        )
+    elif unread:
+        what = "no solids" if solids else "no solids, shells or beams"
+        said.append(f"elements that are {what} are not part of the body: {_listed(unread)}")
     used = {instance.part for instance in model.instances.values()}
     if unused := [model.called[part] for part in model.parts if part not in used]:
         said.append(f"parts without an instance are left out: {', '.join(unused)}")

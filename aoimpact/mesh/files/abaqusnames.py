@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from .raw import LINES, SOLIDS, SURFACES
+from .raw import LINES, SOLIDS, SURFACES, nodes_in
 
 # Solids. Nodes are in meshio's order but for C3D27, where the middle comes before the faces.
 _SOLID = re.compile(r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}")
@@ -19,9 +19,16 @@ SIDES = re.compile(r"CP[SE]\d|CAX\d|SFM3D")
 
 _LINE = re.compile(r"T[23]D([23])[A-Z]{0,2}")
 
+# Beams in space, by their order: B33 has the nodes of B31.
+_BEAM = re.compile(r"B3([123])H?(?:OS)?H?")
+_BEAMS = {1: "line", 2: "line3", 3: "line"}
+
+# Types that may be shells and beams of a body; membranes, rigid and plane elements are not.
+STRUCTURAL = re.compile(r"S\d|STRI|US\d|B3\d")
+
 # Elements of a number of nodes that may vary, or of shapes that no mesh of solids has.
 _LISTED = re.compile(
-    r"(?:B[23]\d|PIPE|ELBOW|FRAME|MASS$|ROTARYI$|HEATCAP$|SPRING|DASHPOT|JOINT|CONN|GAP|DGAP|DCOUP"
+    r"(?:B2\d|PIPE|ELBOW|FRAME|MASS$|ROTARYI$|HEATCAP$|SPRING|DASHPOT|JOINT|CONN|GAP|DGAP|DCOUP"
     r"|ITS|ITT|ISL|IRS|LS\d|COH|GK|SC[68]R|CSS8|SFM|MAX|MCL|CCL|CIN|CPEG|CGAX|CAXA|CGPE|SAX|SAXA"
     r"|DSAX|RAX2|RB[23]D|R2D2|AC1D|AC3D|ACIN|ASI|DC1D|DCC|DC3D|Q3D|EMC|EC3D|FC3D|F3D|PC3D|PD3D|PSI"
     r"|DRAG|KSP|WARP|D$|V?U\d|Z\d)[A-Z0-9-]*"
@@ -37,6 +44,9 @@ def element_type(name: str) -> tuple[str, int] | None:
         if found := pattern.fullmatch(name):
             count = 6 if found[1] == "65" else int(found[1])
             return kinds[count], count
+    if found := _BEAM.fullmatch(name):
+        kind = _BEAMS[int(found[1])]
+        return kind, nodes_in(kind)
     return ("", 0) if _LISTED.fullmatch(name) else None
 
 

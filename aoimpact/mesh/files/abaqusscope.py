@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 import scipy
 
-from ...base import FloatArray, IntArray, require
+from ...base import FloatArray, IntArray, MeshError, require
 from .abaqusdeck import MOST, Keyword, key
 from .abaqusnames import element_type
 from .raw import cylindrical, joined, repeats, rows_of
@@ -212,7 +212,13 @@ class Scope:
         if self.inner and name.startswith("C3D"):
             raise keyword.error("solids belong into a part")
         if kind and not self.inner:  # between instances, nodes have names
-            table = keyword.connectivity(n_nodes)
+            try:
+                table = keyword.connectivity(n_nodes)
+            except MeshError:
+                if name[0] != "B":
+                    raise
+                # A beam may name a node towards which its section is turned.
+                table = keyword.connectivity(n_nodes + 1)[:, : n_nodes + 1]
             new = Elements(name, kind, table[:, 0], table[:, 1:], keyword)
         else:
             labels = keyword.first_numbers()

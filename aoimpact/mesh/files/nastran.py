@@ -104,8 +104,8 @@ def read(file: Path) -> RawMesh:
             cell_sets[f"{name} elements"] = one.among(labels)
     if beside := _beside([part.block for part in elements], set(deck.names), len(nodes)):
         warn(
-            f"mesh file {str(file)!r}: {beside} are not part of the body, which is made of solids "
-            "alone"
+            f"mesh file {str(file)!r}: {beside} are not part of the body, unless their groups are "
+            "named as shells and beams"
         )
     counts = sorted((name, len(first)) for name, first in deck.names.items())
     for pattern, what in (

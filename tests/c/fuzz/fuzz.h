@@ -243,7 +243,7 @@ static inline aoi_law take_law(input *in, int *status)
         *status = aoi_law_create(&law, kinds[kind].name, kinds[kind].count, parameter);
     }
     if (*status == AOI_OK && take_byte(in) % 4 == 0) { /* on a patch */
-        law.compliance = take_positive(in);
+        law.compliance = take_byte(in) % 2 ? take_positive(in) : -take_positive(in);
         law.limit = fmin(law.limit, take_positive(in));
     }
     if (*status == AOI_OK) {
@@ -255,7 +255,7 @@ static inline aoi_law take_law(input *in, int *status)
 /* Whether it may give no number. */
 static inline int may_fail(const aoi_law *law)
 {
-    return law->user.call != NULL || law->compliance > 0.0;
+    return law->user.call != NULL || law->compliance != 0.0;
 }
 
 #endif

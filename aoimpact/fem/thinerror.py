@@ -1,0 +1,182 @@
+"""How wrong the strains of shells are, from their jumps between elements.
+
+As for solids (`stresserror`): strains that are averaged at the nodes are better than those of the
+elements, and the energy of the difference estimates the error. They are averaged over elements of
+one shell on one smooth surface. Beams are exact between nodes that carry the loads.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray, IntArray
+from .beams import Beam, beam_stiffness
+from .composition import ThinPart, thin_parts
+from .laminate import Layers
+from .shells import Strains, nodal_normals, nodal_strains, strain_rows
+from .stresserror import missing_energy
+
+__all__ = [
+    "ShellPiece",
+    "mean_at_nodes",
+    "shell_pieces",
+    "thin_energy_error",
+    "thin_stiffness_error",
+]
+
+# Places of the generalised strains in the tensors of membrane strain and curvature.
+_PLANE = ((0, 0, 0), (1, 1, 1), (2, 0, 1))
+
+# Normals at a node that differ by less belong to one surface.
+_ALIKE = 6
+
+
+class ShellPiece:
+    """The elements of one kind of one shell, and the surfaces on which their corners lie.
+
+    Attributes
+    ----------
+    part : ThinPart
+    layers : Shell or Laminate
+    strains : Strains
+    places : ndarray of int, shape (n, nodes)
+        For each corner the number of its node on its smooth surface, through all pieces.
+    """
+
+    def __init__(self, part: ThinPart, layers: Layers, strains: Strains, places: IntArray) -> None:
+        self.part, self.layers, self.strains, self.places = part, layers, strains, places
+
+
+def shell_pieces(
+    mesh: Any, material: Any, wanted: npt.NDArray[np.bool_] | None = None
+) -> tuple[list[ShellPiece], IntArray]:
+    """Return the shells of a body by kind, and the node of each place.
+
+    Parameters
+    ----------
+    mesh, material
+    wanted : ndarray of bool, shape (n_cells,), optional
+        The elements that are needed; all if left out.
+    """
+    parts = [part for part in thin_parts(mesh, material) if isinstance(part.of, Layers)]
+    if not parts:
+        return [], np.zeros(0, dtype=np.int64)
+    normals = nodal_normals(mesh.nodes, [part.cells for part in parts])
+    constant = len({part.cells.shape[1] for part in parts}) > 1
+    number: dict[Any, int] = {}
+    keys = []
+    for part, normal in zip(parts, normals, strict=True):
+        which = number.setdefault(part.of, len(number))
+        corners = part.cells.ravel()
+        keys.append(
+            np.column_stack(
+                [corners, np.full(len(corners), which), normal.reshape(-1, 3).round(_ALIKE) + 0.0]
+            )
+        )
+    places, place = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
+    ends = np.cumsum([part.cells.size for part in parts])[:-1]
+    pieces = []
+    for part, normal, own in zip(parts, normals, np.split(place.reshape(-1), ends), strict=True):
+        assert isinstance(part.of, Layers)
+        rows = slice(None) if wanted is None else wanted[part.numbers]
+        some = ThinPart(part.cells[rows], part.numbers[rows], part.of)
+        corners = mesh.nodes[some.cells]
+        strains = strain_rows(corners, part.of, normal[rows], constant=constant)
+        at = own.reshape(part.cells.shape)[rows]
+        pieces.append(ShellPiece(some, part.of, strains, at))
+    return pieces, places[:, 0].astype(np.int64)
+
+
+def mean_at_nodes(pieces: list[ShellPiece], moved: FloatArray, count: int) -> list[FloatArray]:
+    """Return the mean strains at the elements' corners, in the elements' axes, (n, nodes, 8).
+
+    Parameters
+    ----------
+    pieces : list of ShellPiece
+    moved : ndarray, shape (n_nodes, 6)
+        Displacements and rotations.
+    count : int
+        How many places there are.
+    """
+    total, elements = np.zeros((count, 3, 3, 3)), np.zeros(count)
+    for piece in pieces:
+        own = nodal_strains(piece.strains, moved[piece.part.cells])
+        np.add.at(total, piece.places, _tensors(own, piece.strains.frames))
+        elements += np.bincount(piece.places.ravel(), minlength=count)
+    total /= elements[:, None, None, None]
+    return [_components(total[piece.places], piece.strains.frames) for piece in pieces]
+
+
+def thin_energy_error(mesh: Any, material: Any, moved: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return twice the strain energy of averaged strain less the elements' own, and of their own.
+
+    Parameters
+    ----------
+    mesh, material
+        Of a body of shells and beams.
+    moved : ndarray, shape (n_nodes, 6)
+        Displacements and rotations.
+
+    Returns
+    -------
+    difference, own : ndarray, shape (n_cells,)
+        Of each element, J; 0 of solids.
+    """
+    difference, own = np.zeros((2, mesh.n_cells))
+    for part in thin_parts(mesh, material):
+        if isinstance(part.of, Beam):
+            stiffness = beam_stiffness(mesh.nodes[part.cells], part.of)
+            x = moved[part.cells].reshape(len(part.cells), -1)
+            own[part.numbers] = np.einsum("ni,nij,nj->n", x, stiffness, x)
+    pieces, places = shell_pieces(mesh, material)
+    averaged = mean_at_nodes(pieces, moved, len(places))
+    for piece, mean in zip(pieces, averaged, strict=True):
+        x = moved[piece.part.cells].reshape(len(mean), -1)
+        strain = np.einsum("nqsd,nd->nqs", piece.strains.rows[:, :, :8], x)
+        off = strain - np.einsum("qa,nas->nqs", piece.strains.shape, mean)
+        for values, found in ((strain, own), (off, difference)):
+            energy = np.einsum("nqi,ij,nqj->nq", values, piece.layers.stiffness, values)
+            found[piece.part.numbers] = (piece.strains.weights * energy).sum(axis=1)
+    return difference, own
+
+
+def thin_stiffness_error(body: Any, deflection: FloatArray, near: npt.NDArray[np.bool_]) -> float:
+    """Return how much too stiff a mesh of shells is for a deflection of its free dofs, relative.
+
+    Parameters
+    ----------
+    near : ndarray of bool, shape (n_cells,)
+        Elements under a contact: the compliance removed there makes them good.
+    """
+    full = np.zeros((2, body.mesh.n_nodes, 3))
+    full.reshape(-1)[body.free] = deflection
+    false, own = thin_energy_error(body.mesh, body.material, np.hstack(list(full)))
+    whole = float(own.sum())
+    return missing_energy(false[~near], own[~near]) / whole if whole else 0.0
+
+
+def _tensors(strains: FloatArray, frames: FloatArray) -> FloatArray:
+    """Membrane strain, curvature and shear, that with the normal, as tensors in global axes."""
+    local = np.zeros((*strains.shape[:-1], 3, 3, 3))
+    for component, i, j in _PLANE:
+        half = 1.0 if i == j else 0.5
+        local[..., 0, i, j] = local[..., 0, j, i] = half * strains[..., component]
+        local[..., 1, i, j] = local[..., 1, j, i] = half * strains[..., 3 + component]
+    local[..., 2, 0, 2] = local[..., 2, 2, 0] = strains[..., 6]
+    local[..., 2, 1, 2] = local[..., 2, 2, 1] = strains[..., 7]
+    return np.asarray(np.einsum("nai,nctab,nbj->nctij", frames, local, frames, optimize=True))
+
+
+def _components(tensors: FloatArray, frames: FloatArray) -> FloatArray:
+    """The inverse of `_tensors`, in the axes of elements of the same surface."""
+    local = np.einsum("nai,nctij,nbj->nctab", frames, tensors, frames, optimize=True)
+    strains = np.empty((*tensors.shape[:2], 8))
+    for component, i, j in _PLANE:
+        whole = 1.0 if i == j else 2.0
+        strains[..., component] = whole * local[..., 0, i, j]
+        strains[..., 3 + component] = whole * local[..., 1, i, j]
+    strains[..., 6], strains[..., 7] = local[..., 2, 0, 2], local[..., 2, 1, 2]
+    return strains

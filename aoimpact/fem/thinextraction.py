@@ -1,0 +1,163 @@
+"""Compliance that shell and beam elements have in place of a body's at a contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from ..base import FloatArray, IntArray
+from ..linalg import LinearSolver
+from .beams import Beam
+from .composition import thin_parts
+from .laminate import Layers
+from .layer import bending_length, contact_reach, layer_compliance_of, mesh_compliance
+from .shells import FOLD, element_frames
+
+__all__ = ["ThinExtraction", "extracted_from_beam", "extracted_from_shell"]
+
+# Frequencies that shape the force of an impact, over and below s = 10/T. By c at both ends forces
+# on sheets of elements up to three bending waves long are wrong by 1 to 1.3 times the error.
+_SPAN = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class ThinExtraction:
+    """Compliances of a shell or beam at a contact point under a unit force.
+
+    Attributes
+    ----------
+    removed : float
+        c = G - R, that the elements have in place of an elastic layer, m/N; negative where they are
+        stiffer. 0 of a beam.
+    error : float
+        How much c changes over the frequencies of an impact, m/N: large where elements are longer
+        than the bending wave.
+    varying : float
+        How much c changes while the contact grows to the radius a, m/N.
+    strain : float
+        xᵀKx of the displacement x under the unit force on the nodes, m/N.
+    radius : float
+        a, m.
+    near : ndarray of bool, shape (n_cells,)
+        Elements about the contact, whose errors c makes good.
+    edge_over_wave : float
+        The longest edge of an element at the contact over λ = (D/(m s²))^(1/4); 0 of a beam.
+    """
+
+    removed: float
+    error: float
+    varying: float
+    strain: float
+    radius: float
+    near: npt.NDArray[np.bool_]
+    edge_over_wave: float = 0.0
+
+    by_width = 0.0
+
+    def removed_for(self, radius: float | None) -> float:
+        """Return c, which hardly depends on the radius of the contact."""
+        return self.removed
+
+
+def extracted_from_shell(
+    body: Any,
+    layers: Layers,
+    b: FloatArray,
+    shares: FloatArray,
+    couples: FloatArray,
+    cosine: float,
+    point: FloatArray,
+    normal: FloatArray,
+    radius: float,
+    solver: LinearSolver,
+) -> ThinExtraction:
+    """Return the compliances at a place of a shell.
+
+    Parameters
+    ----------
+    body : FEModel
+    layers : Shell or Laminate
+        Under the contact, which presses on its top.
+    b : ndarray, shape (n_dofs,)
+        The contact functional.
+    shares, couples : ndarray, shape (n_nodes,) and (n_nodes, 3)
+        Of the functional, along the normal, for a unit force along it.
+    cosine : float
+        Of the angle between force and normal: along the surface the shell does not yield like that.
+    point, normal : ndarray, shape (3,)
+    radius : float
+        a, of the contact itself, m.
+    solver : LinearSolver
+        Factors of K + s²M.
+    """
+    mesh, s = body.mesh, float(np.sqrt(solver.pencil.s2))
+    groups, near, edge = _around(body, layers, shares, point, normal, s)
+    c, slow, fast = (
+        mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, f * s, couples)
+        - layer_compliance_of(layers, radius, f * s, slowly=s)
+        for f in (1.0, 1.0 / _SPAN, _SPAN)
+    )
+    varying = 0.0
+    if len(layers.plies) == 1:
+        narrow, wide = (layer_compliance_of(layers, f * radius, s) for f in (0.5, 1.0))
+        varying = abs(narrow - wide)
+    share = cosine**2
+    return ThinExtraction(
+        share * c,
+        share * abs(fast - slow),
+        share * varying,
+        _strain(body, b, solver),
+        radius,
+        near,
+        edge / bending_length(layers, s),
+    )
+
+
+def extracted_from_beam(
+    body: Any, b: FloatArray, radius: float, solver: LinearSolver
+) -> ThinExtraction:
+    """Return the compliances at a place of a beam: it has a finite one, and nothing is removed."""
+    none = np.zeros(body.mesh.n_cells, dtype=bool)
+    return ThinExtraction(0.0, 0.0, 0.0, _strain(body, b, solver), radius, none)
+
+
+def _strain(body: Any, b: FloatArray, solver: LinearSolver) -> float:
+    x = solver.solve(b)
+    return float(x @ (body.K @ x))
+
+
+def _around(
+    body: Any, layers: Layers, shares: FloatArray, point: FloatArray, normal: FloatArray, s: float
+) -> tuple[list[IntArray], npt.NDArray[np.bool_], float]:
+    """Elements of the smooth surface about a point, which of all these are, and their edge there.
+
+    Elements belong to one surface if they share a node and their normals are alike.
+    """
+    mesh, loaded = body.mesh, shares != 0.0
+    parts = [part for part in thin_parts(mesh, body.material) if not isinstance(part.of, Beam)]
+    edge = 0.0
+    for part in parts:
+        corners = mesh.nodes[part.cells[loaded[part.cells].any(axis=1)]]
+        lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+        edge = max(edge, float(lengths.max(initial=0.0)))
+    away = np.linalg.norm(mesh.nodes - point, axis=1)
+    close = away < contact_reach(layers, edge, s) + float(away[loaded].max())
+    found = []
+    for part in parts:
+        inside = close[part.cells].any(axis=1)
+        cells, numbers = part.cells[inside], part.numbers[inside]
+        level = np.abs(element_frames(mesh.nodes[cells], None)[0][:, 2] @ normal) > FOLD
+        found.append((cells[level], numbers[level]))
+    row = np.concatenate([np.repeat(cells[:, 0], cells.shape[1]) for cells, _ in found])
+    column = np.concatenate([cells.ravel() for cells, _ in found])
+    links = sp.coo_array((np.ones(len(row)), (row, column)), shape=(mesh.n_nodes,) * 2)
+    label = sp.csgraph.connected_components(links, directed=False)[1]
+    own = np.isin(label, label[loaded])
+    near = np.zeros(mesh.n_cells, dtype=bool)
+    for cells, numbers in found:
+        near[numbers[own[cells[:, 0]]]] = True
+    return [cells[own[cells[:, 0]]] for cells, _ in found], near, edge

@@ -1,1 +1,0 @@
-from proto2 import *

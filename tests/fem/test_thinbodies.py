@@ -1,0 +1,236 @@
+"""Bodies of shells, beams and solids: supports, frequencies, joints, refusals."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.base.errors import InputError, InputTypeError, MeshError
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+SHEET = ao.Shell(thickness=2e-3, material=STEEL)
+ROUND = ao.Beam(ao.CircularSection(0.01), STEEL)
+KINDS = pytest.mark.parametrize("kind", ["quad", "triangle"])
+
+
+def line(*places: Any, label: str = "bar") -> ao.Mesh:
+    """A chain of line elements."""
+    cells = np.column_stack([np.arange(len(places) - 1), np.arange(1, len(places))])
+    return ao.Mesh(places, cells, "line", cell_sets={label: np.arange(len(cells))})
+
+
+@KINDS
+@pytest.mark.parametrize(
+    ("letters", "factor"), [(("xyz",), 19.739), (("xyz", "xyz"), 35.985), ((), 13.468)]
+)
+def test_supports_hold_displacements_and_rotations(kind: str, letters: Any, factor: float) -> None:
+    """ω a² √(m/D) of simply supported, clamped and free square plates (A. W. Leissa, 1973)."""
+    mesh = ao.sheet_mesh((0.3, 0.3), (24, 24), kind=kind)
+    body = ao.FEModel.from_mesh(mesh, SHEET, fixed=[("rim", *letters)] if letters else None)
+    found = body.frequencies(7)
+    if not letters:
+        assert (found[:6] == 0.0).all()
+        found = found[6:]
+    unit = math.sqrt(210e9 * 8e-9 / (12 * 0.91) / 15.6) / 0.09 / (2 * np.pi)
+    assert found[0] / unit == pytest.approx(factor, rel=0.012)
+
+
+def test_mass_and_repr() -> None:
+    mesh = ao.sheet_mesh((0.3, 0.2), (6, 4))
+    body = ao.FEModel.from_mesh(mesh, SHEET, fixed=[("xmin", "xyz", "y")])
+    assert body.mass == pytest.approx(0.3 * 0.2 * 2e-3 * 7800)
+    assert repr(body) == ("FEModel(190 dofs, 35 nodes, 24 quad, 0.936 kg, 20 dofs constrained)")
+    assert ao.FEModel.from_mesh(mesh, SHEET).audit(frequencies=0).centre == pytest.approx(
+        [0.15, 0.1, 0.0]
+    )
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+def test_a_free_body_in_any_plane_has_six_rigid_motions(angle: float) -> None:
+    mesh = ao.sheet_mesh((0.3, 0.2), (6, 4))
+    c, s = math.cos(angle), math.sin(angle)
+    turn = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    body = ao.FEModel.from_mesh(ao.Mesh(mesh.nodes @ turn, mesh.cells, "quad"), SHEET)
+    assert body.rigid_modes.shape == (210, 6)
+    found = body.frequencies(9)
+    assert (found[:6] == 0.0).all()
+    assert found[6:] == pytest.approx(ao.FEModel.from_mesh(mesh, SHEET).frequencies(9)[6:])
+    one = ao.FEModel.from_mesh(mesh, SHEET, fixed=[(0, "xyz")])
+    assert one.rigid_modes.shape[1] == 3
+
+
+def test_a_portal_frame_sways() -> None:
+    """P h³/(12 E I) (2 + 3 k)/(1 + 6 k) of clamped columns, k = h over the span."""
+    h, span = 0.8, 1.2
+    mesh = line((0, 0, 0), (0, 0, h), (span, 0, h), (span, 0, 0))
+    body = ao.FEModel.from_mesh(mesh, ROUND, fixed=[([0, 3], "xyz", "xyz")])
+    assert body.n_dofs == 12
+    tip = body.contact(node=1, direction=(1, 0, 0))
+    force = 0.5 * tip.b + 0.5 * body.contact(node=2, direction=(1, 0, 0)).b
+    ratio, second = span / h, np.pi * 0.01**4 / 4
+    exact = h**3 / (12 * 210e9 * second) * (2 * ratio + 3) / (ratio + 6)
+    assert tip.b @ body.inverse().solve(force) == pytest.approx(exact, rel=5e-3)
+
+
+def stiffened(n: int = 32) -> tuple[ao.Mesh, float]:
+    """A strip with a line of beams along its middle."""
+    strip = ao.sheet_mesh((0.8, 0.04), (n, 2))
+    middle = np.flatnonzero(abs(strip.nodes[:, 1] - 0.02) < 1e-9)
+    spine = np.column_stack([middle[:-1], middle[1:]])
+    groups = {"skin": np.arange(2 * n), "rib": 2 * n + np.arange(n)}
+    blocks: Any = [("quad", strip.cells), ("line", spine)]
+    return ao.Mesh(strip.nodes, blocks, "mixed", strip.node_sets, groups), 0.04
+
+
+def test_a_stiffened_strip_bends_as_one_section() -> None:
+    """E I of both about their common axis: I1 + I2 + A1 A2/(A1 + A2) d²."""
+    mesh, width = stiffened()
+    t, height, metal = 2e-3, 0.02, ao.Material(210e9, 0.0, 7800)
+    d = (t + height) / 2
+    rib = ao.Beam(ao.RectangularSection(5e-3, height), metal, (0, 0, 1), offset=(0, -d))
+    parts = {"skin": ao.Shell(t, metal), "rib": rib}
+    body = ao.FEModel.from_mesh(mesh, parts, fixed=[("xmin", "xyz", "xyz")])
+    plate, web = width * t, 5e-3 * height
+    assert body.mass == pytest.approx(7800 * 0.8 * (plate + web))
+    tip = body.contact(point=(0.8, 0.02, 0.0), direction=(0, 0, -1), radius=0)
+    second = (plate * t**2 + web * height**2) / 12 + plate * web / (plate + web) * d**2
+    found = tip.b @ body.inverse().solve(tip.b)
+    assert found == pytest.approx(0.8**3 / (3 * 210e9 * second), rel=0.015)
+
+
+def test_a_shell_continued_on_a_solid_is_clamped_there() -> None:
+    """A sheet that sticks out of a block: P L³/(3 E I) beyond the block, which hardly yields."""
+    block = ao.box_mesh((0.1, 0.04, 0.04), (4, 2, 2))
+    top = np.flatnonzero((block.nodes[:, 2] == 0.04) & (block.nodes[:, 0] >= 0.05 - 1e-9))
+    along, across = 12, np.array([0.0, 0.02, 0.04])
+    out = np.array([(0.1 + 0.2 * i / along, y, 0.04) for i in range(1, along + 1) for y in across])
+    nodes = np.vstack([block.nodes, out])
+    rows = [top[np.isclose(block.nodes[top, 0], x)] for x in (0.05, 0.075, 0.1)]
+    rows = [row[np.argsort(block.nodes[row, 1])] for row in rows]
+    rows += list(len(block.nodes) + np.arange(len(out)).reshape(along, 3))
+
+    def mesh(first: int) -> ao.Mesh:
+        cells = [
+            (a[j], b[j], b[j + 1], a[j + 1])
+            for a, b in zip(rows[first:-1], rows[first + 1 :], strict=True)
+            for j in (0, 1)
+        ]
+        blocks: Any = [("hexahedron", block.cells), ("quad", np.array(cells))]
+        groups = {"block": np.arange(16), "sheet": 16 + np.arange(len(cells))}
+        return ao.Mesh(nodes, blocks, "mixed", block.node_sets, groups)
+
+    parts = {"block": STEEL, "sheet": ao.Shell(1e-3, STEEL)}
+    body = ao.FEModel.from_mesh(mesh(0), parts, fixed=[("xmin", "xyz")])
+    tip = body.contact(point=(0.3, 0.02, 0.04), direction=(0, 0, -1), radius=0)
+    found = tip.b @ body.inverse().solve(tip.b)
+    strip = 0.2**3 / (3 * 210e9 * 0.04 * 1e-9 / 12)
+    assert found == pytest.approx(strip, rel=0.05)
+    with pytest.raises(InputError, match="3 nodes where shells or beams meet solids are hinges"):
+        ao.FEModel.from_mesh(mesh(2), parts)
+
+
+def test_springs_and_masses_act_on_displacements() -> None:
+    mesh = ao.sheet_mesh((0.3, 0.3), (8, 8))
+    body = ao.FEModel.from_mesh(mesh, SHEET, masses=[(40, 2.0)], springs=[("rim", "xyz", 1e4)])
+    assert body.mass == pytest.approx(2.0 + 0.09 * 15.6)
+    total = body.translation((0, 0, 1)) @ body.K @ body.translation((0, 0, 1))
+    assert total == pytest.approx(1e4)
+    assert body.rigid_modes.shape[1] == 0
+
+
+def test_a_body_of_shells_is_pickled_and_copied() -> None:
+    body = ao.FEModel.from_mesh(
+        ao.sheet_mesh((0.3, 0.3), (4, 4)), SHEET, fixed=[("rim", "xyz", "xyz")], masses=[(12, 1.0)]
+    )
+    for other in (pickle.loads(pickle.dumps(body)), copy.copy(body)):
+        assert abs(other.K - body.K).max() == 0.0
+        assert abs(other.M - body.M).max() == 0.0
+
+
+@pytest.mark.parametrize("turned", [[3], [0, 5, 6]])
+def test_neighbours_are_turned_to_one_side(turned: list[int]) -> None:
+    mesh = ao.sheet_mesh((0.3, 0.2), (4, 3))
+    cells = mesh.cells.copy()
+    cells[turned] = cells[turned][:, ::-1]
+    raw = meshio.Mesh(mesh.nodes, [("quad", cells)])
+    with pytest.warns(ao.AOImpactWarning, match=f"{len(turned)} of 12 surface elements"):
+        read = ao.read_mesh(raw)
+    corners = read.nodes[read.cells]
+    assert (np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] > 0).all()
+
+
+def test_sheets_of_the_generator() -> None:
+    for kind, count in (("quad", 12), ("triangle", 24)):
+        mesh = ao.sheet_mesh((0.4, 0.3), (4, 3), kind=kind)
+        assert mesh.n_cells == count
+        assert {name: len(ids) for name, ids in mesh.node_sets.items()} == {
+            "xmin": 4,
+            "xmax": 4,
+            "ymin": 5,
+            "ymax": 5,
+            "rim": 14,
+        }
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "words"),
+    [
+        (lambda m: ao.FEModel.from_mesh(m, STEEL), InputError, "quad, which needs ao.Shell"),
+        (lambda m: ao.FEModel.from_mesh(m, ROUND), InputError, "needs ao.Shell.* got Beam"),
+        (lambda m: ao.FEModel.from_mesh(m, "steel"), InputTypeError, "must be a Material"),
+        (
+            lambda m: ao.FEModel.from_mesh(ao.box_mesh((1, 1, 1), (1, 1, 1)), SHEET),
+            InputError,
+            "hexahedron, which needs a Material",
+        ),
+        (
+            lambda m: ao.FEModel.from_mesh(line((0, 0, 0), (1, 0, 0)), SHEET),
+            InputError,
+            "line, which needs ao.Beam",
+        ),
+        (lambda m: ao.read_mesh(m, order=2), MeshError, "of first order"),
+        (
+            lambda m: ao.FEModel.from_mesh(m, SHEET, fixed=[("rim", "xyz", "q")]),
+            InputError,
+            'letters must be of "x", "y" and "z"',
+        ),
+        (
+            lambda m: ao.FEModel.from_mesh(
+                ao.box_mesh((1, 1, 1), (1, 1, 1)), STEEL, fixed=[("xmin", "xyz", "x")]
+            ),
+            InputError,
+            "letters of rotations are for shells and beams",
+        ),
+        (
+            lambda m: ao.FEModel.from_mesh(m, SHEET).inverse(1.0, solver="multigrid"),
+            InputError,
+            "is for solids",
+        ),
+        (
+            lambda m: ao.Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], "triangle"),
+            MeshError,
+            r"flat \(no area",
+        ),
+        (
+            lambda m: ao.Mesh(
+                [[0, 0, 0], [1, 0, 0], [0.2, 0.2, 0], [0, 1, 0]], [[0, 1, 2, 3]], "quad"
+            ),
+            MeshError,
+            "folded",
+        ),
+        (lambda m: ao.Mesh([[0, 0, 0], [0, 0, 0]], [[0, 1]], "line"), MeshError, "flat|long"),
+        (lambda m: ao.sheet_mesh((0.1, 0.0), (1, 1)), InputError, r"lengths\[1\]"),
+        (lambda m: ao.sheet_mesh((0.1, 0.1), (1, 1, 1)), InputError, "two integers"),
+        (lambda m: ao.sheet_mesh((0.1, 0.1), (1, 1), kind="line"), InputError, "kind"),
+    ],
+)
+def test_refusals(make: Any, error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        make(ao.sheet_mesh((0.3, 0.3), (2, 2)))

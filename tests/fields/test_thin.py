@@ -1,0 +1,166 @@
+"""Stress, probes, files and pictures of shells and beams."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+matplotlib.use("Agg")
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+CARBON = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+XX, YY, ZZ, XY, YZ, XZ = range(6)
+
+
+def strip(layers: Any, n: int = 16, angle: float = 0.0) -> Any:
+    """A cantilever along x, 200 x 20 mm, turned about y by an angle."""
+    mesh = ao.sheet_mesh((0.2, 0.02), (n, 2))
+    c, s = math.cos(angle), math.sin(angle)
+    nodes = mesh.nodes @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    turned = ao.Mesh(nodes, mesh.cells, "quad", mesh.node_sets)
+    return ao.FEModel.from_mesh(turned, layers, fixed=[("xmin", "xyz", "xyz")])
+
+
+def pushed(body: Any, point: Any, direction: Any, force: float = 10.0) -> Any:
+    """The body at rest under a force that a slow, soft spring puts on it: F(t) is a half sine."""
+    tip = body.contact(point=point, direction=direction)
+    law = ao.Linear(k=1.0)  # soft: the body follows as at rest
+    mass = 1.0
+    velocity = force  # peak k x = √(k m) v
+    return ao.simulate(
+        ao.rigid(mass=mass), tip, velocity, law=law, duration=4.0, quantity="force", rtol=1e-3
+    )
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.6])
+def test_stress_of_a_cantilever_on_either_face(angle: float) -> None:
+    """σ = ± 6 F (L - x)/(b t²) along the strip; nothing in the middle surface but shear."""
+    t, F = 2e-3, 10.0
+    body = strip(ao.Shell(t, ao.Material(210e9, 0.0, 7800)), angle=angle)
+    c, s = math.cos(angle), math.sin(angle)
+    axis, normal = np.array([c, 0, s]), np.array([-s, 0, c])
+    hit = pushed(body, 0.2 * axis + [0, 0.01, 0], -normal, F)
+    field = hit.target.field()
+    node = int(np.linalg.norm(body.nodes - (0.1 * axis + [0, 0.01, 0]), axis=1).argmin())
+    bending = 6 * hit.peak_force * 0.1 / (0.02 * t**2)
+    for layer, sign in (("top", 1), ("middle", 0), ("bottom", -1)):
+        tensor = field.stress(layer=layer).tensor[0, node]
+        assert axis @ tensor @ axis == pytest.approx(sign * bending, rel=0.01, abs=1e-3 * bending)
+        assert normal @ tensor @ normal == pytest.approx(0.0, abs=1e-6 * bending)
+    at = hit.target.probe(body.nodes[node], times=[hit.peak_time])
+    assert axis @ at.strain.tensor[0] @ axis == pytest.approx(bending / 210e9, rel=0.01)
+    reaction = hit.target.reaction("xmin", times=[hit.peak_time])
+    assert reaction.force[0] == pytest.approx(hit.peak_force * normal, rel=0.01, abs=0.1)
+    arm = np.cross(0.2 * axis, -hit.peak_force * normal)  # of the force about the clamp
+    assert reaction.moment[0] == pytest.approx(-arm, rel=0.02, abs=0.02 * np.linalg.norm(arm))
+    shear = axis @ field.stress(layer="middle").tensor[0, node] @ normal
+    assert abs(shear) == pytest.approx(1.5 * hit.peak_force / (0.02 * t), rel=0.02)
+    assert field.rotation.shape == field.displacement.shape
+    deflection = hit.peak_force * 0.2**3 / (3 * 210e9 * 0.02 * t**3 / 12)
+    probe = hit.target.probe(0.2 * axis + [0, 0.01, 0], -normal, times=[hit.peak_time])
+    assert probe.displacement[0] == pytest.approx(deflection, rel=0.01)
+
+
+def test_a_probe_agrees_with_the_field() -> None:
+    body = strip(ao.Shell(2e-3, STEEL))
+    hit = pushed(body, (0.2, 0.01, 0), (0, 0, -1))
+    field = hit.target.field([hit.peak_time])
+    for layer in ("top", "bottom"):
+        probe = hit.target.probe(body.nodes[20], times=[hit.peak_time], layer=layer)
+        assert probe.stress.components[0] == pytest.approx(
+            field.stress(layer=layer).components[0, 20], rel=1e-9
+        )
+
+
+def test_plies_have_their_own_stress_along_their_fibres() -> None:
+    """A cross-ply cantilever: M = Σ σ over z, and strain is straight through the thickness."""
+    stack = [ao.Ply(0.5e-3, CARBON, angle) for angle in (0, 90, 90, 0)]
+    body = strip(ao.Laminate(stack, fibre_axis=(1, 0, 0)))
+    hit = pushed(body, (0.2, 0.01, 0), (0, 0, -1))
+    field = hit.target.field([hit.peak_time])
+    node = int(np.linalg.norm(body.nodes - [0.1, 0.01, 0], axis=1).argmin())
+    moment = 0.0
+    for ply in range(4):
+        low, high = (
+            field.stress(layer=(ply, side)).components[0, node] for side in ("bottom", "top")
+        )
+        along = (XX, YY)[ply in (1, 2)]  # of the ply's axes, along the strip
+        z = 1e-3 * (0.5 * ply - 1.0)
+        one, other = low[along], high[along]
+        # ∫ σ z over a ply in which σ is straight.
+        moment += 0.5e-3 * (z * (one + other) / 2 + 0.5e-3 * (one + 2 * other) / 6)
+        if ply in (0, 3):
+            assert abs(one) > 5 * abs(low[YY])
+    assert 0.02 * moment == pytest.approx(hit.peak_force * 0.1, rel=0.02)
+    with pytest.raises(ao.InputError, match="there is no ply 4, the last is 3"):
+        field.stress(layer=(4, "top"))
+
+
+def test_stress_of_a_beam() -> None:
+    """M c/I at the sides of the section along z."""
+    n = 10
+    nodes = np.stack([np.linspace(0, 0.5, n + 1), np.zeros(n + 1), np.zeros(n + 1)], axis=1)
+    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+    bar = ao.Beam(ao.RectangularSection(0.02, 0.04), STEEL, (0, 0, 1))
+    body = ao.FEModel.from_mesh(ao.Mesh(nodes, cells, "line"), bar, fixed=[(0, "xyz", "xyz")])
+    hit = pushed(body, (0.5, 0, 0), (0, 0, -1))
+    field = hit.target.field([hit.peak_time])
+    extreme = hit.peak_force * 0.25 * 0.02 / (0.02 * 0.04**3 / 12)
+    for layer, sign in (("top", 1), ("middle", 0), ("bottom", -1)):
+        stress = field.stress(layer=layer).components[0, 5]
+        assert stress[XX] == pytest.approx(sign * extreme, rel=1e-3, abs=1e-6 * extreme)
+        assert abs(stress[1:]).max() < 1e-9 * extreme
+
+
+def test_stress_at_a_point_as_the_quantity() -> None:
+    """The mean of the elements about the point, and how far they differ from it as its error."""
+    body = ao.FEModel.from_mesh(
+        ao.sheet_mesh((0.1, 0.1), (20, 20)), ao.Shell(2e-3, STEEL), fixed=[("rim", "xyz", "xyz")]
+    )
+    place = (0.03, 0.05, 0)
+    hit = ao.simulate(
+        ao.ball(0.005, STEEL),
+        body.contact(point=(0.05, 0.05, 0)),
+        0.2,
+        duration=100e-6,
+        quantity=ao.StressAt(body, place, "xx", layer="bottom"),
+        rtol=0.05,
+    )
+    assert 0.0 < hit.error.mesh < 0.5
+    probe = hit.target.probe(place, layer="bottom")
+    top = hit.target.probe(place, layer="top")
+    assert probe.stress["xx"] == pytest.approx(-top.stress["xx"], abs=1e-3 * top.stress["xx"].max())
+
+
+def test_files_and_pictures(tmp_path: Any) -> None:
+    import meshio
+
+    mesh = ao.sheet_mesh((0.2, 0.02), (8, 2))
+    spine = np.flatnonzero(abs(mesh.nodes[:, 1] - 0.01) < 1e-9)
+    blocks: Any = [("quad", mesh.cells), ("line", np.column_stack([spine[:-1], spine[1:]]))]
+    groups = {"skin": np.arange(16), "rib": 16 + np.arange(8)}
+    panel = ao.Mesh(mesh.nodes, blocks, "mixed", mesh.node_sets, groups)
+    rib = ao.Beam(ao.RectangularSection(2e-3, 5e-3), STEEL, (0, 0, 1), offset=(0, -3.5e-3))
+    body = ao.FEModel.from_mesh(
+        panel, {"skin": ao.Shell(1e-3, STEEL), "rib": rib}, fixed=[("xmin", "xyz", "xyz")]
+    )
+    hit = pushed(body, (0.2, 0.01, 0), (0, 0, -1), 1.0)
+    field = hit.target.field([hit.peak_time])
+    listing = field.to_vtu(tmp_path / "panel")
+    read = meshio.read(tmp_path / "panel_0.vtu")
+    assert listing.name == "panel.pvd"
+    assert {block.type for block in read.cells} == {"quad", "line"}
+    assert read.point_data["stress_bottom"].shape == (27, 6)
+    assert read.point_data["rotation"] == pytest.approx(field.rotation[0])
+    assert read.cell_data["thickness"][0] == pytest.approx(1e-3)
+    assert field.plot() is not None
+    with pytest.raises(ao.InputError, match="shells and beams is known at"):
+        field.stress("gauss")
+    with pytest.raises(ao.InputError, match='layer must be "top"'):
+        field.stress(layer="upper")

@@ -1,0 +1,156 @@
+"""Shells and beams in files: which cells are the body, and by which names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+SHEET = ao.Shell(1e-3, STEEL)
+RIB = ao.Beam(ao.CircularSection(0.01), STEEL)
+
+PLACES = [(0, 0), (0.1, 0), (0.2, 0), (0, 0.1), (0.1, 0.1), (0.2, 0.1)]
+
+ABAQUS = """*NODE
+{nodes}
+*ELEMENT, TYPE=S4R, ELSET=SKIN
+1, 1, 2, 5, 4
+*ELEMENT, TYPE=S3, ELSET=SKIN
+2, 2, 3, 6
+3, 2, 6, 5
+*ELEMENT, TYPE=B31, ELSET=RIB
+4, 1, 2
+5, 2, 3{towards}
+*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL
+0.001
+*BEAM SECTION, ELSET=RIB, SECTION=RECT, MATERIAL=STEEL
+.01, .02
+0, 0, 1
+*NSET, NSET=ROOT
+1, 4
+"""
+
+NASTRAN = """BEGIN BULK
+{nodes}
+CQUAD4,1,7,1,2,5,4
+CTRIA3,2,7,2,3,6
+CTRIA3,3,7,2,6,5
+CBAR,4,8,1,2,0.,0.,1.
+CBAR,5,8,2,3,0.,0.,1.
+PSHELL,7,1,.001,1
+PBARL,8,1,,ROD
+,.01
+MAT1,1,2.1E11,,.3,7800.
+ENDDATA
+"""
+
+
+def written(tmp_path: Path, name: str) -> tuple[Path, str, str]:
+    """A panel of a quadrilateral, two triangles and two bars; names of its two groups."""
+    path = tmp_path / f"panel.{name}"
+    if name == "inp":
+        nodes = "\n".join(f"{i}, {x}, {y}, 0" for i, (x, y) in enumerate(PLACES, 1))
+        path.write_text(ABAQUS.format(nodes=nodes, towards=""))
+        return path, "SKIN", "RIB"
+    if name == "bdf":
+        nodes = "\n".join(f"GRID,{i},,{x:.1f},{y:.1f},0." for i, (x, y) in enumerate(PLACES, 1))
+        path.write_text(NASTRAN.format(nodes=nodes))
+        return path, "property 7", "property 8"
+    cells = [
+        ("quad", [[0, 1, 4, 3]]),
+        ("triangle", [[1, 2, 5], [1, 5, 4]]),
+        ("line", [[0, 1], [1, 2]]),
+    ]
+    tags = [np.full(len(of), 2 if kind == "line" else 1) for kind, of in cells]
+    mesh = meshio.Mesh(
+        np.array([(*place, 0) for place in PLACES], dtype=float),
+        [(kind, np.array(of)) for kind, of in cells],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={"skin": np.array([1, 2]), "rib": np.array([2, 1])},
+    )
+    mesh.write(path, file_format="gmsh22", binary=False)
+    return path, "skin", "rib"
+
+
+@pytest.mark.parametrize("name", ["inp", "bdf", "msh"])
+def test_the_body_is_of_surfaces_and_of_the_lines_that_are_named(tmp_path: Path, name: str) -> None:
+    path, skin, rib = written(tmp_path, name)
+    mesh = ao.read_mesh(path)
+    assert mesh.contents == "1 quad, 2 triangle"
+    assert len(mesh.node_sets[rib]) == 3
+    assert ao.FEModel.from_mesh(path, SHEET).mass == pytest.approx(0.02 * 1e-3 * 7800)
+    body = ao.FEModel.from_mesh(path, {skin: SHEET, rib: RIB})
+    assert body.mesh.contents == "1 quad, 2 triangle, 2 line"
+    bars = np.pi * 0.01**2 * 0.2 * 7800
+    assert body.mass == pytest.approx(0.02 * 1e-3 * 7800 + bars)
+    assert ao.read_mesh(path, part=[skin, rib]).contents == body.mesh.contents
+    frame = ao.FEModel.from_mesh(path, RIB, part=rib)
+    assert frame.mesh.contents == "2 line"
+    with pytest.raises(ao.InputError, match=f"{rib!r}.* read_mesh.*part="):
+        ao.FEModel.from_mesh(mesh, {skin: SHEET, rib: RIB})
+
+
+def test_a_beam_may_name_a_third_node_for_its_section(tmp_path: Path) -> None:
+    nodes = "\n".join(f"{i}, {x}, {y}, 0" for i, (x, y) in enumerate(PLACES, 1))
+    deck = ABAQUS.replace("4, 1, 2\n", "4, 1, 2, 6\n").format(nodes=nodes, towards=", 6")
+    (tmp_path / "a.inp").write_text(deck)
+    mesh = ao.read_mesh(tmp_path / "a.inp", part="RIB")
+    assert mesh.contents == "2 line"
+
+
+@pytest.mark.parametrize("kind", ["S8R", "STRI65", "B32"])
+def test_shells_and_beams_of_second_order_are_refused(tmp_path: Path, kind: str) -> None:
+    count = {"S8R": 8, "STRI65": 6, "B32": 3}[kind]
+    nodes = "\n".join(f"{i}, {i}, {i * i}, 0" for i in range(1, 9))
+    numbers = ", ".join(map(str, range(1, count + 1)))
+    text = f"*NODE\n{nodes}\n*ELEMENT, TYPE={kind}, ELSET=A\n1, {numbers}\n"
+    (tmp_path / "a.inp").write_text(text)
+    with pytest.raises(ao.MeshError, match=r"unsupported kind.* are of first order"):
+        ao.read_mesh(tmp_path / "a.inp")
+
+
+def test_rigid_elements_and_membranes_are_no_part_of_a_shell(tmp_path: Path) -> None:
+    nodes = "\n".join(f"{i}, {x}, {y}, 0" for i, (x, y) in enumerate(PLACES, 1))
+    deck = ABAQUS.format(nodes=nodes, towards="") + "*ELEMENT, TYPE=R3D3, ELSET=TOOL\n9, 1, 2, 5\n"
+    (tmp_path / "a.inp").write_text(deck)
+    with pytest.warns(ao.AOImpactWarning, match="no solids, shells or beams .*: 1 R3D3"):
+        mesh = ao.read_mesh(tmp_path / "a.inp")
+    assert mesh.contents == "1 quad, 2 triangle"
+
+
+def test_shells_beside_solids_are_the_body_if_they_are_named(tmp_path: Path) -> None:
+    box = ao.box_mesh((0.2, 0.1, 0.1), (2, 1, 1))
+    top = np.flatnonzero(box.nodes[:, 2] > 0.05)
+    cells = [[top[0], top[2], top[3], top[1]], [top[2], top[4], top[5], top[3]]]
+    tags = [np.full(2, 1), np.full(2, 2)]
+    mesh: Any = meshio.Mesh(
+        box.nodes,
+        [("hexahedron", box.cells), ("quad", np.array(cells))],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={"block": np.array([1, 3]), "skin": np.array([2, 2])},
+    )
+    mesh.write(tmp_path / "a.msh", file_format="gmsh22", binary=False)
+    solid = ao.FEModel.from_mesh(tmp_path / "a.msh", STEEL)
+    assert solid.mesh.contents == "2 hexahedron"
+    coated = ao.FEModel.from_mesh(tmp_path / "a.msh", {"block": STEEL, "skin": SHEET})
+    assert coated.mass - solid.mass == pytest.approx(0.02 * 1e-3 * 7800)
+
+
+def test_a_vtu_of_a_shell_is_read_back(tmp_path: Path) -> None:
+    sheet = ao.sheet_mesh((0.2, 0.1), (4, 2), kind="triangle")
+    meshio.Mesh(sheet.nodes, [("triangle", sheet.cells)]).write(tmp_path / "a.vtu")
+    again = ao.read_mesh(tmp_path / "a.vtu")
+    assert np.array_equal(again.cells, sheet.cells)
+
+
+def test_a_quadrilateral_without_one_edge_is_a_triangle() -> None:
+    nodes = np.array([(*place, 0) for place in PLACES], dtype=float)
+    cells = np.array([[0, 1, 4, 3], [1, 2, 5, 5], [1, 5, 4, 4]])
+    mesh = ao.read_mesh(meshio.Mesh(nodes, [("quad", cells)]))
+    assert mesh.contents == "1 quad, 2 triangle"

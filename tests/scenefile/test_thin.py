@@ -1,0 +1,93 @@
+"""Shells, laminates and beams in scene files are those of Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import aoimpact as ao
+
+MATERIALS = """
+[materials.carbon]
+orthotropic = { E = [135e9, 9e9, 9e9], G = [5e9, 5e9, 3.2e9], nu = [0.3, 0.3, 0.4] }
+rho = 1550
+
+[materials]
+steel = { E = 210e9, nu = 0.3, rho = 7800 }
+sheet = { shell = "steel", thickness = 2e-3 }
+bar = { beam = "steel", section = { width = 0.02, height = 0.01 }, orientation = [0, 0, 1] }
+tube = { beam = "steel", section = { radius = 0.01, thickness = 1e-3 }, offset = [0, 0] }
+
+[materials.stack]
+fibre_axis = [1, 0, 0]
+laminate = [
+  { thickness = 1e-3, material = "carbon" },
+  { thickness = 1e-3, material = "carbon", angle_deg = 90 },
+]
+"""
+
+IMPACT = """
+[bodies.ball]
+ball = 0.005
+material = "steel"
+
+[bodies.plate]
+mesh = { sheet = [0.1, 0.1], divisions = [20, 20] }
+material = "MATERIAL"
+fixed = [{ nodes = "rim", hold = "xyz", hold_rotations = "xyz" }]
+contact = { point = [0.05, 0.05, 0.0] }
+
+[impact]
+projectile = "ball"
+target = "plate"
+velocity = 1.0
+duration = 60e-6
+quantity = "peak_force"
+"""
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+CARBON = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+
+
+@pytest.mark.parametrize(
+    ("name", "layers"),
+    [
+        ("sheet", ao.Shell(2e-3, STEEL)),
+        ("stack", ao.Laminate([ao.Ply(1e-3, CARBON), ao.Ply(1e-3, CARBON, 90)], (1, 0, 0))),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*the record of:aoimpact.AOImpactWarning")
+def test_a_plate_of_a_file(name: str, layers: ao.Shell, tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(MATERIALS + IMPACT.replace("MATERIAL", name))
+    found = ao.read_scene(tmp_path / "a.toml").simulate()
+    plate = ao.FEModel.from_mesh(
+        ao.sheet_mesh((0.1, 0.1), (20, 20)), layers, fixed=[("rim", "xyz", "xyz")]
+    )
+    hit = ao.simulate(
+        ao.ball(0.005, STEEL),
+        plate.contact(point=(0.05, 0.05, 0)),
+        1.0,
+        duration=60e-6,
+        quantity="peak_force",
+    )
+    assert found.peak_force == pytest.approx(hit.peak_force, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('shell = "steel"', 'shell = "stack"', "'sheet' is made of 'stack', which is no material"),
+        ('shell = "steel"', 'shell = "sheet"', "'sheet' is made of 'sheet', which is no material"),
+        ('shell = "steel"', 'shell = "stele"', "steel"),
+        ("thickness = 2e-3 }", "thickness = -2e-3 }", "thickness"),
+        ('"plate"\nvelocity', '"plate"\nvelocity', "needs ao.Shell"),
+        ("hold_rotations", "hold_turns", "hold_rotations"),
+    ],
+)
+def test_refusals(old: str, new: str, words: str, tmp_path: Path) -> None:
+    name = "bar" if words == "needs ao.Shell" else "sheet"
+    text = (MATERIALS + IMPACT.replace("MATERIAL", name)).replace(old, new)
+    (tmp_path / "a.toml").write_text(text)
+    with pytest.raises(ao.AOImpactError, match=words):
+        ao.read_scene(tmp_path / "a.toml").simulate()
