@@ -1,4 +1,4 @@
-"""Write csrc/motion/radau.c: the constants of the collocation method, to the last digit.
+"""Write csrc/motion/radau.c: the constants of the collocation method, each the nearest double.
 
 Usage: python tools/make_radau_data.py > csrc/motion/radau.c   (needs mpmath)
 """
@@ -65,38 +65,30 @@ def cardinal_monomials(transform: list[list[mp.mpf]]) -> list[list[mp.mpf]]:
     return result
 
 
-def moments(
-    nodes: list[mp.mpf], cardinal: list[list[mp.mpf]], odd: int
-) -> list[list[list[mp.mpf]]]:
-    """∫_0^c (c-x)^(2m+odd)/(2m+odd)! l_j(x) dx for each m, node c and cardinal polynomial l_j."""
+def series(power: int) -> list[mp.mpf]:
+    """∫_0^1 (1-t)^n/n! P_l(t) dt of the shifted Legendre polynomials, zero for l > n."""
+    f = mp.factorial
+    return [
+        (-1) ** degree * f(power) / (f(power - degree) * f(power + degree + 1))
+        if degree <= power
+        else mp.mpf(0)
+        for degree in range(STAGES)
+    ]
 
-    def one(m: int, c: mp.mpf, polynomial: list[mp.mpf]) -> mp.mpf:
-        power = 2 * m + odd + 1
-        return sum(
-            a * mp.factorial(q) / mp.factorial(q + power) * c ** (q + power)
+
+def on_part(c: mp.mpf, cardinal: list[list[mp.mpf]]) -> list[list[mp.mpf]]:
+    """Coefficients t_lj of l_j(c x) = sum_l t_lj P_l(x)."""
+
+    def coefficient(degree: int, polynomial: list[mp.mpf]) -> mp.mpf:
+        return (2 * degree + 1) * sum(
+            a * c**q * b / (q + r + 1)
             for q, a in enumerate(polynomial)
+            for r, b in enumerate(shifted_legendre(degree))
         )
 
-    return [[[one(m, c, p) for p in cardinal] for c in nodes] for m in range(MOMENTS)]
-
-
-def shrink(c: mp.mpf) -> list[list[mp.mpf]]:
-    """Coefficients t_kl of P_k(c x) = sum_l t_kl P_l(x)."""
-
-    def project(polynomial: list[mp.mpf]) -> list[mp.mpf]:
-        n = len(polynomial)
-        return [
-            (2 * degree + 1)
-            * sum(
-                polynomial[q] * a / (q + r + 1)
-                for q in range(n)
-                for r, a in enumerate(shifted_legendre(degree))
-            )
-            for degree in range(n)
-        ]
-
-    rows = [project([a * c**q for q, a in enumerate(shifted_legendre(k))]) for k in range(STAGES)]
-    return [row + [mp.mpf(0)] * (STAGES - len(row)) for row in rows]
+    return [
+        [coefficient(degree, polynomial) for polynomial in cardinal] for degree in range(STAGES)
+    ]
 
 
 def extra_points(nodes: list[mp.mpf]) -> list[mp.mpf]:
@@ -165,7 +157,8 @@ def by_columns(matrix: list[list[mp.mpf]]) -> list[list[mp.mpf]]:
 def written(value: object) -> str:
     if isinstance(value, list):
         return "{" + ", ".join(written(v) for v in value) + "}"
-    return mp.nstr(value, 19, min_fixed=0, max_fixed=0)
+    number = mp.mpf(value)
+    return repr(float(number)) if abs(number) > mp.mpf(10) ** -40 else "0.0"
 
 
 def declare(comment: str, declaration: str, value: object) -> None:
@@ -173,7 +166,7 @@ def declare(comment: str, declaration: str, value: object) -> None:
     print(f"\n/* {comment} */")
     line = ""
     for word in text.split(" "):
-        if line and len(line) + len(word) > 98:
+        if line and len(line) + len(word) > 118:
             print(line)
             line = "    "
         line += word if not line.strip() else f" {word}"
@@ -210,23 +203,18 @@ def declare_moments(nodes: list[mp.mpf]) -> None:
     cardinal = cardinal_monomials(to_legendre(nodes))
     declare(
         "Derivatives of l_j at the start, by columns.",
-        "at_start[AOI_STAGES][AOI_STAGES]",
+        "at_start[AOI_NODES][AOI_NODES]",
         [[mp.factorial(m) * a for m, a in enumerate(polynomial)] for polynomial in cardinal],
     )
     declare(
-        "int_0^c (c-x)^(2m+1)/(2m+1)! l_j(x) dx, by m, node c and j.",
-        "moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES]",
-        moments(nodes, cardinal, 1),
+        "int_0^1 (1-x)^n/n! P_l(x) dx, by n.",
+        "series[2 * AOI_RADAU_MOMENTS][AOI_NODES]",
+        [series(n) for n in range(2 * MOMENTS)],
     )
     declare(
-        "int_0^c (c-x)^(2m)/(2m)! l_j(x) dx, by m, node c and j.",
-        "rate_moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES]",
-        moments(nodes, cardinal, 0),
-    )
-    declare(
-        "P_k(c x) = sum_l shrink[c][k][l] P_l(x).",
-        "shrink[AOI_NODES][AOI_NODES][AOI_NODES]",
-        [shrink(c) for c in nodes],
+        "l_j(c x) = sum_l on_part[c][l][j] P_l(x), for each node c.",
+        "on_part[AOI_NODES][AOI_NODES][AOI_NODES]",
+        [on_part(c, cardinal) for c in nodes],
     )
 
 
@@ -297,7 +285,6 @@ def main() -> None:
     print("/* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal")
     print(" * polynomial of node j, P_k the shifted Legendre polynomial. */")
     print('#include "motion/radau.h"')
-    print('#include "law/law.h"')
     for declare_part in (declare_series, declare_moments, declare_extra, declare_edges):
         declare_part(nodes)
 

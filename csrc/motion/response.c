@@ -19,8 +19,8 @@ enum { SQUARE = AOI_NODES * AOI_NODES, OF_PAIR = AOI_RADAU_MOMENTS + 2 * AOI_NOD
 /* Up to this angle sin is summed by its series, over all modes at once; above, by Bessel functions. */
 static const double SERIES_LIMIT = 3.0;
 
-/* Powers of a mode below this share of its weight add nothing. */
-static const double NOTHING = 1e-40;
+/* Terms of the series below this share of the first add nothing. */
+static const double NOTHING = 1e-18;
 
 size_t aoi_response_size(const aoi_modes *body, size_t columns)
 {
@@ -56,13 +56,14 @@ static int is_slow(const aoi_modes *body, size_t j, double h, size_t node)
     return body->omega[j] * (h * aoi_radau_node[node]) <= SERIES_LIMIT && decay_of(body, j) == 0.0;
 }
 
-/* Adds four modes' powers of -z^2 to the moments, to the one from which on they add nothing; returns which. */
+/* Adds four modes' powers of -z^2 to the moments, up to the term of the series for the largest angle that adds nothing;
+ * returns which. */
 static size_t add_powers(const double *weight, const double *square, double largest, double *moments)
 {
     double power[AOI_LANES], reached = 1.0;
     size_t m = 0;
     memcpy(power, weight, sizeof power);
-    for (; m < AOI_RADAU_MOMENTS && reached > NOTHING; m++) {
+    for (; m < AOI_RADAU_MOMENTS && reached * aoi_radau_series[2 * m][0] > NOTHING; m++) {
         moments[m] += aoi_lanes_sum(power);
         for (size_t i = 0; i < AOI_LANES; i++) {
             power[i] *= -square[i];
@@ -76,7 +77,7 @@ static size_t add_powers(const double *weight, const double *square, double larg
  * which go on from node to node, from the last to the first. Returns how many moments they reach. */
 static size_t add_slow(const aoi_response *response, const aoi_modes *body, size_t j, size_t i)
 {
-    const double h = response->h;
+    const double h = response->h, node = aoi_radau_node[i];
     double square[AOI_LANES] = {0.0}, largest = 0.0;
     int joins[AOI_LANES] = {0}, any = 0;
     for (size_t lane = 0; lane < aoi_lanes_count(body, j); lane++) {
@@ -85,7 +86,7 @@ static size_t add_slow(const aoi_response *response, const aoi_modes *body, size
         if (joins[lane]) {
             const double z = body->omega[j + lane] * h;
             square[lane] = z * z;
-            largest = fmax(largest, z * z);
+            largest = fmax(largest, z * node * (z * node));
             any = 1;
         }
     }
@@ -130,24 +131,32 @@ static void add_fast(const aoi_response *response, const aoi_modes *body, size_t
     }
 }
 
-/* From the sums of node i to row i of the influence of one pair of ports. */
-static void influence_row(const double *moments, size_t used, const double *by_legendre, double scale,
-                          const double moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES], size_t i,
-                          int has_fast, double *row)
+/* Adds the slow modes to the sums up to node i, by their moments: with z = omega h and c the node,
+ *   sum_m (-z^2)^m h^2 c^(2m+2) int_0^1 (1-t)^(2m+1)/(2m+1)! P_l(t) dt,
+ * for the rates h c^(2m+1) and (1-t)^(2m)/(2m)!. */
+static void add_series(const aoi_response *response, const double *moments, size_t used, size_t i, double *sums)
 {
-    double sum[AOI_NODES] = {0.0};
-    for (size_t m = 0; m < used; m++) {
-        aoi_nodes_add(moments[m], moment[m][i], sum);
+    const double part = response->h * aoi_radau_node[i], square = aoi_radau_node[i] * aoi_radau_node[i];
+    double scale = part;
+    for (size_t m = 0; m < used; m++, scale *= square) {
+        const double of = scale * moments[m];
+        aoi_nodes_add(of * part, aoi_radau_series[2 * m + 1], sums);
+        if (response->has_rates) {
+            aoi_nodes_add(of, aoi_radau_series[2 * m], sums + AOI_NODES);
+        }
+    }
+}
+
+/* From the sums against the first Legendre polynomials up to node i to row i of an influence, whose columns lie side by
+ * side in memory. */
+static inline void put_row(const double *sums, size_t count, size_t i, double *influence)
+{
+    double row[AOI_NODES] = {0.0};
+    for (size_t l = 0; l < count; l++) {
+        aoi_nodes_add(sums[l], aoi_radau_on_part[i][l], row);
     }
     for (size_t k = 0; k < AOI_NODES; k++) {
-        row[k] = sum[k] * scale;
-    }
-    for (size_t q = 0; q < AOI_NODES && has_fast; q++) {
-        double on_whole = 0.0;
-        for (size_t l = 0; l <= q; l++) {
-            on_whole += aoi_radau_shrink[i][q][l] * by_legendre[l];
-        }
-        aoi_nodes_add(on_whole, aoi_radau_to_legendre[q], row);
+        influence[k * AOI_NODES + i] = row[k];
     }
 }
 
@@ -157,15 +166,7 @@ static int is_free_mass(const aoi_modes *body)
     return body->n == 1 && body->omega[0] == 0.0 && decay_of(body, 0) == 0.0;
 }
 
-/* Row i of an influence, whose columns lie side by side in memory. */
-static void put_row(const double *row, size_t i, double *influence)
-{
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        influence[k * AOI_NODES + i] = row[k];
-    }
-}
-
-/* A free mass: double integrals of the force. */
+/* A free mass: double integrals of the force, by int_0^1 (1-t) P_l(t) dt, which is 1/2, -1/6, and then zero. */
 static void free_mass(aoi_response *response, const aoi_modes *body)
 {
     const double h = response->h;
@@ -175,17 +176,15 @@ static void free_mass(aoi_response *response, const aoi_modes *body)
         response->rate[i] = 1.0;
         response->step[i] = 0.5 * time * time;
         response->ramp[i] = time * time * time / 6.0;
-        response->to_x[i] = h * h * aoi_radau_moment[0][AOI_NODES - 1][i];
-        response->to_v[i] = h * aoi_radau_rate_moment[0][AOI_NODES - 1][i];
-    }
-    for (size_t pair = 0; pair < pairs_of(response, body); pair++) {
-        const double weight = *shape_of(response, body, pair) * *push_of(response, body, pair);
-        double *of = response->influence + pair * SQUARE;
-        double *of_rate = response->influence_rate + pair * SQUARE;
-        for (size_t k = 0; k < SQUARE; k++) {
-            const size_t i = k % AOI_NODES, q = k / AOI_NODES;
-            of[k] = h * h * weight * aoi_radau_moment[0][i][q];
-            of_rate[k] = response->has_rates ? h * weight * aoi_radau_rate_moment[0][i][q] : 0.0;
+        response->to_v[i] = h * aoi_radau_on_part[AOI_NODES - 1][0][i];
+        response->to_x[i] = 0.5 * h * response->to_v[i] - h * h / 6.0 * aoi_radau_on_part[AOI_NODES - 1][1][i];
+        for (size_t pair = 0; pair < pairs_of(response, body); pair++) {
+            const double weight = *shape_of(response, body, pair) * *push_of(response, body, pair);
+            const double once = weight * time, twice[2] = {0.5 * once * time, -once * time / 6.0};
+            put_row(twice, 2, i, response->influence + pair * SQUARE);
+            if (response->has_rates) {
+                put_row(&once, 1, i, response->influence_rate + pair * SQUARE);
+            }
         }
     }
 }
@@ -219,11 +218,10 @@ static void put_integrals(aoi_response *response, const aoi_modes *body, size_t 
     }
 }
 
-/* All modes at node i: their tables, and their sums. Returns whether any of them is fast; used: of the moments. */
-static int modes_at_node(aoi_response *response, const aoi_modes *body, size_t i, size_t *used)
+/* All modes at node i: their tables, and their sums; used: of the moments. */
+static void modes_at_node(aoi_response *response, const aoi_modes *body, size_t i, size_t *used)
 {
     const double h = response->h;
-    int has_fast = 0;
     for (size_t j = 0; j < body->n; j += AOI_LANES) {
         int fast = 0;
         aoi_motions motions;
@@ -242,31 +240,23 @@ static int modes_at_node(aoi_response *response, const aoi_modes *body, size_t i
         }
         const size_t reached = add_slow(response, body, j, i);
         *used = reached > *used ? reached : *used;
-        has_fast = has_fast || fast;
     }
-    return has_fast;
 }
 
 /* The tables of the modes, and the influence of forces at all nodes on those before and at each. */
 static void fill(aoi_response *response, const aoi_modes *body)
 {
-    const double h = response->h;
     const size_t pairs = pairs_of(response, body);
     size_t used = 0;
-    for (size_t k = 0; k < pairs * OF_PAIR; k++) {
-        response->scratch[k] = 0.0;
-    }
+    memset(response->scratch, 0, pairs * OF_PAIR * sizeof(double));
     for (size_t i = AOI_NODES; i-- > 0;) {
-        const int has_fast = modes_at_node(response, body, i, &used);
+        modes_at_node(response, body, i, &used);
         for (size_t pair = 0; pair < pairs; pair++) {
-            double *moments = response->scratch + pair * OF_PAIR, row[AOI_NODES];
-            double *sums = moments + AOI_RADAU_MOMENTS;
-            influence_row(moments, used, sums, h * h, aoi_radau_moment, i, has_fast, row);
-            put_row(row, i, response->influence + pair * SQUARE);
+            double *moments = response->scratch + pair * OF_PAIR, *sums = moments + AOI_RADAU_MOMENTS;
+            add_series(response, moments, used, i, sums);
+            put_row(sums, AOI_NODES, i, response->influence + pair * SQUARE);
             if (response->has_rates) {
-                influence_row(moments, used, sums + AOI_NODES, h, aoi_radau_rate_moment, i, has_fast,
-                              row);
-                put_row(row, i, response->influence_rate + pair * SQUARE);
+                put_row(sums + AOI_NODES, AOI_NODES, i, response->influence_rate + pair * SQUARE);
             }
             memset(sums, 0, 2 * AOI_NODES * sizeof *sums);
         }

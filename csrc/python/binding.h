@@ -125,7 +125,7 @@ typedef struct taken_full {
 } taken_full;
 
 /* A system and all that it is made of. */
-typedef struct taken {
+typedef struct taken_system {
     aoi_system system;
     aoi_modes *body;
     taken_full *full; /* one a body */
@@ -133,14 +133,14 @@ typedef struct taken {
     aoi_law *law; /* one a contact */
     void *links;
     signal_check signals;
-} taken;
+} taken_system;
 
 /* full: room for matrices, or NULL where a body with matrices is refused. */
 void take_body(call *of, PyObject *tuple, aoi_modes *body, taken_full *full, signal_check *signals);
 
 /* Bodies and contacts of two tuples, linked; made is empty before, and stays where it is. */
-void take_system(call *of, PyObject *bodies, PyObject *contacts, taken *made);
-void free_system(taken *made);
+void take_system(call *of, PyObject *bodies, PyObject *contacts, taken_system *made);
+void free_system(taken_system *made);
 
 /* malloc, zeroed, of count + 1; the call fails where there is no memory. */
 void *call_room(call *of, size_t count, size_t size);
@@ -149,7 +149,7 @@ void *call_room(call *of, size_t count, size_t size);
  * threads may share it. */
 typedef struct kept_track {
     call of; /* holds the buffers */
-    taken made;
+    taken_system made;
     aoi_track track;
     PyObject *bodies, *contacts;
 } kept_track;

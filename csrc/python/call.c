@@ -138,13 +138,13 @@ PyObject *tuple_item(call *of, PyObject *tuple, size_t i, size_t size)
 
 void call_take(call *of, PyObject *tuple, size_t first, size_t size, size_t count, const argument *table)
 {
-    uint32_t taken = 0;
+    uint32_t done = 0;
     for (int last = 0; last < 2; last++) { /* matrices of an unknown number of columns when that is known */
         for (size_t i = 0; i < count && of->status == AOI_OK; i++) {
             const int waits = !last && table[i].each && *table[i].each == ANY_LENGTH;
-            if (!waits && !(taken >> i & 1)) {
+            if (!waits && !(done >> i & 1)) {
                 PyObject *object = tuple_item(of, tuple, first + i, size);
-                taken |= (uint32_t)1 << i;
+                done |= (uint32_t)1 << i;
                 if (of->status == AOI_OK) {
                     take_one(of, object, &table[i]);
                 }

@@ -9,7 +9,7 @@
 enum { MOST_STEPS = 256 };
 
 /* Runs the steps in pieces without the GIL; between them signals are checked. */
-static int run_in_pieces(aoi_newmark *run, taken *made, const aoi_rule *rule, const aoi_start *start, int energies,
+static int run_in_pieces(aoi_newmark *run, taken_system *made, const aoi_rule *rule, const aoi_start *start, int energies,
                          double *record, size_t columns, size_t *done)
 {
     size_t piece = 1;
@@ -37,7 +37,7 @@ PyObject *newmark(PyObject *args)
 {
     call of = {.status = AOI_OK};
     PyObject *bodies = NULL, *contacts = NULL;
-    taken made = {.body = NULL};
+    taken_system made = {.body = NULL};
     aoi_newmark *run = NULL;
     aoi_rule rule;
     aoi_start start = {.x = NULL};

@@ -46,7 +46,7 @@ void take_body(call *of, PyObject *tuple, aoi_modes *body, taken_full *full, sig
     }
 }
 
-void free_system(taken *made)
+void free_system(taken_system *made)
 {
     for (size_t b = 0; made->full && b < made->system.body_count; b++) {
         free(made->full[b].work);
@@ -58,7 +58,7 @@ void free_system(taken *made)
     free(made->links);
 }
 
-void take_system(call *of, PyObject *bodies, PyObject *contacts, taken *made)
+void take_system(call *of, PyObject *bodies, PyObject *contacts, taken_system *made)
 {
     if (of->status != AOI_OK) {
         return;

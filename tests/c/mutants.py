@@ -321,6 +321,8 @@ MUTANTS = [
     ("motion/polynomial.c", "i > 1 ? aoi_radau_node[i - 2] : 0.0", "0.0"),
     ("motion/polynomial.c", "|| !(-value < depth)", ""),
     ("motion/response.c", "power[i] *= -square[i]", "power[i] *= square[i]"),
+    ("motion/response.c", "m++, scale *= square", "m++"),
+    ("motion/response.c", "NOTHING = 1e-18", "NOTHING = 1e-3"),
     ("motion/response.c", "SERIES_LIMIT = 3.0", "SERIES_LIMIT = 12.0"),
     ("motion/response.c", "compliance * slope * h * aoi_radau_node[i]", "compliance * slope * h"),
     ("motion/response.c", "slope, response->ramp + at", "slope, response->step + at"),

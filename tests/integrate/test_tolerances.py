@@ -68,7 +68,7 @@ def test_a_second_run_less_tight_may_be_wrong_and_one_more_tight_costs_more(
     monkeypatch.setattr(to_tolerance, "OTHER_STEPS", 1.0)
     monkeypatch.setattr(to_tolerance, "SEVERAL", 1.0)
     gaps = (0.0, 0.01, 0.02)  # one scene alone may be right by chance
-    exact = [run(chain(wider), 3.47e-3, 1e-8) for wider in gaps]
+    exact = [run(chain(wider), 3.47e-3, 1e-7) for wider in gaps]
     errors, costs = [], []
     for scatter in np.array([1.0 / 3.0, 1.0, 3.0]) * to_tolerance.SPREAD:
         monkeypatch.setattr(to_tolerance, "SPREAD", scatter)
@@ -246,9 +246,10 @@ def test_runs_that_differ_by_more_than_a_little_show_that_errors_multiply(
         bounces(10, 1e-3)
         assert len(runs) == 3
     monkeypatch.setattr(to_tolerance, "LINEAR", 1.0)
-    bold, tight = chaotic(1e-4), chaotic(1e-7)
-    apart = comparison.difference(bold.recorder, tight.recorder, 1.0)
-    assert bold.error.time < 0.5 * apart
+    tight = chaotic(1e-7)
+    bold = [chaotic(rtol) for rtol in (1e-4, 3e-5, 1e-5)]  # one alone may be right by chance
+    apart = [comparison.difference(run.recorder, tight.recorder, 1.0) for run in bold]
+    assert min(run.error.time / of for run, of in zip(bold, apart, strict=True)) < 0.5
 
 
 def test_a_tighter_first_comparison_takes_more_steps(
@@ -296,16 +297,16 @@ def test_less_patience_loses_a_result_and_more_waits_for_none(
 def test_bodies_at_rest_are_measured_by_their_impulses(
     monkeypatch: pytest.MonkeyPatch, runs: Runs
 ) -> None:
-    assert column(3).error.time == 1e-8
+    assert column(2).error.time == 1e-8
     usual = len(runs)
     with monkeypatch.context() as patch:
         patch.setattr(comparison, "AT_REST", 1e-3 * tolerances.AT_REST)
         runs.clear()
-        assert column(3).error.time == 1e-8
+        assert column(2).error.time == 1e-8
         assert len(runs) > usual
         patch.setattr(comparison, "AT_REST", 0.0)
         with pytest.warns(ao.AOImpactWarning, match="by a contact that pulls"):
-            assert column(3).error.time == 1.0
+            assert column(2).error.time == 1.0
 
 
 def test_and_bodies_that_move_by_their_velocities(monkeypatch: pytest.MonkeyPatch) -> None:
