@@ -110,8 +110,11 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
         return;
     }
     const double after = pair.time - now, left = attempt->h - after;
+    /* Bodies side by side touch at the start, whichever sign rounding gives their rate; else a touch would be found
+     * once they overlap by the tolerance. */
     if (aoi_is_at_start(run, after, attempt->h) ||
-        (start_rate > 0.0 && start + slack >= -2.0 * tolerance && !aoi_contact_has_residual(run, entry->contact))) {
+        (start_rate * attempt->h >= -tolerance && start + slack >= -2.0 * tolerance &&
+         !aoi_contact_has_residual(run, entry->contact))) {
         attempt->closed = 1;
         contact->event = AOI_EVENT_TOUCH;
         aoi_contact_close(run, entry->contact);

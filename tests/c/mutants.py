@@ -516,9 +516,10 @@ MUTANTS = [
     ("newmark/run.c", "contact->force + e->force[c]", "2.0 * contact->force"),
     (
         "newmark/run.c",
-        "push_ports(body, run->load + first[b], u, v);",
-        "push_ports(body, run->load_before + first[b], u, v);",
+        "press(run, b, p, run->load[first[b] + p]);",
+        "press(run, b, p, run->load_before[first[b] + p]);",
     ),
+    ("newmark/run.c", "memcpy(run->push, run->load, bytes);", "memset(run->push, 0, bytes);"),
     ("track/intervals.c", "open->lasts = 1;", ""),
     (
         "adaptive/closing.c",

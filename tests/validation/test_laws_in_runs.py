@@ -370,4 +370,4 @@ def test_a_body_that_falls_beside_another_is_pressed_as_that_is_struck(rtol, bes
     scene.connect(struck, other, ao.Thornton(k=6e6, yield_force=3504.0))
     run = scene.simulate(duration=2e-4, solver=ao.Adaptive(rtol=rtol))
     starts = [contact.intervals[0][0] for contact in run.contacts]
-    assert starts == pytest.approx([gap / velocity] * 2, abs=1e-9)
+    assert starts == pytest.approx([gap / velocity] * 2, abs=1e-13)
