@@ -14,6 +14,7 @@ the ground as one moves the body as one, φ = g, and R is what changes its momen
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +23,6 @@ import scipy.sparse as sp
 from ..base import FloatArray, InputError, IntArray
 from ..mesh import motions_at
 from .assembly import stiffness_mass
-from .labels import translations
 from .statics import displacement
 from .supports import selected_nodes
 
@@ -63,11 +63,11 @@ class Grounding:
     ----------
     body : FEModel
     held : ndarray of int, shape (held,)
-        Constrained dofs, 3·node + component.
+        Constrained dofs, 3·node + component; rotations, where there are any, after all of these.
     K : scipy.sparse array, shape (held, n_dofs)
         Rows of K of these, over the free dofs.
-    M : scipy.sparse array, shape (held, 3 n_nodes), of shells and beams (held, 6 n_nodes)
-        Rows of M, over all dofs.
+    M : scipy.sparse array, shape (held, all)
+        Rows of M, over all dofs, whose number is its width.
     """
 
     body: Body
@@ -98,21 +98,26 @@ class Grounding:
         return np.unique(grounded)
 
     def resultants(self, nodes: IntArray, centre: FloatArray) -> FloatArray:
-        """Return the ground's translations and rotations about a centre, shape (n, 6).
-
-        Over the displacements of all nodes and, of shells and beams, their rotations.
-        """
-        body = self.body
-        assert body.nodes is not None
+        """Return the ground's translations and rotations about a centre, shape (all dofs, 6)."""
+        places = self.body.nodes
+        assert places is not None
         motions = np.zeros((self.M.shape[1], 6))
         dofs = (3 * nodes[:, None] + np.arange(3)).ravel()
-        motions[dofs] = motions_at(body.nodes[nodes] - centre).reshape(-1, 6)
-        if len(motions) > body.nodes.size:
-            motions[body.nodes.size + dofs, 3 + dofs % 3] = 1.0
+        motions[dofs] = motions_at(places[nodes] - centre).reshape(-1, 6)
+        if len(motions) > places.size:  # rotations of nodes
+            motions[places.size + dofs] = np.tile(np.eye(3, 6, 3), (len(nodes), 1))
         return motions
 
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Inertia of the constrained dofs in unit accelerations along x, y, z, (held, 3), kg."""
+        axes = np.zeros((self.M.shape[1], 3))
+        assert self.body.nodes is not None
+        axes[: self.body.nodes.size] = np.tile(np.eye(3), (len(self.body.nodes), 1))
+        return np.asarray(self.M @ axes)
+
     def virtual(self, motions: FloatArray) -> VirtualMotion:
-        """Return how the body follows motions of the ground, shape (3 n_nodes, m)."""
+        """Return how the body follows motions of the ground, shape (all dofs, m)."""
         body = self.body
         assert body.free is not None
         ground = motions[self.held]
@@ -125,9 +130,7 @@ class Grounding:
             if load.any():
                 column[:] = displacement(body, load.copy(), body.inverse)
         inertia = body.M @ phi + (self.M[:, body.free].T @ ground)
-        assert body.nodes is not None
-        axes = translations(len(motions), len(body.nodes))
-        return VirtualMotion(ground, springs, phi, inertia, ground.T @ (self.M @ axes))
+        return VirtualMotion(ground, springs, phi, inertia, ground.T @ self.inertia)
 
 
 def grounding_of(body: Body) -> Grounding:
@@ -144,10 +147,8 @@ def grounding_of(body: Body) -> Grounding:
             "them: make it with FEModel.from_mesh(mesh, material, fixed=...)"
         )
     assert body.material is not None
-    n, turning = body.mesh.n_nodes, body.mesh.thin_nodes
-    rotations = 3 * (n + turning[:, None]) + np.arange(3)
-    held = np.setdiff1d(np.concatenate([np.arange(3 * n), rotations.ravel()]), body.free)
     K, M = stiffness_mass(body.mesh, body.material)
+    held = np.setdiff1d(np.arange(K.shape[0]), body.free)
     if body.masses is not None:
         M = M + body.masses
     return Grounding(body, held, sp.csr_array(K[held][:, body.free]), sp.csr_array(M[held]))

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base import FloatArray, IntArray
-from ..fem import Damping, Grounding, Rayleigh, VirtualMotion, displacement, translations
+from ..fem import Damping, Grounding, Rayleigh, VirtualMotion, displacement
 from ..integrate import Motion
 from ..reduction import GeneralizedCoordinates
 from .historyerror import warn_if_wrong
@@ -55,9 +55,8 @@ class Held:
         assert body.free is not None
         dofs = (3 * nodes[:, None] + np.arange(3)).ravel()
         fixed, free = np.isin(held, dofs), np.flatnonzero(np.isin(body.free, dofs))
-        found = np.zeros((body.nodes.size, len(times)))
-        axes = translations(self.grounding.M.shape[1], len(body.nodes))
-        own = (self.grounding.M @ axes)[fixed] @ self.gravity
+        found = np.zeros((self.grounding.M.shape[1], len(times)))
+        own = self.grounding.inertia[fixed] @ self.gravity
         stiff = np.zeros((len(free), len(body.free)))
         if body.springs is not None:
             stiff[np.arange(len(free)), free] = body.springs[free]
