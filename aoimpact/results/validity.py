@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,7 +23,8 @@ __all__ = ["Advice", "advice_of"]
 _WAVES, _QUASI_STATIC = 0.2, 2.0
 
 
-class Advice(NamedTuple):
+@dataclass(frozen=True)
+class Advice:
     """One way in which an impact may leave the range of the method.
 
     Attributes
