@@ -147,8 +147,10 @@ def grounding_of(body: Body) -> Grounding:
             "them: make it with FEModel.from_mesh(mesh, material, fixed=...)"
         )
     assert body.material is not None
+    n = body.mesh.n_nodes
+    rotations = 3 * (n + body.mesh.thin_nodes[:, None]) + np.arange(3)  # solids have none
+    held = np.setdiff1d(np.concatenate([np.arange(3 * n), rotations.ravel()]), body.free)
     K, M = stiffness_mass(body.mesh, body.material)
-    held = np.setdiff1d(np.arange(K.shape[0]), body.free)
     if body.masses is not None:
         M = M + body.masses
     return Grounding(body, held, sp.csr_array(K[held][:, body.free]), sp.csr_array(M[held]))
