@@ -20,8 +20,6 @@ from .hierarchy import FixedModel, Models, only_models
 from .leftout import errors_left_out
 from .order import LOOSEST, Orders, Search, shared_orders
 
-__all__ = ["checked_linear_solver", "checked_rtol", "choose_models", "time_rule"]
-
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
 _RTOL, _TIGHTEST = 2e-3, 1e-8

@@ -27,19 +27,6 @@ from ..reduction import (
     rigid,
 )
 
-__all__ = [
-    "AOHierarchy",
-    "ElementHierarchy",
-    "FixedModel",
-    "Hierarchy",
-    "KrylovHierarchy",
-    "Model",
-    "Models",
-    "SharedPoint",
-    "model_hierarchy",
-    "only_models",
-]
-
 Model = AOModel | InterfaceModel
 Models = tuple[Model, ...]
 

@@ -23,8 +23,6 @@ from ..results import (
 )
 from .sensor import Sensor
 
-__all__ = ["CONTROLLED", "Keep", "Named", "impact_quantity", "keeper", "scene_quantity"]
-
 _DEFAULT = "force"
 
 

@@ -40,8 +40,6 @@ from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, Plan, extraction_of
 from .hierarchy import model_hierarchy
 
-__all__ = ["Met", "alterations", "errors_left_out", "extrapolated", "finer_run"]
-
 # A run is repeated with laws and bodies stiffer or softer by no more than this, and the change is
 # extrapolated.
 _SMALL = 0.1

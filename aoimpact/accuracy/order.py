@@ -21,17 +21,6 @@ from ..reduction import BodyModel, FullModel
 from ..results import Quantity, Run
 from .hierarchy import AOHierarchy, Hierarchy, Models, SharedPoint, model_hierarchy
 
-__all__ = [
-    "LOOSEST",
-    "Orders",
-    "Search",
-    "first_guess",
-    "larger_orders",
-    "models_to_compare",
-    "safety_of",
-    "shared_orders",
-]
-
 # Models of n oscillators are compared with _COMPARED larger ones, the largest of which has _BEYOND
 # oscillators more, or half as many again: where errors fall slowly, 8 of 100 change little. One
 # difference may be small by chance: .01 of the error occurred for numbers. The largest of four is

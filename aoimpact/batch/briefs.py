@@ -15,8 +15,6 @@ from ..laws import ContactLaw
 from ..reduction import BodyModel, ModalBody
 from ..results import Speeds
 
-__all__ = ["Answer", "Briefs"]
-
 
 class Answer(IntEnum):
     """Columns of what the core returns (enum in csrc/python/many.c).

@@ -14,8 +14,6 @@ from typing import Any
 
 from ..base import AOImpactError, InputError, file_path, warn
 
-__all__ = ["Checkpoint", "Outcome", "as_json"]
-
 # Value kept of a case, or its exception; and its warnings.
 Outcome = tuple[Any, tuple[str, ...]]
 

@@ -18,8 +18,6 @@ import scipy.sparse as sp
 
 from ..base import InputTypeError
 
-__all__ = ["Digests"]
-
 # Bytes: two among a million million cases are taken for one with a chance of 1e-15.
 _SIZE = 16
 

@@ -31,8 +31,6 @@ from .shared import SharedCase, share_models
 from .sharednumbers import shared_numbers
 from .workers import Workers
 
-__all__ = ["KEYWORDS", "REQUIRED", "Failed", "iterate_many", "simulate_many"]
-
 _PARAMETERS = inspect.signature(simulate).parameters
 KEYWORDS = tuple(_PARAMETERS)
 REQUIRED = tuple(name for name in KEYWORDS if _PARAMETERS[name].default is inspect.Parameter.empty)

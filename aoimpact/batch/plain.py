@@ -24,8 +24,6 @@ from ..results import QUANTITIES, warning_limits
 from ..scene import normal_gap
 from .briefs import Answer, Briefs
 
-__all__ = ["ERROR", "PLAIN_NUMBERS", "plain_numbers"]
-
 ERROR = "error.time"
 
 # The numbers that follow from what the core returns of a plain impact.

@@ -21,8 +21,6 @@ from ..linalg import LinearSolver
 from ..reduction import AOModel, BodyModel, body_model
 from ..results import Result, TimeSolver
 
-__all__ = ["SharedCase", "share_models"]
-
 _NAMES = ("projectile", "target")
 
 # Arguments that must be the same for impacts that share a model; all others may differ.

@@ -35,8 +35,6 @@ from .briefs import Answer, Briefs
 from .plain import ERROR
 from .shared import SharedCase
 
-__all__ = ["shared_numbers"]
-
 _PLAIN = [name for name, one in QUANTITIES.items() if one.is_plain]
 
 # The first guess of an open record, in contact times of rigid bodies.

@@ -19,8 +19,6 @@ from ..scenefile import SceneFile, read_scene
 from .many import KEYWORDS, REQUIRED, Failed, iterate_many
 from .sweep_table import SweepTable, sweep_table
 
-__all__ = ["sweep", "sweep_file"]
-
 # Each number stands in a column of its own and in the structured array.
 _BYTES_PER_NUMBER = 16.0
 

@@ -35,7 +35,6 @@ from ..results import quantity_unit
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["SweepTable", "sweep_table"]
 
 # Rows of a printed table: what they hold is seen, and the note below stays on the screen. Lines of
 # a plot that a legend names: more would cover it.

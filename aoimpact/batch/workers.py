@@ -12,8 +12,6 @@ from typing import Any
 
 from ..base import InputTypeError, WorkerError, integer
 
-__all__ = ["Workers"]
-
 # Makes the outcomes of some items; returns the seconds that it took as well.
 Task = Callable[[list[Any]], tuple[list[Any], float]]
 

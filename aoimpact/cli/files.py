@@ -17,8 +17,6 @@ from ..batch import SweepTable
 from ..results import Result, Run
 from ..scenefile import SceneFile
 
-__all__ = ["FORMATS", "as_json", "numbers", "rows", "write_files", "write_sweep"]
-
 _FIGURES = ("force", "indentation", "displacement", "energy")
 
 # Times of a body's fields, beside that of the peak force: enough to see it move.

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from ..base import InputError, positive
 from .tolerances import TIGHTEST
 
-__all__ = ["Adaptive"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Adaptive:

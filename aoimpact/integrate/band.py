@@ -13,8 +13,6 @@ import scipy.sparse as sp
 
 from ..base import IntArray
 
-__all__ = ["narrow_order"]
-
 
 def narrow_order(ends: Sequence[tuple[int, int]], couples: Sequence[bool]) -> IntArray | None:
     """Return an order of contacts with a narrower band (Cuthill and McKee's, reversed).

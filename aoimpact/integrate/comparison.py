@@ -14,8 +14,6 @@ from ..base import FloatArray
 from .dense import DenseRecorder
 from .tolerances import AT_REST, LESSER, SUDDEN
 
-__all__ = ["difference", "most_touches"]
-
 
 def most_touches(run: DenseRecorder) -> int:
     """Return how often the contact that counts most often touches.

@@ -22,8 +22,6 @@ from .band import narrow_order
 from .events import Events
 from .motion import DenseMotion
 
-__all__ = ["DenseRecorder", "adaptive_run"]
-
 # Samples for curves: within each step of contact, and in free motion over the whole record.
 _PER_STEP = 8
 _IN_FREE_MOTION = 240

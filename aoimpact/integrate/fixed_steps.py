@@ -18,8 +18,6 @@ from .motion import ForcedMotion
 from .newmark import Newmark, Record, Start, newmark_run, steps_of
 from .steperror import StepError, time_error
 
-__all__ = ["SteppedRecorder", "rigid_contact_time", "solve_newmark"]
-
 # Steps within a contact of the first attempt, where no dt is given.
 _FIRST_STEPS = 50
 

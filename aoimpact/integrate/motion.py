@@ -21,8 +21,6 @@ from .newmark import Newmark
 if TYPE_CHECKING:
     from .dense import DenseRecorder
 
-__all__ = ["DenseMotion", "ForcedMotion", "Motion"]
-
 
 # The forces' rates are central differences over this share of the shortest contact: a smooth force
 # has moved far more than its rounding there, and its curve not yet bent.

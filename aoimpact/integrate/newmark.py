@@ -13,9 +13,6 @@ from .. import _core
 from ..base import GIB, ConvergenceError, FloatArray, Frozen, InputError, boolean, positive, real
 from ..scene import Contact, RecordLayout, SteppedBody
 
-__all__ = ["Newmark", "Record", "Start", "newmark_run", "steps_of"]
-
-
 # A record larger than this is a mistake in dt more often than a wish.
 _MOST_BYTES = 4 * GIB
 

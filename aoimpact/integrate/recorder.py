@@ -8,8 +8,6 @@ from ..base import FloatArray
 from .events import Events
 from .motion import Motion
 
-__all__ = ["Recorder"]
-
 
 class Recorder(Protocol):
     """A run of a solver that can be read at times."""

@@ -11,8 +11,6 @@ from ..laws import ContactLaw
 from ..scene import Contact, Plan
 from .tolerances import ROUGHEST, ROUGHEST_SHARE
 
-__all__ = ["refuse_rough", "scatter"]
-
 # Over this share of an indentation any smooth law is a cubic, but for rounding.
 _WINDOW = 1e-4
 

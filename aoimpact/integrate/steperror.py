@@ -22,8 +22,6 @@ from .events import find_impulse, find_peak
 from .newmark import Record
 from .tolerances import AROUND_PEAK, LESSER, NO_DIGIT
 
-__all__ = ["StepError", "time_error"]
-
 # A law that gives more than this share of the peak at next to no indentation jumps there.
 # A third or three times either leaves all of 1488 estimates as they are.
 _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3

@@ -15,8 +15,6 @@ from .dense import DenseRecorder, adaptive_run
 from .roughness import refuse_rough
 from .tolerances import FLOOR, GAIN, LINEAR, OTHER_STEPS, PATIENCE, ROUNDING, SEVERAL, SPREAD
 
-__all__ = ["solve_adaptive"]
-
 
 def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | None]:
     """Run a scene to a tolerance; return the run and its relative error, if known.

@@ -10,25 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = [
-    "AROUND_PEAK",
-    "AT_REST",
-    "FLOOR",
-    "GAIN",
-    "LESSER",
-    "LINEAR",
-    "NO_DIGIT",
-    "OTHER_STEPS",
-    "PATIENCE",
-    "ROUGHEST",
-    "ROUGHEST_SHARE",
-    "ROUNDING",
-    "SEVERAL",
-    "SPREAD",
-    "SUDDEN",
-    "TIGHTEST",
-]
-
 # The smallest tolerance that may be given: double precision has no more digits.
 TIGHTEST = 1e-13
 

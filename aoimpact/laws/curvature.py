@@ -16,14 +16,6 @@ import scipy
 from ..base import InputError, InputTypeError, real
 from ..fem import Material
 
-__all__ = [
-    "contact_modulus",
-    "elliptic_contact",
-    "is_pair",
-    "relative_curvatures",
-    "relative_radius",
-]
-
 
 def contact_modulus(material_1: Material, material_2: Material) -> float:
     """Return E*, Pa: 1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂, eq. (16)."""

@@ -11,8 +11,6 @@ import numpy as np
 from ..base import FloatArray, InputError, LawLimitError
 from .law import MOST_SHARE, ContactLaw, PatchLaw
 
-__all__ = ["check_width", "effective_law", "own_law", "wider"]
-
 
 def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
     """Return a law with a compliance, m/N, taken out, unless that has been done.

@@ -18,8 +18,6 @@ from .curvature import (
 )
 from .law import MOST_SHARE, ContactLaw, HertzianLaw
 
-__all__ = ["Hertz", "Linear", "PowerLaw", "exponent"]
-
 
 def exponent(name: str, value: Any, unit: str) -> float:
     """Return n of k δⁿ as a float, at least 1."""

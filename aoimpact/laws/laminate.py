@@ -9,8 +9,6 @@ from typing import Any, ClassVar
 from ..base import InputError, positive
 from .law import HertzianLaw
 
-__all__ = ["YangSun"]
-
 
 def _share(name: str, value: Any, unit: str) -> float | None:
     if value is None:

@@ -25,16 +25,6 @@ from ..base import (
 )
 from .rebound import integrated_restitution
 
-__all__ = [
-    "MOST_SHARE",
-    "ContactLaw",
-    "CoreLaw",
-    "Dent",
-    "HertzianLaw",
-    "PatchLaw",
-    "loading_work",
-]
-
 
 class CoreLaw(NamedTuple):
     """A law as the binding takes it.

@@ -13,8 +13,6 @@ from ..fem import Material
 from .curvature import contact_modulus, relative_radius
 from .law import MOST_SHARE, HertzianLaw
 
-__all__ = ["ElasticPlastic", "Thornton", "yield_force", "yield_pressure"]
-
 # Tabor: the hardness of a metal that no longer hardens, in yield strengths.
 _CONSTRAINT = 2.8
 

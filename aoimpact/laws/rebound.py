@@ -15,19 +15,6 @@ import scipy
 
 from ..base import FloatArray
 
-__all__ = [
-    "hunt_crossley_damping",
-    "hunt_crossley_restitution",
-    "integrated_restitution",
-    "kuwabara_kono_lag",
-    "kuwabara_kono_restitution",
-    "oscillator_damping",
-    "oscillator_restitution",
-    "swing_damping",
-    "swing_restitution",
-]
-
-
 _RTOL = 3e-14  # the tightest that the integrator takes
 _RTOL_ROOT = 4.0 * np.finfo(float).eps  # and the root finder
 _SMALL = 0.1  # below, x - log(1+x) is a series

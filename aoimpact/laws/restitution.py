@@ -9,8 +9,6 @@ from typing import Any
 from ..base import InputError, InputTypeError, positive
 from .law import ContactLaw
 
-__all__ = ["restitution"]
-
 # Beyond 1 that is nothing but the ten digits of an integration.
 _ROUNDING = 1e-9
 

@@ -14,8 +14,6 @@ from ..base import FloatArray
 from ..fem import Material
 from .law import ContactLaw, HertzianLaw
 
-__all__ = ["RoundContact", "round_contact"]
-
 # The power of the indentation in Hertz's law.
 _POWER = 1.5
 

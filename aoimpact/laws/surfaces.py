@@ -12,9 +12,6 @@ from ..base import InputError, instance, unit_vector
 from ..fem import ContactSurface
 from .elastic import Hertz
 
-__all__ = ["LawFromSurfaces", "law_between"]
-
-
 # Directions of travel within 5° are one direction in one frame.
 _ONE_FRAME = math.cos(math.radians(5.0))
 

@@ -13,8 +13,6 @@ import scipy
 from ..base import FloatArray, InputError, finite_array
 from .law import ContactLaw
 
-__all__ = ["Tabulated"]
-
 
 @dataclass(frozen=True, repr=False)
 class Tabulated(ContactLaw):

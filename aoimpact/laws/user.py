@@ -11,8 +11,6 @@ from typing import Any
 from ..base import InputError, InputTypeError, boolean
 from .law import ContactLaw
 
-__all__ = ["UserLaw"]
-
 # What every function of a C library is an instance of.
 _CTYPES_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 

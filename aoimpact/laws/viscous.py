@@ -25,9 +25,6 @@ from .rebound import (
     swing_restitution,
 )
 
-__all__ = ["HuntCrossley", "KelvinVoigt", "KuwabaraKono", "Tsuji"]
-
-
 # Of a smaller share of the approach, velocities of 16 digits leave less than four.
 _LEAST_RESTITUTION = 1e-12
 

@@ -13,8 +13,6 @@ import numpy.typing as npt
 from .. import _core
 from ..base import FloatArray, IntArray, at_once
 
-__all__ = ["Blocks", "Part", "Stored", "diagonal_blocks", "diagonal_places", "in_stages", "slabs"]
-
 Part = tuple[int, int]
 
 # AOI_BLOCKS_WORK of csrc/multigrid/multigrid.h; the core refuses work space of any other length.

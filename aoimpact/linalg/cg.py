@@ -10,8 +10,6 @@ import numpy as np
 
 from ..base import ConvergenceError, FloatArray, SingularError, bar
 
-__all__ = ["Found", "conjugate_gradients", "inner"]
-
 _Map = Callable[[FloatArray], FloatArray]
 
 

@@ -12,9 +12,6 @@ from ..base import FloatArray, IntArray
 from ..mesh import Mesh
 from .blocks import diagonal_blocks
 
-__all__ = ["aggregated", "corner_interpolation"]
-
-
 # ω of the prolongation's smoothing, over λ_max of D⁻¹A (Vanek, Mandel and Brezina 1996).
 _DAMPING = 4.0 / 3.0
 

@@ -15,9 +15,6 @@ import scipy
 
 from ..base import ConvergenceError, FloatArray, bar
 
-__all__ = ["davidson"]
-
-
 # r·T r / ω² of a pair that has converged: the relative error of its ω², with T about (K + s²M)⁻¹;
 # that of the mode is the root of it.
 _TOLERANCE = 1e-14

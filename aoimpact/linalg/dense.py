@@ -7,8 +7,6 @@ import scipy
 
 from ..base import FloatArray, SingularError
 
-__all__ = ["dense_modes"]
-
 # Smallest pivot of M, relative to its diagonal, with which the reduction by M⁻¹ keeps the digits of
 # low ω².
 _LIGHT = 1e-6

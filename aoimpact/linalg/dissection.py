@@ -15,8 +15,6 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray
 
-__all__ = ["Dissection", "first_cut", "nested_dissection"]
-
 # Nodes of a part that is not cut further.
 _LEAF = 64
 

@@ -23,8 +23,6 @@ from .matrices import check_entries
 from .pencil import Pencil
 from .rows import ENTRIES_AT_ONCE, rows_of
 
-__all__ = ["Finest", "add", "add_to_diagonal", "finest_level", "in_order", "reduced"]
-
 Place = npt.NDArray[np.int64]
 Column = npt.NDArray[np.int32]
 

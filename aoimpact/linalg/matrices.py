@@ -13,19 +13,6 @@ import scipy.sparse as sp
 from ..base import FloatArray, InputError, InputTypeError, SingularError
 from .superlu import CHECKED_DOFS, Factorization, factorize
 
-__all__ = [
-    "LARGEST",
-    "LEAST",
-    "check_entries",
-    "check_mass",
-    "check_stiffness",
-    "core_rows",
-    "motion_without_force",
-    "symmetric_csr",
-    "symmetric_pair",
-]
-
-
 # Entries that the core's int32 offsets can count.
 _MOST_ENTRIES = 2**31 - 1
 

@@ -10,8 +10,6 @@ from ..base import FloatArray
 from .dissection import Dissection
 from .pencil import Pencil
 
-__all__ = ["ROUGH", "Inverse", "Iterate", "Method", "Solve"]
-
 Solve = Callable[[FloatArray], FloatArray]
 Iterate = Callable[[FloatArray, float, float], tuple[FloatArray, int]]
 

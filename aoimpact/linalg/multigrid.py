@@ -29,8 +29,6 @@ from .rows import congruent
 from .smoother import Smoother
 from .superlu import factorize
 
-__all__ = ["MULTIGRID", "Multigrid"]
-
 Single = npt.NDArray[np.float32]
 
 # λ_max of what is smoothed over λ_min of that: wider than isotropic elements need (8), for elements

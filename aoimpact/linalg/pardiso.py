@@ -16,9 +16,6 @@ from .method import Inverse, Method
 from .pencil import Pencil
 from .superlu import check_condition
 
-__all__ = ["PARDISO", "is_installed"]
-
-
 # PARDISO's iparm, counted from 0: nested dissection, and two-level scheduling of the factorisation.
 _OPTIONS = {1: 2, 23: 1}
 

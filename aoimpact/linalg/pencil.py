@@ -14,9 +14,6 @@ from ..base import FloatArray
 from .dissection import Dissection, first_cut, nested_dissection
 from .rows import Rows
 
-__all__ = ["Pencil"]
-
-
 # Negligible, but non-zero so that the sparse entry is kept.
 _ALMOST_ZERO = 1e-300
 

@@ -11,8 +11,6 @@ from ..base import FloatArray, SingularError
 from .blocks import Blocks, in_stages
 from .cg import inner
 
-__all__ = ["Smoother"]
-
 Single = npt.NDArray[np.float32]
 
 # Steps before and after each correction: one fewer takes half as many iterations again, one more

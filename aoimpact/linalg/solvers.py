@@ -31,17 +31,6 @@ from .pardiso import PARDISO
 from .pencil import Pencil
 from .superlu import SUPERLU
 
-__all__ = [
-    "FEW_SOLUTIONS",
-    "METHODS",
-    "SOLVERS",
-    "LinearSolver",
-    "Solver",
-    "SolverBook",
-    "checked_solver",
-    "linear_solver",
-]
-
 # What `solver=` may be: a name, or a function that takes the sparse matrix K + s²M and returns one
 # that takes f and returns (K + s²M)⁻¹ f, as scipy.sparse.linalg.factorized does.
 Solver = str | Callable[[Any], Solve]

@@ -14,16 +14,6 @@ from .dense import dense_modes
 from .pencil import Pencil
 from .solvers import LinearSolver, linear_solver
 
-__all__ = [
-    "DENSE_DOFS",
-    "EQUAL",
-    "lowest",
-    "null_space",
-    "shifted",
-    "warn_of_rounding",
-]
-
-
 # Up to here LAPACK on the whole pencil is quicker than setting up an iteration.
 DENSE_DOFS = 500
 

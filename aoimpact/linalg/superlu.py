@@ -15,15 +15,6 @@ from .dissection import Dissection
 from .method import Inverse, Method
 from .pencil import Pencil
 
-__all__ = [
-    "CHECKED_DOFS",
-    "SUPERLU",
-    "Factorization",
-    "check_condition",
-    "factorize",
-]
-
-
 # 1/condition below which a factorised matrix is taken for singular: the rounding of its entries
 # alone could have made it so.
 _SINGULAR = 2e-15

@@ -15,8 +15,6 @@ from .dofs import read_dofs
 from .formats import read_file
 from .found import Found, entry_line, spoilt
 
-__all__ = ["File", "chosen", "given_labels", "naming"]
-
 # Names of matrices: K, KAA, KAAX, KGG, STIFFNESS; M, MAA, MASS.
 _NAMES = {
     role: re.compile(rf"(?:{role}(?:([A-Z])\1)?X?|{word}.*)$")

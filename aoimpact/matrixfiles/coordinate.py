@@ -12,8 +12,6 @@ from ..base import FloatArray, IntArray
 from .found import Found, entry_line, spoilt
 from .table import NUMBER, columns, shown
 
-__all__ = ["is_market", "is_triples", "read_market", "read_triples"]
-
 _TRIPLE = re.compile(rb"\s*-?\d+\s+-?\d+\s+" + NUMBER + rb"\s*$")
 
 _ENTRY = "row, column and value"

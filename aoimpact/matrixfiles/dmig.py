@@ -17,8 +17,6 @@ from ..base import FloatArray, IntArray
 from .found import Found, spoilt, unfit
 from .nodal import label_codes
 
-__all__ = ["is_dmig", "read_dmig"]
-
 _ENTRY = re.compile(rb"^DMIG", re.MULTILINE)
 
 # A number whose exponent has no letter.

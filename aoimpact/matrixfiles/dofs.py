@@ -11,8 +11,6 @@ import numpy as np
 from ..base import InputError, InputTypeError, IntArray, file_path
 from .found import existing, spoilt
 
-__all__ = ["read_dofs"]
-
 # Ansys' words for components; what is none of these has no direction.
 _COMPONENTS = {"UX": 1, "UY": 2, "UZ": 3, "ROTX": 4, "ROTY": 5, "ROTZ": 6}
 

@@ -13,8 +13,6 @@ from .nodal import is_nodal, read_nodal
 from .npz import is_npz, read_npz
 from .op4 import is_op4, read_op4
 
-__all__ = ["FORMATS", "read_file"]
-
 # Bytes that are searched to recognise a format; punched files begin with other entries.
 _HEAD = 2**20
 

@@ -12,8 +12,6 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, IntArray, MissingFileError, require
 
-__all__ = ["Found", "entry_line", "existing", "spoilt", "symmetric", "unfit"]
-
 # Bytes of memory that a byte of a file becomes at most: of text, entries of three numbers each, of
 # which both triangles and their sum are held at once.
 _PER_BYTE = 12

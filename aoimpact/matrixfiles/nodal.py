@@ -14,8 +14,6 @@ import numpy as np
 from .found import Found, spoilt
 from .table import NUMBER, columns
 
-__all__ = ["is_nodal", "label_codes", "read_nodal"]
-
 _ENTRY = re.compile(rb"\s*" + rb"[\s,]+".join([*4 * [rb"[-+]?\d+"], NUMBER]) + rb"\s*,?\s*$")
 
 _WHAT = "node, component, node, component and value"

@@ -15,8 +15,6 @@ import scipy.sparse as sp
 from ..base import require
 from .found import Found, spoilt
 
-__all__ = ["is_npz", "read_npz"]
-
 # Largest compression of arrays of a matrix; zlib itself reaches some 1000.
 _MOST_RATIO = 200
 

@@ -19,8 +19,6 @@ import numpy as np
 from ..base import FloatArray, InputError
 from .found import Found, spoilt, unfit
 
-__all__ = ["is_op4", "read_op4"]
-
 # The length of a binary header, bytes, with words of 4 and of 8 bytes.
 _HEADERS = {24: 4, 48: 8}
 

@@ -12,8 +12,6 @@ from ..base import InputError, IntArray, SingularError
 from ..linalg import factorize
 from .found import Found, symmetric
 
-__all__ = ["Pair", "check_exchange", "condensed", "joined", "scaled", "without_held"]
-
 # Abaqus holds a dof by a stiffness of 1e36 on its diagonal.
 _HOLDING = 1e30
 

@@ -21,8 +21,6 @@ from ..base import (
 from ..mesh import is_nastran, load, looks_like_inp, nastran_nodes, read_mesh
 from .found import existing, spoilt
 
-__all__ = ["Places", "read_places"]
-
 # Labels, or None where nodes have none but their order; and coordinates in the file's unit.
 Places = tuple[IntArray | None, FloatArray]
 

@@ -14,8 +14,6 @@ from .choose import File, chosen, given_labels, naming
 from .pair import Pair, check_exchange, condensed, joined, scaled, without_held
 from .places import Places, read_places
 
-__all__ = ["read_matrices"]
-
 # Units of length and mass, in m and kg: from nanometres and -grams to beyond any.
 _UNITS = 1e-12, 1e12
 

@@ -13,8 +13,6 @@ import numpy as np
 from ..base import InputError, warn
 from .found import spoilt
 
-__all__ = ["NUMBER", "columns", "shown"]
-
 NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 _FORTRAN = re.compile(rb"(\d\.?)[dD](?=[-+]?\d)")

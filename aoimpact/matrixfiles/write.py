@@ -14,8 +14,6 @@ from ..base import FloatArray, InputTypeError, file_path, writable_folder
 from ..fem import ContactPoint, FEModel
 from ..reduction import AOModel
 
-__all__ = ["write_matrices"]
-
 # Digits with which a double is read as it was written.
 _DIGITS = 17
 

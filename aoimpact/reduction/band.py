@@ -19,8 +19,6 @@ from ..base import FloatArray, warn, with_unit
 from ..fem import SHIFT_TIMES_DURATION, ContactPoint, highest_shift, near_static
 from .recovery import GeneralizedCoordinates, Recovery
 
-__all__ = ["Band", "band_of"]
-
 # Error of the receptance at iω up to which a frequency is in the band. A mode that gives a tenth of
 # the receptance there is then right to 1 %.
 _RIGHT = 1e-3

@@ -27,14 +27,6 @@ from .band import Band, band_of
 from .modalbody import ModalBody
 from .recovery import GeneralizedCoordinates
 
-__all__ = [
-    "BodyModel",
-    "FiniteElementModel",
-    "ReducedModel",
-    "ascending",
-    "checked_ports",
-]
-
 
 class BodyModel(ABC):
     """A model of a body, and the places where it is touched: its ports.

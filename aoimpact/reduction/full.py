@@ -26,8 +26,6 @@ from .modes import ModalModel, modal, whole_interface
 from .reduction import antioscillators
 from .star import AOModel
 
-__all__ = ["FullModel", "body_model", "full"]
-
 # All modes of a body with so many dofs take some ten seconds and a third of a GiB.
 _MODAL_MOST = 3000
 

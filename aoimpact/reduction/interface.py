@@ -46,14 +46,6 @@ from .recovery import GeneralizedCoordinates
 from .star import described
 from .subspace import Subspace
 
-__all__ = [
-    "InterfaceModel",
-    "InterfaceSpace",
-    "interface",
-    "of_modes",
-]
-
-
 # Share of the ports' own compliances that the rounding of a reduction may cost: as the core has it.
 _ROUNDED = 1e-6
 

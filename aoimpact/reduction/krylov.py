@@ -36,9 +36,6 @@ from .modes import star_of_modes
 from .star import AOModel
 from .subspace import Subspace
 
-__all__ = ["KrylovSpace"]
-
-
 # A shift is as good as the best within this factor: on the paper's beam 8 to 14 over the contact
 # time are alike.
 _AS_GOOD = 1.3

@@ -16,9 +16,6 @@ import numpy as np
 from .. import _core
 from ..base import FloatArray
 
-__all__ = ["ModalBody", "oscillator_gain"]
-
-
 # The parts of a body as the core takes it, in its order.
 _PARTS = itemgetter(*_core.MODES.split())
 

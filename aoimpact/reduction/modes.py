@@ -28,9 +28,6 @@ from .modalbody import ModalBody
 from .origin import origin_of
 from .star import AOModel, described
 
-__all__ = ["ModalModel", "modal", "natural_modes", "star_of_modes", "whole_interface"]
-
-
 # Modes and oscillators with less than this share of the whole count as not excited by the contact.
 _NOT_EXCITED = 1e-13
 

@@ -10,8 +10,6 @@ from typing import Any
 from ..base import FloatArray
 from ..fem import ContactPoint, centre_of, translates
 
-__all__ = ["Origin", "origin_of"]
-
 
 @dataclass(frozen=True, eq=False)
 class Origin:

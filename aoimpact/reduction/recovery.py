@@ -28,9 +28,6 @@ from ..base import FloatArray
 from ..fem import Body
 from ..linalg import ROUGH, LinearSolver
 
-__all__ = ["PACE", "SOLVED", "GeneralizedCoordinates", "Recovery"]
-
-
 # s T for a contact of duration T. Measured on beams struck at midspan and at the end, supported and
 # free: between 3 and 20 errors hardly change, below they grow where slow modes are left out.
 PACE = 10.0

@@ -38,9 +38,6 @@ from .krylov import KrylovSpace
 from .origin import origin_of
 from .star import AOModel
 
-__all__ = ["antioscillators"]
-
-
 # Dofs up to which LAPACK finds all oscillators: a minute or so; beyond, minutes and gigabytes.
 _DENSE_MOST = 6000
 

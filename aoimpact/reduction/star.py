@@ -44,9 +44,6 @@ from .modalbody import ModalBody, oscillator_gain
 from .origin import Origin
 from .recovery import GeneralizedCoordinates
 
-__all__ = ["AOModel", "ball", "rigid"]
-
-
 # Masses, kg, and stiffnesses, N/m, beside each other: their squares and ratios are numbers.
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
 

@@ -33,9 +33,6 @@ from ..linalg import (
     core_rows,
 )
 
-__all__ = ["Subspace"]
-
-
 # The order that this is best for; more vectors are best with s T in proportion, up to the highest
 # frequency of the mesh at the contact. On a clamped beam of 17 000 dofs and a clamped plate of
 # 19 000, 200 and 550 vectors then give the force to ten digits, 800 with the shift above to four.

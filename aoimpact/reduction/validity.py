@@ -8,9 +8,6 @@ from collections.abc import Sequence
 from ..fem import SHIFT_TIMES_DURATION
 from .bodymodel import BodyModel, ReducedModel
 
-__all__ = ["fitted_times", "is_valid_for", "unbalanced"]
-
-
 # Factor by which a contact may be shorter than what was fitted before it is checked: measured on
 # twelve impacts with three and eight oscillators, down to there the force is hardly worse.
 _SHORTER = 3.0

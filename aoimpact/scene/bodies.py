@@ -14,8 +14,6 @@ from ..fem import Rayleigh
 from ..reduction import BodyModel, FullModel
 from .stepped import PARTS, SteppedBody, SteppedFull
 
-__all__ = ["coordinates", "stepped"]
-
 
 def stepped(
     model: BodyModel,

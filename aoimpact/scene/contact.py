@@ -14,18 +14,6 @@ from ..laws import ContactLaw, CoreLaw, HertzianLaw, effective_law, own_law
 from ..reduction import BodyModel
 from .rows import BodyRows
 
-__all__ = [
-    "Contact",
-    "CoreContact",
-    "FreeMotion",
-    "Load",
-    "OmittedMass",
-    "Port",
-    "extraction_of",
-    "law_of_models",
-    "normal_gap",
-]
-
 
 def normal_gap(gap: float) -> float:
     """Return a gap, m; 0 for a subnormal one, which no time of approach can tell from 0.

@@ -21,8 +21,6 @@ from ..base import FloatArray, IntArray
 from ..reduction import ModalBody
 from .contact import Port
 
-__all__ = ["ContactNetwork", "LinearNetwork"]
-
 BoolArray = npt.NDArray[np.bool_]
 
 # Ground springs on what may move freely: on one body of a group that nothing constrains, as stiff

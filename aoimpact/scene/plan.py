@@ -20,8 +20,6 @@ from .preload import Equilibrium, equilibrium
 from .rows import RecordLayout
 from .stepped import SteppedBody
 
-__all__ = ["Plan", "reduced_mass"]
-
 
 def reduced_mass(first: BodyModel, second: BodyModel) -> float:
     """Return 1/(1/m1 + 1/m2) of two bodies' static masses, kg: they meet as it would a wall."""

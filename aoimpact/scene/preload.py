@@ -20,9 +20,6 @@ from .contact import Contact
 from .network import ContactNetwork, LinearNetwork
 from .springs import Springs
 
-__all__ = ["Equilibrium", "equilibrium"]
-
-
 _EPSILON = float(np.finfo(np.float64).eps)
 
 # The constants below were tuned in tests/scene/test_preload.py, which also tries other values.

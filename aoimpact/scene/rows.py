@@ -12,8 +12,6 @@ from typing import NamedTuple
 
 from ..base import FloatArray
 
-__all__ = ["BodyRows", "ContactRows", "RecordLayout"]
-
 
 class ContactRows(NamedTuple):
     """Record of a contact over time, each of shape (times,).

@@ -12,9 +12,6 @@ from .. import _core
 from ..base import FloatArray
 from ..laws import ContactLaw, CoreLaw, loading_work
 
-__all__ = ["Springs"]
-
-
 # The indentations, m, between which the one under a load is looked for, by these factors in turn. A
 # user's law is not evaluated much deeper than it will be in the run.
 _SHALLOWEST, _DEEPEST = 2.0**-90, 2.0**30

@@ -14,9 +14,6 @@ from ..base import FloatArray
 from ..fem import Rayleigh
 from ..linalg import core_rows, factorize
 
-__all__ = ["Equations", "SteppedBody", "SteppedFull"]
-
-
 PARTS = _core.MODES.split()  # of a body as the core takes it, in its order
 
 

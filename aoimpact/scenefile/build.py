@@ -51,8 +51,6 @@ from ..reduction import (
 from ..results import SCENE_CHOICES, Handle
 from .names import LAWS, SOLVERS
 
-__all__ = ["Builder", "Kept", "member_name"]
-
 # The power of the indentation in Hertz's law.
 _HERTZ_POWER = 1.5
 

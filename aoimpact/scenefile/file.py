@@ -32,8 +32,6 @@ from .names import SCENE_FILE
 from .ranges import at_place, check_apart, grid_of, sweep_problems
 from .toml_lines import Place, holds, line_of
 
-__all__ = ["SceneFile", "read_scene"]
-
 # Message of tomllib for a text that is not TOML.
 _UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
 

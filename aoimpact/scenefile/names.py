@@ -25,8 +25,6 @@ from .schema import (
     Variants,
 )
 
-__all__ = ["LAWS", "SCENE_FILE", "SOLVERS"]
-
 # By the name that a file gives, the class that it stands for; a file has no functions.
 LAWS = {name: law for name, law in laws.LAWS.items() if law is not laws.UserLaw}
 

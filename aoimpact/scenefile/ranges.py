@@ -13,8 +13,6 @@ from .names import SCENE_FILE
 from .schema import Problem
 from .toml_lines import Place
 
-__all__ = ["at_place", "check_apart", "grid_of", "sweep_problems"]
-
 # Tables of a file, beside its impact or scene.
 _TABLES = ("title", "materials", "bodies")
 

@@ -14,11 +14,6 @@ from typing import Any
 from ..base import nearest
 from .toml_lines import Place
 
-__all__ = [
-    *("ANYTHING", "FLAG", "INTEGER", "NUMBER", "TEXT", "Choice", "Either", "Entries", "Kind"),
-    *("Listed", "Problem", "Reference", "Table", "Tagged", "Tree", "Variants"),
-]
-
 Problem = tuple[Place, str]
 Root = Mapping[str, Any]
 

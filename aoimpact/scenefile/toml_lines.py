@@ -10,8 +10,6 @@ import re
 import tomllib
 from typing import Any
 
-__all__ = ["Place", "holds", "line_of"]
-
 # Names of tables and keys, and numbers of places in arrays.
 Place = tuple[str | int, ...]
 

@@ -19,8 +19,6 @@ from ..reduction import BodyModel, FullModel, body_model, full, modal
 from ..results import QUANTITIES, Result
 from .comparison import Compared, Comparison
 
-__all__ = ["compare"]
-
 _COMPARED = tuple(
     QUANTITIES[name] for name in ("force", "contact_duration", "impulse", "target_displacement")
 )

@@ -18,8 +18,6 @@ from ..base import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Compared", "Comparison"]
-
 
 @dataclass(frozen=True)
 class Compared:

@@ -31,8 +31,6 @@ from ..laws import ContactLaw
 from ..reduction import rigid
 from ..testrig import Signal
 
-__all__ = ["LawFit", "fit_law"]
-
 # Far below the noise of measurements, and of differences with that step.
 _SOLVER = Adaptive(rtol=1e-9)
 _STEP = 1e-4

@@ -30,7 +30,6 @@ from .signal import UNFILTERED, Signal
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["DropWeight", "Point", "drop_weight"]
 
 # A measured force has begun where it passes the second share of its peak, and begins where it was
 # last below the first: between them noise of the channel (.4 % of the peak, rms, is usual) passes

@@ -27,8 +27,6 @@ from ..results import Result
 from .oscillator import Oscillator
 from .signal import Signal
 
-__all__ = ["LoadCell"]
-
 # A period of the cell is sampled so often.
 _PER_PERIOD = 40
 

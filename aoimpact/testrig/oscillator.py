@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 
 from ..base import FloatArray
 
-__all__ = ["Oscillator"]
-
 ComplexArray = NDArray[np.complex128]
 
 # Below this |z| the series of (e^z - 1 - z)/z² to this order is exact to rounding.

@@ -22,8 +22,6 @@ from ..base import (
 )
 from .signal import Signal
 
-__all__ = ["STANDARD_GRAVITY", "read_signal"]
-
 STANDARD_GRAVITY = 9.80665  # m/s², ISO 80000-3
 
 # SI units of signals, with how else they are written; and what has no prefix.

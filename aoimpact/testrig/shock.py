@@ -28,7 +28,6 @@ from .signal import Signal
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["ShockSpectrum", "shock_spectrum"]
 
 # Frequencies of a spectrum by itself: so many an octave, from this share of one over the length of
 # the signal to this share of its rate.

@@ -31,7 +31,6 @@ from ..results import Run
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Signal"]
 
 # Samples are evenly spaced if each is within this share of a step of where it should be.
 _UNEVEN = 0.05

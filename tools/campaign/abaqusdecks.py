@@ -17,8 +17,6 @@ import aoimpact as ao
 
 from .deckbody import Body, differences, draw, read
 
-__all__ = ["tried"]
-
 FloatArray = npt.NDArray[np.float64]
 
 # Keywords and data lines that stay together, in this order; a keyword may take several lines.

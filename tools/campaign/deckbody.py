@@ -15,8 +15,6 @@ from aoimpact.mesh import KINDS
 
 from .outside import module_of
 
-__all__ = ["Body", "differences", "draw", "read"]
-
 IntArray = npt.NDArray[np.int64]
 
 _TESTS = Path(__file__).parents[2] / "tests"

@@ -16,8 +16,6 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 
-__all__ = ["Given", "make", "seeds"]
-
 _FORMATS = ("csr", "csc", "coo", "bsr", "dia", "lil", "dok")
 
 _ARGUMENT = re.compile(

@@ -16,8 +16,6 @@ import aoimpact as ao
 from .mutate import damaged
 from .outside import module_of
 
-__all__ = ["Given", "make", "seeds"]
-
 _WRITERS = Path(__file__).parents[2] / "tests" / "matrixfiles" / "writers.py"
 
 _NAMED = re.compile(

@@ -20,8 +20,6 @@ from aoimpact.mesh import KINDS, meshio_of_all_kinds
 from .mutate import damaged
 from .outside import module_of
 
-__all__ = ["Given", "grouped", "make", "seeds"]
-
 _TESTS = Path(__file__).parents[2] / "tests"
 
 # Formats, the end of their files' names, and what their writers are told.

@@ -7,8 +7,6 @@ import re
 import struct
 from collections.abc import Callable
 
-__all__ = ["NUMBERS", "damaged"]
-
 # What a number in a text may be replaced by.
 NUMBERS = (
     "0",

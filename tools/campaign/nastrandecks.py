@@ -16,8 +16,6 @@ from aoimpact.mesh import reference_element
 
 from .deckbody import Body, differences, draw, read
 
-__all__ = ["tried"]
-
 FloatArray = npt.NDArray[np.float64]
 
 # A field: text as it stands, a decimal number with all its digits, or one with as many as fit.

@@ -6,8 +6,6 @@ import importlib.util
 from pathlib import Path
 from types import ModuleType
 
-__all__ = ["module_of"]
-
 
 def module_of(file: Path) -> ModuleType:
     """Return a file of the tests, which are no package, as a module."""

@@ -19,8 +19,6 @@ import aoimpact as ao
 from .meshes import grouped
 from .mutate import NUMBERS, damaged
 
-__all__ = ["Given", "make", "seeds", "text_of", "written"]
-
 _IN_A_RUN = re.compile(r" at t = |^preload: .* body \d")
 
 _ROOT = Path(__file__).parents[2]
