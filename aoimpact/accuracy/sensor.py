@@ -15,8 +15,6 @@ from ..linalg import SolverBook
 from ..reduction import SOLVED
 from ..results import Quantity, Run
 
-__all__ = ["Responses", "Sensor", "body_of"]
-
 # Runs that a search goes back to: of one order, and of those up to eight larger.
 _COMPARED = 9
 

@@ -35,8 +35,6 @@ from ..results import Quantity, Run
 from .sensor import Responses, Sensor, body_of
 from .stressat import roughness
 
-__all__ = ["AccelerationAt", "ReactionAt", "StrainAt"]
-
 # Channel frequency class that is taken if none was given, Hz.
 _CLASS = 1000.0
 

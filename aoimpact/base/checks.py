@@ -276,8 +276,13 @@ def finite_array(
     array = _real_array(name, value, order)
     if ndim is not None and array.ndim != ndim:
         raise InputError(f"{name} must have {ndim} axes, got shape {array.shape}")
-    if shape is not None and not _shape_matches(array.shape, shape):
-        raise InputError(f"{name} must have shape {_shape_text(shape)}, got {array.shape}")
+    if shape is not None:
+        actual = array.shape
+        fits = [w is None or a == w for a, w in zip(actual, shape, strict=False)]
+        if len(actual) != len(shape) or not all(fits):
+            sizes = ["any" if size is None else str(size) for size in shape]
+            wanted = f"({', '.join(sizes)}{',' if len(sizes) == 1 else ''})"
+            raise InputError(f"{name} must have shape {wanted}, got {actual}")
     if array.size and not np.isfinite(array).all():
         bad = np.argwhere(~np.isfinite(array))
         first = tuple(int(i) for i in bad[0])
@@ -391,17 +396,6 @@ def _real_array(name: str, value: Any, order: Literal["C", "K"]) -> FloatArray:
 
 def _is_real(value: Any) -> bool:
     return isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
-
-
-def _shape_matches(actual: tuple[int, ...], wanted: Sequence[int | None]) -> bool:
-    return len(actual) == len(wanted) and all(
-        w is None or a == w for a, w in zip(actual, wanted, strict=True)
-    )
-
-
-def _shape_text(shape: Sequence[int | None]) -> str:
-    sizes = ["any" if size is None else str(size) for size in shape]
-    return f"({', '.join(sizes)}{',' if len(sizes) == 1 else ''})"
 
 
 def _short(value: Any) -> str:

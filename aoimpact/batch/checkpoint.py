@@ -12,7 +12,7 @@ import json
 import os
 from typing import Any
 
-from ..base import AOImpactError, InputError, file_path, warn
+from ..base import AOImpactError, InputError, InputTypeError, file_path, warn
 
 # Value kept of a case, or its exception; and its warnings.
 Outcome = tuple[Any, tuple[str, ...]]
@@ -122,14 +122,19 @@ class Checkpoint:
 
 
 def as_json(value: Any) -> Any:
-    """Return a value as a checkpoint gives it back: of numbers, texts, lists and dicts.
+    """Return what a function kept as a checkpoint gives it back: numbers, texts, lists and dicts.
 
     Raises
     ------
-    TypeError, ValueError
+    InputTypeError
         If JSON cannot hold it.
     """
-    return json.loads(json.dumps(value, default=lambda array: array.tolist()))
+    try:
+        return json.loads(json.dumps(value, default=lambda array: array.tolist()))
+    except Exception:
+        raise InputTypeError(
+            f"keep must return what JSON holds for a checkpoint, got {type(value).__name__}"
+        ) from None
 
 
 def _outcome(record: Any) -> Outcome:

@@ -255,18 +255,10 @@ class _Job:
             try:
                 result = _run(case)
                 value = result if self.keep is None else self.keep(result)
-                value = self._as_stored(value) if self.stored else value
+                value = as_json(value) if self.stored else value
             except Exception as error:
                 value = _portable(error)
         return value, tuple(messages)
-
-    def _as_stored(self, value: Any) -> Any:
-        try:
-            return as_json(value)
-        except Exception:
-            raise InputTypeError(
-                f"keep must return what JSON holds for a checkpoint, got {type(value).__name__}"
-            ) from None
 
 
 @dataclass(frozen=True)

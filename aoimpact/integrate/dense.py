@@ -239,7 +239,12 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     """
     began = perf_counter()
     order = _order(plan) if len(plan.contacts) > 2 else None
-    bodies, contacts = _for_core(plan, order)
+    laws = {id(of.law): of.law.for_core() for of in plan.contacts}  # each of them once
+    bodies = tuple(
+        [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(plan.modal)]
+    )
+    joined = [of.for_core(laws[id(of.law)]) for of in plan.contacts]
+    contacts = tuple(joined if order is None else [joined[i] for i in order])
     rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
     moving = tuple([body.moving for body in plan.modal])
     try:
@@ -275,16 +280,6 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
         v=v,
         seconds=perf_counter() - began,
     )
-
-
-def _for_core(
-    plan: Plan, order: IntArray | None
-) -> tuple[tuple[tuple[Any, ...], ...], tuple[CoreContact, ...]]:
-    """Bodies, and contacts in an order, as the core takes them."""
-    laws = {id(of.law): of.law.for_core() for of in plan.contacts}  # each of them once
-    bodies = [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(plan.modal)]
-    contacts = [of.for_core(laws[id(of.law)]) for of in plan.contacts]
-    return tuple(bodies), tuple(contacts if order is None else [contacts[i] for i in order])
 
 
 def _filled(times: FloatArray, duration: float) -> FloatArray:

@@ -98,7 +98,9 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     if force[best] <= 0.0:
         return 0.0, float(t[0])
     before, here, after = force[:-2], force[1:-1], force[2:]
-    bend = np.pad(_curvatures(t, force), 1, constant_values=np.inf)  # not known beyond the record
+    # Half the curvature of the parabolas around all samples; not known beyond the record.
+    curvatures = np.diff(np.diff(force) / np.diff(t)) / (t[2:] - t[:-2])
+    bend = np.pad(curvatures, 1, constant_values=np.inf)
     beside = np.minimum(bend[:-2], bend[2:])  # negative, as all are at a peak
     smooth = (here >= before) & (here >= after) & (beside <= _LEAST_CURVATURE * bend[1:-1])
     top, shift = _parabola_tops(t, force, np.flatnonzero(smooth) + 1)
@@ -107,12 +109,6 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     if top.size and top[winner] >= force[best]:
         return float(top[winner]), float(shift[winner])
     return float(force[best]), float(t[best])
-
-
-def _curvatures(t: FloatArray, force: FloatArray) -> FloatArray:
-    """Return half the curvature of the parabolas around all samples but the first and the last."""
-    slope = np.diff(force) / np.diff(t)
-    return np.diff(slope) / (t[2:] - t[:-2])
 
 
 def _parabola_tops(

@@ -97,7 +97,8 @@ def _confirmed(
             _warn(rtol, touches, f"a run at rtol={wanted:g}, for comparison, fails: {failure}")
             return best, error if math.isfinite(error) else None
         share, before = wanted / tolerance, error
-        error = max(_estimate(difference(best, other, speed), share), rounding)
+        apart = difference(best, other, speed)
+        error = 1.0 if apart > LINEAR else max(apart * min(1.0, SPREAD * share), rounding)
         best, tolerance = other, wanted
         if error <= rtol:
             return best, rtol
@@ -105,11 +106,6 @@ def _confirmed(
             _warn_of_error(rtol, touches, tolerance, share, error, rounding)
             return best, error
         wanted = tolerance * min(0.1, rtol / error)
-
-
-def _estimate(apart: float, share: float) -> float:
-    """Error of a run that differs by `apart` from one whose tolerance it has a `share` of."""
-    return 1.0 if apart > LINEAR else apart * min(1.0, SPREAD * share)
 
 
 def _warn_of_error(

@@ -39,8 +39,8 @@ _PIVOT = 1e-14
 _INVERSE_ITERATIONS = 2
 
 
-def symmetric_csr(name: str, matrix: Any) -> sp.csr_array:
-    """Return a symmetric matrix as float64 CSR, canonical, with int32 indices where they fit.
+def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
+    """Return stiffness and mass as float64 CSR, canonical, with int32 indices where they fit.
 
     Sparse matrices of any format and real type are converted, and dense ones; what is in the right
     form already is not copied, and the caller's arrays are never written to.
@@ -48,20 +48,10 @@ def symmetric_csr(name: str, matrix: Any) -> sp.csr_array:
     Raises
     ------
     InputTypeError
-        If it is not a matrix of real numbers.
+        If one is not a matrix of real numbers.
     InputError
-        If it is not square, finite and symmetric.
-    """
-    return _symmetric_csr(name, _checked(name, matrix))
-
-
-def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
-    """Return stiffness and mass as `symmetric_csr` does, of one shape.
-
-    Raises
-    ------
-    InputTypeError, InputError
-        Also if the shapes differ, or M has fewer entries than rows.
+        If one is not square, finite and symmetric, the shapes differ, or both have fewer entries
+        than rows.
     """
     stiffness, mass = _checked("K", K), _checked("M", M)
     if stiffness.shape != mass.shape:
@@ -70,7 +60,12 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
         )
     # Checked before a few entries in a shape of 10⁹ rows are given as many row pointers.
     if sp.issparse(stiffness) and sp.issparse(mass):
-        _check_rows(stiffness.nnz + mass.nnz, mass.shape[0])
+        entries, rows = stiffness.nnz + mass.nnz, mass.shape[0]
+        if entries < rows:
+            raise InputError(
+                f"every dof must have stiffness or mass: K and M have {entries} entries in {rows} "
+                "rows; leave out dofs that have neither"
+            )
     pair = _symmetric_csr("K", stiffness), _symmetric_csr("M", mass)
     for name, matrix, unit in (("K", pair[0], "N/m"), ("M", pair[1], "kg")):
         largest = float(np.abs(matrix.data).max(initial=0.0))
@@ -80,15 +75,6 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
                 f"computed; give it in {unit}"
             )
     return pair
-
-
-def _check_rows(entries: int, rows: int) -> None:
-    """Refuse a shape with more rows than K and M have entries."""
-    if entries < rows:
-        raise InputError(
-            f"every dof must have stiffness or mass: K and M have {entries} entries in {rows} "
-            "rows; leave out dofs that have neither"
-        )
 
 
 def _symmetric_csr(name: str, checked: Any) -> sp.csr_array:

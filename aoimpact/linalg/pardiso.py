@@ -54,7 +54,8 @@ class _Factors:
     def _solve(self, pencil: Pencil, rhs: FloatArray) -> FloatArray:
         if pencil.s2 != self._s2:
             matrix = _matrix(pencil)
-            if _same_pattern(matrix, self._pattern):
+            starts, indices = self._pattern
+            if np.array_equal(matrix.indptr, starts) and np.array_equal(matrix.indices, indices):
                 self._factorise(self._solver.refactor_values, matrix, pencil)
             else:
                 self._analyse(matrix)
@@ -110,11 +111,6 @@ def _matrix(pencil: Pencil) -> Any:
             f"{without[0]}, counted from 0, is {pencil.diagonal[without[0]]:g})"
         )
     return pencil.matrix()
-
-
-def _same_pattern(matrix: Any, pattern: tuple[Any, Any]) -> bool:
-    starts, indices = pattern
-    return np.array_equal(matrix.indptr, starts) and np.array_equal(matrix.indices, indices)
 
 
 def _set_up(pencil: Pencil) -> Inverse:

@@ -272,8 +272,13 @@ def linear_solver(
         raise InputError(f"solver={name!r} is for solids; leave it out for shells and beams")
     method = _quickest(pencil, solutions) if name == "auto" else METHODS[name]
     what = f"solver {method.name!r} of {pencil.what} ({pencil.n} dofs)"
-    require(method.memory(pencil), what, _cure(pencil, method))
-    most = _as_long_as_factors(pencil, method) if name == "auto" else np.inf
+    cure = "take a coarser mesh, free memory, or give a solver of your own by solver="
+    if method is not MULTIGRID and not pencil.rotates:
+        cure = f"solver={MULTIGRID.name!r} takes {MULTIGRID.memory(pencil) / GIB:.2g} GiB"
+    require(method.memory(pencil), what, cure)
+    most = np.inf
+    if name == "auto" and method.iteration is not None:  # as long as factors would take at least
+        most = _least(pencil) / method.iteration(pencil)
     with bar(f"{method.name}, {pencil.n} dofs"):
         try:
             inverse = method.set_up(pencil)
@@ -319,17 +324,6 @@ def _factorising() -> list[Method]:
 def _least(pencil: Pencil) -> float:
     """Seconds below which no method factorises."""
     return min(m.seconds(pencil, 0, pencil.first_cut) for m in _factorising())
-
-
-def _as_long_as_factors(pencil: Pencil, method: Method) -> float:
-    """Iterations that take as long as factors would at least; infinite of factors themselves."""
-    return np.inf if method.iteration is None else _least(pencil) / method.iteration(pencil)
-
-
-def _cure(pencil: Pencil, method: Method) -> str:
-    if method is not MULTIGRID and not pencil.rotates:
-        return f"solver={MULTIGRID.name!r} takes {MULTIGRID.memory(pencil) / GIB:.2g} GiB"
-    return "take a coarser mesh, free memory, or give a solver of your own by solver="
 
 
 def _users_own(pencil: Pencil, solver: Callable[[Any], Solve]) -> LinearSolver:

@@ -186,7 +186,10 @@ def lowest(
         base = near if near.s2 == 0.0 else shifted(K, M, rigid=known, invert=solver_at, first=near)
         try:
             modes = _lowest_sparse(M, base.solve, base.s2, n - count, rigid)
-            omega2, modes = _unmixed(K, modes)
+            # Rayleigh and Ritz: where few digits of K leave rigid motions a stiffness, s² is next
+            # to it, and their rounding, by far the largest, is in all other modes.
+            omega2, turned = np.linalg.eigh(modes.T @ (K @ modes))
+            modes = modes @ turned
         except ConvergenceError:
             if dofs > _DENSE_AT_WORST:
                 raise
@@ -239,16 +242,6 @@ def warn_of_rounding(K: Any, modes: FloatArray, what: str) -> None:
             "body is too slender, or too thin, for solid elements; take a thicker one, or K and M "
             "of a beam or plate"
         )
-
-
-def _unmixed(K: Any, modes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The eigenpairs of K on the space of M-orthonormal modes (Rayleigh and Ritz).
-
-    Where few digits of K leave rigid motions a stiffness, s² is next to it, and their rounding, by
-    far the largest, is in all other modes.
-    """
-    omega2, turned = np.linalg.eigh(modes.T @ (K @ modes))
-    return omega2, modes @ turned
 
 
 def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray, FloatArray]:

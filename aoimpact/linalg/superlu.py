@@ -176,15 +176,12 @@ def _is_regular(matrix: Any, solve: Callable[[FloatArray], FloatArray], scale: F
             most = 1.0 / (_SINGULAR * _UNLUCKY * np.sqrt(len(x)) * inverse)
             if float(np.diff(matrix.indptr).max()) < most:  # a row sum of entries up to 1
                 return True
-            largest = _largest_sum(matrix, scale)
+            parts = np.abs(matrix.data), matrix.indices, matrix.indptr
+            sizes = type(matrix)(parts, shape=matrix.shape)
+            largest = float((sizes @ (1.0 / scale) / scale).max())
             if largest < most:
                 return True
     return inverse * largest < 1.0 / _SINGULAR
-
-
-def _largest_sum(matrix: Any, scale: FloatArray) -> float:
-    sizes = type(matrix)((np.abs(matrix.data), matrix.indices, matrix.indptr), shape=matrix.shape)
-    return float((sizes @ (1.0 / scale) / scale).max())
 
 
 def _set_up(pencil: Pencil) -> Inverse:

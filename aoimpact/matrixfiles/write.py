@@ -71,7 +71,11 @@ def write_matrices(
     path = writable_folder(file_path("folder", folder))
     files = {name: path / f"{name}.mtx" for name in matrices}
     for name, matrix in matrices.items():
-        _write_market(files[name], matrix)
+        column = matrix.ndim == 1
+        written = matrix[:, None] if column else sp.coo_array(matrix)
+        symmetry = "general" if column else "symmetric"
+        with files[name].open("wb") as stream:
+            scipy.io.mmwrite(stream, written, precision=_DIGITS, symmetry=symmetry)
     if isinstance(what, AOModel):
         files["json"] = path / "model.json"
         what.to_json(files["json"])
@@ -80,15 +84,6 @@ def write_matrices(
     if body is not None:
         files |= _write_rows(body, path)
     return files
-
-
-def _write_market(file: Path, matrix: Any) -> None:
-    if matrix.ndim == 1:
-        with file.open("wb") as stream:
-            scipy.io.mmwrite(stream, matrix[:, None], precision=_DIGITS, symmetry="general")
-        return
-    with file.open("wb") as stream:
-        scipy.io.mmwrite(stream, sp.coo_array(matrix), precision=_DIGITS, symmetry="symmetric")
 
 
 def _deck(star: AOModel) -> str:

@@ -96,15 +96,13 @@ class Plan:
     @cached_property
     def omitted(self) -> tuple[OmittedMass | None, ...]:
         """Moving mass that each of the bodies, where it is reduced, does not contain."""
-        return tuple(
-            self._omitted(*body.omitted, velocity)
-            for body, velocity in zip(self.bodies, self.velocities, strict=True)
-        )
-
-    def _omitted(self, share: float, mass: float, velocity: float) -> OmittedMass | None:
-        if mass == 0.0 or (velocity == 0.0 and self.gravity == 0.0):
-            return None
-        return OmittedMass(share, mass, FreeMotion(velocity, self.gravity))
+        found: list[OmittedMass | None] = []
+        for body, velocity in zip(self.bodies, self.velocities, strict=True):
+            share, mass = body.omitted
+            moves = mass != 0.0 and (velocity != 0.0 or self.gravity != 0.0)
+            motion = FreeMotion(velocity, self.gravity)
+            found.append(OmittedMass(share, mass, motion) if moves else None)
+        return tuple(found)
 
     @cached_property
     def _loads_of(self) -> dict[int, list[Load]]:

@@ -210,7 +210,10 @@ class SceneFile:
         if not found and "sweep" in self.data:
             found = list(sweep_problems(self.data, self.kind))
         if found:
-            raise SceneFileError(self._all_of(found))
+            lines = [self._at(*problem) for problem in found[:_SHOWN]]
+            if len(found) > _SHOWN:
+                lines.append(f"{self.path}: and {len(found) - _SHOWN} more")
+            raise SceneFileError("\n".join(lines))
         with self._located(self.kind, "report"):
             if self.reported:
                 keeper(self.reported)
@@ -322,16 +325,11 @@ class SceneFile:
 
     # ------------------------------------------------------------------------- messages
 
-    def _all_of(self, problems: list[tuple[Place, str]]) -> str:
-        lines = [self._at(*problem) for problem in problems[:_SHOWN]]
-        if len(problems) > _SHOWN:
-            lines.append(f"{self.path}: and {len(problems) - _SHOWN} more")
-        return "\n".join(lines)
-
     def _at(self, place: Place, message: str) -> str:
         line = line_of(self.text, place)
         where = str(self.path) if line is None else f"{self.path}:{line}"
-        return f"{where}: {_dotted(place)}{message}"
+        dotted = ".".join(map(str, place)) + ": " if place else ""
+        return f"{where}: {dotted}{message}"
 
     @contextmanager
     def _located(self, *place: str | int) -> Iterator[None]:
@@ -347,7 +345,3 @@ class SceneFile:
             raise SceneFileError(self._at(finer, str(error))) from error
         except AOImpactError as error:
             raise type(error)(self._at(place, str(error))) from error
-
-
-def _dotted(place: Place) -> str:
-    return ".".join(map(str, place)) + ": " if place else ""

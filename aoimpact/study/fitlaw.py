@@ -184,7 +184,9 @@ class _Problem:
             starts = np.clip(found.x + around, self.low, self.high)
             others = [self._within(x, self.low, self.high, found.fun) for x in starts]
             return min((found, *others), key=lambda one: one.cost)
-        if not self._jumps(found.x):
+        # A force that is there soon after the contact has begun jumps.
+        early = self.law_at(found.x).force(_EARLY * self.data.depth, self.data.velocity)
+        if not early > _FOOT * self.data.force:
             return found
         between = []
         for sample in range(-_SAMPLES, _SAMPLES):
@@ -226,10 +228,6 @@ class _Problem:
             diff_step=_STEP / _ORIGIN,
         )
 
-    def _jumps(self, x: FloatArray) -> bool:
-        """True if the force is there soon after the contact has begun."""
-        early = self.law_at(x).force(_EARLY * self.data.depth, self.data.velocity)
-        return bool(early > _FOOT * self.data.force)
 
 
 def fit_law(
