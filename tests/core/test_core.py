@@ -26,7 +26,7 @@ import scipy.sparse as sp
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.base import errors
-from aoimpact.batch import plain
+from aoimpact.batch import briefs
 from aoimpact.linalg.superlu import factorize
 
 HEADER = Path(__file__).parents[2] / "include" / "aoimpact.h"
@@ -674,8 +674,8 @@ def enumerated(file: str, last: str) -> list[str]:
 
 def test_columns_are_where_the_core_writes_them() -> None:
     answers = enumerated("python/many.c", "ANSWER_VELOCITIES")
-    ours = [plain.Answer[name.removeprefix("ANSWER_")] for name in answers[:-1]]
-    assert [*ours, plain.Answer.FIRST, plain.Answer.SECOND] == list(range(len(answers) + 1))
+    ours = [briefs.Answer[name.removeprefix("ANSWER_")] for name in answers[:-1]]
+    assert [*ours, briefs.Answer.FIRST, briefs.Answer.SECOND] == list(range(len(answers) + 1))
 
 
 def test_statuses_arrive_as_their_exceptions() -> None:
