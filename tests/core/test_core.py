@@ -26,7 +26,6 @@ import scipy.sparse as sp
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.base import errors
-from aoimpact.batch import briefs
 from aoimpact.linalg.superlu import factorize
 
 HEADER = Path(__file__).parents[2] / "include" / "aoimpact.h"
@@ -661,21 +660,6 @@ def test_every_status_of_the_core_has_its_exception() -> None:
         assert isinstance(error, (ValueError, RuntimeError))
         assert "1.5e-06 s" in str(error)
         assert "unknown" not in str(error)
-
-
-def enumerated(file: str, last: str) -> list[str]:
-    """The names of the enum of a file of csrc up to that one, which count from 0."""
-    text = (HEADER.parents[1] / "csrc" / file).read_text()
-    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
-    (body,) = (one for one in re.findall(r"enum \w*\s*\{(.*?)\}", text, re.S) if last in one)
-    names = [entry.split("=")[0].strip() for entry in body.split(",")]
-    return names[: names.index(last) + 1]
-
-
-def test_columns_are_where_the_core_writes_them() -> None:
-    answers = enumerated("python/many.c", "ANSWER_VELOCITIES")
-    ours = [briefs.Answer[name.removeprefix("ANSWER_")] for name in answers[:-1]]
-    assert [*ours, briefs.Answer.FIRST, briefs.Answer.SECOND] == list(range(len(answers) + 1))
 
 
 def test_statuses_arrive_as_their_exceptions() -> None:
