@@ -434,29 +434,34 @@ def _write(rng: random.Random, folder: Path) -> tuple[Path, list[tuple[str, Body
         units += model
     rng.shuffle(units)
     lines = [*_flat(units), *last]
-    expected: list[tuple[str, Body, _Writer]] = []
     if style == "flat":
-        expected.append(("", body, writer))
-    else:
-        lines = _assembled(rng, writer, style, lines, outer, model, placed)
-        names = ["BAR"] if style == "parts" else ["I-1", "I-2"] if style == "two" else ["I-1"]
-        for i, instance in enumerate(names):
-            sets, groups = ({}, {})
-            for found, those in zip((sets, groups), inner_sets, strict=True):
-                for name, members in those.items():
-                    if name in outside:
-                        found[name] = members
-                    else:
-                        found[f"{instance}.{name}"] = members
-                        if len(names) == 1:
-                            found[name] = members
-            groups[instance] = set(cells)
-            mesh = body.mesh
-            if i == 1:
-                mesh = _remade(mesh, placed[1](placed[0].before(mesh.nodes)))
-            said = replace(writer, node_sets=sets, cell_sets=groups)
-            expected.append((instance if len(names) > 1 else "", replace(body, mesh=mesh), said))
+        return _stored(rng, folder, lines), [("", body, writer)]
+    lines = _assembled(rng, writer, style, lines, outer, model, placed)
+    names = ["BAR"] if style == "parts" else ["I-1", "I-2"] if style == "two" else ["I-1"]
+    expected = []
+    for i, instance in enumerate(names):
+        mesh = body.mesh
+        if i == 1:
+            mesh = _remade(mesh, placed[1](placed[0].before(mesh.nodes)))
+        sets, groups = (
+            _of_instance(instance, those, outside, alone=len(names) == 1) for those in inner_sets
+        )
+        said = replace(writer, node_sets=sets, cell_sets=groups | {instance: set(cells)})
+        expected.append((instance if len(names) > 1 else "", replace(body, mesh=mesh), said))
     return _stored(rng, folder, lines), expected
+
+
+def _of_instance(
+    instance: str, sets: dict[str, set[int]], outside: set[str], *, alone: bool
+) -> dict[str, set[int]]:
+    """Return sets by the names that a reader finds: those within an instance have its name."""
+    found = {}
+    for name, members in sets.items():
+        if name not in outside:
+            found[f"{instance}.{name}"] = members
+        if name in outside or alone:
+            found[name] = members
+    return found
 
 
 def _option(keyword: str) -> str:
