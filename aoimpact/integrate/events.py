@@ -10,11 +10,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-
-_BISECTIONS = 60  # halves [0, 1] down to rounding
+from ..base import FloatArray
 
 # Of the record's length: where a contact ends no farther before its end, the end is that.
 _ROUNDING = 1e-12
@@ -190,12 +189,10 @@ def _hermite_root(before: float, after: float, slope_before: float, slope_after:
         return -before / rise
     cubic = slope_before + slope_after - 2.0 * rise
     square = 3.0 * rise - 2.0 * slope_before - slope_after
-    low, high = 0.0, 1.0
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        value = before + middle * (slope_before + middle * (square + middle * cubic))
-        if (value > 0.0) == (before > 0.0):
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
+
+    def value(s: float) -> float:
+        return before + s * (slope_before + s * (square + s * cubic))
+
+    if (value(1.0) > 0.0) == (before > 0.0):  # by rounding
+        return 1.0
+    return float(scipy.optimize.brentq(value, 0.0, 1.0, xtol=1e-16))

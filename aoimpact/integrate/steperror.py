@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from ..base import FloatArray
 from ..laws import ContactLaw
@@ -28,9 +29,6 @@ _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
 
 # ω dt of a mode that steps resolve: a period in twelve of them.
 _RESOLVED = 0.5
-
-# Points of a load in one go, some milliseconds: loads of millions of points must heed Ctrl-C.
-_ROWS_EACH = 100_000
 
 
 class StepError(NamedTuple):
@@ -167,8 +165,10 @@ def _unseen_loads(plan: Plan, record: Record) -> float:
         acting = np.concatenate([at_steps[:1], load.forces[first:last]])
         bend = np.searchsorted(times, t, side="right") - 1  # the last before each step
         since = 0.5 * (t - times[bend]) * (acting[bend] + at_steps)
-        exact = _impulses(times, acting)[bend] + since
-        missed = max(missed, float(np.abs(exact - _impulses(t, at_steps)).max()))
+        impulses = scipy.integrate.cumulative_trapezoid
+        exact = impulses(acting, times, initial=0.0)[bend] + since
+        seen = impulses(at_steps, t, initial=0.0)
+        missed = max(missed, float(np.abs(exact - seen).max()))
         impulse = max(impulse, float(np.abs(exact).max()))
         if plan.bodies[load.body].massless:
             beside = max(
@@ -264,16 +264,6 @@ def _unresolved(plan: Plan, body: int, dt: float) -> FloatArray:
     by_forces, by_weight = model.fast_compliance(slowest, weighed=pull > 0.0)
     found: FloatArray = by_forces @ changes + by_weight * pull
     return found
-
-
-def _impulses(t: FloatArray, forces: FloatArray) -> FloatArray:
-    """The impulses of a force, straight between these times, up to each of them, N s."""
-    impulses = np.zeros(len(t))
-    for first in range(0, len(t) - 1, _ROWS_EACH):
-        part, after = slice(first, first + _ROWS_EACH + 1), slice(first + 1, first + _ROWS_EACH + 1)
-        steps = np.cumsum(0.5 * np.diff(t[part]) * (forces[part][1:] + forces[part][:-1]))
-        impulses[after] = impulses[first] + steps
-    return impulses
 
 
 def _approach(plan: Plan, record: Record, contact: int) -> FloatArray:
