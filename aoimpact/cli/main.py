@@ -6,13 +6,12 @@ import argparse
 import io
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
 from .. import __version__
 from ..base import AOImpactError, InputError
 
 Command = Callable[[argparse.Namespace], None]
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -44,39 +43,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="<command>", required=True)
-    _add_paper(commands)
-    _add_run(commands)
-    _add_compare(commands)
-    return parser
+    scene = argparse.ArgumentParser(add_help=False)
+    scene.add_argument("scene", metavar="SCENE.toml", help="the scene file")
+    folder = "folder for {}, made if there is none (default: {})"
 
-
-def _add(
-    commands: Commands, name: str, command: Command, *, help: str, description: str
-) -> argparse.ArgumentParser:
-    parser = commands.add_parser(name, help=help, description=description)
-    parser.set_defaults(command=command)
-    return parser
-
-
-def _add_scene(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scene", metavar="SCENE.toml", help="the scene file")
-
-
-def _add_out(parser: argparse.ArgumentParser, files: str, default: str | None = None) -> None:
-    without = "nothing is written" if default is None else "%(default)s"
-    parser.add_argument(
-        "--out",
-        metavar="DIR",
-        default=default,
-        help=f"folder for {files}, made if there is none (default: {without})",
-    )
-
-
-def _add_paper(commands: Commands) -> None:
-    command = _add(
-        commands,
+    paper = commands.add_parser(
         "paper",
-        _paper,
         help="recompute the paper's tables and figures beside its numbers",
         description=(
             "Recompute every table and Figures 3 to 11 of E. Jacquelin, 'On the rigid projectile "
@@ -84,7 +56,55 @@ def _add_paper(commands: Commands) -> None:
             "agrees, what does not, and why. Takes about a minute."
         ),
     )
-    _add_out(command, "the figures (PNG) and for results.csv and results.md", "paper-results")
+    files = "the figures (PNG) and for results.csv and results.md"
+    paper.add_argument(
+        "--out", metavar="DIR", default="paper-results", help=folder.format(files, "%(default)s")
+    )
+    paper.set_defaults(command=_paper)
+
+    run = commands.add_parser(
+        "run",
+        parents=[scene],
+        help="run a scene file",
+        description=(
+            "Run the impact that a TOML file describes (see docs/scene-files.md) and print what "
+            "comes of it: peak force, contact time, rebound, and how wrong they may be. A file "
+            "with a [sweep] is run once for each combination of its values, and a table is printed."
+        ),
+    )
+    files = "histories (CSV), figures (PNG) and fields of meshed bodies (VTU), or a sweep's table "
+    nothing = "nothing is written"
+    run.add_argument("--out", metavar="DIR", help=folder.format(files + "and figure", nothing))
+    run.add_argument("--json", action="store_true", help="print JSON, for machines")
+    run.add_argument(
+        "--workers", type=int, metavar="N", help="threads of a sweep (default: as in the file)"
+    )
+    run.add_argument(
+        "--checkpoint",
+        metavar="FILE",
+        help="keep a sweep's finished cases in a file, from which the same call goes on",
+    )
+    run.set_defaults(command=_run)
+
+    compare = commands.add_parser(
+        "compare",
+        parents=[scene],
+        help="compare models of a scene file's impact, from rigid to full",
+        description=(
+            "Run the impact that a TOML file describes with rigid bodies, with more and more "
+            "anti-oscillators, with natural modes and in full, and print what each costs and how "
+            "wrong it is."
+        ),
+    )
+    files = "the table (CSV) and figure (PNG)"
+    compare.add_argument("--out", metavar="DIR", help=folder.format(files, nothing))
+    compare.add_argument(
+        "--no-full",
+        action="store_true",
+        help="leave out the full model; errors are then relative to the most anti-oscillators",
+    )
+    compare.set_defaults(command=_compare)
+    return parser
 
 
 def _paper(options: argparse.Namespace) -> None:
@@ -94,35 +114,6 @@ def _paper(options: argparse.Namespace) -> None:
     print(done)
     print(f"\n{len(done.files)} files in {done.files[0].parent}:")
     print("  " + ", ".join(file.name for file in done.files))
-
-
-def _add_run(commands: Commands) -> None:
-    command = _add(
-        commands,
-        "run",
-        _run,
-        help="run a scene file",
-        description=(
-            "Run the impact that a TOML file describes (see docs/scene-files.md) and print what "
-            "comes of it: peak force, contact time, rebound, and how wrong they may be. A file "
-            "with a [sweep] is run once for each combination of its values, and a table is printed."
-        ),
-    )
-    _add_scene(command)
-    _add_out(
-        command,
-        "histories (CSV), figures (PNG) and fields of meshed bodies (VTU), or a sweep's table and "
-        "figure",
-    )
-    command.add_argument("--json", action="store_true", help="print JSON, for machines")
-    command.add_argument(
-        "--workers", type=int, metavar="N", help="threads of a sweep (default: as in the file)"
-    )
-    command.add_argument(
-        "--checkpoint",
-        metavar="FILE",
-        help="keep a sweep's finished cases in a file, from which the same call goes on",
-    )
 
 
 def _run(options: argparse.Namespace) -> None:
@@ -155,27 +146,6 @@ def _run(options: argparse.Namespace) -> None:
     print(f"{scene.title}\n{result}")
     if files:
         print(f"{', '.join(file.name for file in files)} in {files[0].parent}")
-
-
-def _add_compare(commands: Commands) -> None:
-    command = _add(
-        commands,
-        "compare",
-        _compare,
-        help="compare models of a scene file's impact, from rigid to full",
-        description=(
-            "Run the impact that a TOML file describes with rigid bodies, with more and more "
-            "anti-oscillators, with natural modes and in full, and print what each costs and how "
-            "wrong it is."
-        ),
-    )
-    _add_scene(command)
-    _add_out(command, "the table (CSV) and figure (PNG)")
-    command.add_argument(
-        "--no-full",
-        action="store_true",
-        help="leave out the full model; errors are then relative to the most anti-oscillators",
-    )
 
 
 def _compare(options: argparse.Namespace) -> None:
