@@ -25,7 +25,6 @@ from ..mesh import weights_at
 from ..results import Quantity, Run
 from .sensor import Responses, Sensor, body_of
 
-
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "von_mises")
 
 

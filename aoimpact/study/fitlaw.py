@@ -229,7 +229,6 @@ class _Problem:
         )
 
 
-
 def fit_law(
     law: ContactLaw | type[ContactLaw],
     signal: Any = None,
