@@ -17,7 +17,7 @@ import numpy as np
 
 from .. import _core
 from ..base import FloatArray, IntArray, LawLimitError, MemoryLimitError
-from ..scene import CoreContact, Plan
+from ..scene import Plan
 from .band import narrow_order
 from .events import Events
 from .motion import DenseMotion
@@ -56,9 +56,7 @@ class Track:
         The core's own.
     """
 
-    def __init__(
-        self, bodies: tuple[Any, ...], contacts: tuple[CoreContact, ...], handle: object
-    ) -> None:
+    def __init__(self, bodies: tuple[Any, ...], contacts: tuple[Any, ...], handle: object) -> None:
         self._scene, self._handle = (bodies, contacts), handle
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -5,12 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from .. import _core
-from ..base import GIB, ConvergenceError, FloatArray, Frozen, InputError, boolean, positive, real
+from ..base import (
+    GIB,
+    ConvergenceError,
+    FloatArray,
+    Frozen,
+    InputError,
+    boolean,
+    checked,
+    positive,
+    real,
+)
 from ..scene import Contact, RecordLayout, SteppedBody
 
 # A record larger than this is a mistake in dt more often than a wish.
@@ -65,11 +76,8 @@ class Newmark:
 
     def __post_init__(self) -> None:
         if self.dt is not None:
-            object.__setattr__(self, "dt", positive("dt", self.dt, unit="s"))
-        object.__setattr__(self, "beta", positive("beta", self.beta))
-        object.__setattr__(self, "gamma", real("gamma", self.gamma))
-        object.__setattr__(self, "rtol", positive("rtol", self.rtol))
-        boolean("estimate", self.estimate)
+            checked(self, dt=partial(positive, unit="s"))
+        checked(self, beta=positive, gamma=real, rtol=positive, estimate=boolean)
         if self.gamma < 0.5:
             raise InputError(
                 f"gamma must be at least 1/2 (below it energy is fed in), got {self.gamma:g}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
+from functools import partial
 from typing import Any, ClassVar, NamedTuple, cast
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..base import (
     InputError,
     InputTypeError,
     boolean,
+    checked,
     finite_array,
     positive,
     real,
@@ -511,8 +513,8 @@ class PatchLaw(ContactLaw):
             raise InputTypeError(
                 f"law must be a contact law with nothing taken out, got {self.law!r}"
             )
-        object.__setattr__(self, "compliance", _series("compliance", self.compliance))
-        object.__setattr__(self, "limit", positive("limit", self.limit, unit="m", infinite=True))
+        checked(self, compliance=_series)
+        checked(self, limit=partial(positive, unit="m", infinite=True))
 
     @property
     def depends_on_rate(self) -> bool:

@@ -7,7 +7,6 @@ reads them; what a user calls a `Scene` stands in `impact`.
 from .bodies import coordinates, stepped
 from .contact import (
     Contact,
-    CoreContact,
     FreeMotion,
     Load,
     extraction_of,
@@ -20,7 +19,6 @@ from .stepped import Equations, SteppedBody
 
 __all__ = [
     "Contact",
-    "CoreContact",
     "Equations",
     "FreeMotion",
     "Load",

@@ -6,7 +6,7 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..base import HUGE, FloatArray, InputError
 from ..fem import Extraction, ThinExtraction
@@ -82,17 +82,6 @@ class Port(NamedTuple):
     port: int
 
 
-class CoreContact(NamedTuple):
-    """A contact as the core takes it; see :class:`Contact`."""
-
-    first: int
-    first_port: int
-    second: int
-    second_port: int
-    gap: float
-    law: CoreLaw
-
-
 class Contact(NamedTuple):
     """A contact of two bodies.
 
@@ -122,11 +111,9 @@ class Contact(NamedTuple):
         """The two places that touch."""
         return Port(self.first, self.first_port), Port(self.second, self.second_port)
 
-    def for_core(self, law: CoreLaw) -> CoreContact:
+    def for_core(self, law: CoreLaw) -> tuple[Any, ...]:
         """Return it as the core takes it, with its law as the core takes that."""
-        return CoreContact(
-            self.first, self.first_port, self.second, self.second_port, self.gap, law
-        )
+        return *self[:4], self.gap, law
 
     def port_of(self, body: int) -> int:
         """Return where one of the two is touched."""
