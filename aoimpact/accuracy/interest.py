@@ -43,9 +43,7 @@ def impact_quantity(quantity: Any, projectile: BodyModel, target: BodyModel) -> 
             several="both projectile and target",
             contact="the contact's own are 'projectile_displacement' and 'target_displacement'",
         )
-    return QUANTITIES[
-        choice("quantity", _DEFAULT if quantity is None else quantity, IMPACT_CHOICES)
-    ]
+    return _named(quantity, IMPACT_CHOICES)
 
 
 def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
