@@ -42,21 +42,6 @@ static const double RIGID_IN_STEP = 1e13;
  * 1e-13. */
 enum { MOST_LOOPS = 30 };
 
-/* Reduction of the indentation of one contact per unit force of another, by residual compliances, m/N. */
-static double compliance_between(const aoi_system *system, size_t c, size_t by)
-{
-    const aoi_contact *of = &system->contact[c], *from = &system->contact[by];
-    double sum = 0.0;
-    for (int i = 0; i < 4; i++) {
-        const aoi_modes *body = &system->body[of->body[i / 2]];
-        if (of->body[i / 2] == from->body[i % 2] && body->residual) {
-            const size_t pair = of->port[i / 2] * body->ports + from->port[i % 2];
-            sum += (i / 2 == i % 2 ? 1.0 : -1.0) * body->residual[pair];
-        }
-    }
-    return sum;
-}
-
 size_t aoi_balance_size(size_t count, size_t span)
 {
     const size_t entries = aoi_times(count, 2 * span + 1);
@@ -95,7 +80,7 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
         for (size_t k = 0; k < width; k++) {
             const size_t j = i + k - e->band; /* wraps round below the first */
             e->compliance[i * width + k] =
-                j < e->count ? compliance_between(run->system, contact->contact, run->balanced[j].contact)
+                j < e->count ? aoi_system_residual(run->system, contact->contact, run->balanced[j].contact)
                              : 0.0;
             e->rate_compliance[i * width + k] =
                 time > 0.0 ? e->compliance[i * width + k] / time : 0.0;
@@ -108,7 +93,7 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_law *law = run->system->contact[c].law;
-    if (!(aoi_system_residual(run->system, c) > 0.0)) {
+    if (!(aoi_system_residual(run->system, c, c) > 0.0)) {
         return count;
     }
     /* For an open contact dashpots act from the touch on, not from the open gap. */
@@ -172,7 +157,7 @@ static double relaxation_of(const aoi_adaptive *run, const aoi_contact_state *of
     const size_t c = of->contact;
     aoi_law_value value;
     uncut_force(run, of, of->indentation, 0.0, &value);
-    return run->contact[c].start < of->indentation ? 0.0 : value.damping * aoi_system_residual(run->system, c);
+    return run->contact[c].start < of->indentation ? 0.0 : value.damping * aoi_system_residual(run->system, c, c);
 }
 
 int aoi_balance_at_start(aoi_adaptive *run)

@@ -183,7 +183,7 @@ static void first_level(aoi_adaptive *run, size_t c, double time)
         run->base = 3.0 * time;
         run->level = AOI_HIGHEST_LEVEL;
     }
-    const double first = time * (aoi_system_residual(run->system, c) > 0.0
+    const double first = time * (aoi_system_residual(run->system, c, c) > 0.0
                                      ? BENT_START * pow(run->rtol, 1.0 / 3.5)
                                      : fmin(EDGE_START * pow(run->rtol, 1.0 / 3.5), MOST_START));
     const double levels = AOI_LEVELS * log2(run->base / first);
@@ -198,7 +198,7 @@ static double time_left(const aoi_adaptive *run, size_t c)
 {
     const double now = aoi_run_now(run) * (1.0 + 8.0 * DBL_EPSILON); /* past a bend that is here within rounding */
     double end = run->end;
-    for (int side = 0; side < 2 && aoi_system_residual(run->system, c) > 0.0; side++) {
+    for (int side = 0; side < 2 && aoi_system_residual(run->system, c, c) > 0.0; side++) {
         end = fmin(end, aoi_modes_next_bend(&run->system->body[run->system->contact[c].body[side]], now));
     }
     return end - aoi_run_now(run);
@@ -283,7 +283,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
     here -= aoi_contact_bent(run, c, 0);
     rate -= aoi_contact_bent(run, c, 1);
-    const int bends = aoi_system_residual(run->system, c) > 0.0;
+    const int bends = aoi_system_residual(run->system, c, c) > 0.0;
     run->unbalanced = 1;
     contact->begins = 1;
     contact->slack = 0.0;

@@ -53,7 +53,7 @@ static int is_quick(const aoi_system *system)
 {
     for (size_t c = 0; c < system->contact_count; c++) {
         if (system->contact[c].law->depends_on_rate ||
-            aoi_system_residual(system, c) > 0.0) {
+            aoi_system_residual(system, c, c) > 0.0) {
             return 1;
         }
     }

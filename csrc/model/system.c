@@ -221,13 +221,16 @@ size_t aoi_system_most_modes(const aoi_system *system)
     return most;
 }
 
-double aoi_system_residual(const aoi_system *system, size_t c)
+double aoi_system_residual(const aoi_system *system, size_t c, size_t by)
 {
-    const aoi_contact *of = &system->contact[c];
+    const aoi_contact *of = &system->contact[c], *from = &system->contact[by];
     double sum = 0.0;
-    for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = &system->body[of->body[side]];
-        sum += body->residual ? body->residual[of->port[side] * (body->ports + 1)] : 0.0;
+    for (int i = 0; i < 4; i++) {
+        const aoi_modes *body = &system->body[of->body[i / 2]];
+        if (body->residual && of->body[i / 2] == from->body[i % 2]) {
+            const size_t pair = of->port[i / 2] * body->ports + from->port[i % 2];
+            sum += (i / 2 == i % 2 ? 1.0 : -1.0) * body->residual[pair];
+        }
     }
     return sum;
 }

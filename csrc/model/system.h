@@ -10,8 +10,8 @@ int aoi_system_is_modal(const aoi_system *system);
 /* Modes of the body that has most; 1 without bodies. */
 size_t aoi_system_most_modes(const aoi_system *system);
 
-/* The residual compliance between the bodies of a contact, m/N. */
-double aoi_system_residual(const aoi_system *system, size_t c);
+/* Reduction of the indentation of a contact per unit force of another, or of its own, by residual compliances, m/N. */
+double aoi_system_residual(const aoi_system *system, size_t c, size_t by);
 
 /* The largest distance between contacts (in their order) that share a body. */
 size_t aoi_system_span(const aoi_system *system);

@@ -132,7 +132,7 @@ static void a_contact_is_between_two_bodies(void)
     t.body[0].residual = residual;
     CHECK(aoi_system_size(&t.system) <= sizeof t.links, "room for links");
     CHECK(aoi_system_link(&t.system, t.links) == AOI_OK, "of different bodies");
-    CHECK(aoi_system_residual(&t.system, 0) == 5e-9, "the residual compliance at its ports");
+    CHECK(aoi_system_residual(&t.system, 0, 0) == 5e-9, "the residual compliance at its ports");
     t.contact = (aoi_contact){{0, 0}, {0, 1}, 0.0, &t.law};
     CHECK(aoi_system_link(&t.system, t.links) == AOI_ERROR_ARGUMENT, "of a body with itself");
 }
