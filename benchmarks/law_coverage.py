@@ -5,7 +5,7 @@
 Laws of random parameters are measured with independent noise of 0.5 to 10 % of the peak: force
 histories on a clock of their own, curves of loading, unloading and reloading, and dents. Normally
 distributed errors are within two standard errors in 95.4 of 100 cases. Parameters that a fit names
-as undetermined do not count. 10 000 fits take half an hour of one core.
+as undetermined do not count. 10 000 fits take half an hour of two busy cores.
 """
 
 from __future__ import annotations

@@ -10,7 +10,9 @@ The measurement of this page is simulated: a rubber-faced hammer of 100 g meets 
 of 3 % of its peak. The clock of the recorder starts before the contact does.
 """
 
+import csv
 import warnings
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -74,3 +76,27 @@ print(fit)
 # %%
 # A curve of force over indentation, from a slow test, is given by ``indentation=`` and ``force=``, in the order of
 # loading and unloading.
+
+# %%
+# How far the errors can be trusted
+# ---------------------------------
+# 10 000 laws of random parameters were fitted to force histories, curves and dents with noise of 0.5 to 10 % of the peak
+# (``benchmarks/law_coverage.py``). Normally distributed errors are within one standard error in 68 of 100 cases, and within two in 95.
+
+places = Path("../../law-coverage.csv"), Path("docs/law-coverage.csv")
+with next(place for place in places if place.exists()).open() as file:
+    *parameters, every = csv.DictReader(file)
+names = [f"{row['measurement']}: {row['parameter']}" for row in parameters]
+fig, ax = plt.subplots(figsize=(7.4, 5.6), layout="constrained")
+for column, colour, normal in (("within 1 (%)", "C0", 68.3), ("within 2 (%)", "C1", 95.4)):
+    ax.plot([float(row[column]) for row in parameters], names, "o", color=colour, label=column)
+    ax.axvline(normal, color=colour, lw=1)
+ax.axvspan(90, 99, color="0.9", zorder=0)
+ax.set(xlabel="true parameter within its standard errors (% of fits)", xlim=(55, 101))
+ax.invert_yaxis()
+ax.legend(loc="lower left")
+print(f"all {every['fits']} parameters: {every['within 2 (%)']} % within two standard errors")
+
+# %%
+# Forces that begin with a jump (Kelvin and Voigt, Tsuji) begin between two samples, so that their start is not normally
+# distributed: Kelvin and Voigt's errors are too large by a third. Those of full plasticity are the least safe, with 90 to 91 of 100.
