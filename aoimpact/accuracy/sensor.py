@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, Frozen, InputTypeError
-from ..fem import Body, ContactPoint, FEModel
-from ..fields import Response, response_of
+from ..base import FloatArray, Frozen, InputTypeError, held_warnings
+from ..fem import Body, ContactPoint, FEModel, Layer, Stress, corner_stress, stresses_around
+from ..fields import Field, Response, response_of
 from ..linalg import SolverBook
+from ..mesh import weights_at
 from ..reduction import SOLVED
 from ..results import Quantity, Run
 
@@ -23,7 +25,7 @@ class Responses:
     """The responses of a body in the runs that are compared, and what all of them share."""
 
     def __init__(self, body: Body, number: int) -> None:
-        self.number, factors = number, SolverBook(body.inverse)
+        self.body, self.number, factors = body, number, SolverBook(body.inverse)
         self._factors = factors
 
         @lru_cache(maxsize=_COMPARED)
@@ -43,6 +45,49 @@ class Responses:
             return np.stack([solver.solve_roughly(row, SOLVED)[0] for row in rows().toarray()])
 
         return dual
+
+    def quantity(
+        self,
+        name: str,
+        unit: str,
+        seen: Callable[[Response, FloatArray], FloatArray],
+        point: tuple[FloatArray, Callable[[Stress], FloatArray], Layer] | None = None,
+    ) -> Quantity:
+        """Return a history of the body as a quantity of interest.
+
+        Parameters
+        ----------
+        name, unit : str
+        seen : callable
+            Response and times, s, to values of shape (times,).
+        point : (ndarray, callable, layer), optional
+            Where the elements' stress is taken, m, what of it, and in which layer of a shell, for
+            the error by the elements.
+        """
+
+        def history(run: Run, times: FloatArray) -> FloatArray:
+            if run.plan.bodies[self.number].wall:  # the body as one that does not deform
+                return np.full((1, len(times)), np.nan)
+            return np.asarray(seen(self.of(run), times)).reshape(1, -1)
+
+        def local(run: Run) -> float:
+            assert point is not None
+            values = np.abs(history(run, run.t)[0])
+            largest = float(values.max())
+            if not largest > 0.0:
+                return 0.0
+            with held_warnings():
+                field = self.of(run).field(run.t[[int(values.argmax())]])
+            return _roughness(self.body, field, *point) / largest
+
+        return Quantity(
+            name,
+            unit,
+            history=history,
+            each="bodies",
+            lasting=True,
+            local=None if point is None else local,
+        )
 
 
 class Sensor(Frozen):
@@ -73,3 +118,44 @@ def body_of(body: Any) -> FEModel | None:
     if model is not None and not isinstance(model, FEModel):
         raise InputTypeError(f"body must be an FEModel or a contact point, got {body!r}")
     return model
+
+
+def _roughness(
+    body: Body,
+    field: Field,
+    point: FloatArray,
+    seen: Callable[[Stress], FloatArray],
+    layer: Layer,
+) -> float:
+    """Return by how much the elements about a point differ from their average there.
+
+    The root mean square, as in the energy by which Zienkiewicz and Zhu estimate errors.
+
+    Parameters
+    ----------
+    body : FEModel
+    field : Field
+        At one time.
+    point : ndarray, shape (3,)
+        m.
+    seen : callable
+        Stress to the number that is asked for.
+    layer : str or (int, str)
+        Of a shell.
+    """
+    assert body.mesh is not None
+    nodes, weights = weights_at(body.mesh, point)
+    square = 0.0
+    for node, weight in zip(nodes, weights, strict=True):
+        if body.mesh.thin:
+            moved = np.hstack([field.displacement[0], field.rotation[0]])
+            assert body.material is not None
+            around = corner_stress(body.mesh, body.material, int(node), layer, moved)
+            if not len(around):  # a beam is exact
+                continue
+            pair = Stress(around.mean(axis=0), point), Stress(around, point)
+        else:
+            pair = stresses_around(body, field.of_elements[0], int(node))
+        averaged, of_elements = map(seen, pair)
+        square += abs(weight) * float(np.mean((of_elements - averaged) ** 2))
+    return math.sqrt(square)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -15,7 +14,6 @@ from ..base import (
     InputError,
     checked,
     choice,
-    held_warnings,
     nonnegative,
     place,
     unit_vector,
@@ -24,6 +22,7 @@ from ..base import (
 from ..fem import Body, Strain, Stress, VirtualMotion
 from ..fields import (
     Channel,
+    Response,
     filtered_rate,
     gauge_ends,
     motion_rows,
@@ -31,9 +30,8 @@ from ..fields import (
     strain_rows_at,
 )
 from ..mesh import weights_at
-from ..results import Quantity, Run
+from ..results import Quantity
 from .sensor import Responses, Sensor, body_of
-from .stressat import roughness
 
 # Channel frequency class that is taken if none was given, Hz.
 _CLASS = 1000.0
@@ -130,28 +128,15 @@ class StrainAt(Sensor):
 
         dual = responses.dual(lambda: by_dofs()[0])
 
-        def strain(run: Run, times: FloatArray) -> FloatArray:
-            if run.plan.bodies[number].wall:  # the body as one that does not deform
-                return np.full((1, len(times)), np.nan)
-            (rows, compliance), response = by_dofs(), responses.of(run)
+        def strain(response: Response, times: FloatArray) -> FloatArray:
+            rows, compliance = by_dofs()
             under = response.half_space_stress(times, self.point[None])[:, 0]
-            return response.functionals(rows, times, dual) + compliance @ under.T
+            return np.asarray(response.functionals(rows, times, dual) + compliance @ under.T)
 
-        def local(run: Run) -> float:
-            history = np.abs(strain(run, run.t)[0])
-            largest = float(history.max())
-            if not largest > 0.0:
-                return 0.0
-            with held_warnings():
-                field = responses.of(run).field(run.t[[int(history.argmax())]])
-            compliance = by_dofs()[1]
+        def seen(stress: Stress) -> FloatArray:
+            return np.asarray(stress.components @ by_dofs()[1])
 
-            def seen(stress: Stress) -> FloatArray:
-                return np.asarray(stress.components @ compliance)
-
-            return roughness(body, self.point, seen, field) / largest
-
-        return Quantity("strain", "", history=strain, each="bodies", lasting=True, local=local)
+        return responses.quantity("strain", "", strain, (self.point, seen, "top"))
 
     @property
     def _weights(self) -> FloatArray:
@@ -172,14 +157,11 @@ class StrainAt(Sensor):
         dual = responses.dual(rows)
         size = float(np.linalg.norm(ends[1] - ends[0]))
 
-        def strain(run: Run, times: FloatArray) -> FloatArray:
-            if run.plan.bodies[number].wall:
-                return np.full((1, len(times)), np.nan)
-            response = responses.of(run)
+        def strain(response: Response, times: FloatArray) -> FloatArray:
             u = response.motion_at(ends, axes, rows(), times, dual, rates=False)[0]
-            return np.asarray((u[:, 1] - u[:, 0])[None] / size)
+            return np.asarray((u[:, 1] - u[:, 0]) / size)
 
-        return Quantity("strain", "", history=strain, each="bodies", lasting=True)
+        return responses.quantity("strain", "", strain)
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,18 +259,13 @@ class AccelerationAt(Sensor):
 
         dual = responses.dual(rows)
 
-        def acceleration(run: Run, times: FloatArray) -> FloatArray:
-            if run.plan.bodies[number].wall:
-                return np.full((1, len(times)), np.nan)
-            response = responses.of(run)
-
+        def acceleration(response: Response, times: FloatArray) -> FloatArray:
             def velocity(at: FloatArray) -> FloatArray:
                 return response.motion_at(places, axes, rows(), at, dual)[1]
 
-            return filtered_rate(velocity, run.duration, self.channel, times).T
+            return filtered_rate(velocity, response.motion.duration, self.channel, times)
 
-        name, unit = "acceleration", "m/s²"
-        return Quantity(name, unit, history=acceleration, each="bodies", lasting=True)
+        return responses.quantity("acceleration", "m/s²", acceleration)
 
 
 @dataclass(frozen=True, eq=False)
@@ -346,9 +323,7 @@ class ReactionAt(Sensor):
             motions = grounding.resultants(held, np.zeros(3))[:, :3]
             return grounding.virtual((motions @ self.direction)[:, None])
 
-        def reaction(run: Run, times: FloatArray) -> FloatArray:
-            if run.plan.bodies[number].wall:
-                return np.full((1, len(times)), math.nan)
-            return responses.of(run).held.work(moved(), times)
+        def reaction(response: Response, times: FloatArray) -> FloatArray:
+            return response.held.work(moved(), times)
 
-        return Quantity("reaction", "N", history=reaction, each="bodies", lasting=True)
+        return responses.quantity("reaction", "N", reaction)

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
-
-import numpy as np
 
 from ..base import (
     FloatArray,
@@ -16,13 +12,12 @@ from ..base import (
     InputTypeError,
     checked,
     choice,
-    held_warnings,
     place,
 )
-from ..fem import Body, Layer, Stress, checked_layer, corner_stress, stresses_around
-from ..fields import Field, stress_rows_at
+from ..fem import Body, Stress, checked_layer
+from ..fields import Response, stress_rows_at
 from ..mesh import weights_at
-from ..results import Quantity, Run
+from ..results import Quantity
 from .sensor import Responses, Sensor, body_of
 
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "von_mises")
@@ -91,69 +86,13 @@ class StressAt(Sensor):
 
         dual = responses.dual(rows)
 
-        def stress(run: Run, times: FloatArray) -> FloatArray:
-            if run.plan.bodies[number].wall:  # the body as one that does not deform
-                return np.full((1, len(times)), np.nan)
-            found = responses.of(run).functionals(rows(), times, dual)
-            found = found + responses.of(run).half_space_stress(times, self.point[None])[:, 0].T
-            return _component(Stress(found.T, self.point), self.component)[None]
+        def stress(response: Response, times: FloatArray) -> FloatArray:
+            found = response.functionals(rows(), times, dual)
+            found = found + response.half_space_stress(times, self.point[None])[:, 0].T
+            return self._seen(Stress(found.T, self.point))
 
-        def local(run: Run) -> float:
-            history = np.abs(stress(run, run.t)[0])
-            largest = float(history.max())
-            if not largest > 0.0:
-                return 0.0
-            with held_warnings():
-                field = responses.of(run).field(run.t[[int(history.argmax())]])
+        return responses.quantity("stress", "Pa", stress, (self.point, self._seen, self.layer))
 
-            def seen(stress: Stress) -> FloatArray:
-                return _component(stress, self.component)
-
-            return roughness(body, self.point, seen, field, self.layer) / largest
-
-        return Quantity("stress", "Pa", history=stress, each="bodies", lasting=True, local=local)
-
-
-def _component(stress: Stress, name: str) -> FloatArray:
-    return stress.von_mises if name == "von_mises" else stress[name]
-
-
-def roughness(
-    body: Body,
-    point: FloatArray,
-    seen: Callable[[Stress], FloatArray],
-    field: Field,
-    layer: Layer = "top",
-) -> float:
-    """Return by how much the elements about a point differ from their average there.
-
-    The root mean square, as in the energy by which Zienkiewicz and Zhu estimate errors.
-
-    Parameters
-    ----------
-    body : FEModel
-    point : ndarray, shape (3,)
-        m.
-    seen : callable
-        Stress to the number that is asked for.
-    field : Field
-        At one time.
-    layer : str or (int, str), optional
-        Of a shell.
-    """
-    assert body.mesh is not None
-    nodes, weights = weights_at(body.mesh, point)
-    square = 0.0
-    for node, weight in zip(nodes, weights, strict=True):
-        if body.mesh.thin:
-            moved = np.hstack([field.displacement[0], field.rotation[0]])
-            assert body.material is not None
-            around = corner_stress(body.mesh, body.material, int(node), layer, moved)
-            if not len(around):  # a beam is exact
-                continue
-            pair = Stress(around.mean(axis=0), point), Stress(around, point)
-        else:
-            pair = stresses_around(body, field.of_elements[0], int(node))
-        averaged, of_elements = map(seen, pair)
-        square += abs(weight) * float(np.mean((of_elements - averaged) ** 2))
-    return math.sqrt(square)
+    def _seen(self, stress: Stress) -> FloatArray:
+        """The component that is asked for."""
+        return stress.von_mises if self.component == "von_mises" else stress[self.component]
