@@ -94,7 +94,7 @@ for column, colour, normal in (("within 1 (%)", "C0", 68.3), ("within 2 (%)", "C
 ax.axvspan(90, 99, color="0.9", zorder=0)
 ax.set(xlabel="true parameter within its standard errors (% of fits)", xlim=(55, 101))
 ax.invert_yaxis()
-ax.legend(loc="lower left")
+fig.legend(loc="outside upper center", ncols=2)
 print(f"all {every['fits']} parameters: {every['within 2 (%)']} % within two standard errors")
 
 # %%
