@@ -166,7 +166,7 @@ MUTANTS = [
     ("law/law.c", "return AOI_NO_PIECE;", "return piece;"),
     ("law/law.c", "law->compliance * value.stiffness < MOST_SHARE ? end", "1 ? end"),
     ("law/law.c", "&& *high < HUGE_VAL) {", ") {"),
-    ("law/law.c", "!law->alone || law->compliance > 0.0", "!law->alone"),
+    ("law/law.c", "!law->alone || law->compliance != 0.0", "!law->alone"),
     ("law/law.c", "return value.force < 0.0 && !law->pulls", "return value.force < 0.0"),
     ("law/law.c", "law->note[2] = AOI_ERROR_LAW_JUMPS", "law->note[2] = AOI_ERROR_LAW"),
     ("law/law.c", "rising ? 64.0 : -64.0", "rising ? -64.0 : 64.0"),
