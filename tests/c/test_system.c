@@ -113,7 +113,7 @@ static void what_cannot_be_run_is_refused(void)
         }
         t.contact.port[1] = other == 3;
         t.contact.gap = other == 4 ? HUGE_VAL : 0.0;
-        t.law.compliance = other == 5 ? -1e-9 : 0.0;
+        t.law.compliance = other == 5 ? (double)NAN : 0.0;
         t.contact.law = other == 6 ? NULL : &t.law;
         t.system.body = other == 7 ? NULL : t.body;
         t.system.contact = other == 8 ? NULL : &t.contact;
