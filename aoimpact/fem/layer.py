@@ -22,8 +22,7 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse.linalg as sla
-from scipy.special import kv
+import scipy
 
 from ..base import FloatArray, IntArray
 from .laminate import Laminate, Layers, Ply, Shell
@@ -116,7 +115,12 @@ def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
         zeta = np.sqrt(here)
         share = 1.0 / (2.0 * np.pi * D * (there - here))
         shear = 1.0 + (inertia * s**2 - D * here) / S
-        parts.append((shear * share * kv(0, zeta * r), share * zeta * kv(1, zeta * r)))
+        parts.append(
+            (
+                shear * share * scipy.special.kv(0, zeta * r),
+                share * zeta * scipy.special.kv(1, zeta * r),
+            )
+        )
     (w_one, slope_one), (w_other, slope_other) = parts
     w, slope = (w_one + w_other).real, -(slope_one + slope_other).real / r
     return np.stack([w, slope * x[:, 1], -slope * x[:, 0]], axis=1)
@@ -226,7 +230,7 @@ def _mesh_compliance(
     moved[rim] = plate_motion(plate, s, x[rim])
     free = np.repeat(~rim, 3)
     right = (load.ravel() - A @ moved.ravel())[free]
-    moved[~rim] = sla.spsolve(A[free][:, free].tocsc(), right).reshape(-1, 3)
+    moved[~rim] = scipy.sparse.linalg.spsolve(A[free][:, free].tocsc(), right).reshape(-1, 3)
     return float((load * moved).sum())
 
 

@@ -43,7 +43,8 @@ def checked_layer(name: str, layer: Any) -> Layer:
     """
     pair = isinstance(layer, (tuple, list)) and len(layer) == 2
     ply, side = layer if pair else (0, layer)
-    if side not in _SIDES or not isinstance(ply, (int, np.integer)) or ply < 0:
+    known = isinstance(side, str) and side in _SIDES
+    if not known or not isinstance(ply, (int, np.integer)) or isinstance(ply, bool) or ply < 0:
         raise InputError(
             f'{name} must be "top", "middle" or "bottom", or a pair of the number of a ply, from 0 '
             f"at the bottom, and one of these; got {layer!r}"

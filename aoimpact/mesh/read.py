@@ -233,7 +233,7 @@ def _coordinates(points: Any, used: npt.NDArray[np.bool_]) -> FloatArray:
 def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
     """Return the cells of the body kind by kind, with the numbers that they have in `raw`.
 
-    Those of the highest dimension, and those in the groups named.
+    Those of the highest dimension, and of the groups named those of the group's own highest one.
     """
     blocks = [
         (block, np.arange(first, first + len(block.cells)))
@@ -245,9 +245,11 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
         counts[block.kind] += len(numbers)
     highest = max((block.dim for block, _ in blocks), default=0)
     chosen = np.zeros(raw.first[-1], dtype=bool)
+    dims = np.repeat([block.dim for block in raw.blocks], np.diff(raw.first))
     for name in named:
         if found := called(name, raw.cell_sets):
-            chosen[raw.cell_sets[found]] = True
+            members = raw.cell_sets[found]
+            chosen[members[dims[members] == dims[members].max(initial=0)]] = True
     parts = []
     for block, numbers in blocks:
         own = chosen[numbers] | (block.dim == highest)

@@ -238,7 +238,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "StressAt": (
         ao.StressAt,
-        {"body": BAR, "point": (0.1, 0.0, 0.0), "component": "xx"},
+        {"body": BAR, "point": (0.1, 0.0, 0.0), "component": "xx", "layer": "top"},
     ),
     "StrainAt": (
         ao.StrainAt,
