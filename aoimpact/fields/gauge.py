@@ -58,7 +58,10 @@ def gauge_ends(
     The ends lie on the surface: the mean strain along a chord is the change of its length. On a
     curved surface that differs from the mean along the arc by (length/radius)²/24.
     """
-    assert body.nodes is not None
+    if body.nodes is None:
+        raise InputError(
+            "this body has no nodes, between which a gauge measures: give nodes= with K and M"
+        )
     if body.mesh is not None and body.mesh.thin:
         raise InputError(
             "a gauge measures between two points of a solid's surface; of shells and beams take "

@@ -56,6 +56,7 @@ exact = Signal.of(soft, rate=5e6, margin=2e-5)
 noise = 0.03 * soft.peak_force * np.random.default_rng(1).normal(size=len(exact.t))
 blow = Signal(exact.t, exact.values + noise)
 with warnings.catch_warnings(record=True) as said:
+    warnings.simplefilter("always")
     fit = ao.fit_law(law, blow, mass=0.03, velocity=0.02, free=["k", "hardness"])
 print(fit)
 print(said[0].message)

@@ -49,7 +49,7 @@ static void solve(input *in, const aoi_law *law, const double *memory)
     REQUIRE(law->pulls || force >= 0.0);
     REQUIRE(law->pulls || indentation <= fmax(free_end, rest));
     REQUIRE(force == 0.0 || indentation >= rest);
-    if (law->pulls || law->user.call || law->compliance > 0.0 || in->decades > 12.0 || in->spoiled || odd) {
+    if (law->pulls || law->user.call || law->compliance != 0.0 || in->decades > 12.0 || in->spoiled || odd) {
         return;
     }
     const double left = indentation + equation.compliance * force - free_end;
