@@ -31,6 +31,10 @@ __all__ = [
 # measured to be worse for each solve.
 SHIFT_TIMES_DURATION = 10.0
 
+# Entries of a contact functional below this share of its largest are rounding: of a surface that is
+# not along the axes, a force on a rotation.
+_ROUNDING = 1e-12
+
 # s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the
 # highest ω²: below ω₁² of all but the longest bodies, and above what rounding takes for a singular
 # matrix.
@@ -115,7 +119,8 @@ def refuse_massless(tips: Sequence[ContactPoint]) -> None:
     InputError
     """
     for tip in tips:
-        touched = np.flatnonzero((tip.b != 0.0) & (tip.body.M.diagonal() == 0.0))
+        loaded = np.abs(tip.b) > _ROUNDING * np.abs(tip.b).max(initial=0.0)
+        touched = np.flatnonzero(loaded & (tip.body.M.diagonal() == 0.0))
         if len(touched):
             raise InputError(
                 f"the contact acts on {len(touched)} dofs without mass, the first is {touched[0]}, "

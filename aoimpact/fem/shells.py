@@ -415,7 +415,7 @@ def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatAr
     rows[..., 2] = slope
     rows[..., 3] = -edge[..., 1:] * shape
     rows[..., 4] = edge[..., :1] * shape
-    return rows.reshape(len(plane), len(places), -1)
+    return rows.reshape(len(plane), len(places), 24)
 
 
 def _triangle(
@@ -443,7 +443,7 @@ def _triangle(
     shear = _tied_shear(jacobian)  # (n, points, 2, 4, 6)
     shear = np.einsum("nij,nqjak->nqiak", inverse, shear)
     rows[:, :, 6:8], inner[:, :, 6:8] = shear[..., :3, :], shear[..., 3, 3:5]
-    return rows.reshape(n, -1, 9, 18), inner, area[:, None] * _SHARES
+    return rows.reshape(n, len(_AREAS), 9, 18), inner, area[:, None] * _SHARES
 
 
 def _tied_shear(jacobian: FloatArray) -> FloatArray:

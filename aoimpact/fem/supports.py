@@ -87,6 +87,11 @@ def components(name: str, letters: Any) -> list[int]:
         raise InputTypeError(f'{name}: letters must be text such as "xyz", got {letters!r}')
     if not letters or set(letters) - set("xyz"):
         raise InputError(f'{name}: letters must be of "x", "y" and "z", got {letters!r}')
+    if len(letters) > 3:
+        raise InputError(
+            f"{name}: letters must be at most three, got {letters!r}. Rotations of shells and "
+            'beams are a third entry: ("rim", "xyz", "xyz")'
+        )
     return sorted({"xyz".index(letter) for letter in letters})
 
 

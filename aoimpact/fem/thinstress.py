@@ -276,7 +276,8 @@ def _of_solids(
 def _dofs(cells: IntArray, n_nodes: int) -> IntArray:
     """Dofs of (u, v, w, θx, θy, θz) of elements' nodes in turn, (n, 6 nodes)."""
     moved = 3 * cells[:, :, None] + np.arange(3)
-    return np.concatenate([moved, moved + 3 * n_nodes], axis=2).reshape(len(cells), -1)
+    both = np.concatenate([moved, moved + 3 * n_nodes], axis=2)
+    return both.reshape(len(cells), 6 * cells.shape[1])
 
 
 def _batches(count: int) -> Iterator[slice]:

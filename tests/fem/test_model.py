@@ -301,6 +301,7 @@ def test_supports_add_up() -> None:
         ),
         ([("xmin", "xw")], InputError, r'fixed\[0\]: letters must be of "x", "y" and "z", got .xw'),
         ([("xmin", "")], InputError, "letters must be of"),
+        ([("xmin", "xyzxyz")], InputError, "letters must be at most three"),
         ([("xmin", "XYZ")], InputError, "letters must be of"),
         ([("xmin", 3)], InputTypeError, "letters must be text"),
         ([([], "x")], InputError, "selects no nodes"),

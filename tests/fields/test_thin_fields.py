@@ -164,3 +164,20 @@ def test_files_and_pictures(tmp_path: Any) -> None:
         field.stress("gauss")
     with pytest.raises(ao.InputError, match='layer must be "top"'):
         field.stress(layer="upper")
+
+
+def test_a_point_of_a_body_of_two_shells_has_the_stress_of_its_field() -> None:
+    """Both halves have the same thickness, so that the point has the stress of one shell."""
+    mesh = ao.sheet_mesh((0.1, 0.1), (20, 20))
+    left = mesh.nodes[mesh.cells].mean(axis=1)[:, 0] < 0.05
+    sets = {"left": np.flatnonzero(left), "right": np.flatnonzero(~left)}
+    halves = ao.Mesh(mesh.nodes, mesh.cells, "quad", mesh.node_sets, sets)
+    shell, place = ao.Shell(2e-3, STEEL), (0.03, 0.05, 0.0)
+    stress = []
+    for body in (
+        ao.FEModel.from_mesh(halves, {"left": shell, "right": shell}),
+        ao.FEModel.from_mesh(mesh, shell),
+    ):
+        hit = ao.simulate(ao.ball(0.005, STEEL), body.contact(point=place), 1.0, duration=50e-6)
+        stress.append(hit.target.probe((0.04, 0.05, 0.0), times=[20e-6]).stress["xx"][0])
+    assert stress[0] == pytest.approx(stress[1], rel=1e-6)

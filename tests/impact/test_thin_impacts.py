@@ -34,6 +34,20 @@ def test_a_ball_on_a_sheet(t: float, peak: float, rebound: float, tolerance: flo
     assert hit.error["peak_force"].total < 0.02
 
 
+def test_an_upright_sheet_is_struck_like_a_lying_one() -> None:
+    """Normals then have components of rounding, along rotations without mass."""
+    mesh = ao.sheet_mesh((0.1, 0.1), (20, 20))
+    turn = np.array([[1, 0, 0], [0, math.cos(math.pi / 2), -1], [0, 1, math.cos(math.pi / 2)]])
+    peaks = []
+    for axes in (np.eye(3), turn):
+        body = ao.FEModel.from_mesh(
+            ao.Mesh(mesh.nodes @ axes.T, mesh.cells, "quad"), ao.Shell(2e-3, STEEL)
+        )
+        tip = body.contact(point=axes @ (0.0525, 0.0475, 0.0))
+        peaks.append(ao.simulate(BALL, tip, 1.0, duration=60e-6).peak_force)
+    assert peaks[1] == pytest.approx(peaks[0], rel=1e-6)
+
+
 @pytest.mark.slow
 def test_a_ball_on_a_thin_sheet() -> None:
     """Elements of 5 mm are nearly three bending waves long, which is said."""
