@@ -160,7 +160,10 @@ def displacement(
         change = near_k.solve(b - K @ x)
         change -= rigid @ (rigid.T @ (M @ change))
         x += change
-        size = float(np.linalg.norm(change) / np.linalg.norm(x))
+        length = np.linalg.norm(x)
+        if length == 0.0:  # without a load
+            return x
+        size = float(np.linalg.norm(change) / length)
         if size <= _AT_ROUNDING or (size <= _NEAR_ROUNDING and size > _STALLED * before):
             return x
         if not size <= _SLOW * before:  # nan, too

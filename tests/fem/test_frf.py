@@ -91,6 +91,20 @@ def test_modal_damping_of_a_large_body_is_within_its_bound() -> None:
     assert (found.error <= 2e-2 * np.abs(known).max()).all()
 
 
+@pytest.mark.parametrize("held", SUPPORTS)
+def test_strong_damping_by_mass_takes_more_modes(held: str) -> None:
+    """μ = ω² - iαω is far above ω², and the series is one in μ."""
+    damping = ao.Rayleigh(alpha=1e6)
+    body, first, second = plate(damping, SUPPORTS[held], 10)
+    found = body.frf(excitation=first, response=second, frequencies=[1000.0, 4000.0])
+    for frequency, value, bound in zip(found.frequencies, found.values, found.error, strict=True):
+        omega = 2.0 * math.pi * frequency
+        dynamic = sp.csc_array(body.K + (1j * omega * damping.alpha - omega**2) * body.M)
+        known = second.b @ spsolve(dynamic, first.b.astype(complex))
+        assert 0.0 <= bound <= 1e-6 * abs(known)
+        assert abs(value - known) <= 1e-6 * abs(known)
+
+
 def test_kinds_are_derivatives() -> None:
     body, first, _ = plate(None, SUPPORTS["clamped"], 4)
     frequencies = np.array([10.0, 300.0])
@@ -108,6 +122,9 @@ def test_what_makes_no_sense_is_named() -> None:
     other = plate(None, None, 4)[1]
     with pytest.raises(ao.InputError, match="0 Hz"):
         body.frf(excitation=first, frequencies=[0.0])
+    spring = ao.FEModel(K=np.array([[(318.0 * math.pi) ** 2]]), M=np.eye(1))
+    with pytest.raises(ao.InputError, match="159 Hz is a natural frequency"):
+        spring.frf(excitation=spring.contact(dof=0), frequencies=[159.0])
     with pytest.raises(ao.InputError, match="another body"):
         body.frf(excitation=first, response=other, frequencies=[1.0])
     with pytest.raises(ao.InputTypeError, match="excitation must come from"):
