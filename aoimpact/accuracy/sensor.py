@@ -141,7 +141,7 @@ def _roughness(
     seen : callable
         Stress to the number that is asked for.
     layer : str or (int, str)
-        Of a shell.
+        Face or ply of a shell.
     """
     assert body.mesh is not None
     nodes, weights = weights_at(body.mesh, point)

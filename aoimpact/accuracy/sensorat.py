@@ -58,7 +58,7 @@ class StrainAt(Sensor):
     component : str or array_like, shape (3,)
         "xx", "yy", "zz", "xy", "yz", "xz" (shears are those of the tensor), or a direction.
     length : float, optional
-        Of a gauge along a direction on the surface, m; 0 is the strain at the point.
+        Length of a gauge along a direction on the surface, m; 0 is the strain at the point.
 
     Raises
     ------

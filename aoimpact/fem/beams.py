@@ -80,13 +80,7 @@ class BeamSection:
             raise InputError(f"shear_factors must be in (0, 1], got {along_y:g} and {along_z:g}")
         object.__setattr__(self, "shear_factors", (along_y, along_z))
 
-    @property
-    def curvature(self) -> float:
-        """Of the surface across the axis, 1/m: of one that is given by numbers it is taken as flat.
-
-        :meta private:
-        """
-        return 0.0
+    curvature = 0.0  # of the surface across the axis, 1/m: taken as flat
 
     def with_nu(self, nu: float) -> BeamSection:
         """Return the section's numbers for a material of Poisson's ratio ν.
@@ -117,13 +111,7 @@ class RectangularSection:
     def __post_init__(self) -> None:
         checked(self, width=_length, height=_length)
 
-    @property
-    def curvature(self) -> float:
-        """Of the surface across the axis, 1/m.
-
-        :meta private:
-        """
-        return 0.0
+    curvature = 0.0  # of the surface across the axis, 1/m
 
     def with_nu(self, nu: float) -> BeamSection:
         """Return its numbers, with Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
@@ -148,7 +136,7 @@ class TubularSection:
     radius : float
         Outer radius, m.
     thickness : float
-        Of the wall, m; up to the radius.
+        Thickness of the wall, m; up to the radius.
 
     Examples
     --------
@@ -168,7 +156,7 @@ class TubularSection:
 
     @property
     def curvature(self) -> float:
-        """Of the surface across the axis, 1/m.
+        """Curvature of the surface across the axis, 1/m.
 
         :meta private:
         """
@@ -215,7 +203,7 @@ Section = BeamSection | RectangularSection | TubularSection
 
 @dataclass(frozen=True)
 class Beam:
-    """What line elements of a mesh are: a cross-section of a material.
+    """A cross-section and its material, for the line elements of a mesh.
 
     Parameters
     ----------
@@ -343,7 +331,7 @@ def beam_rows(ends: FloatArray, beam: Beam, places: FloatArray) -> FloatArray:
     Returns
     -------
     ndarray, shape (n, n_places, 6, 12)
-        Of ε, the curvatures θy' and θz', the twist θx', and the shears γxy and γxz.
+        For ε, the curvatures θy' and θz', the twist θx', and the shears γxy and γxz.
     """
     return _rows(*beam_frames(ends, beam), beam, places)[1]
 

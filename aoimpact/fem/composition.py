@@ -32,7 +32,7 @@ __all__ = [
 
 OneMaterial = Solid | Layers | Beam
 
-# What each kind of elements may be made of, in words and as types.
+# Materials that each kind of elements takes, in words and as types.
 _FITTING: dict[str, tuple[str, Any]] = {
     "quad": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),
     "triangle": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),

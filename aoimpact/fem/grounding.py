@@ -1,4 +1,4 @@
-"""What holds a body: supports and springs to the ground, and the forces that they carry.
+"""Supports and springs between a body and the ground, and the forces that they carry.
 
 The ground under some nodes is moved by a virtual displacement φ_c, and the body follows by its
 statics, K φ = 0 on the free dofs. The virtual work of all forces on the body vanishes, so that what
@@ -41,7 +41,7 @@ class VirtualMotion:
     ground : ndarray, shape (held, m)
         On the constrained dofs.
     springs : ndarray, shape (n_dofs, m)
-        Of the ground under the springs, times their stiffness, N/m.
+        Motions of the ground under the springs, times their stiffness, N/m.
     phi, inertia : ndarrays, shape (n_dofs, m)
         The free dofs that follow, and M φ there.
     weight : ndarray, shape (m, 3)

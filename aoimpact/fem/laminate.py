@@ -51,7 +51,7 @@ class Ply:
     thickness : float
         m.
     material : Material or Orthotropic
-        Of an `Orthotropic` axis 1 is along the fibres, axis 2 across them in the ply, and axis 3
+        Axis 1 of an `Orthotropic` is along the fibres, axis 2 across them in the ply, and axis 3
         normal to it; its `axes` are left at their default.
     angle_deg : float, optional
         From the laminate's fibre axis to the ply's axis 1, right-handed about the normal, degrees.
@@ -109,7 +109,7 @@ class Layers:
 
     @cached_property
     def total_thickness(self) -> float:
-        """Of all plies, m."""
+        """Sum of the plies' thicknesses, m."""
         return math.fsum(ply.thickness for ply in self.plies)
 
     @property
@@ -179,7 +179,7 @@ class Layers:
 
     @cached_property
     def _moduli(self) -> FloatArray:
-        """Of plane stress in each ply, Pa, shape (n_plies, 3, 3)."""
+        """Stiffness of each ply in plane stress, Pa, shape (n_plies, 3, 3)."""
         return np.array(
             [np.linalg.inv(ply.compliance[np.ix_(_PLANE, _PLANE)]) for ply in self.plies]
         )

@@ -53,7 +53,7 @@ _SERIES = 1e-2
 # ν of the plate that stands for a laminate in the mesh's share.
 _NU = 0.3
 
-# Of laminates: wave numbers, directions, elements through the thickness, and the finest's share.
+# For laminates: wave numbers, directions, elements through the thickness, and the finest's share.
 _FEW_WAVES, _TURNS, _GRADES, _FINEST = 60, 4, 24, 5e-3
 
 
@@ -98,7 +98,7 @@ def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
     Parameters
     ----------
     layers : Shell or Laminate
-        Of a laminate the isotropic plate of the same mean stiffness.
+        For a laminate, the isotropic plate of the same mean stiffness.
     s : float
         rad/s, positive.
     x : ndarray, shape (n, 2)
@@ -165,9 +165,10 @@ def layer_compliance_of(
 ) -> float:
     """Return R, the compliance of infinite layers beyond the half-space under the contact, m/N.
 
-    Of a laminate that of the isotropic plate of the same mean stiffness, more by what the laminate
-    itself has beyond its own plate theory: so c of the mesh may be that of the isotropic plate.
-    That part takes most of the time and varies slowly: it may be that of another frequency, slowly.
+    For a laminate it is that of the isotropic plate of the same mean stiffness, plus what the
+    laminate itself has beyond its own plate theory: so c of the mesh may be that of the isotropic
+    plate. That part takes most of the time and varies slowly: it may be that of another frequency,
+    slowly.
     """
     material = layers.plies[0].material
     if len(layers.plies) == 1 and isinstance(material, Material):

@@ -393,7 +393,7 @@ class FEModel(Frozen):
 
     @property
     def assembled(self) -> bool:
-        """Whether K and M follow from mesh and material, added masses and springs.
+        """True if K and M follow from mesh and material, added masses and springs.
 
         :meta private:
         """

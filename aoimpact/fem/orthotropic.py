@@ -196,7 +196,7 @@ class Orthotropic:
         return _half_space(self, (x, y, z))
 
 
-# What solids and plies are made of.
+# Materials of solids and plies.
 Solid = Material | Orthotropic
 
 

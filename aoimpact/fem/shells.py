@@ -85,7 +85,7 @@ class Strains:
     Attributes
     ----------
     rows : ndarray, shape (n, points, 9, 6 nodes)
-        Of (u, v, w, θx, θy, θz) in global axes; the ninth is the drilling strain.
+        By (u, v, w, θx, θy, θz) in global axes; the ninth is the drilling strain.
     weights : ndarray, shape (n, points)
         Areas, m².
     shape : ndarray, shape (points, nodes)
@@ -313,7 +313,7 @@ def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -
 
 
 def _stiffness(layers: Layers) -> FloatArray:
-    """Of the nine strains, shape (9, 9)."""
+    """Return the stiffness against the nine strains, shape (9, 9)."""
     matrix = np.zeros((9, 9))
     matrix[:8, :8] = layers.stiffness
     matrix[8, 8] = _DRILLING * _mean_membrane(matrix)[1]

@@ -82,7 +82,7 @@ def _add(values: FloatArray, place: IntArray, matrices: FloatArray) -> None:
 def _pattern(
     n_nodes: int, groups: Sequence[IntArray]
 ) -> tuple[list[IntArray], npt.NDArray[np.int32], npt.NDArray[np.int32]]:
-    """Of each block of each element its place among pairs of nodes; those by compressed rows."""
+    """Return the place of each element's blocks among pairs of nodes, and the pairs by rows."""
     pairs = [cells[:, :, None] * n_nodes + cells[:, None, :] for cells in groups]
     key, place = np.unique(np.concatenate([each.ravel() for each in pairs]), return_inverse=True)
     parts = np.split(place, np.cumsum([each.size for each in pairs])[:-1])

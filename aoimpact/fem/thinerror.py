@@ -116,14 +116,14 @@ def thin_energy_error(mesh: Any, material: Any, moved: FloatArray) -> tuple[Floa
     Parameters
     ----------
     mesh, material
-        Of a body of shells and beams.
+        A body of shells and beams.
     moved : ndarray, shape (n_nodes, 6)
         Displacements and rotations.
 
     Returns
     -------
     difference, own : ndarray, shape (n_cells,)
-        Of each element, J; 0 of solids.
+        Energy of each element, J; 0 of solids.
     """
     difference, own = np.zeros((2, mesh.n_cells))
     for part in thin_parts(mesh, material):

@@ -85,9 +85,9 @@ def extracted_from_shell(
     b : ndarray, shape (n_dofs,)
         The contact functional.
     shares, couples : ndarray, shape (n_nodes,) and (n_nodes, 3)
-        Of the functional, along the normal, for a unit force along it.
+        Nodal forces and couples of the functional for a unit force along the normal.
     cosine : float
-        Of the angle between force and normal: along the surface the shell does not yield like that.
+        Cosine of the angle between force and normal: along the surface the shell does not yield so.
     point, normal : ndarray, shape (3,)
     radius : float
         a, of the contact itself, m.

@@ -124,7 +124,7 @@ def _of_shells(
     found, place_node, stiffness = _corners(mesh, material, row, layer, strain)
     if not found:
         return np.zeros(0, dtype=np.int64), sp.csr_array((6 * (row.max() + 1), 6 * mesh.n_nodes))
-    # Of each node the place of the stiffest shell.
+    # For each node the place of the stiffest shell.
     places = np.concatenate([place for place, *_ in found])
     used = np.unique(places)
     order = used[np.lexsort((stiffness[used], place_node[used]))]
@@ -253,13 +253,13 @@ def _of_solids(
     mesh: Mesh, material: AnyMaterial, row: IntArray, layer: Layer, strain: bool
 ) -> tuple[IntArray, sp.csr_array]:
     shape = (6 * (row.max() + 1), 6 * mesh.n_nodes)
-    numbers = [piece.numbers for piece in pieces(mesh, material)]
+    solids = list(pieces(mesh, material))
     none = np.zeros(0, dtype=np.int64)
-    if not numbers:
+    if not solids:
         return none, sp.csr_array(shape)
     assert isinstance(material, Materials)
-    cells = np.sort(np.concatenate(numbers))
-    own = np.unique(np.concatenate([piece.cells.ravel() for piece in pieces(mesh, material)]))
+    cells = np.sort(np.concatenate([piece.numbers for piece in solids]))
+    own = np.unique(np.concatenate([piece.cells.ravel() for piece in solids]))
     wanted = own[row[own] >= 0]
     if not len(wanted):
         return none, sp.csr_array(shape)

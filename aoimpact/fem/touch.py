@@ -102,7 +102,7 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
 
 
 def _couples(surface: Surface, here: Place, direction: FloatArray) -> FloatArray | None:
-    """Of a force within a shell element, by the deflection of its bending between the nodes.
+    """Return the nodal loads of a force within a shell element, by its deflection in bending.
 
     An edge e whose ends turn by θ bulges along the normal n by (θ_i - θ_j)·(e × n) λ(1 - λ)/2, as a
     parabola does (linked interpolation: O. C. Zienkiewicz et al., Int. J. Num. Meth. Eng. 36, 3043,

@@ -21,7 +21,7 @@ __all__ = ["Channel", "filtered_rate", "zero_phase"]
 # 3 dB down at 1.65 times the class.
 _POLE = 2.0775
 
-# Of two passes of a Butterworth filter of order 2, the pole over the frequency of -3 dB.
+# Pole over the frequency of -3 dB of two passes of a Butterworth filter of order 2.
 _POLE_OF_CORNER = math.pow(math.sqrt(2.0) - 1.0, -0.25)
 
 # A record is continued by its mirror image through its end, as long as in ISO 6487: 10 ms, and 100

@@ -357,7 +357,7 @@ class Field:
 
     @property
     def _free(self) -> bool:
-        """Whether no support holds any displacement."""
+        """True if no support holds any displacement."""
         free = self.body.free
         assert free is not None
         n = self.displacement[0].size

@@ -519,7 +519,7 @@ class Response:
 
     @cached_property
     def _rotates(self) -> bool:
-        """Whether dofs of the body are rotations."""
+        """True if dofs of the body are rotations."""
         assert self.body.nodes is not None
         return bool(self._free.max() >= self.body.nodes.size)
 

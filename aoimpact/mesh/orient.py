@@ -49,7 +49,7 @@ def against_neighbours(groups: Sequence[IntArray]) -> list[npt.NDArray[np.bool_]
     links: Any = sp.coo_array((np.ones(len(row)), (row, column)), shape=(2 * n, 2 * n))
     part = sp.csgraph.connected_components(links, directed=False)[1]
     as_is, turned = part[:n], part[n:]
-    # Of the two ways to lay a surface the one that turns fewer elements.
+    # A surface has two sides: take the one that turns fewer elements.
     low = np.minimum(as_is, turned)
     balance = np.bincount(low, np.sign(turned - as_is), minlength=len(part))
     flipped = np.where(balance[low] >= 0.0, as_is > turned, as_is < turned)

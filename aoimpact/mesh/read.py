@@ -281,7 +281,7 @@ def _what(body: list[Solids]) -> str:
 
 
 def _flat_cure(unknown: set[str]) -> str:
-    """What to do about surface and line elements of second order, if there are any."""
+    """Return the cure for surface and line elements of second order, if there are any."""
     second = any(kind.startswith(("triangle", "quad", "line")) for kind in unknown)
     return ". Shells and beams are of first order: mesh with these" if second else ""
 

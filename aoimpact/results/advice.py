@@ -315,7 +315,7 @@ _FLAT = 0.1
 
 
 def _as_a_shell(tip: ContactPoint) -> str:
-    """What to take in place of flat solids under a contact; nothing to say of others."""
+    """Return the shell to take in place of flat solids under a contact; empty for others."""
     surface, normal = tip.body.surface, tip.normal
     if surface is None or tip.point is None or normal is None or tip.thin is not None:
         return ""
@@ -626,7 +626,7 @@ def _said_of_thickness(run: Run, number: int) -> str:
 
 
 def _said_of_waves(run: Run, number: int) -> str:
-    """Of a mesh too coarse for the bending waves that a contact sends into a shell."""
+    """Say where a mesh is too coarse for the bending waves of a contact on a shell."""
     contact, events = run.plan.contacts[number], run.events[number]
     rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
     for body, port in contact.ports if rise > 0.0 else ():

@@ -311,9 +311,9 @@ class BodyResult(Frozen):
     ) -> Reaction:
         """Return the force of supports and springs on the body over time.
 
-        Of what is held among some nodes: force, moment about their middle, and the force on each of
-        them. The reactions of all nodes together, the contact forces and the weight are what
-        changes the body's momentum, to rounding.
+        It has the force on the nodes that are held, its moment about their middle, and the force on
+        each of them. The reactions of all nodes together, the contact forces and the weight change
+        the body's momentum, to rounding.
 
         Parameters
         ----------

@@ -46,7 +46,7 @@ class Advice:
 
     @property
     def within(self) -> bool:
-        """Whether the value is within the limit."""
+        """True if the value is within the limit."""
         return self.value <= self.limit
 
     def __str__(self) -> str:
