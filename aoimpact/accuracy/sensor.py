@@ -140,8 +140,7 @@ def _roughness(
         m.
     seen : callable
         Stress to the number that is asked for.
-    layer : str or (int, str)
-        Face or ply of a shell.
+    layer : Layer
     """
     assert body.mesh is not None
     nodes, weights = weights_at(body.mesh, point)

@@ -7,7 +7,6 @@ from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..base import (
     FloatArray,
@@ -19,7 +18,7 @@ from ..base import (
     unit_vector,
     warn,
 )
-from ..fem import Body, Strain, Stress, VirtualMotion
+from ..fem import Body, Layer, Strain, Stress, StressRows, VirtualMotion, checked_layer
 from ..fields import (
     Channel,
     Response,
@@ -29,7 +28,6 @@ from ..fields import (
     place_rows,
     strain_rows_at,
 )
-from ..mesh import weights_at
 from ..results import Quantity
 from .sensor import Responses, Sensor, body_of
 
@@ -59,6 +57,8 @@ class StrainAt(Sensor):
         "xx", "yy", "zz", "xy", "yz", "xz" (shears are those of the tensor), or a direction.
     length : float, optional
         Length of a gauge along a direction on the surface, m; 0 is the strain at the point.
+    layer, part : optional
+        Where in a shell or beam, and of which group of elements; see `Field.stress`.
 
     Raises
     ------
@@ -78,6 +78,8 @@ class StrainAt(Sensor):
     point: FloatArray
     component: Any = "xx"
     length: float = 0.0
+    layer: Any = None
+    part: str | None = None
 
     def __post_init__(self) -> None:
         model = body_of(self.body)
@@ -89,9 +91,10 @@ class StrainAt(Sensor):
             choice("component", self.component, tuple(_COMPONENTS))
         else:
             checked(self, component=lambda name, x: tuple(unit_vector(name, x).tolist()))
-        weights_at(model.mesh, self.point)
         if self.length:
             self.ends  # noqa: B018  which checks them
+        else:
+            strain_rows_at(model, self.point, self._where)
         super().__post_init__()
 
     @cached_property
@@ -122,21 +125,26 @@ class StrainAt(Sensor):
         weights = self._weights
 
         @cache
-        def by_dofs() -> tuple[Any, FloatArray]:
-            rows, compliance = strain_rows_at(body, self.point)
-            return sp.csr_array(weights[None] @ rows), weights @ compliance
+        def by_dofs() -> tuple[StressRows, FloatArray]:
+            rows, compliance = strain_rows_at(body, self.point, self._where)
+            return rows, weights @ compliance
 
-        dual = responses.dual(lambda: by_dofs()[0])
+        dual = responses.dual(lambda: by_dofs()[0].rows)
 
         def strain(response: Response, times: FloatArray) -> FloatArray:
             rows, compliance = by_dofs()
             under = response.half_space_stress(times, self.point[None])[:, 0]
-            return np.asarray(response.functionals(rows, times, dual) + compliance @ under.T)
+            found = rows.components(response.functionals(rows.rows, times, dual))[:, 0]
+            return np.asarray(found @ weights + under @ compliance)
 
         def seen(stress: Stress) -> FloatArray:
             return np.asarray(stress.components @ by_dofs()[1])
 
-        return responses.quantity("strain", "", strain, (self.point, seen, "top"))
+        return responses.quantity("strain", "", strain, (self.point, seen, self._where))
+
+    @property
+    def _where(self) -> Layer:
+        return checked_layer(self.layer, self.part)
 
     @property
     def _weights(self) -> FloatArray:

@@ -14,9 +14,8 @@ from ..base import (
     choice,
     place,
 )
-from ..fem import Body, Stress, checked_layer
+from ..fem import Body, Layer, Stress, checked_layer
 from ..fields import Response, stress_rows_at
-from ..mesh import weights_at
 from ..results import Quantity
 from .sensor import Responses, Sensor, body_of
 
@@ -38,8 +37,8 @@ class StressAt(Sensor):
         Anywhere in the undeformed body or on its surface, m.
     component : str, optional
         "xx", "yy", "zz", "xy", "yz", "xz" or "von_mises".
-    layer : {"top", "middle", "bottom"} or (int, str), optional
-        Where in a shell; see `Field.stress`.
+    layer, part : optional
+        Where in a shell or beam, and of which group of elements; see `Field.stress`.
 
     Raises
     ------
@@ -58,7 +57,8 @@ class StressAt(Sensor):
     body: Any
     point: FloatArray
     component: str = "von_mises"
-    layer: Any = "top"
+    layer: Any = None
+    part: str | None = None
 
     def __post_init__(self) -> None:
         model = body_of(self.body)
@@ -69,8 +69,7 @@ class StressAt(Sensor):
         object.__setattr__(self, "body", model)
         checked(self, point=place)
         choice("component", self.component, _COMPONENTS)
-        checked(self, layer=checked_layer)
-        weights_at(model.mesh, self.point)
+        stress_rows_at(model, self.point, self._where)
         super().__post_init__()
 
     def quantity(self, body: Body, number: int) -> Quantity:
@@ -82,16 +81,20 @@ class StressAt(Sensor):
 
         @cache
         def rows() -> Any:
-            return stress_rows_at(body, self.point, self.layer)
+            return stress_rows_at(body, self.point, self._where)
 
-        dual = responses.dual(rows)
+        dual = responses.dual(lambda: rows().rows)
 
         def stress(response: Response, times: FloatArray) -> FloatArray:
-            found = response.functionals(rows(), times, dual)
-            found = found + response.half_space_stress(times, self.point[None])[:, 0].T
-            return self._seen(Stress(found.T, self.point))
+            found = rows().components(response.functionals(rows().rows, times, dual))
+            found = found + response.half_space_stress(times, self.point[None])
+            return self._seen(Stress(found[:, 0], self.point))
 
-        return responses.quantity("stress", "Pa", stress, (self.point, self._seen, self.layer))
+        return responses.quantity("stress", "Pa", stress, (self.point, self._seen, self._where))
+
+    @property
+    def _where(self) -> Layer:
+        return checked_layer(self.layer, self.part)
 
     def _seen(self, stress: Stress) -> FloatArray:
         """The component that is asked for."""

@@ -59,7 +59,14 @@ from .stresserror import energy_error, missing_energy, stresses_around
 from .supports import selected_nodes
 from .thinerror import thin_stiffness_error
 from .thinextraction import ThinExtraction
-from .thinstress import Layer, body_stress_rows, checked_layer, corner_stress
+from .thinstress import (
+    Layer,
+    StressRows,
+    beam_von_mises,
+    body_stress_rows,
+    checked_layer,
+    corner_stress,
+)
 from .touch import edge_length
 
 __all__ = [
@@ -99,10 +106,12 @@ __all__ = [
     "StaticMode",
     "Strain",
     "Stress",
+    "StressRows",
     "ThinExtraction",
     "TubularSection",
     "VirtualMotion",
     "audited",
+    "beam_von_mises",
     "bending_length",
     "body_stress_rows",
     "centre_of",

@@ -37,8 +37,12 @@ _STIFFNESS_RULE, _MASS_RULE = (np.polynomial.legendre.leggauss(n) for n in (2, 4
 # Sine of the angle between a beam and its orientation below which the axes are rounding.
 _PARALLEL = 1e-6
 
-# Terms of the series of a rectangle's torsion; the last is 1e-9 of the first.
-_TERMS = np.arange(1, 100, 2)
+# Distance outside a section, relative, that is rounding.
+_EDGE = 1e-9
+
+# Terms of the series of a rectangle's torsion. The last is 1e-9 of the first in the constant J, and
+# 6e-6 in the stress.
+_TERMS = np.arange(1, 400, 2)
 
 
 @dataclass(frozen=True)
@@ -82,6 +86,20 @@ class BeamSection:
 
     curvature = 0.0  # of the surface across the axis, 1/m: taken as flat
 
+    def extremes(self, strains: FloatArray) -> FloatArray:
+        """Return its `points`.
+
+        :meta private:
+        """
+        return np.array(self.points)
+
+    def shear(self, points: FloatArray) -> FloatArray:
+        """Return none: shear stress follows from the shape, which is not known.
+
+        :meta private:
+        """
+        return np.zeros((*points.shape, 3))
+
     def with_nu(self, nu: float) -> BeamSection:
         """Return the section's numbers for a material of Poisson's ratio ν.
 
@@ -112,6 +130,34 @@ class RectangularSection:
         checked(self, width=_length, height=_length)
 
     curvature = 0.0  # of the surface across the axis, 1/m
+
+    def extremes(self, strains: FloatArray) -> FloatArray:
+        """Return places (y, z) where stress may be largest: corners and the sides' middles, m.
+
+        :meta private:
+        """
+        ways = np.array([(y, z) for y in (-1, 0, 1) for z in (-1, 0, 1) if y or z])
+        return 0.5 * ways * (self.width, self.height)
+
+    def shear(self, points: FloatArray) -> FloatArray:
+        """Return τxy and τxz at places (n, 2) by Gθ' and the shear forces along y and z, (n, 2, 3).
+
+        Saint-Venant's torsion in series (S. P. Timoshenko and J. N. Goodier, Theory of Elasticity,
+        section 109), and Zhuravskii's parabolas of shear.
+
+        :meta private:
+        """
+        b, h = self.width, self.height
+        y, z = points.T
+        found = np.zeros((len(points), 2, 3))
+        if b <= h:
+            found[:, 0, 0], found[:, 1, 0] = _rectangle_twisted(y, z, b, h)
+        else:  # turned by a right angle
+            along_z, along_y = _rectangle_twisted(z, -y, h, b)
+            found[:, 0, 0], found[:, 1, 0] = -along_y, along_z
+        found[:, 0, 1] = 1.5 * (1.0 - (2.0 * y / b) ** 2) / (b * h)
+        found[:, 1, 2] = 1.5 * (1.0 - (2.0 * z / h) ** 2) / (b * h)
+        return found
 
     def with_nu(self, nu: float) -> BeamSection:
         """Return its numbers, with Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
@@ -161,6 +207,35 @@ class TubularSection:
         :meta private:
         """
         return 1.0 / self.radius
+
+    def extremes(self, strains: FloatArray) -> FloatArray:
+        """Return places (y, z) where stress may be largest, (..., 4, 2), m.
+
+        They are those farthest out in the plane of bending, and on its neutral axis.
+
+        :meta private:
+        """
+        outwards = np.stack([-strains[..., 2], strains[..., 1]], axis=-1)
+        size = np.linalg.norm(outwards, axis=-1, keepdims=True)
+        outwards = np.where(size > 0.0, outwards / np.where(size > 0.0, size, 1.0), [1.0, 0.0])
+        across = np.stack([-outwards[..., 1], outwards[..., 0]], axis=-1)
+        return self.radius * np.stack([outwards, -outwards, across, -across], axis=-2)
+
+    def shear(self, points: FloatArray) -> FloatArray:
+        """Return τxy and τxz at places (..., 2) by Gθ' and the shear forces, (..., 2, 3).
+
+        Shear forces by Zhuravskii's mean over the wall, along its middle.
+
+        :meta private:
+        """
+        R, r = self.radius, self.radius - self.thickness
+        y, z = np.moveaxis(points, -1, 0)
+        along = np.stack([-z, y], axis=-1)
+        square = (along**2).sum(axis=-1)[..., None, None]
+        mean = 4.0 / 3.0 * (R**2 + R * r + r**2) / (np.pi * (R**4 - r**4))
+        turned = along[..., :, None] * along[..., None, :]
+        by_force = np.where(square > 0.0, turned / np.where(square > 0.0, square, 1.0), np.eye(2))
+        return np.concatenate([along[..., None], mean * by_force], axis=-1)
 
     def with_nu(self, nu: float) -> BeamSection:
         """Return its numbers, with Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
@@ -268,25 +343,53 @@ class Beam:
         of = self.numbers
         return self.material.rho * np.array([of.area, of.Iy + of.Iz, of.Iy, of.Iz])
 
-    def stress(self, strains: FloatArray) -> FloatArray:
-        """Return the direct stress N/A + My z/Iy - Mz y/Iz at the section's points.
+    def side(self, name: str) -> tuple[float, float]:
+        """Return the place (y, z) of a side, m: "top" and "bottom" along z, "left" along y.
+
+        :meta private:
+        """
+        low, high = (of(self.numbers.points, axis=0).tolist() for of in (np.min, np.max))
+        along_z = {"bottom": low[1], "top": high[1]}
+        along_y = {"right": low[0], "left": high[0]}
+        return along_y.get(name, 0.0), along_z.get(name, 0.0)
+
+    def holds(self, place: tuple[float, float]) -> bool:
+        """Return whether a place (y, z) is within the section, or the box about its points.
+
+        :meta private:
+        """
+        most = np.abs(self.numbers.points).max(axis=0) * (1.0 + _EDGE)
+        if isinstance(self.section, TubularSection):
+            return math.hypot(*place) <= self.section.radius * (1.0 + _EDGE)
+        return bool((np.abs(place) <= most).all())
+
+    def stress(self, strains: FloatArray, place: tuple[float, float] | None = None) -> FloatArray:
+        """Return xx, xy, xz in the section: N/A + My z/Iy - Mz y/Iz, and shear where it is known.
 
         Parameters
         ----------
         strains : ndarray, shape (..., 6)
             As of `beam_rows`.
+        place : (float, float), optional
+            (y, z), m; where von Mises' stress is largest if left out.
 
         Returns
         -------
-        ndarray, shape (..., n_points)
+        ndarray, shape (..., 3)
             Pa.
 
         :meta private:
         """
-        y, z = np.array(self.numbers.points).T
+        points = self.section.extremes(strains) if place is None else np.array([place])
+        y, z = np.moveaxis(points, -1, 0)
         stretch, bent_y, bent_z = (strains[..., i, None] for i in range(3))
-        stress: FloatArray = self.material.E * (stretch + bent_y * z - bent_z * y)
-        return stress
+        direct = self.material.E * (stretch + bent_y * z - bent_z * y)
+        forces = strains[..., 3:] * [self.material.shear_modulus, *self.stiffness[4:]]
+        sheared = np.einsum("...ncl,...l->...nc", self.section.shear(points), forces)
+        stress = np.concatenate([direct[..., None], sheared], axis=-1)
+        size = stress**2 @ [1.0, 3.0, 3.0]  # von Mises' stress squared
+        largest = size.argmax(axis=-1)[..., None, None]
+        return np.asarray(np.take_along_axis(stress, largest, axis=-2)[..., 0, :])
 
 
 def beam_frames(ends: FloatArray, beam: Beam) -> tuple[FloatArray, FloatArray]:
@@ -407,6 +510,19 @@ def _global(rows: FloatArray, frames: FloatArray, beam: Beam) -> FloatArray:
         d = np.einsum("i,nij->nj", beam.offset, frames[:, 1:])
         turned[..., 1, :] += np.cross(d[:, None, None, None], turned[..., 0, :])
     return turned.reshape(*rows.shape[:3], 12)
+
+
+def _rectangle_twisted(
+    y: FloatArray, z: FloatArray, short: float, long: float
+) -> tuple[FloatArray, FloatArray]:
+    """τxy and τxz over Gθ' at places of a rectangle with its short side along y, m."""
+    n, half = _TERMS * np.pi / short, 0.5 * long
+    alternating = 4.0 * short * 2.0 / np.pi**2 / _TERMS**2 * np.sin(0.5 * np.pi * _TERMS)
+    above, below = (np.exp(n * (sign * z[:, None] - half)) for sign in (1.0, -1.0))
+    share = alternating / (1.0 + np.exp(-2.0 * n * half))
+    along_y = -(share * (above - below) * np.cos(n * y[:, None])).sum(axis=1)
+    along_z = 2.0 * y - (share * (above + below) * np.sin(n * y[:, None])).sum(axis=1)
+    return along_y, along_z
 
 
 def _length(name: str, value: Any) -> float:

@@ -1,103 +1,276 @@
-"""Stress of shells and beams at their nodes, as a linear function of displacements and rotations.
+"""Stress of shells and beams at places of a body, by displacements and rotations.
 
-The strains of an element are carried from its points of quadrature to its corners by the (bi)linear
-function that fits them best, and become the stresses of a layer there. At a node these are averaged
-over the elements of one shell on one smooth surface; where shells meet, over those of the stiffest.
+The strains of a shell element are carried from its points of quadrature to its corners by the
+(bi)linear function that fits them best, and become the stresses of a layer there. At a node these
+are averaged over the elements of one shell on one smooth surface. Stress of a beam belongs to its
+element: it jumps where members meet, and at loads.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, InputError, IntArray
-from ..mesh import Mesh, taken
-from .beams import Beam, beam_frames, beam_rows
+from ..base import FloatArray, InputError, IntArray, finite_array, text, warn
+from ..mesh import Mesh, group, taken
+from .beams import Beam, BeamSection, beam_frames, beam_rows
 from .composition import AnyMaterial, Materials, pieces, thin_parts
 from .laminate import Layers
 from .material import PAIRS
 from .stress import compliances, stress_rows
 from .thinerror import shell_pieces
 
-__all__ = ["Layer", "body_stress_rows", "checked_layer", "corner_stress"]
+__all__ = [
+    "Layer",
+    "StressRows",
+    "beam_von_mises",
+    "body_stress_rows",
+    "checked_layer",
+    "corner_stress",
+]
 
-Layer = str | tuple[int, str]
+_OF_SHELLS = ("bottom", "middle", "top")
+_SIDES = (*_OF_SHELLS, "left", "right")
 
-_SIDES = ("bottom", "middle", "top")
+# Share of a node at a place that is rounding.
+_NONE = 1e-9
 
 # Elements are taken so many at a time.
 _BATCH = 4096
 
 
-def checked_layer(name: str, layer: Any) -> Layer:
-    """Return "top", "middle" or "bottom", or the number of a ply and one of these.
+@dataclass(frozen=True)
+class Layer:
+    """Where in the shells and beams of a body stress is; see `checked_layer`.
+
+    Attributes
+    ----------
+    of : str, (int, str), (float, float) or None
+    part : str or None
+    """
+
+    of: Any = None
+    part: str | None = None
+
+    @property
+    def ply(self) -> bool:
+        return isinstance(self.of, tuple) and isinstance(self.of[1], str)
+
+    @property
+    def place(self) -> bool:
+        return isinstance(self.of, tuple) and not self.ply
+
+    @property
+    def of_beams(self) -> bool:
+        """True of a side or place that beams alone have."""
+        return self.place or self.of in ("left", "right")
+
+    def __str__(self) -> str:
+        return f"layer={self.of!r}" + (f", part={self.part!r}" if self.part else "")
+
+
+def checked_layer(layer: Any = None, part: Any = None) -> Layer:
+    """Return where stress is wanted.
+
+    Parameters
+    ----------
+    layer : str, (int, str) or (float, float), optional
+        "top", "middle" or "bottom"; the number of a ply and one of these; of beams also "left" and
+        "right", or a place (y, z) in the section, m. By itself the top of shells, and where von
+        Mises' stress is largest in the section of beams.
+    part : str, optional
+        Group of the elements whose stress it is.
 
     Raises
     ------
-    InputError
+    InputError, InputTypeError
     """
-    pair = isinstance(layer, (tuple, list)) and len(layer) == 2
-    ply, side = layer if pair else (0, layer)
-    known = isinstance(side, str) and side in _SIDES
-    if not known or not isinstance(ply, (int, np.integer)) or isinstance(ply, bool) or ply < 0:
+    of = Layer(tuple(layer) if isinstance(layer, list) else layer)
+    if isinstance(of.of, tuple) and len(of.of) == 2:
+        ply, side = of.of
+        if isinstance(side, str):
+            whole = isinstance(ply, (int, np.integer)) and not isinstance(ply, bool)
+            if whole and ply >= 0 and side in _OF_SHELLS:
+                of = Layer((int(ply), side))
+                layer = "top"
+        else:
+            y, z = finite_array("layer", layer, shape=(2,), unit="m").tolist()
+            of, layer = Layer((y, z)), "top"
+    if layer is not None and not (isinstance(layer, str) and layer in _SIDES):
         raise InputError(
-            f'{name} must be "top", "middle" or "bottom", or a pair of the number of a ply, from 0 '
-            f"at the bottom, and one of these; got {layer!r}"
+            'layer must be "top", "middle", "bottom", "left" or "right", a pair of the number of a '
+            "ply, from 0 at the bottom, and one of the first three, or a place (y, z) in a beam's "
+            f"section, m; got {layer!r}"
         )
-    return (int(ply), str(side)) if pair else str(side)
+    return of if part is None else replace(of, part=text("part", part))
+
+
+@dataclass(frozen=True, eq=False)
+class _Sections:
+    """Sections of one beam's elements at places.
+
+    Attributes
+    ----------
+    place : ndarray of int, shape (m,)
+    axes : ndarray, shape (m, 3, 3)
+        Along the beam and of the section, rows.
+    beam : Beam
+    """
+
+    place: IntArray
+    axes: FloatArray
+    beam: Beam
+
+
+@dataclass(frozen=True, eq=False)
+class StressRows:
+    """Stress, or strain, at places of a body by its dofs.
+
+    Attributes
+    ----------
+    rows : scipy.sparse.csr_array, shape (6 n + 6 m, n_dofs)
+        xx, yy, zz, xy, yz, xz at each of n places in turn, Pa, and the strains of m beam elements'
+        sections.
+    known : ndarray of bool, shape (n,)
+        False where the body has no such layer or part.
+    """
+
+    rows: sp.csr_array
+    known: npt.NDArray[np.bool_]
+    _sections: tuple[_Sections, ...] = ()
+    _layer: Layer = Layer()
+    _strain: bool = False
+
+    def of_dofs(self, free: IntArray) -> StressRows:
+        """Return the same by some of the dofs."""
+        return replace(self, rows=self.rows[:, free])
+
+    @property
+    def linear(self) -> bool:
+        """True if no place is on a beam, where the largest stress is looked for."""
+        return not self._sections
+
+    def components(self, values: FloatArray) -> FloatArray:
+        """Return the tensors, (k, n, 6), for `rows` times dofs, (6 n + 6 m, k)."""
+        first = 6 * len(self.known)
+        found = np.array(values[:first].T.reshape(-1, len(self.known), 6))
+        found[:, ~self.known] = np.nan
+        if not self._sections:
+            return found
+        place = np.concatenate([of.place for of in self._sections])
+        order = np.argsort(place, kind="stable")
+        rank = np.empty_like(place)  # among the elements that meet at a place
+        rank[order] = np.arange(len(place)) - np.searchsorted(place[order], place[order])
+        strains = values[first:].T.reshape(len(found), -1, 6)
+        for some in _batches(len(found), max(1, _BATCH // len(place))):
+            size, tensors = self._of_sections(strains[some])
+            largest = np.full((len(size), len(self.known)), -1.0)
+            for number in range(int(rank.max()) + 1):
+                own = np.flatnonzero(rank == number)
+                at = place[own]
+                larger = size[:, own] > largest[:, at]
+                largest[:, at] = np.where(larger, size[:, own], largest[:, at])
+                found[some, at] = np.where(larger[..., None], tensors[:, own], found[some, at])
+        return found
+
+    def _of_sections(self, strains: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Von Mises' stress squared, (k, m), and the tensors in global axes, (k, m, 6)."""
+        sizes, tensors = [], []
+        layer, first = self._layer.of, 0
+        for of in self._sections:
+            beam, last = of.beam, first + len(of.place)
+            side: Any = beam.side(layer) if isinstance(layer, str) else layer
+            stress = beam.stress(strains[:, first:last], side)
+            local = np.zeros((*stress.shape[:2], 6))
+            local[..., [0, 3, 5]] = stress
+            tensor = np.einsum("ncb,knb->knc", _turning(of.axes), local)
+            if self._strain:
+                E, nu = beam.material.E, beam.material.nu
+                trace = tensor[..., :3].sum(axis=-1, keepdims=True)
+                tensor = ((1.0 + nu) * tensor - nu * trace * (np.arange(6) < 3)) / E
+            sizes.append(stress**2 @ [1.0, 3.0, 3.0])
+            tensors.append(tensor)
+            first = last
+        return np.concatenate(sizes, axis=1), np.concatenate(tensors, axis=1)
 
 
 def body_stress_rows(
-    mesh: Mesh,
-    material: AnyMaterial,
-    nodes: IntArray,
-    layer: Layer = "top",
-    *,
-    strain: bool = False,
-) -> tuple[sp.csr_array, npt.NDArray[np.bool_]]:
-    """Return the stress at some nodes as a linear function of a body's dofs, and where it is known.
+    mesh: Mesh, material: AnyMaterial, weights: sp.csr_array, layer: Layer, *, strain: bool = False
+) -> StressRows:
+    """Return the stress at places of a body, by all dofs of its nodes.
+
+    Where shells, beams and solids meet, it is that of the shells, or of the beams, unless
+    `layer.part` is some of them; of several shells that of the stiffest.
 
     Parameters
     ----------
     mesh : Mesh
     material : Material, Orthotropic, Shell, Laminate, Beam or Materials
-    nodes : ndarray of int
-        Each once.
-    layer : str or (int, str), optional
-        Of shells and beams; see `checked_layer`. By a ply's number stress is along the ply's axes,
-        else in the body's.
-
-    Returns
-    -------
-    rows : scipy.sparse.csr_array, shape (6 len(nodes), 3 n_nodes) or (6 len(nodes), 6 n_nodes)
-        xx, yy, zz, xy, yz, xz at each node in turn, Pa, or with `strain` the tensor of strain.
-    known : ndarray of bool, shape (len(nodes),)
-        False where no shell has the ply.
+    weights : scipy.sparse.csr_array, shape (n, n_nodes)
+        The nodes' shares at each place.
+    layer : Layer
+        By a ply's number stress is along the ply's axes, else in the body's.
+    strain : bool, optional
+        The tensor of strain in place of stress.
     """
+    count = weights.shape[0]
     if not mesh.thin:
-        return stress_rows(mesh, material, nodes), np.ones(len(nodes), dtype=bool)
-    most = max(
-        (len(p.of.plies) for p in thin_parts(mesh, material) if isinstance(p.of, Layers)), default=0
-    )
-    if not isinstance(layer, str) and layer[0] >= most:
-        raise InputError(f"layer: there is no ply {layer[0]}, the last is {most - 1}")
-    n, row = mesh.n_nodes, np.full(mesh.n_nodes, -1)
-    row[nodes] = np.arange(len(nodes))
-    total = sp.csr_array((6 * len(nodes), 6 * n))
-    covered = np.zeros(n, dtype=bool)
-    for found in (_of_shells, _of_beams, _of_solids):
-        left = np.where(covered, -1, row)
-        if (left >= 0).any():
-            at, rows = found(mesh, material, left, layer, strain)
-            rows.resize(total.shape)
-            total = total + rows
-            covered[at] = True
-    return sp.csr_array(total), covered[nodes]
+        if layer.part is not None:
+            raise InputError(
+                f"part={layer.part!r} tells shells and beams apart that meet, and this body has "
+                "none; leave it out"
+            )
+        return StressRows(_of_nodes(mesh, material, weights, strain), np.ones(count, dtype=bool))
+    _check_ply(mesh, material, layer)
+    held = _cells_at(mesh, weights, layer.part)
+    total = sp.csr_array((6 * count, 6 * mesh.n_nodes))
+    known, sections, strains = np.zeros(count, dtype=bool), [], []
+    if not layer.of_beams:
+        total, known = _of_shells(mesh, material, weights, held, layer, strain)
+    if not layer.ply:
+        for part, rows in _of_beams(mesh, material, weights, held, known, layer):
+            sections.append(part)
+            strains.append(rows)
+        for part in sections:
+            known[part.place] = True
+    if not (layer.ply or layer.of_beams):
+        solids, on = _of_solids(mesh, material, weights, held, known, strain)
+        total, known = sp.csr_array(total + solids), known | on
+    rows = sp.csr_array(sp.vstack([total, *strains]))
+    return StressRows(rows, known, tuple(sections), layer, strain)
+
+
+def _check_ply(mesh: Mesh, material: AnyMaterial, layer: Layer) -> None:
+    parts = [part.of for part in thin_parts(mesh, material)]
+    most = max((len(of.plies) for of in parts if isinstance(of, Layers)), default=0)
+    if layer.ply and layer.of[0] >= most:
+        raise InputError(f"layer: there is no ply {layer.of[0]}, the last is {most - 1}")
+
+
+def _cells_at(mesh: Mesh, weights: sp.csr_array, part: str | None) -> sp.csc_array:
+    """Which elements, of a part, hold a place, (n_cells, n): all nodes with a share in it."""
+    near = sp.csr_array(weights, copy=True)
+    near.data = (np.abs(near.data) > _NONE).astype(np.float64)
+    near.eliminate_zeros()
+    cells = np.repeat(np.arange(mesh.n_cells), mesh.cells.shape[1])
+    shape = (mesh.n_cells, mesh.n_nodes)
+    own = sp.csr_array((np.ones(len(cells)), (cells, mesh.cells.ravel())), shape=shape)
+    own.data[:] = 1.0
+    if part is not None:
+        chosen = np.zeros(mesh.n_cells)
+        chosen[group(mesh, "part", part)] = 1.0
+        own = sp.diags_array(chosen) @ own
+    found = sp.csc_array(own @ near.T)
+    count = np.repeat(np.diff(near.indptr), np.diff(found.indptr))
+    found.data = (found.data == count).astype(np.float64)
+    found.eliminate_zeros()
+    return found
 
 
 def corner_stress(
@@ -109,65 +282,85 @@ def corner_stress(
     ----------
     moved : ndarray, shape (n_nodes, 6)
     """
-    wanted = np.full(mesh.n_nodes, -1)
-    wanted[node] = 0
-    values = [
-        np.einsum("ncd,nd->nc", rows, moved[cells].reshape(len(cells), -1))
-        for _, cells, _, rows in _corners(mesh, material, wanted, layer)[0]
-    ]
-    return np.concatenate([np.zeros((0, 6)), *values])
+    values = [np.zeros((0, 6))]
+    if not layer.of_beams:
+        own = _cells_at(mesh, sp.csr_array(np.eye(1, mesh.n_nodes, node)), layer.part).indices
+        for _, cells, rows in _corners(mesh, material, np.arange(mesh.n_nodes) == node, layer)[0]:
+            some = np.isin(cells, own)
+            ends = mesh.cells[cells[some], : rows.shape[2] // 6]
+            values.append(np.einsum("ncd,nd->nc", rows[some], moved[ends].reshape(len(ends), -1)))
+    return np.concatenate(values)
 
 
 def _of_shells(
-    mesh: Mesh, material: AnyMaterial, row: IntArray, layer: Layer, strain: bool
-) -> tuple[IntArray, sp.csr_array]:
-    found, place_node, stiffness = _corners(mesh, material, row, layer, strain)
-    if not found:
-        return np.zeros(0, dtype=np.int64), sp.csr_array((6 * (row.max() + 1), 6 * mesh.n_nodes))
-    # For each node the place of the stiffest shell.
-    places = np.concatenate([place for place, *_ in found])
-    used = np.unique(places)
-    order = used[np.lexsort((stiffness[used], place_node[used]))]
-    last = order[np.append(np.diff(place_node[order]) > 0, True)]
-    count = np.bincount(places, minlength=len(place_node))
-    shown = np.zeros(len(place_node), dtype=bool)
-    shown[last] = True
+    mesh: Mesh,
+    material: AnyMaterial,
+    weights: sp.csr_array,
+    held: sp.csc_array,
+    layer: Layer,
+    strain: bool,
+) -> tuple[sp.csr_array, npt.NDArray[np.bool_]]:
+    """Stress at the places that elements of shells hold, (6 n, 6 n_nodes), and which these are.
+
+    The mean over the elements of one smooth surface of a shell; the stiffest, where several meet.
+    """
+    stiffness = np.full(mesh.n_cells, -1.0)
+    for part in thin_parts(mesh, material):
+        if isinstance(part.of, Layers) and not (layer.ply and layer.of[0] >= len(part.of.plies)):
+            stiffness[part.numbers] = part.of.stiffness[0, 0] + part.of.stiffness[1, 1]
+    cell, place = held.tocoo().coords
+    cell, place = cell[stiffness[cell] >= 0.0], place[stiffness[cell] >= 0.0]
+    order = np.lexsort((cell, stiffness[cell], place))
+    chosen = np.full(held.shape[1], -1)
+    chosen[place[order]] = cell[order]  # of each place the last
+    known = chosen >= 0
+    wanted = np.zeros(mesh.n_nodes, dtype=bool)
+    wanted[mesh.cells[chosen[known]]] = True
+    shape = (6 * len(known), 6 * mesh.n_nodes)
+    if not known.any():
+        return sp.csr_array(shape), known
+    found, spots = _corners(mesh, material, wanted, layer, strain)
+    count = np.bincount(np.concatenate([spot for spot, *_ in found]), minlength=spots.max() + 1)
     i, j, values = [], [], []
-    for place, cells, _, rows in found:
-        on = shown[place]
-        size = 6 * cells.shape[1]
-        scaled = rows[on] / count[place[on]][:, None, None]
-        i.append(np.repeat(6 * row[place_node[place[on]]][:, None] + np.arange(6), size).ravel())
-        dofs = _dofs(cells[on], mesh.n_nodes)
-        j.append(np.broadcast_to(dofs[:, None], scaled.shape).ravel())
-        values.append(scaled.ravel())
-    shape = (6 * (row.max() + 1), 6 * mesh.n_nodes)
-    matrix = sp.csr_array(
-        (np.concatenate(values), (np.concatenate(i), np.concatenate(j))), shape=shape
+    for spot, cells, rows in found:
+        scaled = rows / count[spot][:, None, None]
+        dofs = _dofs(mesh.cells[cells, : rows.shape[2] // 6], mesh.n_nodes)
+        i.append(np.broadcast_to((6 * spot[:, None] + np.arange(6))[..., None], rows.shape))
+        j.append(np.broadcast_to(dofs[:, None], rows.shape))
+        values.append(scaled)
+    row, column, value = (
+        np.concatenate([each.ravel() for each in parts]) for parts in (i, j, values)
     )
-    return place_node[last], matrix
+    means = sp.csr_array((value, (row, column)), shape=(6 * len(count), shape[1]))
+    at = weights.tocoo()
+    place, node = (each[known[at.coords[0]]] for each in at.coords)
+    corner = (mesh.cells[chosen[place]] == node[:, None]).argmax(axis=1)
+    shares = (at.data[known[at.coords[0]]], (place, spots[chosen[place], corner]))
+    mixed = sp.csr_array(shares, shape=(len(known), len(count)))
+    return sp.csr_array(sp.kron(mixed, np.eye(6)) @ means), known
 
 
 def _corners(
-    mesh: Mesh, material: AnyMaterial, row: IntArray, layer: Layer, strain: bool = False
-) -> tuple[list[tuple[IntArray, IntArray, IntArray, FloatArray]], IntArray, FloatArray]:
-    """For corners at wanted nodes: their places, elements' nodes, corners and stress rows.
+    mesh: Mesh,
+    material: AnyMaterial,
+    wanted: npt.NDArray[np.bool_],
+    layer: Layer,
+    strain: bool = False,
+) -> tuple[list[tuple[IntArray, IntArray, FloatArray]], IntArray]:
+    """For corners at wanted nodes: their spots, elements and rows of stress, (n, 6, dofs).
 
-    Also the node of each place and the stiffness of its shell.
+    A spot is a node of one smooth surface of one shell. Also the spots of all elements' corners,
+    (n_cells, 4), -1 where they are not known.
     """
-    wanted_cells = np.zeros(mesh.n_cells, dtype=bool)
-    for part in thin_parts(mesh, material):
-        wanted_cells[part.numbers] = (row[part.cells] >= 0).any(axis=1)
-    shells, place_node = shell_pieces(mesh, material, wanted_cells)
-    stiffness, found = np.zeros(len(place_node)), []
-    for piece in shells:
-        stiffness[piece.places] = piece.layers.stiffness[0, 0] + piece.layers.stiffness[1, 1]
-        if not len(piece.part.cells) or not (
-            isinstance(layer, str) or layer[0] < len(piece.layers.plies)
-        ):
+    wanted_cells = np.asarray(wanted[mesh.cells].any(axis=1))
+    found, spots = [], np.full((mesh.n_cells, 4), -1)
+    for piece in shell_pieces(mesh, material, wanted_cells)[0]:
+        of, numbers = piece.layers, piece.part.numbers
+        if not len(numbers) or (layer.ply and layer.of[0] >= len(of.plies)):
             continue
-        by_strain, turn = _station(piece.layers, layer, strain)
-        cell, corner = np.nonzero(row[piece.part.cells] >= 0)
+        spots[numbers, : piece.places.shape[1]] = piece.places
+        by_strain, turn = _station(of, layer.of or "top", strain)
+        cell, corner = np.nonzero(wanted[piece.part.cells])
         to_corners = np.linalg.pinv(piece.strains.shape)
         for some in _batches(len(cell)):
             own = piece.strains.rows[cell[some], :, :8]
@@ -175,12 +368,11 @@ def _corners(
             stress = np.einsum("sc,nsd->ncd", by_strain, at)
             frames = piece.strains.frames[cell[some]] if turn is None else turn[None].swapaxes(1, 2)
             stress = np.einsum("ncb,nbd->ncd", _turning(frames), stress)
-            cells = piece.part.cells[cell[some]]
-            found.append((piece.places[cell[some], corner[some]], cells, corner[some], stress))
-    return found, place_node, stiffness
+            found.append((piece.places[cell[some], corner[some]], numbers[cell[some]], stress))
+    return found, spots
 
 
-def _station(layers: Layers, layer: Layer, strain: bool) -> tuple[FloatArray, FloatArray | None]:
+def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, FloatArray | None]:
     """Stress or strain of unit generalised strains, (8, 6), and axes of a ply given by number."""
     if isinstance(layer, str):
         ends = layers.interfaces
@@ -218,59 +410,95 @@ def _turning(frames: FloatArray) -> FloatArray:
 
 
 def _of_beams(
-    mesh: Mesh, material: AnyMaterial, row: IntArray, layer: Layer, strain: bool
-) -> tuple[IntArray, sp.csr_array]:
-    """Direct stress at the side of the section along ±z, or in its middle."""
-    shape = (6 * (row.max() + 1), 6 * mesh.n_nodes)
-    total, count = sp.csr_array(shape), np.zeros(mesh.n_nodes)
+    mesh: Mesh,
+    material: AnyMaterial,
+    weights: sp.csr_array,
+    held: sp.csc_array,
+    known: npt.NDArray[np.bool_],
+    layer: Layer,
+) -> Iterator[tuple[_Sections, sp.csr_array]]:
+    """Sections of beams' elements that hold a place not yet known, and rows of their strains."""
+    cell, place = held.tocoo().coords
+    cell, place = cell[~known[place]], place[~known[place]]
     for part in thin_parts(mesh, material):
-        if not isinstance(part.of, Beam) or not isinstance(layer, str):
+        if not isinstance(part.of, Beam) or (layer.place and not part.of.holds(layer.of)):
             continue
-        cell, corner = np.nonzero(row[part.cells] >= 0)
-        ends = mesh.nodes[part.cells]
-        z = np.array(part.of.numbers.points)[:, 1]
-        height = {"bottom": z.min(), "middle": 0.0, "top": z.max()}[str(layer)]
-        bent = beam_rows(ends, part.of, np.array([0.0, 1.0]))[cell, corner]
-        direct = part.of.material.E * (bent[:, 0] + height * bent[:, 1])
-        axis = beam_frames(ends, part.of)[0][cell, 0]
-        tensor = np.stack([axis[:, i] * axis[:, j] for i, j in PAIRS], axis=1)
-        if strain:
-            E, nu = part.of.material.E, part.of.material.nu
-            tensor = ((1.0 + nu) * tensor - nu * (np.arange(6) < 3)) / E
-        values = tensor[:, :, None] * direct[:, None, :]
-        node = part.cells[cell, corner]
-        i = np.repeat(6 * row[node][:, None] + np.arange(6), 12)
-        j = np.broadcast_to(_dofs(part.cells[cell], mesh.n_nodes)[:, None], values.shape)
-        total = total + sp.csr_array((values.ravel(), (i.ravel(), j.ravel())), shape=shape)
-        count += np.bincount(node, minlength=mesh.n_nodes)
-    wanted = np.flatnonzero(row >= 0)
-    share = np.zeros(shape[0] // 6)
-    share[row[wanted]] = 1.0 / np.maximum(count[wanted], 1.0)
-    return np.flatnonzero(count), sp.csr_array(sp.diags_array(np.repeat(share, 6)) @ total)
+        own = np.isin(cell, part.numbers)
+        if not own.any():
+            continue
+        if isinstance(part.of.section, BeamSection) and len(part.of.section.points) == 1:
+            warn(
+                "stress of a beam of a BeamSection without points is that of its axis, without "
+                "bending; give points=[(y, z), ...] of its outermost fibres"
+            )
+        row = np.searchsorted(part.numbers, cell[own])
+        ends = part.cells[row]
+        share = np.asarray(weights[place[own], ends[:, 1]]).ravel()
+        at_ends = beam_rows(mesh.nodes[part.cells], part.of, np.array([0.0, 1.0]))[row]
+        strains = at_ends[:, 0] + share[:, None, None] * (at_ends[:, 1] - at_ends[:, 0])
+        i = np.repeat(np.arange(6 * len(row)), 12)
+        j = np.broadcast_to(_dofs(ends, mesh.n_nodes)[:, None], strains.shape)
+        shape = (6 * len(row), 6 * mesh.n_nodes)
+        rows = sp.csr_array((strains.ravel(), (i, j.ravel())), shape=shape)
+        axes = beam_frames(mesh.nodes[part.cells], part.of)[0][row]
+        yield _Sections(place[own], axes, part.of), rows
+
+
+def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> FloatArray:
+    """Return the largest von Mises stress of each beam element, Pa, (k, n_cells); 0 of others.
+
+    Parameters
+    ----------
+    moved : ndarray, shape (k, 6 n_nodes)
+        Displacements of all nodes, then rotations.
+    """
+    found = np.zeros((len(moved), mesh.n_cells))
+    for part in thin_parts(mesh, material):
+        if isinstance(part.of, Beam):
+            rows = beam_rows(mesh.nodes[part.cells], part.of, np.array([0.0, 1.0]))
+            for time, x in enumerate(moved):
+                strains = np.einsum("nesd,nd->nes", rows, x[_dofs(part.cells, mesh.n_nodes)])
+                size = np.sqrt(part.of.stress(strains) ** 2 @ [1.0, 3.0, 3.0])
+                found[time, part.numbers] = size.max(axis=1)
+    return found
 
 
 def _of_solids(
-    mesh: Mesh, material: AnyMaterial, row: IntArray, layer: Layer, strain: bool
-) -> tuple[IntArray, sp.csr_array]:
-    shape = (6 * (row.max() + 1), 6 * mesh.n_nodes)
-    solids = list(pieces(mesh, material))
-    none = np.zeros(0, dtype=np.int64)
+    mesh: Mesh,
+    material: AnyMaterial,
+    weights: sp.csr_array,
+    held: sp.csc_array,
+    covered: npt.NDArray[np.bool_],
+    strain: bool,
+) -> tuple[sp.csr_array, npt.NDArray[np.bool_]]:
+    """Stress at other places that solids hold, (6 n, 6 n_nodes), and which these are."""
+    known = np.zeros(held.shape[1], dtype=bool)
+    solids = [piece.numbers for piece in pieces(mesh, material)]
+    total = sp.csr_array((6 * len(known), 6 * mesh.n_nodes))
     if not solids:
-        return none, sp.csr_array(shape)
+        return total, known
+    cells = np.sort(np.concatenate(solids))
+    known[np.unique(held[cells].tocoo().coords[1])] = True
+    known &= ~covered
+    if not known.any():
+        return total, known
     assert isinstance(material, Materials)
-    cells = np.sort(np.concatenate([piece.numbers for piece in solids]))
-    own = np.unique(np.concatenate([piece.cells.ravel() for piece in solids]))
-    wanted = own[row[own] >= 0]
-    if not len(wanted):
-        return none, sp.csr_array(shape)
-    sub, of, at = taken(mesh, cells), material.taken(cells), np.searchsorted(own, wanted)
-    rows = stress_rows(sub, of, at)
+    own = np.unique(mesh.cells[cells])
+    mine = sp.diags_array(known.astype(np.float64)) @ weights[:, own]
+    rows = _of_nodes(taken(mesh, cells), material.taken(cells), sp.csr_array(mine), strain).tocoo()
+    j = 3 * own[rows.coords[1] // 3] + rows.coords[1] % 3
+    return sp.csr_array((rows.data, (rows.coords[0], j)), shape=total.shape), known
+
+
+def _of_nodes(
+    mesh: Mesh, material: AnyMaterial, weights: sp.csr_array, strain: bool
+) -> sp.csr_array:
+    """Stress at places of a body of solids, (6 n, 3 n_nodes)."""
+    near = np.unique(weights.indices)
+    rows = stress_rows(mesh, material, near)
     if strain:
-        rows = sp.csr_array(sp.block_diag(list(compliances(sub, of, at)), format="csr") @ rows)
-    found = rows.tocoo()
-    i = 6 * row[wanted][found.row // 6] + found.row % 6
-    j = 3 * own[found.col // 3] + found.col % 3
-    return wanted, sp.csr_array((found.data, (i, j)), shape=shape)
+        rows = sp.block_diag(list(compliances(mesh, material, near)), format="csr") @ rows
+    return sp.csr_array(sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ rows)
 
 
 def _dofs(cells: IntArray, n_nodes: int) -> IntArray:
@@ -280,6 +508,6 @@ def _dofs(cells: IntArray, n_nodes: int) -> IntArray:
     return both.reshape(len(cells), 6 * cells.shape[1])
 
 
-def _batches(count: int) -> Iterator[slice]:
-    for start in range(0, count, _BATCH):
-        yield slice(start, start + _BATCH)
+def _batches(count: int, step: int = _BATCH) -> Iterator[slice]:
+    for start in range(0, count, step):
+        yield slice(start, start + step)

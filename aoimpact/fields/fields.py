@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, choice, integer, warn
 from ..fem import (
     AnyMaterial,
     Body,
-    Layer,
     Strain,
     Stress,
+    beam_von_mises,
     body_stress_rows,
     checked_layer,
     gauss_stress,
@@ -249,7 +250,7 @@ class Field:
         more = ", …" if len(self.times) > 4 else ""
         return f"Field(t = {times}{more} s of {self.body!r})"
 
-    def stress(self, at: str = "nodes", *, layer: Layer = "top") -> Stress:
+    def stress(self, at: str = "nodes", *, layer: Any = None, part: str | None = None) -> Stress:
         """Return the stress.
 
         Under a contact of solids it is that of Hertz's pressure in closed form; the rest is that of
@@ -263,16 +264,29 @@ class Field:
             stiffest. "gauss": at the Gauss points of the elements' stiffness, components of shape
             (k, n_cells, n_gauss, 6), in a mixed mesh with nan where an element has fewer. Shells
             and beams have it at the nodes.
-        layer : {"top", "middle", "bottom"} or (int, str), optional
-            Of shells: the top is where the elements' normals point. (3, "bottom") is the lower face
-            of the fourth ply from the bottom, and stress there is along the ply's axes: xx along
-            the fibres, and nan where a body has no such ply. Of beams the sides of the section
-            along z.
+        layer : str, (int, str) or (float, float), optional
+            Of shells "top", where the elements' normals point, "middle" or "bottom"; by itself the
+            top. (3, "bottom") is the lower face of the fourth ply from the bottom, and stress there
+            is along the ply's axes: xx along the fibres, and nan where a body has no such ply.
+            Of beams by itself where von Mises' stress is largest in the section. "top" and "bottom"
+            are the sides along the section's z axis, "left" and "right" those along y, "middle" is
+            the centroid, and (y, z) any place in the section, m.
+        part : str, optional
+            The group of elements whose stress it is, nan at other nodes: of a stiffener on a skin,
+            or of one of several members at a joint. By itself, where shells and beams meet that of
+            the stiffest shell, and of beams that of the member with the largest.
 
         Raises
         ------
         InputError
-            If the body has no elements and material: it was given by K and M; or `layer` is none.
+            If the body has no elements and material: it was given by K and M; or there is no such
+            `layer` or `part`.
+
+        Notes
+        -----
+        Stress of a beam is that of axial force, bending about both axes, torsion and shear force:
+        exact of round sections and rectangles under torsion (Saint-Venant), by Zhuravskii's formula
+        under shear. Of a `BeamSection` it is direct stress alone, at its points.
 
         Warns
         -----
@@ -292,16 +306,15 @@ class Field:
         warn_if_wrong("stress", self.times, self.error)
         place = choice("at", at, ("nodes", "gauss"))
         mesh, material = solid(self.body, "stress")
-        of_layer = checked_layer("layer", layer)
-        if mesh.thin:
+        where = checked_layer(layer, part)
+        if mesh.thin or part is not None:
             if place != "nodes":
                 raise InputError(f'at={at!r}: stress of shells and beams is known at="nodes"')
-            rows, known = body_stress_rows(mesh, material, np.arange(mesh.n_nodes), of_layer)
+            every = sp.eye_array(mesh.n_nodes, format="csr")
+            found_at = body_stress_rows(mesh, material, every, where)
             dofs = np.concatenate([self.displacement, self.rotation], axis=1)
-            values = (rows @ dofs.reshape(len(self.times), -1).T).T
-            components = values.reshape(len(self.times), -1, 6)
-            components[:, ~known] = np.nan
-            return Stress(components, mesh.nodes)
+            values = found_at.rows @ dofs.reshape(len(self.times), -1).T
+            return Stress(found_at.components(values), mesh.nodes)
         evaluate = nodal_stress if place == "nodes" else gauss_stress
         moved = self.of_elements
         found = evaluate(mesh, material, moved)
@@ -315,7 +328,8 @@ class Field:
 
         At the nodes: displacement (m), velocity (m/s), stress (xx, yy, zz, xy, yz, xz), von_mises
         and principal, all Pa. Of shells and beams also rotation (rad), stress_middle and
-        stress_bottom, with stress on the top; and the thickness (m) of elements.
+        stress_bottom, with stress on the top of shells and where it is largest in beams. Of
+        elements the thickness (m) of shells, and von_mises_of_beams (Pa), the largest of each.
 
         Parameters
         ----------
@@ -353,7 +367,19 @@ class Field:
         data["rotation"] = self.rotation
         for side in ("middle", "bottom"):
             data[f"stress_{side}"] = self.stress(layer=side).components
-        return vtu.write_series(path, mesh, self.times, data, thickness_of_cells(mesh, material))
+        own = {
+            "thickness": np.broadcast_to(
+                thickness_of_cells(mesh, material), (len(self.times), mesh.n_cells)
+            )
+        }
+        own["von_mises_of_beams"] = self._of_beams()
+        return vtu.write_series(path, mesh, self.times, data, own)
+
+    def _of_beams(self) -> FloatArray:
+        """Largest von Mises' stress of each beam element, Pa, (k, n_cells); 0 of others."""
+        mesh, material = solid(self.body, "stress")
+        dofs = np.concatenate([self.displacement, self.rotation], axis=1)
+        return beam_von_mises(mesh, material, dofs.reshape(len(self.times), -1))
 
     @property
     def _free(self) -> bool:

@@ -15,9 +15,9 @@ from ..fem import (
     Body,
     Damping,
     Layer,
+    StressRows,
     VirtualMotion,
     body_stress_rows,
-    checked_layer,
     compliances,
     selected_nodes,
 )
@@ -63,21 +63,19 @@ class OmittedMotion:
     motion: FreeMotion
 
 
-def stress_rows_at(body: Body, point: FloatArray, layer: Layer = "top") -> sp.csr_array:
-    """Return the stress at a point of a body as a function of its dofs, shape (6, n_dofs)."""
-    mesh, _ = solid(body, "stress")
-    where, shares = weights_at(mesh, point)
-    weights = sp.lil_array((1, mesh.n_nodes))
-    weights[0, where] = shares
+def stress_rows_at(body: Body, point: FloatArray, layer: Layer) -> StressRows:
+    """Return the stress at a point of a body by its dofs."""
+    solid(body, "stress")
     assert body.free is not None
-    return _stress_rows(body, weights.tocsr(), body.free, layer)
+    return _stress_rows(body, place_rows(body, point[None]), body.free, layer)
 
 
-def strain_rows_at(body: Body, point: FloatArray) -> tuple[sp.csr_array, FloatArray]:
-    """Return the strain at a point by a body's dofs, (6, n_dofs), and by stress, 1/Pa, (6, 6)."""
+def strain_rows_at(body: Body, point: FloatArray, layer: Layer) -> tuple[StressRows, FloatArray]:
+    """Return the strain at a point by a body's dofs, and by stress, 1/Pa, (6, 6)."""
     assert body.free is not None
     weights = place_rows(body, point[None])
-    return _stress_rows(body, weights, body.free, strain=True), _compliance(body, weights)[0]
+    rows = _stress_rows(body, weights, body.free, layer, strain=True)
+    return rows, _compliance(body, weights)[0]
 
 
 def place_rows(body: Body, places: FloatArray) -> sp.csr_array:
@@ -97,20 +95,16 @@ def _stress_rows(
     body: Body,
     weights: sp.csr_array,
     free: IntArray,
-    layer: Layer = "top",
+    layer: Layer,
     *,
     strain: bool = False,
-) -> sp.csr_array:
-    """The stress, or strain, at places with the nodes' `weights` (p, n_nodes), (6 p, n_dofs)."""
+) -> StressRows:
+    """The stress, or strain, at places with the nodes' `weights`, shape (p, n_nodes)."""
     mesh, material = solid(body, "stress")
-    near = np.unique(weights.indices)
-    rows, known = body_stress_rows(mesh, material, near, layer, strain=strain)
-    if not known.all():
-        raise InputError(f"layer={layer!r}: the body has no such ply at the point")
-    at_nodes = rows[:, free]
-    if strain and not mesh.thin:
-        at_nodes = sp.block_diag(list(compliances(mesh, material, near)), format="csr") @ at_nodes
-    return sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ at_nodes
+    rows = body_stress_rows(mesh, material, weights, layer, strain=strain)
+    if not rows.known.all():
+        raise InputError(f"{layer}: the body has no such place at the point")
+    return rows.of_dofs(free)
 
 
 def _compliance(body: Body, weights: sp.csr_array) -> FloatArray:
@@ -205,10 +199,9 @@ class Response:
         nodes: Any,
         times: Any,
         follows: Callable[[], bool],
-        layer: Any = "top",
+        layer: Layer,
     ) -> Probe:
         """See `BodyResult.probe`; follows: whether displacements are known to be right."""
-        of_layer = checked_layer("layer", layer)
         wanted = self._times(times)
         places, weights = self._places(point, nodes)
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
@@ -222,8 +215,8 @@ class Response:
             u,
             v,
             follows,
-            partial(self._stress, weights, wanted, places.shape[:-1], of_layer),
-            partial(self._stress, weights, wanted, places.shape[:-1], of_layer, strain=True),
+            partial(self._stress, weights, wanted, places.shape[:-1], layer),
+            partial(self._stress, weights, wanted, places.shape[:-1], layer, strain=True),
             partial(self._errors, rows, wanted),
             partial(self._acceleration, at, wanted, shape),
             partial(self._filtered, at, wanted, shape),
@@ -471,7 +464,7 @@ class Response:
     ) -> FloatArray:
         """Stress or strain at places with the nodes' `weights` (p, n_nodes), (times, *shape, 6)."""
         rows = _stress_rows(self.body, weights, self._free, layer, strain=strain)
-        found = self._functionals(rows, times)[0].T.reshape(len(times), -1, 6)
+        found = rows.components(self._functionals(rows.rows, times)[0])
         assert self.body.nodes is not None
         added = self.half_space_stress(times, weights @ self.body.nodes)
         if strain:

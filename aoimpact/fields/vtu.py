@@ -19,7 +19,7 @@ def write_series(
     mesh: Mesh,
     times: FloatArray,
     data: Mapping[str, FloatArray],
-    thickness: FloatArray | None = None,
+    of_cells: Mapping[str, FloatArray] | None = None,
 ) -> Path:
     """Write data at the nodes, and return the path of the .pvd file.
 
@@ -31,8 +31,8 @@ def write_series(
     times : ndarray, shape (k,)
         s; the timesteps that ParaView shows.
     data : mapping of str to ndarray, shape (k, n_nodes, ...)
-    thickness : ndarray, shape (n_cells,), optional
-        Of the elements of shells, m.
+    of_cells : mapping of str to ndarray, shape (k, n_cells), optional
+        Data of the elements.
 
     Raises
     ------
@@ -46,16 +46,16 @@ def write_series(
         raise InputError(f"path={str(given)!r}: there is no folder {str(stem.parent)!r}")
     digits = len(str(len(times) - 1))
     names = [f"{stem.name}_{i:0{digits}d}.vtu" for i in range(len(times))]
-    of_cells = None
-    if thickness is not None:
-        of_cells = {"thickness": [thickness[block.numbers] for block in mesh.blocks]}
     for i, name in enumerate(names):
         # Double precision in binary: what is read back is what was written, to the last bit.
         meshio.Mesh(
             mesh.nodes,
             [(block.kind, block.cells) for block in mesh.blocks],
             point_data={key: np.ascontiguousarray(values[i]) for key, values in data.items()},
-            cell_data=of_cells,
+            cell_data={
+                key: [values[i, block.numbers] for block in mesh.blocks]
+                for key, values in (of_cells or {}).items()
+            },
         ).write(stem.parent / name, file_format="vtu", binary=True)
     listing = stem.parent / f"{stem.name}.pvd"
     listing.write_text(_collection(times, names), encoding="utf-8")

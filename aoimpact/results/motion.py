@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, Frozen, InputError, positive, with_unit
+from ..fem import checked_layer
 from ..fields import (
     Field,
     Gauge,
@@ -221,7 +222,8 @@ class BodyResult(Frozen):
         nodes: Any = None,
         times: npt.ArrayLike | None = None,
         dt: float | None = None,
-        layer: Any = "top",
+        layer: Any = None,
+        part: str | None = None,
     ) -> Probe:
         """Return motion, strain and stress of a point or of a set of nodes over time.
 
@@ -238,8 +240,9 @@ class BodyResult(Frozen):
             Ascending, within the record, s; those of the result if left out.
         dt : float, optional
             In place of `times`: the step of even times from 0 on, s, as spectra and filters take.
-        layer : {"top", "middle", "bottom"} or (int, str), optional
-            Where in a shell stress and strain are; see `Field.stress`.
+        layer, part : optional
+            Where in shells and beams stress and strain are, and of which group of elements; see
+            `Field.stress`.
 
         Raises
         ------
@@ -258,7 +261,8 @@ class BodyResult(Frozen):
         True
         """
         wanted = self._sampled(times, dt)
-        return self._responding.probe(point, direction, nodes, wanted, self._follows, layer)
+        where = checked_layer(layer, part)
+        return self._responding.probe(point, direction, nodes, wanted, self._follows, where)
 
     def gauge(
         self,

@@ -103,7 +103,7 @@ def test_plies_have_their_own_stress_along_their_fibres() -> None:
 
 
 def test_stress_of_a_beam() -> None:
-    """M c/I at the sides of the section along z."""
+    """M c/I at the sides of the section along z, and 3 V/(2 A) in the middle."""
     n = 10
     nodes = np.stack([np.linspace(0, 0.5, n + 1), np.zeros(n + 1), np.zeros(n + 1)], axis=1)
     cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
@@ -115,7 +115,9 @@ def test_stress_of_a_beam() -> None:
     for layer, sign in (("top", 1), ("middle", 0), ("bottom", -1)):
         stress = field.stress(layer=layer).components[0, 5]
         assert stress[XX] == pytest.approx(sign * extreme, rel=1e-3, abs=1e-6 * extreme)
-        assert abs(stress[1:]).max() < 1e-9 * extreme
+        assert abs(stress[1:5]).max() < 1e-9 * extreme
+        shear = 0.0 if sign else -1.5 * hit.peak_force / (0.02 * 0.04)
+        assert stress[XZ] == pytest.approx(shear, rel=2e-3, abs=1e-9 * extreme)
 
 
 def test_stress_at_a_point_as_the_quantity() -> None:
@@ -159,6 +161,12 @@ def test_files_and_pictures(tmp_path: Any) -> None:
     assert read.point_data["stress_bottom"].shape == (27, 6)
     assert read.point_data["rotation"] == pytest.approx(field.rotation[0])
     assert read.cell_data["thickness"][0] == pytest.approx(1e-3)
+    of_rib = field.stress(part="rib").von_mises[0]
+    largest = dict(
+        zip([block.type for block in read.cells], read.cell_data["von_mises_of_beams"], strict=True)
+    )
+    assert largest["line"].max() == pytest.approx(np.nanmax(of_rib))
+    assert not largest["quad"].any()
     assert field.plot() is not None
     with pytest.raises(ao.InputError, match="shells and beams is known at"):
         field.stress("gauss")
