@@ -95,7 +95,8 @@ def read_mesh(
     -----
     AOImpactWarning
         If nodes were dropped or elements renumbered, if groups of a file
-        have no elements, or if meshio read it and nothing was checked.
+        have no elements, if a deck says how thick its shells are or which sections its beams have,
+        which is not read, or if meshio read it and nothing was checked.
 
     Examples
     --------
@@ -151,6 +152,7 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
         shape = np.shape(raw.nodes)
         raise MeshError(f"coordinates of the mesh must have shape (any, 3), got {shape}")
     solids = _body(raw, named)
+    _warn_of_sections(raw, solids)
     used = np.zeros(len(raw.nodes), dtype=bool)
     for _, cells, _ in solids:
         used[cells] = True
@@ -194,6 +196,30 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
         None if raw.cell_labels is None else raw.cell_labels[order],
         raw.left_out,
     )
+
+
+def _warn_of_sections(raw: RawMesh, body: list[Solids]) -> None:
+    """Warn of what a deck says of shells and beams and the body does not have."""
+    thin = any(kind in THIN for kind, *_ in body)
+    if raw.sections is None or not thin:
+        return
+    if raw.sections:
+        warn(
+            f"sections of the deck are not read ({', '.join(raw.sections)}): give thickness, "
+            "offsets, plies, materials and beams' axes to FEModel.from_mesh, by group, as "
+            "Shell(thickness, material), Laminate(...) or Beam(section, material, orientation)"
+        )
+    lines = np.zeros(raw.first[-1], dtype=bool)
+    for block, first in zip(raw.blocks, raw.first[:-1], strict=True):
+        lines[first : first + len(block.cells)] = block.dim == 1
+    lines[np.concatenate([numbers for *_, numbers in body])] = False
+    if count := int(lines.sum()):
+        groups = [name for name, own in raw.cell_sets.items() if lines[own].any()]
+        of = f" of {', '.join(map(repr, groups))}" if groups else ""
+        warn(
+            f"{count} line elements{of} beside the shells are not part of the body, since no Beam "
+            "is given for their group; give one, or leave it so if they carry nothing"
+        )
 
 
 def _node_sets(raw: RawMesh) -> dict[str, IntArray]:

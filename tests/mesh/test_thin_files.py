@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,9 @@ import aoimpact as ao
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 SHEET = ao.Shell(1e-3, STEEL)
 RIB = ao.Beam(ao.CircularSection(0.01), STEEL)
+
+# The decks below have cards of sections, which are named in a warning.
+NOT_READ = pytest.mark.filterwarnings("ignore:.*(sections of the deck|line elements)")
 
 PLACES = [(0, 0), (0.1, 0), (0.2, 0), (0, 0.1), (0.1, 0.1), (0.2, 0.1)]
 
@@ -78,6 +82,7 @@ def written(tmp_path: Path, name: str) -> tuple[Path, str, str]:
     return path, "skin", "rib"
 
 
+@NOT_READ
 @pytest.mark.parametrize("name", ["inp", "bdf", "msh"])
 def test_the_body_is_of_surfaces_and_of_the_lines_that_are_named(tmp_path: Path, name: str) -> None:
     path, skin, rib = written(tmp_path, name)
@@ -96,6 +101,7 @@ def test_the_body_is_of_surfaces_and_of_the_lines_that_are_named(tmp_path: Path,
         ao.FEModel.from_mesh(mesh, {skin: SHEET, rib: RIB})
 
 
+@NOT_READ
 def test_a_beam_may_name_a_third_node_for_its_section(tmp_path: Path) -> None:
     nodes = "\n".join(f"{i}, {x}, {y}, 0" for i, (x, y) in enumerate(PLACES, 1))
     deck = ABAQUS.replace("4, 1, 2\n", "4, 1, 2, 6\n").format(nodes=nodes, towards=", 6")
@@ -115,6 +121,7 @@ def test_shells_and_beams_of_second_order_are_refused(tmp_path: Path, kind: str)
         ao.read_mesh(tmp_path / "a.inp")
 
 
+@NOT_READ
 def test_rigid_elements_and_membranes_are_no_part_of_a_shell(tmp_path: Path) -> None:
     nodes = "\n".join(f"{i}, {x}, {y}, 0" for i, (x, y) in enumerate(PLACES, 1))
     deck = ABAQUS.format(nodes=nodes, towards="") + "*ELEMENT, TYPE=R3D3, ELSET=TOOL\n9, 1, 2, 5\n"
@@ -154,3 +161,38 @@ def test_a_quadrilateral_without_one_edge_is_a_triangle() -> None:
     cells = np.array([[0, 1, 4, 3], [1, 2, 5, 5], [1, 5, 4, 4]])
     mesh = ao.read_mesh(meshio.Mesh(nodes, [("quad", cells)]))
     assert mesh.contents == "1 quad, 2 triangle"
+
+
+OFFSET = "CQUAD4,1,7,1,2,5,4,,.001\n,,,.002,.002,.002,.002"
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "said"),
+    [
+        ("inp", ("", ""), r"1 \*BEAM SECTION, 1 \*SHELL SECTION\)"),
+        ("inp", ("SKIN, MATERIAL", "SKIN, OFFSET=SPOS, MATERIAL"), "SHELL SECTION with OFFSET"),
+        ("inp", ("SKIN, MATERIAL", "SKIN, COMPOSITE, MATERIAL"), "SHELL SECTION with COMPOSITE"),
+        ("bdf", ("", ""), r"1 PBARL, 1 PSHELL\)"),
+        ("bdf", ("PSHELL,7,1,.001,1", "PCOMP,7\n,1,.001,0.,YES"), "1 PCOMP"),
+        ("bdf", ("CQUAD4,1,7,1,2,5,4", OFFSET), "ZOFFS of 1 CQUAD4, T1 to T4 of 1 CQUAD4"),
+        (
+            "bdf",
+            ("CBAR,4,8,1,2,0.,0.,1.", "CBAR,4,8,1,2,0.,0.,1.\n,,,0.,0.,.01,0.,0.,.01"),
+            "offsets of 1 CBAR",
+        ),
+    ],
+)
+def test_sections_of_decks_are_named_since_they_are_not_read(
+    tmp_path: Path, name: str, change: tuple[str, str], said: str
+) -> None:
+    path, skin, rib = written(tmp_path, name)
+    path.write_text(path.read_text().replace(*change, 1))
+    with pytest.warns(ao.AOImpactWarning) as caught:
+        ao.FEModel.from_mesh(path, SHEET)
+    first, second = (str(each.message) for each in caught)
+    assert re.search(said, first)
+    assert "give thickness" in first
+    assert f"2 line elements of {rib!r} beside the shells" in second
+    with pytest.warns(ao.AOImpactWarning) as caught:
+        ao.FEModel.from_mesh(path, {skin: SHEET, rib: RIB})
+    assert len(caught) == 1

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...base import IntArray, MeshError, warn
 from .abaqusdeck import Keyword, key, read_keywords
-from .abaqusnames import CONNECTIONS, HARMLESS, SIDES, STRUCTURAL, UNSUPPORTED
+from .abaqusnames import CONNECTIONS, HARMLESS, SECTIONS, SIDES, STRUCTURAL, UNSUPPORTED
 from .abaqusscope import Elements, Scope, Which
 from .raw import RawBlock, RawMesh
 
@@ -44,7 +44,7 @@ class _Model:
 
     `outside` has those of the assembly, or of a deck without parts. Parts and instances are found
     by their names in capitals. `connections` counts keywords that connect nodes,
-    `changes` those of steps that remove or add elements.
+    `changes` those of steps that remove or add elements, and `sections` those of shells and beams.
     """
 
     outside: list[Keyword] = field(default_factory=list)
@@ -53,6 +53,7 @@ class _Model:
     called: dict[str, str] = field(default_factory=dict)
     connections: Counter[str] = field(default_factory=Counter)
     changes: int = 0
+    sections: Counter[str] = field(default_factory=Counter)
 
 
 def read(file: Path) -> RawMesh:
@@ -94,6 +95,11 @@ def _sorted(keywords: list[Keyword]) -> _Model:
         name = keyword.name
         model.connections[name] += CONNECTIONS.fullmatch(name) is not None
         model.changes += name == "MODELCHANGE"
+        if SECTIONS.fullmatch(name):
+            options = [each for each in ("COMPOSITE", "OFFSET") if each in keyword.options]
+            model.sections[
+                " with ".join(["*" + name.replace("SECTION", " SECTION"), *options])
+            ] += 1
         if name in _OF_SCOPES:
             within[-1][1].append(keyword)
             if len(within) == 1 and name in ("NODE", "ELEMENT"):
@@ -182,6 +188,7 @@ def _joined(file: Path, model: _Model) -> RawMesh:
         cell_sets,
         np.concatenate([body.labels for body in bodies]),
         left_out,
+        tuple(_listed(model.sections).split(", ")) if model.sections else (),
     )
 
 

@@ -62,6 +62,9 @@ CONNECTIONS = re.compile(
     "|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
 )
 
+# Sections of shells and beams, and what else says how thick they are and how they lie.
+SECTIONS = re.compile("(?:SHELL|BEAM)(?:GENERAL)?SECTION|NODALTHICKNESS|ORIENTATION")
+
 # Beginnings of the names of all other keywords of Abaqus and CalculiX: materials, sections,
 # interactions, loads, steps, output. They have no influence on nodes, elements and sets; surfaces
 # are no groups here.

@@ -43,6 +43,14 @@ _SECTIONS = {
     2: re.compile("PSHELL|PCOMP[GLS]?|PSHEAR"),
 }
 
+# Data fields of elements that change thickness, or put the element off its nodes.
+_OF_ELEMENTS: dict[str, dict[str, slice]] = {
+    "CQUAD4": {"ZOFFS": slice(7, 8), "T1 to T4": slice(10, 14)},
+    "CTRIA3": {"ZOFFS": slice(6, 7), "T1 to T3": slice(10, 13)},
+    "CBAR": {"offsets": slice(10, 16)},
+    "CBEAM": {"offsets": slice(10, 16)},
+}
+
 # Largest difference between axes of displacements and the basic ones.
 _TURNED = 1e-9
 
@@ -114,7 +122,21 @@ def read(file: Path) -> RawMesh:
     ):
         if listed := ", ".join(f"{n} {name}" for name, n in counts if pattern.fullmatch(name)):
             warn(f"mesh file {str(file)!r}: {what}: {listed}")
-    return RawMesh(nodes, raw.blocks, node_sets, cell_sets, grids.labels)
+    return RawMesh(
+        nodes, raw.blocks, node_sets, cell_sets, grids.labels, sections=tuple(_section_cards(deck))
+    )
+
+
+def _section_cards(deck: BulkData) -> Iterator[str]:
+    """Name what shells and beams have beyond their nodes: properties, and fields of elements."""
+    for name, lines in sorted(deck.names.items()):
+        if any(pattern.fullmatch(name) for pattern in _SECTIONS.values()):
+            yield f"{len(lines)} {name}"
+    for name, fields in _OF_ELEMENTS.items():
+        for what, own in fields.items():
+            table = deck.table(name, width=16)
+            if count := int((~table.blank[:, own]).any(axis=1).sum()):
+                yield f"{what} of {count} {name}"
 
 
 def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:

@@ -87,6 +87,9 @@ class RawMesh:
         occur twice, as in two instances of an Abaqus part.
     left_out : mapping of str to str
         Groups that hold more than solids, and the rest of their contents, as in "3 MASS, 20 S4R".
+    sections : tuple of str, or None
+        What a deck says of its shells and beams beyond nodes and elements, as in "2 PSHELL"; None
+        for formats whose cells may be no more than sides and edges.
     """
 
     nodes: FloatArray
@@ -95,6 +98,7 @@ class RawMesh:
     cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
     node_labels: IntArray | None = None
     left_out: Mapping[str, str] = field(default_factory=dict)
+    sections: tuple[str, ...] | None = None
 
     @property
     def first(self) -> IntArray:
