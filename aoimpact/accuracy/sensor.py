@@ -10,7 +10,16 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, Frozen, InputTypeError, held_warnings
-from ..fem import Body, ContactPoint, FEModel, Layer, Stress, corner_stress, stresses_around
+from ..fem import (
+    Body,
+    ContactPoint,
+    FEModel,
+    Layer,
+    Stress,
+    corner_stress,
+    stresses_around,
+    to_nodes,
+)
 from ..fields import Field, Response, response_of
 from ..linalg import SolverBook
 from ..mesh import weights_at
@@ -143,7 +152,7 @@ def _roughness(
     layer : Layer
     """
     assert body.mesh is not None
-    nodes, weights = weights_at(body.mesh, point)
+    nodes, weights = weights_at(body.mesh, to_nodes(body, point))
     square = 0.0
     for node, weight in zip(nodes, weights, strict=True):
         if body.mesh.thin:

@@ -26,6 +26,7 @@ from ..fields import (
     gauge_ends,
     motion_rows,
     place_rows,
+    shell_gauge_rows,
     strain_rows_at,
 )
 from ..results import Quantity
@@ -92,7 +93,7 @@ class StrainAt(Sensor):
         else:
             checked(self, component=lambda name, x: tuple(unit_vector(name, x).tolist()))
         if self.length:
-            self.ends  # noqa: B018  which checks them
+            shell_gauge_rows(model, *self.ends, self._where)  # which checks them
         else:
             strain_rows_at(model, self.point, self._where)
         super().__post_init__()
@@ -160,12 +161,16 @@ class StrainAt(Sensor):
 
         @cache
         def rows() -> Any:
-            return motion_rows(body, place_rows(body, ends), axes)
+            of_shell = shell_gauge_rows(body, ends, along, self._where)
+            return motion_rows(body, place_rows(body, ends), axes) if of_shell is None else of_shell
 
         dual = responses.dual(rows)
+        thin = body.mesh is not None and body.mesh.thin
         size = float(np.linalg.norm(ends[1] - ends[0]))
 
         def strain(response: Response, times: FloatArray) -> FloatArray:
+            if thin:
+                return np.asarray(response.functionals(rows(), times, dual)[0])
             u = response.motion_at(ends, axes, rows(), times, dual, rates=False)[0]
             return np.asarray((u[:, 1] - u[:, 0]) / size)
 

@@ -22,7 +22,14 @@ from .composition import (
     thickness_of_cells,
     thin_groups,
 )
-from .contact import PATCH_OVER_CONTACT, Body, ContactPoint, contact_point, contact_within
+from .contact import (
+    PATCH_OVER_CONTACT,
+    Body,
+    ContactPoint,
+    contact_point,
+    contact_within,
+    rim_distance,
+)
 from .contactsurface import ContactSurface
 from .contacttime import (
     SHIFT_TIMES_DURATION,
@@ -67,7 +74,7 @@ from .thinstress import (
     checked_layer,
     corner_stress,
 )
-from .touch import edge_length
+from .touch import edge_length, to_nodes
 
 __all__ = [
     "PAIRS",
@@ -139,6 +146,7 @@ __all__ = [
     "pieces",
     "refuse_massless",
     "refuse_mechanism",
+    "rim_distance",
     "selected_nodes",
     "shortest_contact_time",
     "slow_shift",
@@ -149,6 +157,7 @@ __all__ = [
     "thickness_of_cells",
     "thin_groups",
     "thin_stiffness_error",
+    "to_nodes",
     "translates",
     "translations",
 ]

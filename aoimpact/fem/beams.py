@@ -8,7 +8,7 @@ so that nodes are exact under static loads at nodes; mass is consistent with it,
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -252,6 +252,7 @@ class TubularSection:
         return BeamSection(area, second, second, 2.0 * second, (factor, factor), points)
 
 
+@dataclass(frozen=True)
 class CircularSection(TubularSection):
     """A full circle.
 
@@ -266,11 +267,11 @@ class CircularSection(TubularSection):
     CircularSection(radius=0.01)
     """
 
-    def __init__(self, radius: float) -> None:
-        super().__init__(radius, radius)
+    thickness: float = field(init=False, repr=False)
 
-    def __repr__(self) -> str:
-        return f"CircularSection(radius={self.radius!r})"
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "thickness", self.radius)
+        super().__post_init__()
 
 
 Section = BeamSection | RectangularSection | TubularSection
@@ -342,6 +343,27 @@ class Beam:
         """Mass and moments of inertia about x, y and z, kg/m and kg m, shape (4,)."""
         of = self.numbers
         return self.material.rho * np.array([of.area, of.Iy + of.Iz, of.Iy, of.Iz])
+
+    @property
+    def narrowest(self) -> float:
+        """Thickness of the wall of a tube, else of the section where it is thinnest, m.
+
+        :meta private:
+        """
+        of = self.section
+        if isinstance(of, TubularSection):
+            return of.thickness if of.thickness < of.radius else 2.0 * of.radius
+        if isinstance(of, RectangularSection):
+            return min(of.width, of.height)
+        return math.sqrt(of.area)
+
+    @property
+    def reach(self) -> float:
+        """How far the section reaches from the nodes, m.
+
+        :meta private:
+        """
+        return float(np.linalg.norm(np.add(self.numbers.points, self.offset), axis=1).max())
 
     def side(self, name: str) -> tuple[float, float]:
         """Return the place (y, z) of a side, m: "top" and "bottom" along z, "left" along y.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, Frozen, InputError, InputTypeError, IntArray
+from ..base import FloatArray, Frozen, InputError, InputTypeError, IntArray, with_unit
 from ..mesh import Block, Mesh, ReferenceElement, group
 from .beams import Beam
 from .laminate import Layers
@@ -90,6 +90,12 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
                 raise InputError(
                     f"material: {len(rows)} elements are of kind {block.kind}, which needs "
                     f"{wanted}, got {type(one).__name__}"
+                )
+            if isinstance(one, (Layers, Beam)) and one.narrowest > mesh.size:
+                raise InputError(
+                    f"material: a {type(one).__name__} {with_unit(one.narrowest, 'm')} thick is "
+                    f"thicker than the body is long, {with_unit(mesh.size, 'm', 3)}; give both in "
+                    "metres"
                 )
     return found
 

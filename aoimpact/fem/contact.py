@@ -57,13 +57,24 @@ from .touch import (
     of_face,
     pressed_normal,
     thickness,
+    to_nodes,
     touched,
 )
 
 if TYPE_CHECKING:
     from .grounding import Grounding
 
-__all__ = ["PATCH_OVER_CONTACT", "Body", "ContactPoint", "contact_point", "contact_within"]
+# Cosine of the angle with a beam's axis above which a force is along it: 45°.
+_ALONG = math.sqrt(0.5)
+
+__all__ = [
+    "PATCH_OVER_CONTACT",
+    "Body",
+    "ContactPoint",
+    "contact_point",
+    "contact_within",
+    "rim_distance",
+]
 
 
 # A patch's radius over the contact's. Two like bodies with patches leave nothing of Hertz's law
@@ -524,6 +535,7 @@ def _at_point(
         return _on_beam(body, where, along, radius, expected)
     if body.surface is None or body.material is None:
         return _without_faces(body, where, along, radius)
+    where = to_nodes(body, where)
     node, gap = _closest(body.nodes, where)
     if along is not None and radius == 0.0 and _at_a_node(body.nodes, gap):
         normal = pressed_normal(body.surface, body.nodes[node], along)
@@ -550,6 +562,26 @@ def _check_one(given: dict[str, Any], direction: Any) -> None:
         raise InputError(
             f"give either {names[0]}, or point and direction, not both: {names[0]} has its own"
         )
+
+
+def rim_distance(tip: ContactPoint) -> float:
+    """Return how far a contact on a shell is from the edges that belong to a single element, m."""
+    mesh, point = tip.body.mesh, tip.point
+    assert mesh is not None
+    assert point is not None
+    edges = [
+        np.sort(np.stack([block.cells, np.roll(block.cells, -1, axis=1)], axis=2).reshape(-1, 2))
+        for block in mesh.blocks
+        if block.kind in ("quad", "triangle")
+    ]
+    pairs, count = np.unique(np.concatenate(edges), axis=0, return_counts=True)
+    if not (count == 1).any():
+        return math.inf
+    a, b = mesh.nodes[pairs[count == 1]].swapaxes(0, 1)
+    along = b - a
+    share = np.einsum("ni,ni->n", point - a, along) / (along**2).sum(axis=1)
+    nearest = a + np.clip(share, 0.0, 1.0)[:, None] * along
+    return float(np.linalg.norm(nearest - point, axis=1).min())
 
 
 def contact_within(tip: ContactPoint, radius: float) -> ContactPoint:
@@ -611,6 +643,7 @@ def _on_beam(
         raise InputError(f"radius={radius}: a beam has no patch; leave radius out")
     if along is None:
         raise InputTypeError("contact needs direction: a beam has no normal")
+    point = to_nodes(body, point)
     cell, place, gap = nearest_line(body.mesh, point)
     ends = body.mesh.cells[cell, :2]
     x = (1.0 - place) * body.mesh.nodes[ends[0]] + place * body.mesh.nodes[ends[1]]
@@ -632,6 +665,17 @@ def _on_beam(
             "choose another point or direction"
         )
     node = int(ends[round(place)]) if min(place, 1.0 - place) < AT_NODE else None
+    members = ends[None]
+    if node is not None:
+        members = body.mesh.cells[(body.mesh.cells[:, :2] == node).any(axis=1), :2]
+    axes = np.diff(body.mesh.nodes[members], axis=1)[:, 0]
+    inner = node is None or len(members) > 1
+    if inner and (np.abs(axes @ along) > _ALONG * np.linalg.norm(axes, axis=1)).all():
+        warn(
+            f"direction {plain(along)} is along the beam at point {plain(x)} m, where it has only "
+            "its side, and the contact law is that of this side; give a direction across the beam, "
+            "or a point at its end"
+        )
     automatic = isinstance(radius, str)
     known = {"normal": -along, "automatic": automatic, "contact_radius": expected}
     return ContactPoint(body, b, along, x, node, None, **known)

@@ -125,6 +125,22 @@ class Layers:
         """
         return self.offset != 0.0 or len(self.plies) > 1
 
+    @property
+    def narrowest(self) -> float:
+        """The whole thickness, m.
+
+        :meta private:
+        """
+        return self.total_thickness
+
+    @property
+    def reach(self) -> float:
+        """How far the faces are from the nodes, m.
+
+        :meta private:
+        """
+        return float(np.abs(self.interfaces[[0, -1]]).max())
+
     def seen_from(self, *, top: bool) -> Layers:
         """Return the layers as a contact on the top, or on the bottom, finds them below it.
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..base import FloatArray, InputError, RoomError, plain, warn
-from ..mesh import SHARP, Place, Surface
+from ..mesh import SHARP, Place, Surface, nearest_line
 from .beams import Beam
 from .composition import AnyMaterial, Materials, OneMaterial
 from .laminate import Layers
@@ -22,6 +23,7 @@ __all__ = [
     "of_face",
     "pressed_normal",
     "thickness",
+    "to_nodes",
     "touched",
 ]
 
@@ -33,6 +35,9 @@ _OFF_SURFACE, _SAID = 0.1, 0.02
 
 # Directions closer than 6° to the surface do not press on it.
 _TANGENT = 0.1
+
+# Distance off the face of a shell, over its own from the nodes, that is rounding.
+_FACE = 1e-6
 
 # Components of a normal that are nothing but rounding.
 _ROUNDING = 1e-12
@@ -142,9 +147,34 @@ def material_at(
 
 def of_face(surface: Surface, material: AnyMaterial, face: int) -> OneMaterial:
     """Return what the element of a face is made of."""
-    if isinstance(material, Materials):
-        return material.of(int(surface.cell[face]))
-    return material
+    return _of_cell(material, int(surface.cell[face]))
+
+
+def _of_cell(material: AnyMaterial, cell: int) -> OneMaterial:
+    return material.of(cell) if isinstance(material, Materials) else material
+
+
+def to_nodes(body: Any, point: FloatArray) -> FloatArray:
+    """Return the place of a shell's or beam's nodes under a point of its face, m; others as given.
+
+    Parameters
+    ----------
+    body : FEModel
+    point : ndarray, shape (3,)
+        m.
+    """
+    mesh, material, surface = body.mesh, body.material, body.surface
+    if mesh is None or material is None or not mesh.thin:
+        return point
+    if surface is None:
+        cell, share, gap = nearest_line(mesh, point)
+        first, last = mesh.nodes[mesh.cells[cell, :2]]
+        of, x = _of_cell(material, cell), first + share * (last - first)
+    else:
+        here = surface.nearest(point)[0]
+        of, x, gap = of_face(surface, material, int(here.face[0])), here.x[0], here.distance[0]
+    on = isinstance(of, (Layers, Beam)) and gap <= of.reach * (1.0 + _FACE)
+    return np.asarray(x) if on else point
 
 
 def edge_length(surface: Surface, point: FloatArray) -> float:

@@ -11,7 +11,14 @@ from .historyerror import relative_error, rest, warn_if_wrong
 from .movie import MovingBody, movie_path, write_movie
 from .reaction import Reaction
 from .replay import response_of
-from .response import Response, motion_rows, place_rows, strain_rows_at, stress_rows_at
+from .response import (
+    Response,
+    motion_rows,
+    place_rows,
+    shell_gauge_rows,
+    strain_rows_at,
+    stress_rows_at,
+)
 
 __all__ = [
     "Channel",
@@ -30,6 +37,7 @@ __all__ = [
     "relative_error",
     "response_of",
     "rest",
+    "shell_gauge_rows",
     "strain_rows_at",
     "stress_rows_at",
     "warn_if_wrong",

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base import FloatArray, InputError, plain, with_unit
-from ..fem import Body
+from ..fem import Body, to_nodes
 from .historyerror import warn_if_wrong
 
 __all__ = ["Gauge", "gauge_ends"]
@@ -30,7 +30,7 @@ class Gauge:
     t : ndarray, shape (n,)
         s.
     ends : ndarray, shape (2, 3)
-        On the undeformed body, m.
+        On the undeformed body, m; of a shell on the surface of its nodes.
     """
 
     t: FloatArray
@@ -62,11 +62,12 @@ def gauge_ends(
         raise InputError(
             "this body has no nodes, between which a gauge measures: give nodes= with K and M"
         )
-    if body.mesh is not None and body.mesh.thin:
+    if body.mesh is not None and body.surface is None:
         raise InputError(
-            "a gauge measures between two points of a solid's surface; of shells and beams take "
-            "the strain of a face, probe(point, layer=).strain"
+            "a gauge sits on a surface, and beams have only an axis; take the strain of a side, "
+            "probe(point, layer=).strain"
         )
+    point = to_nodes(body, point)
     where = f"the gauge of length={with_unit(length, 'm')} at point {plain(point)} m"
     if length > float(np.ptp(body.nodes, axis=0).max()):
         raise InputError(f"{where} is longer than the body: give a shorter one, in metres")

@@ -15,11 +15,13 @@ from ..fem import (
     Body,
     Damping,
     Layer,
+    Strain,
     StressRows,
     VirtualMotion,
     body_stress_rows,
     compliances,
     selected_nodes,
+    to_nodes,
 )
 from ..integrate import Motion
 from ..mesh import node_at, weights_at
@@ -37,6 +39,7 @@ __all__ = [
     "Response",
     "motion_rows",
     "place_rows",
+    "shell_gauge_rows",
     "strain_rows_at",
     "stress_rows_at",
 ]
@@ -44,6 +47,9 @@ __all__ = [
 
 # s ↦ rows (K + s²M)⁻¹, of the rows that are asked for.
 Dual = Callable[[float], FloatArray]
+
+# Places along a gauge on a shell at which its strain is taken.
+_ALONG = 8
 
 # Times of the record at which the largest motion is looked for.
 _LOOKS = 200
@@ -78,6 +84,29 @@ def strain_rows_at(body: Body, point: FloatArray, layer: Layer) -> tuple[StressR
     return rows, _compliance(body, weights)[0]
 
 
+def shell_gauge_rows(
+    body: Body, ends: FloatArray, along: FloatArray, layer: Layer
+) -> sp.csr_array | None:
+    """Return the strain of a gauge on a layer of a shell by a body's dofs, (1, n_dofs).
+
+    It is the mean along the gauge. None of a body of solids, whose gauge is the change of distance
+    between its ends.
+    """
+    assert body.free is not None
+    if body.mesh is None or not body.mesh.thin:
+        return None
+    x, w = np.polynomial.legendre.leggauss(_ALONG)
+    places = ends[0] + np.outer(0.5 + 0.5 * x, ends[1] - ends[0])
+    rows = _stress_rows(body, place_rows(body, places), body.free, layer, strain=True)
+    if not rows.linear:
+        raise InputError(
+            "a gauge sits on a surface, and beams have only an axis; take the strain of a side, "
+            "probe(point, layer=, part=).strain"
+        )
+    component = Strain(np.eye(6), places).along(along)
+    return sp.csr_array(sp.kron(0.5 * w[None], component[None]) @ rows.rows)
+
+
 def place_rows(body: Body, places: FloatArray) -> sp.csr_array:
     """Return the nodes' weights at places (p, 3), m, of a body, shape (p, n_nodes)."""
     assert body.nodes is not None
@@ -86,7 +115,7 @@ def place_rows(body: Body, places: FloatArray) -> sp.csr_array:
         if body.mesh is None:
             weights[i, node_at(body.nodes, place)] = 1.0
         else:
-            where, shares = weights_at(body.mesh, place)
+            where, shares = weights_at(body.mesh, to_nodes(body, place))
             weights[i, where] = shares
     return weights.tocsr()
 
@@ -141,6 +170,12 @@ def _filtered_rate(
 ) -> FloatArray:
     """Acceleration behind a filter, shape (p k, times)."""
     return filtered_rate(lambda t: response.motion_at(*at, t)[1], duration, channel, times).T
+
+
+def _shell_gauge_strain(rows: sp.csr_array, response: Response, times: FloatArray) -> FloatArray:
+    """Strain of a gauge on a shell, shape (times,)."""
+    found: FloatArray = response.functionals(rows, times)[0]
+    return found
 
 
 def _gauge_strain(at: _At, response: Response, times: FloatArray) -> FloatArray:
@@ -259,15 +294,19 @@ class Response:
             v + (added[1] @ axes.T).reshape(v.shape),
         )
 
-    def gauge(self, point: Any, direction: Any, length: float, times: Any) -> Gauge:
+    def gauge(self, point: Any, direction: Any, length: float, times: Any, layer: Layer) -> Gauge:
         """See `BodyResult.gauge`."""
         wanted = self._times(times)
         place = finite_array("point", point, shape=(3,), unit="m", most=HUGE)
         along = unit_vector("direction", direction)
         ends, along = gauge_ends(self.body, place, along, length)
         axes = along[None]
-        rows = motion_rows(self.body, place_rows(self.body, ends), axes)
-        strain = partial(_gauge_strain, _At(ends, axes, rows))
+        of_shell = shell_gauge_rows(self.body, ends, along, layer)
+        if of_shell is None:
+            rows = motion_rows(self.body, place_rows(self.body, ends), axes)
+            strain = partial(_gauge_strain, _At(ends, axes, rows))
+        else:
+            strain = partial(_shell_gauge_strain, of_shell)
         error = partial(self._compared_with, strain, wanted)
         return Gauge(wanted, ends, strain(self, wanted), error)
 

@@ -26,7 +26,7 @@ from ..base import (
 from .convert import Solids, collapse, of_second_order
 from .elements import KINDS, THIN, reference_element
 from .files import load
-from .files.raw import RawMesh
+from .files.raw import RawBlock, RawMesh, nodes_in
 from .files.viameshio import from_meshio, is_meshio
 from .mesh import (
     SMALLEST,
@@ -39,6 +39,17 @@ from .mesh import (
     select,
 )
 from .orient import against_neighbours
+
+# Surface and line elements of second order as ones of first order, by their nodes.
+_SPLIT: dict[str, list[tuple[str, Any]]] = {
+    "line3": [("line", [(0, 2), (2, 1)])],
+    "triangle6": [("triangle", [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)])],
+    "quad8": [
+        ("triangle", [(0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7)]),
+        ("quad", [(4, 5, 6, 7)]),
+    ],
+    "quad9": [("quad", [(0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)])],
+}
 
 
 def read_mesh(
@@ -57,10 +68,11 @@ def read_mesh(
     The body is made of the cells of the highest dimension, solids if there are any, else surfaces
     for shells, else lines for beams; with `part` of those in the groups named, of any dimension.
     Groups of other cells become named node sets. Groups of the body's cells become both sets of
-    nodes and groups of elements. Neighbouring surface elements get normals on the same side. Bricks
-    and other elements that repeat nodes become the wedges, pyramids and tetrahedra that they are.
-    Midside nodes in another order than VTK's and elements numbered left-handed throughout are put
-    right.
+    nodes and groups of elements. Neighbouring surface elements get normals on the same side. Those
+    of second order become several of first order, on their nodes: line3 two lines, triangle6 four
+    triangles, quad9 four quads, and quad8 a quad and four triangles. Bricks and other elements that
+    repeat nodes become the wedges, pyramids and tetrahedra that they are. Midside nodes in another
+    order than VTK's and elements numbered left-handed throughout are put right.
 
     A set of an instance of an Abaqus part is called "instance.set", and "set" as well if no other
     instance has one of that name. Each instance is a group of elements.
@@ -151,6 +163,7 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     if np.ndim(raw.nodes) != 2:
         shape = np.shape(raw.nodes)
         raise MeshError(f"coordinates of the mesh must have shape (any, 3), got {shape}")
+    raw = _of_first_order(raw, named)
     solids = _body(raw, named)
     _warn_of_sections(raw, solids)
     used = np.zeros(len(raw.nodes), dtype=bool)
@@ -196,6 +209,31 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
         None if raw.cell_labels is None else raw.cell_labels[order],
         raw.left_out,
     )
+
+
+def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
+    """Return a file with elements of second order of shells and beams split at their nodes."""
+    kinds = {block.kind for block in raw.blocks if len(block.cells)}
+    solid = max((block.dim for block in raw.blocks if len(block.cells)), default=0) == 3
+    if not kinds.intersection(_SPLIT) or (solid and not named):
+        return raw
+    blocks, origins = [], []
+    for block, first in zip(raw.blocks, raw.first[:-1], strict=True):
+        cells, numbers = np.asarray(block.cells), first + np.arange(len(block.cells))
+        split = _SPLIT.get(block.kind, [])
+        if split and (cells.ndim != 2 or cells.shape[1] != nodes_in(block.kind)):
+            split = []  # refused later
+        if not split:
+            blocks.append(block)
+            origins.append(numbers)
+        for kind, parts in split:
+            labels = None if block.labels is None else np.repeat(block.labels, len(parts))
+            own = cells[:, np.array(parts)].reshape(-1, len(parts[0]))
+            blocks.append(RawBlock(kind, own, labels))
+            origins.append(np.repeat(numbers, len(parts)))
+    origin = np.concatenate(origins)
+    sets = {name: np.flatnonzero(np.isin(origin, own)) for name, own in raw.cell_sets.items()}
+    return replace(raw, blocks=tuple(blocks), cell_sets=sets)
 
 
 def _warn_of_sections(raw: RawMesh, body: list[Solids]) -> None:
@@ -320,7 +358,7 @@ def _on_one_side(mesh: Mesh) -> Mesh:
         return mesh
     warn(
         f"{count} of {sum(map(len, turned))} surface elements have normals against those of their "
-        "neighbours; they were turned"
+        "neighbours; they were turned. Check which side is the top, or turn them in the mesher"
     )
     cells = {block.kind: block.cells for block in mesh.blocks}
     for block, flipped in zip(surfaces, turned, strict=True):

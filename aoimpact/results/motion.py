@@ -272,6 +272,8 @@ class BodyResult(Frozen):
         *,
         times: npt.ArrayLike | None = None,
         dt: float | None = None,
+        layer: Any = None,
+        part: str | None = None,
     ) -> Gauge:
         """Return the strain of a gauge on the surface over time, the mean along its length.
 
@@ -285,6 +287,8 @@ class BodyResult(Frozen):
             m.
         times, dt
             As of `probe`.
+        layer, part : optional
+            On which face of a shell, "top" or "bottom", and of which group; see `Field.stress`.
 
         Raises
         ------
@@ -304,7 +308,7 @@ class BodyResult(Frozen):
         """
         wanted = self._sampled(times, dt)
         size = positive("length", length, unit="m")
-        return self._responding.gauge(point, direction, size, wanted)
+        return self._responding.gauge(point, direction, size, wanted, checked_layer(layer, part))
 
     def reaction(
         self,

@@ -67,6 +67,29 @@ def test_stress_of_a_cantilever_on_either_face(angle: float) -> None:
     assert probe.displacement[0] == pytest.approx(deflection, rel=0.01)
 
 
+def test_a_gauge_on_either_face_of_a_shell() -> None:
+    """ε = 6 F (L - x)/(E b t²): bending is linear, so that the mean is that of the middle."""
+    body = strip(ao.Shell(2e-3, ao.Material(210e9, 0.0, 7800)))
+    hit = pushed(body, (0.2, 0.01, 0), (0, 0, -1))
+    strain = 6 * hit.peak_force * 0.1 / (210e9 * 0.02 * 4e-6)
+    for layer, z, sign in ((None, 1e-3, 1), ("top", 0.0, 1), ("bottom", 0.0, -1)):
+        gauge = hit.target.gauge(
+            (0.1, 0.01, z), (1, 0, 0), 0.03, layer=layer, times=[hit.peak_time]
+        )
+        assert gauge.strain[0] == pytest.approx(sign * strain, rel=0.01)
+    along = hit.target.gauge((0.1, 0.01, 0), (1, 1, 0), 0.01, times=[hit.peak_time])
+    assert along.strain[0] == pytest.approx(strain / 2, rel=0.01)
+    quantity = ao.StrainAt(body, (0.1, 0.01, 0), (1, 0, 0), length=0.03, layer="bottom")
+    tip = body.contact(point=(0.2, 0.01, 0), direction=(0, 0, -1))
+    again = ao.simulate(
+        *(ao.rigid(mass=1.0), tip, 10.0), law=ao.Linear(k=1.0), duration=4.0, quantity=quantity
+    )
+    gauge = again.target.gauge(
+        (0.1, 0.01, 0), (1, 0, 0), 0.03, layer="bottom", times=[hit.peak_time]
+    )
+    assert gauge.strain[0] == pytest.approx(-strain, rel=0.02)
+
+
 def test_a_probe_agrees_with_the_field() -> None:
     body = strip(ao.Shell(2e-3, STEEL))
     hit = pushed(body, (0.2, 0.01, 0), (0, 0, -1))

@@ -218,8 +218,8 @@ def test_scale_turns_millimetres_into_metres() -> None:
     [
         ([], "no elements: it has no cells at all"),
         (
-            [("triangle6", np.arange(6)[None])],
-            "unsupported kind: 1 triangle6; .* are of first order",
+            [("triangle10", np.arange(10)[None])],
+            "unsupported kind: 1 triangle10; .* are of first order",
         ),
         ([("hexahedron", np.zeros((0, 8), int))], "no elements"),
         (

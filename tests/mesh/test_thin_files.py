@@ -110,15 +110,34 @@ def test_a_beam_may_name_a_third_node_for_its_section(tmp_path: Path) -> None:
     assert mesh.contents == "2 line"
 
 
-@pytest.mark.parametrize("kind", ["S8R", "STRI65", "B32"])
-def test_shells_and_beams_of_second_order_are_refused(tmp_path: Path, kind: str) -> None:
-    count = {"S8R": 8, "STRI65": 6, "B32": 3}[kind]
-    nodes = "\n".join(f"{i}, {i}, {i * i}, 0" for i in range(1, 9))
-    numbers = ", ".join(map(str, range(1, count + 1)))
-    text = f"*NODE\n{nodes}\n*ELEMENT, TYPE={kind}, ELSET=A\n1, {numbers}\n"
+ROOM = {  # nodes of one element of each kind, and the elements of first order that it becomes
+    "S8R": ([(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)], "1 quad, 4 triangle"),
+    "S9R5": (
+        [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)],
+        "4 quad",
+    ),
+    "STRI65": ([(0, 0), (2, 0), (0, 2), (1, 0), (1, 1), (0, 1)], "4 triangle"),
+    "B32": ([(0, 0), (1, 0), (2, 0)], "2 line"),
+}
+
+
+@pytest.mark.parametrize("kind", list(ROOM))
+def test_shells_and_beams_of_second_order_are_split_at_their_nodes(
+    tmp_path: Path, kind: str
+) -> None:
+    """All of them, with normals on one side, and the area of the whole."""
+    places, contents = ROOM[kind]
+    nodes = "\n".join(f"{i}, {x}, {y}, 0" for i, (x, y) in enumerate(places, 1))
+    numbers = ", ".join(str(i) for i in range(1, len(places) + 1))
+    text = f"*NODE\n{nodes}\n*ELEMENT, TYPE={kind}, ELSET=A\n7, {numbers}\n"
     (tmp_path / "a.inp").write_text(text)
-    with pytest.raises(ao.MeshError, match=r"unsupported kind.* are of first order"):
-        ao.read_mesh(tmp_path / "a.inp")
+    mesh = ao.read_mesh(tmp_path / "a.inp")
+    assert ", ".join(sorted(mesh.contents.split(", "), key=lambda of: of[2:])) == contents
+    assert len(mesh.cell_sets["A"]) == mesh.n_cells
+    assert set(mesh.cell_labels) == {7}
+    made_of = RIB if kind == "B32" else SHEET
+    across = np.pi * 0.01**2 * 2 if kind == "B32" else 1e-3 * (2 if "TRI" in kind else 4)
+    assert ao.FEModel.from_mesh(mesh, made_of).mass == pytest.approx(7800 * across)
 
 
 @NOT_READ

@@ -21,8 +21,9 @@ from .raw import RawBlock, RawMesh
 
 _OF_SCOPES = frozenset(("NODE", "NGEN", "ELEMENT", "ELGEN", "NSET", "ELSET", "SYSTEM"))
 
-# Nodes of C3D27 in meshio's order: there the middle comes before those of faces 1 to 6.
-_ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20)}
+# Nodes of C3D27 in meshio's order, where the middle comes before those of faces 1 to 6, and of B32,
+# where it comes before the second end.
+_ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0, 2, 1)}
 
 
 @dataclass(eq=False)

@@ -1,0 +1,96 @@
+"""Shells and beams that are probably not what is meant, and contacts beyond their laws."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+BALL = ao.ball(0.005, STEEL)
+
+
+def bar(section: Any, n: int = 20) -> Any:
+    """A bar along x, 1 m long, clamped at both ends."""
+    nodes = np.column_stack([np.linspace(0, 1, n + 1), np.zeros((n + 1, 2))])
+    mesh = ao.Mesh(nodes, np.column_stack([np.arange(n), np.arange(1, n + 1)]), "line")
+    beam = ao.Beam(section, STEEL, orientation=(0, 0, 1))
+    return ao.FEModel.from_mesh(mesh, beam, fixed=[([0, n], "xyz", "xyz")])
+
+
+@pytest.mark.parametrize(
+    ("mesh", "material"),
+    [
+        (ao.sheet_mesh((0.3, 0.3), (4, 4)), ao.Shell(2.0, STEEL)),
+        (ao.sheet_mesh((0.3, 0.3), (4, 4)), ao.Laminate([ao.Ply(0.5, STEEL)] * 2)),
+        (ao.Mesh([(0, 0, 0), (1, 0, 0)], [[0, 1]], "line"), ao.Beam(ao.CircularSection(3), STEEL)),
+    ],
+)
+def test_a_thickness_above_the_size_of_the_body_is_refused(mesh: Any, material: Any) -> None:
+    with pytest.raises(ao.InputError, match=r"thicker than the body is long.* in metres"):
+        ao.FEModel.from_mesh(mesh, material)
+
+
+@pytest.mark.parametrize(
+    ("section", "warns"),
+    [
+        (ao.TubularSection(0.015, 5e-5), True),
+        (ao.RectangularSection(0.02, 1e-4), True),
+        (ao.TubularSection(0.015, 3e-3), False),
+        (ao.CircularSection(0.015), False),
+    ],
+)
+def test_a_contact_wider_than_a_beam_or_its_wall(section: Any, warns: bool) -> None:
+    """a = √(δ R) of the law beyond half the thickness."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        tip = bar(section).contact(point=(0.5, 0, 0), direction=(0, 0, -1))
+        ao.simulate(BALL, tip, 1.0, quantity="peak_force")
+    said = [each for each in caught if "more than half the thickness" in str(each.message)]
+    assert bool(said) == warns
+
+
+def test_a_force_along_a_beam_between_its_ends_is_questioned() -> None:
+    body = bar(ao.CircularSection(0.01))
+    for point in ((0.5, 0, 0), (0.525, 0, 0)):
+        with pytest.warns(ao.AOImpactWarning, match=r"along the beam.*across the beam, or a point"):
+            body.contact(point=point, direction=(1, 0, 0))
+    body.contact(point=(0.5, 0, 0), direction=(0, 1, 0))
+
+
+def test_a_blow_on_the_rim_of_a_coarse_sheet_is_questioned() -> None:
+    sheet = ao.FEModel.from_mesh(ao.sheet_mesh((0.1, 0.1), (20, 20)), ao.Shell(2e-3, STEEL))
+    with pytest.warns(ao.AOImpactWarning, match="0 m from the rim of the shell"):
+        ao.simulate(BALL, sheet.contact(point=(0, 0.05, 0)), 0.1, quantity="peak_force", rtol=0.1)
+
+
+@pytest.mark.parametrize("z", [0.0, 4e-3])
+def test_a_point_on_the_face_of_a_shell_is_that_of_its_nodes(z: float) -> None:
+    """Nodes on the lower face: offset of half the thickness."""
+    shell = ao.Shell(4e-3, STEEL, offset=2e-3)
+    body = ao.FEModel.from_mesh(
+        ao.sheet_mesh((0.1, 0.1), (20, 20)), shell, fixed=[("rim", "xyz", "xyz")]
+    )
+    assert body.contact(point=(0.05, 0.05, z)).point == pytest.approx([0.05, 0.05, 0.0])
+    quantity = ao.StrainAt(body, (0.03, 0.05, z), "xx", layer="bottom")
+    assert quantity.layer == "bottom"
+    with pytest.raises(ao.InputError, match=r"off the|from the"):
+        body.contact(point=(0.05, 0.05, 0.01))
+
+
+def test_a_point_on_the_side_of_a_beam_is_that_of_its_axis() -> None:
+    body = bar(ao.RectangularSection(0.02, 0.04))
+    tip = body.contact(point=(0.5, 0.0, 0.02), direction=(0, 0, -1))
+    assert tip.point == pytest.approx([0.5, 0.0, 0.0])
+
+
+def test_a_round_section_is_replaced_by_another() -> None:
+    found = dataclasses.replace(ao.CircularSection(0.01), radius=0.02)
+    assert repr(found) == "CircularSection(radius=0.02)"
+    assert found.with_nu(0.3).area == pytest.approx(np.pi * 0.02**2)
+    assert found == ao.CircularSection(0.02)
