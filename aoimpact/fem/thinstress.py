@@ -421,7 +421,7 @@ def _of_beams(
     cell, place = held.tocoo().coords
     cell, place = cell[~known[place]], place[~known[place]]
     for part in thin_parts(mesh, material):
-        if not isinstance(part.of, Beam) or (layer.place and not part.of.holds(layer.of)):
+        if not isinstance(part.of, Beam) or not _has(part.of, layer):
             continue
         own = np.isin(cell, part.numbers)
         if not own.any():
@@ -442,6 +442,13 @@ def _of_beams(
         rows = sp.csr_array((strains.ravel(), (i, j.ravel())), shape=shape)
         axes = beam_frames(mesh.nodes[part.cells], part.of)[0][row]
         yield _Sections(place[own], axes, part.of), rows
+
+
+def _has(beam: Beam, layer: Layer) -> bool:
+    """True if a beam has a layer: one without an orientation has no sides."""
+    if layer.place and not beam.holds(layer.of):
+        return False
+    return layer.of in (None, "middle", (0.0, 0.0)) or beam.orientation is not None
 
 
 def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> FloatArray:

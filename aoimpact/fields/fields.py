@@ -270,7 +270,8 @@ class Field:
             is along the ply's axes: xx along the fibres, and nan where a body has no such ply.
             Of beams by itself where von Mises' stress is largest in the section. "top" and "bottom"
             are the sides along the section's z axis, "left" and "right" those along y, "middle" is
-            the centroid, and (y, z) any place in the section, m.
+            the centroid, and (y, z) any place in the section, m. A round beam without an
+            orientation has no sides.
         part : str, optional
             The group of elements whose stress it is, nan at other nodes: of a stiffener on a skin,
             or of one of several members at a joint. By itself, where shells and beams meet that of

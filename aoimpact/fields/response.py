@@ -132,7 +132,10 @@ def _stress_rows(
     mesh, material = solid(body, "stress")
     rows = body_stress_rows(mesh, material, weights, layer, strain=strain)
     if not rows.known.all():
-        raise InputError(f"{layer}: the body has no such place at the point")
+        raise InputError(
+            f"{layer}: the body has no such place at the point (of a beam without orientation the "
+            "sides are not known)"
+        )
     return rows.of_dofs(free)
 
 

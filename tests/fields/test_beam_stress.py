@@ -191,3 +191,15 @@ def test_a_section_without_points_warns_that_bending_is_left_out() -> None:
     hit = pushed(angled(ao.BeamSection(8e-4, 1e-7, 3e-8, 7e-8)), (L, 0, 0), (0, 0, -1))
     with pytest.warns(ao.AOImpactWarning, match="BeamSection without points"):
         _ = hit.target.probe((0, 0, 0)).stress
+
+
+def test_a_round_beam_without_orientation_has_no_sides() -> None:
+    nodes = np.array([(0, 0, 0), (0.25, 0, 0), (0.5, 0, 0)])
+    mesh = ao.Mesh(nodes, [[0, 1], [1, 2]], "line")
+    body = ao.FEModel.from_mesh(mesh, ao.Beam(TUBE, STEEL), fixed=[(0, "xyz", "xyz")])
+    hit = pushed(body, (0.5, 0, 0), (0, 0, -1))
+    second = math.pi / 4 * (0.02**4 - 0.018**4)
+    stress = hit.target.probe((0, 0, 0), times=[hit.peak_time]).stress["xx"][0]
+    assert abs(stress) == pytest.approx(hit.peak_force * L * 0.02 / second, rel=5e-3)
+    with pytest.raises(ao.InputError, match="without orientation"):
+        _ = hit.target.probe((0, 0, 0), layer="top").stress

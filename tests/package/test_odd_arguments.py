@@ -238,11 +238,18 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "StressAt": (
         ao.StressAt,
-        {"body": BAR, "point": (0.1, 0.0, 0.0), "component": "xx", "layer": "top"},
+        {"body": BAR, "point": (0.1, 0.0, 0.0), "component": "xx", "layer": "top", "part": None},
     ),
     "StrainAt": (
         ao.StrainAt,
-        {"body": BAR, "point": (0.05, 0.01, 0.0), "component": (1, 0, 0), "length": 1e-3},
+        {
+            "body": BAR,
+            "point": (0.05, 0.01, 0.0),
+            "component": (1, 0, 0),
+            "length": 1e-3,
+            "layer": "top",
+            "part": None,
+        },
     ),
     "AccelerationAt": (
         ao.AccelerationAt,
