@@ -234,3 +234,22 @@ def test_sheets_of_the_generator() -> None:
 def test_refusals(make: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         make(ao.sheet_mesh((0.3, 0.3), (2, 2)))
+
+
+@pytest.mark.slow
+def test_an_error_beside_a_step_of_thickness_is_said() -> None:
+    """One element of 5 mm from 2 to 4 mm: wrong by what elements of a quarter of that show."""
+    peaks, errors = [], []
+    for n in (20, 80):
+        mesh = ao.sheet_mesh((0.1, 0.1), (n, n))
+        left = mesh.nodes[mesh.cells][:, :, 0].mean(axis=1) < 0.05
+        groups = {"thin": np.flatnonzero(left), "thick": np.flatnonzero(~left)}
+        parts = {"thin": SHEET, "thick": ao.Shell(4e-3, STEEL)}
+        body = ao.FEModel.from_mesh(
+            ao.Mesh(mesh.nodes, mesh.cells, "quad", mesh.node_sets, groups), parts
+        )
+        tip = body.contact(point=(0.045, 0.05, 0))
+        hit = ao.simulate(ao.ball(0.005, STEEL), tip, 1.0, duration=6e-5, quantity="peak_force")
+        peaks.append(hit.peak_force)
+        errors.append(hit.error["peak_force"].total)
+    assert 0.02 < abs(peaks[0] / peaks[1] - 1.0) < errors[0]
