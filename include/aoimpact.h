@@ -142,11 +142,13 @@ AOI_API int aoi_star_to_modal(const aoi_star *star, double *omega2, double *part
 AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
                                 double *k0, double *m, double *k, const aoi_pause *pause);
 
-/* The AO model of a body by its constraint modes, (K + mu b) phi = omega2 M phi with b^T phi = 0: eqs. (6), (9), (10), (12).
- * Modes of equal frequency give one oscillator, those without mass none; a residual mass within rounding is zero. In:
+/* The AO model of a body by its constraint modes: K phi + mu b = omega2 M phi with b^T phi = 0, where b is the contact
+ * functional, u = b^T X, and mu the force that holds u at zero. Eqs. (6), (9), (10), (12). Modes of equal frequency give
+ * one oscillator, those without mass none. A residual mass within rounding is zero. Where all modes of K and M are known,
+ * aoi_star_from_modal is simpler, with weight = (b^T phi)^2/(phi^T M phi).
  *   n            degrees of freedom
  *   count        modes; all n - 1, or some
- *   phi_st       n: static mode, eqs. (2), (3)
+ *   phi_st       n: static mode, with b^T phi_st = 1, eqs. (2), (3)
  *   m_phi_st     n: M phi_st
  *   k0           static stiffness, eq. (11); 0 of a free body
  *   phi          count x n, mode after mode: M-orthogonal, of any norm

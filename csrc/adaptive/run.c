@@ -1,5 +1,6 @@
 /* The adaptive run. Contact is integrated by collocation in steps of length base 2^(-level/8), free motion in closed
- * form. This file decides which of the two comes next, and how long the next step is. */
+ * form. This file decides which of the two comes next; the length of the first step follows from closing.c, that of the
+ * next ones from the errors that step_error.c finds. */
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "linear/vector.h"

@@ -7,7 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-/* In place of a bound, for parameters above zero: the least number there is may be taken for zero. */
+/* A lower bound that stands for "greater than zero". The least positive number would not do: it may be flushed to zero. */
 #define AOI_POSITIVE (-1.0)
 
 /* A law by its name; each of its count parameters must be finite and from least to most. */

@@ -3,6 +3,7 @@
 import copy
 import math
 import pickle
+import re
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +36,12 @@ def test_every_law_has_an_example_and_a_public_name():
 @pytest.mark.parametrize("name", sorted(set(REGISTERED) - {"UserLaw"}))
 def test_every_law_is_documented_for_scene_files(name):
     page = Path(__file__).parents[2] / "docs" / "scene-files.md"
-    assert f"`{name}`" in page.read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8")
+    assert f"`{name}`" in text
+    without = re.search(r"All but ([^.]*) take a `relative_radius`", text)
+    assert without is not None
+    takes_none = "relative_radius" not in REGISTERED[name].__dataclass_fields__
+    assert takes_none == (f"`{name}`" in without[1]), "the sentence on `relative_radius`"
 
 
 @pytest.mark.parametrize("name", sorted(set(REGISTERED) - {"Tabulated", "UserLaw"}))
