@@ -22,7 +22,7 @@ from ..fem import Body, Layer, Strain, Stress, StressRows, VirtualMotion, checke
 from ..fields import (
     Channel,
     Response,
-    filtered_rate,
+    filtered_acceleration,
     gauge_ends,
     motion_rows,
     place_rows,
@@ -35,8 +35,8 @@ from .sensor import Responses, Sensor, body_of
 # Channel frequency class that is taken if none was given, Hz.
 _CLASS = 1000.0
 
-# Periods of the filter's pole by which a record is longer than its impact.
-_SETTLED = 4.0
+# Periods of the filter's pole after the impact in which the acceleration is looked at.
+_AFTER = 2.0
 
 _COMPONENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
 
@@ -182,8 +182,9 @@ class AccelerationAt(Sensor):
     """The acceleration of a point behind a filter, for ``simulate(quantity=AccelerationAt(...))``.
 
     An acceleration after an impact has no finite bandwidth: it grows with the number of modes of a
-    model, and no model has enough of them. It is defined behind the filter of a channel; see
-    `Probe.filtered`. A record that is not given lasts long enough for the filter.
+    model, and no model has enough of them. It is defined behind the filter of a channel, up to the
+    filter's settling time before the end of the record; see `Probe.filtered`. A record that is not
+    given lasts two periods of the filter and this time longer than the impact.
 
     Parameters
     ----------
@@ -248,7 +249,7 @@ class AccelerationAt(Sensor):
 
         :meta private:
         """
-        return _SETTLED / self.channel.pole
+        return _AFTER / self.channel.pole + self.channel.settling_time
 
     def check(self, body: Body) -> None:
         """Refuse a body that has no such quantity.
@@ -273,10 +274,11 @@ class AccelerationAt(Sensor):
         dual = responses.dual(rows)
 
         def acceleration(response: Response, times: FloatArray) -> FloatArray:
-            def velocity(at: FloatArray) -> FloatArray:
-                return response.motion_at(places, axes, rows(), at, dual)[1]
+            def motion(at: FloatArray) -> tuple[FloatArray, FloatArray]:
+                return response.motion_at(places, axes, rows(), at, dual)
 
-            return filtered_rate(velocity, response.motion.duration, self.channel, times)
+            found = filtered_acceleration(motion, response.motion.duration, self.channel, times)
+            return np.nan_to_num(found)  # what follows the record is not known, and not compared
 
         return responses.quantity("acceleration", "m/s²", acceleration)
 

@@ -4,7 +4,7 @@ A body's motion is found again from the recorded contact forces (replay.py). `re
 attributes of a run's bodies, `accuracy` takes stresses and their errors; `testrig` uses it, too.
 """
 
-from .channel import Channel, filtered_rate, zero_phase
+from .channel import Channel, filtered_acceleration, zero_phase
 from .fields import Field, Filtered, Probe
 from .gauge import Gauge, gauge_ends
 from .historyerror import relative_error, rest, warn_if_wrong
@@ -29,7 +29,7 @@ __all__ = [
     "Probe",
     "Reaction",
     "Response",
-    "filtered_rate",
+    "filtered_acceleration",
     "gauge_ends",
     "motion_rows",
     "movie_path",

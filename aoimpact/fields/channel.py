@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base import FloatArray, InputError, checked, positive, with_unit
 
-__all__ = ["Channel", "filtered_rate", "zero_phase"]
+__all__ = ["Channel", "filtered_acceleration", "zero_phase"]
 
 # SAE J211-1, appendix C: each of two poles over the class's frequency. The two passes are together
 # 3 dB down at 1.65 times the class.
@@ -24,18 +24,14 @@ _POLE = 2.0775
 # Pole over the frequency of -3 dB of two passes of a Butterworth filter of order 2.
 _POLE_OF_CORNER = math.pow(math.sqrt(2.0) - 1.0, -0.25)
 
-# A record is continued by its mirror image through its end, as long as in ISO 6487: 10 ms, and 100
-# samples at least.
-_CONTINUED, _CONTINUED_SAMPLES = 0.01, 100
+# What is left of a start or an end after the settling time, as a share.
+_SETTLED = 1e-4
 
-# Samples in a period of the pole: means over an interval are 0.07 % low there.
-_SAMPLES, _LEAST_SAMPLES = 50, 100
+# Samples in a period of the pole: means under triangles are 1e-4 low there.
+_SAMPLES, _LEAST_SAMPLES = 200, 400
 
 # Samples beyond which a filter is taken for a mistake.
 _MOST = 20_000_000
-
-# Before the record: how many periods of the pole of steady motion the filter is given.
-_BEFORE = 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,10 +78,25 @@ class Channel:
         return _POLE_OF_CORNER * self.corner
 
 
-def zero_phase(
-    values: FloatArray, channel: Channel, rate: float, *, mirror: str = "odd"
-) -> FloatArray:
+    @property
+    def frequency_class(self) -> float:
+        """The channel frequency class, Hz, also of a corner."""
+        return self.pole / _POLE
+
+    @property
+    def settling_time(self) -> float:
+        """Time after which a start or an end is forgotten to 1e-4, s: 2.07 periods of the pole.
+
+        The poles of a Butterworth filter of order 2 decay as exp(-ω t/√2).
+        """
+        return math.sqrt(2.0) * math.log(1.0 / _SETTLED) / (2.0 * math.pi * self.pole)
+
+
+def zero_phase(values: FloatArray, channel: Channel, rate: float) -> FloatArray:
     """Return evenly sampled values behind a channel's filter, in the shape (n, ...) of `values`.
+
+    Both ends are continued by the settling time, odd about the end sample, as SciPy's `filtfilt`
+    does.
 
     Parameters
     ----------
@@ -93,34 +104,48 @@ def zero_phase(
     channel : Channel
     rate : float
         Samples a second, Hz.
-    mirror : {"odd", "even"}, optional
-        How the record is continued: through its last sample, or as in a mirror.
+
+    Raises
+    ------
+    InputError
+        If the record is shorter than the settling time.
     """
     from scipy.signal import butter, filtfilt  # slow to import
 
-    ends = max(_CONTINUED_SAMPLES, math.ceil(_CONTINUED * rate))
+    length = math.ceil(channel.settling_time * rate)
+    _check_long_enough(channel, (len(values) - 1) / rate)
     poles = butter(2, channel.pole, fs=rate)
-    length = min(ends, len(values) - 1)
-    found: FloatArray = filtfilt(*poles, values, axis=0, padtype=mirror, padlen=length)
+    found: FloatArray = filtfilt(*poles, values, axis=0, padlen=min(length, len(values) - 1))
     return found
 
 
-def filtered_rate(
-    history: Callable[[FloatArray], FloatArray],
+def _check_long_enough(channel: Channel, duration: float) -> None:
+    if duration < channel.settling_time:
+        raise InputError(
+            f"{channel}: the record of {with_unit(duration, 's')} is shorter than the filter's "
+            f"settling time of {with_unit(channel.settling_time, 's')}; give a longer duration or "
+            "margin, or a higher class"
+        )
+
+
+def filtered_acceleration(
+    motion: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
     duration: float,
     channel: Channel,
     times: FloatArray,
 ) -> FloatArray:
-    """Return the rate of a history behind a channel's filter, shape (times, ...).
+    """Return the acceleration of a motion behind a channel's filter, m/s², shape (times, ...).
 
-    It is sampled by its means over short intervals, the differences of the history, so that nothing
-    aliases. Before the record the history is constant; after it, its
-    rate is mirrored.
+    It is sampled by the second differences of the displacement, which are its means under
+    triangles, so that little aliases. The motion is steady before the record. What comes after it
+    is not known, so that the acceleration is NaN in the last settling time: the filter runs
+    backward as well.
 
     Parameters
     ----------
-    history : callable
-        Times, s, within the record, to values of shape (times, ...).
+    motion : callable
+        Times, s, within the record, to displacements and velocities, m and m/s, of shape
+        (times, ...).
     duration : float
         Length of the record, s.
     channel : Channel
@@ -130,13 +155,9 @@ def filtered_rate(
     Raises
     ------
     InputError
-        If the record is shorter than a period of the filter's pole.
+        If the record is shorter than the settling time.
     """
-    if duration * channel.pole < 1.0:
-        raise InputError(
-            f"{channel}: the record of {with_unit(duration, 's')} is shorter than a period of the "
-            f"filter, 1/({channel.pole:.4g} Hz); give a longer duration"
-        )
+    _check_long_enough(channel, duration)
     if duration * channel.pole * _SAMPLES > _MOST:
         raise InputError(
             f"{channel} takes more than {_MOST} samples of a record of {with_unit(duration, 's')}"
@@ -145,11 +166,12 @@ def filtered_rate(
 
     count = max(_LEAST_SAMPLES, math.ceil(_SAMPLES * channel.pole * duration))
     step = duration / count
-    edges = np.linspace(0.0, duration, count + 1)
-    rates = np.diff(history(edges), axis=0) / step
-    before = math.ceil(_BEFORE / (channel.pole * step))
-    still = np.zeros((before, *rates.shape[1:]))
-    smooth = zero_phase(np.concatenate([still, rates]), channel, 1.0 / step, mirror="even")
-    middles = (np.arange(len(smooth)) - before + 0.5) * step
-    found: FloatArray = CubicSpline(middles, smooth)(times)
+    moved, speeds = motion(np.linspace(0.0, duration, count + 1))
+    steady = moved[:1] - step * speeds[:1]
+    accelerations = np.diff(np.concatenate([steady, moved]), 2, axis=0) / step**2
+    before = math.ceil(channel.settling_time / step)
+    still = np.zeros((before, *accelerations.shape[1:]))
+    smooth = zero_phase(np.concatenate([still, accelerations, still]), channel, 1.0 / step)
+    found: FloatArray = CubicSpline((np.arange(len(smooth)) - before) * step, smooth)(times)
+    found[times > duration - channel.settling_time] = np.nan
     return found

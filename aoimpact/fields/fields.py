@@ -59,13 +59,19 @@ class Filtered:
 
     @property
     def acceleration(self) -> FloatArray:
-        """Acceleration, m/s², in the shape of `Probe.displacement`; warns where it may be wrong."""
+        """Acceleration, m/s², in the shape of `Probe.displacement`; warns where it may be wrong.
+
+        NaN over the filter's settling time before the end of the record; see `Probe.filtered`.
+        """
         warn_if_wrong("filtered acceleration", self.t, self.error)
         return self._acceleration
 
     @cached_property
     def error(self) -> FloatArray | None:
-        """Error by the body's model, relative to the largest value, (n,); None of a full model."""
+        """Error by the body's model, relative to the largest value, (n,); None of a full model.
+
+        NaN where `acceleration` is.
+        """
         return self._error()
 
 
@@ -132,8 +138,9 @@ class Probe:
         """Return the acceleration behind a filter.
 
         SAE J211-1, appendix C: a Butterworth filter of two poles, forward and backward, so that no
-        phase is shifted. Before the record the body is at rest or moves steadily; through its end
-        the record is mirrored, so that the last period of the corner is less certain.
+        phase is shifted. Before the record the body is at rest or moves steadily. What follows the
+        record is not known, so that the acceleration is NaN over the filter's settling time before
+        the end, the class's period: 1 ms for CFC 1000. Take a `duration` longer by that.
 
         Parameters
         ----------
@@ -146,7 +153,7 @@ class Probe:
         Raises
         ------
         InputError
-            If neither or both are given, or the record is shorter than a period of the filter.
+            If neither or both are given, or the record is shorter than the settling time.
 
         Examples
         --------

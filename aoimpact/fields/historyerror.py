@@ -33,7 +33,7 @@ def relative_error(
     ndarray, shape (n,)
         The largest over all other axes.
     """
-    largest = np.abs(whole).max(initial=least)
+    largest = np.nanmax(np.abs(whole), initial=least)
     error = np.abs(history - right) / (largest if largest > 0.0 else 1.0)
     worst: FloatArray = error.reshape(-1, error.shape[-1]).max(axis=0)
     return worst

@@ -17,7 +17,7 @@ from .law import MOST_SHARE, HertzianLaw
 _CONSTRAINT = 2.8
 
 # The least hardness, in pressures of yield, with which no cycle gives energy away.
-_LEAST_HARDNESS = 1.2
+_LEAST_HARDNESS = 1.25
 
 
 def yield_force(modulus: float, radius: float, pressure: float) -> float:
@@ -203,9 +203,11 @@ class ElasticPlastic(_Yielding):
     slope are continuous. With s = 2 π R p₀, δ_f = (s/(2 k))².
 
     Unloading and reloading from the deepest point δ*, F* as Hertz on the flattened radius,
-    F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2), with the residual indentation of I. Etsion, Y. Kligerman,
-    Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729, found by finite elements:
-    δ_p = δ* (1 - w^(-0.28)) (1 - w^(-0.69)), w = δ*/δ_y.
+    F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2). Up to δ_f the residual indentation is that of I. Etsion,
+    Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729, found by finite elements:
+    δ_p = δ* (1 - w^(-0.28)) (1 - w^(-0.69)), w = δ*/δ_y. From there on the recovery δ* - δ_p goes as
+    √F*, as that of a flattened sphere does whose contact is F* = π p₀ a² (K. L. Johnson, *Contact
+    Mechanics*, eq. 11.43), so that far past yield the restitution goes as V^(-1/4) (eq. 11.46).
 
     Parameters
     ----------
@@ -214,7 +216,7 @@ class ElasticPlastic(_Yielding):
     yield_force : float
         F_y, N, positive.
     hardness : float
-        p₀, Pa: 1.2 times Hertz's largest pressure at yield, or more. With a Vickers number HV the
+        p₀, Pa: 1.25 times Hertz's largest pressure at yield, or more. With a Vickers number HV the
         mean pressure is 10.6 MPa HV.
     relative_radius : float
         R, m.
@@ -284,7 +286,7 @@ class ElasticPlastic(_Yielding):
         Raises
         ------
         InputError
-            If no hardness is known, or it is less than 1.2 times the pressure of yield.
+            If no hardness is known, or it is less than 1.25 times the pressure of yield.
 
         Examples
         --------

@@ -7,6 +7,7 @@ folders above it; `accuracy` asks for models of rising order (hierarchy.py there
 """
 
 from .bodymodel import BodyModel, ReducedModel
+from .finer import finer_model
 from .full import FullModel, body_model, full
 from .interface import InterfaceModel, InterfaceSpace, interface
 from .krylov import KrylovSpace
@@ -34,6 +35,7 @@ __all__ = [
     "antioscillators",
     "ball",
     "body_model",
+    "finer_model",
     "fitted_times",
     "full",
     "interface",

@@ -36,7 +36,7 @@ from ..linalg import (
 # The order that this is best for; more vectors are best with s T in proportion, up to the highest
 # frequency of the mesh at the contact. On a clamped beam of 17 000 dofs and a clamped plate of
 # 19 000, 200 and 550 vectors then give the force to ten digits, 800 with the shift above to four.
-_ORDER_FITTED = 5
+ORDER_FITTED = 5
 
 # So many vectors for each place after which s is fitted to four times as many, and again, each time
 # at the price of a factorisation.
@@ -342,7 +342,7 @@ class Subspace:
         first, until = self.shifts[0], _SHARPENED_FROM
         while turn >= until:
             until *= _SHARPENED_BY
-            first = max(first, min(until / _ORDER_FITTED * self.shifts[0], self._highest))
+            first = max(first, min(until / ORDER_FITTED * self.shifts[0], self._highest))
         return (first, *self.shifts[1:]), until
 
     def _reserve(self, count: int) -> None:

@@ -174,9 +174,9 @@ class BodyResult(Frozen):
     def error(self) -> Mapping[str, FloatArray]:
         """Errors of the histories by the body's model, relative to the largest value of each.
 
-        ``error["velocity"]``, shape (n,), and so of the other three: the difference to one more
-        run, with models of more oscillators of which every other one is fitted to slow motion. To
-        it add the errors of mesh and contact. It is empty of a body given by numbers.
+        ``error["velocity"]``, shape (n,), and so of the other three: the difference to one
+        more run, with models that contain this one and what it leaves out first. To it add the
+        errors of mesh and contact. It is empty of a body given by numbers.
 
         Examples
         --------

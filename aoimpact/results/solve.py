@@ -120,14 +120,14 @@ class RecordLength:
         """
         if self._settled:
             return solve(_lasting(plan, self.length))
-        length = self.length
+        length, longest = self.length, self._longest + self.margin
         while True:
             run = solve(_lasting(plan, length))
             wanted = _until_over(run) + self.margin
-            if wanted <= length or length >= self._longest:
+            if wanted <= length or length >= longest:
                 break
             further = wanted if math.isfinite(wanted) else AS_LONG_AGAIN * length
-            length = min(further, self._longest)
+            length = min(further, longest)
         self._cut = wanted > length and any(events.contacts for events in run.events)
         self.length = min(wanted, length)
         self._settled = last

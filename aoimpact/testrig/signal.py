@@ -228,22 +228,27 @@ class Signal(Frozen):
 
     # ------------------------------------------------------------------- the filter
 
-    def filtered(self, cfc: float) -> Signal:
+    def filtered(self, cfc: float | None = None, *, corner: float | None = None) -> Signal:
         """Return the signal by the filter of a channel frequency class; `raw` keeps this one.
 
         SAE J211-1, appendix C: a Butterworth filter of two poles, forward and backward, so that no
-        phase is shifted. It is 3 dB down at 1.65 times the class's frequency.
+        phase is shifted. It is 3 dB down at 1.65 times the class's frequency. Beyond its ends the
+        signal is continued odd about the end sample, as by SciPy's `filtfilt`; so the period of the
+        class next to an end is right only if the signal is at rest or straight there.
 
         Parameters
         ----------
-        cfc : float
+        cfc : float, optional
             The class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same formula.
+        corner : float, optional
+            In place of the class, the frequency where the signal is 3 dB down, Hz.
 
         Raises
         ------
         InputError
-            If the samples are not evenly spaced, or fewer than ten in a period of the class, as the
-            standard asks for.
+            If neither or both are given, the samples are not evenly spaced, or fewer than ten in a
+            period of the class, as the standard asks for, or the signal is shorter than the
+            filter's settling time, the class's period.
 
         Examples
         --------
@@ -253,18 +258,19 @@ class Signal(Frozen):
         >>> bool(np.abs(ringing.filtered(1000).values).max() < 1.02)
         True
         """
-        frequency = positive("cfc", cfc, unit="Hz")
-        if self.rate < _SAMPLES_OF_CLASS * frequency * (1.0 - 1e-9):
+        channel = Channel(cfc=cfc, corner=corner)
+        needed = _SAMPLES_OF_CLASS * channel.frequency_class
+        if self.rate < needed * (1.0 - 1e-9):
             raise InputError(
-                f"cfc = {frequency:g} needs {with_unit(_SAMPLES_OF_CLASS * frequency, 'Hz')} of "
-                f"samples (SAE J211), it has {with_unit(self.rate, 'Hz')}; take a lower class"
+                f"{channel} needs {with_unit(needed, 'Hz')} of samples (SAE J211), it has "
+                f"{with_unit(self.rate, 'Hz')}; take a lower frequency"
             )
-        if frequency < _SLOWEST * self.rate:
+        if channel.frequency_class < _SLOWEST * self.rate:
             raise InputError(
-                f"cfc = {frequency:g} is too low for {with_unit(self.rate, 'Hz')} of samples; take "
+                f"{channel} is too low for {with_unit(self.rate, 'Hz')} of samples; take "
                 "every k-th sample first"
             )
-        smooth = zero_phase(self.values, Channel(cfc=frequency), self.rate)
+        smooth = zero_phase(self.values, channel, self.rate)
         return replace(self, values=smooth, raw=self)
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:

@@ -8,8 +8,9 @@
  * elastic_plastic: k, yield force, slope s = 2 pi R p0. M. R. Brake, Int. J. Solids Struct. 49 (2012)
  * 3129-3141: fully plastic from where Hertz's mean pressure is the hardness p0, d_f = (s/(2 k))^2, on the
  * line F = s (d - d_f/2); between yield and there Hermite's cubic, which meets both with their slopes.
- * I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729:
- * d_p = d* (1 - w^(-0.28)) (1 - w^(-0.69)), w being the ratio of d* to the indentation of yield. */
+ * I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729, up to d_f:
+ * d_p = d* (1 - w^(-0.28)) (1 - w^(-0.69)), w being the ratio of d* to the indentation of yield. Beyond,
+ * with F = pi p0 a^2, the recovery d* - d_p = 3 F*/
 #include "law/kinds.h"
 
 #include <math.h>
@@ -19,9 +20,9 @@ enum { STIFFNESS, YIELD_FORCE, SLOPE, YIELD, FULL, FULL_FORCE, SQUARE, CUBIC };
 enum { DEEPEST, REACH };                    /* memory, REACH: d* - d_p; both zero while all was elastic */
 enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces */
 
-/* FULL over YIELD, at least: where the hardness is less than about 1.2 times the pressure of yield,
- * unloading would give back more than loading takes. */
-static const double LEAST_FULL = 3.2;
+/* FULL over YIELD, at least: where the hardness is less than about 1.25 times the pressure of yield, the
+ * recovery at d_f is above 5/6 of d_f, and unloading would give back more than loading takes. */
+static const double LEAST_FULL = 3.5;
 
 static void thornton_prepare(aoi_law *law)
 {
@@ -78,8 +79,9 @@ static double recovered(const aoi_law *law, double deepest)
 {
     const double *p = law->parameter;
     if (p[FULL] > p[YIELD]) {
-        const double w = deepest / p[YIELD], first = pow(w, -0.28), second = pow(w, -0.69);
-        return deepest * (first + second - first * second);
+        const double end = fmin(deepest, p[FULL]), w = end / p[YIELD];
+        const double first = pow(w, -0.28), second = pow(w, -0.69), own = end * (first + second - first * second);
+        return deepest > end ? own * sqrt(top_force(law, deepest) / p[FULL_FORCE]) : own;
     }
     return top_force(law, deepest) / (p[STIFFNESS] * sqrt(deepest));
 }

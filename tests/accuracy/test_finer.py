@@ -113,5 +113,5 @@ def test_the_finer_model_of_a_body_is_made_once(monkeypatch: pytest.MonkeyPatch)
     strike = partial(ao.simulate, **(impact("held plate") | {"target": model}), duration=LONG)
     with held_warnings():
         assert strike().target.error
-        monkeypatch.setattr("aoimpact.accuracy.leftout.KrylovSpace", None)
+        monkeypatch.setattr("aoimpact.accuracy.leftout.finer_model", None)
         assert strike().target.error

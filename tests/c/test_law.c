@@ -427,7 +427,7 @@ static void plastic_unloading_is_thorntons(void)
 }
 
 /* Brake's three regimes: the line of full plasticity; between yield and there the cubic of Hermite. The
- * residual indentation by Etsion, Kligerman and Kadin. */
+ * residual indentation by Etsion, Kligerman and Kadin, and by Johnson where all is plastic. */
 static void full_plasticity_is_brakes(void)
 {
     const aoi_law law = law_among("elastic_plastic", 0.0);
@@ -457,7 +457,10 @@ static void full_plasticity_is_brakes(void)
     for (double w = 1.0001; w < 1e9; w *= 7.0) {
         memory[0] = memory[1] = 0.0;
         aoi_law_remember(&law, w * yield, 1.0, memory);
-        const double rest = w * yield * (1.0 - pow(w, -0.28)) * (1.0 - pow(w, -0.69));
+        /* Beyond full plasticity the recovery goes as the root of the force, which is 1e8 (d - full/2). */
+        const double v = fmin(w, full / yield), own = 1.0 - (1.0 - pow(v, -0.28)) * (1.0 - pow(v, -0.69));
+        const double past = w > v ? sqrt(2.0 * w * yield / full - 1.0) : 1.0;
+        const double rest = w * yield - v * yield * own * past;
         CHECK(fabs(aoi_law_rest(&law, memory) - rest) < 1e-14 * w * yield, "residual indentation at %g y", w);
         aoi_law_push(&law, memory, w * yield - 0.36 * (w * yield - rest), -1.0, &at);
         aoi_law_force(&law, memory, aoi_law_piece(&law, memory, w * yield, 1, &low, &high), w * yield, 1.0, &next);

@@ -159,7 +159,7 @@ def test_displacement_after_the_contact_is_told_when_it_is_asked_for():
     hit = strike(target=fit(3))  # without a word: the force is right
     assert hit.peak_force == pytest.approx(right.peak_force, rel=1e-2)
     with pytest.warns(
-        ao.AOImpactWarning, match=r"displacement of target may be off by 28%.*duration=0\.0006"
+        ao.AOImpactWarning, match=r"displacement of target may be off by 29%.*duration=0\.0006"
     ):
         wrong = hit.target.displacement
     true = right.at(hit.t).target.displacement

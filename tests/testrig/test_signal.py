@@ -104,7 +104,7 @@ def test_a_line_passes_up_to_its_ends(values: Any) -> None:
 
 def test_too_few_samples_for_a_class_are_refused() -> None:
     t = np.arange(1000) / 5e3
-    with pytest.raises(ao.InputError, match=r"cfc = 1000 needs 10 kHz .* it has 5000 Hz"):
+    with pytest.raises(ao.InputError, match=r"cfc=1000 needs 10 kHz .* it has 5000 Hz"):
         testrig.Signal(t, np.sin(t)).filtered(1000)
     testrig.Signal(t, np.sin(t)).filtered(180)
 

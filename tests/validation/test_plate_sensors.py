@@ -29,7 +29,7 @@ def test_an_accelerometer_and_supports_of_a_plate() -> None:
     mesh = ao.box_mesh((0.2, 0.15, 0.006), (12, 9, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
     tip = body.contact(point=(0.1, 0.075, 0.006), radius=0.001)
-    at, duration = (0.13, 0.075, 0.0), 2.2e-3
+    at, duration = (0.13, 0.075, 0.0), 3.2e-3  # of which the filter takes the last 1 ms
     ball = ao.ball(0.01, STEEL)
     times = np.arange(0.0, duration, 4e-6)
     full = ao.simulate(
@@ -50,7 +50,8 @@ def test_an_accelerometer_and_supports_of_a_plate() -> None:
         right = read(full)
         assert hit.error.model is not None
         assert hit.error.model <= rtol
-        assert np.abs(read(hit) - right).max() <= hit.error.model * np.abs(right).max()
+        apart, largest = np.nanmax(np.abs(read(hit) - right)), np.nanmax(np.abs(right))
+        assert apart <= hit.error.model * largest
 
 
 def test_a_hammer_test_measures_the_frequency_response() -> None:

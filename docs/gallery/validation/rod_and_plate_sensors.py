@@ -64,8 +64,8 @@ aluminium, steel = ao.Material(E=70e9, nu=0.33, rho=2700), ao.Material(E=210e9, 
 mesh = ao.box_mesh((0.2, 0.15, 0.006), (10, 8, 1), kind="hexahedron20")
 body = ao.FEModel.from_mesh(mesh, aluminium, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
 tip = body.contact(point=(0.1, 0.075, 0.006), radius=0.001)
-place, down, duration = (0.13, 0.075, 0.0), (0, 0, -1), 2.2e-3
-ball, times = ao.ball(0.01, steel), np.arange(0, 2.2e-3, 4e-6)
+place, down, duration = (0.13, 0.075, 0.0), (0, 0, -1), 3.2e-3  # the filter takes the last 1 ms
+ball, times = ao.ball(0.01, steel), np.arange(0, duration, 4e-6)
 full = ao.simulate(ball, ao.full(tip), 1.0, duration=duration, solver=ao.Adaptive(rtol=1e-6))
 
 
@@ -83,7 +83,7 @@ for name, read, quantity, rtol in (
 ):
     small = ao.simulate(ball, tip, 1.0, duration=duration, quantity=quantity, rtol=rtol)
     right = read(full)
-    away = np.abs(read(small) - right).max() / np.abs(right).max()
+    away = np.nanmax(np.abs(read(small) - right)) / np.nanmax(np.abs(right))
     table.append((f"{name}, full model", away, small.error.model))
     if read is acceleration:
         axes[1].plot(1e3 * times, right, "k--", label="full model")
