@@ -184,11 +184,11 @@ def choose_models(
 def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
     """How models were chosen: the quantity, its tolerance, and the errors of all numbers."""
     numbers = number_errors(found.run, found.larger, found.safety) | {quantity.name: found.error}
-    largest = ""
+    largest, most = "", math.nan
     if quantity.history is not None:
         most = float(np.abs(quantity.history(found.run, found.run.t)).max(initial=0.0))
         largest = "" if math.isnan(most) else with_unit(most, quantity.unit, 5)
-    return Chosen(quantity.name, tolerance, numbers, largest)
+    return Chosen(quantity.name, tolerance, numbers, largest, most)
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:

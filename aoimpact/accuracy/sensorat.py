@@ -89,6 +89,8 @@ class StrainAt(Sensor):
         object.__setattr__(self, "body", model)
         checked(self, point=place, length=lambda name, x: nonnegative(name, x, unit="m"))
         if isinstance(self.component, str):
+            if self.component[::-1] in _COMPONENTS:  # of a symmetric tensor
+                object.__setattr__(self, "component", self.component[::-1])
             choice("component", self.component, tuple(_COMPONENTS))
         else:
             checked(self, component=lambda name, x: tuple(unit_vector(name, x).tolist()))

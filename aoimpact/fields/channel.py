@@ -77,7 +77,6 @@ class Channel:
         assert self.corner is not None
         return _POLE_OF_CORNER * self.corner
 
-
     @property
     def frequency_class(self) -> float:
         """The channel frequency class, Hz, also of a corner."""

@@ -17,8 +17,10 @@ __all__ = ["Gauge", "gauge_ends"]
 # sin of the angle between a gauge and the surface beyond which it does not lie on it.
 _OFF = 0.1
 
-# Distance of an end from the surface, over the gauge's length, beyond which it is off the body.
-_BEYOND = 0.25
+# Distance of an end from the surface, over the gauge's length, beyond which it is off the body; the
+# same of its middle; and by how much of it an end may move along the gauge to its place on the
+# surface, which on a curved one is (length/radius)²/16 of it.
+_BEYOND, _BESIDE, _SHORTER = 0.25, 0.1, 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +77,12 @@ def gauge_ends(
     ends = np.stack([point - half, point + half])
     if body.surface is not None:
         surface = body.surface
-        normals = [surface.normal(of.face, of.uv)[0] for of in surface.nearest(point)]
+        under = surface.nearest(point)
+        if (off := float(under[0].distance[0])) > _BESIDE * length:
+            raise InputError(
+                f"{where} is {with_unit(off, 'm', 2)} off the surface; give a point on it"
+            )
+        normals = [surface.normal(of.face, of.uv)[0] for of in under]
         if min(abs(float(normal @ direction)) for normal in normals) > _OFF:
             raise InputError(
                 f"{name} {plain(direction)} does not lie in the surface at point {plain(point)} m, "
@@ -83,10 +90,13 @@ def gauge_ends(
             )
         places = [surface.nearest(end)[0] for end in ends]
         off = max(float(place.distance[0]) for place in places)
-        if off > _BEYOND * length:
+        moved = [
+            abs((place.x[0] - end) @ direction) for place, end in zip(places, ends, strict=True)
+        ]
+        if off > _BEYOND * length or max(moved) > _SHORTER * length:
             raise InputError(
                 f"{where} along {name} {plain(direction)} reaches {with_unit(off, 'm', 2)} beyond "
-                "the surface; give a shorter one, or move it"
+                "the surface; give a shorter one, or move it from the edge"
             )
         ends = np.concatenate([place.x for place in places])
     along = ends[1] - ends[0]

@@ -205,9 +205,10 @@ class ElasticPlastic(_Yielding):
     Unloading and reloading from the deepest point δ*, F* as Hertz on the flattened radius,
     F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2). Up to δ_f the residual indentation is that of I. Etsion,
     Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729, found by finite elements:
-    δ_p = δ* (1 - w^(-0.28)) (1 - w^(-0.69)), w = δ*/δ_y. From there on the recovery δ* - δ_p goes as
-    √F*, as that of a flattened sphere does whose contact is F* = π p₀ a² (K. L. Johnson, *Contact
-    Mechanics*, eq. 11.43), so that far past yield the restitution goes as V^(-1/4) (eq. 11.46).
+    δ_p = δ* (1 - w^(-0.28)) (1 - w^(-0.69)), w = δ*/δ_y. From there on the recovery δ* - δ_p goes
+    as √F*, as that of a flattened sphere does whose contact is F* = π p₀ a² (K. L. Johnson,
+    *Contact Mechanics*, eq. 11.43), so that far past yield the restitution goes as V^(-1/4)
+    (eq. 11.46).
 
     Parameters
     ----------

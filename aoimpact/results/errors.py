@@ -28,12 +28,15 @@ class Chosen:
         run.
     largest : str
         Largest value of a history over the record, with its unit.
+    most : float
+        The same as a number.
     """
 
     quantity: str
     rtol: float
     numbers: Mapping[str, float]
     largest: str = ""
+    most: float = math.nan
 
 
 @dataclass(frozen=True)

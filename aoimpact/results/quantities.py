@@ -274,6 +274,9 @@ def look_up(result: Any, name: str, argument: str) -> float:
     numbers_of: Mapping[str, float] = getattr(result, "numbers", {})
     if name in numbers_of:
         return numbers_of[name]
+    chosen = getattr(result, "chosen", None)
+    if chosen is not None and name == chosen.quantity and not math.isnan(chosen.most):
+        return float(chosen.most)
     found = result
     for part in name.split("."):
         try:

@@ -441,7 +441,8 @@ class Run:
         Parameters
         ----------
         name : str
-            "restitution", or any other quantity of interest that is a number; of a scene
+            "restitution", or any other quantity of interest that is a number; of the history that
+            the models were chosen for, such as "reaction", its largest value; of a scene
             "contacts.0.peak_force" or any other number of a contact, "bodies.0.rebound_velocity":
             the names of `ErrorEstimate`. Or an attribute, such as "error.time".
 

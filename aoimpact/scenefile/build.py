@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..accuracy import Sensor
 from ..base import InputError, nearest
 from ..fem import (
     Beam,
@@ -49,7 +50,7 @@ from ..reduction import (
     rigid,
 )
 from ..results import SCENE_CHOICES, Handle
-from .names import LAWS, SOLVERS
+from .names import LAWS, SENSORS, SOLVERS
 
 # The power of the indentation in Hertz's law.
 _HERTZ_POWER = 1.5
@@ -425,8 +426,8 @@ def _nodes_of(entry: Mapping[str, Any], mesh: Mesh) -> Any:
     return on
 
 
-def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint:
-    """The point whose displacement is the quantity of interest."""
+def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint | Sensor:
+    """The point whose displacement is the quantity of interest, or the sensor that is."""
     name = wanted["body"]
     if name not in bodies:
         raise InputError(f"body: {name!r} takes no part{nearest(name, bodies)}")
@@ -435,16 +436,20 @@ def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint
         raise InputError(
             f"body: {name!r} has a model already; leave the model out to have one chosen"
         )
+    if "type" in wanted:
+        given = {key: value for key, value in wanted.items() if key not in ("type", "body")}
+        sensor: Sensor = SENSORS[wanted["type"]](body=body.body, **given)
+        return sensor
     place, along = wanted["point"], wanted["direction"]
     return contact_point(body.body, point=place, direction=along, radius=0.0)
 
 
 def _scene_quantity(
     handles: Mapping[str, Handle], bodies: Mapping[str, Any], wanted: str | Mapping[str, Any]
-) -> str | Handle | ContactPoint:
-    """The quantity of interest of a scene: a name, or the displacement of a port or a point."""
+) -> str | Handle | ContactPoint | Sensor:
+    """The quantity of interest of a scene: a name, a sensor, or a displacement."""
     if isinstance(wanted, Mapping):
-        return _point(bodies, wanted) if "point" in wanted else _handle(handles, wanted)
+        return _handle(handles, wanted) if "port" in wanted else _point(bodies, wanted)
     if wanted in handles and wanted not in SCENE_CHOICES:
         return handles[wanted]
     if wanted not in SCENE_CHOICES:

@@ -7,6 +7,7 @@ from dataclasses import MISSING, fields
 from typing import Any, get_type_hints
 
 from .. import laws
+from ..accuracy import AccelerationAt, ReactionAt, StrainAt, StressAt
 from ..integrate import Adaptive, Newmark
 from ..linalg import SOLVERS as LINEAR_SOLVERS
 from ..mesh import KINDS
@@ -224,9 +225,22 @@ _RUN = {
 }
 
 
-def _displacement(body: Any, **more: Any) -> Variants:
-    """A place whose displacement is the quantity of interest."""
-    return Variants({"point": {"body": body, "point": _VECTOR, "direction": _VECTOR}, **more})
+# Sensors that may be the quantity of interest.
+SENSORS = {one.__name__: one for one in (StressAt, StrainAt, AccelerationAt, ReactionAt)}
+
+
+def _sensor(body: Any, **more: Any) -> Tagged:
+    """What is measured on a body; without a type the displacement of a place."""
+    of_point = {"body": body, "point": _VECTOR}
+    along = {"direction": _VECTOR}
+    displacement = Variants({"point": of_point | along, **more})
+    tables = {
+        "StressAt": of_point | {"component?": TEXT, "layer?": TEXT},
+        "StrainAt": of_point | {"component?": (TEXT, _VECTOR), "length?": "m"},
+        "AccelerationAt": of_point | along | {"cfc?": "Hz", "corner?": "Hz"},
+        "ReactionAt": {"body": body, "nodes": TEXT} | along,
+    }
+    return Tagged("type", tables, displacement)
 
 
 _IMPACT = {
@@ -235,13 +249,13 @@ _IMPACT = {
     "velocity": "m/s",
     "gap?": "m",
     "law?": _LAW,
-    "quantity?": (TEXT, _displacement(_BODY)),
+    "quantity?": (TEXT, _sensor(_BODY)),
 } | _RUN
 
 _END = (TEXT, {"body": TEXT, "port?": INTEGER})
 
 _SCENE = {
-    "quantity?": (TEXT, _displacement(TEXT, port={"body": TEXT, "port": INTEGER})),
+    "quantity?": (TEXT, _sensor(TEXT, port={"body": TEXT, "port": INTEGER})),
     "gravity?": "m/s²",
     "preload?": FLAG,
     "bodies": [{"body": _BODY, "name?": TEXT, "velocity?": "m/s", "position?": "m"}],

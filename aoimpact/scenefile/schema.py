@@ -184,15 +184,21 @@ class Variants(Kind):
 
 
 class Tagged(Kind):
-    """A table of one of several sorts, distinguished by the word under one key."""
+    """A table of one of several sorts, distinguished by the word under one key.
 
-    def __init__(self, key: str, tables: Mapping[str, Any]) -> None:
+    `otherwise` is that without this key.
+    """
+
+    def __init__(self, key: str, tables: Mapping[str, Any], otherwise: Kind | None = None) -> None:
         super().__init__("a table", Mapping)
+        self.otherwise = otherwise
         self.key, self.tables = key, {word: _kind(table) for word, table in tables.items()}
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         choice, word = Choice(self.tables), value.get(self.key)
-        if self.key not in value:
+        if self.key not in value and self.otherwise is not None:
+            yield from self.otherwise.inside(value, place, root)
+        elif self.key not in value:
             yield place, f"{self.key!r} is missing, {choice.wanted}"
         elif not (isinstance(word, str) and word in self.tables):
             yield from choice.problems(word, (*place, self.key), root)

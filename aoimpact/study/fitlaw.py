@@ -65,6 +65,13 @@ _APART = 1e-3  # of their spacing
 # Further starts for a curve, and how far around the first, as a logarithm.
 _STARTS, _AROUND = 5, 0.7
 
+# A residual is of the law and not noise where it is so many times the noise, and this share of
+# the largest value; the noise is that of second differences, from eight values on.
+_OFF, _VISIBLE, _FEW = 3.0, 0.02, 8
+
+# Distance from a bound, as a logarithm, within which a parameter is at it.
+_AT_BOUND = 1e-2
+
 # Singular values of the sensitivities, relative to the first, that are rounding.
 _SINGULAR = 1e-9
 
@@ -286,7 +293,9 @@ def fit_law(
     Warns
     -----
     AOImpactWarning
-        If the data do not determine a parameter: its standard error is more than half of it.
+        If the data do not determine a parameter: its standard error is more than half of it. If
+        the law does not describe them: the residual is more than three times the noise and 2 % of
+        the largest value, or a parameter is at a bound.
 
     Examples
     --------
@@ -324,6 +333,7 @@ def fit_law(
             for name, error in poor.items()
         )
         warn(f"the data do not determine {shares}: keep them, or measure where they matter")
+    _warn_of_a_poor_fit(problem, found.x, math.sqrt(variance))
     sizes = np.append(values[: len(names)], [data.time] * (len(values) - len(names)))
     return LawFit(
         problem.law_at(found.x),
@@ -333,6 +343,26 @@ def fit_law(
         float(values[-1]) if data.start is not None else None,
         tuple(poor),
     )
+
+
+def _warn_of_a_poor_fit(problem: _Problem, x: FloatArray, residual: float) -> None:
+    """Warn where the law does not describe the measurement, with by how much."""
+    data = problem.data
+    largest = float(np.abs(data.measured).max())
+    noise = 0.0
+    if data.force and len(data.measured) >= _FEW:  # of independent errors, differences have √6 σ
+        second = np.abs(np.diff(data.measured, 2))
+        noise = float(np.median(second)) / (0.6745 * math.sqrt(6.0))
+    if residual > max(_OFF * noise, _VISIBLE * largest):
+        warn(
+            f"{type(problem.law).__name__} is {residual / largest:.1%} of the largest value off "
+            f"the measurement, whose noise is {noise / largest:.1%}: take another law or start, or "
+            "check mass, velocity and units"
+        )
+    ends = zip(problem.names, x, problem.low, problem.high, strict=False)
+    bound = [name for name, at, low, high in ends if min(at - low, high - at) < _AT_BOUND]
+    if bound:
+        warn(f"{', '.join(bound)}: the best fit is at the bound of the range; take another law")
 
 
 def _uncertainty(jacobian: FloatArray, variance: float) -> tuple[FloatArray, FloatArray]:

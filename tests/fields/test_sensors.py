@@ -280,6 +280,50 @@ def test_the_acceleration_of_a_light_cube() -> None:
     )
 
 
+def test_the_end_of_a_record_is_not_the_largest_acceleration() -> None:
+    """Of a record that is cut in the middle of vibration, as of a longer one."""
+    tip = plate("supports")
+    hits = [
+        ao.simulate(ao.rigid(mass=0.1), ao.antioscillators(tip, 12), 1.0, law=LAW, duration=length)
+        for length in (3e-3, 6e-3)
+    ]
+    t = np.arange(0.0, 3e-3 - Channel(cfc=1000.0).settling_time, 5e-6)
+    cut, whole = (
+        hit.target.probe((0.06, 0.04, 0.0), DOWN, times=t).filtered(cfc=1000).acceleration
+        for hit in hits
+    )
+    assert np.isfinite(cut).all()
+    np.testing.assert_allclose(cut, whole, atol=2e-3 * np.abs(whole).max())
+
+
+@pytest.mark.parametrize("n", [16, 40])
+def test_errors_of_sensors_are_not_below_the_true_ones(n: int) -> None:
+    """Also of models that few further oscillators add to; against all oscillators."""
+    tip = plate("supports")
+    run = {"velocity": 1.0, "law": LAW, "duration": 3e-3, "solver": ao.Adaptive(rtol=1e-7)}
+    time = 3e-4
+    model = ao.antioscillators(tip, n, method="krylov", contact_time=time, duration=3e-3)
+    few, every = (
+        ao.simulate(ao.rigid(mass=0.1), of, **run).target for of in (model, ao.antioscillators(tip))
+    )
+    t = np.arange(0.0, 3e-3, 5e-6)
+    at = (0.06, 0.04, 0.0)
+    for read in (
+        lambda of: (of.reaction("xmin", times=t).force @ DOWN, of.reaction("xmin").error["force"]),
+        lambda of: (
+            of.gauge(at, (1, 0, 0), 3e-3, times=t).strain,
+            of.gauge(at, (1, 0, 0), 3e-3).error,
+        ),
+        lambda of: (
+            of.probe(at, DOWN, times=t).filtered(corner=4e3).acceleration,
+            of.probe(at, DOWN).filtered(corner=4e3).error,
+        ),
+    ):
+        (mine, said), (right, _) = read(few), read(every)
+        true = np.nanmax(np.abs(mine - right)) / np.nanmax(np.abs(right))
+        assert true < np.nanmax(said) < 5.0 * true + 1e-4
+
+
 def test_a_corner_is_where_two_passes_leave_half_the_power() -> None:
     _, gain = freqz(*butter(2, Channel(corner=800.0).pole, fs=1e7), worN=[800.0], fs=1e7)
     assert abs(gain[0]) ** 4 == pytest.approx(0.5, rel=1e-6)
@@ -304,6 +348,8 @@ def test_filters_that_make_no_sense_are_refused(given: dict[str, float], message
     [
         (lambda of: of.gauge((0.05, 0.04, 0.0), (0, 0, 1), 1e-3), "does not lie in the surface"),
         (lambda of: of.gauge((0.09, 0.04, 0.0), (1, 0, 0), 0.06), "beyond the surface"),
+        (lambda of: of.gauge((0.05, 9e-4, 0.0), (0, 1, 0), 3e-3), "600 µm beyond the surface"),
+        (lambda of: of.gauge((0.05, 0.04, 0.002), (1, 0, 0), 6e-3), "2 mm off the surface"),
         (lambda of: of.gauge((0.05, 0.04, 0.0), (1, 0, 0), 0.0), "length"),
         (lambda of: of.reaction("ymin"), "no node of nodes='ymin' is held"),
         (lambda of: of.reaction("edge"), "no node set 'edge'"),

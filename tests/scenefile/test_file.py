@@ -334,6 +334,35 @@ def test_a_place_may_be_what_is_asked_for(tmp_path: Path) -> None:
             ao.read_scene(written(tmp_path, text.replace(old, new))).simulate()
 
 
+@pytest.mark.parametrize(
+    ("sensor", "name"),
+    [
+        ('type = "StressAt", point = [0.05, 0.0, 0.0], component = "xx"', "stress"),
+        ('type = "StrainAt", point = [0.05, 0.0, 0.0], component = [1, 0, 0]', "strain"),
+        (
+            'type = "AccelerationAt", point = [0.05, 0.0, 0.0], direction = [0, 0, 1], cfc = 6e4',
+            "acceleration",
+        ),
+        ('type = "ReactionAt", nodes = "xmin", direction = [0, 0, 1]', "reaction"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+def test_a_sensor_may_be_what_is_asked_for(tmp_path: Path, sensor: str, name: str) -> None:
+    text = BAR.replace('model = { type = "antioscillators", n = 2 }', "")
+    text = text.replace(
+        "velocity = 1.0", f'velocity = 1.0\nquantity = {{ body = "bar", {sensor} }}\nrtol = 0.1'
+    )
+    hit = ao.read_scene(written(tmp_path, text)).simulate()
+    assert hit.error.quantity == name
+    assert hit.value(name) > 0.0  # its largest value
+    for old, new, message in (
+        ('type = "', 'type = "x', 'must be one of "StressAt"'),
+        ('body = "bar", type', 'body = "baar", type', "did you mean 'bar'"),
+    ):
+        with pytest.raises(ao.SceneFileError, match=message):
+            ao.read_scene(written(tmp_path, text.replace(old, new))).simulate()
+
+
 PATCHED = """
 [materials.steel]
 E = 210e9

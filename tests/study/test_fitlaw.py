@@ -163,6 +163,24 @@ def test_what_the_data_do_not_determine_is_said() -> None:
     assert fit.law.k == pytest.approx(1e9, rel=0.05)
 
 
+def test_what_the_law_does_not_describe_is_said() -> None:
+    signal, _, peak = history(ao.HuntCrossley(1e9, 0.6), 0.1, 1.0)
+    given = noisy(signal, 0.005 * peak, np.random.default_rng(3))
+    with pytest.warns(
+        ao.AOImpactWarning, match=r"Hertz is \d+\.\d% of the largest value off .* 0\."
+    ):
+        ao.fit_law(ao.Hertz, given, mass=0.1, velocity=1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ao.fit_law(ao.HuntCrossley, given, mass=0.1, velocity=1.0)
+
+
+def test_a_parameter_at_its_bound_is_said() -> None:
+    depth = np.linspace(0.0, 1e-4, 40)
+    with pytest.warns(ao.AOImpactWarning, match="n: the best fit is at the bound"):
+        ao.fit_law(ao.PowerLaw(1e6, 1.5), indentation=depth, force=1e4 * np.sqrt(depth))
+
+
 def test_parameters_that_are_not_free_are_kept() -> None:
     signal, _, _ = history(ao.HuntCrossley(1e9, 0.2), 0.1, 1.0)
     fit = ao.fit_law(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -100,6 +101,23 @@ def test_a_line_passes_up_to_its_ends(values: Any) -> None:
     t = np.arange(2000) / 20e3
     line = testrig.Signal(t, values(t))
     np.testing.assert_allclose(line.filtered(180).values, line.values, rtol=1e-6)
+
+
+def test_a_corner_is_a_class_by_another_name() -> None:
+    raw = pulse()
+    corner = 1000.0 * 2.0775 / (math.sqrt(2.0) - 1.0) ** -0.25
+    np.testing.assert_allclose(
+        raw.filtered(corner=corner).values, raw.filtered(1000).values, atol=1e-12
+    )
+
+
+def test_a_signal_that_is_shorter_than_the_filter_settles_is_refused() -> None:
+    t = np.arange(300) / 1e6
+    short = testrig.Signal(t, np.sin(np.pi * t / 3e-4))
+    with pytest.raises(
+        ao.InputError, match=r"cfc=1000: the record of 299 µs is shorter than .* 997"
+    ):
+        short.filtered(1000)
 
 
 def test_too_few_samples_for_a_class_are_refused() -> None:
