@@ -159,7 +159,8 @@ def _solved(
         x = lu.solve(b.astype(np.complex128))
         y = x if c is b else lu.solve(c.astype(np.complex128))
         values[i] = c @ x
-        error[i] = np.abs(y) @ (np.abs(b - matrix @ x) + np.finfo(float).eps * np.abs(b))
+        rounding = np.finfo(float).eps * (np.abs(b) + abs(matrix) @ np.abs(x))
+        error[i] = np.abs(y) @ (np.abs(b - matrix @ x) + rounding)
     return values, error
 
 

@@ -76,6 +76,37 @@ def test_few_modes_and_a_series_do_as_well(damped: str, held: str) -> None:
         assert abs(value - known) <= 1e-6 * abs(known)
 
 
+def test_few_frequencies_above_many_modes_are_solved_for_directly() -> None:
+    body, first, second = plate(ao.Rayleigh(alpha=20.0, beta=1e-7), SUPPORTS["clamped"], 10)
+    found = body.frf(excitation=first, response=second, frequencies=[6e4], kind="receptance")
+    assert found.modes == 0
+    omega = 2.0 * math.pi * 6e4
+    dynamic = body.K + 1j * omega * (20.0 * body.M + 1e-7 * body.K) - omega**2 * body.M
+    known = second.b @ spsolve(sp.csc_array(dynamic), first.b.astype(complex))
+    assert (
+        abs(found.values[0] - known) <= 2.0 * found.error[0] <= 1e-9 * abs(known)
+    )  # and SciPy's rounding
+    whole = body.frf(  # by modes
+        excitation=first,
+        response=second,
+        frequencies=np.geomspace(6e4, 30.0, 900),
+        kind="receptance",
+    )
+    assert whole.modes > 0
+    assert abs(whole.values[0] - known) <= whole.error[0]
+
+
+@pytest.mark.parametrize("off", [1e-3, 1e-7, 1e-9])
+def test_the_bound_holds_beside_a_resonance_without_damping(off: float) -> None:
+    body, first, second = plate(None, SUPPORTS["clamped"], 10)
+    frequency = (1.0 + off) * float(body.frequencies(1)[0])
+    found = body.frf(excitation=first, response=second, frequencies=[frequency], kind="receptance")
+    assert found.modes > 0
+    dynamic = sp.csc_array(body.K - (2.0 * math.pi * frequency) ** 2 * body.M)
+    known = second.b @ spsolve(dynamic, first.b)
+    assert abs(found.values[0] - known) <= found.error[0]
+
+
 def test_modal_damping_of_a_large_body_is_within_its_bound() -> None:
     """Against the sum over all modes."""
     damping = ao.ModalDamping(0.02)

@@ -175,6 +175,7 @@ def test_what_the_law_does_not_describe_is_said() -> None:
         ao.fit_law(ao.HuntCrossley, given, mass=0.1, velocity=1.0)
 
 
+@pytest.mark.filterwarnings("ignore:.*data do not determine", "ignore:PowerLaw is")
 def test_a_parameter_at_its_bound_is_said() -> None:
     depth = np.linspace(0.0, 1e-4, 40)
     with pytest.warns(ao.AOImpactWarning, match="n: the best fit is at the bound"):
