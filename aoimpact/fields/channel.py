@@ -27,8 +27,8 @@ _POLE_OF_CORNER = math.pow(math.sqrt(2.0) - 1.0, -0.25)
 # What is left of a start or an end after the settling time, as a share.
 _SETTLED = 1e-4
 
-# Samples in a period of the pole. Of a plate whose acceleration is 40 times what passes CFC 1000, 200
-# are 1.5e-3 off, and 1000 5e-5.
+# Samples in a period of the pole. Of a plate whose acceleration is 40 times what passes CFC 1000,
+# 200 are 1.5e-3 off, and 1000 5e-5.
 _SAMPLES, _LEAST_SAMPLES = 1000, 1000
 
 # Samples beyond which a filter is taken for a mistake.
