@@ -396,7 +396,7 @@ class ContactLaw:
         >>> law = ao.ElasticPlastic.between(steel, 0.005, steel, float("inf"))
         >>> depth, diameter = law.dent(50e-6)
         >>> round(1e6 * depth, 1), round(1e3 * diameter, 2)  # µm, mm
-        (31.9, 1.37)
+        (33.6, 1.37)
         """
         deepest = positive("indentation", indentation, unit="m")
         force = self.force(deepest) if self.has_memory else 0.0

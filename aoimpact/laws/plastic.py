@@ -229,7 +229,7 @@ class ElasticPlastic(_Yielding):
     >>> round(law.hardness / 1e9, 2), round(law.yield_force, 1)  # GPa, N
     (1.68, 8.8)
     >>> round(ao.restitution(law, mass=0.004, velocity=1.0), 2)
-    0.76
+    0.79
     """
 
     hardness: float

@@ -596,7 +596,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "Signal.of": (testrig.Signal.of, {"source": HIT, "contact": 0, "rate": 1e6, "margin": 0.0}),
     "Signal.resampled": (SIGNAL.resampled, {"rate": 2e5}),
-    "Signal.filtered": (SIGNAL.filtered, {"cfc": 600}),
+    "Signal.filtered": (SIGNAL.filtered, {"cfc": 600, "corner": None}),
     "read_signal": (
         testrig.read_signal,
         {
