@@ -376,9 +376,9 @@ def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
         return law
     if not isinstance(law, PatchLaw):
         return PatchLaw(law, abs(change))
-    if law.compliance > change:
-        return replace(law, compliance=law.compliance - change)
-    return replace(law, compliance=law.compliance + change)
+    if 0.0 < law.compliance <= change:
+        change = -change
+    return replace(law, compliance=law.compliance - change)
 
 
 def _with_law_error(plan: Plan, errors: Sequence[float]) -> Altered:

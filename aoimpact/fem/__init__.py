@@ -9,6 +9,7 @@ from .assembly import stiffness_mass
 from .attached import RigidMass
 from .audit import Audit, audited
 from .beams import Beam, BeamSection, CircularSection, RectangularSection, TubularSection
+from .compliance import ContactCompliance
 from .composition import (
     AnyMaterial,
     Layout,
@@ -86,6 +87,7 @@ __all__ = [
     "BeamSection",
     "Body",
     "CircularSection",
+    "ContactCompliance",
     "ContactPoint",
     "ContactSurface",
     "Damping",

@@ -38,17 +38,18 @@ from ..base import (
 from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
 from ..mesh import AT_NODE, Mesh, Surface, nearest_line, surface_shape
 from .beams import Beam, beam_motion
+from .compliance import ContactCompliance
 from .composition import AnyMaterial, Materials
 from .contactsurface import ContactSurface, contact_surface
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
 from .damping import Damping
-from .extraction import Extraction, extracted
+from .extraction import extracted
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
 from .laminate import Layers
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
-from .thinextraction import ThinExtraction, extracted_from_beam, extracted_from_shell
+from .thinextraction import extracted_from_beam, extracted_from_shell
 from .touch import (
     Touch,
     edge_length,
@@ -275,7 +276,7 @@ class ContactPoint(Frozen):
         return of if isinstance(of, (Layers, Beam)) else None
 
     @cached_property
-    def extraction(self) -> Extraction | ThinExtraction | None:
+    def extraction(self) -> ContactCompliance | None:
         """The compliance that the mesh has in place of the half-space of a contact law.
 
         It takes one linear solution for the contact and one for the body beyond the half-space.
@@ -316,7 +317,7 @@ class ContactPoint(Frozen):
         within = _WITHIN_EDGE * edge_length(self.body.surface, self.point)
         return within if self.patch is None else min(within, self.patch.radius / PATCH_OVER_CONTACT)
 
-    def _extracted(self, solver: LinearSolver) -> Extraction | ThinExtraction:
+    def _extracted(self, solver: LinearSolver) -> ContactCompliance:
         assert self.point is not None
         assert self.direction is not None
         if isinstance(self.thin, Beam):
@@ -338,7 +339,7 @@ class ContactPoint(Frozen):
         force = self._nodal_forces @ self.direction, self.direction
         found = extracted(self.body, self.b, *force, self.point, normal, self._width, solver)
         given = self.patch is not None and not self.automatic
-        if given and found.excess > 0.5 * found.error:  # more than the mesh explains
+        if given and -found.removed > found.error:  # more than the mesh explains
             assert self.patch is not None
             raise InputError(
                 f"radius={self.patch.radius:g}: the patch is so wide that the body yields less to "

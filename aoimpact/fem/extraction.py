@@ -37,6 +37,7 @@ from ..base import FloatArray, IntArray, RoomError
 from ..linalg import LinearSolver
 from ..mesh import plane_of, taken
 from .assembly import stiffness_mass
+from .compliance import ContactCompliance
 from .composition import Materials, pieces
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
 from .material import Material
@@ -70,53 +71,41 @@ _INTERPOLATED = {False: 0.3, True: 0.6}
 _FAR_APART, _MATTERS = 2.5, 0.006
 
 
-@dataclass(frozen=True, eq=False)
-class Extraction:
-    """Compliances of a body at a contact point under a unit force.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Extraction(ContactCompliance):
+    """Compliances of a body of solid elements at a contact point under a unit force.
 
     Attributes
     ----------
-    removed : float
-        c = G - R, that the mesh has in place of the half-space, m/N.
     beyond : float
         R, of the body beyond the half-space, m/N, at the frequency s.
-    error : float
-        Estimated error of R, m/N.
-    excess : float
-        R - G where that is positive, m/N: c is taken as 0 then.
-    varying : float
-        How much c changes while the contact grows to the radius a, and over an e-fold of frequency,
-        m/N.
-    strain : float
-        xᵀKx of the displacement x under the unit force on the nodes, m/N.
-    radius : float
-        a, m.
     splitting : Splitting
     mesh_field : ndarray, shape (n_nodes, 3)
-        The mesh's approximation of u_B, m/N: the displacement under the force on the nodes less w.
+        The model's approximation of u_B, m/N: the displacement under the force on the nodes less w.
     """
 
-    removed: float
     beyond: float
-    error: float
-    excess: float
-    varying: float
-    strain: float
-    radius: float
     splitting: Splitting
     mesh_field: FloatArray
 
     @property
-    def by_width(self) -> float:
+    def by_width(self) -> float:  # type: ignore[override]
         """dR/d(log a), m/N; 0 for a flat contact."""
         return self.splitting.by_width
 
     def removed_for(self, radius: float | None) -> float:
         """Return c for a contact of another radius, m; `removed` where it is not known."""
-        if radius is None or self.splitting.by_width == 0.0:
+        if radius is None or self.by_width == 0.0:
             return self.removed
-        change = self.splitting.by_width * math.log(radius / self.radius)
-        return max(self.removed - change, 0.0)
+        return self.removed - self.by_width * math.log(radius / self.radius)
+
+    def of_truncated(self, tip: Any, deflection: FloatArray) -> Extraction:
+        """Return the compliances of a model that leaves some of the body's modes out."""
+        missing = np.zeros(self.mesh_field.size)
+        inward = math.copysign(1.0, self.splitting.frame[2] @ tip.direction)
+        missing[tip.body.free] = inward * self.missing(tip, deflection)
+        field = self.mesh_field - missing.reshape(-1, 3)
+        return replace(super().of_truncated(tip, deflection), mesh_field=field)
 
 
 def extracted(
@@ -194,15 +183,16 @@ def extracted(
     moved = np.zeros(splitting.w.size)
     moved[body.free] = np.copysign(1.0, -cosine) * x if straight else -x
     return Extraction(
-        max(removed, 0.0),
-        beyond,
-        error + max(-removed, 0.0),
-        max(-removed, 0.0),
-        varying,
-        strain,
-        radius,
-        splitting,
-        moved.reshape(-1, 3) - splitting.w,
+        removed=removed,
+        error=error,
+        varying=varying,
+        deflection=x if straight else solver.solve(b),
+        strain=strain,
+        s=math.sqrt(splitting.s2),
+        radius=radius,
+        beyond=beyond,
+        splitting=splitting,
+        mesh_field=moved.reshape(-1, 3) - splitting.w,
     )
 
 

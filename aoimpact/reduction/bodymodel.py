@@ -14,6 +14,7 @@ import numpy as np
 from ..base import HUGE, FloatArray, InputError, InputTypeError, finite_array
 from ..fem import (
     Body,
+    ContactCompliance,
     ContactPoint,
     ContactSurface,
     Damping,
@@ -205,7 +206,7 @@ class BodyModel(ABC):
         points = self.contact_points
         return points[port] if points else None
 
-    def extraction_at(self, port: int = 0) -> Extraction | ThinExtraction | None:
+    def extraction_at(self, port: int = 0) -> ContactCompliance | None:
         """Return the compliances at a port; None of a rigid body, and where they are not known.
 
         :meta private:
@@ -258,6 +259,28 @@ class ReducedModel(BodyModel):
 
         :meta private:
         """
+
+    @property
+    def truncates(self) -> bool:
+        """True if the body yields more to a force than the model: no vector was made for it.
+
+        :meta private:
+        """
+        return self.contact_time is None
+
+    def extraction_at(self, port: int = 0) -> ContactCompliance | None:
+        """Return the compliances at a port, of a truncated model its own; None if not known.
+
+        :meta private:
+        """
+        known = super().extraction_at(port)
+        if known is None or not self.truncates:
+            return known
+        found: dict[int, ContactCompliance] = self.kept.setdefault("extraction", {})
+        if port not in found:
+            tip, deflection = self.contact_points[port], self.deflection(known.s, port)
+            found[port] = known.of_truncated(tip, deflection)
+        return found[port]
 
     @abstractmethod
     def coordinates(self, gravity: float = 0.0) -> GeneralizedCoordinates | None:
@@ -320,6 +343,7 @@ class ReducedModel(BodyModel):
             if isinstance(known, ThinExtraction):
                 found[key] = thin_stiffness_error(point.body, deflection, known.near)
                 return found[key]
+            assert isinstance(known, Extraction)
             moved = np.zeros(known.mesh_field.size)
             moved[point.body.free] = deflection
             inward = known.splitting.frame[2] @ point.direction

@@ -40,6 +40,8 @@ class Origin:
     vectors : callable, optional
         Returns vectors, shape (n_dofs, r), of which the shapes are combinations that have not been
         multiplied out.
+    series : AOModel, optional
+        The modal model that the star is the first oscillators of, with its compliances.
     """
 
     label: str
@@ -53,6 +55,7 @@ class Origin:
     solver: str = ""
     contact_time: float | None = None
     vectors: Callable[[], FloatArray] | None = None
+    series: Any = None
 
     @property
     def static_mode(self) -> FloatArray:

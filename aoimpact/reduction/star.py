@@ -30,13 +30,12 @@ from ..base import (
     written_file,
 )
 from ..fem import (
+    ContactCompliance,
     ContactPoint,
     ContactSurface,
     Damping,
-    Extraction,
     Material,
     Patch,
-    ThinExtraction,
     damping_or_none,
 )
 from .bodymodel import ReducedModel
@@ -221,13 +220,25 @@ class AOModel(Frozen, ReducedModel):
         found: Patch | None = None if self.origin is None else self.origin.tip.patch
         return found
 
-    def extraction_at(self, port: int = 0) -> Extraction | ThinExtraction | None:
+    def extraction_at(self, port: int = 0) -> ContactCompliance | None:
         """Return the compliances at the contact; None of a rigid body, and if they are not known.
 
         :meta private:
         """
-        rigid = self.n == 0 and self.k0 == 0.0
-        return None if rigid else super().extraction_at(port)
+        if self.n == 0 and self.k0 == 0.0 and not self.truncates:
+            return None
+        if self.origin is not None and self.origin.series is not None:
+            of_series: ContactCompliance | None = self.origin.series.extraction_at(port)
+            return of_series
+        return super().extraction_at(port)
+
+    @property
+    def truncates(self) -> bool:
+        """True for the first natural modes of a body.
+
+        :meta private:
+        """
+        return self.origin is not None and self.origin.label == "modal"
 
     @property
     def contact_surface(self) -> ContactSurface | None:
@@ -531,7 +542,9 @@ class AOModel(Frozen, ReducedModel):
         kept = integer("n", n, low=0, high=self.n)
         origin = self.origin
         if origin is not None:
-            origin = replace(origin, label="AO", oscillators=origin.oscillators[:, :kept])
+            series = self if self.truncates else origin.series
+            oscillators = origin.oscillators[:, :kept]
+            origin = replace(origin, label="AO", oscillators=oscillators, series=series)
         elif kept == self.n:
             return self
         return AOModel(

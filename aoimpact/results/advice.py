@@ -306,8 +306,8 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
     if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
             f"the contact makes an error of {100.0 * error.contact:.2g} % in the {quantity}: it "
-            "reaches over an edge, its patch is wide, or curvatures are not known. Move it, give a "
-            "smaller radius, or give law="
+            "reaches over an edge, its patch is wide, curvatures are not known, or a modal model "
+            "has too few modes. Move it, give a smaller radius, law= or more modes"
         )
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..base import HUGE, FloatArray, InputError
-from ..fem import Extraction, ThinExtraction
+from ..fem import ContactCompliance
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, effective_law, own_law
 from ..reduction import BodyModel
 from .rows import BodyRows
@@ -56,9 +56,7 @@ def law_of_models(
     )
 
 
-def extraction_of(
-    law: ContactLaw, model: BodyModel, port: int
-) -> Extraction | ThinExtraction | None:
+def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> ContactCompliance | None:
     """Return the compliances of a body under a law, or None if nothing is taken out of it there.
 
     A law that is not like Hertz's leaves out the indentation at a node, as springs and buffers do.
