@@ -88,7 +88,7 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> Ste
 
 
 def _scales(sizes: FloatArray) -> FloatArray:
-    """What the contacts' errors are relative to: their sizes, or a hundredth of the largest."""
+    """Scales of the contacts' errors: their sizes, or a hundredth of the largest."""
     scales: FloatArray = np.maximum(sizes, LESSER * max(sizes.max(), np.finfo(float).tiny))
     return scales
 
@@ -149,7 +149,7 @@ def _touch_error(plan: Plan, record: Record, contact: int) -> float:
 
 
 def _unseen_loads(plan: Plan, record: Record) -> float:
-    """What the steps do not see of the loads, as a share of the largest impulse or peak force.
+    """Loads that the steps do not see, as a share of the largest impulse or peak force.
 
     A step takes a load at its ends. A pulse within one is missed, whatever runs are compared: its
     impulse, and, where a contact point without mass hands it on at once, its force.

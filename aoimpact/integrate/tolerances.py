@@ -1,4 +1,4 @@
-"""What the tolerance of a run is shared out by, and from where on none is claimed, and why.
+"""Shares of the tolerance of a run, the limits beyond which none is claimed, and why.
 
 The measurements are over random impacts and scenes with a known answer; the tests repeat some of
 them on fewer. Two more tolerances are shared out elsewhere: that of a quantity of interest among

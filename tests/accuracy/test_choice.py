@@ -142,7 +142,7 @@ scene = functools.cache(Scene)
 
 @pytest.mark.parametrize("quantity", ["restitution", "contact_count", "peak_time"])
 def test_restitution_count_and_time_of_the_peak_are_quantities(quantity):
-    """Of a cantilever that is struck twice; a count is right, or wrong by half."""
+    """A cantilever is struck twice; a count is right, or wrong by half."""
     cantilever = scene("tip of a cantilever, for long")
     assert len(cantilever.full.contacts) == 2
     hit = cantilever.answer(quantity, 1e-2)
@@ -166,7 +166,7 @@ def test_true_error_is_within_the_tolerance(name):
 
 @pytest.mark.slow
 def test_estimates_bound_true_errors():
-    """Of the quantity asked for, and of numbers that were not, where they are above rounding."""
+    """Those of the quantity asked for, and of others where they are above rounding."""
     ratios = []
     for name in SCENES:
         full = scene(name).full
@@ -389,7 +389,7 @@ def test_a_point_of_another_body_is_refused(paper):
 
 
 def test_a_point_of_a_model_that_is_both_bodies_is_refused_and_a_copy_tells_them_apart():
-    """Of two cubes that collide, the struck one's back stays behind the contact point."""
+    """When two cubes collide, the struck one's back stays behind the contact point."""
     tip = cube(STEEL, 0.02)
     point = tip.body.contact(point=(0.01, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     run = functools.partial(

@@ -183,7 +183,7 @@ def test_a_patch_wider_than_a_plate_is_thick_is_refused() -> None:
 
 @pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_a_contact_over_an_edge_has_a_large_error() -> None:
-    """Of its disc of 0.48 mm, an edge cuts off a part."""
+    """An edge cuts off a part of its disc of 0.48 mm."""
     block = ao.FEModel.from_mesh(
         ao.box_mesh((0.06, 0.06, 0.03), (6, 6, 3), kind="hexahedron20"), ALU
     )

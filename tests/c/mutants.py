@@ -646,7 +646,7 @@ def includes(source: Path, header: str) -> bool:
 
 
 def passes(compiler: str, test: str, out: Path) -> bool:
-    """Whether a test program, linked with the core as it is now, passes."""
+    """True if a test program, linked with the core as it is now, passes."""
     objects = out.glob("*/*.o")
     program = out / test
     command = [compiler, out / f"{test}.o", *sorted(objects), "-lm", "-o", program]

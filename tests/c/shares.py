@@ -174,7 +174,7 @@ def pattern(name: str) -> str:
 
 
 def trials(of: str) -> tuple[str, str, str, list[str]]:
-    """Of FILE:NAME[:VALUE:VALUE], file, name, the value now, and those to try."""
+    """File, name, the value now and those to try, from FILE:NAME[:VALUE:VALUE]."""
     file, name, *others = of.split(":")
     found = re.search(pattern(name), (CORE / file).read_text())
     if found is None:
@@ -184,7 +184,7 @@ def trials(of: str) -> tuple[str, str, str, list[str]]:
 
 
 def compared(now: Runs, then: Runs) -> tuple[bool, str]:
-    """Whether runs got worse, and by what, in the mean of all."""
+    """Return whether runs got worse, and by how much, in the mean of all."""
     pairs = [(*one, *other) for one, other in zip(now, then, strict=True)]
     beyond = sum(after > 1.0 >= before for before, _, after, _ in pairs)
     larger = [max(after, LITTLE) / max(before, LITTLE) for before, _, after, _ in pairs]

@@ -48,7 +48,7 @@ def extraction(body: ao.FEModel, point: Any = ON_TOP, a: float = A, **more: Any)
 
 @cache
 def fine() -> Extraction:
-    """Of the free block, by 256 bricks of 27 nodes."""
+    """The compliances of the free block, by 256 bricks of 27 nodes."""
     return extraction(block("hexahedron27", (8, 8, 4)))
 
 

@@ -46,7 +46,7 @@ def velocities(run, bodies):
 
 
 def richardson(scene, dt, duration, read):
-    """What a run by Newmark's rule says, without the error of second order in dt."""
+    """The numbers of a run by Newmark's rule, without the error of second order in dt."""
     coarse, fine = (
         read(scene.simulate(duration=duration, solver=ao.Newmark(dt=step, estimate=False)))
         for step in (dt, dt / 2)

@@ -48,7 +48,7 @@ def bouncing(count, rtol, stiffness=STIFFNESS):
 
 
 def largest_error(run, ball, stiffness=STIFFNESS):
-    """Of peak force, starts and ends of contacts, impulse and rebound, by the closed form."""
+    """The largest error of peak force, times, impulse and rebound, by the closed form."""
     peak, touch, free_time = bounce(stiffness)
     spans = np.array(run.contacts[0].intervals)
     starts = (touch + free_time) * np.arange(len(spans))

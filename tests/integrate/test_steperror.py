@@ -40,7 +40,7 @@ def random_impact(seed: int) -> dict:
 
 @dataclass(frozen=True)
 class Case:
-    """What the estimate is made from, and the larger error of peak and impulse."""
+    """The estimate's parts, and the larger error of peak and impulse."""
 
     given: tuple[Any, ...]
     true: float
@@ -77,7 +77,7 @@ def cases() -> list[Case]:
 
 
 def claimed_and_true(cases: list[Case]) -> tuple[np.ndarray, np.ndarray]:
-    """Of those that claim something: the others warn."""
+    """Claimed and true errors of runs that claim one: the others warn."""
     claimed, true = np.array([(case.claimed, case.true) for case in cases]).T
     return claimed[claimed < 1.0], true[claimed < 1.0]
 

@@ -1,4 +1,4 @@
-"""What shares out a tolerance: more costs more than it must, less breaks the tolerance."""
+"""Shares of a tolerance: more costs more than it must, less breaks the tolerance."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_starts_of_touches_from_rest_are_not_compared(
 
 
 def end_speed(stiffness: float) -> float:
-    """Of a ball of 1 m/s after four touches of two walls; 0 where that is refused."""
+    """Speed of a ball of 1 m/s after four touches of two walls; 0 where that is refused."""
     scene = ao.Scene()
     ball = scene.add(ao.rigid(mass=MASS), velocity=1.0)
     left, right = (scene.add(ao.rigid(mass=math.inf)) for _ in range(2))
@@ -213,7 +213,7 @@ def test_a_touch_begins_at_a_certain_time_from_a_hundredth_of_its_mean_rate_on()
 
 
 def test_an_error_of_more_than_a_fifth_is_no_digit() -> None:
-    """Of a half sine in 3.5 and in 2.5 steps, whose impulses are 4 % and 6 % off."""
+    """A half sine in 3.5 and in 2.5 steps has impulses that are 4 % and 6 % off."""
     spring, mass = 1e7, 0.1
     length = math.pi * math.sqrt(mass / spring)
     claimed = []
@@ -255,7 +255,7 @@ def test_runs_that_differ_by_more_than_a_little_show_that_errors_multiply(
 def test_a_tighter_first_comparison_takes_more_steps(
     monkeypatch: pytest.MonkeyPatch, runs: Runs
 ) -> None:
-    """What a looser one lets pass is shown by a frame that rattles (tests/tools)."""
+    """A frame that rattles shows the errors that a looser one lets pass (tests/tools)."""
     bounces(10, 1e-3)
     usual = sum(steps for _, steps in runs)
     runs.clear()

@@ -194,7 +194,7 @@ class Spheres(NamedTuple):
 
     @property
     def measured_hardness(self) -> float:
-        """Of the slope 2 π R p₀, R half of the spheres' radius."""
+        """p₀, Pa, of the slope 2 π R p₀, R half of the spheres' radius."""
         return self.slope / (math.pi * 3.175e-3)
 
     def deviations(self, law: ao.ContactLaw) -> np.ndarray:

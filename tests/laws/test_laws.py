@@ -1,4 +1,4 @@
-"""What holds for every contact law, and the laws' own formulas."""
+"""Statements that hold for every contact law, and the laws' own formulas."""
 
 import copy
 import math

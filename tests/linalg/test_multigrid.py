@@ -402,7 +402,7 @@ def test_all_corners_of_a_quadratic_mesh_may_be_held():
 
 
 def test_the_finest_level_may_be_made_in_pieces(monkeypatch):
-    """Of a body with partly held nodes; sums of the pieces are rounded in another order."""
+    """The body has partly held nodes; sums of the pieces are rounded in another order."""
     mesh = box_mesh((0.2, 0.02, 0.02), (30, 3, 3), kind="tetra10")
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz"), ("zmin", "y")])
     whole = Multigrid(pencil_of(body, SHIFT), 1e-10)

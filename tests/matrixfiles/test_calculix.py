@@ -127,7 +127,7 @@ def test_a_deck_of_quadratic_elements_gives_patch_and_force_of_the_mesh(tmp_path
 
 
 def test_a_star_is_a_deck_of_springs_and_masses(tmp_path: Path) -> None:
-    """What CalculiX assembles of it are the star's own matrices and natural frequencies."""
+    """CalculiX assembles the star's own matrices and natural frequencies from it."""
     star = ao.AOModel(m0=0.1, k0=1e6, m=[0.5, 0.2, 0.05], k=[2e6, 3e6, 9e6])
     files = ao.write_matrices(star, tmp_path)
     run(tmp_path, iter([files["deck"].read_text() + STORED]))

@@ -1,4 +1,4 @@
-"""What the rows of matrices are, where the nodes are, and what is written for other programs."""
+"""Rows of matrices, places of nodes, and matrices written for other programs."""
 
 from __future__ import annotations
 

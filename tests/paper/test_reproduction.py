@@ -180,7 +180,7 @@ def test_beam_has_the_paper_s_matrices(beam: paper_beam.BeamStudy) -> None:
 
 
 def test_beam_frequencies(beam: paper_beam.BeamStudy) -> None:
-    """Of vertical bending: the paper's, except for 315 Hz, and 915 Hz within 1.5 %."""
+    """Vertical bending has the paper's, except for 315 Hz, and 915 Hz within 1.5 %."""
     rows = paper_beam.table_5(beam)
     for name in ("58", "233", "520"):
         assert rows[f"{name} Hz, nearest vertical"].verdict in ("agrees", "close")

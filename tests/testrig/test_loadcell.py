@@ -1,4 +1,4 @@
-"""What a load cell reads: against closed forms, a direct solution, and the tup in an impact."""
+"""Readings of a load cell against closed forms, a direct solution, and the tup in an impact."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_two_masses_under_a_force_by_a_direct_solution() -> None:
 
 
 def test_a_rigid_projectile_reads_nearly_what_the_tup_reads() -> None:
-    """Of a cell far stiffer than the contact."""
+    """The cell is far stiffer than the contact."""
     stiff = testrig.LoadCell(nose=0.4, carriage=5.0, stiffness=3e11, damping_ratio=0.03)
     soft = ao.AOModel(m0=0.0, k0=1e6, m=[0.5], k=[1e6])
     given: dict[str, Any] = {"target": soft, "law": LAW, "velocity": 2.0, "duration": 9e-3}

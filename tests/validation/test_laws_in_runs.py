@@ -330,7 +330,7 @@ def test_a_massless_contact_turns_where_its_law_could_yield(velocity, rtol):
 
 
 def peak_on_a_parabola(law: ao.ContactLaw, rtol: float) -> float:
-    """Of a contact with δ = t - t²/ms: the mass is too heavy for the force to matter."""
+    """The contact has δ = t - t²/ms: the mass is too heavy for the force to matter."""
     scene = ao.Scene()
     mass, wall = scene.add(ao.rigid(mass=1e9), velocity=1.0), scene.add(ao.rigid(mass=math.inf))
     scene.connect(mass, wall, law)

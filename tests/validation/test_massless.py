@@ -522,7 +522,7 @@ SNAPS = {
 
 @pytest.mark.parametrize("name", SNAPS)
 def test_a_place_that_snaps_back_is_the_limit_of_a_small_mass(name):
-    """What has let go but still overlaps takes the force of a place that comes back at once."""
+    """A place that has let go but still overlaps takes the force of one that comes back at once."""
     compliance, balls = SNAPS[name]
     runs = []
     for m0, rtol in ((1e-8, 1e-7), (0.0, 1e-4), (0.0, 1e-7), (0.0, 1e-9)):

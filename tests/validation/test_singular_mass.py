@@ -65,7 +65,7 @@ def test_every_model_of_a_body_of_singular_mass_gives_its_force() -> None:
 
 
 def test_vectors_without_mass_end_a_krylov_space() -> None:
-    """What rounding makes of them once put the modes before them out of place."""
+    """Once, their rounding put the modes before them out of place."""
     K, M = rod_integrated_at_one_point(60)
     space = ao.KrylovSpace(ao.FEModel(K=K, M=M).contact(dof=60), contact_time=20.0)
     model = space.of_vectors(80)
