@@ -293,6 +293,75 @@ AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double inden
  * limit of a law with a compliance, where it has no meaning, it grows on as over a straight line. */
 AOI_API double aoi_law_potential(const aoi_law *law, const double *memory, double indentation);
 
+/* ------------------------------------------------------------------------------------ friction */
+
+/* Coulomb's friction in an elastic contact, which sticks in its middle and slips at its rim (Cattaneo, Mindlin). By the
+ * method of dimensionality reduction (Popov and Hess) the contact is a row of springs. That of the depth x is touched
+ * where the indentation d exceeds x; then it presses with what the normal stiffness K(d) = dF/dd gains at x, times d - x,
+ * and resists a tangential stretch s with ratio times that stiffness, as far as |s| <= mu/ratio (d - x):
+ *     force = ratio * integral of s(x) dK(x) over 0 <= x <= d.
+ * This is exact for a Hertzian contact with two like materials, or where one is rigid or incompressible, and takes the
+ * same place for another elastic law: one spring for a linear one. The normal force is not changed by friction. */
+typedef struct aoi_friction {
+    aoi_law law;      /* the normal law, of its own indentation: without a compliance               */
+    double mu, ratio; /* coefficient of friction; tangential over normal stiffness, Mindlin's G / E
+                         of the pair: 2 (1 - nu)/(2 - nu) for like materials                       */
+    double precision; /* share of the largest stretch, mu/ratio d, to which a curve of stretches is
+                         drawn; where all motion is along one line it plays no part but in size    */
+} aoi_friction;
+
+/* Makes friction of a law. Its compliance and limit are left out: who has them passes the law's own indentation and
+ * slide, which are those of the bodies plus compliance times force.
+ *   law        elastic: it must neither depend on the rate nor have a memory, turn or pull; copied
+ *   mu         >= 0
+ *   ratio      > 0
+ *   precision  in (0, 0.1]; some 1e-4
+ * AOI_ERROR_ARGUMENT where these do not hold. */
+AOI_API int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision);
+
+/* The stretch of the spring at a depth, m; between two of these it runs straight. */
+typedef struct aoi_stretch {
+    double depth, along[2];
+} aoi_stretch;
+
+/* The memory of one contact with friction: the stretches of its springs, by ascending depth from 0 to the indentation,
+ * where the stretch is 0. No springs, count = 0, where the bodies are apart. The caller sets room, at least 8
+ * (48 is enough for motion along one line, 200 for any), and two arrays of that length; count = 0; and the indentation at
+ * which he begins, not above 0. */
+typedef struct aoi_friction_state {
+    size_t room, count;
+    aoi_stretch *spring, *spare;
+    double indentation;
+} aoi_friction_state;
+
+/* What friction gives at the end of a path. The first body slides by slide against the second; force holds it back, and
+ * pushes the second. */
+typedef struct aoi_friction_value {
+    double force[2];         /* N                                                                   */
+    double by_slide[2][2];   /* d force / d slide, N/m                                              */
+    double by_indentation[2]; /* d force / d indentation, N/m                                       */
+    double stuck;            /* depth within which springs stick, m: the indentation where all do, 0 where all slip */
+} aoi_friction_value;
+
+/* The force after the bodies have moved straight from the state to an indentation while they slid, m. The state is only
+ * read. Exact for straight paths along one line (and reversals between them); where directions turn, to the precision,
+ * for springs turn exactly. by_indentation leaves out how the turning depends on the indentation. */
+AOI_API void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
+                              const double slide[2], aoi_friction_value *value);
+
+/* Adds springs to the state where such a path would turn neighbours apart, if there is room. The force is not changed. For
+ * once in a step, with a guess of its end: what aoi_friction_try gives is smooth from then on. */
+AOI_API void aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+                                 const double slide[2]);
+
+/* Takes the state along that path, and leaves out springs that others stand for to the precision; to less than that where
+ * there is no room. */
+AOI_API void aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+                               const double slide[2]);
+
+/* The energy of the stretches, J: what is left of the work of the force over that has been dissipated. */
+AOI_API double aoi_friction_energy(const aoi_friction *friction, const aoi_friction_state *state);
+
 /* ----------------------------------------------------------------- what there is: the model */
 
 /* Forces on the ports of a body that run straight between times (ascending; of two equal ones the later

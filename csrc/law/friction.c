@@ -1,0 +1,414 @@
+/* Friction of an elastic contact: springs that stick or slip, as stretches over their depth.
+ *
+ * The spring of depth x has the bound r = mu/ratio (d - x) on its stretch s. On a straight path the indentation d and the
+ * slide grow evenly, and so does r. A spring follows the slide while |s| <= r. Once it slips it goes on to do so, with
+ * s = r n, and its direction n turns towards that of the slide: dn/dt = (I - n n) u/r for the rate u of the slide, so that
+ * the angle between the two has tan(angle/2) = tan(angle_0/2) exp(-integral of |u|/r dt).
+ *
+ * If s runs straight over x between knots, so does it after straight motion along one line: springs slip outside one depth
+ * (Cattaneo 1938, Mindlin and Deresiewicz 1953), where s = r n. With K = dF/dd and s(d) = 0,
+ *     force = ratio * integral of s dK = -ratio * sum of (change of s / change of x) * (change of F),
+ * which is the superposition of normal forces of Jaeger (1993) and Ciavarella (1998), for any elastic law. */
+#include "aoimpact.h"
+
+#include <float.h>
+#include <math.h>
+
+/* How often neighbours are parted at most in one step: into 64. */
+enum { MOST_PARTINGS = 6 };
+
+/* Tangents beyond this are of an angle of 180 degrees; its square is still a number. */
+static const double STRAIGHT_BACK = 1e150;
+
+/* A knot of the curve that a path leads to, and its derivatives by the slide (two) and by the indentation. */
+typedef struct knot {
+    double depth, s[2];
+    double by[3], s_by[2][3];
+    int slips;
+} knot;
+
+/* A straight path, and the state that it starts from. */
+typedef struct path {
+    const aoi_friction *friction;
+    const aoi_stretch *spring;
+    aoi_stretch touch; /* the first spring, where the path begins apart */
+    size_t count;
+    double from, to, slide[2];
+    double slope; /* of the bound: mu/ratio */
+} path;
+
+int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision)
+{
+    if (!friction || aoi_law_check(law) != AOI_OK || law->depends_on_rate || law->remember || law->turns ||
+        law->pulls || !(mu >= 0.0 && mu < HUGE_VAL) || !(ratio > 0.0 && ratio < HUGE_VAL) ||
+        !(precision > 0.0 && precision <= 0.1)) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    friction->law = *law;
+    friction->law.compliance = 0.0;
+    friction->law.limit = HUGE_VAL;
+    friction->mu = mu;
+    friction->ratio = ratio;
+    friction->precision = precision;
+    return AOI_OK;
+}
+
+/* The path on which the springs touch: all of it, or what is left after the first touch. */
+static path path_of(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
+                    const double slide[2])
+{
+    path p = {friction, state->spring, {0.0, {0.0, 0.0}}, state->count, state->indentation, indentation,
+              {slide[0], slide[1]}, friction->mu / friction->ratio};
+    if (state->count == 0) {
+        const double share = indentation > 0.0 ? indentation / (indentation - p.from) : 0.0;
+        p.count = 1;
+        p.from = 0.0;
+        p.slide[0] *= share;
+        p.slide[1] *= share;
+    }
+    return p;
+}
+
+static aoi_stretch spring_of(const path *p, size_t i)
+{
+    return p->spring && p->from > 0.0 ? p->spring[i] : p->touch;
+}
+
+/* The state's stretch at a depth between the springs i and i + 1. */
+static aoi_stretch between(const path *p, size_t i, double depth)
+{
+    const aoi_stretch a = spring_of(p, i), b = spring_of(p, i + 1);
+    const double share = (depth - a.depth) / (b.depth - a.depth);
+    const aoi_stretch found = {depth, {a.along[0] + share * (b.along[0] - a.along[0]),
+                                       a.along[1] + share * (b.along[1] - a.along[1])}};
+    return found;
+}
+
+/* How a spring comes to slip: when, as a share of the path; in axes along the slide and across it. */
+typedef struct entry {
+    double share, radius, x, y;
+} entry;
+
+static entry entry_of(double x, double y, double u, double r, double r_by)
+{
+    const double a = u * u - r_by * r_by, b = x * u - r * r_by, c = fmin(x * x + y * y - r * r, 0.0);
+    const double root = sqrt(fmax(b * b - a * c, 0.0));
+    double share = b > 0.0 ? -c / (b + root) : a != 0.0 ? (root - b) / a : 1.0;
+    share = share > 0.0 ? fmin(share, 1.0) : 0.0;
+    const entry found = {share, r + share * r_by, x + share * u, y};
+    return found;
+}
+
+/* A spring that slips at the end of the path, where its bound is r1 > 0. */
+static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
+{
+    const double r0 = fmax(p->slope * (p->from - spring->depth), 0.0);
+    const double u = hypot(p->slide[0], p->slide[1]), size = hypot(spring->along[0], spring->along[1]);
+    const double *axis = u > 0.0 ? p->slide : spring->along;
+    const double e[2] = {axis[0] / (u > 0.0 ? u : size), axis[1] / (u > 0.0 ? u : size)};
+    const double along = spring->along[0] * e[0] + spring->along[1] * e[1];
+    const double across = spring->along[1] * e[0] - spring->along[0] * e[1];
+    const entry in = entry_of(along, across, u, r0, r1 - r0);
+    /* Without a stretch to begin with it goes with the slide. */
+    const double grown = r0 > 0.0 ? (r1 - in.radius) / in.radius : 0.0;
+    const double mean = fabs(grown) > DBL_EPSILON ? log1p(grown) / grown : 1.0;
+    const double rate = r0 > 0.0 ? (1.0 - in.share) / in.radius * mean : 0.0;
+    const double turned = rate * u, left = exp(-turned), length = hypot(in.x, in.y);
+    double f0 = in.x >= 0.0 ? (length > 0.0 ? in.y / (length + in.x) : 0.0)
+                            : (in.y != 0.0 ? (length - in.x) / in.y : STRAIGHT_BACK);
+    f0 = r0 > 0.0 ? fmax(-STRAIGHT_BACK, fmin(f0, STRAIGHT_BACK)) : 0.0;
+    const double f = f0 * left, norm = 1.0 + f * f, cosine = (1.0 - f) * (1.0 + f) / norm, sine = 2.0 * f / norm;
+    const double n[2] = {cosine * e[0] - sine * e[1], cosine * e[1] + sine * e[0]};
+    /* By how much the direction turns with a change of the slide: (I) of the entry, (II) of the slide's own direction,
+     * (III) of its length. */
+    double by_entry = 0.0, by_direction = u > 0.0 ? 1.0 / u : 0.0, cosine0 = 1.0, sine0 = 0.0;
+    if (r0 > 0.0) {
+        const double norm0 = 1.0 + f0 * f0;
+        cosine0 = (1.0 - f0) * (1.0 + f0) / norm0;
+        sine0 = 2.0 * f0 / norm0;
+        by_entry = left * norm0 / norm * in.share / in.radius;
+        by_direction = rate * (turned > 0.0 ? -expm1(-turned) / turned : 1.0) * (1.0 - f0 * f) / norm;
+    }
+    const double by_along = -by_entry * sine0 - sine * rate, by_across = by_entry * cosine0 + by_direction;
+    const double turning[2] = {by_along * e[0] - by_across * e[1], by_along * e[1] + by_across * e[0]};
+    const double t[2] = {-n[1], n[0]};
+    for (int i = 0; i < 2; i++) {
+        k->s[i] = r1 * n[i];
+        k->s_by[i][0] = r1 * t[i] * turning[0];
+        k->s_by[i][1] = r1 * t[i] * turning[1];
+        k->s_by[i][2] = p->slope * n[i];
+    }
+}
+
+/* A spring at the end of the path. */
+static knot moved(const path *p, const aoi_stretch *spring)
+{
+    const double s[2] = {spring->along[0] + p->slide[0], spring->along[1] + p->slide[1]};
+    const double bound = p->slope * (p->to - spring->depth);
+    knot k = {spring->depth, {s[0], s[1]}, {0.0, 0.0, 0.0}, {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, 0};
+    k.slips = hypot(s[0], s[1]) > bound * (1.0 + 2.0 * DBL_EPSILON);
+    if (k.slips && bound > 0.0) {
+        turn(p, spring, bound, &k);
+    } else if (k.slips) {
+        const knot none = {spring->depth, {0.0, 0.0}, {0.0, 0.0, 0.0}, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 1};
+        k = none;
+    }
+    return k;
+}
+
+/* Where slip begins between a spring that sticks and one that does not; straight between these before the path. */
+static knot front(const path *p, const aoi_stretch *sticks, const aoi_stretch *slips)
+{
+    const double width = slips->depth - sticks->depth, bound = p->slope * (p->to - sticks->depth);
+    const double g[2] = {(slips->along[0] - sticks->along[0]) / width, (slips->along[1] - sticks->along[1]) / width};
+    const double s[2] = {sticks->along[0] + p->slide[0], sticks->along[1] + p->slide[1]};
+    const double a = g[0] * g[0] + g[1] * g[1] - p->slope * p->slope;
+    const double b = s[0] * g[0] + s[1] * g[1] + bound * p->slope;
+    const double c = fmin(s[0] * s[0] + s[1] * s[1] - bound * bound, 0.0), root = sqrt(fmax(b * b - a * c, 0.0));
+    const double far = b > 0.0 ? -c / (b + root) : a > 0.0 ? (root - b) / a : width;
+    const double y = far > 0.0 ? fmin(far, width) : 0.0;
+    const double at[2] = {s[0] + y * g[0], s[1] + y * g[1]}, size = hypot(at[0], at[1]);
+    const double n[2] = {size > 0.0 ? at[0] / size : 0.0, size > 0.0 ? at[1] / size : 0.0};
+    const double steepness = n[0] * g[0] + n[1] * g[1] + p->slope;
+    const double per = steepness > 0.0 && size > 0.0 ? 1.0 / steepness : 0.0;
+    knot k = {sticks->depth + y, {at[0], at[1]}, {-n[0] * per, -n[1] * per, p->slope * per},
+              {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, 1};
+    for (int i = 0; i < 2; i++) {
+        for (int j = 0; j < 3; j++) {
+            k.s_by[i][j] += g[i] * k.by[j];
+        }
+    }
+    return k;
+}
+
+/* The knots that a path leads to, one after the other: the springs, a front between two of them, and the rim. */
+typedef struct walk {
+    path p;
+    size_t next;    /* of the springs                                */
+    aoi_stretch last; /* the spring before, as the path finds it       */
+    int sticks;     /* it does                                       */
+    int pending;    /* the knot after a front is to be given         */
+    int done;
+    knot after;
+} walk;
+
+static walk walk_along(const path *p)
+{
+    const walk w = {*p, 0, {0.0, {0.0, 0.0}}, 0, 0, 0,
+                    {0.0, {0.0, 0.0}, {0.0, 0.0, 0.0}, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0}};
+    return w;
+}
+
+/* The rim, where springs have just been touched or are about to be left. */
+static knot rim_of(const path *p, int slips)
+{
+    const knot rim = {p->to, {0.0, 0.0}, {0.0, 0.0, 1.0}, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, slips};
+    return rim;
+}
+
+/* Gives the next knot; 0 where there is none. */
+static int step(walk *w, knot *k)
+{
+    const path *p = &w->p;
+    if (w->pending) {
+        *k = w->after;
+        w->pending = 0;
+        return 1;
+    }
+    if (w->done) {
+        return 0;
+    }
+    aoi_stretch here = {p->to, {0.0, 0.0}};
+    if (w->next < p->count && spring_of(p, w->next).depth < p->to) {
+        here = spring_of(p, w->next);
+        *k = moved(p, &here);
+    } else {
+        w->done = 1;
+        *k = rim_of(p, 0);
+        if (p->to <= p->from) {
+            here = between(p, w->next - 1, p->to);
+            k->slips = hypot(here.along[0] + p->slide[0], here.along[1] + p->slide[1]) > 0.0;
+        }
+    }
+    if (w->sticks && k->slips) {
+        w->after = *k;
+        w->pending = 1;
+        *k = front(p, &w->last, &here);
+    }
+    w->sticks = !(w->pending || k->slips);
+    w->last = here;
+    w->next++;
+    return 1;
+}
+
+static aoi_law_value normal(const aoi_friction *friction, double depth)
+{
+    aoi_law_value value;
+    aoi_law_push(&friction->law, NULL, depth, 0.0, &value);
+    return value;
+}
+
+/* What the springs between two knots add. */
+static void add(double ratio, const knot *a, const knot *b, const aoi_law_value *at_a, const aoi_law_value *at_b,
+                aoi_friction_value *value)
+{
+    const double width = b->depth - a->depth;
+    if (!(width > 0.0)) {
+        return;
+    }
+    const double mean = (at_b->force - at_a->force) / width;
+    for (int i = 0; i < 2; i++) {
+        const double slope = (b->s[i] - a->s[i]) / width;
+        double by[3];
+        for (int j = 0; j < 3; j++) {
+            by[j] = (b->s_by[i][j] - a->s_by[i][j]) * mean +
+                    slope * ((at_b->stiffness - mean) * b->by[j] - (at_a->stiffness - mean) * a->by[j]);
+        }
+        value->force[i] -= ratio * (b->s[i] - a->s[i]) * mean;
+        value->by_slide[i][0] -= ratio * by[0];
+        value->by_slide[i][1] -= ratio * by[1];
+        value->by_indentation[i] -= ratio * by[2];
+    }
+}
+
+void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
+                      const double slide[2], aoi_friction_value *value)
+{
+    const aoi_friction_value none = {{0.0, 0.0}, {{0.0, 0.0}, {0.0, 0.0}}, {0.0, 0.0}, 0.0};
+    *value = none;
+    if (!(indentation > 0.0)) {
+        return;
+    }
+    const path p = path_of(friction, state, indentation, slide);
+    walk w = walk_along(&p);
+    knot a, b;
+    (void)step(&w, &a);
+    aoi_law_value at_a = normal(friction, a.depth);
+    value->stuck = a.slips ? 0.0 : indentation;
+    while (step(&w, &b)) {
+        const aoi_law_value at_b = normal(friction, b.depth);
+        add(friction->ratio, &a, &b, &at_a, &at_b, value);
+        if (b.slips && !a.slips) {
+            value->stuck = b.depth;
+        }
+        a = b;
+        at_a = at_b;
+    }
+}
+
+static void swap(aoi_friction_state *state, size_t count)
+{
+    aoi_stretch *other = state->spare;
+    state->spare = state->spring;
+    state->spring = other;
+    state->count = count;
+}
+
+/* Copies the state's springs to its spare ones, with one between each two that the path turns apart. Returns their count. */
+static size_t parted(const aoi_friction_state *state, const path *p)
+{
+    const double enough = p->friction->precision * p->slope * p->to;
+    size_t copied = 0, count = 0;
+    walk w = walk_along(p);
+    knot a, b;
+    (void)step(&w, &a);
+    for (; step(&w, &b); a = b) {
+        const size_t outer = w.next - 1;
+        if (!(a.slips && b.slips && b.depth > a.depth) || state->count + (count - copied) + 2 >= state->room) {
+            continue;
+        }
+        const aoi_stretch middle = between(p, outer - 1, 0.5 * (a.depth + b.depth));
+        const knot k = moved(p, &middle);
+        if (fabs(k.s[0] - 0.5 * (a.s[0] + b.s[0])) > enough || fabs(k.s[1] - 0.5 * (a.s[1] + b.s[1])) > enough) {
+            while (copied < outer) {
+                state->spare[count++] = state->spring[copied++];
+            }
+            state->spare[count++] = middle;
+        }
+    }
+    while (copied < state->count) {
+        state->spare[count++] = state->spring[copied++];
+    }
+    return count;
+}
+
+void aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+                         const double slide[2])
+{
+    for (int i = 0; i < MOST_PARTINGS && state->count > 0 && indentation > 0.0; i++) {
+        const path p = path_of(friction, state, indentation, slide);
+        const size_t count = parted(state, &p);
+        if (count == state->count) {
+            return;
+        }
+        swap(state, count);
+    }
+}
+
+/* Whether a spring may be left out: the curve is as good as straight there. A change of slope times the width is some four
+ * to eight times the distance of the curve from its chord, however closely it was drawn before. */
+static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough)
+{
+    const double before = b->depth - a->depth, after = c->depth - b->depth, width = c->depth - a->depth;
+    for (int i = 0; i < 2; i++) {
+        const double change = (c->along[i] - b->along[i]) * before - (b->along[i] - a->along[i]) * after;
+        if (fabs(change) * width > enough * before * after) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* The springs after a path; 0 where they are more than there is room for. */
+static size_t drawn(const path *p, double enough, aoi_stretch *spring, size_t room)
+{
+    walk w = walk_along(p);
+    size_t count = 0;
+    for (knot k; step(&w, &k);) {
+        const aoi_stretch here = {k.depth, {k.s[0], k.s[1]}};
+        /* Of two at one depth the later is the one: the rim is in its place. */
+        if (count > 1 && !(here.depth > spring[count - 1].depth)) {
+            count--;
+        }
+        if (count > 1 && straight(&spring[count - 2], &spring[count - 1], &here, enough)) {
+            count--;
+        }
+        if (count == room) {
+            return 0;
+        }
+        spring[count++] = here;
+    }
+    return count;
+}
+
+void aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+                       const double slide[2])
+{
+    size_t count = 0;
+    if (indentation > 0.0) {
+        const path p = path_of(friction, state, indentation, slide);
+        double enough = friction->precision * p.slope * indentation;
+        while (!(count = drawn(&p, enough, state->spare, state->room))) {
+            enough *= 4.0;
+        }
+    }
+    swap(state, count);
+    state->indentation = indentation;
+}
+
+double aoi_friction_energy(const aoi_friction *friction, const aoi_friction_state *state)
+{
+    double energy = 0.0;
+    for (size_t i = 1; i < state->count; i++) {
+        const aoi_stretch a = state->spring[i - 1], b = state->spring[i];
+        const double at_a = normal(friction, a.depth).force, at_b = normal(friction, b.depth).force;
+        const double width = b.depth - a.depth;
+        const double work = aoi_law_potential(&friction->law, NULL, b.depth) -
+                            aoi_law_potential(&friction->law, NULL, a.depth);
+        for (int j = 0; j < 2; j++) {
+            const double slope = (b.along[j] - a.along[j]) / width;
+            energy -= friction->ratio * slope * (b.along[j] * at_b - a.along[j] * at_a - slope * work);
+        }
+    }
+    return energy;
+}

@@ -1,0 +1,367 @@
+/* Friction of an elastic contact: closed forms of Cattaneo, Mindlin and Deresiewicz, Coulomb's law, and one spring alone. */
+#include "check.h"
+#include "aoimpact.h"
+
+enum { ROOM = 200 };
+
+static const double K = 1.0878566e10, DEEP = 2e-6, MU = 0.3, RATIO = 0.82;
+
+typedef struct contact {
+    aoi_law law;
+    aoi_friction friction;
+    aoi_friction_state state;
+    aoi_stretch spring[ROOM], spare[ROOM];
+} contact;
+
+/* Bodies that are just about to touch. */
+static void begin(contact *c, const char *name, double mu, double precision, size_t room)
+{
+    CHECK(aoi_law_create(&c->law, name, 1, &K) == AOI_OK, "the law %s", name);
+    CHECK(aoi_friction_create(&c->friction, &c->law, mu, RATIO, precision) == AOI_OK, "friction %g", mu);
+    const aoi_friction_state none = {room, 0, c->spring, c->spare, 0.0};
+    c->state = none;
+}
+
+static double normal(const contact *c, double depth)
+{
+    aoi_law_value value;
+    aoi_law_push(&c->law, NULL, depth, 0.0, &value);
+    return value.force;
+}
+
+static double energy_of(const contact *c, double depth)
+{
+    return depth > 0.0 ? aoi_law_potential(&c->law, NULL, depth) : 0.0;
+}
+
+/* Moves on, and gives what is there then. */
+static aoi_friction_value go(contact *c, double depth, double x, double y)
+{
+    const double slide[2] = {x, y};
+    aoi_friction_value value;
+    aoi_friction_refine(&c->friction, &c->state, depth, slide);
+    aoi_friction_try(&c->friction, &c->state, depth, slide, &value);
+    aoi_friction_move(&c->friction, &c->state, depth, slide);
+    return value;
+}
+
+/* Cattaneo's loading by a slide at constant indentation: T = mu (F(d) - F(d - u/slope)). */
+static double cattaneo(const contact *c, double slide)
+{
+    return MU * (normal(c, DEEP) - normal(c, DEEP - slide * RATIO / MU));
+}
+
+static void a_loop_is_that_of_mindlin_and_deresiewicz(void)
+{
+    const double largest = MU / RATIO * DEEP;
+    for (double share = 0.05; share < 1.0; share += 0.05) {
+        contact c;
+        begin(&c, "hertz", MU, 1e-4, 8);
+        (void)go(&c, DEEP, 0.0, 0.0);
+        /* along a direction that is not an axis */
+        const double u = share * largest, x = u * 0.8, y = u * 0.6, loaded = cattaneo(&c, u), most = MU * normal(&c, DEEP);
+        aoi_friction_value value = go(&c, DEEP, x, y);
+        CHECK(near(value.force[0], 0.8 * loaded, 1e-13) && near(value.force[1], 0.6 * loaded, 1e-13), "loading by %g", share);
+        CHECK(near(value.stuck, DEEP - u * RATIO / MU, 1e-12), "slip to a depth, %g", share);
+        for (int i = 1; i <= 8; i++) {
+            value = go(&c, DEEP, -x / 4.0, -y / 4.0);
+            const double back = loaded - 2.0 * cattaneo(&c, u * i / 8.0);
+            CHECK(fabs(value.force[0] - 0.8 * back) < 2e-13 * most, "unloading from %g, %d/8", share, i);
+        }
+        for (int i = 1; i <= 8; i++) {
+            value = go(&c, DEEP, x / 4.0, y / 4.0);
+            const double again = -loaded + 2.0 * cattaneo(&c, u * i / 8.0);
+            CHECK(fabs(value.force[1] - 0.6 * again) < 2e-13 * most, "loading again to %g, %d/8", share, i);
+        }
+        /* A loop within the loop leaves no trace once it is closed. */
+        (void)go(&c, DEEP, -x, -y);
+        (void)go(&c, DEEP, 0.5 * x, 0.5 * y);
+        (void)go(&c, DEEP, -0.5 * x, -0.5 * y);
+        value = go(&c, DEEP, -x, -y);
+        CHECK(near(value.force[0], -0.8 * loaded, 1e-12), "a closed inner loop, %g", share);
+    }
+}
+
+/* What a loop dissipates: the integral of its force, by the potential of the law. */
+static void a_loop_dissipates_its_area(void)
+{
+    contact c;
+    begin(&c, "hertz", MU, 1e-4, 16);
+    (void)go(&c, DEEP, 0.0, 0.0);
+    const double slope = MU / RATIO, u = 0.7 * slope * DEEP;
+    (void)go(&c, DEEP, u, 0.0);
+    const double stored = aoi_friction_energy(&c.friction, &c.state);
+    const double work = MU * (u * normal(&c, DEEP) - slope * (energy_of(&c, DEEP) - energy_of(&c, DEEP - u / slope)));
+    CHECK(stored > 0.0 && stored < work, "part of the work is stored");
+    (void)go(&c, DEEP, -2.0 * u, 0.0);
+    CHECK(near(aoi_friction_energy(&c.friction, &c.state), stored, 1e-12), "as much is stored at the other end");
+    /* K. L. Johnson, Contact Mechanics, section 7.4: a cycle between the forces -T and T. */
+    const double P = normal(&c, DEEP), T = cattaneo(&c, u), q = T / (MU * P), stiffness = RATIO * 1.5 * P / DEEP;
+    const double cycle = 7.2 * MU * MU * P * P / stiffness *
+                         (1.0 - pow(1.0 - q, 5.0 / 3.0) - 5.0 * q / 6.0 * (1.0 + pow(1.0 - q, 2.0 / 3.0)));
+    double done = 0.0, before = -T;
+    enum { STEPS = 4000 };
+    for (int i = 0; i < STEPS; i++) {
+        const double force = go(&c, DEEP, 2.0 * u / STEPS, 0.0).force[0];
+        done += 0.5 * (force + before) * 2.0 * u / STEPS;
+        before = force;
+    }
+    CHECK(near(2.0 * done, cycle, 1e-6), "the work of a cycle, %g of %g J", 2.0 * done, cycle);
+    CHECK(near(aoi_friction_energy(&c.friction, &c.state), stored, 1e-9), "as much is stored again");
+}
+
+static void all_slips_with_coulombs_force(void)
+{
+    contact c;
+    begin(&c, "hertz", MU, 1e-4, 16);
+    for (int i = 1; i <= 20; i++) {
+        const double depth = DEEP * sin(PI * i / 21.0);
+        const aoi_friction_value value = go(&c, depth, 3.0 * DEEP, -4.0 * DEEP);
+        CHECK(near(value.force[0], 0.6 * MU * normal(&c, depth), 1e-13) &&
+                  near(value.force[1], -0.8 * MU * normal(&c, depth), 1e-13), "sliding at %g m", depth);
+        CHECK(value.stuck == 0.0, "nothing sticks");
+        CHECK(c.state.count <= 3, "one straight curve of %zu springs", c.state.count);
+    }
+}
+
+/* Below the angle of friction a growing force sticks all over, and can be taken back (Mindlin and Deresiewicz, case 4). */
+static void an_oblique_force_within_the_angle_of_friction_sticks(void)
+{
+    contact c;
+    begin(&c, "hertz", MU, 1e-4, 16);
+    const double slope = 0.9 * MU / RATIO;
+    for (int i = 1; i <= 40; i++) {
+        const int up = i <= 20;
+        const double depth = DEEP * (up ? i : 40 - i) / 20.0, slide = (up ? 1.0 : -1.0) * slope * DEEP / 20.0;
+        const aoi_friction_value value = go(&c, depth, slide, 0.0);
+        CHECK(fabs(value.force[0] - RATIO * slope * normal(&c, depth)) < 1e-12 * normal(&c, DEEP), "at %g m", depth);
+        CHECK(fabs(aoi_friction_energy(&c.friction, &c.state) - RATIO * slope * slope * energy_of(&c, depth)) <
+                  1e-12 * energy_of(&c, DEEP), "energy at %g m", depth);
+    }
+    CHECK(c.state.count == 0, "apart");
+}
+
+/* A tangential load after a normal one, and a larger normal load then: less is needed to hold the same slip. Coulomb's
+ * bound grows everywhere, so that all sticks, with Mindlin's stiffness. */
+static void a_growing_normal_force_stops_slip(void)
+{
+    contact c;
+    begin(&c, "hertz", MU, 1e-4, 16);
+    (void)go(&c, DEEP, 0.0, 0.0);
+    const double u = 0.5 * MU / RATIO * DEEP;
+    const double held = go(&c, DEEP, u, 0.0).force[0];
+    const aoi_friction_value value = go(&c, 1.5 * DEEP, 0.0, 0.0);
+    CHECK(near(value.force[0], held, 1e-13) && value.stuck == 1.5 * DEEP, "held as it was");
+    const double small = 1e-6 * u, more = go(&c, 1.5 * DEEP, small, 0.0).force[0] - held;
+    CHECK(near(more / small, RATIO * 1.5 * K * sqrt(1.5 * DEEP), 1e-5), "Mindlin's stiffness");
+}
+
+/* Straight motion along one line is the same in one step and in many. */
+static void one_step_is_as_good_as_many(void)
+{
+    uint64_t seed = 11;
+    for (int i = 0; i < 50; i++) {
+        contact one, many;
+        begin(&one, "hertz", MU, 1e-12, ROOM);
+        begin(&many, "hertz", MU, 1e-12, ROOM);
+        double depth = 0.0;
+        for (int turn = 0; turn < 12; turn++) {
+            const double next = DEEP * uniform(&seed), slide = MU / RATIO * DEEP * (3.0 * uniform(&seed) - 1.5);
+            const double a = go(&one, next, slide, 0.0).force[0];
+            double b = 0.0;
+            for (int part = 1; part <= 7; part++) {
+                b = go(&many, depth + (next - depth) * part / 7.0, slide / 7.0, 0.0).force[0];
+            }
+            CHECK(fabs(a - b) < 1e-11 * MU * normal(&one, DEEP), "path %d, turn %d: %g and %g N", i, turn, a, b);
+            depth = next;
+        }
+    }
+}
+
+/* A linear law has one spring, which turns as dn/dt = (I - n n) u/r: by small steps of the rates themselves. */
+static void a_spring_turns_towards_the_slide(void)
+{
+    const struct {
+        double end, x, y;
+    } paths[] = {{1.0, 0.3, 1.0}, {1.3, -0.4, 0.9}, {0.6, 0.2, 0.7}, {0.4, -0.3, 0.02}, {1.0, -2.5, 0.4}};
+    for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
+        contact c;
+        begin(&c, "linear", MU, 1e-4, 16);
+        const double slope = MU / RATIO, unit = slope * DEEP;
+        (void)go(&c, DEEP, 0.9 * unit, 0.0);
+        const double x = paths[i].x * unit, y = paths[i].y * unit, end = paths[i].end * DEEP;
+        double s[2] = {0.9 * unit, 0.0};
+        enum { STEPS = 2000000 };
+        for (int step = 1; step <= STEPS; step++) {
+            const double bound = slope * (DEEP + (end - DEEP) * step / STEPS);
+            s[0] += x / STEPS;
+            s[1] += y / STEPS;
+            const double size = hypot(s[0], s[1]), back = size > bound ? bound / size : 1.0;
+            s[0] *= back;
+            s[1] *= back;
+        }
+        const aoi_friction_value value = go(&c, end, x, y);
+        CHECK(fabs(value.force[0] / (RATIO * K) - s[0]) < 4e-6 * unit && fabs(value.force[1] / (RATIO * K) - s[1]) < 4e-6 * unit,
+              "path %zu: %g, %g and %g, %g", i, value.force[0] / (RATIO * K) / unit, value.force[1] / (RATIO * K) / unit,
+              s[0] / unit, s[1] / unit);
+    }
+}
+
+/* Force and energy of paths that turn, in finer and finer precision. */
+static double turning(double precision, double *work)
+{
+    contact c;
+    begin(&c, "hertz", MU, precision, ROOM);
+    double depth = 0.0, x = 0.0, y = 0.0, before[2] = {0.0, 0.0}, seen = 0.0;
+    *work = 0.0;
+    for (int i = 1; i <= 100; i++) {
+        const double t = i / 101.0, unit = MU / RATIO * DEEP;
+        const double to = unit * 0.9 * sin(5.0 * t), up = unit * 0.6 * (1.0 - cos(4.0 * t));
+        depth = DEEP * sin(PI * t);
+        const aoi_friction_value value = go(&c, depth, to - x, up - y);
+        *work += 0.5 * ((value.force[0] + before[0]) * (to - x) + (value.force[1] + before[1]) * (up - y));
+        CHECK(hypot(value.force[0], value.force[1]) <= MU * normal(&c, depth) * (1.0 + 1e-12), "within Coulomb's bound");
+        seen = i == 60 ? value.force[0] : seen;
+        before[0] = value.force[0];
+        before[1] = value.force[1];
+        x = to;
+        y = up;
+    }
+    return seen;
+}
+
+static void turning_paths_converge_in_the_precision(void)
+{
+    double fine_work, work, most = 0.0;
+    contact c;
+    begin(&c, "hertz", MU, 1e-4, ROOM);
+    most = MU * normal(&c, DEEP);
+    const double fine = turning(2e-5, &fine_work);
+    for (double precision = 1e-2; precision > 5e-5; precision *= 0.1) {
+        const double force = turning(precision, &work);
+        CHECK(fabs(force - fine) < 2.0 * precision * most, "%g with precision %g", (force - fine) / most, precision);
+        CHECK(fabs(work - fine_work) < 2.0 * precision * fine_work, "work %g with precision %g", work / fine_work - 1.0,
+              precision);
+    }
+}
+
+static void derivatives_are_those_of_the_force(void)
+{
+    uint64_t seed = 5;
+    for (int i = 0; i < 300; i++) {
+        contact c;
+        begin(&c, i % 3 ? "hertz" : "linear", MU, 1e-3, ROOM);
+        const double unit = MU / RATIO * DEEP;
+        const int straight = i % 2;
+        for (int turn = 0; turn < 6; turn++) {
+            (void)go(&c, DEEP * (0.2 + uniform(&seed)), unit * (uniform(&seed) - 0.5), straight ? 0.0 : unit * (uniform(&seed) - 0.5));
+        }
+        const double depth = DEEP * (0.2 + uniform(&seed)), h = 1e-7 * unit;
+        const double slide[2] = {unit * (uniform(&seed) - 0.5), straight ? 0.0 : unit * (uniform(&seed) - 0.5)};
+        aoi_friction_value at, low, high;
+        aoi_friction_try(&c.friction, &c.state, depth, slide, &at);
+        const double stiff = RATIO * 1.5 * normal(&c, DEEP) / DEEP;
+        for (int j = 0; j < 3; j++) {
+            const double x = j == 0 ? h : 0.0, y = j == 1 ? h : 0.0, z = j == 2 ? h : 0.0;
+            const double less[2] = {slide[0] - x, slide[1] - y}, more[2] = {slide[0] + x, slide[1] + y};
+            aoi_friction_try(&c.friction, &c.state, depth - z, less, &low);
+            aoi_friction_try(&c.friction, &c.state, depth + z, more, &high);
+            for (int k = 0; k < 2; k++) {
+                const double slope = (high.force[k] - low.force[k]) / (2.0 * h);
+                const double found = j < 2 ? at.by_slide[k][j] : at.by_indentation[k];
+                /* How a turn depends on the indentation is left out. */
+                CHECK(fabs(slope - found) < (j < 2 || straight ? 2e-5 : 0.1) * stiff, "case %d: d T%d / d x%d is %g, not %g", i, k,
+                      j, slope / stiff, found / stiff);
+            }
+        }
+    }
+}
+
+/* Any motion, in little room: nothing is written beyond it, the force is within Coulomb's bound, no work is got out. */
+static void any_motion_keeps_to_coulomb_and_to_the_room(void)
+{
+    uint64_t seed = 23;
+    for (int i = 0; i < 200; i++) {
+        contact c;
+        const size_t room = 8 + (size_t)(uniform(&seed) * 40.0);
+        begin(&c, i % 4 ? "hertz" : "linear", MU, decades(&seed, -8.0, -1.0), room);
+        const double unit = MU / RATIO * DEEP, size = decades(&seed, -3.0, 1.0);
+        double depth = 0.0, work = 0.0, x = 0.0, y = 0.0;
+        for (int step = 0; step < 400; step++) {
+            depth += 0.2 * size * DEEP * (uniform(&seed) - 0.45);
+            depth = depth > 1.2 * DEEP ? DEEP : depth < -0.1 * DEEP ? 0.01 * DEEP : depth;
+            const double dx = size * unit * (uniform(&seed) - 0.5), dy = size * unit * (uniform(&seed) - 0.5);
+            const aoi_friction_value value = go(&c, depth, dx, dy);
+            const double most = MU * normal(&c, depth);
+            CHECK(hypot(value.force[0], value.force[1]) <= most * (1.0 + 1e-9), "%g of Coulomb's force",
+                  hypot(value.force[0], value.force[1]) / most);
+            CHECK(c.state.count <= room && (c.state.count == 0) == !(depth > 0.0), "%zu springs", c.state.count);
+            CHECK(aoi_friction_energy(&c.friction, &c.state) >= -1e-12 * most * unit, "energy");
+            work += 0.5 * ((value.force[0] + x) * dx + (value.force[1] + y) * dy);
+            x = value.force[0];
+            y = value.force[1];
+        }
+        CHECK(isfinite(work), "work");
+    }
+}
+
+static void without_friction_there_is_none(void)
+{
+    contact c;
+    begin(&c, "hertz", 0.0, 1e-4, 8);
+    for (int i = 0; i < 9; i++) {
+        const aoi_friction_value value = go(&c, DEEP * sin(PI * i / 8.0), DEEP, -DEEP);
+        CHECK(value.force[0] == 0.0 && value.force[1] == 0.0 && value.by_slide[0][0] == 0.0, "step %d", i);
+        CHECK(aoi_friction_energy(&c.friction, &c.state) == 0.0, "energy");
+    }
+}
+
+/* Of a path that begins apart only what comes after the touch counts, and contact that was lost is forgotten. */
+static void the_path_counts_from_the_touch(void)
+{
+    contact c, d;
+    begin(&c, "hertz", MU, 1e-4, 16);
+    begin(&d, "hertz", MU, 1e-4, 16);
+    c.state.indentation = -DEEP;
+    const double unit = MU / RATIO * DEEP, half = go(&c, DEEP, unit, 0.0).force[0];
+    CHECK(near(half, go(&d, DEEP, 0.5 * unit, 0.0).force[0], 1e-13), "half of the way");
+    CHECK(go(&c, -DEEP, unit, 0.0).force[0] == 0.0 && c.state.count == 0, "apart");
+    CHECK(near(go(&c, DEEP, unit, 0.0).force[0], half, 1e-13), "the second touch is as the first");
+}
+
+static void what_is_not_elastic_is_refused(void)
+{
+    aoi_law law;
+    aoi_friction friction;
+    const double damped[] = {K, 0.1, 1.5}, plastic[] = {K, 100.0};
+    CHECK(aoi_law_create(&law, "hunt_crossley", 3, damped) == AOI_OK, "a damped law");
+    CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "depends on the rate");
+    CHECK(aoi_law_create(&law, "thornton", 2, plastic) == AOI_OK, "a plastic law");
+    CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "has a memory");
+    CHECK(aoi_law_create(&law, "hertz", 1, &K) == AOI_OK, "Hertz's law");
+    const double wrong[][3] = {{-0.1, RATIO, 1e-4}, {(double)NAN, RATIO, 1e-4}, {MU, 0.0, 1e-4}, {MU, HUGE_VAL, 1e-4},
+                               {MU, RATIO, 0.0}, {MU, RATIO, 0.2}, {MU, RATIO, (double)NAN}};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        CHECK(aoi_friction_create(&friction, &law, wrong[i][0], wrong[i][1], wrong[i][2]) == AOI_ERROR_ARGUMENT, "%zu", i);
+    }
+    CHECK(aoi_friction_create(NULL, &law, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "no place");
+    CHECK(aoi_friction_create(&friction, NULL, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "no law");
+}
+
+int main(void)
+{
+    a_loop_is_that_of_mindlin_and_deresiewicz();
+    a_loop_dissipates_its_area();
+    all_slips_with_coulombs_force();
+    an_oblique_force_within_the_angle_of_friction_sticks();
+    a_growing_normal_force_stops_slip();
+    one_step_is_as_good_as_many();
+    a_spring_turns_towards_the_slide();
+    turning_paths_converge_in_the_precision();
+    derivatives_are_those_of_the_force();
+    any_motion_keeps_to_coulomb_and_to_the_room();
+    without_friction_there_is_none();
+    the_path_counts_from_the_touch();
+    what_is_not_elastic_is_refused();
+    return check_report();
+}
