@@ -43,6 +43,7 @@ from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
 from .material import Material
 from .orthotropic import Solid
 from .patch import spread
+from .shearedhalfspace import ShearedHalfSpace
 from .stresserror import energy_error, missing_energy
 from .subdivision import cells_towards, sides_towards
 from .supports import constrained
@@ -269,7 +270,12 @@ class Splitting:
 
 
 def split(
-    body: Any, point: FloatArray, normal: FloatArray, radius: float, solver: LinearSolver
+    body: Any,
+    point: FloatArray,
+    normal: FloatArray,
+    radius: float,
+    solver: LinearSolver,
+    tangent: FloatArray | None = None,
 ) -> Splitting:
     """Return the splitting of a body's displacement under a unit force at a place of its surface.
 
@@ -285,22 +291,25 @@ def split(
         a, of the contact itself, m.
     solver : LinearSolver
         Factors of K + s²M.
+    tangent : ndarray, shape (3,), optional
+        Direction of the force where it acts along the surface.
     """
     mesh, s2 = body.mesh, solver.pencil.s2
-    frame = np.vstack([plane_of(-normal), -normal])
+    frame = np.vstack([plane_of(-normal, tangent), -normal])
     local = (mesh.nodes - point) @ frame.T
     behind = bool((local[:, 2] < -_FAR_BEHIND * np.linalg.norm(local, axis=1)).any())
     material, own = _at_contact(body, point)
     level = local[:, 2].min() > -_FLAT * mesh.size
     space: HalfSpace
+    isotropic = IsotropicHalfSpace if tangent is None else ShearedHalfSpace
     if isinstance(material, Material):
-        space = IsotropicHalfSpace(material, radius)
-    elif level:
+        space = isotropic(material, radius)
+    elif level and tangent is None:
         like = material.half_space(normal)
         turned = _tensor(material, frame)
         space = AnisotropicHalfSpace(turned, radius, like.plane_strain_modulus, like.nu)
     else:  # the closed form of a body with the same E*; the rest is polarisation
-        space, own = IsotropicHalfSpace(material.half_space(normal), radius), None
+        space, own = isotropic(material.half_space(normal), radius), None
     load = _Load(body, point, frame, space, behind=behind)
     at_nodes = load.field(mesh.nodes)
     sunk = load.add_sides()
@@ -429,8 +438,9 @@ class _Load:
         np.add.at(self.forces[part], nodes, forces)
 
     def add_sides(self) -> float:
-        """∫ (p - χ σ_B n)·v dA over the surface; returns what ∫ p u_z exceeds that of a plane."""
+        """∫ (p - χ σ_B n)·v dA over the surface; returns what ∫ p·u exceeds that of a plane."""
         surface, nodes, a = self.body.surface, self.mesh.nodes, self.space.radius
+        axis = self.space.axis
         height = (nodes - self.point) @ self.frame[2]
         p0, pressed, sunk = 1.5 / (np.pi * a * a), 0.0, 0.0
         for side, (number, face) in enumerate(surface.sides):
@@ -449,9 +459,9 @@ class _Load:
                 # The side that is touched, and not another one of a thin body under the disc.
                 faces = (n[..., 2] < 0.0) & (np.abs(y[..., 2]) < np.maximum(0.5 * a, r2 / a))
                 p = p0 * np.sqrt(np.maximum(1.0 - r2 / (a * a), 0.0)) * -n[..., 2] * faces
-                t[..., 2] += p
+                t[..., axis] += p
                 pressed += float(p.sum())
-                sunk += float((p * u[..., 2]).sum())
+                sunk += float((p * u[..., axis]).sum())
                 self._add(0, block.cells[at.rows], at.weight, at.shape, t, chi * u)
         # A plane contact has no pressure on sides that are out of its plane.
         self.curved = pressed > 0.5

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -56,6 +57,7 @@ class IsotropicHalfSpace:
 
     material: Material
     radius: float
+    axis: ClassVar[int] = 2  # of the force
 
     @property
     def stiffness(self) -> FloatArray:
@@ -160,6 +162,7 @@ class AnisotropicHalfSpace:
     radius: float
     modulus: float
     nu: float
+    axis: ClassVar[int] = 2
 
     @property
     def mean_displacement(self) -> float:

@@ -1,0 +1,181 @@
+"""The half-space under a tangential force: its field, and the compliance of bodies beyond it.
+
+Compliances of bodies are in units of 1/(G* a), G* = 4G/(2 - ν), in which Mindlin's contact has 1/2.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import aoimpact as ao
+from aoimpact.fem.extraction import split
+from aoimpact.fem.patch import spread
+from aoimpact.fem.shearedhalfspace import ShearedHalfSpace
+
+FloatArray = npt.NDArray[np.float64]
+
+A = 0.002
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+ALU = ao.Material(E=70e9, nu=0.33, rho=2700)
+SPACES = [
+    ShearedHalfSpace(material, A)
+    for material in (
+        STEEL,
+        ao.Material(E=10e6, nu=0.499, rho=1100),
+        ao.Material(E=30e9, nu=0.0, rho=2000),
+    )
+]
+
+# Inside the body: under the disc, below its rim, near the axis, far off, and close to the surface.
+INSIDE = A * np.array(
+    [
+        [0.3, 0.2, 0.5],
+        [0.9, -0.4, 0.05],
+        [0.02, 0.01, 1.3],
+        [-2.0, 1.0, 0.7],
+        [6.0, -5.0, 0.4],
+        [0.4, 0.4, 0.02],
+        [12.0, 3.0, 20.0],
+    ]
+)
+
+
+def superposed(space: ShearedHalfSpace, place: FloatArray) -> FloatArray:
+    """Cerruti's point loads (Johnson, eqs. 3.75 to 3.77) over the disc."""
+    node, weight = np.polynomial.legendre.leggauss(400)
+    b = 0.25 * math.pi * (node + 1.0)
+    angle = 2.0 * math.pi * (np.arange(400) + 0.5) / 400
+    load = (0.75 / math.pi * np.cos(b) ** 2 * np.sin(b) * weight)[:, None] * math.pi**2 / 400
+    x = place[0] - A * np.sin(b)[:, None] * np.cos(angle)
+    y = place[1] - A * np.sin(b)[:, None] * np.sin(angle)
+    z, nu = place[2], space.nu
+    rho = np.sqrt(x * x + y * y + z * z)
+    s = rho + z
+    u = [
+        1.0 / rho + x * x / rho**3 + (1.0 - 2.0 * nu) * (1.0 / s - x * x / (rho * s * s)),
+        x * y / rho**3 - (1.0 - 2.0 * nu) * x * y / (rho * s * s),
+        x * z / rho**3 + (1.0 - 2.0 * nu) * x / (rho * s),
+    ]
+    return np.array([(load * part).sum() for part in u]) / (
+        4.0 * math.pi * space.material.shear_modulus
+    )
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_displacement_is_that_of_superposed_point_loads(space: ShearedHalfSpace) -> None:
+    # Close to the disc the superposition itself is right to 1e-7.
+    for place in INSIDE:
+        wanted = superposed(space, place)
+        exact = 1e-11 if place[2] > 0.2 * A else 1e-3
+        np.testing.assert_allclose(
+            space.displacement(place), wanted, atol=exact * np.abs(wanted).max()
+        )
+
+
+def difference(of: object, step: float = 1e-4 * A) -> FloatArray:
+    """Derivatives of a field at INSIDE along x, y, z by central differences, last axis."""
+    slopes = [
+        (of(INSIDE + step * axis) - of(INSIDE - step * axis)) / (2.0 * step)  # type: ignore[operator]
+        for axis in np.eye(3)
+    ]
+    return np.stack(slopes, axis=-1)
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_stress_belongs_to_the_displacement_and_is_in_equilibrium(space: ShearedHalfSpace) -> None:
+    stress = space.displacement_stress(INSIDE)[1]
+    slope = difference(space.displacement)
+    strain = 0.5 * (slope + slope.swapaxes(1, 2))
+    size = np.abs(strain).max(axis=(1, 2))[:, None, None]
+    assert (np.abs(space.strain(stress) - strain) < 2e-6 * size).all()
+    size = np.abs(stress).max(axis=(1, 2))[:, None]
+    divergence = np.einsum("nijj->ni", difference(lambda x: space.displacement_stress(x)[1]))
+    assert (np.abs(divergence) < 1e-4 * size / A).all()
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_surface_carries_the_traction_alone(space: ShearedHalfSpace) -> None:
+    share = np.array([0.05, 0.3, 0.7, 0.95, 1.1, 3.0])
+    on = A * np.stack([0.6 * share, 0.8 * share, 0.0 * share], axis=-1)
+    stress = space.displacement_stress(on)[1]
+    traction = 1.5 / (math.pi * A * A) * np.sqrt(np.maximum(1.0 - share**2, 0.0))
+    np.testing.assert_allclose(stress[:, 0, 2], -traction, atol=1e-8 / A**2)
+    np.testing.assert_allclose(stress[:, 1:, 2], 0.0, atol=1e-8 / A**2)
+
+
+def test_mean_displacement_is_that_under_the_traction() -> None:
+    # By Mindlin's ratio: 0.6/(a E*) with 4G/(2 - ν) for E*.
+    space = SPACES[0]
+    node, weight = np.polynomial.legendre.leggauss(60)
+    b = 0.25 * math.pi * (node + 1.0)
+    angle = 2.0 * math.pi * np.arange(40) / 40
+    r = A * np.sin(b)[:, None]
+    on = np.stack([r * np.cos(angle), r * np.sin(angle), 0.0 * r * angle], axis=-1)
+    load = 1.5 * np.cos(b) ** 2 * np.sin(b) * weight * 0.25 * math.pi
+    mean = 2.0 * load @ space.displacement(on)[..., 0].mean(axis=1)
+    assert mean == pytest.approx(space.mean_displacement, rel=1e-9)
+
+
+# ------------------------------------------------------------------------ bodies beyond it
+
+BOX, ON_TOP = (0.06, 0.06, 0.03), np.array([0.0311, 0.0287, 0.03])
+UP = np.array([0.0, 0.0, 1.0])
+S2 = 4.5e9
+
+
+def beyond(
+    body: ao.FEModel,
+    point: FloatArray,
+    normal: FloatArray,
+    tangent: FloatArray,
+    a: float,
+    s2: float = S2,
+) -> float:
+    """R of a body along a tangent, in units of 1/(G* a)."""
+    compliance = split(body, point, normal, a, body.inverse(s2), tangent).compliance
+    return compliance * a * 4.0 * body.material.shear_modulus / (2.0 - body.material.nu)
+
+
+@pytest.mark.parametrize(
+    ("kind", "divisions"),
+    [("hexahedron20", (4, 4, 2)), ("tetra10", (4, 4, 2)), ("hexahedron27", (6, 6, 3))],
+)
+def test_tangential_compliance_of_a_block_is_the_same_on_every_mesh(
+    kind: str, divisions: tuple[int, int, int]
+) -> None:
+    body = ao.FEModel.from_mesh(ao.box_mesh(BOX, divisions, kind=kind), ALU)
+    fine = ao.FEModel.from_mesh(ao.box_mesh(BOX, (8, 8, 4), kind="hexahedron27"), ALU)
+    along = np.array([0.6, 0.8, 0.0])
+    wanted = beyond(fine, ON_TOP, UP, along, 1e-3)
+    assert beyond(body, ON_TOP, UP, along, 1e-3) == pytest.approx(wanted, abs=2e-4)
+
+
+def test_a_resolved_patch_has_the_half_space_and_what_is_beyond() -> None:
+    # One solution for the patch itself, without any half-space, on a mesh that resolves the patch.
+    body = ao.FEModel.from_mesh(ao.box_mesh(BOX, (12, 12, 6), kind="hexahedron20"), ALU)
+    tangent, r, solver = np.array([1.0, 0.0, 0.0]), 0.012, body.inverse(S2)
+    weights = spread(body.surface, ON_TOP, UP, r).weights
+    b = np.outer(weights, tangent).reshape(-1)[body.free]
+    whole = float(b @ solver.solve(b))
+    rest = split(body, ON_TOP, UP, r, solver, tangent).compliance
+    half = ShearedHalfSpace(ALU, r).mean_displacement
+    assert whole - rest == pytest.approx(half, rel=0.01)
+
+
+def test_every_direction_in_the_surface_of_a_ball_is_alike_on_every_mesh() -> None:
+    # Less the motion of the mesh as a whole, 1/m + R²/J.
+    s2 = (10.0 / 60e-6) ** 2  # of an impact of 60 µs
+    pole, out, a, found = np.array([0.01, 0.0, 0.0]), np.eye(3)[0], 2e-4, []
+    for size in (4e-3, 2.5e-3):
+        ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, size), STEEL)
+        for along, axis in zip(np.eye(3)[1:], np.eye(3)[[2, 1]], strict=True):
+            turn = np.cross(axis, ball.nodes).reshape(-1)
+            rigid = (1.0 / ball.mass + 1e-4 / (turn @ (ball.M @ turn))) / s2
+            unit = a * 4.0 * STEEL.shear_modulus / (2.0 - STEEL.nu)
+            found.append(beyond(ball, pole, out, along, a, s2) - rigid * unit)
+    assert np.ptp(found) < 1e-3  # less than 0.2 % of the contact's own 1/2
+    assert 0.0 < min(found) < 0.03

@@ -1,0 +1,114 @@
+"""Tangential impact of elastic spheres by rings on a half-space, after Maw, Barber and Fawcett.
+
+N. Maw, J. R. Barber, J. N. Fawcett, Wear 38, 101 (1976): the contact is divided in rings of
+uniform shear traction, each of which sticks or slips at the end of a step, as is found by trial.
+The influence of a ring is the difference of two discs (K. L. Johnson, Contact Mechanics, eq. 3.29,
+with the pair's tangential modulus for its normal one). It has no springs and no superposition, and
+so nothing in common with the core.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from scipy.special import ellipe, ellipk
+
+from aoimpact.base import FloatArray
+
+__all__ = ["Rings", "impact"]
+
+
+def _disc(r: FloatArray, a: FloatArray, modulus: float) -> FloatArray:
+    """Displacement at r under a unit traction on a disc of radius a."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inside, outside = np.minimum(r / a, 1.0) ** 2, np.minimum(a / r, 1.0) ** 2
+        beyond = ellipe(outside) - np.where(outside < 1.0, (1.0 - outside) * ellipk(outside), 0.0)
+        u = np.where(r <= a, a * ellipe(inside), r * beyond)
+    return np.where(a > 0.0, 4.0 / (math.pi * modulus) * u, 0.0)
+
+
+class Rings:
+    """Contact of a sphere of radius R and a half-space, with motion along one line.
+
+    Parameters
+    ----------
+    normal, tangential : float
+        Moduli of the pair, E* and G*, Pa.
+    R : float
+        m.
+    mu : float
+        Coefficient of friction.
+    depth : float
+        The rings end where a contact of this indentation does, m.
+    count : int
+        Rings. The error of the force is proportional to 1/count.
+    """
+
+    def __init__(
+        self, normal: float, tangential: float, R: float, mu: float, depth: float, count: int
+    ) -> None:
+        self.R, self.mu, self.pressure = R, mu, 2.0 * normal / (math.pi * R)
+        self.edge = math.sqrt(R * depth) * np.linspace(0.0, 1.0, count + 1)
+        middle = 0.5 * (self.edge[1:] + self.edge[:-1])[:, None]
+        self.influence = _disc(middle, self.edge[None, 1:], tangential)
+        self.influence -= _disc(middle, self.edge[None, :-1], tangential)
+        self.traction, self.slips, self.slide = np.zeros(count), np.zeros(count), 0.0
+
+    def force(self, depth: float, slide: float) -> float:
+        """Return the force after the next step: at an indentation, having slid so far in all."""
+        a, area = math.sqrt(self.R * depth), math.pi * np.diff(self.edge**2)
+        share = np.maximum(1.0 - (self.edge / a) ** 2, 0.0) ** 1.5
+        bound = self.mu * 2.0 / 3.0 * math.pi * self.pressure * a**3 * -np.diff(share) / area
+        touch = bound > 0.0
+        slips = np.where(touch, self.slips, 1.0)
+        for _ in range(200):
+            sticks, traction = slips == 0.0, slips * bound
+            own = self.influence[np.ix_(sticks, sticks)]
+            traction[sticks] = self.traction[sticks]
+            moved = slide - self.slide - self.influence @ (traction - self.traction)
+            traction[sticks] += np.linalg.solve(own, moved[sticks])
+            moved = slide - self.slide - self.influence @ (traction - self.traction)
+            over = sticks & (np.abs(traction) > bound * (1.0 + 1e-9))
+            back = touch & ~sticks & (slips * moved < -1e-9 * abs(slide - self.slide))
+            if not (over | back).any():
+                self.traction, self.slips, self.slide = traction, slips * touch, slide
+                return float(traction @ area)
+            slips = np.where(over, np.sign(traction), np.where(back, 0.0, slips))
+        raise RuntimeError("no state of stick and slip found")
+
+
+def impact(
+    force: Callable[[float, float], float],
+    k: float,
+    inertia: float,
+    velocity: tuple[float, float],
+    steps: int,
+) -> tuple[float, float]:
+    """Return the velocities of the contact point after an impact of a unit mass, by Verlet's rule.
+
+    Parameters
+    ----------
+    force : callable
+        Friction force after the next step, of indentation and slide.
+    k : float
+        Hertz's constant.
+    inertia : float
+        Acceleration of the contact point along the plane, per force: 7/2 of a sphere.
+    velocity : tuple of float
+        Normal and tangential, of the contact point.
+    steps : int
+        In Hertz's duration.
+    """
+    v, w = velocity
+    deepest = (1.25 * v * v / k) ** 0.4
+    dt = 2.9432 * deepest / v / steps
+    d = u = normal = friction = 0.0
+    while True:
+        v, w = v - 0.5 * dt * normal, w - 0.5 * dt * inertia * friction
+        d, u = d + dt * v, u + dt * w
+        if d <= 0.0:
+            return v, w
+        normal, friction = k * d**1.5, force(d, u)
+        v, w = v - 0.5 * dt * normal, w - 0.5 * dt * inertia * friction
