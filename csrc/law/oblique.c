@@ -1,0 +1,108 @@
+/* Newton's method for the normal and the tangential contact forces of one step together: the bodies couple them where a
+ * normal force moves the surface sideways, and friction by Coulomb's bound. */
+#include "law/oblique.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { MOST_ITERATIONS = 100, MOST_HALVINGS = 30 };
+
+/* Of the terms of the equation, what rounding leaves of their sum. */
+static const double ROUNDING = 16.0 * DBL_EPSILON;
+
+typedef struct point {
+    double place[3], force[3], residual[3];
+    double slope[3][3]; /* of the residual by the place */
+    double size, enough;
+} point;
+
+static void evaluate(const aoi_friction *friction, const aoi_friction_state *state, const aoi_oblique_equation *e,
+                     point *p)
+{
+    aoi_law_value normal;
+    aoi_friction_value friction_value;
+    aoi_law_push(&friction->law, NULL, p->place[0], 0.0, &normal);
+    aoi_friction_try(friction, state, p->place[0], &p->place[1], &friction_value);
+    const double *f = friction_value.force, *g = friction_value.by_indentation;
+    double (*s)[2] = friction_value.by_slide;
+    const double force[3] = {normal.force, f[0], f[1]};
+    const double by[3][3] = {{normal.stiffness, 0.0, 0.0}, {g[0], s[0][0], s[0][1]}, {g[1], s[1][0], s[1][1]}};
+    p->size = p->enough = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double sum = 0.0, terms = fabs(p->place[i]) + fabs(e->free[i]);
+        p->force[i] = force[i];
+        for (int j = 0; j < 3; j++) {
+            const double c = e->compliance[i][j];
+            sum += c * force[j];
+            terms += fabs(c * force[j]);
+            p->slope[i][j] = i == j;
+            for (int k = 0; k < 3; k++) {
+                p->slope[i][j] += e->compliance[i][k] * by[k][j];
+            }
+        }
+        p->residual[i] = p->place[i] - e->free[i] + sum;
+        p->size += p->residual[i] * p->residual[i];
+        p->enough = fmax(p->enough, ROUNDING * terms);
+    }
+    p->size = sqrt(p->size);
+}
+
+static double determinant(const double a[3], const double b[3], const double c[3])
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+/* The change of place that would take the residual away, by Cramer's rule. */
+static void newton(const point *p, double change[3])
+{
+    double column[4][3];
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            column[j][i] = p->slope[i][j];
+        }
+        column[3][i] = -p->residual[i];
+    }
+    const double whole = determinant(column[0], column[1], column[2]);
+    change[0] = determinant(column[3], column[1], column[2]) / whole;
+    change[1] = determinant(column[0], column[3], column[2]) / whole;
+    change[2] = determinant(column[0], column[1], column[3]) / whole;
+}
+
+int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *state,
+                      const aoi_oblique_equation *equation, double force[3], double place[3])
+{
+    point now;
+    for (int i = 0; i < 3; i++) {
+        now.place[i] = equation->guess[i];
+    }
+    evaluate(friction, state, equation, &now);
+    for (int iteration = 0; !(now.size <= now.enough); iteration++) { /* NaN is not enough */
+        if (!isfinite(now.size)) {
+            return isnan(now.force[0]) ? AOI_ERROR_LAW : AOI_ERROR_NOT_FINITE;
+        }
+        if (iteration == MOST_ITERATIONS) {
+            return AOI_ERROR_NO_CONVERGENCE;
+        }
+        double change[3], share = 1.0;
+        point next;
+        newton(&now, change);
+        for (int halving = 0;; halving++, share *= 0.5) {
+            for (int i = 0; i < 3; i++) {
+                next.place[i] = now.place[i] + share * change[i];
+            }
+            evaluate(friction, state, equation, &next);
+            if (next.size < now.size) {
+                break;
+            }
+            if (halving == MOST_HALVINGS) {
+                return AOI_ERROR_NO_CONVERGENCE;
+            }
+        }
+        now = next;
+    }
+    for (int i = 0; i < 3; i++) {
+        force[i] = now.force[i];
+        place[i] = now.place[i];
+    }
+    return AOI_OK;
+}

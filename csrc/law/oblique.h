@@ -1,0 +1,20 @@
+/* The contact equation of a step with friction: three unknowns in place of one. */
+#ifndef AOI_LAW_OBLIQUE_H
+#define AOI_LAW_OBLIQUE_H
+
+#include "aoimpact.h"
+
+/* What linear bodies leave to be solved at the end of a step, in the normal direction and along two tangents: place =
+ * free - compliance force, where place is the indentation and the slide since the state, and force the law's and that of
+ * friction. A compliance that has been taken out of the law is taken out of this one. guess: where to look first. */
+typedef struct aoi_oblique_equation {
+    double free[3], compliance[3][3];
+    double guess[3];
+} aoi_oblique_equation;
+
+/* Solves it by Newton's method, with shorter steps where the residual would grow. The state is only read.
+ * AOI_ERROR_NOT_FINITE, AOI_ERROR_NO_CONVERGENCE, AOI_ERROR_LAW where the law gives NaN. */
+int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *state,
+                      const aoi_oblique_equation *equation, double force[3], double place[3]);
+
+#endif
