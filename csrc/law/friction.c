@@ -1,12 +1,12 @@
 /* Friction of an elastic contact: springs that stick or slip, as stretches over their depth.
  *
- * The spring of depth x has the bound r = mu/ratio (d - x) on its stretch s. On a straight path the indentation d and the
- * slide grow evenly, and so does r. A spring follows the slide while |s| <= r. Once it slips it goes on to do so, with
- * s = r n, and its direction n turns towards that of the slide: dn/dt = (I - n n) u/r for the rate u of the slide, so that
- * the angle between the two has tan(angle/2) = tan(angle_0/2) exp(-integral of |u|/r dt).
+ * The spring of depth x has the bound r = mu/ratio (d - x) on its stretch s. On a straight path the indentation d and
+ * the slide grow evenly, and so does r. A spring follows the slide while |s| <= r. Once it slips it goes on to do so,
+ * with s = r n, and its direction n turns towards that of the slide: dn/dt = (I - n n) u/r for the rate u of the slide,
+ * so that the angle between the two has tan(angle/2) = tan(angle_0/2) exp(-integral of |u|/r dt).
  *
- * If s runs straight over x between knots, so does it after straight motion along one line: springs slip outside one depth
- * (Cattaneo 1938, Mindlin and Deresiewicz 1953), where s = r n. With K = dF/dd and s(d) = 0,
+ * If s runs straight over x between knots, so does it after straight motion along one line: springs slip outside one
+ * depth (Cattaneo 1938, Mindlin and Deresiewicz 1953), where s = r n. With K = dF/dd and s(d) = 0,
  *     force = ratio * integral of s dK = -ratio * sum of (change of s / change of x) * (change of F),
  * which is the superposition of normal forces of Jaeger (1993) and Ciavarella (1998), for any elastic law. */
 #include "aoimpact.h"
@@ -304,7 +304,7 @@ static void swap(aoi_friction_state *state, size_t count)
     state->count = count;
 }
 
-/* Copies the state's springs to its spare ones, with one between each two that the path turns apart. Returns their count. */
+/* Copies the state's springs to its spare ones, with one between each two that the path turns apart; their count. */
 static size_t parted(const aoi_friction_state *state, const path *p)
 {
     const double enough = p->friction->precision * p->slope * p->to;
@@ -345,8 +345,8 @@ void aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state
     }
 }
 
-/* Whether a spring may be left out: the curve is as good as straight there. A change of slope times the width is some four
- * to eight times the distance of the curve from its chord, however closely it was drawn before. */
+/* 1 if a spring may be left out: the curve is as good as straight there. A change of slope times the width is four to
+ * eight times the distance of the curve from its chord, however closely it was drawn before. */
 static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough)
 {
     const double before = b->depth - a->depth, after = c->depth - b->depth, width = c->depth - a->depth;

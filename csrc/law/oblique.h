@@ -4,9 +4,10 @@
 
 #include "aoimpact.h"
 
-/* What linear bodies leave to be solved at the end of a step, in the normal direction and along two tangents: place =
- * free - compliance force, where place is the indentation and the slide since the state, and force the law's and that of
- * friction. A compliance that has been taken out of the law is taken out of this one. guess: where to look first. */
+/* What linear bodies leave to be solved at the end of a step, in the normal direction and along two tangents:
+ * place = free - compliance force, where place is the indentation and the slide since the state, and force the law's
+ * and that of friction. A compliance that has been taken out of the law is taken out of this one. guess: where to look
+ * first. */
 typedef struct aoi_oblique_equation {
     double free[3], compliance[3][3];
     double guess[3];

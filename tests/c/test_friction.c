@@ -1,4 +1,4 @@
-/* Friction of an elastic contact: closed forms of Cattaneo, Mindlin and Deresiewicz, Coulomb's law, and one spring alone. */
+/* Friction of an elastic contact: closed forms of Cattaneo, Mindlin and Deresiewicz, Coulomb's law, one spring alone. */
 #include "check.h"
 #include "aoimpact.h"
 
@@ -59,9 +59,11 @@ static void a_loop_is_that_of_mindlin_and_deresiewicz(void)
         begin(&c, "hertz", MU, 1e-4, 8);
         (void)go(&c, DEEP, 0.0, 0.0);
         /* along a direction that is not an axis */
-        const double u = share * largest, x = u * 0.8, y = u * 0.6, loaded = cattaneo(&c, u), most = MU * normal(&c, DEEP);
+        const double u = share * largest, x = u * 0.8, y = u * 0.6;
+        const double loaded = cattaneo(&c, u), most = MU * normal(&c, DEEP);
         aoi_friction_value value = go(&c, DEEP, x, y);
-        CHECK(near(value.force[0], 0.8 * loaded, 1e-13) && near(value.force[1], 0.6 * loaded, 1e-13), "loading by %g", share);
+        CHECK(near(value.force[0], 0.8 * loaded, 1e-13) && near(value.force[1], 0.6 * loaded, 1e-13),
+              "loading by %g", share);
         CHECK(near(value.stuck, DEEP - u * RATIO / MU, 1e-12), "slip to a depth, %g", share);
         for (int i = 1; i <= 8; i++) {
             value = go(&c, DEEP, -x / 4.0, -y / 4.0);
@@ -124,7 +126,7 @@ static void all_slips_with_coulombs_force(void)
     }
 }
 
-/* Below the angle of friction a growing force sticks all over, and can be taken back (Mindlin and Deresiewicz, case 4). */
+/* Below the angle of friction a growing force sticks all over, and can be taken back (Mindlin and Deresiewicz). */
 static void an_oblique_force_within_the_angle_of_friction_sticks(void)
 {
     contact c;
@@ -201,9 +203,9 @@ static void a_spring_turns_towards_the_slide(void)
             s[1] *= back;
         }
         const aoi_friction_value value = go(&c, end, x, y);
-        CHECK(fabs(value.force[0] / (RATIO * K) - s[0]) < 4e-6 * unit && fabs(value.force[1] / (RATIO * K) - s[1]) < 4e-6 * unit,
-              "path %zu: %g, %g and %g, %g", i, value.force[0] / (RATIO * K) / unit, value.force[1] / (RATIO * K) / unit,
-              s[0] / unit, s[1] / unit);
+        const double found[2] = {value.force[0] / (RATIO * K), value.force[1] / (RATIO * K)};
+        CHECK(fabs(found[0] - s[0]) < 4e-6 * unit && fabs(found[1] - s[1]) < 4e-6 * unit,
+              "path %zu: %g, %g and %g, %g", i, found[0] / unit, found[1] / unit, s[0] / unit, s[1] / unit);
     }
 }
 
@@ -220,7 +222,7 @@ static double turning(double precision, double *work)
         depth = DEEP * sin(PI * t);
         const aoi_friction_value value = go(&c, depth, to - x, up - y);
         *work += 0.5 * ((value.force[0] + before[0]) * (to - x) + (value.force[1] + before[1]) * (up - y));
-        CHECK(hypot(value.force[0], value.force[1]) <= MU * normal(&c, depth) * (1.0 + 1e-12), "within Coulomb's bound");
+        CHECK(hypot(value.force[0], value.force[1]) <= MU * normal(&c, depth) * (1.0 + 1e-12), "Coulomb's bound");
         seen = i == 60 ? value.force[0] : seen;
         before[0] = value.force[0];
         before[1] = value.force[1];
@@ -254,7 +256,8 @@ static void derivatives_are_those_of_the_force(void)
         const double unit = MU / RATIO * DEEP;
         const int straight = i % 2;
         for (int turn = 0; turn < 6; turn++) {
-            (void)go(&c, DEEP * (0.2 + uniform(&seed)), unit * (uniform(&seed) - 0.5), straight ? 0.0 : unit * (uniform(&seed) - 0.5));
+            const double to = DEEP * (0.2 + uniform(&seed)), x = unit * (uniform(&seed) - 0.5);
+            (void)go(&c, to, x, straight ? 0.0 : unit * (uniform(&seed) - 0.5));
         }
         const double depth = DEEP * (0.2 + uniform(&seed)), h = 1e-7 * unit;
         const double slide[2] = {unit * (uniform(&seed) - 0.5), straight ? 0.0 : unit * (uniform(&seed) - 0.5)};
@@ -270,8 +273,8 @@ static void derivatives_are_those_of_the_force(void)
                 const double slope = (high.force[k] - low.force[k]) / (2.0 * h);
                 const double found = j < 2 ? at.by_slide[k][j] : at.by_indentation[k];
                 /* How a turn depends on the indentation is left out. */
-                CHECK(fabs(slope - found) < (j < 2 || straight ? 2e-5 : 0.1) * stiff, "case %d: d T%d / d x%d is %g, not %g", i, k,
-                      j, slope / stiff, found / stiff);
+                CHECK(fabs(slope - found) < (j < 2 || straight ? 2e-5 : 0.1) * stiff,
+                      "case %d: d T%d / d x%d is %g, not %g", i, k, j, slope / stiff, found / stiff);
             }
         }
     }
@@ -342,7 +345,8 @@ static void what_is_not_elastic_is_refused(void)
     const double wrong[][3] = {{-0.1, RATIO, 1e-4}, {(double)NAN, RATIO, 1e-4}, {MU, 0.0, 1e-4}, {MU, HUGE_VAL, 1e-4},
                                {MU, RATIO, 0.0}, {MU, RATIO, 0.2}, {MU, RATIO, (double)NAN}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        CHECK(aoi_friction_create(&friction, &law, wrong[i][0], wrong[i][1], wrong[i][2]) == AOI_ERROR_ARGUMENT, "%zu", i);
+        const double *w = wrong[i];
+        CHECK(aoi_friction_create(&friction, &law, w[0], w[1], w[2]) == AOI_ERROR_ARGUMENT, "%zu", i);
     }
     CHECK(aoi_friction_create(NULL, &law, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "no place");
     CHECK(aoi_friction_create(&friction, NULL, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "no law");
