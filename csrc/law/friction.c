@@ -116,7 +116,7 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
     const double turned = rate * u, left = exp(-turned), length = hypot(in.x, in.y);
     double f0 = in.x >= 0.0 ? (length > 0.0 ? in.y / (length + in.x) : 0.0)
                             : (in.y != 0.0 ? (length - in.x) / in.y : STRAIGHT_BACK);
-    f0 = r0 > 0.0 ? fmax(-STRAIGHT_BACK, fmin(f0, STRAIGHT_BACK)) : 0.0;
+    f0 = fmax(-STRAIGHT_BACK, fmin(f0, STRAIGHT_BACK));
     const double f = f0 * left, norm = 1.0 + f * f, cosine = (1.0 - f) * (1.0 + f) / norm, sine = 2.0 * f / norm;
     const double n[2] = {cosine * e[0] - sine * e[1], cosine * e[1] + sine * e[0]};
     /* By how much the direction turns with a change of the slide: (I) of the entry, (II) of the slide's own direction,
@@ -367,7 +367,7 @@ static size_t drawn(const path *p, double enough, aoi_stretch *spring, size_t ro
     for (knot k; step(&w, &k);) {
         const aoi_stretch here = {k.depth, {k.s[0], k.s[1]}};
         /* Of two at one depth the later is the one: the rim is in its place. */
-        if (count > 1 && !(here.depth > spring[count - 1].depth)) {
+        if (count > 0 && !(here.depth > spring[count - 1].depth)) {
             count--;
         }
         if (count > 1 && straight(&spring[count - 2], &spring[count - 1], &here, enough)) {
@@ -387,7 +387,7 @@ void aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, 
     size_t count = 0;
     if (indentation > 0.0) {
         const path p = path_of(friction, state, indentation, slide);
-        double enough = friction->precision * p.slope * indentation;
+        double enough = fmax(friction->precision * p.slope * indentation, DBL_MIN);
         while (!(count = drawn(&p, enough, state->spare, state->room))) {
             enough *= 4.0;
         }

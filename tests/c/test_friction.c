@@ -247,6 +247,34 @@ static void turning_paths_converge_in_the_precision(void)
     }
 }
 
+/* All slips along one direction, then across it by u: the spring of depth x turns by tan(angle/2) = exp(-u/r). Two springs
+ * stand for the contact before, and others are put between. */
+static void a_sliding_contact_turns_spring_by_spring(void)
+{
+    const double slope = MU / RATIO;
+    for (double share = 0.02; share < 3.0; share *= 3.0) {
+        const double u = share * slope * DEEP;
+        double sum[2] = {0.0, 0.0};
+        enum { PARTS = 20000 }; /* even in the root of the depth, where dK is even: the midpoint rule */
+        for (int i = 0; i < PARTS; i++) {
+            const double root = (i + 0.5) / PARTS, r = slope * DEEP * (1.0 - root * root);
+            const double angle = 2.0 * atan(exp(-u / r));
+            sum[0] += r * sin(angle) / PARTS;
+            sum[1] += r * cos(angle) / PARTS;
+        }
+        for (double precision = 1e-2; precision > 2e-4; precision *= 0.2) {
+            contact c;
+            begin(&c, "hertz", MU, precision, ROOM);
+            (void)go(&c, DEEP, 5.0 * slope * DEEP, 0.0);
+            CHECK(c.state.count == 2, "one straight curve");
+            const aoi_friction_value value = go(&c, DEEP, 0.0, u);
+            const double stiffness = RATIO * 1.5 * K * sqrt(DEEP), most = MU * normal(&c, DEEP);
+            const double off = hypot(value.force[0] - stiffness * sum[0], value.force[1] - stiffness * sum[1]) / most;
+            CHECK(off < precision, "turned by %g: off by %g with precision %g", share, off, precision);
+        }
+    }
+}
+
 static void derivatives_are_those_of_the_force(void)
 {
     uint64_t seed = 5;
@@ -280,7 +308,7 @@ static void derivatives_are_those_of_the_force(void)
     }
 }
 
-/* Any motion, in little room: nothing is written beyond it, the force is within Coulomb's bound, no work is got out. */
+/* Any motion, in little room: nothing is written beyond it, and the force is within Coulomb's bound. */
 static void any_motion_keeps_to_coulomb_and_to_the_room(void)
 {
     uint64_t seed = 23;
@@ -289,7 +317,7 @@ static void any_motion_keeps_to_coulomb_and_to_the_room(void)
         const size_t room = 8 + (size_t)(uniform(&seed) * 40.0);
         begin(&c, i % 4 ? "hertz" : "linear", MU, decades(&seed, -8.0, -1.0), room);
         const double unit = MU / RATIO * DEEP, size = decades(&seed, -3.0, 1.0);
-        double depth = 0.0, work = 0.0, x = 0.0, y = 0.0;
+        double depth = 0.0;
         for (int step = 0; step < 400; step++) {
             depth += 0.2 * size * DEEP * (uniform(&seed) - 0.45);
             depth = depth > 1.2 * DEEP ? DEEP : depth < -0.1 * DEEP ? 0.01 * DEEP : depth;
@@ -300,11 +328,55 @@ static void any_motion_keeps_to_coulomb_and_to_the_room(void)
                   hypot(value.force[0], value.force[1]) / most);
             CHECK(c.state.count <= room && (c.state.count == 0) == !(depth > 0.0), "%zu springs", c.state.count);
             CHECK(aoi_friction_energy(&c.friction, &c.state) >= -1e-12 * most * unit, "energy");
-            work += 0.5 * ((value.force[0] + x) * dx + (value.force[1] + y) * dy);
-            x = value.force[0];
-            y = value.force[1];
         }
-        CHECK(isfinite(work), "work");
+    }
+}
+
+/* Numbers at the ends of their range end nothing but in numbers. */
+static void extreme_numbers_do_no_harm(void)
+{
+    const double sizes[] = {SMALLEST, 1e-310, 1e-160, 1e-20, 1e20, 1e160, DBL_MAX, HUGE_VAL, (double)NAN};
+    enum { SIZES = sizeof sizes / sizeof sizes[0] };
+    for (size_t i = 0; i < (size_t)SIZES * SIZES * SIZES; i++) {
+        const double a = sizes[i % SIZES], b = sizes[i / SIZES % SIZES], d = sizes[i / SIZES / SIZES];
+        contact c;
+        begin(&c, "hertz", MU, 1e-4, 8);
+        (void)go(&c, DEEP, 0.1 * DEEP, 0.0);
+        (void)go(&c, d, a, b);
+        (void)go(&c, DEEP, -a, a);
+        (void)go(&c, d, b, -a);
+        (void)go(&c, 0.5 * d, b, a);
+        CHECK(c.state.count <= 8, "%zu springs", c.state.count);
+    }
+}
+
+/* What the work of the force leaves over the stored energy has been dissipated: never less than before, in any motion. */
+static void friction_only_dissipates(void)
+{
+    uint64_t seed = 31;
+    for (int i = 0; i < 30; i++) {
+        contact c;
+        begin(&c, i % 3 ? "hertz" : "linear", MU, 1e-4, ROOM);
+        const double unit = MU / RATIO * DEEP, scale = MU * normal(&c, DEEP) * unit;
+        const int straight = i % 2;
+        double depth = 0.0, force[2] = {0.0, 0.0}, dissipated = 0.0;
+        for (int leg = 0; leg < 8; leg++) {
+            enum { PARTS = 300 };
+            const double to = DEEP * uniform(&seed), x = unit * (2.0 * uniform(&seed) - 1.0) / PARTS;
+            const double y = straight ? 0.0 : unit * (2.0 * uniform(&seed) - 1.0) / PARTS;
+            double lost = aoi_friction_energy(&c.friction, &c.state);
+            for (int part = 1; part <= PARTS; part++) {
+                const aoi_friction_value value = go(&c, depth + (to - depth) * part / PARTS, x, y);
+                lost += 0.5 * ((value.force[0] + force[0]) * x + (value.force[1] + force[1]) * y);
+                force[0] = value.force[0];
+                force[1] = value.force[1];
+            }
+            depth = to;
+            lost -= aoi_friction_energy(&c.friction, &c.state);
+            CHECK(lost > -1e-5 * scale, "motion %d, leg %d: %g of the scale", i, leg, lost / scale);
+            dissipated += lost;
+        }
+        CHECK(dissipated > 0.1 * scale, "much has been dissipated: %g", dissipated / scale);
     }
 }
 
@@ -332,6 +404,27 @@ static void the_path_counts_from_the_touch(void)
     CHECK(near(go(&c, DEEP, unit, 0.0).force[0], half, 1e-13), "the second touch is as the first");
 }
 
+static void remember_nothing(const aoi_law *law, double indentation, double rate, double *memory)
+{
+    (void)law;
+    (void)indentation;
+    (void)rate;
+    (void)memory;
+}
+
+/* Friction is of the law's own indentation, whatever is taken out of the law elsewhere. */
+static void the_compliance_of_a_mesh_is_left_out(void)
+{
+    contact c, d;
+    begin(&c, "hertz", MU, 1e-4, 16);
+    begin(&d, "hertz", MU, 1e-4, 16);
+    d.law.compliance = 0.1 / (1.5 * K * sqrt(DEEP));
+    d.law.limit = 0.5 * DEEP;
+    CHECK(aoi_friction_create(&d.friction, &d.law, MU, RATIO, 1e-4) == AOI_OK, "a law with a compliance");
+    const double u = 0.5 * MU / RATIO * DEEP;
+    CHECK(go(&c, DEEP, u, 0.0).force[0] == go(&d, DEEP, u, 0.0).force[0], "the same force");
+}
+
 static void what_is_not_elastic_is_refused(void)
 {
     aoi_law law;
@@ -342,6 +435,9 @@ static void what_is_not_elastic_is_refused(void)
     CHECK(aoi_law_create(&law, "thornton", 2, plastic) == AOI_OK, "a plastic law");
     CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "has a memory");
     CHECK(aoi_law_create(&law, "hertz", 1, &K) == AOI_OK, "Hertz's law");
+    law.remember = remember_nothing;
+    CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "a memory of the caller's");
+    law.remember = NULL;
     const double wrong[][3] = {{-0.1, RATIO, 1e-4}, {(double)NAN, RATIO, 1e-4}, {MU, 0.0, 1e-4}, {MU, HUGE_VAL, 1e-4},
                                {MU, RATIO, 0.0}, {MU, RATIO, 0.2}, {MU, RATIO, (double)NAN}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
@@ -362,10 +458,14 @@ int main(void)
     one_step_is_as_good_as_many();
     a_spring_turns_towards_the_slide();
     turning_paths_converge_in_the_precision();
+    a_sliding_contact_turns_spring_by_spring();
     derivatives_are_those_of_the_force();
     any_motion_keeps_to_coulomb_and_to_the_room();
+    extreme_numbers_do_no_harm();
+    friction_only_dissipates();
     without_friction_there_is_none();
     the_path_counts_from_the_touch();
+    the_compliance_of_a_mesh_is_left_out();
     what_is_not_elastic_is_refused();
     return check_report();
 }

@@ -131,6 +131,13 @@ static void any_step_is_solved(void)
     }
 }
 
+static double no_number(double indentation, double rate)
+{
+    (void)indentation;
+    (void)rate;
+    return (double)NAN;
+}
+
 static void what_is_not_a_number_is_refused(void)
 {
     contact c;
@@ -139,6 +146,12 @@ static void what_is_not_a_number_is_refused(void)
                                     {DEEP, 0.0, 0.0}};
     double force[3], place[3];
     CHECK(aoi_oblique_solve(&c.friction, &c.state, &e, force, place) == AOI_ERROR_NOT_FINITE, "no number");
+    const aoi_user_law user = {{no_number}, NULL, NULL, {1}};
+    CHECK(aoi_law_create_user(&c.law, &user, 0, 0) == AOI_OK, "a law of the caller's");
+    CHECK(aoi_friction_create(&c.friction, &c.law, 0.3, RATIO, 1e-3) == AOI_OK, "friction of it");
+    const aoi_oblique_equation sound = {{DEEP, 0.0, 0.0}, {{1e-9, 0.0, 0.0}, {0.0, 1e-9, 0.0}, {0.0, 0.0, 1e-9}},
+                                        {DEEP, 0.0, 0.0}};
+    CHECK(aoi_oblique_solve(&c.friction, &c.state, &sound, force, place) == AOI_ERROR_LAW, "a law without numbers");
 }
 
 int main(void)
