@@ -13,7 +13,8 @@ By Cerruti's potentials (K. L. Johnson, Contact Mechanics, section 3.1) with F�
 The disc has the potential of sources at the depths -it, -a < t < a, of the strength
 3 (a² - t²)/(4a³): F₁ and its derivatives are then elementary integrals over t. With D = (1/r) ∂/∂r
 derivatives across the axis are written in D f, D² f and D³ f. These follow from each other, since
-r² D² f + 2 D f + f,zz = 0 for a harmonic f.
+r² D² f + 2 D f + f,zz = 0 for a harmonic f. The field is continued analytically to z < 0, where a
+body with a concave surface has material.
 """
 
 from __future__ import annotations
@@ -58,12 +59,13 @@ class ShearedHalfSpace(IsotropicHalfSpace):
         self, y: FloatArray, *, stress: bool = False
     ) -> tuple[FloatArray, FloatArray | None]:
         a, nu = self.radius, self.nu
-        x1, x2, z = y[..., 0], y[..., 1], np.maximum(y[..., 2], 0.0)
+        x1, x2, z = y[..., 0], y[..., 1], y[..., 2]
         r2 = np.maximum(x1 * x1 + x2 * x2, _ON_AXIS**2 * (a * a + z * z))
         # Integrals over the sources: the imaginary part at the depth t = z + ia of one over t.
         t, c, p = z + 1j * a, 1.5 / a**3, a * a + z * z
         q = r2 + t * t
         root = np.sqrt(np.where(np.abs(q) < (_ON_RIM * a) ** 2, (_ON_RIM * a) ** 2, q))
+        root = np.where((z < 0.0) & (r2 < a * a), -root, root)  # continued through the disc
         log, cube = np.log(root + t), root**3
         less, more = t * root - r2 * log, t * root + r2 * log
         fzz = c * np.imag(p * log - 2.0 * z * root + 0.5 * less)
