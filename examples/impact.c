@@ -95,7 +95,7 @@ static void strike(const char *what, const aoi_modes *ball, const aoi_modes *tar
                    double *peak, double *duration, double *rebound)
 {
     const aoi_modes bodies[] = {*ball, *target};
-    const aoi_contact contact = {{0, 1}, {0, 0}, 0.0, law};
+    const aoi_contact contact = {.body = {0, 1}, .law = law};
     aoi_system system = {.body_count = 2, .contact_count = 1, .body = bodies, .contact = &contact};
     void *links = malloc(aoi_system_size(&system));
     double v[1 + MODES] = {SPEED * MASS * ball->centre[0]}; /* of the ball's mode; the target is at rest */

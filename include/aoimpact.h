@@ -70,7 +70,8 @@ typedef enum aoi_status {
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
     AOI_ERROR_LAW_JUMPS,      /* without the patch compliance the force is undefined: the law jumps */
     AOI_ERROR_STOPPED,        /* the caller's pause said so                                        */
-    AOI_ERROR_CROWDED         /* more contacts are closed at once than the system says             */
+    AOI_ERROR_CROWDED,        /* more contacts are closed at once than the system says             */
+    AOI_ERROR_FRICTION        /* friction of a law that is not elastic, or in a run that knows none */
 } aoi_status;
 
 /* A status in words: a constant string, never NULL. */
@@ -317,7 +318,7 @@ typedef struct aoi_friction {
  *   mu         >= 0
  *   ratio      > 0
  *   precision  in (0, 0.1]; some 1e-4
- * AOI_ERROR_ARGUMENT where these do not hold. */
+ * AOI_ERROR_FRICTION for another law, AOI_ERROR_ARGUMENT for other numbers. */
 AOI_API int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision);
 
 /* The stretch of the spring at a depth, m; between two of these it runs straight. */
@@ -428,17 +429,26 @@ AOI_API size_t aoi_star_modes_size(const aoi_star *star);
 AOI_API int aoi_star_modes(const aoi_star *star, void *memory, aoi_modes *body);
 
 /* A contact between ports of two bodies: indentation = u_first - u_second - gap; its force presses the first
- * back and the second forward. */
+ * back and the second forward.
+ *
+ * With friction a contact has three forces. The ports port[i], port[i] + 1 and port[i] + 2 of a body are its normal and two
+ * tangents; slides are u_first - u_second along these, and friction holds the first body back and takes the second along.
+ * Springs are not stretched where bodies touch; those that overlap at t = 0 have come straight from (0, 0) to their
+ * indentation and slide then. */
 typedef struct aoi_contact {
     size_t body[2], port[2];
     double gap;
     const aoi_law *law;
+    const aoi_friction *friction; /* of that law; NULL: none. Only Newmark's rule takes it                   */
+    const double *compliance;     /* [3][3] m/N, by normal and tangents: with friction, what is taken out.
+                                     [0][0] is law->compliance. NULL: that alone                             */
 } aoi_contact;
 
 /* Bodies and contacts: what both integrators take, and never change. The caller sets the first block, has
  * aoi_system_link fill in the second, zero before, and then changes neither. Of the arrays of all bodies, b has the modes
  * first[b] .. first[b+1]-1 and the ports first_port[b] .. first_port[b+1]-1; its contacts are contact_of[i]
- * for first_contact[b] <= i < first_contact[b+1], ascending. */
+ * for first_contact[b] <= i < first_contact[b+1], ascending. Of the forces of all contacts, c has first_force[c] ..
+ * first_force[c+1]-1: one, or with friction three. */
 typedef struct aoi_system {
     size_t body_count, contact_count;
     const aoi_modes *body;
@@ -446,7 +456,7 @@ typedef struct aoi_system {
     size_t at_once; /* most contacts closed at once in an adaptive run, 0: all. Its memory is proportional to this
                        times the ports of a body. May change from one run to the next */
 
-    const size_t *first, *first_port, *first_contact, *contact_of;
+    const size_t *first, *first_port, *first_contact, *contact_of, *first_force;
 } aoi_system;
 
 /* Checks the system and links it. memory: aoi_system_size bytes, which the system keeps. AOI_ERROR_NOT_POSITIVE for a
@@ -459,15 +469,20 @@ AOI_API int aoi_system_link(aoi_system *system, void *memory);
 
 /* --------------------------------------------------------------------- what is seen: a record */
 
-/* A record is a matrix by rows, one column a time: four rows for each contact, then for each body the rows of
- * aoi_body_row and two for each of its ports. What a law has dissipated is the work of its force less what is
- * stored, zero for a law that has neither rate nor memory. */
+/* A record is a matrix by rows, one column a time: four rows for each contact, or with friction eight, then for each body
+ * the rows of aoi_body_row and two for each of its ports. What a law has dissipated is the work of its force less what is
+ * stored, zero for a law that has neither rate nor memory; for friction likewise. */
 enum aoi_contact_row {
     AOI_CONTACT_FORCE = 0,   /* N                */
     AOI_CONTACT_INDENTATION, /* m                */
     AOI_CONTACT_ELASTIC,     /* J, in the law    */
     AOI_CONTACT_DISSIPATED,  /* J                */
-    AOI_CONTACT_ROWS
+    AOI_CONTACT_ROWS,
+    /* With friction, always written: */
+    AOI_CONTACT_TANGENTIAL = AOI_CONTACT_ROWS, /* N, two: along the tangents                        */
+    AOI_CONTACT_FRICTION = AOI_CONTACT_TANGENTIAL + 2, /* J, dissipated since the start              */
+    AOI_CONTACT_STUCK, /* share of the indentation within which springs stick: 0 where all slip      */
+    AOI_FRICTION_ROWS
 };
 enum aoi_body_row {
     AOI_BODY_CENTRE = 0,      /* m, of the centre of mass                       */
@@ -491,10 +506,10 @@ AOI_API size_t aoi_record_body(const aoi_system *system, size_t body);
  *   x, v         [first[body_count]]: coordinates of all bodies and their rates; NULL: zero
  *   rested       1: the bodies have come to rest under loads and contacts; 0: those set in at t = 0. Matters with a
  *                residual compliance only, which deflects at once
- *   force        [contact_count], for Newmark's rule: the contact forces just after t = 0, N; NULL: those that the laws
+ *   force        [first_force[contact_count]], for Newmark's rule: the contact forces just after t = 0, N; NULL: those that the laws
  *                give at x and v. With loads they deflect a residual compliance, which is undeflected without them;
  *                an adaptive run finds them itself
- *   force_rate   [contact_count]: their rates, N/s; NULL: zero */
+ *   force_rate   as force: their rates, N/s; NULL: zero */
 typedef struct aoi_start {
     const double *x, *v;
     int rested;
@@ -561,7 +576,8 @@ AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* linked */
  *   start   copied
  *   rtol    in (0, 1); below some 1e-13 it is lost in rounding
  *   end     s, > 0
- * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_NOT_FINITE for x, v. */
+ * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_FRICTION for a contact with friction,
+ * AOI_ERROR_NOT_FINITE for x, v. */
 AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start,
                                double rtol, double end);
 

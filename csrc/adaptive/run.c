@@ -254,7 +254,10 @@ static int take_state(const double *from, size_t count, double *to)
 int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start, double rtol,
                        double end)
 {
-    if (!aoi_system_is_modal(system) || !(rtol > 0.0 && rtol < 1.0) || !(end > 0.0) || !isfinite(end)) {
+    if (system->first && aoi_system_rubs(system)) {
+        return AOI_ERROR_FRICTION;
+    }
+    if (!aoi_system_is_plain(system) || !(rtol > 0.0 && rtol < 1.0) || !(end > 0.0) || !isfinite(end)) {
         return AOI_ERROR_ARGUMENT;
     }
     const size_t modes = aoi_system_most_modes(system), all = system->first[system->body_count];

@@ -39,10 +39,12 @@ typedef struct path {
 
 int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision)
 {
-    if (!friction || aoi_law_check(law) != AOI_OK || law->depends_on_rate || law->remember || law->turns ||
-        law->pulls || !(mu >= 0.0 && mu < HUGE_VAL) || !(ratio > 0.0 && ratio < HUGE_VAL) ||
-        !(precision > 0.0 && precision <= 0.1)) {
+    if (!friction || aoi_law_check(law) != AOI_OK || !(mu >= 0.0 && mu < HUGE_VAL) ||
+        !(ratio > 0.0 && ratio < HUGE_VAL) || !(precision > 0.0 && precision <= 0.1)) {
         return AOI_ERROR_ARGUMENT;
+    }
+    if (law->depends_on_rate || law->remember || law->turns || law->pulls) {
+        return AOI_ERROR_FRICTION;
     }
     friction->law = *law;
     friction->law.compliance = 0.0;

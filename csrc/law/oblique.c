@@ -4,6 +4,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 enum { MOST_ITERATIONS = 100, MOST_HALVINGS = 30 };
 
@@ -12,8 +13,8 @@ static const double ROUNDING = 16.0 * DBL_EPSILON;
 
 typedef struct point {
     double place[3], force[3], residual[3];
-    double slope[3][3]; /* of the residual by the place */
-    double size, enough;
+    double by[3][3], slope[3][3]; /* of the force and of the residual by the place */
+    double size, enough, stuck;
 } point;
 
 static void evaluate(const aoi_friction *friction, const aoi_friction_state *state, const aoi_oblique_equation *e,
@@ -27,6 +28,8 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
     double (*s)[2] = friction_value.by_slide;
     const double force[3] = {normal.force, f[0], f[1]};
     const double by[3][3] = {{normal.stiffness, 0.0, 0.0}, {g[0], s[0][0], s[0][1]}, {g[1], s[1][0], s[1][1]}};
+    memcpy(p->by, by, sizeof by);
+    p->stuck = friction_value.stuck;
     p->size = p->enough = 0.0;
     for (int i = 0; i < 3; i++) {
         double sum = 0.0, terms = fabs(p->place[i]) + fabs(e->free[i]);
@@ -52,29 +55,42 @@ static double determinant(const double a[3], const double b[3], const double c[3
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/* The change of place that would take the residual away, by Cramer's rule. */
-static void newton(const point *p, double change[3])
+/* Solves slope x = right by Cramer's rule. */
+static void solve(const point *p, const double right[3], double x[3])
 {
-    double column[4][3];
+    double column[3][3];
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
             column[j][i] = p->slope[i][j];
         }
-        column[3][i] = -p->residual[i];
     }
     const double whole = determinant(column[0], column[1], column[2]);
-    change[0] = determinant(column[3], column[1], column[2]) / whole;
-    change[1] = determinant(column[0], column[3], column[2]) / whole;
-    change[2] = determinant(column[0], column[1], column[3]) / whole;
+    x[0] = determinant(right, column[1], column[2]) / whole;
+    x[1] = determinant(column[0], right, column[2]) / whole;
+    x[2] = determinant(column[0], column[1], right) / whole;
+}
+
+/* by_free = by slope^-1 */
+static void give(const point *p, aoi_oblique_solution *solution)
+{
+    memcpy(solution->force, p->force, sizeof p->force);
+    memcpy(solution->place, p->place, sizeof p->place);
+    solution->stuck = p->stuck;
+    for (int j = 0; j < 3; j++) {
+        const double unit[3] = {j == 0, j == 1, j == 2};
+        double x[3];
+        solve(p, unit, x);
+        for (int i = 0; i < 3; i++) {
+            solution->by_free[i][j] = p->by[i][0] * x[0] + p->by[i][1] * x[1] + p->by[i][2] * x[2];
+        }
+    }
 }
 
 int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *state,
-                      const aoi_oblique_equation *equation, double force[3], double place[3])
+                      const aoi_oblique_equation *equation, aoi_oblique_solution *solution)
 {
     point now;
-    for (int i = 0; i < 3; i++) {
-        now.place[i] = equation->guess[i];
-    }
+    memcpy(now.place, equation->guess, sizeof now.place);
     evaluate(friction, state, equation, &now);
     for (int iteration = 0; !(now.size <= now.enough); iteration++) { /* NaN is not enough */
         if (!isfinite(now.size)) {
@@ -85,10 +101,10 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
         }
         double change[3], share = 1.0;
         point next;
-        newton(&now, change);
+        solve(&now, now.residual, change);
         for (int halving = 0;; halving++, share *= 0.5) {
             for (int i = 0; i < 3; i++) {
-                next.place[i] = now.place[i] + share * change[i];
+                next.place[i] = now.place[i] - share * change[i];
             }
             evaluate(friction, state, equation, &next);
             if (next.size < now.size) {
@@ -100,9 +116,6 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
         }
         now = next;
     }
-    for (int i = 0; i < 3; i++) {
-        force[i] = now.force[i];
-        place[i] = now.place[i];
-    }
+    give(&now, solution);
     return AOI_OK;
 }

@@ -13,9 +13,15 @@ typedef struct aoi_oblique_equation {
     double guess[3];
 } aoi_oblique_equation;
 
+typedef struct aoi_oblique_solution {
+    double force[3], place[3];
+    double by_free[3][3]; /* d force / d free */
+    double stuck;         /* as in aoi_friction_value */
+} aoi_oblique_solution;
+
 /* Solves it by Newton's method, with shorter steps where the residual would grow. The state is only read.
  * AOI_ERROR_NOT_FINITE, AOI_ERROR_NO_CONVERGENCE, AOI_ERROR_LAW where the law gives NaN. */
 int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *state,
-                      const aoi_oblique_equation *equation, double force[3], double place[3]);
+                      const aoi_oblique_equation *equation, aoi_oblique_solution *solution);
 
 #endif

@@ -11,7 +11,9 @@
  * C' and Cr' without their diagonals, needs no pivoting. A step is shortened until the residual decreases. Where it
  * does not, contacts are solved in turn (Gauss-Seidel), which always decreases it, if slowly. Where that is too slow,
  * a few whole steps are taken: of contacts that keep each other open, one of two rigid ones on a place, they find out
- * which, though the residual rises on the way. */
+ * which, though the residual rises on the way.
+ *
+ * A contact with friction has three equations z, R, F, which oblique.c solves together, and a 3 x 3 matrix a = dF/dz. */
 #include "model/coupled.h"
 #include "linear/work.h"
 #include "law/equation.h"
@@ -112,18 +114,26 @@ static const double *row_of(const aoi_coupled *e, const double *matrix, size_t i
     return matrix + (i * (2 * e->band + 1) + e->band) - i; /* to be indexed by the column */
 }
 
-/* Row i times x without the diagonal term; size: the sum of the terms' magnitudes. */
-static double neighbours(const aoi_coupled *e, const double *matrix, size_t i, const double *x,
-                     double *size)
+/* The equations of the contact that has equation i. */
+static size_t begin_of(const aoi_contact_state *contact, size_t i) { return i - contact[i].axis; }
+
+static size_t size_of(const aoi_contact_state *contact) { return contact->rubbing ? 3 : 1; }
+
+/* Row i times x without the terms of the contact itself; size: the sum of the terms' magnitudes. */
+static double neighbours(const aoi_coupled *e, const aoi_contact_state *contact, const double *matrix, size_t i,
+                         const double *x, double *size)
 {
     const double *row = row_of(e, matrix, i);
+    const size_t begin = begin_of(contact, i), own = size_of(&contact[i]);
     double sum = 0.0;
     *size = 0.0;
-    for (size_t j = first_of(e, i), last = last_of(e, i); j < last; j++) {
-        if (j != i) {
-            sum += row[j] * x[j];
-            *size += fabs(row[j] * x[j]);
-        }
+    for (size_t j = first_of(e, i); j < begin; j++) {
+        sum += row[j] * x[j];
+        *size += fabs(row[j] * x[j]);
+    }
+    for (size_t j = begin + own, last = last_of(e, i); j < last; j++) {
+        sum += row[j] * x[j];
+        *size += fabs(row[j] * x[j]);
     }
     return sum;
 }
@@ -168,11 +178,37 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
     at->of_rate[i] = isfinite(whole) ? value.damping / whole : 0.0;
 }
 
+/* Solves the three equations of a contact with friction from i on, for the free places and from the guess. */
+static int solve_three(const aoi_coupled *e, aoi_rubbing *rubbing, size_t i, const double free[3], double place[3],
+                       double force[3])
+{
+    aoi_oblique_equation equation;
+    for (size_t k = 0; k < 3; k++) {
+        equation.free[k] = free[k];
+        equation.guess[k] = place[k];
+        for (size_t j = 0; j < 3; j++) {
+            equation.compliance[k][j] = row_of(e, e->compliance, i + k)[i + j] - rubbing->compliance[k][j];
+        }
+    }
+    const int status = aoi_oblique_solve(rubbing->friction, &rubbing->state, &equation, &rubbing->found);
+    if (status == AOI_OK) {
+        memcpy(place, rubbing->found.place, sizeof rubbing->found.place);
+        memcpy(force, rubbing->found.force, sizeof rubbing->found.force);
+    }
+    return status;
+}
+
 /* Solves the equation of contact i alone, from its present indentation. */
 static int solve_one(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
     const aoi_contact_state *contact = &s->contact[i];
+    if (contact->rubbing) {
+        at->of_rate[i] = 0.0;
+        return contact->axis > 0 ? AOI_OK
+                                 : solve_three(e, contact->rubbing, i, at->unloaded + i, at->indentation + i,
+                                               at->force + i);
+    }
     /* An adhesive contact may have two solutions, closed and open: it stays closed if it was. */
     const double pulled = contact->indentation > s->ended ? contact->indentation
                                                           : aoi_law_rest(contact->law, contact->memory);
@@ -201,9 +237,9 @@ static void find_off(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
     double size, rate_size;
-    at->off[i] = at->unloaded[i] - e->free[i] + neighbours(e, e->compliance, i, at->force, &size);
-    at->rate_off[i] =
-        at->unloaded_rate[i] - e->rate_free[i] + neighbours(e, e->rate_compliance, i, at->force, &rate_size);
+    at->off[i] = at->unloaded[i] - e->free[i] + neighbours(e, s->contact, e->compliance, i, at->force, &size);
+    at->rate_off[i] = at->unloaded_rate[i] - e->rate_free[i] +
+                      neighbours(e, s->contact, e->rate_compliance, i, at->force, &rate_size);
     s->size[i] = fabs(e->free[i]) + size;
     s->rate_size[i] = fabs(e->rate_free[i]) + rate_size;
 }
@@ -245,10 +281,32 @@ static double find_merit(const newton *s, iterate *at)
     return merit;
 }
 
+/* Row i of the matrix, of a contact with friction. */
+static void fill_row(const newton *s, size_t i, const double *by_free)
+{
+    const aoi_coupled *e = s->e;
+    const size_t begin = begin_of(s->contact, i);
+    double *row = s->matrix + i * s->width;
+    memset(row, 0, s->width * sizeof *row);
+    s->change[i] = 0.0;
+    for (size_t k = 0; k < 3; k++) {
+        const double *compliance = row_of(e, e->compliance, begin + k);
+        s->change[i] -= by_free[k] * s->now.off[begin + k];
+        for (size_t j = first_of(e, begin + 2), last = last_of(e, begin); j < last; j++) {
+            row[e->band + j - i] += j - begin < 3 ? 0.0 : s->yield * by_free[k] * compliance[j];
+        }
+    }
+    row[e->band] = 1.0;
+}
+
 static void fill_matrix(const newton *s)
 {
     const aoi_coupled *e = s->e;
     for (size_t i = 0; i < e->count; i++) {
+        if (s->contact[i].rubbing) {
+            fill_row(s, i, s->contact[i].rubbing->found.by_free[s->contact[i].axis]);
+            continue;
+        }
         const double *compliance = e->compliance + i * s->width;
         const double *rates = e->rate_compliance + i * s->width;
         const double a = s->yield * s->now.of_place[i], b = s->yield * s->now.of_rate[i];
@@ -293,8 +351,8 @@ static void find_moves(const newton *s)
     const aoi_coupled *e = s->e;
     double size;
     for (size_t i = 0; i < e->count; i++) {
-        s->move[i] = -s->now.off[i] - neighbours(e, e->compliance, i, s->change, &size);
-        s->rate_move[i] = -s->now.rate_off[i] - neighbours(e, e->rate_compliance, i, s->change, &size);
+        s->move[i] = -s->now.off[i] - neighbours(e, s->contact, e->compliance, i, s->change, &size);
+        s->rate_move[i] = -s->now.rate_off[i] - neighbours(e, s->contact, e->rate_compliance, i, s->change, &size);
     }
 }
 
@@ -332,7 +390,7 @@ static void accept(newton *s)
 static int newton_step(newton *s, double *merit, int *nearer)
 {
     int status = AOI_OK;
-    double share = 1.0, after;
+    double share = 1.0, after = HUGE_VAL;
     *nearer = 0;
     fill_matrix(s);
     if (!aoi_coupled_eliminate(s->e->count, s->e->band, s->matrix, s->change)) {
@@ -351,6 +409,15 @@ static int newton_step(newton *s, double *merit, int *nearer)
     return status;
 }
 
+/* Sets z and w of equation i, given the forces. */
+static void free_of_others(const newton *s, size_t i, const double *force)
+{
+    const aoi_coupled *e = s->e;
+    double size;
+    s->now.unloaded[i] = e->free[i] - neighbours(e, s->contact, e->compliance, i, force, &size);
+    s->now.unloaded_rate[i] = e->rate_free[i] - neighbours(e, s->contact, e->rate_compliance, i, force, &size);
+}
+
 /* A symmetric Gauss-Seidel sweep: all contacts in turn, forwards and backwards. */
 static int sweep(newton *s, double *merit)
 {
@@ -358,10 +425,9 @@ static int sweep(newton *s, double *merit)
     int status = AOI_OK;
     for (size_t k = 0; k < 2 * e->count && status == AOI_OK; k++) {
         const size_t i = k < e->count ? k : 2 * e->count - 1 - k;
-        double size;
-        s->now.unloaded[i] = e->free[i] - neighbours(e, e->compliance, i, s->now.force, &size);
-        s->now.unloaded_rate[i] =
-            e->rate_free[i] - neighbours(e, e->rate_compliance, i, s->now.force, &size);
+        for (size_t j = i; s->contact[i].axis == 0 && j < i + size_of(&s->contact[i]); j++) {
+            free_of_others(s, j, s->now.force);
+        }
         status = solve_one(s, &s->now, i);
     }
     *merit = find_merit(s, &s->now);
@@ -371,11 +437,8 @@ static int sweep(newton *s, double *merit)
 /* Solves from the present forces and indentations, in at most most_steps steps. */
 static int solve_from_here(newton *s, int most_steps)
 {
-    const aoi_coupled *e = s->e;
-    double size;
-    for (size_t i = 0; i < e->count; i++) {
-        s->now.unloaded[i] = e->free[i] - neighbours(e, e->compliance, i, e->force, &size);
-        s->now.unloaded_rate[i] = e->rate_free[i] - neighbours(e, e->rate_compliance, i, e->force, &size);
+    for (size_t i = 0; i < s->e->count; i++) {
+        free_of_others(s, i, s->e->force);
     }
     int status = solve_each(s, &s->now);
     double merit = find_merit(s, &s->now);
@@ -474,7 +537,7 @@ enum { REACH = 4 };
 static double find_deepest(const aoi_coupled *e, const aoi_contact_state *contact)
 {
     double deepest = 0.0;
-    for (size_t i = 0; i < e->count; i++) {
+    for (size_t i = 0; i < e->count; i += size_of(&contact[i])) {
         const double rest = aoi_law_rest(contact[i].law, contact[i].memory);
         const double last = contact[i].force != 0.0 ? contact[i].indentation : rest;
         deepest = fmax(deepest, fmax(e->free[i], last) - rest);
@@ -494,6 +557,15 @@ static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double
         const aoi_contact_state *c = &contact[i];
         const double rest = aoi_law_rest(c->law, c->memory), free_end = e->free[i];
         const double ahead = 2.0 * c->indentation - c->last_indentation;
+        if (c->rubbing) {
+            const aoi_contact_state *first = c - c->axis;
+            active[i] = c->axis > 0 ? active[i - 1]
+                                    : free_end > least || c->force * own(e, e->compliance, i) > least;
+            e->indentation[i] = first->force != 0.0 ? c->rubbing->guess[c->axis] : free_end;
+            e->force[i] = active[i] != 0.0 ? c->force : 0.0;
+            e->rate[i] = e->rate_free[i];
+            continue;
+        }
         const int stays = c->law->pulls && c->indentation > rest;
         active[i] = free_end - rest > least || stays ||
                    fabs(c->force) * own(e, e->compliance, i) > least;
@@ -513,8 +585,8 @@ static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double
 
 /* Finds the next segment from `from` on: contacts that may touch, and their neighbours. No two segments are coupled.
  * Returns 0 where there is none. */
-static int next_segment(const aoi_coupled *e, const double *active, size_t from, size_t *low,
-                        size_t *high)
+static int next_segment(const aoi_coupled *e, const aoi_contact_state *contact, const double *active, size_t from,
+                        size_t *low, size_t *high)
 {
     const size_t beyond = REACH * e->band;
     size_t i = from;
@@ -524,12 +596,15 @@ static int next_segment(const aoi_coupled *e, const double *active, size_t from,
     if (i == e->count) {
         return 0;
     }
-    *low = i > from + beyond ? i - beyond : from;
+    *low = begin_of(contact, i > from + beyond ? i - beyond : from);
     size_t last = i;
     for (; i < e->count && i - last <= 2 * beyond + e->band; i++) {
         last = active[i] != 0.0 ? i : last;
     }
     *high = e->count - last > beyond + 1 ? last + beyond + 1 : e->count;
+    while (*high < e->count && contact[*high].axis > 0) {
+        *high += 1;
+    }
     return 1;
 }
 
@@ -562,7 +637,7 @@ static int solve_active(const aoi_coupled *e, const aoi_contact_state *contact, 
 {
     size_t low, high = 0;
     int status = AOI_OK;
-    while (status == AOI_OK && next_segment(e, active, high, &low, &high)) {
+    while (status == AOI_OK && next_segment(e, contact, active, high, &low, &high)) {
         status = solve_segment(e, contact, low, high, deepest, active + e->count);
         for (size_t i = low; i < high; i++) {
             active[i] = 2.0;
@@ -579,9 +654,10 @@ static int activate(const aoi_coupled *e, const aoi_contact_state *contact, doub
         if (active[i] != 2.0) {
             const double rest = aoi_law_rest(contact[i].law, contact[i].memory);
             double size; /* its own force is zero */
-            e->indentation[i] = e->free[i] - neighbours(e, e->compliance, i, e->force, &size);
-            e->rate[i] = e->rate_free[i] - neighbours(e, e->rate_compliance, i, e->force, &size);
-            active[i] = e->indentation[i] - rest > open_tolerance(deepest);
+            e->indentation[i] = e->free[i] - neighbours(e, contact, e->compliance, i, e->force, &size);
+            e->rate[i] = e->rate_free[i] - neighbours(e, contact, e->rate_compliance, i, e->force, &size);
+            active[i] = contact[i].axis > 0 ? active[i - 1]
+                                            : e->indentation[i] - rest > open_tolerance(deepest);
             changed = changed || active[i] != 0.0;
         }
     }
@@ -592,6 +668,10 @@ int aoi_coupled_solve(aoi_coupled *e, const aoi_contact_state *contact)
 {
     if (e->count == 1) {
         return solve_single(e, contact);
+    }
+    if (e->count == 3 && contact->rubbing) {
+        memcpy(e->indentation, contact->force != 0.0 ? contact->rubbing->guess : e->free, 3 * sizeof(double));
+        return solve_three(e, contact->rubbing, 0, e->free, e->indentation, e->force);
     }
     for (size_t i = 0; i < e->count; i++) {
         if (!isfinite(e->free[i]) || !isfinite(e->rate_free[i])) {

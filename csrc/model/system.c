@@ -86,14 +86,16 @@ static int body_is_sound(const aoi_modes *body)
 
 static int contact_is_sound(const aoi_system *system, const aoi_contact *contact)
 {
+    const size_t ports = aoi_contact_forces(contact);
     for (int side = 0; side < 2; side++) {
-        if (contact->body[side] >= system->body_count ||
-            contact->port[side] >= system->body[contact->body[side]].ports) {
+        if (contact->body[side] >= system->body_count || system->body[contact->body[side]].ports < ports ||
+            contact->port[side] > system->body[contact->body[side]].ports - ports) {
             return 0;
         }
     }
     return contact->body[0] != contact->body[1] && isfinite(contact->gap) &&
-           aoi_law_check(contact->law) == AOI_OK;
+           aoi_law_check(contact->law) == AOI_OK && all_finite(contact->compliance, ports * ports) &&
+           (!contact->compliance || contact->compliance[0] == contact->law->compliance);
 }
 
 /* Whether a force on a port moves it: that of a wall it does not. */
@@ -108,14 +110,16 @@ static int port_can_move(const aoi_modes *body, size_t port)
     return body->residual && body->residual[port * (body->ports + 1)] > 0.0;
 }
 
-/* Whether every contact can deform or move a body. */
+/* Whether every contact can deform or move a body, in each direction. */
 static int contacts_can_move(const aoi_system *system)
 {
     for (size_t c = 0; c < system->contact_count; c++) {
         const aoi_contact *of = &system->contact[c];
-        if (!port_can_move(&system->body[of->body[0]], of->port[0]) &&
-            !port_can_move(&system->body[of->body[1]], of->port[1])) {
-            return 0;
+        for (size_t axis = 0; axis < aoi_contact_forces(of); axis++) {
+            if (!port_can_move(&system->body[of->body[0]], of->port[0] + axis) &&
+                !port_can_move(&system->body[of->body[1]], of->port[1] + axis)) {
+                return 0;
+            }
         }
     }
     return 1;
@@ -141,7 +145,7 @@ static int is_sound(const aoi_system *system)
 
 /* The caller's memory, as the arrays of a linked system: of bodies, then of contacts. */
 typedef struct links {
-    size_t *first, *first_port, *first_contact, *contact_of;
+    size_t *first, *first_port, *first_contact, *contact_of, *first_force;
 } links;
 
 static links lay_out(const aoi_system *system, aoi_memory *memory)
@@ -151,6 +155,7 @@ static links lay_out(const aoi_system *system, aoi_memory *memory)
     made.first_port = aoi_memory_numbers(memory, system->body_count + 1);
     made.first_contact = aoi_memory_numbers(memory, system->body_count + 1);
     made.contact_of = aoi_memory_numbers(memory, 2 * system->contact_count);
+    made.first_force = aoi_memory_numbers(memory, system->contact_count + 1);
     return made;
 }
 
@@ -183,33 +188,37 @@ int aoi_system_link(aoi_system *system, void *memory)
 {
     aoi_memory block = {memory, 0};
     const links made = lay_out(system, &block);
-    system->first = system->first_port = system->first_contact = system->contact_of = NULL;
+    system->first = system->first_port = system->first_contact = system->contact_of = system->first_force = NULL;
     if (!is_sound(system)) {
         return AOI_ERROR_ARGUMENT;
     }
     if (!contacts_can_move(system)) {
         return AOI_ERROR_NOT_POSITIVE;
     }
-    made.first[0] = made.first_port[0] = 0;
+    made.first[0] = made.first_port[0] = made.first_force[0] = 0;
     for (size_t b = 0; b < system->body_count; b++) {
         made.first[b + 1] = made.first[b] + system->body[b].n;
         made.first_port[b + 1] = made.first_port[b] + system->body[b].ports;
+    }
+    for (size_t c = 0; c < system->contact_count; c++) {
+        made.first_force[c + 1] = made.first_force[c] + aoi_contact_forces(&system->contact[c]);
     }
     link_contacts(system, made.first_contact, made.contact_of);
     system->first = made.first;
     system->first_port = made.first_port;
     system->first_contact = made.first_contact;
     system->contact_of = made.contact_of;
+    system->first_force = made.first_force;
     return AOI_OK;
 }
 
-int aoi_system_is_modal(const aoi_system *system)
+int aoi_system_is_plain(const aoi_system *system)
 {
     size_t full = 0;
     for (size_t b = 0; b < system->body_count; b++) {
         full += system->body[b].full != NULL;
     }
-    return system->first && full == 0;
+    return system->first && full == 0 && !aoi_system_rubs(system);
 }
 
 size_t aoi_system_most_modes(const aoi_system *system)
@@ -237,12 +246,13 @@ double aoi_system_residual(const aoi_system *system, size_t c, size_t by)
 
 size_t aoi_system_span(const aoi_system *system)
 {
-    size_t span = 0;
+    size_t span = aoi_system_rubs(system) ? 2 : 0;
     for (size_t b = 0; b < system->body_count; b++) {
         const size_t first = system->first_contact[b], end = system->first_contact[b + 1];
         const aoi_modes *body = &system->body[b];
         if (first < end && (body->residual || aoi_modes_can_move(body))) {
-            const size_t apart = system->contact_of[end - 1] - system->contact_of[first];
+            const size_t apart = system->first_force[system->contact_of[end - 1] + 1] - 1 -
+                                 system->first_force[system->contact_of[first]];
             span = apart > span ? apart : span;
         }
     }
@@ -256,7 +266,8 @@ size_t aoi_record_rows(const aoi_system *system)
 
 size_t aoi_record_contact(const aoi_system *system, size_t contact)
 {
-    return system->first ? AOI_CONTACT_ROWS * contact : 0;
+    /* Two more forces make four more rows. */
+    return system->first ? AOI_CONTACT_ROWS * contact + 2 * (system->first_force[contact] - contact) : 0;
 }
 
 size_t aoi_record_body(const aoi_system *system, size_t body)
@@ -264,6 +275,6 @@ size_t aoi_record_body(const aoi_system *system, size_t body)
     if (!system->first) {
         return 0;
     }
-    return AOI_CONTACT_ROWS * system->contact_count + AOI_BODY_ROWS * body +
+    return aoi_record_contact(system, system->contact_count) + AOI_BODY_ROWS * body +
            AOI_PORT_ROWS * system->first_port[body];
 }

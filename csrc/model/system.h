@@ -4,16 +4,30 @@
 
 #include "aoimpact.h"
 
-/* Whether it is linked, and all bodies are in modes. */
-int aoi_system_is_modal(const aoi_system *system);
+/* Whether it is linked, all bodies are in modes, and no contact has friction. */
+int aoi_system_is_plain(const aoi_system *system);
 
 /* Modes of the body that has most; 1 without bodies. */
 size_t aoi_system_most_modes(const aoi_system *system);
 
+/* Of a contact: the forces, 1 or with friction 3. */
+static inline size_t aoi_contact_forces(const aoi_contact *contact) { return contact->friction ? 3 : 1; }
+
+/* Of a linked system: the forces of all contacts; whether any has friction. */
+static inline size_t aoi_system_forces(const aoi_system *system)
+{
+    return system->first_force[system->contact_count];
+}
+
+static inline int aoi_system_rubs(const aoi_system *system)
+{
+    return aoi_system_forces(system) > system->contact_count;
+}
+
 /* Reduction of the indentation of a contact per unit force of another, or of its own, by residual compliances, m/N. */
 double aoi_system_residual(const aoi_system *system, size_t c, size_t by);
 
-/* The largest distance between contacts (in their order) that share a body. */
+/* The largest distance between forces (in the order of contacts) on one body, and within a contact. */
 size_t aoi_system_span(const aoi_system *system);
 
 #endif

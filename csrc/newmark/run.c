@@ -14,6 +14,10 @@
 /* Columns of the record that are gathered before they are written: a cache line of each row. */
 enum { BLOCK = 8 };
 
+/* Springs of a contact with friction: along one line an impact holds some 10, and 66 at most; where directions turn, 120 to a
+ * precision of 1e-4. */
+enum { SPRINGS = 128 };
+
 struct aoi_newmark {
     const aoi_system *system;
     aoi_rule_step step;
@@ -23,7 +27,8 @@ struct aoi_newmark {
     aoi_coupled coupled;
     double *x, *v;                           /* of all bodies                                             */
     aoi_stepped *body;
-    aoi_contact_state *state;                /* of the contacts                                           */
+    aoi_contact_state *state;                /* of the contacts, one for each force                       */
+    aoi_rubbing *rubbing;                    /* of those with friction                                    */
     double *displacement, *velocity;         /* of all ports: without contacts during a step, then theirs */
     double *displacement_before;             /* at the last column                                        */
     double *push, *push_before;              /* on all ports, with loads: now and a step before           */
@@ -35,17 +40,20 @@ struct aoi_newmark {
 static aoi_newmark lay_out(const aoi_system *system, void *block, size_t *size)
 {
     aoi_memory memory = {block, 0};
-    const size_t bodies = system->body_count, contacts = system->contact_count;
+    const size_t bodies = system->body_count, forces = aoi_system_forces(system);
+    const size_t rubbing = (forces - system->contact_count) / 2;
     const size_t ports = system->first_port[bodies], rows = aoi_record_rows(system);
     aoi_newmark made = {.system = system};
     aoi_coupled *e = &made.coupled;
     (void)aoi_memory_take(&memory, 1, sizeof made);
-    e->count = contacts;
+    e->count = forces;
     e->band = aoi_system_span(system);
     made.x = aoi_memory_doubles(&memory, system->first[bodies]);
     made.v = aoi_memory_doubles(&memory, system->first[bodies]);
     made.body = aoi_memory_take(&memory, bodies, sizeof *made.body);
-    made.state = aoi_memory_take(&memory, contacts, sizeof *made.state);
+    made.state = aoi_memory_take(&memory, forces, sizeof *made.state);
+    made.rubbing = aoi_memory_take(&memory, rubbing, sizeof *made.rubbing);
+    aoi_stretch *spring = aoi_memory_take(&memory, aoi_times(2 * SPRINGS, rubbing), sizeof *spring);
     double **of_ports[] = {&made.displacement, &made.velocity, &made.displacement_before, &made.push,
                            &made.push_before,  &made.load,     &made.load_before};
     for (size_t i = 0; i < sizeof of_ports / sizeof *of_ports; i++) {
@@ -53,14 +61,17 @@ static aoi_newmark lay_out(const aoi_system *system, void *block, size_t *size)
     }
     made.load_work = aoi_memory_doubles(&memory, bodies);
     made.gravity_start = aoi_memory_doubles(&memory, bodies);
-    e->compliance = aoi_memory_doubles(&memory, aoi_times(2 * e->band + 1, contacts));
-    e->rate_compliance = aoi_memory_doubles(&memory, aoi_times(2 * e->band + 1, contacts));
+    e->compliance = aoi_memory_doubles(&memory, aoi_times(2 * e->band + 1, forces));
+    e->rate_compliance = aoi_memory_doubles(&memory, aoi_times(2 * e->band + 1, forces));
     double **of_contacts[] = {&e->free, &e->rate_free, &e->indentation, &e->rate, &e->force};
     for (size_t i = 0; i < sizeof of_contacts / sizeof *of_contacts; i++) {
-        *of_contacts[i] = aoi_memory_doubles(&memory, contacts);
+        *of_contacts[i] = aoi_memory_doubles(&memory, forces);
     }
-    e->work = aoi_memory_doubles(&memory, aoi_coupled_size(contacts, e->band));
+    e->work = aoi_memory_doubles(&memory, aoi_coupled_size(forces, e->band));
     made.column = aoi_memory_doubles(&memory, aoi_times(BLOCK, rows));
+    for (size_t i = 0; block && i < rubbing; i++, spring += 2 * SPRINGS) {
+        made.rubbing[i].state = (aoi_friction_state){SPRINGS, 0, spring, spring + SPRINGS, 0.0};
+    }
     for (size_t b = 0; b < bodies; b++) {
         aoi_stepped body;
         aoi_stepped_lay_out(&body, &system->body[b], &memory);
@@ -93,18 +104,20 @@ aoi_progress aoi_newmark_progress(const aoi_newmark *run)
 
 /* ------------------------------------------------------------------------------ the contacts */
 
-/* How much a force of contact j takes from the indentation of contact i (or from its rate): they push the bodies that
- * they share apart from the same side, or against each other. */
+/* How much force j of the contacts takes from the indentation or slide at force i (or from its rate): they push the bodies
+ * that they share apart from the same side, or against each other. */
 static double coupling(const aoi_newmark *run, size_t i, size_t j, int of_rate)
 {
-    const aoi_contact *one = &run->system->contact[i], *other = &run->system->contact[j];
+    const aoi_contact *one = &run->system->contact[run->state[i].contact];
+    const aoi_contact *other = &run->system->contact[run->state[j].contact];
     double sum = 0.0;
     for (int side = 0; side < 2; side++) {
         const aoi_stepped *body = &run->body[one->body[side]];
         const double *matrix = of_rate ? body->rate_compliance : body->compliance;
         for (int far = 0; far < 2; far++) {
             if (other->body[far] == one->body[side]) {
-                const double share = matrix[one->port[side] * body->model->ports + other->port[far]];
+                const size_t row = one->port[side] + run->state[i].axis, column = other->port[far] + run->state[j].axis;
+                const double share = matrix[row * body->model->ports + column];
                 sum += far == side ? share : -share;
             }
         }
@@ -129,25 +142,69 @@ static int couple(aoi_newmark *run)
     return AOI_OK;
 }
 
-/* The state at the start. A force that depends on the rate is there as soon as the bodies touch. */
-static int contact_begin(const aoi_newmark *run, size_t c, const aoi_start *start)
+/* Goes on to the place that has been found. */
+static void rub(aoi_contact_state *contact)
 {
-    const aoi_system *system = run->system;
-    const aoi_contact *of = &system->contact[c];
-    aoi_contact_state *contact = &run->state[c];
+    aoi_rubbing *of = contact->rubbing;
+    const aoi_oblique_solution *found = &of->found;
+    aoi_friction_move(of->friction, &of->state, found->place[0], &found->place[1]);
+    of->depth = found->place[0];
+    of->guess[0] = found->place[0];
+    for (int k = 1; k < 3; k++) {
+        contact[k].from += found->place[k];
+        of->guess[k] = found->place[k];
+    }
+}
+
+/* Of a contact with friction at an indentation and slides that the bodies have straight from (0, 0). */
+static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, const aoi_newmark *run)
+{
+    aoi_rubbing *rubbing = contact->rubbing;
+    aoi_oblique_equation equation;
+    *rubbing = (aoi_rubbing){.friction = of->friction, .state = rubbing->state, .compliance = {{of->law->compliance}}};
+    if (of->compliance) {
+        memcpy(rubbing->compliance, of->compliance, sizeof rubbing->compliance);
+    }
+    rubbing->state.count = 0;
+    rubbing->state.indentation = 0.0;
+    for (size_t i = 0; i < 3; i++) {
+        equation.free[i] = equation.guess[i] =
+            run->displacement[contact->port[0] + i] - run->displacement[contact->port[1] + i] - (i == 0 ? of->gap : 0.0);
+        for (size_t j = 0; j < 3; j++) {
+            equation.compliance[i][j] = -rubbing->compliance[i][j];
+        }
+    }
+    const int status = aoi_oblique_solve(of->friction, &rubbing->state, &equation, &rubbing->found);
+    if (status == AOI_OK) {
+        rub(contact);
+        rubbing->guess[1] = rubbing->guess[2] = 0.0; /* as far as the next step is concerned */
+        rubbing->start_energy = aoi_friction_energy(of->friction, &rubbing->state);
+    }
+    return status;
+}
+
+/* The state at the start. A force that depends on the rate is there as soon as the bodies touch. */
+static int contact_begin(const aoi_newmark *run, size_t i, const aoi_start *start)
+{
+    aoi_contact_state *contact = &run->state[i];
+    const aoi_contact *of = &run->system->contact[contact->contact];
     const aoi_law *law = of->law;
-    const size_t a = system->first_port[of->body[0]] + of->port[0], b = system->first_port[of->body[1]] + of->port[1];
+    const size_t a = contact->port[0], b = contact->port[1];
     aoi_law_value value;
-    *contact = (aoi_contact_state){.law = law, .port = {a, b}};
-    contact->indentation = run->displacement[a] - run->displacement[b] - of->gap;
+    contact->indentation = run->displacement[a] - run->displacement[b] - contact->from;
     contact->rate = run->velocity[a] - run->velocity[b];
     contact->last_indentation = contact->indentation;
+    if (contact->rubbing) {
+        const int status = contact->axis > 0 ? AOI_OK : rubbing_begin(of, contact, run);
+        contact->force = start->force ? start->force[i] : contact->rubbing->found.force[contact->axis];
+        return status;
+    }
     double at = contact->indentation;
     if (at == 0.0 && contact->rate > 0.0 && law->depends_on_rate) {
         at = DBL_MIN;
     }
     aoi_law_push(law, contact->memory, at, contact->rate, &value);
-    contact->force = start->force ? start->force[c] : value.force;
+    contact->force = start->force ? start->force[i] : value.force;
     if (isfinite(contact->indentation) && isnan(value.force)) {
         return AOI_ERROR_LAW;
     }
@@ -160,8 +217,30 @@ static int contact_begin(const aoi_newmark *run, size_t c, const aoi_start *star
                                                                                      : AOI_ERROR_PATCH;
 }
 
+/* Takes the three forces of a contact with friction from the last step to this one. */
+static int rubbing_advance(aoi_contact_state *contact)
+{
+    aoi_rubbing *of = contact->rubbing;
+    const double *force = of->found.force, touched = of->depth;
+    for (size_t k = 0; k < 3; k++) {
+        of->work += k > 0 ? 0.5 * (contact[k].force + force[k]) * of->found.place[k] : 0.0;
+        contact[k].force = force[k];
+    }
+    rub(contact);
+    of->guess[0] += touched > 0.0 ? of->depth - touched : 0.0;
+    contact->indentation = of->depth;
+    for (size_t k = 0; k < 3; k++) {
+        contact->indentation -= of->compliance[0][k] * force[k];
+    }
+    const double alone = of->depth - contact->law->compliance * force[0];
+    return aoi_law_stands(contact->law, contact->memory, alone, 0.0) ? AOI_OK : AOI_ERROR_PATCH;
+}
+
 static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *contact)
 {
+    if (contact->rubbing) {
+        return contact->axis > 0 ? AOI_OK : rubbing_advance(contact);
+    }
     const double indentation = e->indentation[c];
     contact->work += 0.5 * (contact->force + e->force[c]) * (indentation - contact->indentation);
     contact->last_indentation = contact->indentation;
@@ -177,6 +256,22 @@ static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *co
 
 /* --------------------------------------------------------------------------- the record */
 
+/* The energy of stretches less what the bodies have of it, and the rows of friction. */
+static double write_friction(const aoi_contact_state *contact, double *row)
+{
+    const aoi_rubbing *of = contact->rubbing;
+    const double stretched = aoi_friction_energy(of->friction, &of->state);
+    double taken_out = 0.0;
+    for (size_t i = 0; i < 9; i++) {
+        taken_out += 0.5 * contact[i / 3].force * of->compliance[i / 3][i % 3] * contact[i % 3].force;
+    }
+    row[AOI_CONTACT_TANGENTIAL * BLOCK] = contact[1].force;
+    row[(AOI_CONTACT_TANGENTIAL + 1) * BLOCK] = contact[2].force;
+    row[AOI_CONTACT_FRICTION * BLOCK] = of->work - (stretched - of->start_energy);
+    row[AOI_CONTACT_STUCK * BLOCK] = of->depth > 0.0 ? of->found.stuck / of->depth : 0.0;
+    return aoi_law_potential(&of->friction->law, NULL, of->depth) + stretched - taken_out;
+}
+
 static void write_contact(const aoi_contact_state *contact, int energies, double *row)
 {
     row[AOI_CONTACT_FORCE * BLOCK] = contact->force;
@@ -187,6 +282,9 @@ static void write_contact(const aoi_contact_state *contact, int energies, double
             aoi_law_potential(contact->law, contact->memory, contact->indentation);
         row[AOI_CONTACT_ELASTIC * BLOCK] = elastic;
         row[AOI_CONTACT_DISSIPATED * BLOCK] = loses ? contact->work - (elastic - contact->start_energy) : 0.0;
+    }
+    if (contact->rubbing) {
+        row[AOI_CONTACT_ELASTIC * BLOCK] = write_friction(contact, row);
     }
 }
 
@@ -206,9 +304,11 @@ static void write_column(aoi_newmark *run, size_t slot)
 {
     const aoi_system *system = run->system;
     double *row = run->column + slot;
-    for (size_t c = 0; c < system->contact_count; c++) {
-        write_contact(&run->state[c], run->energies, row);
-        row += AOI_CONTACT_ROWS * BLOCK;
+    for (size_t i = 0; i < run->coupled.count; i++) {
+        if (run->state[i].axis == 0) {
+            write_contact(&run->state[i], run->energies, row);
+            row += (run->state[i].rubbing ? AOI_FRICTION_ROWS : AOI_CONTACT_ROWS) * BLOCK;
+        }
     }
     for (size_t b = 0; b < system->body_count; b++) {
         const size_t first = system->first_port[b];
@@ -247,10 +347,9 @@ static void write_block(const aoi_newmark *run, size_t first, size_t count)
         copy_rows(&from, &to, kept, run->columns, count);
         from += (all - kept) * BLOCK;
         to += (all - kept) * run->columns;
-        if (!is_contact) {
-            copy_rows(&from, &to, AOI_PORT_ROWS * run->body[i - system->contact_count].model->ports, run->columns,
-                      count);
-        }
+        const size_t more = is_contact ? 2 * (aoi_contact_forces(&system->contact[i]) - 1)
+                                       : AOI_PORT_ROWS * run->body[i - system->contact_count].model->ports;
+        copy_rows(&from, &to, more, run->columns, count);
     }
 }
 
@@ -282,9 +381,9 @@ static void find_push(const aoi_newmark *run, const double *force, double *push)
     for (size_t p = 0, ports = run->system->first_port[run->system->body_count]; p < ports; p++) {
         push[p] = 0.0;
     }
-    for (size_t c = 0; c < run->system->contact_count; c++) {
-        push[run->state[c].port[0]] -= force[c];
-        push[run->state[c].port[1]] += force[c];
+    for (size_t i = 0; i < run->coupled.count; i++) {
+        push[run->state[i].port[0]] -= force[i];
+        push[run->state[i].port[1]] += force[i];
     }
 }
 
@@ -354,28 +453,42 @@ static int take(const double *given, size_t count, double *copy)
     return aoi_vector_is_finite(count, copy);
 }
 
+/* Names the contact, ports, law and friction of each force. */
+static void set_states(aoi_newmark *run)
+{
+    const aoi_system *system = run->system;
+    aoi_rubbing *rubbing = run->rubbing;
+    for (size_t c = 0, i = 0; c < system->contact_count; c++) {
+        const aoi_contact *of = &system->contact[c];
+        for (size_t axis = 0; axis < aoi_contact_forces(of); axis++, i++) {
+            run->state[i] = (aoi_contact_state){.law = of->law, .contact = c, .axis = axis};
+            run->state[i].from = axis > 0 ? 0.0 : of->gap;
+            run->state[i].rubbing = of->friction ? rubbing : NULL;
+            for (int side = 0; side < 2; side++) {
+                run->state[i].port[side] = system->first_port[of->body[side]] + of->port[side] + axis;
+            }
+        }
+        rubbing += of->friction != NULL;
+    }
+}
+
 /* Contacts and accelerations at the start. */
 static int begin(aoi_newmark *run, const aoi_start *start)
 {
     const aoi_system *system = run->system;
     const size_t ports = system->first_port[system->body_count];
     double *push = run->load_before, *slope = run->displacement_before; /* of the first step, free until then */
+    set_states(run);
     int status = couple(run);
     memset(run->load, 0, ports * sizeof(double));
     memset(slope, 0, ports * sizeof(double));
     find_loads(run, 0.0, slope);
-    for (size_t c = 0; c < system->contact_count; c++) { /* their ports */
-        const aoi_contact *of = &system->contact[c];
-        for (int side = 0; side < 2; side++) {
-            run->state[c].port[side] = system->first_port[of->body[side]] + of->port[side];
-        }
-    }
     start_push(run, start, slope);
     find_ports(run);
-    for (size_t c = 0; c < system->contact_count && status == AOI_OK; c++) {
-        status = contact_begin(run, c, start);
-        run->failed = c;
-        run->coupled.force[c] = run->state[c].force;
+    for (size_t i = 0; i < run->coupled.count && status == AOI_OK; i++) {
+        status = contact_begin(run, i, start);
+        run->failed = run->state[i].contact;
+        run->coupled.force[i] = run->state[i].force;
     }
     if (status != AOI_OK) {
         return status;
@@ -400,9 +513,9 @@ int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule
         aoi_rule_prepare(rule, &step) != AOI_OK) {
         return AOI_ERROR_ARGUMENT;
     }
-    const size_t all = system->first[system->body_count], contacts = system->contact_count;
-    if ((start->force && !aoi_vector_is_finite(contacts, start->force)) ||
-        (start->force_rate && !aoi_vector_is_finite(contacts, start->force_rate))) {
+    const size_t all = system->first[system->body_count], forces = aoi_system_forces(system);
+    if ((start->force && !aoi_vector_is_finite(forces, start->force)) ||
+        (start->force_rate && !aoi_vector_is_finite(forces, start->force_rate))) {
         return AOI_ERROR_NOT_FINITE;
     }
     *run = lay_out(system, run, &size);
@@ -473,12 +586,13 @@ static int predict(aoi_newmark *run, double time)
 static void correct(aoi_newmark *run)
 {
     const aoi_system *system = run->system;
-    for (size_t c = 0; c < system->contact_count; c++) {
-        const aoi_contact *of = &system->contact[c];
-        const double force[2] = {-run->coupled.force[c], run->coupled.force[c]};
+    for (size_t i = 0; i < run->coupled.count; i++) {
+        const aoi_contact_state *contact = &run->state[i];
+        const aoi_contact *of = &system->contact[contact->contact];
+        const double force[2] = {-run->coupled.force[i], run->coupled.force[i]};
         for (int side = 0; side < 2; side++) {
-            run->push[run->state[c].port[side]] += force[side];
-            press(run, of->body[side], of->port[side], force[side]);
+            run->push[contact->port[side]] += force[side];
+            press(run, of->body[side], of->port[side] + contact->axis, force[side]);
         }
     }
     for (size_t b = 0; b < system->body_count; b++) {
@@ -497,16 +611,21 @@ static int step(aoi_newmark *run, double time)
     aoi_coupled *e = &run->coupled;
     int status = predict(run, time);
     for (size_t c = 0; c < e->count; c++) {
-        const size_t *port = run->state[c].port;
-        e->free[c] = run->displacement[port[0]] - run->displacement[port[1]] - run->system->contact[c].gap;
+        const aoi_contact_state *contact = &run->state[c];
+        const size_t *port = contact->port;
+        e->free[c] = run->displacement[port[0]] - run->displacement[port[1]] - contact->from;
         e->rate_free[c] = run->velocity[port[0]] - run->velocity[port[1]];
+    }
+    for (size_t i = 0; i < (e->count - run->system->contact_count) / 2; i++) {
+        aoi_rubbing *of = &run->rubbing[i];
+        aoi_friction_refine(of->friction, &of->state, of->guess[0], &of->guess[1]);
     }
     if (status == AOI_OK) {
         status = aoi_coupled_solve(e, run->state);
     }
     for (size_t c = 0; c < e->count && status == AOI_OK; c++) {
         status = contact_advance(e, c, &run->state[c]);
-        run->failed = c;
+        run->failed = run->state[c].contact;
     }
     if (status == AOI_OK) {
         correct(run);

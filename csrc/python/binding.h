@@ -99,7 +99,7 @@ void signal_check_regain(signal_check *signals);
 void take_law(call *of, PyObject *tuple, aoi_law *law);
 
 /* (first body, its port, second body, its port, gap, law), made by Contact.for_core; law is what it refers to. */
-void take_contact(call *of, PyObject *tuple, aoi_contact *contact, aoi_law *law);
+void take_contact(call *of, PyObject *tuple, aoi_contact *contact, aoi_law *law, aoi_friction *friction);
 
 /* Raises the error of a run's status, if it has one; of count laws any may have stopped it; what a law written in
  * Python has raised stays as it is. contact: which failed. The buffers must still be held. */
@@ -131,6 +131,7 @@ typedef struct taken_system {
     taken_full *full; /* one a body */
     aoi_contact *contact;
     aoi_law *law; /* one a contact */
+    aoi_friction *friction;
     void *links;
     signal_check signals;
 } taken_system;

@@ -110,13 +110,33 @@ void take_law(call *of, PyObject *tuple, aoi_law *law)
     }
 }
 
-void take_contact(call *of, PyObject *tuple, aoi_contact *contact, aoi_law *law)
+/* (mu, ratio, precision, compliance or None). */
+static void take_friction(call *of, PyObject *tuple, aoi_contact *contact, aoi_friction *friction)
 {
-    PyObject *described = NULL;
+    double mu = 0.0, ratio = 0.0, precision = 0.0;
+    size_t entries = 9;
+    TAKE(of, tuple, VALUE('x', mu), VALUE('x', ratio), VALUE('x', precision), ARRAY('o', contact->compliance, entries));
+    if (of->status == AOI_OK) {
+        of->status = aoi_friction_create(friction, contact->law, mu, ratio, precision);
+        contact->friction = friction;
+    }
+}
+
+void take_contact(call *of, PyObject *tuple, aoi_contact *contact, aoi_law *law, aoi_friction *friction)
+{
+    PyObject *described = NULL, *rubs = Py_None;
+    const size_t items = PyTuple_Check(tuple) && PyTuple_Size(tuple) == 7 ? 7 : 6;
     contact->law = law;
-    TAKE(of, tuple, VALUE('n', contact->body[0]), VALUE('n', contact->port[0]), VALUE('n', contact->body[1]),
-         VALUE('n', contact->port[1]), VALUE('x', contact->gap), VALUE('O', described));
+    TAKE_SOME(of, tuple, 0, items, VALUE('n', contact->body[0]), VALUE('n', contact->port[0]),
+              VALUE('n', contact->body[1]), VALUE('n', contact->port[1]), VALUE('x', contact->gap),
+              VALUE('O', described));
     take_law(of, described, law);
+    if (items == 7) {
+        TAKE_SOME(of, tuple, 6, items, VALUE('O', rubs));
+    }
+    if (rubs != Py_None) {
+        take_friction(of, rubs, contact, friction);
+    }
 }
 
 void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, size_t count, size_t contact)

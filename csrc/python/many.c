@@ -90,7 +90,7 @@ static int set_up(work *on, const cases *of, const int32_t *which, const double 
     for (size_t b = 0; b < 2; b++) {
         on->pair[b] = of->body[which[b]];
     }
-    on->contact = (aoi_contact){{0, 1}, {0, 0}, numbers[CASE_GAP], &of->law[which[2]]};
+    on->contact = (aoi_contact){{0, 1}, {0, 0}, numbers[CASE_GAP], &of->law[which[2]], NULL, NULL};
     on->system = (aoi_system){.body_count = 2, .contact_count = 1, .body = on->pair};
     on->system.contact = &on->contact;
     on->links = on->links ? on->links : malloc(aoi_system_size(&on->system));

@@ -48,9 +48,10 @@ PyObject *newmark(PyObject *args)
     take_system(&of, bodies, contacts, &made);
     if (of.status == AOI_OK) {
         size_t all = made.system.first[made.system.body_count], rows = aoi_record_rows(&made.system);
+        size_t forces = made.system.first_force[made.system.contact_count];
         TAKE_SOME(&of, args, 2, 11, VALUE('x', rule.dt), VALUE('x', rule.beta), VALUE('x', rule.gamma),
-                  ARRAY('D', x, all), ARRAY('D', v, all), ARRAY('o', start.force, made.system.contact_count),
-                  ARRAY('o', start.force_rate, made.system.contact_count), MATRIX('D', record, columns, rows),
+                  ARRAY('D', x, all), ARRAY('D', v, all), ARRAY('o', start.force, forces),
+                  ARRAY('o', start.force_rate, forces), MATRIX('D', record, columns, rows),
                   VALUE('p', energies));
         run = call_room(&of, aoi_newmark_size(&made.system), 1);
     }

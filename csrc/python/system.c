@@ -55,6 +55,7 @@ void free_system(taken_system *made)
     free(made->full);
     free(made->contact);
     free(made->law);
+    free(made->friction);
     free(made->links);
 }
 
@@ -69,6 +70,7 @@ void take_system(call *of, PyObject *bodies, PyObject *contacts, taken_system *m
     made->full = call_room(of, nb, sizeof *made->full);
     made->contact = call_room(of, nc, sizeof *made->contact);
     made->law = call_room(of, nc, sizeof *made->law);
+    made->friction = call_room(of, nc, sizeof *made->friction);
     made->system = (aoi_system){.body_count = nb, .contact_count = nc, .body = made->body};
     made->system.contact = made->contact;
     made->links = call_room(of, aoi_system_size(&made->system), 1);
@@ -76,7 +78,8 @@ void take_system(call *of, PyObject *bodies, PyObject *contacts, taken_system *m
         take_body(of, tuple_item(of, bodies, b, nb), &made->body[b], &made->full[b], &made->signals);
     }
     for (size_t c = 0; c < nc && of->status == AOI_OK; c++) {
-        take_contact(of, tuple_item(of, contacts, c, nc), &made->contact[c], &made->law[c]);
+        take_contact(of, tuple_item(of, contacts, c, nc), &made->contact[c], &made->law[c],
+                     &made->friction[c]);
     }
     if (of->status == AOI_OK) {
         of->status = aoi_system_link(&made->system, made->links);

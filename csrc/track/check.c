@@ -64,7 +64,7 @@ static size_t end_of_row(const aoi_system *system, const aoi_track *track, size_
 
 int aoi_track_check(const aoi_system *system, const aoi_track *track)
 {
-    if (!aoi_system_is_modal(system)) {
+    if (!aoi_system_is_plain(system)) {
         return AOI_ERROR_ARGUMENT;
     }
     size_t end = 0;

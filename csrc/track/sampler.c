@@ -178,7 +178,7 @@ static void enter_row(aoi_sampler *sampler, size_t row)
 
 int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track)
 {
-    if (!aoi_system_is_modal(system) || track->rows == 0) {
+    if (!aoi_system_is_plain(system) || track->rows == 0) {
         return AOI_ERROR_ARGUMENT;
     }
     *sampler = (aoi_sampler){.system = system, .most_modes = aoi_system_most_modes(system)};

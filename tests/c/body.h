@@ -103,7 +103,7 @@ static inline size_t add_star(world *w, const aoi_star *star, double velocity, d
 
 static inline void add_contact(world *w, size_t first, size_t second, size_t port, const aoi_law *law, double gap)
 {
-    w->contact[w->system.contact_count++] = (aoi_contact){{first, second}, {0, port}, gap, law};
+    w->contact[w->system.contact_count++] = (aoi_contact){{first, second}, {0, port}, gap, law, NULL, NULL};
 }
 
 /* Starts a run of so many columns; record: where, or NULL. */

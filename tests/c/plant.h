@@ -35,7 +35,7 @@ typedef struct plant {
     size_t bodies, contacts, at_once;
     aoi_contact contact[MOST_CONTACTS];
     aoi_system system;
-    size_t links[3 * (MOST_BODIES + 2) + 2 * MOST_CONTACTS + 2];
+    size_t links[3 * (MOST_BODIES + 2) + 3 * MOST_CONTACTS + 4];
     double x[ALL_MODES], v[ALL_MODES];
     int rested;
     aoi_adaptive *run;
@@ -103,7 +103,7 @@ static inline part *add_ringing(plant *p, size_t n, size_t ports, double mass, d
 static inline void join(plant *p, size_t one, size_t port, size_t other, size_t other_port, double gap,
                         const aoi_law *law)
 {
-    p->contact[p->contacts++] = (aoi_contact){{one, other}, {port, other_port}, gap, law};
+    p->contact[p->contacts++] = (aoi_contact){{one, other}, {port, other_port}, gap, law, NULL, NULL};
 }
 
 static inline void join_rigid(plant *p, size_t one, size_t other, double gap, const aoi_law *law)

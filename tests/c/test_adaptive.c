@@ -1214,7 +1214,7 @@ static double bytes_of_balls(size_t count)
     body[count] = (aoi_modes){.n = 2, .ports = count, .omega = omega, .shape = shape, .push = shape, .centre = shape};
     for (size_t b = 0; b < count; b++) {
         body[b] = (aoi_modes){.n = 1, .ports = 1, .omega = &zero, .shape = &one, .push = &one, .centre = &one};
-        contact[b] = (aoi_contact){{b, count}, {0, b}, 0.0, &law};
+        contact[b] = (aoi_contact){{b, count}, {0, b}, 0.0, &law, NULL, NULL};
     }
     aoi_system system = {.body_count = count + 1, .contact_count = count, .body = body, .contact = contact, .at_once = 10};
     void *links = malloc(aoi_system_size(&system));

@@ -30,7 +30,7 @@ static void make_pair(pair *p, double first_mass, double second_mass, double k, 
                                  .centre = &p->centre[b]};
     }
     CHECK(aoi_law_create(&p->law, "linear", 1, &k) == AOI_OK, "law");
-    p->contact = (aoi_contact){{0, 1}, {0, 0}, gap, &p->law};
+    p->contact = (aoi_contact){{0, 1}, {0, 0}, gap, &p->law, NULL, NULL};
     p->system = (aoi_system){.body_count = 2, .contact_count = 1, .body = p->body, .contact = &p->contact};
 }
 

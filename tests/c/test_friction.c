@@ -431,12 +431,12 @@ static void what_is_not_elastic_is_refused(void)
     aoi_friction friction;
     const double damped[] = {K, 0.1, 1.5}, plastic[] = {K, 100.0};
     CHECK(aoi_law_create(&law, "hunt_crossley", 3, damped) == AOI_OK, "a damped law");
-    CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "depends on the rate");
+    CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_FRICTION, "depends on the rate");
     CHECK(aoi_law_create(&law, "thornton", 2, plastic) == AOI_OK, "a plastic law");
-    CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "has a memory");
+    CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_FRICTION, "has a memory");
     CHECK(aoi_law_create(&law, "hertz", 1, &K) == AOI_OK, "Hertz's law");
     law.remember = remember_nothing;
-    CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "a memory of the caller's");
+    CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_FRICTION, "a memory of the caller's");
     law.remember = NULL;
     const double wrong[][3] = {{-0.1, RATIO, 1e-4}, {(double)NAN, RATIO, 1e-4}, {MU, 0.0, 1e-4}, {MU, HUGE_VAL, 1e-4},
                                {MU, RATIO, 0.0}, {MU, RATIO, 0.2}, {MU, RATIO, (double)NAN}};

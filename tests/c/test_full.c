@@ -294,7 +294,7 @@ static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_rule rule, doub
         (void)add_body(&both[i], models[i], zero, i == 0 ? nodes.v : modes.v);
         for (size_t p = 0; p < TWO; p++) { /* what presses at the start, though it is too far to touch */
             const size_t body = add_body(&both[i], far, &still, &still);
-            both[i].contact[both[i].system.contact_count++] = (aoi_contact){{0, body}, {p, 0}, 1e9, &law};
+            both[i].contact[both[i].system.contact_count++] = (aoi_contact){{0, body}, {p, 0}, 1e9, &law, NULL, NULL};
         }
         both[i].start.force = force;
         by_hand(&both[i]);

@@ -199,7 +199,7 @@ static void a_force_that_jumps_has_its_peak_there(void)
     CHECK(of.touch < 0.9 * end && peak > 0.0, "it comes there");
     for (double rtol = 1e-4; rtol > 5e-9; rtol *= 1e-2) {
         plant p = pushed_by_two(of.V, of.soft, of.gap, &laws[0], &laws[1]);
-        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, of.gap, &laws[1]};
+        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, of.gap, &laws[1], NULL, NULL};
         p.part[2].v[0] = 0.0;
         must_go(&p, rtol, end);
         CHECK(near(p.run->contact[1].peak_force, peak, 10.0 * rtol), "rtol %g: peak %.12g, not %.12g", rtol,
@@ -248,8 +248,8 @@ static void a_dashpot_under_a_sudden_load_keeps_its_place_from_others(void)
         plant p = pushed_by_two(0.0, soft, 0.0, &held, &held);
         p.part[0].load_count = 1;
         p.part[0].load_force[0] = load;
-        p.contact[i % 2] = (aoi_contact){{0, 1}, {0, 0}, 0.0, &held};
-        p.contact[1 - i % 2] = (aoi_contact){{0, 2}, {0, 0}, gap, &laws[i / 2]};
+        p.contact[i % 2] = (aoi_contact){{0, 1}, {0, 0}, 0.0, &held, NULL, NULL};
+        p.contact[1 - i % 2] = (aoi_contact){{0, 2}, {0, 0}, gap, &laws[i / 2], NULL, NULL};
         must_go(&p, 1e-8, end);
         CHECK(near(p.run->contact[i % 2].peak_force, load, 1e-9), "%d: it begins with %.12g N", i,
               p.run->contact[i % 2].peak_force);
@@ -375,8 +375,8 @@ static void a_struck_place_takes_a_dashpot_along(void)
     for (int first = 0; first < 2; first++) { /* in the order of contacts */
         for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
             plant p = pushed_by_two(V[0], soft, 0.0, &laws[0], &laws[1]);
-            p.contact[first] = (aoi_contact){{1, 0}, {0, 0}, 0.0, &laws[0]};
-            p.contact[1 - first] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1]};
+            p.contact[first] = (aoi_contact){{1, 0}, {0, 0}, 0.0, &laws[0], NULL, NULL};
+            p.contact[1 - first] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1], NULL, NULL};
             p.part[2].v[0] = V[1];
             must_go(&p, rtol, end);
             CHECK(open_sampler(&p) == AOI_OK, "sampled");
@@ -411,8 +411,8 @@ static void a_spring_takes_a_load_from_a_dashpot(void)
     CHECK(over > 0.0 && over < 0.5 * end, "it does, at %g", over);
     for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
         plant p = pushed_by_two(0.0, soft, 0.0, &laws[0], &laws[1]);
-        p.contact[0] = (aoi_contact){{0, 1}, {0, 0}, gap, &laws[0]};
-        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1]};
+        p.contact[0] = (aoi_contact){{0, 1}, {0, 0}, gap, &laws[0], NULL, NULL};
+        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1], NULL, NULL};
         p.part[2].v[0] = -W;
         p.part[0].load_count = 1;
         p.part[0].load_force[0] = load;
@@ -446,7 +446,7 @@ static void a_place_that_is_struck_catches_up_with_what_flies_on(void)
     const double wanted[] = {k[0] * pow(V * end - low, 1.5), k[1] * pow(low - w * end, 1.5)};
     for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
         plant p = pushed_by_two(V, soft, 0.0, &laws[0], &laws[1]);
-        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1]};
+        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1], NULL, NULL};
         p.part[2].v[0] = w;
         must_go(&p, rtol, end);
         for (size_t c = 0; c < 2; c++) {
@@ -590,7 +590,7 @@ static void what_a_dashpot_leaves_stays_in_equilibrium(void)
         plant p = pushed_by_two(V[0], soft, -over, &pushing, &held);
         p.part[2].v[0] = V[1];
         p.contact[0].gap = -over;
-        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, -over, &held};
+        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, -over, &held, NULL, NULL};
         must_go(&p, rtol, end);
         CHECK(open_sampler(&p) == AOI_OK, "sampled");
         double left = HUGE_VAL;

@@ -203,7 +203,7 @@ static void what_presses_at_the_start_has_bent_the_residual(void)
     m.world.body[0].load = (aoi_load){2, times, loads};
     for (size_t p = 0; p < PORTS; p++) {
         const size_t b = add_body(&m.world, ball, &still, &still);
-        m.world.contact[m.world.system.contact_count++] = (aoi_contact){{0, b}, {p, 0}, 1e3, &law};
+        m.world.contact[m.world.system.contact_count++] = (aoi_contact){{0, b}, {p, 0}, 1e3, &law, NULL, NULL};
     }
     m.world.start.force = force;
     m.world.start.force_rate = rate;

@@ -21,6 +21,17 @@ static void begin(contact *c, const char *name, double mu)
     c->state = none;
 }
 
+static int solve(const contact *c, const aoi_oblique_equation *e, double force[3], double place[3])
+{
+    aoi_oblique_solution found;
+    const int status = aoi_oblique_solve(&c->friction, &c->state, e, &found);
+    for (int i = 0; i < 3 && status == AOI_OK; i++) {
+        force[i] = found.force[i];
+        place[i] = found.place[i];
+    }
+    return status;
+}
+
 /* A linear law whose one spring sticks: linear algebra. */
 static void what_sticks_is_linear(void)
 {
@@ -31,7 +42,7 @@ static void what_sticks_is_linear(void)
                                     {{soft, 0.1 * soft, 0.0}, {0.1 * soft, soft, 0.2 * soft}, {0.0, 0.2 * soft, soft}},
                                     {DEEP, 0.0, 0.0}};
     double force[3], place[3];
-    CHECK(aoi_oblique_solve(&c.friction, &c.state, &e, force, place) == AOI_OK, "solved");
+    CHECK(solve(&c, &e, force, place) == AOI_OK, "solved");
     CHECK(near(force[0], K * place[0], 1e-13), "the law");
     CHECK(near(force[1], RATIO * K * place[1], 1e-13) && near(force[2], RATIO * K * place[2], 1e-13), "the spring");
     for (int i = 0; i < 3; i++) {
@@ -40,6 +51,12 @@ static void what_sticks_is_linear(void)
             sum += e.compliance[i][j] * force[j];
         }
         CHECK(fabs(sum - e.free[i]) < 1e-14 * DEEP, "row %d of the equation", i);
+    }
+    aoi_oblique_solution found;
+    CHECK(aoi_oblique_solve(&c.friction, &c.state, &e, &found) == AOI_OK, "again");
+    for (int i = 0; i < 3; i++) { /* on a linear law force = by_free free */
+        const double sum = found.by_free[i][0] * e.free[0] + found.by_free[i][1] * e.free[1] + found.by_free[i][2] * e.free[2];
+        CHECK(near(sum, force[i], 1e-12), "force %d by the free place", i);
     }
 }
 
@@ -52,7 +69,7 @@ static void what_slides_is_coulombs(void)
     const aoi_oblique_equation e = {{2.0 * DEEP, 8.0 * DEEP, -6.0 * DEEP},
                                     {{soft, 0.0, 0.0}, {0.0, soft, 0.0}, {0.0, 0.0, soft}}, {DEEP, 0.0, 0.0}};
     double force[3], place[3];
-    CHECK(aoi_oblique_solve(&c.friction, &c.state, &e, force, place) == AOI_OK, "solved");
+    CHECK(solve(&c, &e, force, place) == AOI_OK, "solved");
     CHECK(near(place[0], DEEP, 1e-13), "2 d - d = d by Hertz's law");
     CHECK(near(force[1], 0.8 * 0.3 * force[0], 1e-12) && near(force[2], -0.6 * 0.3 * force[0], 1e-12), "sliding");
 }
@@ -65,7 +82,7 @@ static void what_parts_has_no_force(void)
     const aoi_oblique_equation e = {{-DEEP, DEEP, DEEP}, {{soft, 0.0, 0.0}, {0.0, soft, 0.0}, {0.0, 0.0, soft}},
                                     {DEEP, 0.0, 0.0}};
     double force[3], place[3];
-    CHECK(aoi_oblique_solve(&c.friction, &c.state, &e, force, place) == AOI_OK, "solved");
+    CHECK(solve(&c, &e, force, place) == AOI_OK, "solved");
     CHECK(force[0] == 0.0 && force[1] == 0.0 && force[2] == 0.0 && near(place[0], -DEEP, 1e-13), "apart");
 }
 
@@ -108,7 +125,7 @@ static void any_step_is_solved(void)
                 e.guess[j] = (j == 0) * gone + rate[j];
             }
             aoi_friction_refine(&c.friction, &c.state, e.guess[0], &e.guess[1]);
-            const int status = aoi_oblique_solve(&c.friction, &c.state, &e, force, place);
+            const int status = solve(&c, &e, force, place);
             CHECK(status == AOI_OK, "case %d, step %d: %s", i, step, aoi_status_text(status));
             if (status != AOI_OK) {
                 break;
@@ -145,13 +162,13 @@ static void what_is_not_a_number_is_refused(void)
     const aoi_oblique_equation e = {{(double)NAN, 0.0, 0.0}, {{1e-9, 0.0, 0.0}, {0.0, 1e-9, 0.0}, {0.0, 0.0, 1e-9}},
                                     {DEEP, 0.0, 0.0}};
     double force[3], place[3];
-    CHECK(aoi_oblique_solve(&c.friction, &c.state, &e, force, place) == AOI_ERROR_NOT_FINITE, "no number");
+    CHECK(solve(&c, &e, force, place) == AOI_ERROR_NOT_FINITE, "no number");
     const aoi_user_law user = {{no_number}, NULL, NULL, {1}};
     CHECK(aoi_law_create_user(&c.law, &user, 0, 0) == AOI_OK, "a law of the caller's");
     CHECK(aoi_friction_create(&c.friction, &c.law, 0.3, RATIO, 1e-3) == AOI_OK, "friction of it");
     const aoi_oblique_equation sound = {{DEEP, 0.0, 0.0}, {{1e-9, 0.0, 0.0}, {0.0, 1e-9, 0.0}, {0.0, 0.0, 1e-9}},
                                         {DEEP, 0.0, 0.0}};
-    CHECK(aoi_oblique_solve(&c.friction, &c.state, &sound, force, place) == AOI_ERROR_LAW, "a law without numbers");
+    CHECK(solve(&c, &sound, force, place) == AOI_ERROR_LAW, "a law without numbers");
 }
 
 int main(void)

@@ -74,7 +74,7 @@ static void make_drop(drop *d, double decay, double rise)
     d->body[0] = ball;
     d->body[1] = spring;
     CHECK(aoi_law_create(&d->law, "linear", 1, &k) == AOI_OK, "law");
-    d->contact = (aoi_contact){{0, 1}, {0, 0}, 1e-3, &d->law};
+    d->contact = (aoi_contact){{0, 1}, {0, 0}, 1e-3, &d->law, NULL, NULL};
     d->system = (aoi_system){.body_count = 2, .contact_count = 1, .body = d->body, .contact = &d->contact};
     d->start = (aoi_start){.v = d->v};
     CHECK(aoi_system_size(&d->system) <= sizeof d->links, "room");
@@ -245,7 +245,7 @@ static void what_is_not_linked_is_refused(void)
     CHECK(aoi_law_create(&law, "linear", 1, &k) == AOI_OK, "law");
     const aoi_modes ball = {.n = 1, .ports = 1, .omega = &omega, .shape = &shape, .push = &shape, .centre = &shape};
     const aoi_modes balls[] = {ball, ball};
-    const aoi_contact wrong = {{0, 5}, {0, 0}, 0.0, &law};
+    const aoi_contact wrong = {.body = {0, 5}, .law = &law};
     aoi_system system = {.body_count = 2, .contact_count = 1, .body = balls, .contact = &wrong};
     const aoi_rule rule = {1e-6, 0.25, 0.5};
     const aoi_start start = {.rested = 0};
@@ -292,8 +292,8 @@ static void starts_that_cannot_be(void)
 static void every_status_has_words_of_its_own(void)
 {
     const char *unknown = aoi_status_text(-1);
-    CHECK(strcmp(aoi_status_text(AOI_ERROR_CROWDED + 1), unknown) == 0, "beyond the last");
-    for (int a = AOI_OK; a <= AOI_ERROR_CROWDED; a++) {
+    CHECK(strcmp(aoi_status_text(AOI_ERROR_FRICTION + 1), unknown) == 0, "beyond the last");
+    for (int a = AOI_OK; a <= AOI_ERROR_FRICTION; a++) {
         CHECK(strcmp(aoi_status_text(a), unknown) != 0, "status %d", a);
         for (int b = AOI_OK; b < a; b++) {
             CHECK(strcmp(aoi_status_text(a), aoi_status_text(b)) != 0, "status %d as %d", a, b);

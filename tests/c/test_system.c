@@ -28,7 +28,7 @@ static void every_body_knows_its_contacts(void)
     const aoi_law law = linear_law();
     aoi_modes body[BODIES];
     aoi_contact contact[CONTACTS];
-    size_t links[3 * (BODIES + 2) + 2 * CONTACTS];
+    size_t links[3 * (BODIES + 2) + 3 * CONTACTS + 2];
     aoi_system system = {.body_count = BODIES, .contact_count = CONTACTS, .body = body, .contact = contact};
     for (size_t b = 0; b < BODIES; b++) {
         body[b] = ball(1 + b % 2);
@@ -79,7 +79,7 @@ static void make_touching(touching *t)
     t->body[0] = ball(2);
     t->body[1] = ball(1);
     t->law = linear_law();
-    t->contact = (aoi_contact){{0, 1}, {1, 0}, 0.0, &t->law};
+    t->contact = (aoi_contact){{0, 1}, {1, 0}, 0.0, &t->law, NULL, NULL};
     t->system = (aoi_system){.body_count = 2, .contact_count = 1, .body = t->body, .contact = &t->contact};
 }
 
@@ -133,7 +133,7 @@ static void a_contact_is_between_two_bodies(void)
     CHECK(aoi_system_size(&t.system) <= sizeof t.links, "room for links");
     CHECK(aoi_system_link(&t.system, t.links) == AOI_OK, "of different bodies");
     CHECK(aoi_system_residual(&t.system, 0, 0) == 5e-9, "the residual compliance at its ports");
-    t.contact = (aoi_contact){{0, 0}, {0, 1}, 0.0, &t.law};
+    t.contact = (aoi_contact){{0, 0}, {0, 1}, 0.0, &t.law, NULL, NULL};
     CHECK(aoi_system_link(&t.system, t.links) == AOI_ERROR_ARGUMENT, "of a body with itself");
 }
 
