@@ -120,7 +120,7 @@ static size_t begin_of(const aoi_contact_state *contact, size_t i) { return i - 
 static size_t size_of(const aoi_contact_state *contact) { return contact->rubbing ? 3 : 1; }
 
 /* Row i times x without the terms of the contact itself; size: the sum of the terms' magnitudes. */
-static double neighbours(const aoi_coupled *e, const aoi_contact_state *contact, const double *matrix, size_t i,
+static inline double neighbours(const aoi_coupled *e, const aoi_contact_state *contact, const double *matrix, size_t i,
                          const double *x, double *size)
 {
     const double *row = row_of(e, matrix, i);

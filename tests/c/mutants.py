@@ -268,7 +268,11 @@ MUTANTS = [
     ("newmark/run.c", "0.5 * (contact[k].force + force[k])", "force[k]"),
     ("newmark/run.c", "[k].from += found->place[k]", "[k].from = found->place[k]"),
     ("newmark/run.c", "+ stretched - taken_out", "+ stretched"),
-    ("newmark/run.c", "equation.compliance[i][j] = -rubbing", "equation.compliance[i][j] = 0.0 * rubbing"),
+    (
+        "newmark/run.c",
+        "equation.compliance[i][j] = -rubbing",
+        "equation.compliance[i][j] = 0.0 * rubbing",
+    ),
     ("newmark/run.c", "of->work - (stretched - of->start_energy)", "of->work - stretched"),
     ("newmark/run.c", "indentation -= of->compliance[0][k] * force[k]", "indentation -= 0.0"),
     ("law/equation.c", "(next > low && next < high)", "(next >= low && next <= high)"),
