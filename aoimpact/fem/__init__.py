@@ -61,6 +61,7 @@ from .statics import (
     moves_rigidly,
     static_mode,
     translates,
+    whole_motion,
 )
 from .stress import Strain, Stress, compliances, gauss_stress, nodal_stress, stress_rows
 from .stresserror import energy_error, missing_energy, stresses_around
@@ -162,4 +163,5 @@ __all__ = [
     "to_nodes",
     "translates",
     "translations",
+    "whole_motion",
 ]

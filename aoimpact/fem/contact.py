@@ -189,6 +189,8 @@ class ContactPoint(Frozen):
     contact_radius : float or None
         a of the contact itself at its largest force, m; a part of the element's edge or of `radius`
         if it is not known.
+    tangents : ndarray, shape (2, 3), or None
+        Along which friction acts: unit vectors across the direction and each other.
 
     Raises
     ------
@@ -216,6 +218,7 @@ class ContactPoint(Frozen):
     directed: bool = True
     automatic: bool = False
     contact_radius: float | None = None
+    tangents: FloatArray | None = None
 
     def __post_init__(self) -> None:
         if not callable(getattr(type(self.body), "com_functional", None)):
@@ -236,6 +239,8 @@ class ContactPoint(Frozen):
         checked(self, directed=boolean, automatic=boolean)
         if self.contact_radius is not None:
             checked(self, contact_radius=partial(positive, unit="m"))
+        if self.tangents is not None:
+            checked(self, tangents=partial(finite_array, shape=(2, 3)))
         super().__post_init__()
 
     def _functional(self, name: str, value: Any) -> FloatArray:
@@ -258,7 +263,29 @@ class ContactPoint(Frozen):
         tip = replace(self, b=-self.b, direction=opposite)
         if "extraction" in vars(self):
             vars(tip)["extraction"] = self.extraction
+            if isinstance(self.extraction, Extraction) and self.extraction.oblique is not None:
+                signs = np.array([-1.0, 1.0, 1.0])
+                turned = self.extraction.oblique * np.outer(signs, signs)
+                vars(tip)["extraction"] = replace(self.extraction, oblique=turned)
         return tip
+
+    @property
+    def functionals(self) -> tuple[ContactPoint, ...]:
+        """The contact point itself and, with tangents, the displacements along them.
+
+        :meta private:
+        """
+        if self.tangents is None:
+            return (self,)
+        assert self.body.free is not None
+        assert self.direction is not None
+        shares = self._nodal_forces @ self.direction
+        along = [np.outer(shares, tangent).reshape(-1)[self.body.free] for tangent in self.tangents]
+        given: dict[str, Any] = {"tangents": None, "automatic": False, "directed": True}
+        return self, *(
+            replace(self, b=b, direction=tangent, **given)
+            for b, tangent in zip(along, self.tangents, strict=True)
+        )
 
     @cached_property
     def thin(self) -> Layers | Beam | None:
@@ -336,8 +363,17 @@ class ContactPoint(Frozen):
                 f"point {plain(self.point)} m is on a solid of a body with shells or beams, which "
                 "is not supported yet; touch the shell, or make the body of solids alone"
             )
-        force = self._nodal_forces @ self.direction, self.direction
-        found = extracted(self.body, self.b, *force, self.point, normal, self._width, solver)
+        found = extracted(
+            self.body,
+            self.b,
+            self._nodal_forces @ self.direction,
+            self.direction,
+            self.point,
+            normal,
+            self._width,
+            solver,
+            self.tangents,
+        )
         given = self.patch is not None and not self.automatic
         if given and -found.removed > found.error:  # more than the mesh explains
             assert self.patch is not None
@@ -597,7 +633,8 @@ def contact_within(tip: ContactPoint, radius: float) -> ContactPoint:
     if tip.thin is not None:  # a shell bends under a point as under a patch
         return tip
     found = _with_room(tip.body, tip.point, tip.direction, radius)
-    return replace(found, directed=tip.directed, automatic=tip.automatic)
+    kept: dict[str, Any] = {"directed": tip.directed, "automatic": tip.automatic}
+    return replace(found, tangents=tip.tangents, **kept)
 
 
 def _with_room(

@@ -83,11 +83,14 @@ class Extraction(ContactCompliance):
     splitting : Splitting
     mesh_field : ndarray, shape (n_nodes, 3)
         The model's approximation of u_B, m/N: the displacement under the force on the nodes less w.
+    oblique : ndarray, shape (3, 3), or None
+        c between the direction of the force and two tangents, m/N; None where these are not given.
     """
 
     beyond: float
     splitting: Splitting
     mesh_field: FloatArray
+    oblique: FloatArray | None = None
 
     @property
     def by_width(self) -> float:  # type: ignore[override]
@@ -118,6 +121,7 @@ def extracted(
     normal: FloatArray,
     radius: float,
     solver: LinearSolver,
+    tangents: FloatArray | None = None,
 ) -> Extraction:
     """Return the compliances of a body at a place of its surface.
 
@@ -135,6 +139,8 @@ def extracted(
         a, of the contact itself, m.
     solver : LinearSolver
         Factors of K + s²M.
+    tangents : ndarray, shape (2, 3), optional
+        Along which a force acts as well.
 
     Notes
     -----
@@ -194,7 +200,40 @@ def extracted(
         beyond=beyond,
         splitting=splitting,
         mesh_field=moved.reshape(-1, 3) - splitting.w,
+        oblique=None
+        if tangents is None
+        else _oblique(body, weights, direction, tangents, splitting, solver),
     )
+
+
+def _oblique(
+    body: Any,
+    weights: FloatArray,
+    direction: FloatArray,
+    tangents: FloatArray,
+    splitting: Splitting,
+    solver: LinearSolver,
+) -> FloatArray:
+    """c = G - R between a direction along the normal and two tangents, m/N, shape (3, 3).
+
+    R_ii is stationary in w_i. R_ij is the mean of w_j along i under the pressure, or over the
+    nodes' shares where the surface ends within it: of first order in w, enough for a small part.
+    """
+    axes, a = np.vstack([direction, tangents]), splitting.space.radius
+    loads = np.array([np.outer(weights, axis).reshape(-1)[body.free] for axis in axes])
+    moved = np.array([solver.solve(load) for load in loads])
+    point, inward = splitting.point, splitting.frame[2]
+    sheared = [split(body, point, -inward, a, solver, tangent) for tangent in tangents]
+    try:
+        under = spread(body.surface, point, -inward, a).weights
+    except RoomError:
+        under = weights
+    fields = [float(direction @ inward) * splitting.w, *(of.w for of in sheared)]
+    beyond = np.array([under @ field @ axes.T for field in fields])
+    beyond = 0.5 * (beyond + beyond.T)
+    np.fill_diagonal(beyond, [splitting.compliance, *(of.compliance for of in sheared)])
+    found: FloatArray = loads @ moved.T - beyond
+    return found
 
 
 @dataclass(frozen=True, eq=False)

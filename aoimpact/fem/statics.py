@@ -12,6 +12,7 @@ import scipy.sparse as sp
 from .. import _core
 from ..base import FloatArray, InputTypeError, SingularError
 from ..linalg import SOLVERS, LinearSolver, linear_solver
+from ..mesh import motions_at
 from .contact import Body, ContactPoint
 from .contacttime import near_static
 
@@ -23,6 +24,7 @@ __all__ = [
     "moves_rigidly",
     "static_mode",
     "translates",
+    "whole_motion",
 ]
 
 
@@ -218,3 +220,28 @@ def translates(tip: ContactPoint) -> bool:
     along = body.translation(tip.direction)
     rest = along - body.rigid_modes @ (body.rigid_modes.T @ (body.M @ along))
     return float(rest @ (body.M @ rest)) <= _OF_ANOTHER_MOTION * float(along @ (body.M @ along))
+
+
+def whole_motion(body: Body) -> tuple[FloatArray, FloatArray]:
+    """Return the functionals of a body's motion as a whole, and the momenta that make it.
+
+    Returns
+    -------
+    functionals : ndarray, shape (6, n_dofs)
+        Of the velocity of the centre of mass and of the mean spin, which has the body's angular
+        momentum; spin is NaN where supports take that up.
+    momenta : ndarray, shape (n_dofs, 6)
+        M times unit translations and, of an unsupported body, unit rotations about its centre.
+    """
+    assert body.nodes is not None
+    assert body.free is not None
+    assert body.mass is not None
+    centre = np.array([body.com_functional(axis) for axis in np.eye(3)])
+    functionals, momenta = np.full((6, body.n_dofs), np.nan), np.zeros((body.n_dofs, 6))
+    functionals[:3], momenta[:, :3] = centre, body.mass * centre.T
+    if len(body.free) == body.nodes.size and body.springs is None:
+        middle = centre @ body.nodes.reshape(-1)[body.free]
+        turned = motions_at(body.nodes - middle).reshape(-1, 6)[body.free, 3:]
+        momenta[:, 3:] = body.M @ turned
+        functionals[3:] = np.linalg.solve(turned.T @ momenta[:, 3:], momenta[:, 3:].T)
+    return functionals, momenta
