@@ -206,7 +206,7 @@ class KrylovHierarchy(ElementHierarchy):
 
 def _rigid(model: AOModel) -> AOModel:
     """A model without oscillators as a rigid body: a wall, if it is constrained."""
-    return rigid(mass=math.inf, name=model.name) if model.constrained else model
+    return rigid(mass=math.inf, name=model.name) if model.k0 > 0.0 else model
 
 
 class InterfaceHierarchy(ElementHierarchy):

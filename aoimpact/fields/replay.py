@@ -59,7 +59,7 @@ def response_of(
             damping=model.damping,
             gravity=_gravity(plan, model),
         )
-    reduced = _reduced(model).coordinates(plan.gravity)
+    reduced = _reduced(model).coordinates(plan.pull)
     if reduced is None:
         return None
     motion = recorder.motion(body)
@@ -80,6 +80,8 @@ def response_of(
 def _gravity(plan: Plan, model: BodyModel) -> FloatArray:
     """Acceleration of gravity along the direction of travel, m/s², shape (3,)."""
     tip = model.touched_at()
+    if isinstance(plan.pull, np.ndarray):
+        return plan.pull
     if not plan.gravity or tip is None or tip.direction is None or model.weightless:
         return np.zeros(3)
     return plan.gravity * tip.direction

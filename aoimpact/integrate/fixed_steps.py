@@ -79,10 +79,15 @@ class SteppedRecorder:
     def forces(self, times: FloatArray) -> FloatArray:
         return self.plan.layout.forces(self.record.rows).copy()
 
+    def pushes(self, times: FloatArray) -> FloatArray:
+        return self.plan.layout.pushes(self.record.rows).copy()
+
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         model = self.plan.bodies[body]
         u, v = (coordinates(model, of) for of in self.record.final[body])
-        if isinstance(model, AOModel):  # whose first coordinate is the contact, massless or not
+        if (
+            isinstance(model, AOModel) and model.modal.antiresonance is not None
+        ):  # whose first coordinate is the contact, massless or not
             rows = self.plan.layout.body(self.record.rows, body)
             u[0], v[0] = rows.port_displacements[0, -1], rows.port_velocities[0, -1]
         return u, v
@@ -99,7 +104,7 @@ class SteppedRecorder:
 
     def motion(self, body: int) -> ForcedMotion:
         plan, model = self.plan, self.plan.bodies[body]
-        forces = plan.port_forces(body, self.times, plan.layout.forces(self.record.rows))
+        forces = plan.port_forces(body, self.times, plan.layout.pushes(self.record.rows))
         equations = plan.stepped(body).equations
         residual = model.modal.residual if isinstance(model, AOModel) else None
         return ForcedMotion(
@@ -180,9 +185,9 @@ class _Stepping:
     def _start_after(self, instant: float, rest: Start) -> tuple[FloatArray, FloatArray]:
         """The forces and their rates, from two steps of that length."""
         rows = self._run(instant, 2.0 * instant, rest, energies=False).rows
-        early, late = self.plan.layout.forces(rows).T[1:]
+        early, late = self.plan.layout.pushes(rows).T[1:]
         forces = 2.0 * early - late
-        pressed = np.minimum(early, late) >= 0.0
+        pressed = (np.minimum(early, late) >= 0.0) & self.plan.layout.normal
         return np.where(pressed, np.maximum(forces, 0.0), forces), (late - early) / instant
 
     def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
@@ -239,7 +244,7 @@ class _Stepping:
                     return fine, error
                 # Of coarser runs only the contacts are needed: the other memory is given back.
                 kept = self.plan.layout.of_contacts(fine.rows).copy()
-                fine = replace(fine, rows=kept.reshape(-1, len(fine.t)))
+                fine = replace(fine, rows=kept)
             before = [fine, before[0]]
         raise ConvergenceError(
             f"Newmark: with dt={dt:.3g} s the estimated error is still {error.share:.2g}, above "

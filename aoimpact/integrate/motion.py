@@ -101,7 +101,7 @@ class DenseMotion:
         return min(lengths, default=self.duration)
 
     def force(self, times: FloatArray) -> FloatArray:
-        return self.run.plan.port_forces(self.body, times, self.run.forces(times))
+        return self.run.plan.port_forces(self.body, times, self.run.pushes(times))
 
     def force_rate(self, times: FloatArray) -> FloatArray:
         step = _DIFFERENCE * self._shortest

@@ -154,7 +154,8 @@ def newmark_run(
     ConvergenceError
         If the solution leaves the range of numbers; with the time.
     """
-    count = RecordLayout(len(contacts), tuple(body.ports for body in bodies)).rows
+    sliding = tuple(contact.friction is not None for contact in contacts)
+    count = RecordLayout(len(contacts), tuple(body.ports for body in bodies), sliding).rows
     steps = steps_of(dt, duration, count, f"dt={dt:g} s", "take a larger dt")
     rows = np.zeros((count, steps + 1))
     x, v = (np.concatenate(parts) for parts in zip(*((b.x, b.v) for b in bodies), strict=True))

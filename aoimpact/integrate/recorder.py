@@ -58,6 +58,10 @@ class Recorder(Protocol):
         """Return the contact forces at times, shape (contacts, n), N: of the record, these rows."""
         ...
 
+    def pushes(self, times: FloatArray) -> FloatArray:
+        """Return the contact forces with those of friction, N; see `RecordLayout.pushes`."""
+        ...
+
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         """Return a body's own coordinates and their rates at the end of the record."""
         ...

@@ -251,7 +251,7 @@ def _highest_crest(free: npt.NDArray[np.bool_], ours: FloatArray, coarse: FloatA
 def _unresolved(plan: Plan, body: int, dt: float) -> FloatArray:
     """The largest vibration of a body's ports in modes that steps do not resolve, m, (ports,)."""
     model, load, slowest = plan.bodies[body], plan.load_on(body), _RESOLVED / dt
-    pull = 0.0 if plan.preload else abs(plan.gravity)
+    pull = 0.0 if plan.preload else float(np.linalg.norm(plan.pull))
     if model.wall or (load is None and pull == 0.0):
         return np.zeros(model.ports)
     changes = np.zeros(model.ports)

@@ -58,14 +58,15 @@ def _refuse_gain(plan: Plan, run: DenseRecorder) -> None:
     ConvergenceError
         With the shortest touch.
     """
-    fed = plan.gravity or plan.loads or plan.preload
+    fed = plan.weighed or plan.loads or plan.preload
     if fed or any(contact.law.by_caller for contact in plan.contacts):
         return
     bodies = [body.modal for body in plan.bodies]
     pairs = list(zip(bodies, plan.velocities, strict=True))
     if any(speed and not body.inertia.any() for body, speed in pairs):  # a wall that pushes
         return
-    there = math.fsum(float(body.inertia @ (body.moving * speed) ** 2) for body, speed in pairs)
+    starts = [body.rates(plan.start(number)) for number, body in enumerate(bodies)]
+    there = math.fsum(float(of.inertia @ v**2) for of, v in zip(bodies, starts, strict=True))
     rate = np.frombuffer(run.v)
     with np.errstate(over="ignore", invalid="ignore"):
         found = float(np.concatenate([body.inertia for body in bodies]) @ rate**2)

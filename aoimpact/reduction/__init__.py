@@ -11,11 +11,11 @@ from .finer import finer_model
 from .full import FullModel, body_model, full
 from .interface import InterfaceModel, InterfaceSpace, interface
 from .krylov import KrylovSpace
-from .modalbody import ModalBody
+from .modalbody import ModalBody, Pull, Velocity
 from .modes import ModalModel, modal
 from .recovery import PACE, SOLVED, GeneralizedCoordinates, Recovery
 from .reduction import antioscillators
-from .star import AOModel, ball, rigid
+from .star import AOModel, TurningBody, ball, rigid, wall
 from .validity import fitted_times, is_valid_for
 
 __all__ = [
@@ -30,8 +30,11 @@ __all__ = [
     "KrylovSpace",
     "ModalBody",
     "ModalModel",
+    "Pull",
     "Recovery",
     "ReducedModel",
+    "TurningBody",
+    "Velocity",
     "antioscillators",
     "ball",
     "body_model",
@@ -42,4 +45,5 @@ __all__ = [
     "is_valid_for",
     "modal",
     "rigid",
+    "wall",
 ]

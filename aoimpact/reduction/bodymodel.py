@@ -25,7 +25,7 @@ from ..fem import (
     thin_stiffness_error,
 )
 from .band import Band, band_of
-from .modalbody import ModalBody
+from .modalbody import ModalBody, Pull
 from .recovery import GeneralizedCoordinates
 
 
@@ -135,11 +135,20 @@ class BodyModel(ABC):
 
     @property
     def ports(self) -> int:
-        """Number of places where it may be touched.
+        """Number of its contact functionals.
 
         :meta private:
         """
         return max(1, len(self.contact_points))
+
+    @property
+    def places(self) -> int:
+        """Number of places where it may be touched: with tangents each has three ports.
+
+        :meta private:
+        """
+        points = self.contact_points
+        return self.ports // 3 if points and points[0].tangents is not None else self.ports
 
     @property
     def weightless(self) -> bool:
@@ -283,13 +292,13 @@ class ReducedModel(BodyModel):
         return found[port]
 
     @abstractmethod
-    def coordinates(self, gravity: float = 0.0) -> GeneralizedCoordinates | None:
+    def coordinates(self, gravity: Pull = 0.0) -> GeneralizedCoordinates | None:
         """Return what the body does by the model's coordinates; None of one given by numbers.
 
         Parameters
         ----------
-        gravity : float, optional
-            m/s², along the direction of travel.
+        gravity : float or ndarray, shape (3,), optional
+            m/s², along the direction of travel or in three directions.
 
         :meta private:
         """

@@ -21,7 +21,7 @@ from ..fem import (
 )
 from .bodymodel import BodyModel, FiniteElementModel, checked_ports
 from .interface import InterfaceModel
-from .modalbody import ModalBody
+from .modalbody import ModalBody, Pull, Velocity
 from .modes import ModalModel, modal, whole_interface
 from .reduction import antioscillators
 from .star import AOModel
@@ -141,13 +141,29 @@ class FullModel(Frozen, FiniteElementModel):
             return self.body.translation(tip.direction)
         return static_mode(tip).phi
 
-    def weight(self, gravity: float) -> FloatArray:
+    def rates(self, velocity: Velocity) -> FloatArray:
+        """Return the velocities of the dofs at the start, shape (n_dofs,); see `ModalBody.rates`.
+
+        :meta private:
+        """
+        if not isinstance(velocity, np.ndarray):
+            return velocity * self.moving if velocity else np.zeros(self.dofs)
+        nodes, free = self.body.nodes, self.body.free
+        assert nodes is not None
+        centre = [self.body.com_functional(axis) @ nodes.reshape(-1)[free] for axis in np.eye(3)]
+        moved: FloatArray = velocity[:3] + np.cross(velocity[3:], nodes - centre)
+        return moved.reshape(-1)[free]
+
+    def weight(self, gravity: Pull) -> FloatArray:
         """Return the forces of gravity, m/s², on the dofs, N.
 
         :meta private:
         """
         if self.body.mass is None or self.tips[0].direction is None:
             raise InputError("gravity needs the body's nodes: make it from a mesh, or with nodes")
+        if isinstance(gravity, np.ndarray):
+            along = [self.body.com_functional(axis) for axis in np.eye(3)]
+            return np.asarray(self.body.mass * (gravity @ along))
         forces: FloatArray = gravity * self.body.mass * self.centre[0]
         return forces
 

@@ -33,6 +33,7 @@ from ..fem import (
     fitted_shifts,
     highest_shift,
     translates,
+    whole_motion,
 )
 from ..linalg import Solver
 from .bodymodel import (
@@ -41,7 +42,7 @@ from .bodymodel import (
     ascending,
     checked_ports,
 )
-from .modalbody import ModalBody
+from .modalbody import ModalBody, Pull, RigidMotion
 from .recovery import GeneralizedCoordinates
 from .star import described
 from .subspace import Subspace
@@ -180,7 +181,16 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
             centre=centre,
             centre_residual=None,
             moving=mass * centre,
+            rigid=self._rigid,
         )
+
+    @property
+    def _rigid(self) -> RigidMotion | None:
+        """Its motion as a whole, where it is touched along tangents as well."""
+        if self.tips[0].tangents is None:
+            return None
+        functionals, momenta = whole_motion(self.body)
+        return RigidMotion(functionals @ self.modes, self.modes.T @ momenta)
 
     def deflection(self, s: float, port: int = 0) -> FloatArray:
         """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
@@ -190,14 +200,17 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
         shape: FloatArray = self.modes @ (self.participation[port] / (self.omega**2 + s**2))
         return shape
 
-    def coordinates(self, gravity: float = 0.0) -> GeneralizedCoordinates:
+    def coordinates(self, gravity: Pull = 0.0) -> GeneralizedCoordinates:
         """Return the modes as the coordinates of the body.
 
         :meta private:
         """
         loads = np.stack([tip.b for tip in self.tips], axis=1)
         direction = self.tips[0].direction
-        if gravity and direction is not None and self.mass is not None:
+        if isinstance(gravity, np.ndarray) and self.mass is not None:
+            weights = [self.body.com_functional(axis) for axis in np.eye(3)]
+            loads = np.column_stack([loads, self.mass * (gravity @ weights)])
+        elif gravity and direction is not None and self.mass is not None:
             weight = gravity * self.mass * self.body.com_functional(direction)
             loads = np.column_stack([loads, weight])
         stiffness = np.diag(self.omega**2)

@@ -20,6 +20,30 @@ from ..base import FloatArray
 _PARTS = itemgetter(*_core.MODES.split())
 
 
+# Along the direction of travel; or of the centre of mass in three directions, and spin, shape (6,).
+Velocity = float | FloatArray
+
+# Gravity along the direction of travel; or in three directions, shape (3,).
+Pull = float | FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class RigidMotion:
+    """A body's motion as a whole by the rates of its modes, in the axes of its mesh.
+
+    Attributes
+    ----------
+    velocity : ndarray, shape (6, n)
+        Of the centre of mass, and mean spin; without rows of spin, shape (3, n), where supports
+        leave none.
+    momentum : ndarray, shape (n, 6)
+        Rates of the modes of the undeformed body for a unit velocity and spin.
+    """
+
+    velocity: FloatArray
+    momentum: FloatArray
+
+
 @dataclass(frozen=True, eq=False)
 class ModalBody:
     """ẍ_j + 2σ_j ẋ_j + ω_j² x_j = g_j + Σ_p push_pj f_p, u_p = Σ_j shape_pj x_j + Σ_q R_pq f_q.
@@ -45,6 +69,8 @@ class ModalBody:
         ẋ of the body moving undeformed with unit velocity.
     antiresonance : ndarray, shape (oscillators,), or None
         ω² of the oscillators of a star, (rad/s)²; None where the modes are the model's coordinates.
+    rigid : RigidMotion, optional
+        Its motion as a whole in three directions, where that is known.
     """
 
     omega: FloatArray
@@ -58,6 +84,7 @@ class ModalBody:
     centre_residual: FloatArray | None
     moving: FloatArray
     antiresonance: FloatArray | None = None
+    rigid: RigidMotion | None = None
     _still: tuple[Any, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -79,21 +106,44 @@ class ModalBody:
         assert self.antiresonance is not None
         return oscillator_gain(self.antiresonance, self.omega)
 
+    def rates(self, velocity: Velocity) -> FloatArray:
+        """Return ẋ of the body moving undeformed, shape (n,).
+
+        Parameters
+        ----------
+        velocity : float or ndarray, shape (6,)
+            Along the direction of travel, m/s; or of the centre of mass in three directions, m/s,
+            and spin, rad/s.
+        """
+        if not isinstance(velocity, np.ndarray):
+            return velocity * self.moving
+        return self._moved(velocity)
+
+    def _moved(self, along: FloatArray) -> FloatArray:
+        """Rates, or accelerations, of the modes for those of the whole, shape (6,)."""
+        assert self.rigid is not None
+        found: FloatArray = self.rigid.momentum @ along
+        return found
+
     def for_core(
-        self, gravity: float = 0.0, load: tuple[FloatArray, FloatArray] | None = None
+        self, gravity: Pull = 0.0, load: tuple[FloatArray, FloatArray] | None = None
     ) -> tuple[Any, ...]:
         """Return the core's tuple (aoi_modes).
 
         Parameters
         ----------
-        gravity : float, optional
-            m/s².
+        gravity : float or ndarray, shape (3,), optional
+            Along the direction of travel, or in three directions, m/s².
         load : (times, forces), optional
             Shapes (m,) and (m, p); forces on the ports, N, straight between the times, s.
         """
-        if gravity == 0.0 and load is None:
+        if isinstance(gravity, np.ndarray):
+            falls = self._moved(np.concatenate([gravity, np.zeros(3)]))
+            pulled = falls if falls.any() and self.inertia.any() else None
+        else:
+            pulled = gravity * self.weight if gravity and self.weight.any() else None
+        if pulled is None and load is None:
             return self._still
-        pulled = gravity * self.weight if gravity and self.weight.any() else None
         return self._tuple(pulled, *(load if load is not None else (None, None)))
 
     def _tuple(

@@ -6,8 +6,8 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
+from dataclasses import asdict, dataclass, field, fields, replace
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,7 @@ from ..fem import (
     damping_or_none,
 )
 from .bodymodel import ReducedModel
-from .modalbody import ModalBody, oscillator_gain
+from .modalbody import ModalBody, Pull, RigidMotion, oscillator_gain
 from .origin import Origin
 from .recovery import GeneralizedCoordinates
 
@@ -74,6 +74,11 @@ class AOModel(Frozen, ReducedModel):
         Material and curvatures at the contact; by default those of `origin`.
     name : str, optional
         Name in results, tables and plots; by default that of `origin`.
+    inertia : array_like, shape (3, 3), optional
+        Tensor of inertia about the centre of mass, kg m², of a rigid body that may turn; see
+        `rigid`.
+    arm : array_like, shape (3,), optional
+        From the centre of mass to where it is touched, m; by default the radius of a ball.
 
     Raises
     ------
@@ -99,6 +104,8 @@ class AOModel(Frozen, ReducedModel):
     damping: Damping | None = None
     surface: ContactSurface | None = field(default=None, repr=False)
     name: str = ""
+    inertia: FloatArray | None = field(default=None, repr=False)
+    arm: FloatArray | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         set_field = object.__setattr__
@@ -123,6 +130,10 @@ class AOModel(Frozen, ReducedModel):
             raise InputError("m0 must be positive where there are no oscillators, got 0 kg")
         if math.isinf(self.m0) and (len(self.m) or self.k0):
             raise InputError("m0 is infinite: a fixed wall has neither oscillators nor k0")
+        if self.inertia is not None:
+            checked(self, inertia=_tensor_of_inertia)
+        if self.arm is not None:
+            checked(self, arm=partial(finite_array, shape=(3,), unit="m"))
         self._check_reach()
         super().__post_init__()
 
@@ -148,6 +159,29 @@ class AOModel(Frozen, ReducedModel):
 
     def __repr__(self) -> str:
         return described(self, f"{self.n} oscillators" if self.n else "no oscillators")
+
+    def turning(self, axes: FloatArray, sides: Sequence[float]) -> TurningBody:
+        """Return the rigid body with its motion in three directions.
+
+        Parameters
+        ----------
+        axes : ndarray, shape (3, 3)
+            Direction of travel and two tangents, as rows.
+        sides : sequence of float
+            For each place of contact 1 where it is on the far side along the direction of travel,
+            -1 where it is on the near side.
+
+        :meta private:
+        """
+        arm = np.zeros(3) if self.arm is None else self.arm
+        arms = [
+            arm
+            if self.arm is not None or self.surface is None or self.inertia is None
+            else side * abs(self.surface.radii[0]) * axes[0]
+            for side in sides
+        ]
+        given = {one.name: getattr(self, one.name) for one in fields(AOModel)}
+        return TurningBody(**given, axes=np.tile(axes, (len(arms), 1)), arms=np.repeat(arms, 3, 0))
 
     @property
     def n(self) -> int:
@@ -393,7 +427,7 @@ class AOModel(Frozen, ReducedModel):
         result = real + 1j * imaginary
         return result if result.ndim else complex(result)
 
-    def coordinates(self, gravity: float = 0.0) -> GeneralizedCoordinates | None:
+    def coordinates(self, gravity: Pull = 0.0) -> GeneralizedCoordinates | None:
         """Return X = (φ_st - Σ Ψ_i) λ₀ + Σ Ψ_i λ_i, eq. (8); None of a model given by numbers.
 
         :meta private:
@@ -694,6 +728,83 @@ class AOModel(Frozen, ReducedModel):
         return omega2[:count], participation[:count]
 
 
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class TurningBody(AOModel):
+    """A rigid body or a wall in three directions: ports at places of it, along given axes.
+
+    Attributes
+    ----------
+    axes, arms : ndarrays, shape (p, 3)
+        Direction of each port, and where it is from the centre of mass, m.
+    """
+
+    axes: FloatArray
+    arms: FloatArray
+
+    @property
+    def ports(self) -> int:
+        """Three for each place of contact.
+
+        :meta private:
+        """
+        return len(self.axes)
+
+    @property
+    def places(self) -> int:
+        """One: its contact coordinate is that of all.
+
+        :meta private:
+        """
+        return 1
+
+    @cached_property
+    def modal(self) -> ModalBody:
+        """Three translations, and three rotations about the principal axes if it may turn.
+
+        :meta private:
+        """
+        wall, turns = math.isinf(self.m0), self.inertia is not None
+        moments, principal = np.linalg.eigh(np.eye(3) if self.inertia is None else self.inertia)
+        shape = np.hstack([self.axes, np.cross(self.arms, self.axes) @ principal])
+        inertia = np.concatenate([np.full(3, 0.0 if wall else self.m0), moments])
+        velocity = np.zeros((6, 6))
+        velocity[:3, :3], velocity[3:, 3:] = np.eye(3), principal
+        kept = slice(6 if turns and not wall else 3)
+        shape, inertia, velocity = shape[:, kept].copy(), inertia[kept], velocity[:, kept]
+        centre = velocity[:3].T @ self.axes[0]
+        return ModalBody(
+            omega=np.zeros(len(inertia)),
+            decay=None,
+            shape=shape,
+            push=np.zeros_like(shape) if wall else shape / inertia,
+            residual=None,
+            weight=np.zeros_like(inertia) if wall else centre,
+            inertia=inertia,
+            centre=centre,
+            centre_residual=None,
+            moving=centre,
+            rigid=RigidMotion(velocity, velocity.T),
+        )
+
+
+def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
+    """Return a tensor of inertia, kg m²: given as one, by its moments about the axes, or as one."""
+    given = finite_array(name, value, unit="kg m²")
+    found = given if given.ndim == 2 else np.diag(np.broadcast_to(given, 3))
+    moments = np.linalg.eigvalsh(found) if found.shape == (3, 3) else np.zeros(3)
+    if not (moments[0] > 0.0 and np.allclose(found, found.T, rtol=1e-9, atol=0.0)):
+        raise InputError(
+            f"{name} must be a positive number, three moments about the axes, or a symmetric "
+            f"positive definite tensor of shape (3, 3), got {given.tolist()}"
+        )
+    if moments[2] > (1.0 + 1e-9) * (moments[0] + moments[1]):
+        raise InputError(
+            f"{name}: no body has the principal moments {moments.tolist()} kg m², of which one is "
+            "larger than the sum of the two others"
+        )
+    return np.ascontiguousarray(found)
+
+
 def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Sort by frequency; oscillators of one frequency move as one: their masses add up."""
     order = np.argsort(k / m, kind="stable")
@@ -717,13 +828,25 @@ def described(model: Any, size: str) -> str:
     return f"{type(model).__name__}({', '.join(parts)})"
 
 
-def rigid(mass: float, *, name: str = "") -> AOModel:
+def rigid(
+    mass: float,
+    *,
+    inertia: npt.ArrayLike | None = None,
+    arm: npt.ArrayLike | None = None,
+    name: str = "",
+) -> AOModel:
     """Return a rigid mass: an anti-oscillator model without oscillators.
 
     Parameters
     ----------
     mass : float
         kg, positive; ``math.inf`` is a fixed wall.
+    inertia : float or array_like, shape (3,) or (3, 3), optional
+        Tensor of inertia about the centre of mass, kg m², or its moments about the axes. Without
+        it the body does not turn, as one that is guided.
+    arm : array_like, shape (3,), optional
+        From the centre of mass to where the body is touched, m; zero if left out. It makes an
+        oblique impact turn the body; an impact along the direction of travel alone leaves it out.
     name : str, optional
         Name in results, tables and plots.
 
@@ -731,8 +854,13 @@ def rigid(mass: float, *, name: str = "") -> AOModel:
     --------
     >>> rigid(0.03)
     AOModel(no oscillators, 0.03 kg, free)
+    >>> rod = rigid(0.03, inertia=(2e-6, 2e-6, 1e-7), arm=(0, 0, -0.02))
     """
-    return AOModel(m0=positive("mass", mass, unit="kg", infinite=True), name=name)
+    checked_mass = positive("mass", mass, unit="kg", infinite=True)
+    if arm is not None and inertia is None:
+        raise InputError("arm: a body without inertia= does not turn; give its tensor of inertia")
+    made: dict[str, Any] = {"inertia": inertia, "arm": arm}
+    return AOModel(m0=checked_mass, name=name, **made)
 
 
 def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
@@ -741,7 +869,7 @@ def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
     Parameters
     ----------
     radius : float
-        r, m. The mass is 4/3 π r³ ρ.
+        r, m. The mass is 4/3 π r³ ρ, the moment of inertia 2/5 of that times r².
     material : Material
     name : str, optional
         Name in results, tables and plots.
@@ -756,6 +884,27 @@ def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
     try:
         mass, curvature = 4.0 / 3.0 * math.pi * r**3 * checked_material.rho, 1.0 / r
         round_one = ContactSurface(checked_material, (curvature, curvature))
-        return AOModel(m0=mass, surface=round_one, name=name)
+        inertia = 0.4 * mass * r * r * np.eye(3)
+        return AOModel(m0=mass, surface=round_one, name=name, inertia=inertia)
     except (InputError, OverflowError) as error:
         raise InputError(f"radius={r:g} m is no radius of a ball (is it in metres?)") from error
+
+
+def wall(material: Material, *, name: str = "") -> AOModel:
+    """Return a fixed half-space; its outward normal is z.
+
+    Parameters
+    ----------
+    material : Material
+    name : str, optional
+        Name in results, tables and plots.
+
+    Examples
+    --------
+    >>> glass, steel = Material(E=70e9, nu=0.25, rho=2500), Material(E=210e9, nu=0.3, rho=7800)
+    >>> hit = ao.simulate(ao.ball(0.01, steel), ao.wall(glass), (0, 0.5, -1.0), friction=0.2)
+    >>> hit.projectile.final_velocity.round(3)
+    array([0.   , 0.329, 1.   ])
+    """
+    flat = ContactSurface(instance("material", material, Material), (0.0, 0.0))
+    return AOModel(m0=math.inf, surface=flat, name=name)

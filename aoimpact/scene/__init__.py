@@ -8,12 +8,16 @@ from .bodies import coordinates, stepped
 from .contact import (
     Contact,
     FreeMotion,
+    Friction,
     Load,
+    Port,
     extraction_of,
     law_of_models,
     normal_gap,
+    oblique_compliance,
+    stiffness_ratio,
 )
-from .plan import Plan, reduced_mass
+from .plan import Oblique, Plan, reduced_mass
 from .rows import RecordLayout
 from .stepped import Equations, SteppedBody
 
@@ -21,14 +25,19 @@ __all__ = [
     "Contact",
     "Equations",
     "FreeMotion",
+    "Friction",
     "Load",
+    "Oblique",
     "Plan",
+    "Port",
     "RecordLayout",
     "SteppedBody",
     "coordinates",
     "extraction_of",
     "law_of_models",
     "normal_gap",
+    "oblique_compliance",
     "reduced_mass",
     "stepped",
+    "stiffness_ratio",
 ]

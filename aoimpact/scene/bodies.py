@@ -11,15 +11,15 @@ import numpy as np
 
 from ..base import FloatArray
 from ..fem import Rayleigh
-from ..reduction import BodyModel, FullModel
+from ..reduction import BodyModel, FullModel, Pull, Velocity
 from .stepped import PARTS, SteppedBody, SteppedFull
 
 
 def stepped(
     model: BodyModel,
-    velocity: float = 0.0,
+    velocity: Velocity = 0.0,
     *,
-    gravity: float = 0.0,
+    gravity: Pull = 0.0,
     load: tuple[FloatArray, FloatArray] | None = None,
     rest: FloatArray | None = None,
 ) -> SteppedBody:
@@ -28,10 +28,10 @@ def stepped(
     Parameters
     ----------
     model : BodyModel
-    velocity : float, optional
-        m/s.
-    gravity : float, optional
-        m/s², along the direction of travel.
+    velocity : float or ndarray, shape (6,), optional
+        As of `ModalBody.rates`.
+    gravity : float or ndarray, shape (3,), optional
+        m/s², along the direction of travel or in three directions.
     load : (times, forces), optional
         As `Plan.load_on` gives it.
     rest : ndarray, shape (n,), optional
@@ -41,7 +41,7 @@ def stepped(
         return _stepped_full(model, velocity, gravity, load, rest)
     modal = model.modal
     parts = dict(zip(PARTS, modal.for_core(gravity, load), strict=True))
-    return SteppedBody(parts, np.zeros(modal.n) if rest is None else rest, velocity * modal.moving)
+    return SteppedBody(parts, np.zeros(modal.n) if rest is None else rest, modal.rates(velocity))
 
 
 def coordinates(model: BodyModel, values: FloatArray) -> FloatArray:
@@ -57,18 +57,18 @@ def coordinates(model: BodyModel, values: FloatArray) -> FloatArray:
 
 def _stepped_full(
     model: FullModel,
-    velocity: float,
-    gravity: float,
+    velocity: Velocity,
+    gravity: Pull,
     load: tuple[FloatArray, FloatArray] | None,
     rest: FloatArray | None,
 ) -> SteppedBody:
     body, modes = model.body, model.damped_modes
     u = np.zeros(model.dofs) if rest is None else model.whole.expand(model.modal.coordinates(rest))
-    v = velocity * model.moving if velocity else np.zeros(model.dofs)
+    v = model.rates(velocity)
     B = np.ascontiguousarray([tip.b for tip in model.tips])
     times, forces = (None, None) if load is None else load
     parts: dict[str, Any] = {"shape": B, "push": B, "load_time": times, "load_force": forces}
-    parts["gravity"] = model.weight(gravity) if gravity else None
+    parts["gravity"] = model.weight(gravity) if np.any(gravity) else None
     parts["centre"] = np.ascontiguousarray(model.centre[0])
     if modes is None:
         damping = body.damping if isinstance(body.damping, Rayleigh) else Rayleigh()

@@ -8,9 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..base import HUGE, FloatArray, InputError
-from ..fem import ContactCompliance
-from ..laws import ContactLaw, CoreLaw, HertzianLaw, effective_law, own_law
+from ..fem import ContactCompliance, Material
+from ..laws import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, effective_law, own_law
 from ..reduction import BodyModel
 from .rows import BodyRows
 
@@ -80,6 +82,65 @@ class Port(NamedTuple):
     port: int
 
 
+# Share of the largest stretch to which the core draws the stretches of a contact that turns.
+_PRECISION = 1e-4
+
+# G*/E* of a pair of unknown materials is that of two like ones of this Poisson's ratio.
+_USUAL = 0.3
+
+
+class Friction(NamedTuple):
+    """Coulomb's friction in a contact.
+
+    Attributes
+    ----------
+    mu : float
+        Coefficient of friction.
+    ratio : float
+        G*/E*, tangential over normal stiffness (Mindlin).
+    compliance : ndarray, shape (3, 3), or None
+        c in the direction of travel and the two tangents that meshes have in place of half-spaces,
+        m/N; None where there are none.
+    """
+
+    mu: float
+    ratio: float
+    compliance: FloatArray | None = None
+
+    def for_core(self, law: ContactLaw) -> tuple[Any, ...]:
+        """Return it as the core takes it; the normal compliance is the law's.
+
+        What the law has more or less of it, a change of the contact's width or an error, the
+        tangents have in the ratio of both compliances.
+        """
+        if self.compliance is None:
+            return self.mu, self.ratio, _PRECISION, None
+        normal = law.compliance if isinstance(law, PatchLaw) else 0.0
+        more = normal - float(self.compliance[0, 0])
+        found = self.compliance + more * np.diag([1.0, 1.0 / self.ratio, 1.0 / self.ratio])
+        found[0, 0] = normal
+        return self.mu, self.ratio, _PRECISION, found
+
+
+def stiffness_ratio(materials: Sequence[Material | None]) -> float:
+    """Return G*/E* of a pair; a material that is not known is rigid, two of them like ones.
+
+    1/E* = Σ (1 - ν²)/E and 1/G* = Σ (2 - ν)/(4G) (K. L. Johnson, Contact Mechanics, 7.2).
+    """
+    known = [of for of in materials if of is not None]
+    if not known:
+        return 2.0 * (1.0 - _USUAL) / (2.0 - _USUAL)
+    normal = math.fsum(1.0 / of.plane_strain_modulus for of in known)
+    return normal / math.fsum((2.0 - of.nu) / (4.0 * of.shear_modulus) for of in known)
+
+
+def oblique_compliance(law: ContactLaw, ends: Sequence[tuple[BodyModel, int]]) -> FloatArray | None:
+    """Return c of two bodies in three directions, m/N; None where no mesh has any."""
+    known = [extraction_of(law, model, port) for model, port in ends]
+    found = [of.oblique for of in known if isinstance(of, Extraction) and of.oblique is not None]
+    return np.asarray(sum(found)) if found else None
+
+
 class Contact(NamedTuple):
     """A contact of two bodies.
 
@@ -94,6 +155,8 @@ class Contact(NamedTuple):
         Distance at the start, m.
     name : str
         As its user called it.
+    friction : Friction or None
+        With it, ports are three each: along the normal and along two tangents.
     """
 
     first: int
@@ -103,6 +166,12 @@ class Contact(NamedTuple):
     law: ContactLaw
     gap: float
     name: str = ""
+    friction: Friction | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of its forces."""
+        return 1 if self.friction is None else 3
 
     @property
     def ports(self) -> tuple[Port, Port]:
@@ -111,7 +180,9 @@ class Contact(NamedTuple):
 
     def for_core(self, law: CoreLaw) -> tuple[Any, ...]:
         """Return it as the core takes it, with its law as the core takes that."""
-        return *self[:4], self.gap, law
+        if self.friction is None:
+            return *self[:4], self.gap, law
+        return *self[:4], self.gap, law, self.friction.for_core(self.law)
 
     def port_of(self, body: int) -> int:
         """Return where one of the two is touched."""

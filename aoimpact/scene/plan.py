@@ -13,7 +13,7 @@ import numpy as np
 from ..base import FloatArray
 from ..fem import Material
 from ..laws import RoundContact, own_law, round_contact
-from ..reduction import BodyModel, ModalBody
+from ..reduction import BodyModel, ModalBody, Pull, Velocity
 from .bodies import stepped
 from .contact import Contact, FreeMotion, Load, OmittedMass
 from .preload import Equilibrium, equilibrium
@@ -24,6 +24,25 @@ from .stepped import SteppedBody
 def reduced_mass(first: BodyModel, second: BodyModel) -> float:
     """Return 1/(1/m1 + 1/m2) of two bodies' static masses, kg: they meet as it would a wall."""
     return 1.0 / (1.0 / first.static_mass + 1.0 / second.static_mass)
+
+
+@dataclass(frozen=True, eq=False)
+class Oblique:
+    """Motion of a scene in three directions.
+
+    Attributes
+    ----------
+    axes : ndarray, shape (3, 3)
+        Direction of travel and two tangents, as rows.
+    velocities : sequence of ndarrays, shape (6,)
+        Of each body's centre of mass, m/s, and its spin, rad/s.
+    gravity : ndarray, shape (3,)
+        m/s².
+    """
+
+    axes: FloatArray
+    velocities: Sequence[FloatArray]
+    gravity: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +68,8 @@ class Plan:
         The mark of the scene's handles.
     names : sequence of str
         Names of the bodies in the scene, before their own; empty where they have no other.
+    oblique : Oblique or None
+        Motion in three directions; `velocities` and `gravity` are along the direction of travel.
     """
 
     bodies: Sequence[BodyModel]
@@ -61,6 +82,21 @@ class Plan:
     preload: bool = False
     scene: str = ""
     names: Sequence[str] = ()
+    oblique: Oblique | None = None
+
+    def start(self, body: int) -> Velocity:
+        """Return the velocity of a body at t = 0, as `ModalBody.rates` takes it."""
+        return self.velocities[body] if self.oblique is None else self.oblique.velocities[body]
+
+    @property
+    def pull(self) -> Pull:
+        """Gravity, along the direction of travel or in three directions, m/s²."""
+        return self.gravity if self.oblique is None else self.oblique.gravity
+
+    @property
+    def weighed(self) -> bool:
+        """True if gravity acts."""
+        return bool(np.any(self.pull))
 
     @property
     def body_names(self) -> tuple[str, ...]:
@@ -91,7 +127,8 @@ class Plan:
     @cached_property
     def layout(self) -> RecordLayout:
         """Where the rows of a record stand."""
-        return RecordLayout(len(self.contacts), tuple(body.ports for body in self.bodies))
+        sliding = tuple(contact.friction is not None for contact in self.contacts)
+        return RecordLayout(len(self.contacts), tuple(body.ports for body in self.bodies), sliding)
 
     @cached_property
     def omitted(self) -> tuple[OmittedMass | None, ...]:
@@ -134,18 +171,20 @@ class Plan:
         ----------
         times : ndarray, shape (times,)
             s.
-        forces : ndarray, shape (contacts, times)
-            The contact forces then, N.
+        forces : ndarray, shape (pushes, times)
+            The contact forces then, N; see `RecordLayout.pushes`.
         """
-        found = np.zeros((self.bodies[body].ports, len(times)))
-        for contact, force in zip(self.contacts, forces, strict=True):
+        found, row = np.zeros((self.bodies[body].ports, len(times))), 0
+        for contact in self.contacts:
+            force = forces[row : row + contact.size]
             if contact.first == body:
-                found[contact.first_port] -= force
+                found[contact.first_port : contact.first_port + contact.size] -= force
             if contact.second == body:
-                found[contact.second_port] += force
+                found[contact.second_port : contact.second_port + contact.size] += force
+            row += contact.size
         for load in self._loads_of.get(body, []):
             found[load.port] += np.interp(times, load.times, load.forces)
-        return np.vstack([found, np.ones((1, len(times)))]) if self.gravity else found
+        return np.vstack([found, np.ones((1, len(times)))]) if self.weighed else found
 
     def reduced_mass(self, contact: Contact) -> float:
         """Return the reduced mass of the two bodies of a contact, kg."""
@@ -170,8 +209,8 @@ class Plan:
     def stepped(self, body: int) -> SteppedBody:
         """Return a body as a run with fixed steps takes it."""
         rest = None if self.rest is None else self.rest.modes[body]
-        model, velocity, load = self.bodies[body], self.velocities[body], self.load_on(body)
-        return stepped(model, velocity, gravity=self.gravity, load=load, rest=rest)
+        model, load = self.bodies[body], self.load_on(body)
+        return stepped(model, self.start(body), gravity=self.pull, load=load, rest=rest)
 
     @cached_property
     def forces_at_rest(self) -> FloatArray | None:

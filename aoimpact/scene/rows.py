@@ -10,7 +10,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from ..base import FloatArray
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray, IntArray
 
 
 class ContactRows(NamedTuple):
@@ -21,13 +24,22 @@ class ContactRows(NamedTuple):
     force, indentation : ndarrays
         N and m.
     elastic, dissipated : ndarrays
-        Energy stored in the law, and lost in it, J.
+        Energy stored in the law, with that of friction's stretches, and lost in the law, J.
+    tangential : ndarray, shape (2, times), or None
+        Force of friction along the two tangents, N; None of a contact without.
+    friction : ndarray or None
+        Energy dissipated by friction, J.
+    stuck : ndarray or None
+        Share of the indentation within which the contact sticks.
     """
 
     force: FloatArray
     indentation: FloatArray
     elastic: FloatArray
     dissipated: FloatArray
+    tangential: FloatArray | None = None
+    friction: FloatArray | None = None
+    stuck: FloatArray | None = None
 
 
 class BodyRows(NamedTuple):
@@ -55,8 +67,8 @@ class BodyRows(NamedTuple):
     port_velocities: FloatArray
 
 
-# AOI_CONTACT_ROWS, AOI_BODY_ROWS and AOI_PORT_ROWS of the core.
-_CONTACT, _BODY, _PORT = len(ContactRows._fields), len(BodyRows._fields) - 2, 2
+# AOI_CONTACT_ROWS, AOI_BODY_ROWS, AOI_PORT_ROWS and AOI_FRICTION_ROWS of the core.
+_CONTACT, _BODY, _PORT, _SLIDING = 4, len(BodyRows._fields) - 2, 2, 8
 
 
 @dataclass(frozen=True)
@@ -69,16 +81,26 @@ class RecordLayout:
         Number of contacts.
     ports : tuple of int
         Number of ports of each body.
+    sliding : tuple of bool, optional
+        Whether each contact has friction; none has if left out.
     """
 
     contacts: int
     ports: tuple[int, ...]
+    sliding: tuple[bool, ...] = ()
+
+    @cached_property
+    def _starts(self) -> tuple[int, ...]:
+        """The first row of each contact, and of the bodies."""
+        sliding = self.sliding or (False,) * self.contacts
+        sizes = (_SLIDING if of else _CONTACT for of in sliding)
+        return tuple(itertools.accumulate(sizes, initial=0))
 
     @cached_property
     def _first(self) -> tuple[int, ...]:
         """The first row of each body, and the number of rows."""
         sizes = (_BODY + _PORT * ports for ports in self.ports)
-        return tuple(itertools.accumulate(sizes, initial=_CONTACT * self.contacts))
+        return tuple(itertools.accumulate(sizes, initial=self._starts[-1]))
 
     @property
     def rows(self) -> int:
@@ -87,7 +109,12 @@ class RecordLayout:
 
     def contact(self, record: FloatArray, contact: int) -> ContactRows:
         """Return the rows of one contact of a record, shape (rows, times)."""
-        return ContactRows(*record[_CONTACT * contact : _CONTACT * (contact + 1)])
+        first, end = self._starts[contact : contact + 2]
+        rows = record[first:end]
+        force, indentation, elastic, dissipated = rows[:_CONTACT]
+        if len(rows) == _CONTACT:
+            return ContactRows(force, indentation, elastic, dissipated)
+        return ContactRows(force, indentation, elastic, dissipated, rows[4:6], rows[6], rows[7])
 
     def body(self, record: FloatArray, body: int) -> BodyRows:
         """Return the rows of one body."""
@@ -96,16 +123,47 @@ class RecordLayout:
         return BodyRows._make([*record[first : first + _BODY], ports[::_PORT], ports[1::_PORT]])
 
     def forces(self, record: FloatArray) -> FloatArray:
-        """Return all contact forces, N, shape (contacts, times)."""
-        return record[: _CONTACT * self.contacts : _CONTACT]
+        """Return all contact forces, N, shape (contacts, times); with friction a copy."""
+        return self._row(record, 0)
 
     def indentations(self, record: FloatArray) -> FloatArray:
         """Return all indentations, m, shape (contacts, times)."""
-        return record[1 : _CONTACT * self.contacts : _CONTACT]
+        return self._row(record, 1)
+
+    def _row(self, record: FloatArray, row: int) -> FloatArray:
+        if not any(self.sliding):
+            return record[row : self._starts[-1] : _CONTACT]
+        return record[[first + row for first in self._starts[:-1]]]
+
+    def pushes(self, record: FloatArray) -> FloatArray:
+        """Return the forces of all contacts, of one with friction with those along its tangents.
+
+        N, shape (pushes, times): a contact has one row, or with friction three.
+        """
+        if not any(self.sliding):
+            return self.forces(record)
+        kinds = zip(self._starts[:-1], self.sliding, strict=True)
+        rows = [[first, first + 4, first + 5] if of else [first] for first, of in kinds]
+        return record[list(itertools.chain.from_iterable(rows))]
+
+    @property
+    def normal(self) -> npt.NDArray[np.bool_]:
+        """Which of `pushes` are normal forces, shape (pushes,)."""
+        kinds = [(True, False, False) if of else (True,) for of in self.sliding]
+        return np.array([*itertools.chain(*kinds)] or [True] * self.contacts, dtype=bool)
 
     def of_contacts(self, record: FloatArray) -> FloatArray:
-        """Return the rows of all contacts, shape (contacts, 4, times)."""
-        return record[: _CONTACT * self.contacts].reshape(self.contacts, _CONTACT, record.shape[1])
+        """Return the rows of all contacts: a view."""
+        return record[: self._starts[-1]]
+
+    def reordered(self, record: FloatArray, order: IntArray) -> None:
+        """Put the rows of contacts that were taken in another order into that of the scene."""
+        rows, sizes = self.of_contacts(record).copy(), np.diff(self._starts)
+        taken = np.concatenate([[0], np.cumsum(sizes[order])])
+        for number, first in zip(order, taken, strict=False):
+            self.of_contacts(record)[self._starts[number] : self._starts[number + 1]] = rows[
+                first : first + sizes[number]
+            ]
 
     def centre_velocities(self, record: FloatArray) -> FloatArray:
         """Return the velocities of all centres of mass, m/s, shape (bodies, times): a copy."""
