@@ -72,6 +72,7 @@ from .reduction import full as full
 from .reduction import interface as interface
 from .reduction import modal as modal
 from .reduction import rigid as rigid
+from .reduction import wall as wall
 from .results import Handle as Handle
 from .results import Result as Result
 from .results import Run as Run

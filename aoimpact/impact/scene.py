@@ -11,6 +11,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ..accuracy import (
     Sensor,
@@ -21,6 +22,7 @@ from ..accuracy import (
     scene_quantity,
 )
 from ..base import (
+    FloatArray,
     InputError,
     InputTypeError,
     LawLimitError,
@@ -32,6 +34,7 @@ from ..base import (
     warn,
 )
 from ..fem import ContactPoint
+from ..integrate import Newmark
 from ..laws import ContactLaw, own_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model
@@ -46,7 +49,18 @@ from ..results import (
     warn_of_misfit,
     warn_of_run,
 )
-from ..scene import Contact, Load, Plan, law_of_models, normal_gap
+from ..scene import (
+    Contact,
+    Friction,
+    Load,
+    Oblique,
+    Plan,
+    Port,
+    law_of_models,
+    normal_gap,
+    oblique_compliance,
+    stiffness_ratio,
+)
 from .defaults import (
     Meeting,
     checked_duration,
@@ -57,6 +71,15 @@ from .defaults import (
     fitted,
     meeting,
     turns,
+)
+from .oblique import (
+    ROLES,
+    axes_of,
+    checked_friction,
+    refuse_inelastic,
+    vector_or_number,
+    with_functionals,
+    with_tangents,
 )
 
 __all__ = ["Scene", "SceneCase"]
@@ -80,8 +103,9 @@ class Scene:
 
     Parameters
     ----------
-    gravity : float, optional
-        Acceleration of every finite mass along the direction of travel, m/s², up to 1e12. A body
+    gravity : float or array_like, shape (3,), optional
+        Acceleration of every finite mass along the direction of travel, or in three directions (see
+        `simulate`), m/s², up to 1e12. A body
         constrained by supports takes its true share where it has nodes; a constrained AO model
         given by numbers takes none.
 
@@ -96,10 +120,12 @@ class Scene:
     1394.5 N, -1.0000 m/s
     """
 
-    def __init__(self, *, gravity: float = 0.0) -> None:
-        self._begin(checked_gravity(gravity), uuid.uuid4().hex)
+    def __init__(self, *, gravity: float | npt.ArrayLike = 0.0) -> None:
+        falls = vector_or_number("gravity", gravity, "m/s²")
+        size = gravity if falls is None else float(np.linalg.norm(falls))
+        self._begin(checked_gravity(size), uuid.uuid4().hex, falls)
 
-    def _begin(self, gravity: float, mark: str) -> None:
+    def _begin(self, gravity: float, mark: str, falls: FloatArray | None = None) -> None:
         self.gravity = gravity
         self._bodies: list[BodyModel] = []
         self._velocities: list[float] = []
@@ -109,6 +135,11 @@ class Scene:
         self._law_errors: list[float] = []  # of laws that were found from the surfaces
         self._between: dict[tuple[int, int, int, int], list[int]] = {}  # contacts at the same place
         self._loads: list[Load] = []
+        # Velocities, gravity and friction of motion in three directions, where given.
+        self._vectors: list[FloatArray | None] = []
+        self._falls = falls
+        self._frictions: list[float | None] = []
+        self._axes: FloatArray | None = None
         # Copies and pickles keep it: their handles are as good. An impact of two bodies has none.
         self._mark = _Mark(mark)
 
@@ -123,7 +154,12 @@ class Scene:
     # ------------------------------------------------------------------- building
 
     def add(
-        self, body: Any, *, velocity: float = 0.0, position: float = 0.0, name: str = ""
+        self,
+        body: Any,
+        *,
+        velocity: float | npt.ArrayLike = 0.0,
+        position: float = 0.0,
+        name: str = "",
     ) -> Handle:
         """Add a body, undeformed and moving as a whole.
 
@@ -133,8 +169,8 @@ class Scene:
             A ContactPoint (``body.contact(...)``) is reduced as far as the quantity of interest
             allows, a list of them on one body is one that is touched in several places, ``full``
             of them the full finite-element model, a `rigid` body of infinite mass a wall.
-        velocity : float, optional
-            m/s.
+        velocity : float or array_like, shape (3,), optional
+            Along the direction of travel, or in three directions (see `simulate`), m/s.
         position : float, optional
             Place of its contact coordinate (of all of them) at t = 0, m.
         name : str, optional
@@ -155,18 +191,25 @@ class Scene:
         >>> scene = ao.Scene()
         >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0, name="ball")
         """
-        called = text("name", name)
-        speed = checked_speed("velocity", velocity)
-        self._append(body_model("body", body), speed, real("position", position, unit="m"), called)
+        called, along = text("name", name), vector_or_number("velocity", velocity, "m/s")
+        size = velocity if along is None else float(np.linalg.norm(along))
+        speed, where = checked_speed("velocity", size), real("position", position, unit="m")
+        self._append(body_model("body", body), speed, where, called, along)
         return Handle(len(self._bodies) - 1, name=called, scene=self._mark.name)
 
     def _append(
-        self, model: BodyModel, velocity: float, position: float = 0.0, name: str = ""
+        self,
+        model: BodyModel,
+        velocity: float,
+        position: float = 0.0,
+        name: str = "",
+        vector: FloatArray | None = None,
     ) -> None:
         self._bodies.append(model)
         self._velocities.append(velocity)
         self._positions.append(position)
         self._names.append(name)
+        self._vectors.append(vector)
 
     def connect(
         self,
@@ -175,6 +218,7 @@ class Scene:
         law: ContactLaw | None = None,
         *,
         gap: float = 0.0,
+        friction: float | None = None,
         name: str = "",
     ) -> int:
         """Let two bodies touch: δ = (x_a + position_a) - (x_b + position_b) - gap.
@@ -188,6 +232,8 @@ class Scene:
             surfaces at the contact.
         gap : float, optional
             m; may be negative where positions are given.
+        friction : float, optional
+            Coefficient of friction; see `simulate`.
         name : str, optional
             Name of the contact in results, tables and plots.
 
@@ -217,7 +263,8 @@ class Scene:
             )
         apart = real("gap", gap, unit="m")
         apart += self._positions[second.body] - self._positions[first.body]
-        return self._join((first.body, first.at), (second.body, second.at), law, apart, name)
+        ends = (first.body, first.at), (second.body, second.at)
+        return self._join(*ends, law, apart, name, friction=friction)
 
     def _join(
         self,
@@ -227,6 +274,7 @@ class Scene:
         gap: float,
         name: str = "",
         turned: Sequence[bool] = (False, False),
+        friction: float | None = None,
     ) -> int:
         """Add a contact of two (body, port) with that distance, m, at the start.
 
@@ -240,7 +288,7 @@ class Scene:
                 f"{' and '.join(self._called(body) for body, _ in ends)} are both of infinite "
                 "mass: there is no motion between them"
             )
-        law_error = 0.0
+        law_error, mu = 0.0, checked_friction(friction)
         if law is None:
             models = [
                 (self._bodies[body].turned((port,) if turn else ()), port)
@@ -249,10 +297,13 @@ class Scene:
             found = chosen_law(models, [self._called(body) for body, _ in ends])
             law, law_error = found.law, found.error
         contact = Contact(*first, *second, law, normal_gap(gap), text("name", name))
+        if mu is not None:
+            refuse_inelastic(law)
         self._refuse_again(contact)
         self._between.setdefault(contact[:4], []).append(len(self._contacts))
         self._contacts.append(contact)
         self._law_errors.append(law_error)
+        self._frictions.append(mu)
         return len(self._contacts) - 1
 
     def _refuse_again(self, contact: Contact) -> None:
@@ -312,7 +363,7 @@ class Scene:
                 f"{name}={handle!r} is of another scene; add the body to this one and take the "
                 "handle that scene.add returns"
             )
-        ports = self._bodies[handle.body].ports
+        ports = self._bodies[handle.body].places
         if not 0 <= handle.at < ports:
             raise InputError(
                 f"{name}: {self._called(handle.body)} may be touched in {ports} place(s), there is "
@@ -402,6 +453,9 @@ class Scene:
         boolean("preload", preload)
         if not self._bodies:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
+        self._orient()
+        if preload and self._axes is not None:
+            raise InputError("preload: rest with friction is not found yet; start without preload")
         if not preload:
             self._refuse_overlap()
         linear = checked_linear_solver(linear_solver, chosen=self._chooses(quantity, rtol))
@@ -423,6 +477,89 @@ class Scene:
             if not any(tip.automatic for body in self._bodies for tip in body.contact_points):
                 raise
         return run(wider=_WIDER)
+
+    def _orient(self) -> None:
+        """Find the axes of motion in three directions, and what of it is along the first.
+
+        Raises
+        ------
+        InputError
+            If a contact has no friction, or the contacts differ in their direction of travel.
+        """
+        vectors = [*self._vectors, self._falls]
+        sliding = [mu is not None for mu in self._frictions]
+        if not any(sliding) and all(vector is None for vector in vectors):
+            return
+        if not all(sliding):
+            raise InputError(
+                "friction: with velocities or gravity in three directions every contact needs it; "
+                "give a coefficient, or friction=0 for smooth surfaces"
+            )
+        ends = [
+            [(self._called(body), self._bodies[body], port) for body, port in contact.ports]
+            for contact in self._contacts
+        ]
+        axes = self._axes = axes_of(ends)
+        for body, vector in enumerate(self._vectors):
+            if vector is not None:
+                self._velocities[body] = float(axes[0] @ vector)
+        if self._falls is not None:
+            self.gravity = float(axes[0] @ self._falls)
+
+    def _oblique(self, bodies: Sequence[BodyModel]) -> list[BodyModel]:
+        """The bodies with three ports for each place where they are touched."""
+        assert self._axes is not None
+        return [
+            with_functionals(self._called(body), model, self._axes, self._roles(body))
+            for body, model in enumerate(bodies)
+        ]
+
+    def _roles(self, body: int) -> list[float]:
+        """The roles in which a body is touched."""
+        first, second = ({end[of].body for end in self._ends} for of in (0, 1))
+        return [role for role, of in zip(ROLES, (first, second), strict=True) if body in of]
+
+    @property
+    def _ends(self) -> list[tuple[Port, Port]]:
+        return [contact.ports for contact in self._contacts]
+
+    def _port(self, body: int, port: int, role: float) -> int:
+        """The first of the three ports of a place."""
+        if self._bodies[body].contact_points:
+            return 3 * port
+        return 3 * self._roles(body).index(role)
+
+    def _sliding(self, models: Sequence[Any]) -> tuple[list[Contact], list[Load]]:
+        """Contacts with friction and loads, by the ports of bodies in three directions."""
+        contacts, loads = [], []
+        for of, mu in zip(self._contacts, self._frictions, strict=True):
+            places = [self._port(*end, role) for end, role in zip(of.ports, ROLES, strict=True)]
+            ends = [(models[end.body], at) for end, at in zip(of.ports, places, strict=True)]
+            known = [model.touched_at(at) or model.surface_at(at) for model, at in ends]
+            ratio = stiffness_ratio([None if one is None else one.material for one in known])
+            assert mu is not None
+            friction = Friction(mu, ratio, oblique_compliance(of.law, ends))
+            first, second = places
+            contacts.append(of._replace(first_port=first, second_port=second, friction=friction))
+        for load in self._loads:
+            roles = self._roles(load.body)
+            at = self._port(load.body, load.port, roles[0]) if roles else 0
+            loads.append(load._replace(port=at))
+        return contacts, loads
+
+    @property
+    def _motion(self) -> Oblique | None:
+        """What moves in three directions."""
+        if self._axes is None:
+            return None
+        along = self._axes[0]
+        vectors = [
+            speed * along if vector is None else vector
+            for speed, vector in zip(self._velocities, self._vectors, strict=True)
+        ]
+        velocities = tuple(np.concatenate([vector, np.zeros(3)]) for vector in vectors)
+        falls = self.gravity * along if self._falls is None else self._falls
+        return Oblique(self._axes, velocities, falls)
 
     def _chooses(self, quantity: Any, rtol: float | None) -> bool:
         """True if models are to be chosen: always where a body is given by contact points."""
@@ -462,9 +599,11 @@ class Scene:
             bodies, around = self._fitted(factors, wider), self._turns()
             for i, body in enumerate(bodies):
                 # A model with several contact points needs the direction of travel of each.
-                if len(body.contact_points) > 1:
+                if len(body.contact_points) > 1 or self._axes is not None:
                     bodies[i], around[i] = body.turned(around[i]), ()
             plan_of = partial(plan_of, around=around, widths=self._widths())
+        if self._axes is not None:
+            bodies, solver = self._oblique(bodies), Newmark() if solver is None else solver
         interest = partial(self._interest, quantity, bodies)
         if self._chooses(quantity, rtol):
             with bar("models", unit="solution"):
@@ -547,6 +686,8 @@ class Scene:
     def _fitted(self, factors: dict[Any, LinearSolver], wider: float) -> list[BodyModel]:
         """The bodies with patches fitted to their contacts, where their radius was left out."""
         bodies = list(self._bodies)
+        if self._axes is not None:
+            bodies = [with_tangents(body, self._axes) for body in bodies]
         made: dict[tuple[BodyModel, int], BodyModel] = {}
         if not any(isinstance(body, FullModel) for body in bodies):
             return bodies
@@ -612,7 +753,9 @@ class Scene:
         around, widths : sequences, optional
             For bodies with meshes: `_turns` and `_widths`.
         """
-        bodies, contacts = tuple(models), self._contacts
+        bodies, contacts, loads = tuple(models), self._contacts, self._loads
+        if self._axes is not None:
+            contacts, loads = self._sliding(bodies)
         if around:
             bodies = tuple(of.turned(ports) for of, ports in zip(models, around, strict=True))
             contacts = [
@@ -641,13 +784,14 @@ class Scene:
             bodies,
             tuple(self._velocities),
             tuple(contacts),
-            tuple(self._loads),
+            tuple(loads),
             self.gravity,
             record.length,
             energies,
             preload,
             self._mark.name,
             tuple(self._names),
+            self._motion,
         )
 
     def _interest(self, quantity: Any, bodies: Sequence[Any]) -> Quantity:

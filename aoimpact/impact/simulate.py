@@ -7,8 +7,11 @@ from collections.abc import Sequence
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from ..accuracy import Sensor, checked_linear_solver, checked_rtol, impact_quantity
-from ..base import InputError, InputTypeError, boolean, warn
+from ..base import InputError, InputTypeError, boolean, plain, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, own_law
 from ..linalg import Solver
@@ -16,6 +19,7 @@ from ..reduction import BodyModel, body_model
 from ..results import Quantity, RecordLength, Result, TimeSolver, warn_of_exchange
 from ..scene import Plan
 from .defaults import Meeting, checked_numbers, turns
+from .oblique import vector_or_number
 from .scene import Scene
 
 __all__ = ["Impact", "plan_impact", "simulate"]
@@ -26,9 +30,10 @@ _NAMES = "projectile", "target"
 def simulate(
     projectile: Any,
     target: Any,
-    velocity: float,
+    velocity: float | npt.ArrayLike,
     *,
     law: ContactLaw | None = None,
+    friction: float | None = None,
     duration: float | None = None,
     solver: TimeSolver | None = None,
     gap: float = 0.0,
@@ -49,19 +54,27 @@ def simulate(
         allows; ``full(tip)`` is the full finite-element model. A model of a given number of
         oscillators is best made by ``antioscillators(tip, n, method="krylov", contact_time=)``. A
         patch whose radius was left out is 1.4 times as wide as the contact of rigid bodies.
-    velocity : float
+    velocity : float or array_like, shape (3,)
         Speed of the projectile along the direction of travel, m/s, not zero; negative only if the
-        projectile is constrained, so that it swings back.
+        projectile is constrained, so that it swings back. Or its velocity in the axes of the
+        target's mesh, to which those of the projectile are parallel. Without a mesh z is the
+        target's outward normal: ``(0, 0.5, -3.0)`` comes down on it.
     law : ContactLaw, optional
         Force of the indentation δ = x_projectile - x_target - gap. If left out, Hertz's, from the
         materials of both bodies and the curvatures of their surfaces at the contact. The compliance
         that a mesh has in place of the law's half-space is taken out (`ContactPoint.extraction`).
+    friction : float, optional
+        Coulomb's coefficient, for an elastic law. The contact sticks in its middle and slips at its
+        rim (Cattaneo, Mindlin); that of spheres is exact but for Dundurs' constant of unlike
+        materials, by which friction changes the normal force and which is neglected. A law without
+        materials has the tangential stiffness of ν = 0.3. A vector needs it: 0 is a smooth surface.
+        Motion is small: contact points stay where they are on each body.
     duration : float, optional
         Length of the record, s. If left out, until the impact is over and as long again.
     solver : Adaptive or Newmark, optional
         ``Adaptive(rtol=...)`` for a tolerance, ``Newmark(dt=...)`` for a given step. By default
         ``Adaptive()``; with a full finite-element model, whose modes would have to be computed
-        first, ``Newmark()`` with a step of its own choice.
+        first, and with friction ``Newmark()`` with a step of its own choice.
     gap : float, optional
         Distance to go before the bodies touch, m, not negative.
     energies : bool, optional
@@ -112,6 +125,7 @@ def simulate(
     """
     began = perf_counter()
     impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
+    impact.refuse_smooth(friction)
     boolean("energies", energies)
     warn_of_exchange(*impact.bodies)
     # Bad input is refused before any work is done.
@@ -119,7 +133,7 @@ def simulate(
     if quantity is not None or rtol is not None:
         checked_rtol(rtol)
         impact_quantity(quantity, *impact.bodies)
-    impact.touch(law)
+    impact.touch(law, friction)
     result = impact._run(
         impact.record,
         quantity=quantity,
@@ -156,20 +170,23 @@ class Impact(Scene):
         self,
         projectile: Any,
         target: Any,
-        velocity: float,
+        velocity: float | npt.ArrayLike,
         *,
         gap: float = 0.0,
         duration: float | None = None,
     ) -> None:
         self._begin(0.0, "")
-        self.velocity, self.duration, self.gap = checked_numbers(velocity, duration, gap)
+        vector = vector_or_number("velocity", velocity, "m/s")
+        size = velocity if vector is None else float(np.linalg.norm(vector))
+        self.velocity, self.duration, self.gap = checked_numbers(size, duration, gap)
         for name, body in zip(_NAMES, (projectile, target), strict=True):
             model = body_model(name, body)
-            if model.ports > 1:
+            if model.places > 1:
                 raise InputTypeError(
                     f"{name} is touched in several places: build a Scene, and connect its ports"
                 )
-            self._append(model, 0.0 if self._bodies else self.velocity)
+            first = not self._bodies
+            self._append(model, self.velocity if first else 0.0, vector=vector if first else None)
         if self.velocity < 0.0 and not self._bodies[0].constrained:
             raise InputError(
                 f"velocity={self.velocity:g} m/s: the projectile flies away from the target, and "
@@ -177,10 +194,27 @@ class Impact(Scene):
                 "what brings it back (gravity, a load, a body behind it)"
             )
 
-    def touch(self, law: ContactLaw | None) -> None:
+    def refuse_smooth(self, friction: float | None) -> None:
+        """Refuse a velocity in three directions without friction."""
+        vector = self._vectors[0]
+        if friction is None and vector is not None:
+            raise InputError(
+                f"velocity={plain(vector)} m/s is a vector, and friction is left out: "
+                "give friction=0 for smooth surfaces or a coefficient, or the speed alone"
+            )
+
+    def touch(self, law: ContactLaw | None, friction: float | None = None) -> None:
         """Let the two bodies touch under a law, or Hertz's of their surfaces if it is left out."""
         turned = (False, False) if law is not None else self.turned
-        self._join((0, 0), (1, 0), law, self.gap, turned=turned)
+        self._join((0, 0), (1, 0), law, self.gap, turned=turned, friction=friction)
+        self._orient()
+        vector = self._vectors[0]
+        if self._axes is not None and vector is not None and self._velocities[0] <= 0.0:
+            raise InputError(
+                f"velocity={plain(vector)} m/s does not approach the target along "
+                f"{plain(self._axes[0])}, into its surface; give a velocity with a part along that"
+            )
+        self.velocity = self._velocities[0]
 
     @property
     def bodies(self) -> tuple[BodyModel, BodyModel]:

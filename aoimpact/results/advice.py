@@ -504,7 +504,7 @@ def _deflecting(plan: Plan, contact: Contact) -> Iterator[float]:
         tip = model.touched_at(port)
         if tip is None or not model.constrained or _allowed(tip) == math.inf:
             continue
-        alone = not plan.gravity and not plan.loads
+        alone = not plan.weighed and not plan.loads
         if alone and isinstance(model, AOModel):
             yield 0.5 * model.k0 * _allowed(tip) ** 2
         else:

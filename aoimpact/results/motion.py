@@ -74,6 +74,8 @@ class Energy(Frozen):
         Lost in the contact laws and in the bodies' damping since t = 0.
     work : array
         Work of gravity and applied forces since t = 0.
+    friction : array
+        The part of `dissipated` that friction has taken.
     total : array
         kinetic + elastic + contact + dissipated − work: constant in an exact run.
     bodies : tuple of BodyEnergy
@@ -87,6 +89,7 @@ class Energy(Frozen):
     work: FloatArray
     total: FloatArray
     bodies: tuple[BodyEnergy, ...]
+    friction: FloatArray
 
     @property
     def projectile(self) -> BodyEnergy:
@@ -137,6 +140,8 @@ class BodyResult(Frozen):
     # The same body by finer models: over its record, and at the same times.
     _finer: Callable[[], tuple[BodyResult, BodyResult] | None] = field(repr=False)
     _follows: Callable[[], bool] = field(repr=False)
+    # Velocity of the centre of mass and spin after the last contact, shape (6,).
+    _after: Callable[[], FloatArray] = field(repr=False)
 
     def __repr__(self) -> str:
         mass = "" if self.mass is None else f", {self.mass:.4g} kg"
@@ -164,6 +169,31 @@ class BodyResult(Frozen):
         and struck through its centre.
         """
         return self._told("centre_displacement")
+
+    @property
+    def final_velocity(self) -> FloatArray:
+        """Velocity of the centre of mass after the last contact, or at the record's end, m/s, (3,).
+
+        In the axes of the scene, which are those of its meshes: `simulate` has them.
+
+        Raises
+        ------
+        InputError
+            If no velocity and no friction in three directions was given.
+        """
+        return self._at_end[:3]
+
+    @property
+    def final_spin(self) -> FloatArray:
+        """Angular velocity then, rad/s, shape (3,); NaN where supports or springs hold the body.
+
+        It has the angular momentum of the body, which deforms.
+        """
+        return self._at_end[3:]
+
+    @cached_property
+    def _at_end(self) -> FloatArray:
+        return self._after()
 
     @property
     def centre_velocity(self) -> FloatArray:
@@ -480,6 +510,12 @@ class ContactResult(Frozen, Eventful):
         Its intervals, peak and impulse.
     law : ContactLaw
         As it was given to `connect`, or found from the surfaces.
+    friction_force : (n, 3) array or None
+        Force of friction on the second body [N]; the first has the opposite. None without friction.
+    stuck : (n,) array or None
+        Share of the contact's radius within which it sticks: 1 all, 0 where all slips, or apart.
+    friction_energy : (n,) array or None
+        Dissipated by friction since t = 0 [J]; None without energies.
     """
 
     name: str
@@ -489,6 +525,27 @@ class ContactResult(Frozen, Eventful):
     dissipated: FloatArray | None
     events: Events
     law: ContactLaw
+    _times: FloatArray = field(repr=False)
+    friction_force: FloatArray | None = None
+    stuck: FloatArray | None = None
+    friction_energy: FloatArray | None = None
+
+    @property
+    def slip_intervals(self) -> list[tuple[float, float]]:
+        """Start and end [s] of every interval in which all of the contact slips.
+
+        As far as the times of the record resolve them. In the rest of `intervals` it sticks, at
+        least in its middle.
+        """
+        if self.stuck is None:
+            return []
+        slips = np.diff(((self.stuck <= 0.0) & (self.force > 0.0)).astype(np.int8), prepend=0)
+        starts, ends = np.flatnonzero(slips == 1), np.flatnonzero(slips == -1)
+        ends = np.append(ends, len(slips) - 1)[: len(starts)]
+        return [
+            (float(self._times[i]), float(self._times[j]))
+            for i, j in zip(starts, ends, strict=True)
+        ]
 
     @property
     def _own_events(self) -> Events:

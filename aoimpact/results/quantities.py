@@ -219,7 +219,7 @@ class Quantity:
         """
         touched = [of.contacts for of in run.events if of.contacts]
         plan = run.plan
-        loaded = plan.preload or plan.gravity or plan.loads
+        loaded = plan.preload or plan.weighed or plan.loads
         first = 0.0 if loaded else min((each[0][0] for each in touched), default=0.0)
         if self.lasting:
             return run.duration - first
@@ -385,8 +385,44 @@ def _displacement(name: str, body: int) -> Quantity:
     return Quantity(name, "m", history=history, scenes=False, lasting=True)
 
 
+def _friction_peaks(run: Run) -> FloatArray:
+    """The largest force of friction of each contact that has it, N."""
+    found = [of.friction_force for of in run.each_contact]
+    return np.array([np.linalg.norm(of, axis=1).max(initial=0.0) for of in found if of is not None])
+
+
+def _tangential_restitution(run: Run) -> FloatArray:
+    """How fast two bodies move past each other after contact, along the way they did before it."""
+    plan = run.plan
+    if plan.oblique is None or len(plan.contacts) != 1:
+        return np.empty(0)
+    along = plan.oblique.axes[1:]
+    pair = [port.body for port in plan.contacts[0].ports]
+    before = along @ np.subtract(*(plan.oblique.velocities[body][:3] for body in pair))
+    if not before.any():
+        return np.empty(0)
+    if not run.events[0].contacts or run.in_contact_at_end:
+        return np.array([np.nan])
+    after = [
+        np.zeros(3)
+        if plan.bodies[body].fixed and not plan.oblique.velocities[body].any()
+        else run.bodies[body].final_velocity
+        for body in pair
+    ]
+    return np.array([float(before @ (along @ np.subtract(*after)) / (before @ before))])
+
+
+def _final_spins(run: Run) -> FloatArray:
+    """Spin of each body after the last contact, rad/s."""
+    if run.plan.oblique is None:
+        return np.empty(0)
+    held = [body.fixed for body in run.plan.bodies]
+    spins = zip(run.bodies, held, strict=True)
+    return np.array([np.nan if fixed else np.linalg.norm(of.final_spin) for of, fixed in spins])
+
+
 _ALL = (
-    Quantity("force", "N", history=recorded(lambda run: run.forces)),
+    Quantity("force", "N", history=recorded(lambda run: run.all_forces)),
     _of_events("peak_force", "N", column=True),
     _of_events("peak_time", "s", column=True),
     _of_events("contact_duration", "s", column=True),
@@ -408,6 +444,15 @@ _ALL = (
         least=lambda _: _LEAST_REBOUND,
         column=True,
     ),
+    Quantity("peak_friction_force", "N", of_run=_friction_peaks),
+    Quantity(
+        "tangential_restitution",
+        "",
+        of_run=_tangential_restitution,
+        each="",
+        least=lambda _: _LEAST_REBOUND,
+    ),
+    Quantity("final_spin", "rad/s", of_run=_final_spins, each="bodies"),
     _displacement("projectile_displacement", 0),
     _displacement("target_displacement", 1),
 )

@@ -27,6 +27,7 @@ from ..base import (
     text,
     with_unit,
 )
+from ..fem import whole_motion
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
 from ..laws import Dent, PatchLaw, own_law
@@ -276,7 +277,44 @@ class Run:
             _respond=partial(self._response, index),
             _finer=partial(self._of_finer, index),
             _follows=partial(follows, self, index),
+            _after=partial(self._after, index),
         )
+
+    def _after(self, index: int) -> FloatArray:
+        """Velocity of a body's centre of mass and its spin after the last contact, shape (6,)."""
+        model = self.plan.bodies[index]
+        if self.plan.oblique is None:
+            raise InputError(
+                "this run has one direction of travel; give velocity as a vector and friction= for "
+                "velocities and spins in three directions"
+            )
+        if isinstance(model, FullModel) and not self.recorder.dense:
+            rows = whole_motion(model.body)[0]
+        else:
+            modal = model.modal
+            assert modal.rigid is not None
+            rows = modal.rigid.velocity
+            if not (self.recorder.dense or model.constrained or model.damping):
+                return np.asarray(rows @ (modal.rates(self.plan.start(index)) + self._gain(index)))
+        _, rates = self.recorder.motion(index).observed(rows, np.array([self._parted]))
+        return np.asarray(rates[:, 0])
+
+    def _gain(self, index: int) -> FloatArray:
+        """What forces and gravity add to the rates of a free body's rigid modes, as of all."""
+        modal, times = self.plan.modal[index], self.recorder.times
+        until = times[: int(np.searchsorted(times, self._parted)) + 1]
+        pushes = self.recorder.pushes(times)[:, : len(until)]
+        forces = self.plan.port_forces(index, until, pushes)[: modal.ports]
+        gain = modal.push.T @ np.trapezoid(forces, until, axis=1)
+        falls = np.concatenate([np.zeros(3) + self.plan.pull, np.zeros(3)])
+        assert modal.rigid is not None
+        return np.asarray(gain + until[-1] * (modal.rigid.momentum @ falls) * (modal.inertia > 0.0))
+
+    @property
+    def _parted(self) -> float:
+        """The end of the last contact, or of the record without any, s."""
+        ends = [events.contacts[-1][1] for events in self.events if events.contacts]
+        return min(max(ends, default=self.duration), self.duration)
 
     @cached_property
     def _finer(self) -> Run | None:
@@ -313,12 +351,10 @@ class Run:
 
         :meta private:
         """
-        ends = [events.contacts[-1][1] for events in self.events if events.contacts]
-        end = max(ends, default=self.duration)
         if self.recorder.dense:
-            rows = self._recorded(np.array([min(end, self.duration)]), energies=False)
+            rows = self._recorded(np.array([self._parted]), energies=False)
         else:
-            at = min(int(np.searchsorted(self.t, end)), len(self.t) - 1)
+            at = min(int(np.searchsorted(self.t, self._parted)), len(self.t) - 1)
             rows = self._rows[:, at : at + 1]
         speeds = self._layout.centre_velocities(rows)[:, 0]
         speeds.flags.writeable = False
@@ -347,10 +383,24 @@ class Run:
             stored, lost = (rows.elastic, rows.dissipated) if self.energies else (None, None)
             name = self.contact_names[number]
             law = own_law(self.plan.contacts[number].law)
-            found.append(
-                ContactResult(name, rows.force, rows.indentation, stored, lost, events, law)
-            )
+            given = name, rows.force, rows.indentation, stored, lost, events, law, self.t
+            if rows.tangential is None or rows.stuck is None or self.plan.oblique is None:
+                found.append(ContactResult(*given))
+                continue
+            force = rows.tangential.T @ self.plan.oblique.axes[1:]
+            stuck, lost = np.sqrt(rows.stuck), rows.friction if self.energies else None
+            found.append(ContactResult(*given, force, stuck, lost))
         return tuple(found)
+
+    @property
+    def all_forces(self) -> FloatArray:
+        """Contact forces, each followed by those of its friction along two tangents, N.
+
+        :meta private:
+        """
+        if self.plan.oblique is None:
+            return self.forces
+        return self._layout.pushes(self._rows)
 
     @cached_property
     def energy(self) -> Energy:
@@ -703,6 +753,44 @@ class Result(Eventful, Run):
         return self.each_contact[0].indentation
 
     @property
+    def friction_force(self) -> FloatArray:
+        """Force of friction on the target [N], shape (n, 3); the projectile has the opposite.
+
+        In the axes of the target's mesh, as `velocity` was given.
+
+        Raises
+        ------
+        InputError
+            If the impact has no friction.
+        """
+        return self._with_friction("friction_force")
+
+    @property
+    def stuck(self) -> FloatArray:
+        """Share of the contact's radius within which it sticks, shape (n,); see `ContactResult`."""
+        return self._with_friction("stuck")
+
+    @property
+    def slip_intervals(self) -> list[tuple[float, float]]:
+        """Start and end [s] of every interval in which all of the contact slips."""
+        return self.each_contact[0].slip_intervals
+
+    def _with_friction(self, name: str) -> FloatArray:
+        found: FloatArray | None = getattr(self.each_contact[0], name)
+        if found is None:
+            raise InputError(f"{name}: this impact has no friction; give simulate(..., friction=)")
+        return found
+
+    @property
+    def tangential_restitution(self) -> float:
+        """Tangential velocity of the centre of mass after the last contact over that before.
+
+        Of the projectile past the target, along the direction that it had; negative where it goes
+        back. NaN where `restitution` is, and where it had none.
+        """
+        return self.numbers.get("tangential_restitution", math.nan)
+
+    @property
     def projectile(self) -> BodyResult:
         """The projectile's motion."""
         return self.bodies[0]
@@ -909,8 +997,10 @@ def _energy(rows: FloatArray, layout: RecordLayout) -> Energy:
     contact = sum((of.elastic for of in contacts), nothing)
     dissipated = sum((of.dissipated for of in contacts), nothing)
     dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
+    friction = sum((of.friction for of in contacts if of.friction is not None), nothing)
+    dissipated = dissipated + friction if layout.sliding and any(layout.sliding) else dissipated
     total = kinetic + elastic + contact + dissipated - work
-    return Energy(kinetic, elastic, contact, dissipated, work, total, bodies)
+    return Energy(kinetic, elastic, contact, dissipated, work, total, bodies, friction)
 
 
 def energy_range(energy: Energy) -> float | None:

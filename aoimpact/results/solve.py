@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..base import InputTypeError, LawLimitError, warn, with_unit
+from ..base import InputError, InputTypeError, LawLimitError, warn, with_unit
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import PatchLaw, wider
 from ..reduction import FullModel
@@ -21,7 +21,7 @@ _BY_DEFAULT = Adaptive()
 
 
 def solve(plan: Plan, solver: TimeSolver | None) -> Run:
-    """Run a plan; by default to a tolerance, with a full finite-element model by Newmark's rule.
+    """Run a plan; by default to a tolerance, with a full model or friction by Newmark's rule.
 
     Raises
     ------
@@ -32,12 +32,16 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
     """
     if solver is None:
         full = any(isinstance(body, FullModel) for body in plan.bodies)
-        solver = Newmark() if full else _BY_DEFAULT
+        solver = Newmark() if full or plan.oblique is not None else _BY_DEFAULT
     if not isinstance(solver, (Adaptive, Newmark)):
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
     try:
         kind = Run if plan.scene else Result
         if isinstance(solver, Adaptive):
+            if plan.oblique is not None:
+                raise InputError(
+                    f"solver={solver!r} does not know friction yet; take Newmark(), or leave it out"
+                )
             return kind(plan, *solve_adaptive(plan, solver))
         return kind(plan, *solve_newmark(plan, solver))
     except LawLimitError as error:

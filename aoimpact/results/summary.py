@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import with_unit
+from ..base import FloatArray, with_unit
 from ..fem import ContactPoint
 from .errors import ROUNDING, ErrorParts, percent
 from .quantities import QUANTITIES, Quantity
@@ -38,8 +38,13 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
         ("projectile", _body(result, "projectile")),
         ("target", _body(result, "target")),
         ("law", str(result.plan.contacts[0].law)),
-        ("velocity", f"{result.velocity:.6g} m/s" + _gap(result)),
+        ("velocity", f"{_velocity(result)} m/s" + _gap(result)),
     ]
+    if (friction := result.plan.contacts[0].friction) is not None:
+        words = (
+            f"coefficient {friction.mu:g}, tangential over normal stiffness {friction.ratio:.3g}"
+        )
+        rows.append(("friction", words))
     if not result.contacts:
         rows.append(("contact", f"none in {with_unit(result.duration, 's')}"))
     else:
@@ -52,6 +57,13 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
         ("rebound velocity", _rebound(result, "rebound_velocity")),
         ("restitution", _rebound(result, "restitution")),
     ]
+    if result.plan.oblique is not None:
+        if "tangential_restitution" in result.numbers:
+            rows.append(("tangential restit.", _rebound(result, "tangential_restitution")))
+        rows.append(("final velocity", f"{_vector(result.projectile.final_velocity)} m/s"))
+        rows.append(("final spin", f"{_vector(result.projectile.final_spin)} rad/s"))
+        peak = with_unit(result.value("peak_friction_force"), "N", 5)
+        rows.append(("peak friction", peak + within(result.error["peak_friction_force"])))
     if (dent := result.dent).depth > 0.0:
         wide = "" if math.isnan(dent.diameter) else f", {with_unit(dent.diameter, 'm', 3)} wide"
         rows.append(("residual dent", f"{with_unit(dent.depth, 'm', 3)} deep{wide}"))
@@ -68,7 +80,7 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
     """Return (name, value with unit) of the bodies and contacts of a scene."""
     rows = []
     for name, body in zip(run.names[:SHOWN], run.plan.bodies, strict=False):
-        tips = body.contact_points[:_PLACES]
+        tips = body.contact_points[:: 3 if run.plan.oblique else 1][:_PLACES]
         places = "".join(place_words(tip, rigid=body.label == "rigid") for tip in tips)
         rows.append((name, f"{body.label}{support_words(body)}{places}"))
     error = run.error
@@ -104,6 +116,15 @@ def summary_html(result: Result) -> str:
         for name, value in impact_rows(result)
     )
     return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"
+
+
+def _velocity(result: Result) -> str:
+    oblique = result.plan.oblique
+    return f"{result.velocity:.6g}" if oblique is None else _vector(oblique.velocities[0][:3])
+
+
+def _vector(values: FloatArray) -> str:
+    return f"({', '.join(f'{value:.4g}' for value in values + 0.0)})"
 
 
 def _body(result: Result, which: str) -> str:

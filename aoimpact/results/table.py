@@ -23,6 +23,7 @@ ROLES = ("projectile", "target")
 # Unit and description of each kind of history.
 _UNITS = {
     "force": ("N", "contact force, positive in compression"),
+    "friction_force": ("N", "on the second body, in three directions"),
     "indentation": ("m", "first body's minus second body's contact coordinate minus the gap"),
     "displacement": ("m", "of the contact coordinate"),
     "velocity": ("m/s", "of the contact coordinate"),
@@ -43,6 +44,9 @@ def columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArra
         called = f"{contact.name} " if run.plan.scene else ""
         table[f"{called}force [N]"] = contact.force
         table[f"{called}indentation [m]"] = contact.indentation
+        if contact.friction_force is not None:
+            for axis, force in zip("xyz", contact.friction_force.T, strict=True):
+                table[f"{called}friction force {axis} [N]"] = force
     for name, body in zip(body_names(run, names), run.bodies, strict=True):
         table |= _body_columns(name, body)
     if run.energies:
@@ -129,6 +133,9 @@ def as_dataset(run: Run, names: Sequence[str]) -> Any:
     for name in ("force", "indentation"):
         rows = [getattr(contact, name) for contact in run.each_contact]
         add(name, ("contact", "time"), np.reshape(rows, (len(rows), len(run.t))))
+    if run.each_contact and all(of.friction_force is not None for of in run.each_contact):
+        rows = [of.friction_force for of in run.each_contact]
+        add("friction_force", ("contact", "time", "axis"), rows)
     for name in ("displacement", "velocity", "centre_displacement", "centre_velocity"):
         add(name, ("body", "time"), [getattr(body, name) for body in run.bodies])
     if run.energies:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import HUGE, FloatArray, InputError
-from ..fem import ContactCompliance, Material
+from ..fem import ContactCompliance, Extraction, Material
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, effective_law, own_law
 from ..reduction import BodyModel
 from .rows import BodyRows

@@ -48,6 +48,7 @@ from ..reduction import (
     interface,
     modal,
     rigid,
+    wall,
 )
 from ..results import SCENE_CHOICES, Handle
 from .names import LAWS, SENSORS, SOLVERS
@@ -65,7 +66,7 @@ _PAPER_SPHERE = "paper-sphere"
 
 
 # Keywords of `simulate` and of `Scene.simulate` that a file gives as they are.
-_OF_IMPACT = ("velocity", "duration", "gap", "quantity", "rtol", "linear_solver")
+_OF_IMPACT = ("velocity", "friction", "duration", "gap", "quantity", "rtol", "linear_solver")
 _OF_SCENE = ("preload", "rtol", "linear_solver")
 
 
@@ -146,7 +147,7 @@ class Builder:
             law = self._law("scene", "contacts", i)
             with self.located("scene", "contacts", i):
                 first, second = (_handle(handles, end) for end in contact["between"])
-                about = {key: contact[key] for key in ("gap", "name") if key in contact}
+                about = {key: contact[key] for key in ("friction", "gap", "name") if key in contact}
                 scene.connect(first, second, law, **about)
         for i, load in enumerate(table.get("loads", ())):
             with self.located("scene", "loads", i):
@@ -174,6 +175,9 @@ class Builder:
         if "mass" in table:
             with self.located(*place):
                 return rigid(**table, name=name)
+        if "wall" in table:
+            with self.located(*place):
+                return wall(self._isotropic(table["wall"]), name=name)
         if "ball" in table:
             with self.located(*place):
                 return ball(table["ball"], self._isotropic(table["material"]), name=name)

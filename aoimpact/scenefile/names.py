@@ -141,7 +141,8 @@ _TOUCHED = {"contact": (_CONTACT, [_CONTACT]), "model?": _MODEL, "damping?": _DA
 
 _BODIES = Variants(
     {
-        "mass": {"mass": "kg"},
+        "mass": {"mass": "kg", "inertia?": (NUMBER, _VECTOR, [_VECTOR, 3]), "arm?": _VECTOR},
+        "wall": {"wall": _MATERIAL},
         "ball": {"ball": "m", "material": _MATERIAL},
         "m0": {"m0": "kg", "k0?": "N/m", "m?": ["kg"], "k?": ["N/m"], "damping?": _DAMPING},
         "mesh": {
@@ -246,7 +247,8 @@ def _sensor(body: Any, **more: Any) -> Tagged:
 _IMPACT = {
     "projectile": _BODY,
     "target": _BODY,
-    "velocity": "m/s",
+    "velocity": ("m/s", ["m/s", 3]),
+    "friction?": NUMBER,
     "gap?": "m",
     "law?": _LAW,
     "quantity?": (TEXT, _sensor(_BODY)),
@@ -256,10 +258,12 @@ _END = (TEXT, {"body": TEXT, "port?": INTEGER})
 
 _SCENE = {
     "quantity?": (TEXT, _sensor(TEXT, port={"body": TEXT, "port": INTEGER})),
-    "gravity?": "m/s²",
+    "gravity?": ("m/s²", ["m/s²", 3]),
     "preload?": FLAG,
-    "bodies": [{"body": _BODY, "name?": TEXT, "velocity?": "m/s", "position?": "m"}],
-    "contacts?": [{"between": [_END, 2], "law?": _LAW, "gap?": "m", "name?": TEXT}],
+    "bodies": [{"body": _BODY, "name?": TEXT, "velocity?": ("m/s", ["m/s", 3]), "position?": "m"}],
+    "contacts?": [
+        {"between": [_END, 2], "law?": _LAW, "friction?": NUMBER, "gap?": "m", "name?": TEXT}
+    ],
     "loads?": [
         Variants(
             {

@@ -1,0 +1,166 @@
+"""Scenes in three directions: their axes, and bodies with the contact functionals of friction.
+
+The axes are those of the meshes, which lie parallel to each other; without a mesh z is the outward
+normal of the second body. All contacts have one direction of travel, within 5°.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..base import FloatArray, InputError, finite_array, nonnegative, plain
+from ..fem import ContactPoint
+from ..laws import ContactLaw
+from ..mesh import plane_of
+from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel
+
+__all__ = [
+    "ROLES",
+    "axes_of",
+    "checked_friction",
+    "refuse_inelastic",
+    "vector_or_number",
+    "with_functionals",
+    "with_tangents",
+]
+
+# Directions of travel within 5° are one; a contact point's is along its normal within 1°.
+_ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
+
+# The sides of a body on which it is touched as the first of two, and as the second.
+ROLES = (1.0, -1.0)
+
+# Along the outward normal of a body without a mesh.
+_DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def vector_or_number(name: str, value: Any, unit: str) -> FloatArray | None:
+    """Return a vector in three directions, or None of a number along the direction of travel."""
+    if np.ndim(value) == 0:
+        return None
+    return finite_array(name, value, shape=(3,), unit=unit)
+
+
+def checked_friction(value: Any) -> float | None:
+    """Return a coefficient of friction; None if it was left out."""
+    return None if value is None else nonnegative("friction", value)
+
+
+def refuse_inelastic(law: ContactLaw) -> None:
+    """Refuse friction with a law whose force is no function of the indentation alone."""
+    if law.depends_on_rate or law.has_memory or law.pulls:
+        raise InputError(
+            f"friction: law={law!r} is not elastic, and friction is known for elastic contacts "
+            "only; give Hertz(...), another elastic law, or no friction"
+        )
+
+
+def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
+    """Return the direction of travel and two tangents, as rows, shape (3, 3).
+
+    The tangents are the mesh's axes projected on the plane of the contact.
+
+    Parameters
+    ----------
+    ends : iterable of (name, model, port)
+        First and second body of each contact.
+
+    Raises
+    ------
+    InputError
+        If contacts differ in their direction of travel.
+    """
+    found: FloatArray | None = None
+    for both in ends:
+        for name, model, port in reversed(both):
+            tip = model.touched_at(port)
+            if tip is None:
+                continue
+            along = _direction(name, tip)
+            if found is None:
+                found = along if both[-1][0] == name else _outward(along, tip)
+            elif abs(float(along @ found)) < _ONE_FRAME:
+                raise InputError(
+                    f"{name}: its direction of travel {plain(along)} is not that of the other "
+                    f"bodies, {plain(found)}. With velocities in three directions the axes of all "
+                    "meshes are parallel: turn the mesh, or give the speed alone"
+                )
+    along = _DOWN if found is None else found
+    tangents = plane_of(along, np.eye(3)[int(np.argmin(np.abs(along)))])
+    return np.vstack([along, tangents])
+
+
+def _outward(along: FloatArray, tip: ContactPoint) -> FloatArray:
+    """The direction of travel at the first body: out of it."""
+    return along if tip.normal is None else math.copysign(1.0, along @ tip.normal) * along
+
+
+def _direction(name: str, tip: ContactPoint) -> FloatArray:
+    """The direction of a contact point, which must be along its normal."""
+    if tip.direction is None or tip.thin is not None:
+        why = (
+            "it has none" if tip.direction is None else "shells and beams have no such contact yet"
+        )
+        raise InputError(
+            f"{name}: friction needs the directions along the surface, and {why}; make the body of "
+            "solid elements, by FEModel.from_mesh(...).contact(point=...)"
+        )
+    if tip.normal is not None and abs(float(tip.direction @ tip.normal)) < _ALONG:
+        raise InputError(
+            f"{name}: direction {plain(tip.direction)} is not along the normal {plain(tip.normal)} "
+            "of the surface, as it is with friction; leave direction out, and give velocity as a "
+            "vector"
+        )
+    return tip.direction
+
+
+def with_tangents(model: BodyModel, axes: FloatArray) -> BodyModel:
+    """Return a finite-element body with tangents at its contact points; others as they are."""
+    if not isinstance(model, FullModel):
+        return model
+    tips = []
+    for tip in model.tips:
+        across = axes[1] - (axes[1] @ tip.direction) * tip.direction
+        first = across / np.linalg.norm(across)
+        second = axes[2] - (axes[2] @ tip.direction) * tip.direction - (axes[2] @ first) * first
+        tangents = np.vstack([first, second / np.linalg.norm(second)])
+        tips.append(replace(tip, tangents=tangents))
+    return replace(model, tips=tuple(tips))
+
+
+def with_functionals(
+    name: str, model: BodyModel, axes: FloatArray, roles: Sequence[float]
+) -> BodyModel:
+    """Return a body with three ports for each place where it is touched.
+
+    Parameters
+    ----------
+    name : str
+    model : BodyModel
+        With tangents at its contact points, if it has any.
+    axes : ndarray, shape (3, 3)
+    roles : sequence of float
+        Those of `ROLES` in which a rigid body is touched: a place each.
+    """
+    if isinstance(model, FullModel):
+        tips = [one for tip in model.tips for one in tip.functionals]
+        return replace(model, tips=tuple(tips))
+    if isinstance(model, InterfaceModel) and _moves_along(model, axes):
+        return model
+    if isinstance(model, AOModel) and model.n == 0 and model.k0 == 0.0 and model.origin is None:
+        return model.turning(axes, roles or ROLES[:1])
+    raise InputError(
+        f"{name}: {model!r} moves along one direction only; for friction give its contact point "
+        "(body.contact(point=...)), full(...) of it, ball(...) or rigid(mass, inertia=)"
+    )
+
+
+def _moves_along(model: InterfaceModel, axes: FloatArray) -> bool:
+    """True if it was chosen for an impact with friction along these axes."""
+    given = [tip.tangents for tip in model.tips[::3]]
+    return all(one is not None and np.allclose(one, axes[1:], atol=0.1) for one in given)

@@ -1,0 +1,138 @@
+"""Oblique impacts by a fixed row of springs, each with Coulomb's friction, and explicit steps.
+
+It shares nothing with the core: springs at fixed depths, evenly spaced in radius, each brought back
+radially to its bound; bodies by Newton and Euler in vectors, or by K and M in all their dofs; the
+velocity Verlet rule. The force errs by 1/springs², a path that turns by the length of a step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from aoimpact.base import FloatArray
+
+__all__ = ["Elastic", "Motion", "Rigid", "march"]
+
+
+@dataclass
+class Rigid:
+    """A rigid body touched at an arm from its centre; of infinite mass a wall."""
+
+    mass: float
+    inertia: FloatArray
+    arm: FloatArray
+    velocity: FloatArray = field(default_factory=lambda: np.zeros(3))
+    spin: FloatArray = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        self.place, self.turn, self.rate = np.zeros(3), np.zeros(3), np.zeros(6)
+        self.velocity, self.spin = self.velocity.copy(), self.spin.copy()
+
+    @property
+    def point(self) -> FloatArray:
+        return self.place + np.cross(self.turn, self.arm)
+
+    def drift(self, dt: float) -> None:
+        self.place += dt * self.velocity + 0.5 * dt * dt * self.rate[:3]
+        self.turn += dt * self.spin + 0.5 * dt * dt * self.rate[3:]
+
+    def kick(self, force: FloatArray, gravity: FloatArray, dt: float) -> None:
+        before = self.rate
+        if np.isfinite(self.mass):
+            moment = np.linalg.solve(self.inertia, np.cross(self.arm, force))
+            self.rate = np.concatenate([force / self.mass + gravity, moment])
+        self.velocity += 0.5 * dt * (before + self.rate)[:3]
+        self.spin += 0.5 * dt * (before + self.rate)[3:]
+
+
+@dataclass
+class Elastic:
+    """A body of K and M touched at a node, all of whose displacements are free."""
+
+    K: Any
+    M: Any
+    dofs: FloatArray  # of the node touched, along x, y, z
+    unit: FloatArray  # translations, shape (n, 3)
+
+    def __post_init__(self) -> None:
+        self.inverse = np.linalg.inv(self.M.toarray())
+        n = len(self.inverse)
+        self.x, self.v, self.a = np.zeros(n), np.zeros(n), np.zeros(n)
+
+    @property
+    def point(self) -> FloatArray:
+        return self.x[self.dofs]
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Of the centre of mass."""
+        momentum = self.unit.T @ (self.M @ self.v)
+        return momentum / float(self.unit[:, 0] @ (self.M @ self.unit[:, 0]))
+
+    def drift(self, dt: float) -> None:
+        self.x += dt * self.v + 0.5 * dt * dt * self.a
+
+    def kick(self, force: FloatArray, gravity: FloatArray, dt: float) -> None:
+        before, load = self.a, -(self.K @ self.x)
+        load[self.dofs] += force
+        self.a = self.inverse @ load + self.unit @ gravity
+        self.v += 0.5 * dt * (before + self.a)
+
+
+@dataclass
+class Motion:
+    """Forces on the second body over time, and dissipation."""
+
+    t: FloatArray
+    force: FloatArray
+    friction: FloatArray
+
+
+def march(
+    first: Any,
+    second: Any,
+    normal: FloatArray,
+    *,
+    k: float,
+    mu: float,
+    ratio: float,
+    depth: float,
+    duration: float,
+    steps: int,
+    power: float = 1.5,
+    springs: int = 200,
+    gravity: FloatArray | None = None,
+) -> Motion:
+    """March two bodies whose law is k δ^power; `normal` is the direction of travel.
+
+    `depth` is what no indentation exceeds; `ratio` is G*/E*.
+    """
+    edge = depth * (np.arange(springs + 1) / springs) ** 2
+    at = depth * ((np.arange(springs) + 0.5) / springs) ** 2
+    stiffness = np.diff(k * power * edge ** (power - 1.0))
+    stretch, slid, dt = np.zeros((springs, 3)), np.zeros(3), duration / steps
+    falls = np.zeros(3) if gravity is None else gravity
+    t = dt * np.arange(steps + 1)
+    pressed, along = np.zeros(steps + 1), np.zeros((steps + 1, 3))
+    for step in range(1, steps + 1):
+        for body in (first, second):
+            body.drift(dt)
+        apart = first.point - second.point
+        depth_now = float(normal @ apart)
+        slide = apart - depth_now * normal
+        if depth_now > depth:
+            raise ValueError("deeper than the springs")
+        room = mu / ratio * np.maximum(depth_now - at, 0.0)
+        stretch += slide - slid
+        length = np.linalg.norm(stretch, axis=1)
+        stretch *= np.divide(room, length, out=np.ones(springs), where=length > room)[:, None]
+        slid = slide
+        pressed[step] = k * max(depth_now, 0.0) ** power
+        along[step] = ratio * stiffness @ stretch
+        force = pressed[step] * normal + along[step]
+        first.kick(-force, falls, dt)
+        second.kick(force, falls, dt)
+    return Motion(t, pressed, along)
