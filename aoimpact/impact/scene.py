@@ -409,7 +409,8 @@ class Scene:
             The quantity of interest: "force" (of every contact over the record), "peak_force",
             "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
             every contact), "rebound_velocity" (after the last contact, of every body but those held
-            at rest), "restitution" (of a scene of one contact), a handle, for the
+            at rest), "restitution" (of a scene of one contact), with friction
+            "peak_friction_force", "tangential_restitution" or "final_spin", a handle, for the
             displacement of that contact coordinate over the record, a point of a body, for its
             displacement over the record, or a sensor such as `ReactionAt`, as for `simulate`.
             Contact points are reduced as far as the tolerance allows, and AO models truncated if
@@ -801,13 +802,21 @@ class Scene:
         if quantity is None and not self._contacts:
             moved = [i for i, body in enumerate(bodies) if isinstance(body, FullModel)]
             quantity = Handle(moved[0], scene=self._mark.name) if moved else None
-        interest = scene_quantity(quantity, bodies)
+        interest = self._known_here(scene_quantity(quantity, bodies))
         if interest.name == "restitution":
             self._refuse_restitution()
         if interest.each == "contacts" and not self._contacts:
             raise InputError(
                 f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "
                 "the handle of a body for its displacement"
+            )
+        return interest
+
+    def _known_here(self, interest: Quantity) -> Quantity:
+        """Refuse a quantity of friction where there is none."""
+        if interest.sliding and self._axes is None:
+            raise InputError(
+                f"quantity={interest.name!r} is of contacts with friction; give friction="
             )
         return interest
 

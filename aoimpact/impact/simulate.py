@@ -82,7 +82,8 @@ def simulate(
     quantity : str, ContactPoint or sensor, optional
         The quantity of interest: "force" (over the record; the default), "peak_force", "peak_time",
         "impulse", "contact_duration" (of the first contact), "contact_count" (how often they
-        touch), "rebound_velocity", "restitution", "projectile_displacement" or
+        touch), "rebound_velocity", "restitution", with friction "peak_friction_force",
+        "tangential_restitution" or "final_spin", "projectile_displacement" or
         "target_displacement" (of the contact point, over the record); or a point of a body, for its
         displacement over the record, or a `StressAt`, `StrainAt`, `AccelerationAt` or `ReactionAt`
         over the record. Contact points are reduced as
@@ -268,7 +269,7 @@ class Impact(Scene):
         return _NAMES[body]
 
     def _interest(self, quantity: Any, bodies: Sequence[Any]) -> Quantity:
-        return impact_quantity(quantity, bodies[0], bodies[1])
+        return self._known_here(impact_quantity(quantity, bodies[0], bodies[1]))
 
 
 def plan_impact(

@@ -884,7 +884,7 @@ def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
     try:
         mass, curvature = 4.0 / 3.0 * math.pi * r**3 * checked_material.rho, 1.0 / r
         round_one = ContactSurface(checked_material, (curvature, curvature))
-        inertia = 0.4 * mass * r * r * np.eye(3)
+        inertia = np.diag(np.full(3, 0.4 * mass * r * r))
         return AOModel(m0=mass, surface=round_one, name=name, inertia=inertia)
     except (InputError, OverflowError) as error:
         raise InputError(f"radius={r:g} m is no radius of a ball (is it in metres?)") from error

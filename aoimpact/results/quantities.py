@@ -127,6 +127,8 @@ class Quantity:
         Whether the motion after the last contact is part of it.
     least : callable, optional
         Least scale of relative errors, from the velocities at the start, as `Speeds.before`.
+    sliding : bool
+        Whether only runs with friction have it.
     local : callable, optional
         Relative error by the elements where it is taken in a `Run`, though the force be right.
     """
@@ -142,6 +144,7 @@ class Quantity:
     column: bool = False
     count: bool = False
     lasting: bool = False
+    sliding: bool = False
     least: Callable[[FloatArray], Any] | None = None
     local: Callable[[Run], float] | None = None
 
@@ -190,6 +193,8 @@ class Quantity:
             size = np.abs(right).max(axis=1)
         else:
             mine, right = run.compared[self.name], exact.compared[self.name]
+            if not len(right):  # friction of runs without
+                return np.zeros(1)
             there = ~(np.isnan(mine) & np.isnan(right))
             if not there.any():  # nothing that would tell one from the other
                 return np.array([math.inf])
@@ -444,15 +449,16 @@ _ALL = (
         least=lambda _: _LEAST_REBOUND,
         column=True,
     ),
-    Quantity("peak_friction_force", "N", of_run=_friction_peaks),
+    Quantity("peak_friction_force", "N", of_run=_friction_peaks, sliding=True),
     Quantity(
         "tangential_restitution",
         "",
         of_run=_tangential_restitution,
         each="",
+        sliding=True,
         least=lambda _: _LEAST_REBOUND,
     ),
-    Quantity("final_spin", "rad/s", of_run=_final_spins, each="bodies"),
+    Quantity("final_spin", "rad/s", of_run=_final_spins, each="bodies", sliding=True),
     _displacement("projectile_displacement", 0),
     _displacement("target_displacement", 1),
 )

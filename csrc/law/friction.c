@@ -128,8 +128,8 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
         const double norm0 = 1.0 + f0 * f0;
         cosine0 = (1.0 - f0) * (1.0 + f0) / norm0;
         sine0 = 2.0 * f0 / norm0;
-        by_entry = left * norm0 / norm * in.share / in.radius;
-        by_direction = rate * (turned > 0.0 ? -expm1(-turned) / turned : 1.0) * (1.0 - f0 * f) / norm;
+        by_entry = left * (norm0 / norm) * in.share / in.radius;
+        by_direction = rate * (turned > 0.0 ? -expm1(-turned) / turned : 1.0) * ((1.0 - f0 * f) / norm); /* both finite */
     }
     const double by_along = -by_entry * sine0 - sine * rate, by_across = by_entry * cosine0 + by_direction;
     const double turning[2] = {by_along * e[0] - by_across * e[1], by_along * e[1] + by_across * e[0]};

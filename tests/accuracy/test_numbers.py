@@ -16,7 +16,7 @@ from aoimpact.results import COLUMNS, QUANTITIES
 
 from twelve import IMPACTS
 
-NUMBERS = {name: one for name, one in QUANTITIES.items() if not one.is_history}
+NUMBERS = {name: one for name, one in QUANTITIES.items() if not (one.is_history or one.sliding)}
 STRUCK = ("tip of a cantilever, for long", "held plate", "rod on rod", "slow")
 
 

@@ -485,7 +485,12 @@ def check_blame(folder: Path, wrong: str, at: str, text: str, *, when_read: bool
 WRONG = {
     STARS: [
         ("velocity = 2.0", "velocty = 2.0", "velocty", r"unknown name 'velocty' \(did you mean"),
-        ("velocity = 2.0", 'velocity = "2"', "velocity", r"must be a number \(m/s\), got '2'"),
+        (
+            "velocity = 2.0",
+            'velocity = "2"',
+            "velocity",
+            r"must be a number \(m/s\), or a list of 3, .* got '2'",
+        ),
         ("velocity = 2.0", "velocity = true", "velocity", "must be a number.*got true"),
         ("velocity = 2.0\n", "", "[impact]", "'velocity' is missing, a number"),
         ("velocity = 2.0", "velocity = 0.0", "velocity", "velocity is 0 m/s"),
@@ -501,7 +506,7 @@ WRONG = {
             "mass = 0.03",
             "weight = 0.03",
             "[bodies.ball]",
-            "one of 'mass', 'ball', 'm0', 'mesh', 'matrices' is",
+            "one of 'mass', 'wall', 'ball', 'm0', 'mesh', 'matrices' is",
         ),
         ("mass = 0.03", "mass = 0.03\nm0 = 1.0", "[bodies.ball]", "exclude each other"),
         ("m = [0.2]", "m = [0.2, true]", "m = [", r"bodies.beam.m.1: must be a number \(kg\)"),

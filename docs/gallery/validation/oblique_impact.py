@@ -34,7 +34,9 @@ for angle, measured in restitution.items():
     assert abs(found - measured) < 0.03
 for angle, measured in spin.items():
     found = impact(angle).projectile.final_spin[1]
-    print(f"{angle:5.2f}°: spin {found:5.1f} rad/s, measured {measured:5.1f}, {found / measured - 1:+.1%}")
+    print(
+        f"{angle:5.2f}°: spin {found:5.1f} rad/s, measured {measured:5.1f}, {found / measured - 1:+.1%}"
+    )
 
 # %%
 # At 10.98° the spin is 6 % above the measured one, which is 2 % of the tangential velocity. Dundurs' constant, by which
@@ -45,7 +47,13 @@ hits = [impact(angle) for angle in angles]
 _, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
 left.plot(angles, [hit.tangential_restitution for hit in hits], label="here")
 slip = 1.0 - 2.0 * 0.092 / np.tan(np.radians(angles))
-left.plot(angles[angles > 28.2], slip[angles > 28.2], ":", color="0.3", label="slips throughout, closed form")
+left.plot(
+    angles[angles > 28.2],
+    slip[angles > 28.2],
+    ":",
+    color="0.3",
+    label="slips throughout, closed form",
+)
 left.plot(list(restitution), list(restitution.values()), "o", label="measured")
 left.set(xlabel="angle from the normal [°]", ylabel="tangential restitution")
 left.legend()
@@ -79,7 +87,10 @@ right.set(xlabel="time [µs]", ylabel="share of the contact's radius that sticks
 # and forward against the floor comes back from the underside of a table by this: its spin reverses at each bounce. The
 # velocity of the contact point after over before, against ψ, the tangent of the angle over μ, in the units of Maw:
 
-rubber, floor = ao.Material(E=3e6, nu=0.49, rho=1100), ao.wall(ao.Material(E=30e9, nu=0.2, rho=2400))
+rubber, floor = (
+    ao.Material(E=3e6, nu=0.49, rho=1100),
+    ao.wall(ao.Material(E=30e9, nu=0.2, rho=2400)),
+)
 superball = ao.ball(0.02, rubber)
 ratio = 2.0 * (1.0 - 0.49) / (2.0 - 0.49)  # tangential over normal stiffness
 psi, after = np.linspace(0.1, 7.0, 40), []
@@ -112,6 +123,8 @@ for name, place in (("middle", (0.031, 0.029, 0.03)), ("3 mm from the edge", (0.
     for axis, style in ((0, "-"), (1, "--")):
         way = "along" if axis == 0 else "across"
         ax.plot(1e6 * hit.t, hit.friction_force[:, axis], style, label=f"{name}, {way} the edge")
-    print(f"{name}: {hit.peak_force:.0f} N; the block turns with {hit.target.final_spin.round(2)} rad/s")
+    print(
+        f"{name}: {hit.peak_force:.0f} N; the block turns with {hit.target.final_spin.round(2)} rad/s"
+    )
 ax.set(xlabel="time [µs]", ylabel="friction [N]", xlim=(0, 95))
 ax.legend()
