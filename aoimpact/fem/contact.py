@@ -43,7 +43,7 @@ from .composition import AnyMaterial, Materials
 from .contactsurface import ContactSurface, contact_surface
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
 from .damping import Damping
-from .extraction import extracted
+from .extraction import Extraction, extracted
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
 from .laminate import Layers
 from .material import Material
