@@ -41,7 +41,9 @@ _DOWN = np.array([0.0, 0.0, -1.0])
 
 def vector_or_number(name: str, value: Any, unit: str) -> FloatArray | None:
     """Return a vector in three directions, or None of a number along the direction of travel."""
-    if np.ndim(value) == 0:
+    if not isinstance(value, list | tuple | np.ndarray):
+        return None
+    if isinstance(value, np.ndarray) and value.ndim == 0:
         return None
     return finite_array(name, value, shape=(3,), unit=unit)
 

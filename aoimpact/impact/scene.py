@@ -493,7 +493,7 @@ class Scene:
             return
         if not all(sliding):
             raise InputError(
-                "friction: with velocities or gravity in three directions every contact needs it; "
+                "friction: with a velocity or gravity in three directions every contact needs it; "
                 "give a coefficient, or friction=0 for smooth surfaces"
             )
         ends = [

@@ -789,13 +789,17 @@ class TurningBody(AOModel):
 
 def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
     """Return a tensor of inertia, kg m²: given as one, by its moments about the axes, or as one."""
-    given = finite_array(name, value, unit="kg m²")
+    given = finite_array(name, value, unit="kg m²", most=HUGE)
+    if given.shape not in ((), (3,), (3, 3)):
+        raise InputError(
+            f"{name} must be a number, three moments or of shape (3, 3), got shape {given.shape}"
+        )
     found = given if given.ndim == 2 else np.diag(np.broadcast_to(given, 3))
-    moments = np.linalg.eigvalsh(found) if found.shape == (3, 3) else np.zeros(3)
+    moments = np.linalg.eigvalsh(found)
     if not (moments[0] > 0.0 and np.allclose(found, found.T, rtol=1e-9, atol=0.0)):
         raise InputError(
-            f"{name} must be a positive number, three moments about the axes, or a symmetric "
-            f"positive definite tensor of shape (3, 3), got {given.tolist()}"
+            f"{name} must be positive, and as a tensor symmetric positive definite, got "
+            f"{given.tolist()}"
         )
     if moments[2] > (1.0 + 1e-9) * (moments[0] + moments[1]):
         raise InputError(
@@ -904,7 +908,7 @@ def wall(material: Material, *, name: str = "") -> AOModel:
     >>> glass, steel = Material(E=70e9, nu=0.25, rho=2500), Material(E=210e9, nu=0.3, rho=7800)
     >>> hit = ao.simulate(ao.ball(0.01, steel), ao.wall(glass), (0, 0.5, -1.0), friction=0.2)
     >>> hit.projectile.final_velocity.round(3)
-    array([0.   , 0.329, 1.   ])
+    array([0.   , 0.299, 1.   ])
     """
     flat = ContactSurface(instance("material", material, Material), (0.0, 0.0))
     return AOModel(m0=math.inf, surface=flat, name=name)

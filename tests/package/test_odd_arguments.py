@@ -219,14 +219,15 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.AOModel,
         {
             **{"m0": 0.1, "k0": 1.0, "m": [1.0], "k": [1.0], "origin": None, "damping": None},
-            **{"surface": None, "name": ""},
+            **{"surface": None, "name": "", "inertia": None, "arm": None},
         },
     ),
     "ball": (
         ao.ball,
         {"radius": 0.01, "material": ao.Material(E=1e9, nu=0.3, rho=1e3), "name": ""},
     ),
-    "rigid": (ao.rigid, {"mass": 1.0, "name": ""}),
+    "rigid": (ao.rigid, {"mass": 1.0, "inertia": 1.0, "arm": (0, 0, 1.0), "name": ""}),
+    "wall": (ao.wall, {"material": STEEL, "name": ""}),
     "Adaptive": (ao.Adaptive, {"rtol": 1e-6}),
     "Newmark": (
         ao.Newmark,
@@ -461,6 +462,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.simulate,
         STRIKE
         | {
+            "friction": None,
             "solver": None,
             "gap": 0.0,
             "energies": True,
@@ -488,7 +490,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "Scene": (ao.Scene, {"gravity": 0.0}),
     "Scene.add": (_added, {"body": BALL, "velocity": 1.0, "position": 0.0, "name": "a"}),
-    "Scene.connect": (_connected, {"a": OWN, "b": OWN, "law": HERTZ, "gap": 0.0, "name": ""}),
+    "Scene.connect": (
+        _connected,
+        {"a": OWN, "b": OWN, "law": HERTZ, "gap": 0.0, "friction": 0.1, "name": ""},
+    ),
     "Scene.apply": (_applied, {"body": OWN, "force": 1.0}),
     "Scene.simulate": (
         _run,
