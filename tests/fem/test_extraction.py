@@ -271,7 +271,9 @@ def tube(kind: str, divisions: tuple[int, int, int]) -> ao.FEModel:
     return ao.FEModel.from_mesh(ao.Mesh(nodes, number.ravel()[mesh.cells], kind), ALU)
 
 
-@pytest.mark.parametrize("x", [0.016, 0.012], ids=["outside", "inside"])
+@pytest.mark.parametrize(
+    "x", [pytest.param(0.016, marks=pytest.mark.slow), 0.012], ids=["outside", "inside"]
+)
 def test_of_a_tube_meshes_agree(x: float) -> None:
     """From inside the tube goes round behind the contact, where the half-space's field ends."""
     coarse, middle = (

@@ -178,6 +178,7 @@ def test_the_bending_of_an_angle_ply_plate() -> None:
     assert energy == pytest.approx(kappa @ D @ kappa, rel=0.01)
 
 
+@pytest.mark.slow
 def test_an_impact_on_a_laminate() -> None:
     """The law is that of the half-space; momentum and energy balance."""
     angles = tuple(math.radians(angle) for angle in (0.0, 90.0, 90.0, 0.0))

@@ -280,6 +280,7 @@ for numbers in (body.K.data, body.M.data, x):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no way to hold a process")
 def test_the_number_of_cores_changes_no_bit():
     """Neither of the matrices nor of a solution, all made anew."""
