@@ -25,9 +25,6 @@ from .material import Material
 from .orthotropic import Orthotropic
 from .thin import thin_stiffness_mass
 
-__all__ = ["stiffness_mass"]
-
-
 # Elements are taken so many at a time that the largest temporary stays in this size, bytes: in the
 # caches.
 _BATCH = 4e6

@@ -27,8 +27,6 @@ from ..mesh import Mesh, motions_at
 from .labels import label_of
 from .supports import Selector, components, constrained, nodes_of_mesh
 
-__all__ = ["Mounted", "RigidMass", "SpringSupport", "added_mass", "spring_stiffness"]
-
 # A rotation that nodes tell less well than this from none, by singular values of their motions.
 _UNKNOWN = 1e-5
 

@@ -14,8 +14,6 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, aligned, with_unit
 
-__all__ = ["Audit", "audited"]
-
 # Mean densities of solids, kg/m³, over the box around them: from foam and rings to tungsten.
 _DENSITIES = 10.0, 25e3
 

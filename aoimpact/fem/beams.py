@@ -17,20 +17,6 @@ import numpy as np
 from ..base import FloatArray, InputError, checked, finite_array, positive
 from .material import Material
 
-__all__ = [
-    "Beam",
-    "BeamSection",
-    "CircularSection",
-    "RectangularSection",
-    "TubularSection",
-    "beam_frames",
-    "beam_mass",
-    "beam_motion",
-    "beam_rows",
-    "beam_stiffness",
-]
-
-
 # Moments are linear and interpolated displacements cubic along an element.
 _STIFFNESS_RULE, _MASS_RULE = (np.polynomial.legendre.leggauss(n) for n in (2, 4))
 

@@ -14,22 +14,6 @@ from .beams import Beam
 from .laminate import Layers
 from .orthotropic import Solid
 
-__all__ = [
-    "AnyMaterial",
-    "Layout",
-    "Materials",
-    "OneMaterial",
-    "Piece",
-    "ThinPart",
-    "each_of",
-    "layout",
-    "materials_of",
-    "pieces",
-    "thickness_of_cells",
-    "thin_groups",
-    "thin_parts",
-]
-
 OneMaterial = Solid | Layers | Beam
 
 # Materials that each kind of elements takes, in words and as types.

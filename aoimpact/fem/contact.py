@@ -68,15 +68,6 @@ if TYPE_CHECKING:
 # Cosine of the angle with a beam's axis above which a force is along it: 45°.
 _ALONG = math.sqrt(0.5)
 
-__all__ = [
-    "PATCH_OVER_CONTACT",
-    "Body",
-    "ContactPoint",
-    "contact_point",
-    "contact_within",
-    "rim_distance",
-]
-
 
 # A patch's radius over the contact's. Two like bodies with patches leave nothing of Hertz's law
 # where the contact has a radius of a = r/1.2: c dF/dδ = 1.2 a/r. The rest is a margin.

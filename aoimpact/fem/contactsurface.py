@@ -12,9 +12,6 @@ from ..base import FloatArray, InputError, checked, finite_array, nonnegative
 from ..mesh import SurfaceShape
 from .material import Material
 
-__all__ = ["ContactSurface", "contact_surface"]
-
-
 # How far from 1 and 0 the products of the directions may be.
 _UNIT = 1e-6
 

@@ -13,18 +13,6 @@ from ..base import FloatArray, InputError, positive
 if TYPE_CHECKING:
     from .contact import Body, ContactPoint
 
-__all__ = [
-    "SHIFT_TIMES_DURATION",
-    "fitted_shifts",
-    "highest_shift",
-    "near_static",
-    "own_contact_time",
-    "refuse_massless",
-    "shortest_contact_time",
-    "slow_shift",
-    "total_mass",
-]
-
 
 # s T of the shift for a contact of duration T. On the paper's beam 8 to 14 are alike, a third of it
 # and three times as much need two more oscillators for the same force. A spread of shifts was

@@ -10,8 +10,6 @@ import numpy.typing as npt
 
 from ..base import HUGE, InputError, InputTypeError, finite_array, nonnegative
 
-__all__ = ["Damping", "ModalDamping", "Rayleigh", "damping_or_none"]
-
 
 def _coefficient(name: str, value: Any, unit: str = "") -> float:
     """Return `value` as a float that any mode's frequency may be multiplied by."""

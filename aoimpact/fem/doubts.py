@@ -13,8 +13,6 @@ from ..mesh import Mesh
 from .composition import AnyMaterial, pieces, thin_parts
 from .material import Material
 
-__all__ = ["check_joints", "warn_of_locking", "warn_of_separate_parts"]
-
 # ν above which elements of first order lock in volume. A bar of 16 × 2 × 2 hexahedra bends 10 % too
 # stiffly (in frequency) at 0.3, 19 % at 0.45, 35 % at 0.49, 195 % at 0.4999; quadratic ones 4 %.
 _NEARLY_INCOMPRESSIBLE = 0.45

@@ -48,8 +48,6 @@ from .stresserror import energy_error, missing_energy
 from .subdivision import cells_towards, sides_towards
 from .supports import constrained
 
-__all__ = ["Extraction", "Splitting", "extracted", "split"]
-
 # A direction is along the normal where 1 - |cos θ| is below this: a milliradian.
 _ALONG = 1e-6
 

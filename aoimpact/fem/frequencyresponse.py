@@ -34,7 +34,6 @@ from .statics import displacement
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["FrequencyResponse", "frequency_response"]
 
 KINDS = {"receptance": "m/N", "mobility": "m/(s N)", "accelerance": "m/(s² N)"}
 

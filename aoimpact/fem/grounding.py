@@ -29,8 +29,6 @@ from .supports import selected_nodes
 if TYPE_CHECKING:
     from .contact import Body
 
-__all__ = ["Grounding", "VirtualMotion", "grounding_of"]
-
 
 @dataclass(frozen=True, eq=False)
 class VirtualMotion:

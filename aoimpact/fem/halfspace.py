@@ -23,8 +23,6 @@ import numpy as np
 from ..base import FloatArray
 from .material import Material
 
-__all__ = ["AnisotropicHalfSpace", "HalfSpace", "IsotropicHalfSpace"]
-
 # Distances below these shares of a are replaced by them: they change the field by their square.
 _ON_AXIS, _ON_RIM = 1e-4, 1e-9
 

@@ -9,19 +9,6 @@ import scipy
 
 from ..base import FloatArray, InputError, InputTypeError, IntArray, node_ids, plain
 
-__all__ = [
-    "axes_of",
-    "checked_labels",
-    "label_of",
-    "labelled_nodes",
-    "labelled_rows",
-    "missing_node",
-    "node_numbers",
-    "nodes_by_number",
-    "one_node",
-    "translations",
-]
-
 # Components: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
 _MOST = 6
 

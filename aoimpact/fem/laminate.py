@@ -24,9 +24,6 @@ from ..base import sequence as listed
 from .material import Material
 from .orthotropic import Orthotropic, Solid
 
-__all__ = ["Laminate", "Layers", "Ply", "Shell"]
-
-
 _AXES = Orthotropic.axes
 
 # Components of plane stress, and (xz, yz), in the order xx, yy, zz, xy, yz, xz.

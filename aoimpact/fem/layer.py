@@ -29,18 +29,6 @@ from .laminate import Laminate, Layers, Ply, Shell
 from .material import Material
 from .thin import thin_stiffness_mass
 
-__all__ = [
-    "bending_length",
-    "contact_reach",
-    "excess_compliance",
-    "layer_compliance",
-    "layer_compliance_of",
-    "mesh_compliance",
-    "plate_compliance",
-    "plate_motion",
-]
-
-
 # Wave numbers of the integrals over k: how many, and how far beyond 1/λ and 1/a.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
 

@@ -10,9 +10,6 @@ import numpy.typing as npt
 
 from ..base import FloatArray, InputError, positive, real, unit_vector, warn
 
-__all__ = ["PAIRS", "Material", "warn_of_units"]
-
-
 # The components of strain and stress: VTK's order of a symmetric tensor.
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 

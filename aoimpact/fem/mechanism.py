@@ -20,9 +20,6 @@ from ..base import FloatArray, IntArray, SingularError
 from ..linalg import DENSE_DOFS, factorize
 from ..mesh import Surface, motions_at
 
-__all__ = ["Mechanism", "mechanism_in", "mechanism_of", "refuse_mechanism"]
-
-
 # bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
 _MOVED = 1e-10
 

@@ -68,9 +68,6 @@ from .labels import axes_of, checked_labels, labelled_nodes, node_numbers, trans
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
 
-__all__ = ["FEModel"]
-
-
 # Heavier or longer than this, kg and m, or with larger elements, m, a body's coordinates are more
 # likely in millimetres.
 _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0

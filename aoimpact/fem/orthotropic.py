@@ -21,9 +21,6 @@ from ..base import (
 )
 from .material import PAIRS, Material, warn_of_units
 
-__all__ = ["Orthotropic", "Solid"]
-
-
 _AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 # Cosine of the angle between two axes that are to be at right angles: what printed digits leave.

@@ -16,13 +16,6 @@ import scipy
 from ..base import FloatArray, IntArray, RoomError, checked, integer, positive
 from ..mesh import Place, Surface, plane_of
 
-__all__ = [
-    "Patch",
-    "Spread",
-    "spread",
-]
-
-
 # Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
 # Kinks of the shape functions between faces are what limits it; see tests/fem/test_patch.py.
 _RINGS, _AROUND = 24, 64

@@ -27,8 +27,6 @@ import numpy as np
 from ..base import FloatArray
 from .halfspace import IsotropicHalfSpace
 
-__all__ = ["ShearedHalfSpace"]
-
 # A distance from the axis below this share of that from the disc is replaced by it: it changes the
 # field by its square, where the third derivative by D has lost 6 powers of it.
 _ON_AXIS = 2e-3

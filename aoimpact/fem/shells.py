@@ -28,19 +28,6 @@ from ..base import FloatArray, InputError, IntArray, plain
 from .laminate import Layers
 from .material import PAIRS
 
-__all__ = [
-    "FOLD",
-    "Strains",
-    "element_frames",
-    "element_mass",
-    "element_stiffness",
-    "in_global_axes",
-    "nodal_normals",
-    "nodal_strains",
-    "strain_rows",
-]
-
-
 # Stiffness against the drilling strain over the membrane's shear stiffness. It is small so that
 # in-plane bending does not lock (1e-3 costs 1 % where elements are ten times as long as wide), and
 # that folds transmit no couple about the normal.

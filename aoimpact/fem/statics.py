@@ -16,18 +16,6 @@ from ..mesh import motions_at
 from .contact import Body, ContactPoint
 from .contacttime import near_static
 
-__all__ = [
-    "StaticMode",
-    "centre_of",
-    "displacement",
-    "elastic_compliance",
-    "moves_rigidly",
-    "static_mode",
-    "translates",
-    "whole_motion",
-]
-
-
 # rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
 # just distinguished from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
 _MOVED = 1e-7

@@ -22,22 +22,6 @@ from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_eleme
 from .composition import AnyMaterial, Layout, OneMaterial, Piece, each_of, layout, pieces
 from .material import PAIRS, Material
 
-__all__ = [
-    "COMPONENTS",
-    "Strain",
-    "Stress",
-    "batches",
-    "compliances",
-    "elements_at",
-    "extrapolation",
-    "gauss_of",
-    "gauss_stress",
-    "nodal_stress",
-    "shown",
-    "stress_rows",
-]
-
-
 # VTK's order of a symmetric tensor.
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 

@@ -30,8 +30,6 @@ from .material import PAIRS, Material
 from .stress import Stress, batches, elements_at, extrapolation, gauss_of, shown
 from .supports import constrained
 
-__all__ = ["energy_error", "missing_energy", "stresses_around"]
-
 if TYPE_CHECKING:
     from .contact import Body
 

@@ -16,8 +16,6 @@ import scipy
 from ..base import FloatArray, IntArray
 from ..mesh import Block, ReferenceElement
 
-__all__ = ["Points", "cells_towards", "sides_towards"]
-
 # Points in each direction of the product rules: exact to degree 5 on triangles, 3 on tetrahedra.
 _ON_SIDE, _IN_CELL = 3, 2
 

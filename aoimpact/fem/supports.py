@@ -12,16 +12,6 @@ from ..base import FloatArray, InputError, InputTypeError, IntArray, called, nea
 from ..mesh import Mesh, open_edges
 from .labels import nodes_by_number
 
-__all__ = [
-    "Selector",
-    "Support",
-    "components",
-    "constrained",
-    "free_dofs",
-    "nodes_of_mesh",
-    "selected_nodes",
-]
-
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
 Support = tuple[Selector, str] | tuple[Selector, str, str]
 

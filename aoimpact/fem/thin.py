@@ -13,9 +13,6 @@ from .beams import Beam, beam_mass, beam_stiffness
 from .laminate import Layers
 from .shells import element_mass, element_stiffness, nodal_normals
 
-__all__ = ["thin_stiffness_mass"]
-
-
 # Elements are taken so many at a time that their strains stay in the caches.
 _BATCH = 512
 

@@ -19,14 +19,6 @@ from .laminate import Layers
 from .shells import Strains, nodal_normals, nodal_strains, strain_rows
 from .stresserror import missing_energy
 
-__all__ = [
-    "ShellPiece",
-    "mean_at_nodes",
-    "shell_pieces",
-    "thin_energy_error",
-    "thin_stiffness_error",
-]
-
 # Places of the generalised strains in the tensors of membrane strain and curvature.
 _PLANE = ((0, 0, 0), (1, 1, 1), (2, 0, 1))
 

@@ -19,8 +19,6 @@ from .laminate import Layers
 from .layer import bending_length, contact_reach, layer_compliance_of, mesh_compliance
 from .shells import FOLD, element_frames
 
-__all__ = ["ThinExtraction", "extracted_from_beam", "extracted_from_shell"]
-
 # The error is how much c changes from s = 0.87/T to 30/T, as shares of 10/T, where c is taken. What
 # shear adds goes with ln s. The peak of a force follows from its value at 0.87/T under Hertz's law
 # and at 0.62/T for half a sine, by the equation of motion for a small change of c that goes with

@@ -26,15 +26,6 @@ from .material import PAIRS
 from .stress import compliances, stress_rows
 from .thinerror import shell_pieces
 
-__all__ = [
-    "Layer",
-    "StressRows",
-    "beam_von_mises",
-    "body_stress_rows",
-    "checked_layer",
-    "corner_stress",
-]
-
 _OF_SHELLS = ("bottom", "middle", "top")
 _SIDES = (*_OF_SHELLS, "left", "right")
 

@@ -15,19 +15,6 @@ from .laminate import Layers
 from .material import Material
 from .patch import Patch, spread
 
-__all__ = [
-    "Touch",
-    "edge_length",
-    "material_at",
-    "normal_at",
-    "of_face",
-    "pressed_normal",
-    "thickness",
-    "to_nodes",
-    "touched",
-]
-
-
 # A point this far off the surface, as a fraction of the size of the face there, still means the
 # surface: linear elements cut the corners of a round body by about so much. Beyond the smaller
 # fraction a warning is given.

@@ -15,8 +15,6 @@ import numpy as np
 
 from ..base import FloatArray, InputError, checked, positive, with_unit
 
-__all__ = ["Channel", "filtered_acceleration", "zero_phase"]
-
 # SAE J211-1, appendix C: each of two poles over the class's frequency. The two passes are together
 # 3 dB down at 1.65 times the class.
 _POLE = 2.0775

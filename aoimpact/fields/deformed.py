@@ -12,8 +12,6 @@ from ..mesh import Mesh, boundary
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
-__all__ = ["outlines", "plot_deformed"]
-
 
 # By default the largest displacement is drawn as this share of the body's size, which shows the
 # motion and leaves the shape.

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
 
-__all__ = ["Field", "Filtered", "Probe", "solid"]
-
 # Share of the largest displacement of all times below which a body is drawn at rest.
 _AT_REST = 1e-6
 

@@ -12,8 +12,6 @@ from ..base import FloatArray, InputError, plain, with_unit
 from ..fem import Body, to_nodes
 from .historyerror import warn_if_wrong
 
-__all__ = ["Gauge", "gauge_ends"]
-
 # sin of the angle between a gauge and the surface beyond which it does not lie on it.
 _OFF = 0.1
 

@@ -6,8 +6,6 @@ import numpy as np
 
 from ..base import FloatArray, warn, with_unit
 
-__all__ = ["relative_error", "rest", "warn_if_wrong"]
-
 # Relative error from which on a history warns.
 _BADLY_WRONG = 0.2
 

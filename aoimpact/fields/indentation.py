@@ -17,8 +17,6 @@ from ..base import FloatArray, IntArray
 from ..fem import PAIRS, Extraction
 from ..scene import Plan, extraction_of
 
-__all__ = ["Indentation", "indentations"]
-
 # Radius of a contact, over that of the patch, below which the force counts as one at a point: far
 # from it, closed forms would lose digits as the square of the distance over the radius.
 _NARROWEST = 1e-2

@@ -31,8 +31,6 @@ from ..base import (
 from ..mesh import Mesh
 from .deformed import outlines
 
-__all__ = ["MovingBody", "can_draw", "enlargement", "movie_path", "write_movie"]
-
 # By itself the largest displacement is drawn as this share of the picture's bodies, rounded down to
 # a round factor: 3 to 8 % show the motion and leave the shape.
 _SHOWN = 0.08

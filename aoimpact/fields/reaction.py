@@ -14,8 +14,6 @@ from ..integrate import Motion
 from ..reduction import GeneralizedCoordinates
 from .historyerror import warn_if_wrong
 
-__all__ = ["Held", "Reaction"]
-
 
 @dataclass(frozen=True, eq=False)
 class Held:

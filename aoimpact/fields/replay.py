@@ -15,8 +15,6 @@ from ..scene import FreeMotion, Plan
 from .indentation import indentations
 from .response import OmittedMotion, Response
 
-__all__ = ["response_of"]
-
 Span = tuple[float, float]
 
 # Steps of the correction's shift in a doubling of it: runs that differ little share factors.

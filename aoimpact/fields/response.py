@@ -34,17 +34,6 @@ from .historyerror import relative_error, rest
 from .indentation import Indentation
 from .reaction import Held, Reaction
 
-__all__ = [
-    "OmittedMotion",
-    "Response",
-    "motion_rows",
-    "place_rows",
-    "shell_gauge_rows",
-    "strain_rows_at",
-    "stress_rows_at",
-]
-
-
 # s ↦ rows (K + s²M)⁻¹, of the rows that are asked for.
 Dual = Callable[[float], FloatArray]
 

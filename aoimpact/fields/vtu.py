@@ -11,8 +11,6 @@ import numpy as np
 from ..base import FloatArray, InputError, file_path
 from ..mesh import Mesh, meshio_of_all_kinds
 
-__all__ = ["write_series"]
-
 
 def write_series(
     path: str | os.PathLike[str],

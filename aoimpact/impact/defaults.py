@@ -16,21 +16,6 @@ from ..linalg import LinearSolver
 from ..reduction import BodyModel, FullModel
 from ..results import warn_of_size
 
-__all__ = [
-    "Meeting",
-    "checked_duration",
-    "checked_gravity",
-    "checked_numbers",
-    "checked_speed",
-    "chosen_law",
-    "contact_width",
-    "fitted",
-    "fitted_pair",
-    "meeting",
-    "turns",
-]
-
-
 # m/s; squares and energies of speeds beyond these overflow, or vanish.
 _SLOWEST, _FASTEST = 1e-60, 1e60
 

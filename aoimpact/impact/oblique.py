@@ -19,16 +19,6 @@ from ..laws import ContactLaw
 from ..mesh import plane_of
 from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel
 
-__all__ = [
-    "ROLES",
-    "axes_of",
-    "checked_friction",
-    "refuse_inelastic",
-    "vector_or_number",
-    "with_functionals",
-    "with_tangents",
-]
-
 # Directions of travel within 5° are one; a contact point's is along its normal within 1°.
 _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
 

@@ -82,8 +82,6 @@ from .oblique import (
     with_tangents,
 )
 
-__all__ = ["Scene", "SceneCase"]
-
 # Patches are made so many times wider where a contact turns out to be stiffer than the mesh.
 _WIDER = 2.0
 

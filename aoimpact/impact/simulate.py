@@ -22,8 +22,6 @@ from .defaults import Meeting, checked_numbers, turns
 from .oblique import vector_or_number
 from .scene import Scene
 
-__all__ = ["Impact", "plan_impact", "simulate"]
-
 _NAMES = "projectile", "target"
 
 

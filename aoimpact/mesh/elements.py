@@ -20,19 +20,6 @@ from ..base import FloatArray, IntArray
 # Least 1 - z, at an apex: the inverse of its square is finite.
 _APEX = 1e-150
 
-__all__ = [
-    "KINDS",
-    "TETRAHEDRON_EDGES",
-    "THIN",
-    "ReferenceElement",
-    "ReferenceFace",
-    "Rule",
-    "cofactors",
-    "jacobians",
-    "reference_element",
-    "reference_faces",
-]
-
 
 @dataclass(frozen=True, eq=False)
 class Cell:

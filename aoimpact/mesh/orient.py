@@ -11,8 +11,6 @@ import scipy.sparse as sp
 
 from ..base import IntArray
 
-__all__ = ["against_neighbours"]
-
 
 def against_neighbours(groups: Sequence[IntArray]) -> list[npt.NDArray[np.bool_]]:
     """Return which elements lie the other way round than most of those they are joined with.

@@ -42,21 +42,6 @@ if TYPE_CHECKING:
     from .errors import ErrorEstimate
     from .run import Run
 
-__all__ = [
-    "MESH_LIMIT",
-    "SPEED",
-    "follows",
-    "limits",
-    "small_deflection",
-    "warn_of_bodies",
-    "warn_of_exchange",
-    "warn_of_ledger",
-    "warn_of_mesh",
-    "warn_of_misfit",
-    "warn_of_run",
-    "warn_of_size",
-    "warning_limits",
-]
 
 # ------------------------------------------------------------------- models fitted to a contact
 

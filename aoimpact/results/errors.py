@@ -8,8 +8,6 @@ from dataclasses import dataclass, field, fields
 
 from ..base import InputError, nearest, text
 
-__all__ = ["Chosen", "ErrorEstimate", "ErrorParts", "LeftOut", "percent", "suggestion"]
-
 # Smaller relative errors are rounding.
 ROUNDING = 1e-9
 

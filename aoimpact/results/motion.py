@@ -28,16 +28,6 @@ from ..fields import (
 from ..integrate import Events
 from ..laws import ContactLaw
 
-__all__ = [
-    "BodyEnergy",
-    "BodyResult",
-    "ContactResult",
-    "Cost",
-    "Energy",
-    "Eventful",
-]
-
-
 # Even times of a record beyond which dt is taken for a mistake.
 _MOST_SAMPLES = 20_000_000
 

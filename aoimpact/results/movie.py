@@ -19,7 +19,6 @@ from ..reduction import BodyModel
 if TYPE_CHECKING:
     from .run import Result
 
-__all__ = ["moving_bodies", "rotation", "write_impact_movie"]
 
 # Shown before and after the contact, as shares of its length.
 _BEFORE, _AFTER = 0.1, 0.4

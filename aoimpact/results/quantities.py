@@ -25,19 +25,6 @@ from .errors import suggestion
 if TYPE_CHECKING:
     from .run import Run
 
-__all__ = [
-    "COLUMNS",
-    "IMPACT_CHOICES",
-    "QUANTITIES",
-    "SCENE_CHOICES",
-    "Quantity",
-    "Speeds",
-    "all_numbers",
-    "look_up",
-    "number_errors",
-    "quantity_unit",
-    "recorded",
-]
 
 # A run and times, s, to values of shape (rows, times).
 History = Callable[["Run", FloatArray], FloatArray]

@@ -47,7 +47,6 @@ from .validity import Advice, advice_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Handle", "Result", "Run"]
 
 _NOTHING_KNOWN = LeftOut()
 

@@ -13,8 +13,6 @@ from ..reduction import FullModel
 from ..scene import Contact, Plan
 from .run import Result, Run
 
-__all__ = ["AS_LONG_AGAIN", "RecordLength", "TimeSolver", "solve"]
-
 TimeSolver = Adaptive | Newmark
 
 _BY_DEFAULT = Adaptive()

@@ -15,7 +15,6 @@ from .advice import SPEED, limits, small_deflection
 if TYPE_CHECKING:
     from .run import Result
 
-__all__ = ["Advice", "advice_of"]
 
 # Masses of a projectile over that of a plate below which the waves of the impact do not come back
 # from the supports before it is over, and above which the plate follows quasi-statically
