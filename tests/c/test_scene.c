@@ -676,9 +676,9 @@ static void no_size_wraps(void)
     one.world.body[0].ports = many;
     CHECK(aoi_newmark_size(&one.world.system) == most, "as many ports");
     one.world.body[0].ports = 1;
-    const size_t forces = many * (many / 16); /* of contacts with friction */
+    const size_t forces = many * (many / 16), first[2] = {forces, forces + 1}; /* of contacts with friction */
     one.world.system.contact_count = 0;
-    one.world.system.first_force = &forces;
+    one.world.system.first_force = first;
     CHECK(aoi_newmark_size(&one.world.system) == most, "and contacts");
     CHECK(aoi_coupled_size(many, many) == most, "of their equations");
 }

@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 import pytest
+from maw import Rings, impact
 
 from aoimpact import _core
-from tests.maw import Rings, impact
 
 LIKE = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)  # G*/E* of two like materials of Poisson's ratio 0.3
 SPHERE = 3.5  # acceleration of the contact point of a unit mass, 1/m + R^2/J

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from maw import Rings, impact
+from obliqueoracle import Elastic, Rigid, march
 
 import aoimpact as ao
-from tests.maw import Rings, impact
-from tests.obliqueoracle import Elastic, Rigid, march
 
 DOWN = np.array([0.0, 0.0, -1.0])
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)

@@ -62,7 +62,7 @@ static inline aoi_modes take_body(input *in)
 
 static inline aoi_contact take_contact(input *in, size_t bodies, int *status)
 {
-    aoi_contact c;
+    aoi_contact c = {.friction = NULL};
     aoi_law *law = take_bytes(in, 1, sizeof *law);
     for (int side = 0; side < 2; side++) {
         c.body[side] = side == 0 ? take_below(in, bodies)
