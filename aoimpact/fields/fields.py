@@ -288,16 +288,16 @@ class Field:
             If the body has no elements and material: it was given by K and M; or there is no such
             `layer` or `part`.
 
+        Warns
+        -----
+        AOImpactWarning
+            If a reduced model may give it badly wrong; see `error`.
+
         Notes
         -----
         Stress of a beam is that of axial force, bending about both axes, torsion and shear force:
         exact of round sections and rectangles under torsion (Saint-Venant), by Zhuravskii's formula
         under shear. Of a `BeamSection` it is direct stress alone, at its points.
-
-        Warns
-        -----
-        AOImpactWarning
-            If a reduced model may give it badly wrong; see `error`.
 
         Examples
         --------
