@@ -156,6 +156,8 @@ def test_restitution_count_and_time_of_the_peak_are_quantities(quantity):
 @pytest.mark.parametrize("name", SCENES)
 def test_true_error_is_within_the_tolerance(name):
     for quantity in IMPACT_CHOICES:
+        if QUANTITIES[quantity].sliding:
+            continue
         for rtol in TOLERANCES:
             if quantity.endswith("displacement") and rtol < 1e-3:
                 continue
