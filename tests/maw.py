@@ -17,7 +17,19 @@ from scipy.special import ellipe, ellipk
 
 from aoimpact.base import FloatArray
 
-__all__ = ["Rings", "impact"]
+__all__ = ["MEASURED", "Rings", "impact"]
+
+# Kharaz, Gorham and Salman (2001), 3.9 m/s: angle from the normal, tangential restitution, and spin
+# after the impact in rad/s; an alumina ball of 5 mm on glass.
+MEASURED = [
+    (3.93, 0.7450, None),
+    (20.08, 0.5964, None),
+    (39.30, 0.7719, None),
+    (59.84, 0.9019, None),
+    (10.98, None, 264.5),
+    (31.09, None, 612.6),
+    (50.22, None, 452.9),
+]
 
 
 def _disc(r: FloatArray, a: FloatArray, modulus: float) -> FloatArray:

@@ -3,7 +3,7 @@
 The truth shares no code with the package: SciPy's eigenvectors of K and M, each mode propagated
 exactly under a force that is straight between steps, and the contact solved by Newton at each step.
 Reactions follow from the rows of the held nodes, filtered accelerations from SciPy's Butterworth
-filter. `python tools/sensor_errors.py` takes some minutes; its figures are in docs/calibration.md.
+filter. `python tools/sensor_errors.py` takes some minutes; docs/theory/errors.md has its figures.
 """
 
 from __future__ import annotations

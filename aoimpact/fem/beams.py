@@ -23,6 +23,10 @@ _STIFFNESS_RULE, _MASS_RULE = (np.polynomial.legendre.leggauss(n) for n in (2, 4
 # Sine of the angle between a beam and its orientation below which the axes are rounding.
 _PARALLEL = 1e-6
 
+# Places on half a side of a rectangle at which stress is looked for: a parabola over the side that
+# falls to 0 at half a side from its largest value is missed by 1/(2 n)² of that at most, 0.4 %.
+_HALF_A_SIDE = 8
+
 # Distance outside a section, relative, that is rounding.
 _EDGE = 1e-9
 
@@ -118,12 +122,16 @@ class RectangularSection:
     curvature = 0.0  # of the surface across the axis, 1/m
 
     def extremes(self, strains: FloatArray) -> FloatArray:
-        """Return places (y, z) where stress may be largest: corners and the sides' middles, m.
+        """Return places (y, z) where stress may be largest, on the sides, m.
+
+        Under bending and torsion it may be anywhere on them, and is flat about its largest value.
 
         :meta private:
         """
-        ways = np.array([(y, z) for y in (-1, 0, 1) for z in (-1, 0, 1) if y or z])
-        return 0.5 * ways * (self.width, self.height)
+        along = np.linspace(-1.0, 1.0, 2 * _HALF_A_SIDE + 1)
+        one = np.ones_like(along)
+        ways = [(along, -one), (along, one), (-one, along), (one, along)]
+        return 0.5 * np.hstack(ways).T * (self.width, self.height)
 
     def shear(self, points: FloatArray) -> FloatArray:
         """Return τxy and τxz at places (n, 2) by Gθ' and the shear forces along y and z, (n, 2, 3).

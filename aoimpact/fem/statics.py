@@ -216,8 +216,8 @@ def whole_motion(body: Body) -> tuple[FloatArray, FloatArray]:
     Returns
     -------
     functionals : ndarray, shape (6, n_dofs)
-        Of the velocity of the centre of mass and of the mean spin, which has the body's angular
-        momentum; spin is NaN where supports take that up.
+        Rows of the velocity of the centre of mass and of the mean spin, which has the body's
+        angular momentum; spin is NaN where supports take that up.
     momenta : ndarray, shape (n_dofs, 6)
         M times unit translations and, of an unsupported body, unit rotations about its centre.
     """

@@ -82,24 +82,23 @@ def checked_layer(layer: Any = None, part: Any = None) -> Layer:
     ------
     InputError, InputTypeError
     """
-    of = Layer(tuple(layer) if isinstance(layer, list) else layer)
-    if isinstance(of.of, tuple) and len(of.of) == 2:
-        ply, side = of.of
-        if isinstance(side, str):
-            whole = isinstance(ply, (int, np.integer)) and not isinstance(ply, bool)
-            if whole and ply >= 0 and side in _OF_SHELLS:
-                of = Layer((int(ply), side))
-                layer = "top"
-        else:
-            y, z = finite_array("layer", layer, shape=(2,), unit="m").tolist()
-            of, layer = Layer((y, z)), "top"
-    if layer is not None and not (isinstance(layer, str) and layer in _SIDES):
+    of: Any = layer
+    if isinstance(layer, list | tuple) and len(layer) == 2 and not isinstance(layer[1], str):
+        of = tuple(finite_array("layer", layer, shape=(2,), unit="m").tolist())
+        sound = True
+    elif isinstance(layer, list | tuple) and len(layer) == 2:
+        ply, side = of = tuple(layer)
+        whole = isinstance(ply, int | np.integer) and not isinstance(ply, bool)
+        sound = whole and ply >= 0 and side in _OF_SHELLS
+    else:
+        sound = layer is None or (isinstance(layer, str) and layer in _SIDES)
+    if not sound:
         raise InputError(
             'layer must be "top", "middle", "bottom", "left" or "right", a pair of the number of a '
             "ply, from 0 at the bottom, and one of the first three, or a place (y, z) in a beam's "
             f"section, m; got {layer!r}"
         )
-    return of if part is None else replace(of, part=text("part", part))
+    return Layer(of, None if part is None else text("part", part))
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ _POLE = 2.0775
 # Pole over the frequency of -3 dB of two passes of a Butterworth filter of order 2.
 _POLE_OF_CORNER = math.pow(math.sqrt(2.0) - 1.0, -0.25)
 
-# What is left of a start or an end after the settling time, as a share.
+# Share of a start or an end that is left after the settling time.
 _SETTLED = 1e-4
 
 # Samples in a period of the pole. Of a plate whose acceleration is 40 times what passes CFC 1000,

@@ -270,10 +270,10 @@ class Field:
             (k, n_cells, n_gauss, 6), in a mixed mesh with nan where an element has fewer. Shells
             and beams have it at the nodes.
         layer : str, (int, str) or (float, float), optional
-            Of shells "top", where the elements' normals point, "middle" or "bottom"; by itself the
+            In shells "top", where the elements' normals point, "middle" or "bottom"; by itself the
             top. (3, "bottom") is the lower face of the fourth ply from the bottom, and stress there
             is along the ply's axes: xx along the fibres, and nan where a body has no such ply.
-            Of beams by itself where von Mises' stress is largest in the section. "top" and "bottom"
+            In beams by itself where von Mises' stress is largest in the section. "top" and "bottom"
             are the sides along the section's z axis, "left" and "right" those along y, "middle" is
             the centroid, and (y, z) any place in the section, m. A round beam without an
             orientation has no sides.

@@ -9,7 +9,6 @@ from ..base import FloatArray, warn, with_unit
 # Relative error from which on a history warns.
 _BADLY_WRONG = 0.2
 
-
 # Share of a displacement over the length of the record below which a velocity is rounding.
 _AT_REST = 1e-9
 

@@ -48,7 +48,7 @@ def refuse_inelastic(law: ContactLaw) -> None:
     if law.depends_on_rate or law.has_memory or law.pulls:
         raise InputError(
             f"friction: law={law!r} is not elastic, and friction is known for elastic contacts "
-            "only; give Hertz(...), another elastic law, or no friction"
+            "only; give Hertz(...) or another elastic law, or the speed alone without friction"
         )
 
 
@@ -65,10 +65,11 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
     Raises
     ------
     InputError
-        If contacts differ in their direction of travel.
+        If contacts differ in their direction of travel, or two bodies are touched on the same side.
     """
     found: FloatArray | None = None
     for both in ends:
+        _refuse_same_side(*both)
         for name, model, port in reversed(both):
             tip = model.touched_at(port)
             if tip is None:
@@ -85,6 +86,20 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
     along = _DOWN if found is None else found
     tangents = plane_of(along, np.eye(3)[int(np.argmin(np.abs(along)))])
     return np.vstack([along, tangents])
+
+
+def _refuse_same_side(
+    first: tuple[str, BodyModel, int], second: tuple[str, BodyModel, int]
+) -> None:
+    """Refuse contact points of two meshes, with parallel axes, whose normals point the same way."""
+    tips = [model.touched_at(port) for _, model, port in (first, second)]
+    normals = [tip.normal for tip in tips if tip is not None and tip.normal is not None]
+    if len(normals) == 2 and normals[0] @ normals[1] > 0.0:
+        raise InputError(
+            f"{first[0]} and {second[0]} are touched on the same side, where their surfaces face "
+            f"{plain(normals[0])} and {plain(normals[1])}. The axes of their meshes are parallel: "
+            "give a point on the opposite side of one, or turn its mesh"
+        )
 
 
 def _outward(along: FloatArray, tip: ContactPoint) -> FloatArray:
@@ -117,10 +132,9 @@ def with_tangents(model: BodyModel, axes: FloatArray) -> BodyModel:
         return model
     tips = []
     for tip in model.tips:
-        across = axes[1] - (axes[1] @ tip.direction) * tip.direction
-        first = across / np.linalg.norm(across)
-        second = axes[2] - (axes[2] @ tip.direction) * tip.direction - (axes[2] @ first) * first
-        tangents = np.vstack([first, second / np.linalg.norm(second)])
+        assert tip.direction is not None  # `_direction` refuses it
+        tangents = plane_of(tip.direction, axes[1])
+        tangents[1] *= math.copysign(1.0, tangents[1] @ axes[2])
         tips.append(replace(tip, tangents=tangents))
     return replace(model, tips=tuple(tips))
 

@@ -485,11 +485,11 @@ class Scene:
         InputError
             If a contact has no friction, or the contacts differ in their direction of travel.
         """
-        vectors = [*self._vectors, self._falls]
-        sliding = [mu is not None for mu in self._frictions]
-        if not any(sliding) and all(vector is None for vector in vectors):
+        given = [of for of in (*self._vectors, self._falls) if of is not None]
+        sliding = [mu for mu in self._frictions if mu is not None]
+        if not given and not sliding:
             return
-        if not all(sliding):
+        if len(sliding) < len(self._frictions):
             raise InputError(
                 "friction: with a velocity or gravity in three directions every contact needs it; "
                 "give a coefficient, or friction=0 for smooth surfaces"
@@ -548,7 +548,7 @@ class Scene:
 
     @property
     def _motion(self) -> Oblique | None:
-        """What moves in three directions."""
+        """Velocities and gravity in three directions; None of motion in one."""
         if self._axes is None:
             return None
         along = self._axes[0]

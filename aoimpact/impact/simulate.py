@@ -180,7 +180,7 @@ class Impact(Scene):
         self.velocity, self.duration, self.gap = checked_numbers(size, duration, gap)
         for name, body in zip(_NAMES, (projectile, target), strict=True):
             model = body_model(name, body)
-            if model.places > 1:
+            if model.ports > 1 and model.places > 1:
                 raise InputTypeError(
                     f"{name} is touched in several places: build a Scene, and connect its ports"
                 )

@@ -94,7 +94,7 @@ def _with_rigid(body: Body, space: FloatArray) -> FloatArray:
 
 
 def _new_directions(body: Body, space: FloatArray, vectors: list[FloatArray]) -> FloatArray:
-    """What vectors have beyond an M-orthonormal space, M-orthonormal, shape (n_dofs, k)."""
+    """Return an M-orthonormal basis of vectors beyond an M-orthonormal space, (n_dofs, k)."""
     start = space.shape[1]
     for vector in vectors:
         rest = vector

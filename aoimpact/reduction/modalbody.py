@@ -34,8 +34,8 @@ class RigidMotion:
     Attributes
     ----------
     velocity : ndarray, shape (6, n)
-        Of the centre of mass, and mean spin; without rows of spin, shape (3, n), where supports
-        leave none.
+        Rows of the velocity of the centre of mass and of the mean spin; without spin, shape (3, n),
+        where supports leave none.
     momentum : ndarray, shape (n, 6)
         Rates of the modes of the undeformed body for a unit velocity and spin.
     """

@@ -459,8 +459,8 @@ def warn_of_run(run: Run) -> None:
                 worst[kind] = max(worst.get(kind, (0.0, 0)), (excess, number))
     texts = [_missed(run)] if plan.contacts and not pressed else []
     texts += [_TEXTS[kind](run, number) for kind, (_, number) in worst.items()]
-    texts += [_said_of_waves(run, number) for number in range(len(plan.contacts))]
-    texts += [_said_of_rim(run, number) for number in range(len(plan.contacts))]
+    for number in range(len(plan.contacts)):
+        texts += _said_of_shells(run, number)
     for text in filter(None, texts):
         warn(text)
 
@@ -616,42 +616,31 @@ def _said_of_thickness(run: Run, number: int) -> str:
     )
 
 
-def _said_of_waves(run: Run, number: int) -> str:
-    """Say where a mesh is too coarse for the bending waves of a contact on a shell."""
+def _said_of_shells(run: Run, number: int) -> Iterator[str]:
+    """Say where the mesh of a shell is too coarse at a contact: for bending waves, or at a rim."""
     contact, events = run.plan.contacts[number], run.events[number]
-    rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
-    for body, port in contact.ports if rise > 0.0 else ():
+    for body, port in contact.ports:
         tip = run.plan.bodies[body].touched_at(port)
         if tip is None or not isinstance(tip.thin, Layers) or tip.body.surface is None:
             continue
         assert tip.point is not None
         edge = edge_length(tip.body.surface, tip.point)
-        wave = bending_length(tip.thin, 0.5 * SHIFT_TIMES_DURATION / rise)
-        if edge > _WAVES * wave:
-            return (
-                f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} long, "
-                f"and bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
-                f"{with_unit(_WAVES * wave, 'm', 2)}; refine the mesh there"
+        long = f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} long, and"
+        rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
+        if rise > 0.0:
+            wave = bending_length(tip.thin, 0.5 * SHIFT_TIMES_DURATION / rise)
+            if edge > _WAVES * wave:
+                yield (
+                    f"{long} bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
+                    f"{with_unit(_WAVES * wave, 'm', 2)}; refine the mesh there"
+                )
+        away = rim_distance(tip)
+        coarse = away < (1.0 - _ON_RIM) * edge and edge > _FINE * tip.thin.total_thickness
+        if coarse and run.plan.round_contact(contact) is not None:
+            yield (
+                f"{long} the rim of the shell is {with_unit(away, 'm', 2)} away: the force may be "
+                "5 % wrong, more than its error says; refine the mesh there"
             )
-    return ""
-
-
-def _said_of_rim(run: Run, number: int) -> str:
-    """Say where a contact on a shell is within an element of its rim."""
-    contact = run.plan.contacts[number]
-    for body, port in contact.ports if run.plan.round_contact(contact) is not None else ():
-        tip = run.plan.bodies[body].touched_at(port)
-        if tip is None or not isinstance(tip.thin, Layers) or tip.body.surface is None:
-            continue
-        assert tip.point is not None
-        edge, away = edge_length(tip.body.surface, tip.point), rim_distance(tip)
-        if away < (1.0 - _ON_RIM) * edge and edge > _FINE * tip.thin.total_thickness:
-            return (
-                f"{run.names[body]}: the contact is {with_unit(away, 'm', 2)} from the rim of the "
-                f"shell and elements there are {with_unit(edge, 'm', 3)} long, by which the force "
-                "may be 5 % wrong, more than its error says; refine the mesh there"
-            )
-    return ""
 
 
 _TEXTS: dict[str, Callable[[Run, int], str]] = {

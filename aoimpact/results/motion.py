@@ -341,7 +341,8 @@ class BodyResult(Frozen):
 
         It has the force on the nodes that are held, its moment about their middle, and the force on
         each of them. The reactions of all nodes together, the contact forces and the weight change
-        the body's momentum, to rounding.
+        the body's momentum, to rounding, but for the drag α p of `Rayleigh` damping on its momentum
+        p, which acts from outside and is no reaction.
 
         Parameters
         ----------
@@ -524,18 +525,20 @@ class ContactResult(Frozen, Eventful):
     def slip_intervals(self) -> list[tuple[float, float]]:
         """Start and end [s] of every interval in which all of the contact slips.
 
-        As far as the times of the record resolve them. In the rest of `intervals` it sticks, at
-        least in its middle.
+        They lie within `intervals`; in the rest of these it sticks, at least in its middle. From
+        stick to slip and back they are as exact as the times of the record are close.
         """
-        if self.stuck is None:
-            return []
-        slips = np.diff(((self.stuck <= 0.0) & (self.force > 0.0)).astype(np.int8), prepend=0)
-        starts, ends = np.flatnonzero(slips == 1), np.flatnonzero(slips == -1)
-        ends = np.append(ends, len(slips) - 1)[: len(starts)]
-        return [
-            (float(self._times[i]), float(self._times[j]))
-            for i, j in zip(starts, ends, strict=True)
-        ]
+        found: list[tuple[float, float]] = []
+        for start, end in self.intervals if self.stuck is not None else ():
+            within = np.flatnonzero((self._times > start) & (self._times < end))
+            if not len(within):
+                continue
+            assert self.stuck is not None
+            times = self._times[within]
+            change = np.diff(self.stuck[within] <= 0.0, prepend=False, append=False)
+            turns = np.concatenate([[start], times[1:], [end]])[change]
+            found += zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True)
+        return found
 
     @property
     def _own_events(self) -> Events:

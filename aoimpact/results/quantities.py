@@ -115,7 +115,7 @@ class Quantity:
     least : callable, optional
         Least scale of relative errors, from the velocities at the start, as `Speeds.before`.
     sliding : bool
-        Whether only runs with friction have it.
+        True of what only runs with friction have.
     local : callable, optional
         Relative error by the elements where it is taken in a `Run`, though the force be right.
     """

@@ -287,19 +287,19 @@ class Run:
                 "this run has one direction of travel; give velocity as a vector and friction= for "
                 "velocities and spins in three directions"
             )
-        if isinstance(model, FullModel) and not self.recorder.dense:
+        if isinstance(model, FullModel):
             rows = whole_motion(model.body)[0]
         else:
             modal = model.modal
             assert modal.rigid is not None
             rows = modal.rigid.velocity
-            if not (self.recorder.dense or model.constrained or model.damping):
+            if not (model.constrained or model.damping):
                 return np.asarray(rows @ (modal.rates(self.plan.start(index)) + self._gain(index)))
         _, rates = self.recorder.motion(index).observed(rows, np.array([self._parted]))
         return np.asarray(rates[:, 0])
 
     def _gain(self, index: int) -> FloatArray:
-        """What forces and gravity add to the rates of a free body's rigid modes, as of all."""
+        """Rates that forces and gravity add to rigid modes, and to others as if they were rigid."""
         modal, times = self.plan.modal[index], self.recorder.times
         until = times[: int(np.searchsorted(times, self._parted)) + 1]
         pushes = self.recorder.pushes(times)[:, : len(until)]
@@ -784,8 +784,8 @@ class Result(Eventful, Run):
     def tangential_restitution(self) -> float:
         """Tangential velocity of the centre of mass after the last contact over that before.
 
-        Of the projectile past the target, along the direction that it had; negative where it goes
-        back. NaN where `restitution` is, and where it had none.
+        It is that of the projectile past the target, along its first direction; negative where it
+        goes back. NaN where `restitution` is, and where it had none.
         """
         return self.numbers.get("tangential_restitution", math.nan)
 

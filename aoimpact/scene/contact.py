@@ -110,8 +110,8 @@ class Friction(NamedTuple):
     def for_core(self, law: ContactLaw) -> tuple[Any, ...]:
         """Return it as the core takes it; the normal compliance is the law's.
 
-        What the law has more or less of it, a change of the contact's width or an error, the
-        tangents have in the ratio of both compliances.
+        A change of the normal compliance, by the contact's width or by an error, changes those of
+        the tangents in the ratio of both.
         """
         if self.compliance is None:
             return self.mu, self.ratio, _PRECISION, None

@@ -35,7 +35,7 @@ class Oblique:
     axes : ndarray, shape (3, 3)
         Direction of travel and two tangents, as rows.
     velocities : sequence of ndarrays, shape (6,)
-        Of each body's centre of mass, m/s, and its spin, rad/s.
+        Velocity of each body's centre of mass, m/s, and its spin, rad/s.
     gravity : ndarray, shape (3,)
         m/s².
     """
@@ -90,8 +90,10 @@ class Plan:
 
     @property
     def pull(self) -> Pull:
-        """Gravity, along the direction of travel or in three directions, m/s²."""
-        return self.gravity if self.oblique is None else self.oblique.gravity
+        """Gravity, along the direction of travel or in three directions, m/s²; 0 without any."""
+        if self.oblique is None or not self.oblique.gravity.any():
+            return self.gravity
+        return self.oblique.gravity
 
     @property
     def weighed(self) -> bool:

@@ -82,7 +82,7 @@ class RecordLayout:
     ports : tuple of int
         Number of ports of each body.
     sliding : tuple of bool, optional
-        Whether each contact has friction; none has if left out.
+        True of each contact with friction; none has it if left out.
     """
 
     contacts: int

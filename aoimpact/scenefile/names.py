@@ -231,7 +231,7 @@ SENSORS = {one.__name__: one for one in (StressAt, StrainAt, AccelerationAt, Rea
 
 
 def _sensor(body: Any, **more: Any) -> Tagged:
-    """What is measured on a body; without a type the displacement of a place."""
+    """Return the table of a sensor on a body; without a type the displacement of a place."""
     of_point = {"body": body, "point": _VECTOR}
     along = {"direction": _VECTOR}
     displacement = Variants({"point": of_point | along, **more})

@@ -250,7 +250,7 @@ static aoi_law_value normal(const aoi_friction *friction, double depth)
     return value;
 }
 
-/* What the springs between two knots add. */
+/* Adds the springs between two knots. */
 static void add(double ratio, const knot *a, const knot *b, const aoi_law_value *at_a, const aoi_law_value *at_b,
                 aoi_friction_value *value)
 {
@@ -368,7 +368,7 @@ static size_t drawn(const path *p, double enough, aoi_stretch *spring, size_t ro
     size_t count = 0;
     for (knot k; step(&w, &k);) {
         const aoi_stretch here = {k.depth, {k.s[0], k.s[1]}};
-        /* Of two at one depth the later is the one: the rim is in its place. */
+        /* The later of two at one depth counts: the rim is in its place. */
         if (count > 0 && !(here.depth > spring[count - 1].depth)) {
             count--;
         }

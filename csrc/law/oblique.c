@@ -8,7 +8,7 @@
 
 enum { MOST_ITERATIONS = 100, MOST_HALVINGS = 30 };
 
-/* Of the terms of the equation, what rounding leaves of their sum. */
+/* Rounding of the sum of the equation's terms, as a share of these. */
 static const double ROUNDING = 16.0 * DBL_EPSILON;
 
 typedef struct point {

@@ -110,7 +110,7 @@ static int port_can_move(const aoi_modes *body, size_t port)
     return body->residual && body->residual[port * (body->ports + 1)] > 0.0;
 }
 
-/* Whether every contact can deform or move a body, in each direction. */
+/* True if every contact can deform or move a body, in each direction. */
 static int contacts_can_move(const aoi_system *system)
 {
     for (size_t c = 0; c < system->contact_count; c++) {

@@ -4,16 +4,16 @@
 
 #include "aoimpact.h"
 
-/* Whether it is linked, all bodies are in modes, and no contact has friction. */
+/* True if it is linked, all bodies are in modes, and no contact has friction. */
 int aoi_system_is_plain(const aoi_system *system);
 
 /* Modes of the body that has most; 1 without bodies. */
 size_t aoi_system_most_modes(const aoi_system *system);
 
-/* Of a contact: the forces, 1 or with friction 3. */
+/* Number of a contact's forces: 1, or with friction 3. */
 static inline size_t aoi_contact_forces(const aoi_contact *contact) { return contact->friction ? 3 : 1; }
 
-/* Of a linked system: the forces of all contacts; whether any has friction. */
+/* Number of forces of all contacts of a linked system; true if any has friction. */
 static inline size_t aoi_system_forces(const aoi_system *system)
 {
     return system->first_force[system->contact_count];

@@ -156,7 +156,7 @@ static void rub(aoi_contact_state *contact)
     }
 }
 
-/* Of a contact with friction at an indentation and slides that the bodies have straight from (0, 0). */
+/* Friction of a contact whose bodies went straight from (0, 0) to an indentation and slides. */
 static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, const aoi_newmark *run)
 {
     aoi_rubbing *rubbing = contact->rubbing;

@@ -100,6 +100,25 @@ def test_a_rectangle_under_torque(frames: Any) -> None:
     assert abs(corner["xz"][0]) < 2e-3 * tau
 
 
+def test_a_rectangle_bent_and_twisted_is_stressed_most_within_a_side() -> None:
+    """σ² + 3 τ² is largest between the corners, where σ is, and the middle, where τ is."""
+    b, h, lever, way = 0.02, 0.04, 0.2, np.array([0, 1, -2.5])
+    hit = pushed(angled(BAR), (L, ARM, 0), way)
+    fy, fz = abs(hit.peak_force * way[1:] / np.linalg.norm(way))
+    z = np.linspace(-h / 2, h / 2, 2001)
+    n = np.arange(1, 60, 2)[:, None]
+    constant = b**3 * h / 3
+    constant *= 1 - 192 * b / (np.pi**5 * h) * (np.tanh(n * np.pi * h / 2 / b) / n**5).sum()
+    series = np.cosh(n * np.pi * z / b) / np.cosh(n * np.pi * h / 2 / b) / n**2
+    twisted = fz * ARM / constant * (b - 8 * b / np.pi**2 * series.sum(axis=0))
+    sheared = 1.5 * fz / (b * h) * (1 - (2 * z / h) ** 2)
+    bent = lever * (12 * fz * z / (b * h**3) + 6 * fy / (b**2 * h))
+    largest = np.sqrt(bent**2 + 3 * (twisted + sheared) ** 2)
+    assert largest.argmax() not in (0, 1000, 2000)
+    found = hit.target.probe((L - lever, 0, 0), times=[hit.peak_time]).stress.von_mises[0]
+    assert found == pytest.approx(largest.max(), rel=5e-3)
+
+
 def test_members_at_a_joint_keep_their_own_stress(frames: Any) -> None:
     """The arm is bent and the post is twisted by F a; without a part the larger one is shown."""
     hit = frames["tube"]

@@ -29,6 +29,16 @@ DOWN = (0.0, 0.3, -1.0)
         ({"velocity": (0, 0.3, 1.0), "friction": 0.1}, "does not approach"),
         ({"velocity": DOWN, "friction": 0.1, "target": OSCILLATOR}, "one direction"),
         ({"velocity": DOWN, "friction": 0.1, "solver": ao.Adaptive()}, "Newmark"),
+        (
+            {
+                "velocity": DOWN,
+                "friction": 0.1,
+                "law": ao.Hertz(1e9),
+                "projectile": TOP,
+                "target": TOP,
+            },
+            "same side",
+        ),
         ({"velocity": DOWN, "friction": 0.1, "law": ao.KelvinVoigt(1e8, 10.0)}, "elastic"),
         (
             {
@@ -149,6 +159,44 @@ def test_histories_and_summary_have_friction(tmp_path):
     stick = hit.stuck[(hit.t > 2e-5) & (hit.t < 4e-5)]
     assert ((stick > 0.0) & (stick <= 1.0)).all()
     assert math.isclose(hit.energy.friction[-1], hit.energy.dissipated[-1])
+
+
+def test_slip_lies_within_contact():
+    hit = ao.simulate(BALL, WALL, DOWN, friction=0.2, gap=1e-6)
+    ((start, end),) = hit.contacts
+    slips = hit.slip_intervals
+    assert len(slips) == 2  # at first, and at last
+    assert start == slips[0][0] < slips[0][1] < slips[1][0] < slips[1][1] == end
+
+
+@pytest.fixture(scope="module")
+def held():
+    mesh = ao.box_mesh((0.02, 0.02, 0.02), (2, 2, 2), kind="hexahedron20")
+    block = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("zmin", "xyz")])
+    return block.contact(point=(0.01, 0.01, 0.02))
+
+
+def test_supports_and_contact_change_the_momentum_of_a_reduced_body(held):
+    hit = ao.simulate(BALL, held, DOWN, friction=0.3, duration=1.5e-4)
+    end = hit.contacts[-1][1]
+    times = hit.t[hit.t <= end]
+    pushed = hit.target.reaction(times=times).force + hit.friction_force[: len(times)]
+    pushed[:, 2] -= hit.force[: len(times)]
+    gained = np.trapezoid(pushed, times, axis=0)
+    passed = np.trapezoid(hit.force, hit.t)
+    momentum = held.body.mass * hit.target.final_velocity
+    np.testing.assert_allclose(gained, momentum, rtol=0, atol=1e-3 * passed)
+
+
+def test_points_of_a_reduced_body_move_as_those_of_all_of_it(held):
+    at = {"point": (0.02, 0.01, 0.015), "direction": (1, 0, 0)}
+    hit, full = (
+        ao.simulate(BALL, body, DOWN, friction=0.3, duration=1.5e-4)
+        for body in (held, ao.full(held))
+    )
+    times = np.linspace(0.0, 1.5e-4, 40)
+    found, right = (of.target.probe(**at, times=times).displacement for of in (hit, full))
+    np.testing.assert_allclose(found, right, rtol=0, atol=0.02 * abs(right).max())
 
 
 def test_scene_files_have_velocities_in_three_directions_and_friction(tmp_path):

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from maw import Rings, impact
+from maw import MEASURED, Rings, impact
 
 from aoimpact import _core
 
@@ -106,19 +106,6 @@ def test_gross_slip_is_the_closed_form(beyond):
     out, after = impact(Friction(k, LIKE, mu).force, k, SPHERE, (v, psi * unit), 20_000)
     assert out == pytest.approx(-v, rel=1e-6)
     assert after / unit == pytest.approx(psi - 4.0 * chi, rel=2e-6)
-
-
-# Kharaz, Gorham and Salman (2001): angle from the normal, and tangential restitution of the
-# centre of mass, or spin after the impact in rad/s.
-MEASURED = [
-    (3.93, 0.7450, None),
-    (20.08, 0.5964, None),
-    (39.30, 0.7719, None),
-    (59.84, 0.9019, None),
-    (10.98, None, 264.5),
-    (31.09, None, 612.6),
-    (50.22, None, 452.9),
-]
 
 
 @pytest.mark.parametrize(("angle", "restitution", "spin"), MEASURED)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from maw import Rings, impact
+from maw import MEASURED, Rings, impact
 from obliqueoracle import Elastic, Rigid, march
 
 import aoimpact as ao
@@ -16,18 +16,6 @@ DOWN = np.array([0.0, 0.0, -1.0])
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALU = ao.Material(E=70e9, nu=0.33, rho=2700)
 LIKE = 1.4 / 1.7  # G*/E* of like materials of ν = 0.3
-
-# Kharaz, Gorham and Salman (2001), 3.9 m/s: angle from the normal, tangential restitution, and spin
-# after the impact in rad/s.
-MEASURED = [
-    (3.93, 0.7450, None),
-    (20.08, 0.5964, None),
-    (39.30, 0.7719, None),
-    (59.84, 0.9019, None),
-    (10.98, None, 264.5),
-    (31.09, None, 612.6),
-    (50.22, None, 452.9),
-]
 
 
 @pytest.mark.parametrize(("angle", "restitution", "spin"), MEASURED)

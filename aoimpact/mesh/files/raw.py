@@ -88,7 +88,7 @@ class RawMesh:
     left_out : mapping of str to str
         Groups that hold more than solids, and the rest of their contents, as in "3 MASS, 20 S4R".
     sections : tuple of str, or None
-        What a deck says of its shells and beams beyond nodes and elements, as in "2 PSHELL"; None
+        Cards of a deck on its shells and beams beyond nodes and elements, as in "2 PSHELL"; None
         for formats whose cells may be no more than sides and edges.
     """
 
