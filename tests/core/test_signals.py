@@ -121,7 +121,8 @@ def sample_evenly() -> Call:
 
 
 def states() -> Call:
-    made, times = track(2000)
+    made, _ = track(2000)
+    times = np.linspace(0.0, 1.0, 40_000)  # a quarter as many are over in 0.1 s
     found = np.empty((len(times), 4000))
     return lambda: _core.track_states(made, times, 0, found)
 
