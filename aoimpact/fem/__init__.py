@@ -43,7 +43,7 @@ from .contacttime import (
     slow_shift,
 )
 from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
-from .extraction import Extraction, Splitting
+from .extraction import Extraction, Splitting, field_error
 from .frequencyresponse import FrequencyResponse
 from .grounding import Grounding, VirtualMotion
 from .labels import checked_labels, translations
@@ -136,6 +136,7 @@ __all__ = [
     "each_of",
     "edge_length",
     "energy_error",
+    "field_error",
     "fitted_shifts",
     "gauss_stress",
     "highest_shift",

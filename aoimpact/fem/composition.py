@@ -50,7 +50,8 @@ class Materials(Frozen):
 
     def taken(self, cells: IntArray) -> Materials:
         """Return those of some of the elements, shape (n,)."""
-        return Materials(self.groups, self.materials, self.index[cells])
+        used, index = np.unique(self.index[cells], return_inverse=True)
+        return Materials(self.groups, tuple(self.materials[i] for i in used), index)
 
 
 AnyMaterial = OneMaterial | Materials

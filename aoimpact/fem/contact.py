@@ -39,11 +39,11 @@ from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
 from ..mesh import AT_NODE, Mesh, Surface, nearest_line, surface_shape
 from .beams import Beam, beam_motion
 from .compliance import ContactCompliance
-from .composition import AnyMaterial, Materials
+from .composition import AnyMaterial, Materials, pieces
 from .contactsurface import ContactSurface, contact_surface
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
 from .damping import Damping
-from .extraction import Extraction, extracted
+from .extraction import Extraction, extracted, pressed
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
 from .laminate import Layers
 from .material import Material
@@ -268,10 +268,9 @@ class ContactPoint(Frozen):
         """
         if self.tangents is None:
             return (self,)
-        assert self.body.free is not None
         assert self.direction is not None
         shares = self._nodal_forces @ self.direction
-        along = [np.outer(shares, tangent).reshape(-1)[self.body.free] for tangent in self.tangents]
+        along = [pressed(self.body, shares, tangent) for tangent in self.tangents]
         given: dict[str, Any] = {"tangents": None, "automatic": False, "directed": True}
         return self, *(
             replace(self, b=b, direction=tangent, **given)
@@ -335,6 +334,19 @@ class ContactPoint(Frozen):
         within = _WITHIN_EDGE * edge_length(self.body.surface, self.point)
         return within if self.patch is None else min(within, self.patch.radius / PATCH_OVER_CONTACT)
 
+    @property
+    def _covered(self) -> bool:
+        """True if the force presses on solids through a shell that lies on them."""
+        mesh, material = self.body.mesh, self.body.material
+        assert mesh is not None
+        assert material is not None
+        solids = [piece.cells.ravel() for piece in pieces(mesh, material)]
+        if not (mesh.thin and solids):
+            return False
+        both = np.intersect1d(np.concatenate(solids), mesh.thin_nodes)
+        pressed_on = self._nodal_forces.any(axis=1)
+        return bool(np.isin(np.flatnonzero(pressed_on), both).all())
+
     def _extracted(self, solver: LinearSolver) -> ContactCompliance:
         assert self.point is not None
         assert self.direction is not None
@@ -342,6 +354,11 @@ class ContactPoint(Frozen):
             return extracted_from_beam(self.body, self.b, self._width, solver)
         assert self.body.surface is not None
         normal = normal_at(self.body.surface, self.point)
+        if self._covered:
+            raise InputError(
+                f"point {plain(self.point)} m is where a shell lies on solids, whose indentation "
+                "is not known; mesh the shell with solids there, or touch the body elsewhere"
+            )
         if self.thin is not None:
             assert self.normal is not None
             layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
@@ -349,11 +366,6 @@ class ContactPoint(Frozen):
             shares, couples = self._nodal_forces @ self.normal / cosine, self._couples / cosine
             load, at = (self.b, shares, couples, cosine), (self.point, self.normal, self._width)
             return extracted_from_shell(self.body, layers, *load, *at, solver)
-        if self.body.mesh is not None and self.body.mesh.thin:
-            raise InputError(
-                f"point {plain(self.point)} m is on a solid of a body with shells or beams, which "
-                "is not supported yet; touch the shell, or make the body of solids alone"
-            )
         found = extracted(
             self.body,
             self.b,

@@ -46,7 +46,7 @@ from .patch import spread
 from .shearedhalfspace import ShearedHalfSpace
 from .stresserror import energy_error, missing_energy
 from .subdivision import cells_towards, sides_towards
-from .supports import constrained
+from .thinerror import thin_energy_error
 
 # A direction is along the normal where 1 - |cos θ| is below this: a milliradian.
 _ALONG = 1e-6
@@ -70,6 +70,10 @@ _INTERPOLATED = {False: 0.3, True: 0.6}
 _FAR_APART, _MATTERS = 2.5, 0.006
 
 
+# Step of a central difference over the distance from the contact: errors of 1e-8 and rounding.
+_DIFFERENCE = 1e-4
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Extraction(ContactCompliance):
     """Compliances of a body of solid elements at a contact point under a unit force.
@@ -79,8 +83,9 @@ class Extraction(ContactCompliance):
     beyond : float
         R, of the body beyond the half-space, m/N, at the frequency s.
     splitting : Splitting
-    mesh_field : ndarray, shape (n_nodes, 3)
-        The model's approximation of u_B, m/N: the displacement under the force on the nodes less w.
+    mesh_field : ndarray, shape (1 or 2, n_nodes, 3)
+        The model's approximation of u_B, m/N: the displacement under the force on the nodes less w;
+        where the body has shells or beams, also its rotation, 1/N.
     oblique : ndarray, shape (3, 3), or None
         c between the direction of the force and two tangents, m/N; None where these are not given.
     """
@@ -106,7 +111,7 @@ class Extraction(ContactCompliance):
         missing = np.zeros(self.mesh_field.size)
         inward = math.copysign(1.0, self.splitting.frame[2] @ tip.direction)
         missing[tip.body.free] = inward * self.missing(tip, deflection)
-        field = self.mesh_field - missing.reshape(-1, 3)
+        field = self.mesh_field - missing.reshape(self.mesh_field.shape)
         return replace(super().of_truncated(tip, deflection), mesh_field=field)
 
 
@@ -148,17 +153,17 @@ def extracted(
     splitting = split(body, point, normal, radius, solver)
     cosine = float(direction @ normal)
     straight = 1.0 - abs(cosine) < _ALONG
-    along = b if straight else np.outer(weights, normal).reshape(-1)[body.free]
+    along = b if straight else pressed(body, weights, normal)
     x = solver.solve(along)
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
-    false, own = energy_error(body, splitting.w, ~splitting.smooth)
+    false, own = field_error(body, splitting.w, ~splitting.smooth)
     missing = missing_energy(false, own)
     # At supports -u_B is interpolated between nodes, so that R2 has an error of either sign there.
     held = np.isin(body.mesh.cells, _supported(body)).any(axis=1)
     beyond = splitting.compliance + missing_energy(false[~held], own[~held])
     error, varying = missing, 0.0
-    sunk = -splitting.w @ normal
+    sunk = -splitting.w[0] @ normal
     try:
         mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
     except RoomError as edge:
@@ -197,11 +202,44 @@ def extracted(
         radius=radius,
         beyond=beyond,
         splitting=splitting,
-        mesh_field=moved.reshape(-1, 3) - splitting.w,
+        mesh_field=moved.reshape(splitting.w.shape) - splitting.w,
         oblique=None
         if tangents is None
         else _oblique(body, weights, direction, tangents, splitting, solver),
     )
+
+
+def field_error(
+    body: Any, field: FloatArray, loaded: npt.NDArray[np.bool_]
+) -> tuple[FloatArray, FloatArray]:
+    """Return twice the strain energy of averaged strain less the elements' own, and of their own.
+
+    Parameters
+    ----------
+    body : FEModel
+        Made from a mesh.
+    field : ndarray, shape (1 or 2, n_nodes, 3)
+        Displacement, m, and rotation.
+    loaded : ndarray of bool, shape (n_nodes,)
+        Nodes that may carry traction.
+
+    Returns
+    -------
+    difference, own : ndarray, shape (n_cells,)
+        Of each element, J.
+    """
+    difference, own = energy_error(body, field[0], loaded)
+    if body.mesh.thin:
+        of_thin = thin_energy_error(body.mesh, body.material, np.hstack(list(field)))
+        difference, own = difference + of_thin[0], own + of_thin[1]
+    return difference, own
+
+
+def pressed(body: Any, weights: FloatArray, direction: FloatArray) -> FloatArray:
+    """Return the load on a body's free dofs of nodal forces `weights` along a direction."""
+    full = np.zeros((2, body.mesh.n_nodes, 3))
+    full[0] = np.outer(weights, direction)
+    return np.asarray(full.reshape(-1)[body.free])
 
 
 def _oblique(
@@ -218,7 +256,7 @@ def _oblique(
     nodes' shares where the surface ends within it: of first order in w, enough for a small part.
     """
     axes, a = np.vstack([direction, tangents]), splitting.space.radius
-    loads = np.array([np.outer(weights, axis).reshape(-1)[body.free] for axis in axes])
+    loads = np.array([pressed(body, weights, axis) for axis in axes])
     moved = np.array([solver.solve(load) for load in loads])
     point, inward = splitting.point, splitting.frame[2]
     sheared = [split(body, point, -inward, a, solver, tangent) for tangent in tangents]
@@ -226,7 +264,7 @@ def _oblique(
         under = spread(body.surface, point, -inward, a).weights
     except RoomError:
         under = weights
-    fields = [float(direction @ inward) * splitting.w, *(of.w for of in sheared)]
+    fields = [float(direction @ inward) * splitting.w[0], *(of.w[0] for of in sheared)]
     beyond = np.array([under @ field @ axes.T for field in fields])
     beyond = 0.5 * (beyond + beyond.T)
     np.fill_diagonal(beyond, [splitting.compliance, *(of.compliance for of in sheared)])
@@ -250,8 +288,8 @@ class Splitting:
         True if the body reaches behind the contact, so that χ is not 1 everywhere.
     s2 : float
         s², (rad/s)².
-    w : ndarray, shape (n_nodes, 3)
-        m/N.
+    w : ndarray, shape (1 or 2, n_nodes, 3)
+        m/N; where the body has shells or beams, also the rotation, 1/N.
     compliance : float
         R, m/N.
     inertia : float
@@ -348,17 +386,18 @@ def split(
     else:  # the closed form of a body with the same E*; the rest is polarisation
         space, own = isotropic(material.half_space(normal), radius), None
     load = _Load(body, point, frame, space, behind=behind)
-    at_nodes = load.field(mesh.nodes)
+    moved_by = load.at_nodes()
     sunk = load.add_sides()
-    load.add_cells(at_nodes, own)
-    load.add_inertia(at_nodes)
+    load.add_cells(moved_by[0], own)
+    load.add_elements(moved_by)
     # L on the free dofs and on the constrained ones, where w = -χ u_B. Of each quantity the parts
     # that count once and -s² times.
     forces, free = load.forces.reshape(2, -1), body.free
-    fixed = constrained(free, mesh.n_nodes).reshape(-1)
-    w, parts = np.zeros(3 * mesh.n_nodes), load.self_term + np.array([sunk, 0.0])
-    if fixed.any():
-        w[fixed] = -at_nodes.reshape(-1)[fixed]
+    fixed = np.ones(moved_by.size, dtype=bool)
+    fixed[free] = False
+    w, parts = np.zeros(moved_by.size), load.self_term + np.array([sunk, 0.0])
+    if len(_supported(body)):
+        w[fixed] = -moved_by.reshape(-1)[fixed]
         dofs, K, M = load.supported
         pulled = np.zeros(forces.shape)
         pulled[0, dofs], pulled[1, dofs] = K @ w[dofs], -(M @ w[dofs])
@@ -370,13 +409,14 @@ def split(
     parts += 2.0 * right @ moved - [moved @ (body.K @ moved), -(moved @ (body.M @ moved))]
     touched = np.abs(local[:, 2]) < _FLAT * mesh.size
     touched[_supported(body)] = False
+    touched[mesh.thin_nodes] = False
     return Splitting(
         point,
         frame,
         space,
         behind,
         s2,
-        w.reshape(-1, 3),
+        w.reshape(moved_by.shape),
         float(parts[0] - s2 * parts[1]),
         float(parts[1]),
         sunk,
@@ -399,9 +439,9 @@ def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArra
         behind=load.behind,
     )
     half_sunk = half.add_sides()
-    at_nodes = half.field(half.mesh.nodes)
-    half.add_cells(at_nodes, own)
-    half.add_inertia(at_nodes)
+    moved_by = half.at_nodes()
+    half.add_cells(moved_by[0], own)
+    half.add_elements(moved_by)
     change = half.self_term - load.self_term
     change += 2.0 * (half.forces - load.forces).reshape(2, -1) @ w
     return -float(change[0] - s2 * change[1] + half_sunk - sunk) / math.log(2.0)
@@ -409,7 +449,10 @@ def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArra
 
 def _supported(body: Any) -> IntArray:
     """Nodes with a constrained dof."""
-    return np.flatnonzero(constrained(body.free, body.mesh.n_nodes).any(axis=1))
+    held = np.ones((2, body.mesh.n_nodes, 3), dtype=bool)
+    held.reshape(-1)[body.free] = False
+    turns = np.isin(np.arange(body.mesh.n_nodes), body.mesh.thin_nodes)
+    return np.flatnonzero(held[0].any(axis=1) | (turns & held[1].any(axis=1)))
 
 
 def _at_contact(body: Any, point: FloatArray) -> tuple[Solid, int | None]:
@@ -446,13 +489,29 @@ class _Load:
     ) -> None:
         self.body, self.mesh = body, body.mesh
         self.point, self.frame, self.space, self.behind = point, frame, space, behind
-        self.forces = np.zeros((2, self.mesh.n_nodes, 3))
+        self.forces = np.zeros((2, 2 if self.mesh.thin else 1, self.mesh.n_nodes, 3))
         self.self_term, self.curved = np.zeros(2), False
 
     def field(self, x: FloatArray) -> FloatArray:
         """χ u_B at places, in global axes, m."""
         y = (x - self.point) @ self.frame.T
         return np.asarray(self._cutoff(y)[0][..., None] * self.space.displacement(y) @ self.frame)
+
+    def at_nodes(self) -> FloatArray:
+        """χ u_B at the nodes, and its rotation at those of shells and beams, by differences."""
+        nodes, some = self.mesh.nodes, self.mesh.thin_nodes
+        found = np.zeros(self.forces.shape[1:])
+        found[0] = self.field(nodes)
+        if self.mesh.thin:
+            away = np.linalg.norm(nodes[some] - self.point, axis=1)
+            step = _DIFFERENCE * np.maximum(away, self.space.radius)[:, None, None]
+            places = nodes[some][:, None] + step * np.vstack([np.eye(3), -np.eye(3)])
+            ahead, behind = np.split(self.field(places), 2, axis=1)
+            slope = (ahead - behind) / (2.0 * step)  # ∂_j u_k
+            found[1, some] = 0.5 * np.stack(
+                [slope[:, j, k] - slope[:, k, j] for j, k in ((1, 2), (2, 0), (0, 1))], axis=1
+            )
+        return found
 
     def _cutoff(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         """χ and its gradient at local places."""
@@ -472,7 +531,7 @@ class _Load:
         """∫ t·v, and ∫ t·u in the self term; t and u in local axes, shape (n, q, 3)."""
         self.self_term[part] += float(np.einsum("nq,nqi,nqi->", weight, t, u))
         forces = np.einsum("nq,nqa,nqi->nai", weight, shape, t @ self.frame)
-        np.add.at(self.forces[part], nodes, forces)
+        np.add.at(self.forces[part, 0], nodes, forces)
 
     def add_sides(self) -> float:
         """∫ (p - χ σ_B n)·v dA over the surface; returns what ∫ p·u exceeds that of a plane."""
@@ -482,6 +541,8 @@ class _Load:
         p0, pressed, sunk = 1.5 / (np.pi * a * a), 0.0, 0.0
         for side, (number, face) in enumerate(surface.sides):
             block = self.mesh.blocks[number]
+            if block.element.thin:
+                continue
             rows = surface.cell[surface.side == side] - block.first
             on = block.cells[rows][:, face.nodes]
             size = np.ptp(nodes[on], axis=1).max(axis=1)
@@ -507,7 +568,7 @@ class _Load:
     def add_cells(self, at_nodes: FloatArray, own: int | None) -> None:
         """Integrals over cells near the contact, behind it, and of other materials than there.
 
-        Near the contact u_B is not interpolated well enough for its inertia: what `add_inertia`
+        Near the contact u_B is not interpolated well enough for its inertia: what `add_elements`
         takes for it there is replaced.
         """
         nodes, mesh = self.mesh.nodes, self.mesh
@@ -553,18 +614,26 @@ class _Load:
                 inner = self.frame.T @ extra @ self.frame
                 forces = np.einsum("nq,nqa,nqi->nai", at.weight, at.shape, body_force)
                 forces -= np.einsum("nq,nqij,nqaj->nai", at.weight, inner, at.slopes)
-                np.add.at(self.forces[0], cells, forces)
+                np.add.at(self.forces[0, 0], cells, forces)
 
-    def add_inertia(self, at_nodes: FloatArray) -> None:
-        """∫ ρ χ u_B·v by the mass matrix, and the springs to the ground."""
-        body, moved = self.body, at_nodes.reshape(-1)
+    def add_elements(self, moved_by: FloatArray) -> None:
+        """∫ ρ χ u_B·v by the mass matrix, the springs to the ground, and shells and beams.
+
+        These take χ u_B as it is at their nodes: -a(χ u_B, v) by their stiffness.
+        """
+        body, moved = self.body, moved_by.reshape(-1)
         held = np.zeros((2, len(moved)))
         held[1, body.free] = body.M @ moved[body.free]
         if body.springs is not None:
             held[0, body.free] = -body.springs * moved[body.free]
-        if len(body.free) < len(moved):
+        if self.mesh.thin:
+            thin = [block.element.thin for block in self.mesh.blocks]
+            sizes = [len(block.cells) for block in self.mesh.blocks]
+            dofs, K, _ = self._assembled(np.repeat(thin, sizes))
+            held[0, dofs] -= K @ moved[dofs]
+        if len(_supported(body)):
             dofs, _, M = self.supported
-            there = constrained(body.free, self.mesh.n_nodes).reshape(-1)[dofs]
+            there = ~np.isin(dofs, body.free)
             held[1, dofs] += np.where(there, M @ moved[dofs], M @ np.where(there, moved[dofs], 0.0))
         self.self_term += held @ moved
         self.forces += held.reshape(self.forces.shape)
@@ -572,12 +641,18 @@ class _Load:
     @cached_property
     def supported(self) -> tuple[IntArray, Any, Any]:
         """Dofs, K and M of the elements that touch a support: K and M of the body leave it out."""
-        cells = np.flatnonzero(np.isin(self.mesh.cells, _supported(self.body)).any(axis=1))
-        material = self.body.material
+        held = np.isin(self.mesh.cells, _supported(self.body))
+        return self._assembled(np.asarray(held.any(axis=1)))
+
+    def _assembled(self, chosen: npt.NDArray[np.bool_]) -> tuple[IntArray, Any, Any]:
+        """Dofs, K and M of some elements."""
+        cells, material = np.flatnonzero(chosen), self.body.material
         some = material.taken(cells) if isinstance(material, Materials) else material
         K, M = stiffness_mass(taken(self.mesh, cells), some)
         there = np.unique(self.mesh.cells[cells])
-        return (3 * there[:, None] + np.arange(3)).reshape(-1), K, M
+        dofs = (3 * there[:, None] + np.arange(3)).reshape(-1)
+        rotations = dofs + 3 * self.mesh.n_nodes
+        return dofs if K.shape[0] == len(dofs) else np.concatenate([dofs, rotations]), K, M
 
 
 def _tensor(material: Solid, frame: FloatArray) -> FloatArray:

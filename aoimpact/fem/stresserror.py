@@ -27,6 +27,7 @@ from ..base import FloatArray
 from ..mesh import cofactors, jacobians
 from .composition import Layout, OneMaterial, each_of, layout, pieces
 from .material import PAIRS, Material
+from .orthotropic import Solid
 from .stress import Stress, batches, elements_at, extrapolation, gauss_of, shown
 from .supports import constrained
 
@@ -75,9 +76,9 @@ def energy_error(
             at = places.of(batch).reshape(-1)
             for total, share in zip(averaged, strain @ to_nodes, strict=True):
                 total += np.bincount(at, share.reshape(-1), len(places.key))
-    averaged /= elements_at(mesh, material, places)
+    averaged /= np.maximum(elements_at(mesh, material, places), 1.0)
     _free_of_traction(averaged, body, places, loaded)
-    difference, own = np.empty(mesh.n_cells), np.empty(mesh.n_cells)
+    difference, own = np.zeros((2, mesh.n_cells))
     for piece in everything:
         rule = piece.element.stiffness_rule
         gradient, shape = piece.element.gradient(rule.points), piece.element.shape(rule.points)
@@ -121,6 +122,8 @@ def _free_of_traction(
     several = len(places.key) > len(loaded)
     normals = surface.normals_at(places.cells, len(places.key)) if several else surface.node_normals
     for number, of in enumerate(each_of(material)):
+        if not isinstance(of, Solid):
+            continue
         free = np.flatnonzero(normals[0].any(axis=1) & ~kept & (places.which == number))
         hooke = of.stiffness
         angle = np.where(np.arange(6) < 3, 1.0, 2.0)[:, None]

@@ -86,6 +86,8 @@ def indentations(plan: Plan, body: int) -> tuple[Indentation, ...]:
         known, tip = extraction_of(contact.law, model, port), model.touched_at(port)
         if tip is None or tip.direction is None or not isinstance(known, Extraction):
             continue  # of a shell the mesh's own field is all that is known
+        if tip.body.mesh is None or tip.body.mesh.thin:
+            continue  # shells beside the solids take the mesh's own field as well
         inward = float(np.sign(known.splitting.frame[2] @ tip.direction))
         round_contact, radius = plan.round_contact(contact), known.radius
 

@@ -20,7 +20,7 @@ from ..fem import (
     Damping,
     Extraction,
     ThinExtraction,
-    energy_error,
+    field_error,
     missing_energy,
     thin_stiffness_error,
 )
@@ -356,8 +356,9 @@ class ReducedModel(BodyModel):
             moved = np.zeros(known.mesh_field.size)
             moved[point.body.free] = deflection
             inward = known.splitting.frame[2] @ point.direction
-            beyond = math.copysign(1.0, inward) * moved.reshape(-1, 3) - known.mesh_field
-            false, own = energy_error(point.body, beyond, ~known.splitting.smooth)
+            moved = math.copysign(1.0, inward) * moved.reshape(known.mesh_field.shape)
+            beyond = moved - known.mesh_field
+            false, own = field_error(point.body, beyond, ~known.splitting.smooth)
             whole = float(own.sum())
             found[key] = missing_energy(false, own) / whole if whole else 0.0
         return found[key]

@@ -101,6 +101,41 @@ def test_shells_agree_with_solids(t: float) -> None:
     assert one.impulse == pytest.approx(other.impulse, rel=5e-3)
 
 
+def backed_plate(skin: bool) -> ao.FEModel:
+    """60 x 60 x 6 mm, of which the lowest 2 mm are a shell on the face of the rest, or solid."""
+    side, deep = 0.06, 4e-3 if skin else 6e-3
+    kind = "hexahedron" if skin else "hexahedron20"
+    mesh = ao.box_mesh((side, side, deep), (12, 12, 2 if skin else 3), kind=kind)
+    fixed = [("xmin", "xyz"), ("xmax", "xyz")]
+    if not skin:
+        return ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed)
+    lowest = mesh.cells[np.isclose(mesh.nodes[mesh.cells[:, 0], 2], 0.0)][:, [0, 3, 2, 1]]
+    groups = {"block": np.arange(288), "skin": np.arange(288, 432)}
+    both: Any = [("hexahedron", mesh.cells), ("quad", lowest)]
+    mixed = ao.Mesh(mesh.nodes, both, "mixed", mesh.node_sets, groups)
+    parts = {"block": STEEL, "skin": ao.Shell(2e-3, STEEL, offset=1e-3)}
+    return ao.FEModel.from_mesh(mixed, parts, fixed=[(ends, "xyz", "xyz") for ends, _ in fixed])
+
+
+def test_solids_on_a_shell_are_struck() -> None:
+    """Force within 1 %, impulse within 0.5 % of solids alone; stress is known everywhere."""
+    one, other = (
+        ao.simulate(
+            ao.ball(0.005, STEEL), body.contact(point=(0.03, 0.03, top)), 2.0, duration=5e-5
+        )
+        for body, top in ((backed_plate(True), 4e-3), (backed_plate(False), 6e-3))
+    )
+    assert one.peak_force == pytest.approx(other.peak_force, rel=0.01)
+    assert one.impulse == pytest.approx(other.impulse, rel=5e-3)
+    assert np.isfinite(one.target.field().stress().von_mises).all()
+
+
+def test_a_shell_that_lies_on_solids_is_not_struck() -> None:
+    tip = backed_plate(True).contact(point=(0.03, 0.03, 0.0), direction=(0, 0, 1))
+    with pytest.raises(ao.InputError, match="a shell lies on solids"):
+        ao.simulate(ao.ball(0.005, STEEL), tip, 2.0)
+
+
 # Sun and Chen's graphite and epoxy: E and G in Pa, ν of 12, 13 and 23.
 GRAPHITE: Any = ((120e9, 7.9e9, 7.9e9), (5.5e9, 5.5e9, 5.5e9), (0.3, 0.3, 0.3))
 
