@@ -753,7 +753,6 @@ def tried(name: str, argument: str, value: Any) -> str:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", ao.AOImpactWarning)
-        warnings.filterwarnings("ignore", ".*is now called", DeprecationWarning)  # former names
         try:
             made = function(**given | {argument: value})
         except ao.AOImpactError as error:

@@ -21,10 +21,10 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits a proces
 @pytest.mark.parametrize(
     ("kind", "count"),
     [
-        ("mesh", 40),
+        ("mesh", 10),
         *(
             pytest.param(*case, marks=pytest.mark.slow)
-            for case in (("matrix", 600), ("matrixfile", 600), ("scene", 300))
+            for case in (("mesh", 200), ("matrix", 600), ("matrixfile", 600), ("scene", 300))
         ),
     ],
 )
@@ -71,7 +71,10 @@ def test_scene_files_are_sound_before_they_are_damaged() -> None:
 
 @pytest.mark.parametrize(
     "command",
-    ["campaign scenes --seeds 53:54 --workers 1", "campaign.inputs --kind matrix --count 3"],
+    [
+        "campaign.inputs --kind matrix --count 3",
+        pytest.param("campaign scenes --seeds 53:54 --workers 1", marks=pytest.mark.slow),
+    ],
 )
 def test_the_campaign_runs_in_a_clone_whose_core_was_not_built(
     command: str, tmp_path: Path

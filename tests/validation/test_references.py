@@ -18,7 +18,7 @@ def is_within_its_error(hit: ao.Result, reference: float, most: float) -> None:
     assert true < min(total, most), f"{hit.peak_force:.2f} N, {true:.2%}, ± {total:.2%}"
 
 
-@pytest.mark.parametrize("size", [0.009, 0.006])
+@pytest.mark.parametrize("size", [0.009, pytest.param(0.006, marks=pytest.mark.slow)])
 def test_two_balls_of_aluminium(size: float) -> None:
     """R 20 mm, 4 m/s: 7446 N with contact resolved by explicit elements of 8 µm."""
     ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=0.02, size=size), ALU)
