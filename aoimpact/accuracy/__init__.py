@@ -18,34 +18,3 @@ from .order import first_guess, larger_orders, models_to_compare, safety_of
 from .sensor import Sensor
 from .sensorat import AccelerationAt, ReactionAt, StrainAt
 from .stressat import StressAt
-
-__all__ = [
-    "CONTROLLED",
-    "AccelerationAt",
-    "Hierarchy",
-    "Keep",
-    "KrylovHierarchy",
-    "Met",
-    "Named",
-    "ReactionAt",
-    "Sensor",
-    "SharedPoint",
-    "StrainAt",
-    "StressAt",
-    "alterations",
-    "checked_linear_solver",
-    "checked_rtol",
-    "choose_models",
-    "errors_left_out",
-    "extrapolated",
-    "finer_run",
-    "first_guess",
-    "impact_quantity",
-    "keeper",
-    "larger_orders",
-    "model_hierarchy",
-    "models_to_compare",
-    "safety_of",
-    "scene_quantity",
-    "time_rule",
-]

@@ -7,5 +7,3 @@ contact point share its model (shared.py, sharednumbers.py). For `cli`.
 from .many import iterate_many, simulate_many
 from .sweep import sweep, sweep_file
 from .sweep_table import SweepTable
-
-__all__ = ["SweepTable", "iterate_many", "simulate_many", "sweep", "sweep_file"]

@@ -4,5 +4,3 @@ main.py has the commands, files.py what `run --out` writes. Nothing imports it.
 """
 
 from .main import main
-
-__all__ = ["main"]

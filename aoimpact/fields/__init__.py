@@ -19,28 +19,3 @@ from .response import (
     strain_rows_at,
     stress_rows_at,
 )
-
-__all__ = [
-    "Channel",
-    "Field",
-    "Filtered",
-    "Gauge",
-    "MovingBody",
-    "Probe",
-    "Reaction",
-    "Response",
-    "filtered_acceleration",
-    "gauge_ends",
-    "motion_rows",
-    "movie_path",
-    "place_rows",
-    "relative_error",
-    "response_of",
-    "rest",
-    "shell_gauge_rows",
-    "strain_rows_at",
-    "stress_rows_at",
-    "warn_if_wrong",
-    "write_movie",
-    "zero_phase",
-]

@@ -14,17 +14,3 @@ from .defaults import (
 )
 from .scene import Scene, SceneCase
 from .simulate import Impact, plan_impact, simulate
-
-__all__ = [
-    "Impact",
-    "Meeting",
-    "Scene",
-    "SceneCase",
-    "checked_duration",
-    "checked_numbers",
-    "contact_width",
-    "fitted",
-    "fitted_pair",
-    "plan_impact",
-    "simulate",
-]

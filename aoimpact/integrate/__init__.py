@@ -13,16 +13,3 @@ from .newmark import Newmark
 from .recorder import Recorder
 from .to_tolerance import solve_adaptive
 from .tolerances import TIGHTEST
-
-__all__ = [
-    "TIGHTEST",
-    "Adaptive",
-    "Events",
-    "Motion",
-    "Newmark",
-    "Recorder",
-    "find_impulse",
-    "rigid_contact_time",
-    "solve_adaptive",
-    "solve_newmark",
-]

@@ -24,40 +24,6 @@ from .viscous import (
     Tsuji,
 )
 
-__all__ = [
-    "LAWS",
-    "ContactLaw",
-    "CoreLaw",
-    "Dent",
-    "ElasticPlastic",
-    "Hertz",
-    "HertzianLaw",
-    "HuntCrossley",
-    "KelvinVoigt",
-    "KuwabaraKono",
-    "LawFromSurfaces",
-    "Linear",
-    "PatchLaw",
-    "PowerLaw",
-    "RoundContact",
-    "Tabulated",
-    "Thornton",
-    "Tsuji",
-    "UserLaw",
-    "YangSun",
-    "check_width",
-    "contact_modulus",
-    "effective_law",
-    "law_between",
-    "loading_work",
-    "own_law",
-    "restitution",
-    "round_contact",
-    "wider",
-    "yield_force",
-    "yield_pressure",
-]
-
 # Every law by its name; a law between patches is made from one of them.
 LAWS: dict[str, type[ContactLaw]] = {
     name: law

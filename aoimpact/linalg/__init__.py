@@ -36,32 +36,3 @@ from .spectra import (
     warn_of_rounding,
 )
 from .superlu import Factorization, factorize
-
-__all__ = [
-    "DENSE_DOFS",
-    "ENTRIES_AT_ONCE",
-    "EQUAL",
-    "FEW_SOLUTIONS",
-    "LARGEST",
-    "LEAST",
-    "ROUGH",
-    "SOLVERS",
-    "Factorization",
-    "LinearSolver",
-    "Pencil",
-    "Solver",
-    "SolverBook",
-    "check_mass",
-    "check_stiffness",
-    "checked_solver",
-    "core_rows",
-    "dense_modes",
-    "factorize",
-    "linear_solver",
-    "lowest",
-    "motion_without_force",
-    "null_space",
-    "shifted",
-    "symmetric_pair",
-    "warn_of_rounding",
-]

@@ -5,5 +5,3 @@ A format a file, named in formats.py. Public; within the package only `scenefile
 
 from .read import read_matrices
 from .write import write_matrices
-
-__all__ = ["read_matrices", "write_matrices"]

@@ -4,5 +4,3 @@ It uses the package as a reader of the paper would. Only `cli` uses it.
 """
 
 from .reproduction import reproduce
-
-__all__ = ["reproduce"]

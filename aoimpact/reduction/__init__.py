@@ -17,33 +17,3 @@ from .recovery import PACE, SOLVED, GeneralizedCoordinates, Recovery
 from .reduction import antioscillators
 from .star import AOModel, TurningBody, ball, rigid, wall
 from .validity import fitted_times, is_valid_for
-
-__all__ = [
-    "PACE",
-    "SOLVED",
-    "AOModel",
-    "BodyModel",
-    "FullModel",
-    "GeneralizedCoordinates",
-    "InterfaceModel",
-    "InterfaceSpace",
-    "KrylovSpace",
-    "ModalBody",
-    "ModalModel",
-    "Pull",
-    "Recovery",
-    "ReducedModel",
-    "TurningBody",
-    "Velocity",
-    "antioscillators",
-    "ball",
-    "body_model",
-    "finer_model",
-    "fitted_times",
-    "full",
-    "interface",
-    "is_valid_for",
-    "modal",
-    "rigid",
-    "wall",
-]

@@ -20,24 +20,3 @@ from .contact import (
 from .plan import Oblique, Plan, reduced_mass
 from .rows import RecordLayout
 from .stepped import Equations, SteppedBody
-
-__all__ = [
-    "Contact",
-    "Equations",
-    "FreeMotion",
-    "Friction",
-    "Load",
-    "Oblique",
-    "Plan",
-    "Port",
-    "RecordLayout",
-    "SteppedBody",
-    "coordinates",
-    "extraction_of",
-    "law_of_models",
-    "normal_gap",
-    "oblique_compliance",
-    "reduced_mass",
-    "stepped",
-    "stiffness_ratio",
-]

@@ -5,5 +5,3 @@ of it, toml_lines.py finds lines for errors. For `batch` and `cli`.
 """
 
 from .file import SceneFile, read_scene
-
-__all__ = ["SceneFile", "read_scene"]

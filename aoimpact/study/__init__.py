@@ -3,5 +3,3 @@
 from .compare import compare
 from .comparison import Comparison
 from .fitlaw import LawFit, fit_law
-
-__all__ = ["Comparison", "LawFit", "compare", "fit_law"]
