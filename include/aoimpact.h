@@ -169,7 +169,7 @@ AOI_API int aoi_star_from_constraint_modes(size_t n, size_t count, const double 
 
 /* ------------------------------------------------------------------------------ contact laws */
 
-enum { AOI_LAW_PARAMETERS = 8, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };
+enum { AOI_LAW_PARAMETERS = 9, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };
 
 typedef struct aoi_law aoi_law;
 struct aoi_law_values; /* the core's own */

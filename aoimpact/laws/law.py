@@ -395,8 +395,9 @@ class ContactLaw:
         >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800, yield_strength=600e6)
         >>> law = ao.ElasticPlastic.between(steel, 0.005, steel, float("inf"))
         >>> depth, diameter = law.dent(50e-6)
-        >>> round(1e6 * depth, 1), round(1e3 * diameter, 2)  # µm, mm
-        (33.6, 1.37)
+        >>> pressure = law.force(50e-6) / (0.25 * np.pi * diameter**2)
+        >>> round(pressure / law.hardness, 6)  # fully plastic
+        1.0
         """
         deepest = positive("indentation", indentation, unit="m")
         force = self.force(deepest) if self.has_memory else 0.0

@@ -8,21 +8,32 @@
  * elastic_plastic: k, yield force, slope s = 2 pi R p0. M. R. Brake, Int. J. Solids Struct. 49 (2012)
  * 3129-3141: fully plastic from where Hertz's mean pressure is the hardness p0, d_f = (s/(2 k))^2, on the
  * line F = s (d - d_f/2); between yield and there Hermite's cubic, which meets both with their slopes.
- * I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729, up to d_f:
- * d_p = d* (1 - w^(-0.28)) (1 - w^(-0.69)), w being the ratio of d* to the indentation of yield. Beyond,
- * with F = pi p0 a^2, the recovery d* - d_p = 3 F*/
+ * I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729, up to d_r:
+ * d_p = d* (1 - w^(-0.28)) (1 - w^(-0.69)), w being the ratio of d* to the indentation of yield. Beyond, the
+ * recovery d* - d_p goes as F*^(1/2), as that of a flattened sphere does on which F = pi p0 a^2. At d_r
+ * both have the same slope: with m = d ln(d* - d_p)/d ln d* and d ln F/d ln d = 2 d/(2 d - d_f),
+ * d_r = m d_f/(2 m - 1), about 1.6 d_f. Were it d_f, the share of the work that is given back would rise there. */
 #include "law/kinds.h"
 
 #include <math.h>
 
-/* Parameters; of indentation: YIELD, and FULL, from where the law is a line; of the cubic: SQUARE, CUBIC. */
-enum { STIFFNESS, YIELD_FORCE, SLOPE, YIELD, FULL, FULL_FORCE, SQUARE, CUBIC };
+/* Parameters; of indentation: YIELD, and FULL, from where the law is a line; of the cubic: SQUARE, CUBIC;
+ * d_r: FITTED. */
+enum { STIFFNESS, YIELD_FORCE, SLOPE, YIELD, FULL, FULL_FORCE, SQUARE, CUBIC, FITTED };
 enum { DEEPEST, REACH };                    /* memory, REACH: d* - d_p; both zero while all was elastic */
 enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces */
 
 /* FULL over YIELD, at least: where the hardness is less than about 1.25 times the pressure of yield, the
  * recovery at d_f is above 5/6 of d_f, and unloading would give back more than loading takes. */
 static const double LEAST_FULL = 3.5;
+
+/* d* - d_p over d*, by Etsion, Kligerman and Kadin; *power: that of d* with which d* - d_p goes there. */
+static double fitted(double w, double *power)
+{
+    const double first = pow(w, -0.28), second = pow(w, -0.69), own = first + second - first * second;
+    *power = 1.0 - (0.28 * first + 0.69 * second - 0.97 * first * second) / own;
+    return own;
+}
 
 static void thornton_prepare(aoi_law *law)
 {
@@ -46,6 +57,12 @@ static void elastic_plastic_prepare(aoi_law *law)
     const double rise = (p[FULL_FORCE] - p[YIELD_FORCE]) / length;
     p[SQUARE] = (3.0 * rise - 2.0 * start - slope) / length;
     p[CUBIC] = (start + slope - 2.0 * rise) / (length * length);
+    p[FITTED] = p[FULL];
+    for (int i = 0; i < 30; i++) { /* the power hardly changes: each adds a digit */
+        double power;
+        fitted(p[FITTED] / p[YIELD], &power);
+        p[FITTED] = p[FULL] * power / (2.0 * power - 1.0);
+    }
 }
 
 /* The way in. */
@@ -79,9 +96,10 @@ static double recovered(const aoi_law *law, double deepest)
 {
     const double *p = law->parameter;
     if (p[FULL] > p[YIELD]) {
-        const double end = fmin(deepest, p[FULL]), w = end / p[YIELD];
-        const double first = pow(w, -0.28), second = pow(w, -0.69), own = end * (first + second - first * second);
-        return deepest > end ? own * sqrt(top_force(law, deepest) / p[FULL_FORCE]) : own;
+        const double end = fmin(deepest, p[FITTED]);
+        double power;
+        const double own = end * fitted(end / p[YIELD], &power);
+        return deepest > end ? own * sqrt(top_force(law, deepest) / top_force(law, end)) : own;
     }
     return top_force(law, deepest) / (p[STIFFNESS] * sqrt(deepest));
 }

@@ -454,12 +454,22 @@ static void full_plasticity_is_brakes(void)
     aoi_law_push(&law, memory, middle, 1.0, &at);
     const double mean = 0.5 * (100.0 + 0.5 * slope * full);
     CHECK(near(at.force, mean + (full - yield) * (start - slope) / 8.0, 1e-13), "Hermite's cubic in the middle");
+    /* From where on, both have the same slope. */
+    double low_end = full, high_end = 2.0 * full;
+    for (int i = 0; i < 60; i++) {
+        const double d = 0.5 * (low_end + high_end), h = 1e-6;
+        const double less = 1.0 - (1.0 - pow(d * (1.0 - h) / yield, -0.28)) * (1.0 - pow(d * (1.0 - h) / yield, -0.69));
+        const double more = 1.0 - (1.0 - pow(d * (1.0 + h) / yield, -0.28)) * (1.0 - pow(d * (1.0 + h) / yield, -0.69));
+        const double power = 1.0 + log(more / less) / (2.0 * h);
+        *(power < d / (2.0 * d - full) ? &low_end : &high_end) = d;
+    }
+    const double fitted = low_end;
     for (double w = 1.0001; w < 1e9; w *= 7.0) {
         memory[0] = memory[1] = 0.0;
         aoi_law_remember(&law, w * yield, 1.0, memory);
-        /* Beyond full plasticity the recovery goes as the root of the force, which is 1e8 (d - full/2). */
-        const double v = fmin(w, full / yield), own = 1.0 - (1.0 - pow(v, -0.28)) * (1.0 - pow(v, -0.69));
-        const double past = w > v ? sqrt(2.0 * w * yield / full - 1.0) : 1.0;
+        /* Far past full plasticity the recovery goes as the root of the force, which is 1e8 (d - full/2). */
+        const double v = fmin(w, fitted / yield), own = 1.0 - (1.0 - pow(v, -0.28)) * (1.0 - pow(v, -0.69));
+        const double past = w > v ? sqrt((2.0 * w * yield - full) / (2.0 * fitted - full)) : 1.0;
         const double rest = w * yield - v * yield * own * past;
         CHECK(fabs(aoi_law_rest(&law, memory) - rest) < 1e-14 * w * yield, "residual indentation at %g y", w);
         aoi_law_push(&law, memory, w * yield - 0.36 * (w * yield - rest), -1.0, &at);

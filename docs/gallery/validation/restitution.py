@@ -87,8 +87,9 @@ ax.legend(fontsize="small")
 # %%
 # Dotted: first yield.
 #
-# From full plasticity on the law's recovery goes as the root of the force (K. L. Johnson, *Contact Mechanics*, eq. 11.43), and the
-# curves fall with the power -1/4; between yield and there with the fit that Etsion, Kligerman and Kadin made to finite elements.
+# Between yield and 1.6 times the indentation of full plasticity, the recovery is the fit that Etsion, Kligerman and Kadin made to
+# finite elements. From there on it goes as the root of the force (K. L. Johnson, *Contact Mechanics*, section 11.5), and the curves
+# fall with the power -1/4. Their slopes agree at the transition, so that restitution does not rise there.
 #
 # *Not understood*: the measured energies are lower bounds, since the bars had not come to rest; the law returns 1.1 times as much as
 # was measured of steel, and 1.6 times of aluminium.
