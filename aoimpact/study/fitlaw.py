@@ -69,6 +69,10 @@ _STARTS, _AROUND = 5, 0.7
 # the largest value; the noise is that of second differences, from eight values on.
 _OFF, _VISIBLE, _FEW = 3.0, 0.02, 8
 
+# Of noise alone a fit takes about a variance for each parameter off the sum of squares, and a few
+# where it may choose its start among a thousand samples.
+_EXPLAINED = 10.0
+
 # Distance from a bound, as a logarithm, within which a parameter is at it.
 _AT_BOUND = 1e-2
 
@@ -295,7 +299,7 @@ def fit_law(
     AOImpactWarning
         If the data do not determine a parameter: its standard error is more than half of it. If
         the law does not describe them: the residual is more than three times the noise and 2 % of
-        the largest value, or a parameter is at a bound.
+        the largest value, or a parameter is at a bound. If they are hardly more than noise.
 
     Examples
     --------
@@ -359,6 +363,13 @@ def _warn_of_a_poor_fit(problem: _Problem, x: FloatArray, residual: float) -> No
             f"the measurement, whose noise is {noise / largest:.1%}: take another law or start, or "
             "check mass, velocity and units"
         )
+    misfit = problem.misfit(x)
+    explained = data.measured @ data.measured - misfit @ misfit
+    if explained < _EXPLAINED * len(x) * residual**2:
+        warn(
+            f"the measurement is hardly more than noise, {residual / largest:.0%} of the largest "
+            "value: the fit means nothing; measure with more gain, or check start and units"
+        )
     ends = zip(problem.names, x, problem.low, problem.high, strict=False)
     bound = [name for name, at, low, high in ends if min(at - low, high - at) < _AT_BOUND]
     if bound:
@@ -395,6 +406,8 @@ def _free(law: ContactLaw, free: Iterable[str] | None) -> list[str]:
             )
     if not chosen:
         raise InputError(f"free is empty: nothing of {law!r} is to be fitted")
+    if len(set(chosen)) < len(chosen):
+        raise InputError(f"free must name each parameter once, got {chosen}")
     return chosen
 
 
@@ -444,6 +457,8 @@ def _curve(indentation: npt.ArrayLike, force: npt.ArrayLike) -> _Data:
 
 def _dents(dent: npt.ArrayLike, mass: float | None, velocity: Any) -> _Data:
     wide = finite_array("dent", dent, ndim=1, unit="m", most=HUGE)
+    if wide.min(initial=0.0) < 0.0 or not wide.max(initial=0.0) > 0.0:
+        raise InputError(f"dent must be diameters, none negative and one above 0, got {dent!r} m")
     speeds = finite_array("velocity", velocity, shape=wide.shape, unit="m/s")
     energies = 0.5 * positive("mass", mass, unit="kg") * speeds**2
     return _Data(

@@ -15,6 +15,7 @@ from aoimpact.testrig import Signal
 
 WALL = ao.rigid(mass=math.inf)
 RADIUS = 0.01
+LAW = ao.ElasticPlastic(1e9, 10.0, 2e8, relative_radius=RADIUS)
 
 
 def history(law: ao.ContactLaw, mass: float, speed: float) -> tuple[Signal, float, float]:
@@ -175,6 +176,15 @@ def test_what_the_law_does_not_describe_is_said() -> None:
         ao.fit_law(ao.HuntCrossley, given, mass=0.1, velocity=1.0)
 
 
+@pytest.mark.filterwarnings("ignore:.*data do not determine", "ignore:.*at the bound")
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("law", [ao.Hertz, ao.HuntCrossley])
+def test_noise_alone_is_said_to_be_that(law: type[ao.ContactLaw], seed: int) -> None:
+    noise = Signal(np.linspace(0.0, 1e-3, 300), np.random.default_rng(seed).normal(size=300))
+    with pytest.warns(ao.AOImpactWarning, match="hardly more than noise"):
+        ao.fit_law(law, noise, mass=0.1, velocity=1.0)
+
+
 @pytest.mark.filterwarnings("ignore:.*data do not determine", "ignore:PowerLaw is")
 def test_a_parameter_at_its_bound_is_said() -> None:
     depth = np.linspace(0.0, 1e-4, 40)
@@ -220,6 +230,18 @@ def test_bodies_that_ring_are_taken_as_they_are() -> None:
         ),
         ({"law": ao.Hertz, "indentation": [1e-4], "force": [1.0]}, "more than 1 measured values"),
         ({"law": ao.Hertz, "signal": ([0, 1], [0, -1.0])}, "velocity must be"),
+        (
+            {"law": ao.Hertz(1e9), "free": ["k", "k"], "indentation": [0, 1e-4], "force": [0, 1]},
+            "name each parameter once",
+        ),
+        (
+            {"law": LAW, "free": "hardness", "dent": [0, 0], "mass": 0.1, "velocity": [1, 2]},
+            "dent must be diameters",
+        ),
+        (
+            {"law": LAW, "free": "hardness", "dent": [1e-4, -1e-4], "mass": 1, "velocity": [1, 2]},
+            "dent must be diameters",
+        ),
     ],
 )
 def test_what_cannot_be_fitted(given: dict[str, Any], message: str) -> None:
