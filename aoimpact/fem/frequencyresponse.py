@@ -12,8 +12,11 @@ where the modes that are left out follow as a power series in ω² of static sol
 Under Rayleigh's damping μ = (ω² - iαω)/(1 + iβω), and the sum is divided by 1 + iβω. After p terms
 the rest is at most rᵖ/(1 - r) · √(bᵀX_b cᵀX_c) with r = |μ|/ω_{m+1}² and X the static residuals, by
 Cauchy and Schwarz. Damping by modes is left out of the static part, and bounded likewise. Rounding
-of ω_j² is that of φ_jᵀKφ_j. Few frequencies above many modes are solved for directly; their error
-is yᵀr with the residual r and the response y to c.
+of ω_j² is that of φ_jᵀKφ_j, and none of rigid motions, which have no stiffness; of k numbers in a
+row it grows as √k. Far above the highest mode the terms nearly cancel; with E = ΦᵀMΦ - I, by which
+the modes are not orthogonal, what is left is wrong by up to ω² ‖E‖ ‖b_j g_j‖ ‖c_j g_j‖ with
+g_j = 1/(ω_j² - ω²). Few frequencies above many modes are solved for directly, without the rigid
+part, which is added; their error is yᵀr with the residual r and the response y to c.
 """
 
 from __future__ import annotations
@@ -46,6 +49,9 @@ _ALL = 600
 
 # Remainder of the series over the static residual.
 _NEGLIGIBLE = 1e-12
+
+# Numbers of a table of modes and frequencies that are held at once.
+_AT_ONCE = 2**22
 
 # Modes that are asked for at first; and for each frequency at most, which take about as long as its
 # direct solution.
@@ -151,15 +157,20 @@ def _solved(
 
     values, error = np.empty(len(omega), dtype=np.complex128), np.empty(len(omega))
     mu, stiffer = _without_damping(body.damping, omega)
+    rigid, moved = body.rigid_modes, body.M @ body.rigid_modes
+    whole = float((rigid.T @ c) @ (rigid.T @ b))
+    load, seen = (of - moved @ (rigid.T @ of) for of in (b, c))
     for i, (shift, scale) in enumerate(zip(mu, stiffer, strict=True)):
         matrix = (scale * (body.K - shift * body.M)).tocsc()
         options = {"SymmetricMode": True}
         lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01, options=options)
-        x = lu.solve(b.astype(np.complex128))
-        y = x if c is b else lu.solve(c.astype(np.complex128))
-        values[i] = c @ x
-        rounding = np.finfo(float).eps * (np.abs(b) + abs(matrix) @ np.abs(x))
-        error[i] = np.abs(y) @ (np.abs(b - matrix @ x) + rounding)
+        x, y = (
+            found - rigid @ (moved.T @ found) for found in map(lu.solve, (load + 0j, seen + 0j))
+        )
+        values[i] = seen @ x - (whole / (scale * shift) if rigid.size else 0.0)
+        rounding = np.finfo(float).eps * (np.abs(load) + abs(matrix) @ np.abs(x))
+        error[i] = np.abs(y) @ (np.abs(load - matrix @ x) + rounding)
+        error[i] += np.finfo(float).eps * abs(values[i])
     return values, error
 
 
@@ -226,14 +237,27 @@ class _Modes:
     ) -> tuple[npt.NDArray[np.complex128], FloatArray]:
         """Return the receptance and its bound, m/N, each of shape (n,)."""
         damping: Damping | None = self.body.damping
-        weight = (self.shapes.T @ b) * (self.shapes.T @ c)
-        decay = np.zeros_like(self.omega) if damping is None else damping.decay(self.omega)
-        with np.errstate(divide="ignore", invalid="ignore"):  # at a resonance without damping
-            den = self.omega**2 - omega[:, None] ** 2 + 2j * decay * omega[:, None]
-            found = np.where(weight == 0.0, 0.0, weight / den).sum(axis=1)
-            sharp = np.abs(np.where(weight == 0.0, 0.0, weight / den**2))
-        sizes = np.abs(self.shapes)
-        rounding = np.finfo(float).eps * np.einsum("ij,ij->j", sizes, abs(self.body.K) @ sizes)
+        product = self.shapes.T @ (self.body.M @ self.shapes)
+        eps = float(np.finfo(float).eps)
+        skew = float(np.linalg.norm(product - np.eye(len(product)))) + eps
+        sizes, row = np.abs(self.shapes), float(np.diff(self.body.K.indptr).max(initial=1))
+        rounding = math.sqrt(row) * eps * np.einsum("ij,ij->j", sizes, abs(self.body.K) @ sizes)
+        rounding[self.omega == 0.0] = 0.0
+        of_force, of_response = self.shapes.T @ b, self.shapes.T @ c
+        seen = of_force * of_response != 0.0  # others may be at resonance without damping
+        own, weight = self.omega[seen], (of_force * of_response)[seen]
+        decay = np.zeros_like(own) if damping is None else damping.decay(own)
+        squares = np.stack(
+            [np.abs(weight) * rounding[seen], of_force[seen] ** 2, of_response[seen] ** 2]
+        )
+        found, error = np.empty(len(omega), dtype=np.complex128), np.empty(len(omega))
+        for some in np.array_split(np.arange(len(omega)), 1 + len(omega) * len(own) // _AT_ONCE):
+            of = omega[some, None]
+            with np.errstate(divide="ignore", invalid="ignore"):  # at a resonance without damping
+                gain = 1.0 / (own**2 - of**2 + 2j * decay * of)
+                found[some] = gain @ weight
+                sharp, force, response = squares @ np.abs(gain.T) ** 2
+                error[some] = sharp + skew * of[:, 0] ** 2 * np.sqrt(force * response)
         mu, stiffer = _without_damping(damping, omega)
         ratio = np.abs(mu) / self.above**2
         residual = self._static(b)
@@ -246,7 +270,7 @@ class _Modes:
         for _ in range(terms):
             found = found + power * (c @ residual) / stiffer
             residual, power = self._static(self.body.M @ residual), power * mu
-        error = size * ratio**terms / (1.0 - ratio) + sharp @ rounding
+        error = error + size * ratio**terms / (1.0 - ratio)
         if isinstance(damping, ModalDamping):
             error = error + size * 2.0 * damping.ratio * np.sqrt(ratio) / (1.0 - ratio) ** 2
         return found, error

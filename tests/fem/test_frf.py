@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 import pytest
 import scipy.linalg
 import scipy.sparse as sp
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu, spsolve
 
 import aoimpact as ao
 
@@ -154,3 +155,49 @@ def test_what_makes_no_sense_is_named() -> None:
         body.frf(excitation="tip", frequencies=[1.0])  # type: ignore[arg-type]
     with pytest.raises(ao.InputError, match="kind must be"):
         body.frf(excitation=first, frequencies=[1.0], kind="force")
+
+
+@pytest.mark.parametrize("across", [4, 10])
+@pytest.mark.parametrize("damping", [None, ao.Rayleigh(beta=1e-7)])
+def test_a_free_body_moves_at_low_frequency_as_a_rigid_one(across: int, damping: Any) -> None:
+    """a = (1/m + (r × n)ᵀ J⁻¹ (r × n)) F under a force along n at r from the centre of mass."""
+    body, point, _ = plate(damping, None, across)
+    found = body.frf(excitation=point, frequencies=[1e-3, 0.1, 1.0, 2e5], kind="accelerance")
+    lengths = np.array([0.2, 0.1, 0.01])
+    mass = 2700.0 * lengths.prod()
+    inertia = mass / 12.0 * ((lengths**2).sum() - lengths**2)
+    along = np.array([1.0, 0.0, -1.0]) / math.sqrt(2.0)
+    turning = np.cross(np.array([0.1, 0.05, 0.01]) - 0.5 * lengths, along)
+    known = 1.0 / mass + (turning**2 / inertia).sum()
+    assert found.values[:3].real == pytest.approx(known, rel=1e-5)
+    assert (found.error[:3] <= 1e-9 * known).all()
+
+
+@pytest.mark.parametrize("across", [4, 10])
+@pytest.mark.parametrize("held", ["clamped", "free"])
+def test_the_bound_holds_far_above_all_modes(held: str, across: int) -> None:
+    """Of two points that are apart the terms of the sum nearly cancel; refined in long double."""
+    body, first, second = plate(None, SUPPORTS[held], across)
+    frequencies = np.array([1e6, 1e7, 1e8])
+    found = body.frf(excitation=first, response=second, frequencies=frequencies)
+    K, M = (of.toarray().astype(np.longdouble) for of in (body.K, body.M))
+    for frequency, value, bound in zip(frequencies, found.values, found.error, strict=True):
+        omega2 = np.longdouble(2.0 * math.pi * frequency) ** 2
+        solve = splu(sp.csc_matrix(body.K - float(omega2) * body.M)).solve
+        x = solve(first.b).astype(np.longdouble)
+        for _ in range(5):
+            x = x + solve((first.b - (K @ x - omega2 * (M @ x))).astype(float))
+        known = float(second.b @ x)
+        assert abs(value - known) <= bound <= 1e-6 * abs(known)
+
+
+def test_a_million_frequencies_take_little_memory() -> None:
+    body, first, _ = plate(ao.ModalDamping(0.01), SUPPORTS["clamped"], 2)
+    frequencies = np.linspace(1.0, 1e4, 1_000_000)
+    tracemalloc.start()
+    found = body.frf(excitation=first, frequencies=frequencies)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 1e9
+    few = body.frf(excitation=first, frequencies=frequencies[::99_999])
+    np.testing.assert_allclose(found.values[::99_999], few.values, rtol=1e-12)
