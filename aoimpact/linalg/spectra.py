@@ -10,7 +10,7 @@ import scipy
 
 from ..base import ConvergenceError, FloatArray, SingularError, warn
 from .davidson import davidson
-from .dense import dense_modes
+from .dense import NO_MASS, dense_modes
 from .pencil import Pencil
 from .solvers import LinearSolver, linear_solver
 
@@ -173,6 +173,7 @@ def lowest(
     dofs = K.shape[0]
     rigid = np.zeros((dofs, 0)) if known is None else known
     count = rigid.shape[1]
+    n = min(n, int(np.count_nonzero(M.diagonal())))  # rows without mass add no modes
     if n <= count:
         return np.zeros(n), rigid[:, :n].copy()
     if dofs <= DENSE_DOFS or n > dofs // 5:
@@ -185,7 +186,7 @@ def lowest(
     else:
         base = near if near.s2 == 0.0 else shifted(K, M, rigid=known, invert=solver_at, first=near)
         try:
-            modes = _lowest_sparse(M, base.solve, base.s2, n - count, rigid)
+            modes = _lowest_sparse(K, M, base.solve, base.s2, n - count, rigid)
             # Rayleigh and Ritz: where few digits of K leave rigid motions a stiffness, s² is next
             # to it, and their rounding, by far the largest, is in all other modes.
             omega2, turned = np.linalg.eigh(modes.T @ (K @ modes))
@@ -253,6 +254,7 @@ def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray
 
 
 def _lowest_sparse(
+    K: Any,
     M: Any,
     solve: Callable[[FloatArray], FloatArray],
     s2: float,
@@ -260,6 +262,8 @@ def _lowest_sparse(
     away_from: FloatArray,
 ) -> FloatArray:
     """Return the modes of the `n` lowest eigenvalues, or a few more, shape (dofs, n), by ARPACK.
+
+    There are fewer if fewer motions have mass.
 
     A Krylov space holds one vector of a multiple eigenvalue, so members of it can be missed. The
     modes found are therefore deflated and the lowest of the rest computed, until that lies above.
@@ -275,27 +279,36 @@ def _lowest_sparse(
     ------
     ConvergenceError
     """
-    omega2, modes = _arnoldi(M, solve, s2, n, away_from)
-    while True:
+    omega2, modes = _arnoldi(K, M, solve, s2, n, away_from)
+    while len(omega2) >= n:
         deflated = np.column_stack([away_from, modes])
-        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated)
-        if next_omega2[0] > omega2[n - 1] * (1.0 - EQUAL):
-            return modes
+        next_omega2, next_mode = _arnoldi(K, M, solve, s2, 1, deflated)
+        if not len(next_omega2) or next_omega2[0] > omega2[n - 1] * (1.0 - EQUAL):
+            break
         omega2 = np.append(omega2, next_omega2)
         modes = np.column_stack([modes, next_mode])
         order = np.argsort(omega2, kind="stable")
         omega2, modes = omega2[order], modes[:, order]
+    return modes
 
 
 def _arnoldi(
+    K: Any,
     M: Any,
     solve: Callable[[FloatArray], FloatArray],
     s2: float,
     n: int,
     deflated: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
+    """Return ω² and M-orthonormal modes of the `n` lowest eigenvalues, of fewer without mass.
+
+    By M + αK in place of M, which has the same modes with ω²/(1 + αω²). M does not see motions
+    without mass, such as rotations about a shell's normal: rounding in these would grow from one
+    Lanczos vector to the next (B. Nour-Omid et al., Math. Comp. 48, 663, 1987).
+    """
     dofs = M.shape[0]
-    start = np.random.default_rng(2).standard_normal(dofs)
+    alpha = float(M.diagonal().sum() / K.diagonal().sum())
+    part = 1.0 - alpha * s2  # K + s²M = part (K + s²/part (M + αK))
     m_deflated = M @ deflated
 
     def project(x: FloatArray) -> FloatArray:
@@ -303,18 +316,22 @@ def _arnoldi(
         return projected
 
     def inverse(f: FloatArray) -> FloatArray:
-        return project(solve(np.ascontiguousarray(f).ravel()))
+        return part * project(solve(np.ascontiguousarray(f).ravel()))
 
+    whole = part * solve(M @ np.random.default_rng(2).standard_normal(dofs))
+    start = project(whole)
+    if start @ (M @ start) <= (NO_MASS * NO_MASS) * (whole @ (M @ whole)):
+        return np.zeros(0), np.zeros((dofs, 0))  # every motion with mass is deflated
     operator = scipy.sparse.linalg.LinearOperator((dofs, dofs), matvec=inverse, dtype=np.float64)
     try:
         values, vectors = scipy.sparse.linalg.eigsh(
             operator,  # used for its shape only: OPinv stands for the inverse
             k=n,
-            M=M,
-            sigma=-s2,
+            M=M + alpha * K,
+            sigma=-s2 / part,
             OPinv=operator,
             which="LM",
-            v0=inverse(M @ start),
+            v0=start,
             maxiter=_RESTARTS,
             ncv=min(dofs, max(2 * n + 1, 20)),
         )
@@ -324,6 +341,8 @@ def _arnoldi(
             "or make the body less slender: K has few digits for stiffness so small"
         ) from None
     order = np.argsort(values)
-    vectors = project(vectors[:, order])
-    vectors /= np.sqrt(np.einsum("ij,ij->j", vectors, M @ vectors))
-    return values[order], vectors
+    values, vectors = values[order], project(vectors[:, order])
+    mass = np.einsum("ij,ij->j", vectors, M @ vectors)
+    heavy = mass > NO_MASS * (M.diagonal() @ vectors**2)
+    omega2 = values[heavy] / (1.0 - alpha * values[heavy])
+    return omega2, vectors[:, heavy] / np.sqrt(mass[heavy])

@@ -4,7 +4,9 @@ import warnings
 
 import numpy as np
 import pytest
+import scipy.linalg
 import scipy.sparse as sp
+from thinmeshes import grid
 
 import aoimpact as ao
 from aoimpact.linalg.spectra import lowest, null_space
@@ -92,3 +94,38 @@ def test_stiffness_that_rounding_drowns_is_said(thickness, lost, made):
         warnings.simplefilter("always")
         make()
     assert any("K's digits do not hold" in str(one.message) for one in said) == lost
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+@pytest.mark.parametrize("n", [20, 140])
+def test_rotations_without_mass_leave_the_frequencies_of_a_shell_right(turn, n):
+    """Against LAPACK on K and M with the massless motions statically condensed."""
+    c, s = np.cos(turn), np.sin(turn)
+    nodes, cells, x, y = grid(12, 12, lambda x, y: (0.3 * x, 0.3 * c * y, 0.3 * s * y))
+    rim = np.flatnonzero((x == 0.0) | (x == 1.0) | (y == 0.0) | (y == 1.0))
+    mesh = ao.Mesh(nodes, cells, "quad", node_sets={"rim": rim})
+    layers = ao.Shell(8e-3, ao.Material(E=210e9, nu=0.3, rho=7800.0))
+    body = ao.FEModel.from_mesh(mesh, layers, fixed=[("rim", "xyz", "xyz")])
+    K, M = body.K.toarray(), body.M.toarray()
+    mass, motions = np.linalg.eigh(M)
+    light = mass < 1e-12 * mass[-1]
+    assert light.sum() == 121  # the normal's rotation at each free node
+    N, R = motions[:, light], motions[:, ~light]
+    condensed = R.T @ (K - K @ N @ np.linalg.solve(N.T @ K @ N, N.T @ K)) @ R
+    exact = scipy.linalg.eigh(condensed, R.T @ M @ R, eigvals_only=True)[:n]
+    np.testing.assert_allclose(body.frequencies(n), np.sqrt(exact) / (2.0 * np.pi), rtol=1e-9)
+
+
+@pytest.mark.parametrize("n", [5, 11, 20])
+def test_there_are_as_many_modes_as_masses(n):
+    """Eleven point masses on 1000 springs, against LAPACK on the compliances between them."""
+    K, _ = rod(1000, fixed=[0])
+    masses = np.zeros(1000)
+    masses[::100], masses[3] = 1.0, 1e-3
+    heavy = np.flatnonzero(masses)
+    omega2, modes = lowest(K, sp.diags(masses).tocsr(), n)
+    compliance = np.linalg.inv(K.toarray())[np.ix_(heavy, heavy)]
+    root = np.sqrt(masses[heavy])
+    exact = 1.0 / np.linalg.eigvalsh(root[:, None] * compliance * root)[::-1]
+    np.testing.assert_allclose(omega2, exact[:n], rtol=1e-9)
+    np.testing.assert_allclose(modes.T @ (masses[:, None] * modes), np.eye(min(n, 11)), atol=1e-9)
