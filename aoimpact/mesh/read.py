@@ -41,15 +41,14 @@ from .mesh import (
 from .orient import against_neighbours
 
 # Surface and line elements of second order as ones of first order, by their nodes.
-_SPLIT: dict[str, list[tuple[str, Any]]] = {
-    "line3": [("line", [(0, 2), (2, 1)])],
-    "triangle6": [("triangle", [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)])],
-    "quad8": [
-        ("triangle", [(0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7)]),
-        ("quad", [(4, 5, 6, 7)]),
-    ],
-    "quad9": [("quad", [(0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)])],
+_SPLIT: dict[str, tuple[str, Any]] = {
+    "line3": ("line", [(0, 2), (2, 1)]),
+    "triangle6": ("triangle", [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]),
+    "quad9": ("quad", [(0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)]),
 }
+
+# Shape functions of a quad8 in its middle.
+_MIDDLE = np.repeat([-0.25, 0.5], 4)
 
 
 def read_mesh(
@@ -70,8 +69,8 @@ def read_mesh(
     Groups of other cells become named node sets. Groups of the body's cells become both sets of
     nodes and groups of elements. Neighbouring surface elements get normals on the same side. Those
     of second order become several of first order, on their nodes: line3 two lines, triangle6 four
-    triangles, quad9 four quads, and quad8 a quad and four triangles. Bricks and other elements that
-    repeat nodes become the wedges, pyramids and tetrahedra that they are. Midside nodes in another
+    triangles, quad9 four quads, and quad8 as well, with a node added in its middle. Bricks and
+    other elements that repeat nodes become the wedges, pyramids and tetrahedra that they are. Midside nodes in another
     order than VTK's and elements numbered left-handed throughout are put right.
 
     A set of an instance of an Abaqus part is called "instance.set", and "set" as well if no other
@@ -163,6 +162,7 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     if np.ndim(raw.nodes) != 2:
         shape = np.shape(raw.nodes)
         raise MeshError(f"coordinates of the mesh must have shape (any, 3), got {shape}")
+    given = len(raw.nodes)
     raw = _of_first_order(raw, named)
     solids = _body(raw, named)
     _warn_of_sections(raw, solids)
@@ -170,10 +170,11 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     for _, cells, _ in solids:
         used[cells] = True
     nodes = _scaled(_coordinates(raw.nodes, used), factor)[used]
-    if not used.all():
-        first = int(np.flatnonzero(~used)[0])
+    dropped = np.flatnonzero(~used[:given])
+    if len(dropped):
+        first = int(dropped[0])
         warn(
-            f"{int((~used).sum())} of {len(used)} nodes belong to no {_what(solids)} element and "
+            f"{len(dropped)} of {given} nodes belong to no {_what(solids)} element and "
             "were "
             + (
                 f"dropped; nodes after {first} have new numbers (named sets keep their members)"
@@ -211,26 +212,46 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     )
 
 
+def _with_middles(raw: RawMesh) -> RawMesh:
+    """Return a file with a node in the middle of each quad8, which becomes a quad9.
+
+    The node is in the sets of nodes that hold all others of its element.
+    """
+    nodes, labels, blocks = raw.nodes, raw.node_labels, []
+    sets = {name: np.asarray(own) for name, own in raw.node_sets.items()}
+    joined = np.ma.concatenate if np.ma.isMaskedArray(nodes) else np.concatenate
+    for block in raw.blocks:
+        cells = np.asarray(block.cells)
+        sound = cells.shape[1:] == (8,) and len(cells) and 0 <= cells.min()
+        if block.kind == "quad8" and sound and cells.max() < len(raw.nodes):  # or refused later
+            middles = len(nodes) + np.arange(len(cells))
+            for name, own in sets.items():
+                sets[name] = np.append(own, middles[np.isin(cells, own).all(axis=1)])
+            nodes = joined([nodes, np.einsum("a,nai->ni", _MIDDLE, nodes[cells])])
+            if labels is not None:
+                labels = np.append(labels, labels.max() + 1 + np.arange(len(cells)))
+            block = RawBlock("quad9", np.column_stack([cells, middles]), block.labels)
+        blocks.append(block)
+    return replace(raw, nodes=nodes, node_labels=labels, node_sets=sets, blocks=tuple(blocks))
+
+
 def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
     """Return a file with elements of second order of shells and beams split at their nodes."""
     kinds = {block.kind for block in raw.blocks if len(block.cells)}
     solid = max((block.dim for block in raw.blocks if len(block.cells)), default=0) == 3
-    if not kinds.intersection(_SPLIT) or (solid and not named):
+    if not kinds.intersection([*_SPLIT, "quad8"]) or (solid and not named):
         return raw
+    raw = _with_middles(raw)
     blocks, origins = [], []
     for block, first in zip(raw.blocks, raw.first[:-1], strict=True):
         cells, numbers = np.asarray(block.cells), first + np.arange(len(block.cells))
-        split = _SPLIT.get(block.kind, [])
-        if split and (cells.ndim != 2 or cells.shape[1] != nodes_in(block.kind)):
-            split = []  # refused later
-        if not split:
-            blocks.append(block)
-            origins.append(numbers)
-        for kind, parts in split:
+        if block.kind in _SPLIT and cells.shape[1:] == (nodes_in(block.kind),):
+            kind, parts = _SPLIT[block.kind]
             labels = None if block.labels is None else np.repeat(block.labels, len(parts))
             own = cells[:, np.array(parts)].reshape(-1, len(parts[0]))
-            blocks.append(RawBlock(kind, own, labels))
-            origins.append(np.repeat(numbers, len(parts)))
+            block, numbers = RawBlock(kind, own, labels), np.repeat(numbers, len(parts))
+        blocks.append(block)  # one of another shape is refused later
+        origins.append(numbers)
     origin = np.concatenate(origins)
     sets = {name: np.flatnonzero(np.isin(origin, own)) for name, own in raw.cell_sets.items()}
     return replace(raw, blocks=tuple(blocks), cell_sets=sets)

@@ -111,7 +111,7 @@ def test_a_beam_may_name_a_third_node_for_its_section(tmp_path: Path) -> None:
 
 
 ROOM = {  # nodes of one element of each kind, and the elements of first order that it becomes
-    "S8R": ([(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)], "1 quad, 4 triangle"),
+    "S8R": ([(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)], "4 quad"),
     "S9R5": (
         [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)],
         "4 quad",
@@ -138,6 +138,47 @@ def test_shells_and_beams_of_second_order_are_split_at_their_nodes(
     made_of = RIB if kind == "B32" else SHEET
     across = np.pi * 0.01**2 * 2 if kind == "B32" else 1e-3 * (2 if "TRI" in kind else 4)
     assert ao.FEModel.from_mesh(mesh, made_of).mass == pytest.approx(7800 * across)
+
+
+def of_eight_nodes(n: int, place: Any) -> meshio.Mesh:
+    """n x n elements of eight nodes on the unit square, put into space."""
+    i, j = np.meshgrid(np.arange(2 * n + 1), np.arange(2 * n + 1), indexing="ij")
+    kept = (i % 2 == 0) | (j % 2 == 0)
+    number = np.where(kept, np.cumsum(kept).reshape(kept.shape) - 1, -1)
+    a, b = (of[:-1:2, :-1:2].ravel() for of in (i, j))
+    around = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
+    cells = np.stack([number[a + di, b + dj] for di, dj in around], axis=1)
+    nodes = np.stack(place(i[kept] / (2 * n), j[kept] / (2 * n)), axis=1)
+    return meshio.Mesh(nodes, [("quad8", cells)], point_sets={"all": np.arange(len(nodes))})
+
+
+def test_elements_of_eight_nodes_converge_as_quadrilaterals() -> None:
+    """Frequency of a thin simply supported square, π √(D/m) = 2π f, to second order."""
+    t = 1e-3
+    D = 210e9 * t**3 / 12 / (1 - 0.3**2)
+    exact = np.pi * np.sqrt(D / (7800 * t))
+    errors = []
+    for n in (4, 8):
+        mesh = ao.read_mesh(of_eight_nodes(n, lambda x, y: (x, y, 0 * x)))
+        assert mesh.contents == f"{4 * n * n} quad"
+        assert len(mesh.node_sets["all"]) == mesh.n_nodes
+        x, y, _ = mesh.nodes.T
+        rim = np.flatnonzero((x == 0) | (x == 1) | (y == 0) | (y == 1))
+        shell = ao.Shell(t, ao.Material(210e9, 0.3, 7800))
+        body = ao.FEModel.from_mesh(mesh, shell, fixed=[(rim, "xyz")])
+        errors.append(body.frequencies(1)[0] / exact - 1)
+    assert errors[1] < 0.006
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.1)
+
+
+def test_the_middle_of_a_curved_element_lies_on_its_surface() -> None:
+    """A part of a sphere: the serendipity function leaves terms of the fourth order alone."""
+    off = []
+    for n in (4, 8):
+        curved = of_eight_nodes(n, lambda x, y: (x, y, np.sqrt(4 - x**2 - y**2)))
+        off.append(np.abs(np.linalg.norm(ao.read_mesh(curved).nodes, axis=1) - 2).max())
+    assert off[0] < 1e-4
+    assert off[0] / off[1] > 8  # third order at least
 
 
 @NOT_READ
