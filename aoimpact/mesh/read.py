@@ -70,8 +70,9 @@ def read_mesh(
     nodes and groups of elements. Neighbouring surface elements get normals on the same side. Those
     of second order become several of first order, on their nodes: line3 two lines, triangle6 four
     triangles, quad9 four quads, and quad8 as well, with a node added in its middle. Bricks and
-    other elements that repeat nodes become the wedges, pyramids and tetrahedra that they are. Midside nodes in another
-    order than VTK's and elements numbered left-handed throughout are put right.
+    other elements that repeat nodes become the wedges, pyramids and tetrahedra that they are.
+    Midside nodes in another order than VTK's and elements numbered left-handed throughout are put
+    right.
 
     A set of an instance of an Abaqus part is called "instance.set", and "set" as well if no other
     instance has one of that name. Each instance is a group of elements.
@@ -222,7 +223,7 @@ def _with_middles(raw: RawMesh) -> RawMesh:
     joined = np.ma.concatenate if np.ma.isMaskedArray(nodes) else np.concatenate
     for block in raw.blocks:
         cells = np.asarray(block.cells)
-        sound = cells.shape[1:] == (8,) and len(cells) and 0 <= cells.min()
+        sound = cells.shape[1:] == (8,) and len(cells) and cells.min() >= 0
         if block.kind == "quad8" and sound and cells.max() < len(raw.nodes):  # or refused later
             middles = len(nodes) + np.arange(len(cells))
             for name, own in sets.items():
