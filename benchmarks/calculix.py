@@ -61,6 +61,32 @@ def graded_sphere(fine: float, coarse: float, path: Path) -> meshio.Mesh:
     return meshio.read(path)
 
 
+STEPS_AND_MATERIAL = f"""
+*MATERIAL, NAME=STEEL
+*ELASTIC
+{STEEL.E}, {STEEL.nu}
+*DENSITY
+{STEEL.rho}
+*SOLID SECTION, ELSET=BALL, MATERIAL=STEEL
+*SOLID SECTION, ELSET=WALL, MATERIAL=STEEL
+*SURFACE INTERACTION, NAME=TOUCH
+*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR
+{PENALTY:g}, 0.
+*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE
+SLAVE, MASTER
+*BOUNDARY
+FIXED, 1, 3
+*INITIAL CONDITIONS, TYPE=VELOCITY
+SPHERE, 1, 0.5
+*STEP, NLGEOM, INC=10000
+*DYNAMIC, DIRECT
+{STEP:g}, {STEP * STEPS:g}
+*NODE PRINT, NSET=FIXED, TOTALS=ONLY
+RF
+*END STEP
+"""
+
+
 def deck(mesh: meshio.Mesh) -> str:
     """The sphere against a fixed brick, in m, kg, s."""
     cells = mesh.cells_dict["tetra10"]
@@ -94,33 +120,7 @@ def deck(mesh: meshio.Mesh) -> str:
     ]
     lines += ["*SURFACE, NAME=SLAVE, TYPE=ELEMENT", *(f"{e}, S{side}" for e, side in contact)]
     lines += ["*SURFACE, NAME=MASTER, TYPE=ELEMENT", f"{len(cells) + 1}, S1"]
-    return (
-        "\n".join(lines)
-        + f"""
-*MATERIAL, NAME=STEEL
-*ELASTIC
-{STEEL.E}, {STEEL.nu}
-*DENSITY
-{STEEL.rho}
-*SOLID SECTION, ELSET=BALL, MATERIAL=STEEL
-*SOLID SECTION, ELSET=WALL, MATERIAL=STEEL
-*SURFACE INTERACTION, NAME=TOUCH
-*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR
-{PENALTY:g}, 0.
-*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE
-SLAVE, MASTER
-*BOUNDARY
-FIXED, 1, 3
-*INITIAL CONDITIONS, TYPE=VELOCITY
-SPHERE, 1, 0.5
-*STEP, NLGEOM, INC=10000
-*DYNAMIC, DIRECT
-{STEP:g}, {STEP * STEPS:g}
-*NODE PRINT, NSET=FIXED, TOTALS=ONLY
-RF
-*END STEP
-"""
-    )
+    return "\n".join(lines) + STEPS_AND_MATERIAL
 
 
 def by_calculix(mesh: meshio.Mesh, folder: Path) -> tuple[float, float]:

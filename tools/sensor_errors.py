@@ -120,7 +120,7 @@ def models(tip: ao.ContactPoint, contact: float, duration: float) -> dict[str, A
 
 def ratios(name: str) -> dict[str, list[float]]:
     """The error said over the true one, of each sensor and model, where that is above 1e-4."""
-    (box, material, fixed, damping), (place, sensors, held, k) = BODIES[name]
+    (box, material, fixed, damping), (place, _, _, k) = BODIES[name]
     body = ao.FEModel.from_mesh(
         ao.box_mesh(*box, kind="hexahedron20"),
         material,
@@ -135,13 +135,38 @@ def ratios(name: str) -> dict[str, list[float]]:
     contact = float(truth.t[np.flatnonzero(truth.force)[-1]])
     truth.run(k, max(6.0 * contact, 3e-3), min(2e-7, contact / 500.0))
     shown = np.unique(np.linspace(0, len(truth.t) - 1, 1200).astype(int))
+    right = true_readings(name, body, truth)
+    found = defaultdict(list)
+    for model, given in models(tip, contact, float(truth.t[-1])).values():
+        options = given or {"solver": ao.Adaptive(rtol=1e-6)}
+        law = ao.PowerLaw(k, 1.5)
+        hit = ao.simulate(
+            ao.rigid(mass=MASS), model, 1.0, law=law, duration=float(truth.t[-1]), **options
+        )
+        times = np.minimum(truth.t[shown], hit.duration)
+        for sensor, (mine, said) in readings(name, body, hit.target, times).items():
+            true = right[sensor][shown]
+            off = float(np.nanmax(np.abs(mine - true)) / np.nanmax(np.abs(true)))
+            if off > 1e-4:
+                kind = sensor if sensor == "reaction" else sensor.rpartition(" ")[0]
+                found[kind].append(float(np.nanmax(said)) / off)
+    return found
+
+
+def gauge_length(body: ao.FEModel) -> float:
+    return float(np.ptp(body.nodes[:, 0])) / 40.0
+
+
+def true_readings(name: str, body: ao.FEModel, truth: Truth) -> dict[str, np.ndarray]:
+    """The true history of each sensor."""
+    (_, material, _, damping), (_, sensors, held, _) = BODIES[name]
     stiffness, inertia = (of.tocsr() for of in stiffness_mass(body.mesh, material))
     nodes = body.mesh.node_sets[held]
     lift = np.zeros(stiffness.shape[0])
     lift[3 * nodes + 2] = 1.0
     by_q, by_a = ((lift @ of)[body.free] for of in (stiffness, inertia))
     right = {"reaction": truth.of(by_q) + damping[1] * truth.of(by_q, 1) + truth.of(by_a, 2)}
-    length = float(np.ptp(body.nodes[:, 0])) / 40.0
+    length = gauge_length(body)
 
     def rows(at: Any, axis: Any) -> np.ndarray:
         weights = place_rows(body, np.atleast_2d(at))
@@ -154,31 +179,25 @@ def ratios(name: str) -> dict[str, list[float]]:
         right[f"gauge {i}"] = truth.of((ends[1] - ends[0]) / length)
         for cfc in CLASSES:
             right[f"CFC {cfc:g} {i}"] = truth.filtered(up, cfc)
-    found = defaultdict(list)
-    for model, given in models(tip, contact, float(truth.t[-1])).values():
-        options = given or {"solver": ao.Adaptive(rtol=1e-6)}
-        law = ao.PowerLaw(k, 1.5)
-        hit = ao.simulate(
-            ao.rigid(mass=MASS), model, 1.0, law=law, duration=float(truth.t[-1]), **options
-        )
-        of, t = hit.target, np.minimum(truth.t[shown], hit.duration)
-        reaction = of.reaction(held, times=t)
-        read = {"reaction": (reaction.force[:, 2], reaction.error["force"])}
-        for i, at in enumerate(sensors):
-            probe, gauge = of.probe(at, UP, times=t), of.gauge(at, (1, 0, 0), length, times=t)
-            read[f"displacement {i}"] = probe.displacement, probe.error["displacement"]
-            read[f"velocity {i}"] = probe.velocity, probe.error["velocity"]
-            read[f"gauge {i}"] = gauge.strain, gauge.error
-            for cfc in CLASSES:
-                channel = probe.filtered(cfc=cfc)
-                read[f"CFC {cfc:g} {i}"] = channel.acceleration, channel.error
-        for sensor, (mine, said) in read.items():
-            true = right[sensor][shown]
-            off = float(np.nanmax(np.abs(mine - true)) / np.nanmax(np.abs(true)))
-            if off > 1e-4:
-                kind = sensor if sensor == "reaction" else sensor.rpartition(" ")[0]
-                found[kind].append(float(np.nanmax(said)) / off)
-    return found
+    return right
+
+
+def readings(
+    name: str, body: ao.FEModel, of: Any, t: np.ndarray
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """What each sensor of a result reads, and the error that it says."""
+    _, (_, sensors, held, _) = BODIES[name]
+    reaction, length = of.reaction(held, times=t), gauge_length(body)
+    read = {"reaction": (reaction.force[:, 2], reaction.error["force"])}
+    for i, at in enumerate(sensors):
+        probe, gauge = of.probe(at, UP, times=t), of.gauge(at, (1, 0, 0), length, times=t)
+        read[f"displacement {i}"] = probe.displacement, probe.error["displacement"]
+        read[f"velocity {i}"] = probe.velocity, probe.error["velocity"]
+        read[f"gauge {i}"] = gauge.strain, gauge.error
+        for cfc in CLASSES:
+            channel = probe.filtered(cfc=cfc)
+            read[f"CFC {cfc:g} {i}"] = channel.acceleration, channel.error
+    return read
 
 
 def main() -> None:

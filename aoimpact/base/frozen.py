@@ -33,17 +33,16 @@ class Frozen:
     """
 
     def __post_init__(self) -> None:
-        for value in vars(self).values():
-            _freeze(value)
+        _freeze(vars(self))
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         Frozen.__post_init__(self)
 
 
-def _freeze(value: Any) -> None:
-    if isinstance(value, np.ndarray):
-        value.flags.writeable = False
-    elif isinstance(value, tuple | dict):
-        for item in value.values() if isinstance(value, dict) else value:
+def _freeze(items: tuple[Any, ...] | dict[Any, Any]) -> None:
+    for item in items.values() if isinstance(items, dict) else items:
+        if isinstance(item, np.ndarray):
+            item.flags.writeable = False
+        elif isinstance(item, tuple | dict):
             _freeze(item)

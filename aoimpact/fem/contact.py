@@ -289,7 +289,7 @@ class ContactPoint(Frozen):
             cell = nearest_line(self.body.mesh, self.point)[0]
             of = material.of(cell) if isinstance(material, Materials) else material
         else:
-            of = of_face(surface, material, int(surface.nearest(self.point)[0].face[0]))
+            of = of_face(surface, material, int(surface.nearest(self.point).face[0]))
         return of if isinstance(of, (Layers, Beam)) else None
 
     @cached_property
@@ -580,7 +580,7 @@ def _at_point(
     if along is not None and radius == 0.0 and _at_a_node(body.nodes, gap):
         normal = pressed_normal(body.surface, body.nodes[node], along)
         return replace(_at_node(body, node, along), normal=normal)
-    if isinstance(radius, str) and body.surface.thin(body.surface.nearest(where)[0].face)[0]:
+    if isinstance(radius, str) and body.surface.thin(body.surface.nearest(where).face)[0]:
         tip = _at_touch(body, touched(body.surface, where, along, 0.0))
         return replace(tip, directed=along is not None, automatic=True, contact_radius=expected)
     if isinstance(radius, str):
@@ -766,7 +766,7 @@ def _on_surface(tip: ContactPoint) -> ContactPoint:
     forces = tip._nodal_forces @ tip.direction
     centre = forces @ tip.body.nodes
     spread = float(np.sqrt(np.abs(forces) @ ((tip.body.nodes - centre) ** 2).sum(axis=1)))
-    place = surface.nearest(centre)[0]
+    place = surface.nearest(centre)
     if float(place.distance[0]) > spread + AT_NODE * surface.mesh.size:
         return tip
     try:
@@ -813,7 +813,7 @@ def _with_patch(tip: ContactPoint, radius: float) -> ContactPoint:
         )
     assert body.nodes is not None
     centre = (tip._nodal_forces @ tip.direction) @ body.nodes
-    place = body.surface.nearest(centre)[0]
+    place = body.surface.nearest(centre)
     if float(place.distance[0]) > radius:
         raise InputError(
             f"radius={radius}: the forces of b act about {plain(centre)} m, farther than that from "

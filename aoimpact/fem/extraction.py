@@ -162,22 +162,9 @@ def extracted(
     # At supports -u_B is interpolated between nodes, so that R2 has an error of either sign there.
     held = np.isin(body.mesh.cells, _supported(body)).any(axis=1)
     beyond = splitting.compliance + missing_energy(false[~held], own[~held])
-    error, varying = missing, 0.0
-    sunk = -splitting.w[0] @ normal
-    try:
-        mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
-    except RoomError as edge:
-        # The share of Hertz's pressure beyond a straight edge at x a is 1/2 - 3 x/4 + x³/4, from
-        # none at x = 1 to a half, where a quarter-space is about twice as soft as a half-space.
-        room = min(edge.room / radius, 1.0)
-        varying = (1.0 - 1.5 * room + 0.5 * room**3) * splitting.space.mean_displacement
-    else:
-        here = body.surface.nearest(point)[0]
-        nodes = body.mesh.cells[body.surface.cell[here.face[0]]]
-        middle = float(body.surface.shape(here.face, here.uv)[0] @ sunk[nodes])
-        # w is quadratic in the distance from the middle, and by reciprocity in the radius of the
-        # pressure: under it, it has the mean g₀ + 0.8 g₁ a², and in the middle g₀ + 0.4 g₁ a².
-        varying = 2.0 * abs(mean - middle)
+    error = missing
+    mean, varying = _under_pressure(body, splitting, point, normal)
+    if mean is not None:
         apart = abs(mean + splitting.bent - splitting.compliance)
         unit = splitting.space.mean_displacement / 0.6
         if apart > max(_FAR_APART * missing, _MATTERS * unit):
@@ -207,6 +194,29 @@ def extracted(
         if tangents is None
         else _oblique(body, weights, direction, tangents, splitting, solver),
     )
+
+
+def _under_pressure(
+    body: Any, splitting: Splitting, point: FloatArray, normal: FloatArray
+) -> tuple[float | None, float]:
+    """Mean of w under Hertz's pressure, and how much it changes with the radius, m/N.
+
+    No mean where the surface ends within the pressure.
+    """
+    radius, sunk = splitting.space.radius, -splitting.w[0] @ normal
+    try:
+        mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
+    except RoomError as edge:
+        # The share of Hertz's pressure beyond a straight edge at x a is 1/2 - 3 x/4 + x³/4, from
+        # none at x = 1 to a half, where a quarter-space is about twice as soft as a half-space.
+        room = min(edge.room / radius, 1.0)
+        return None, (1.0 - 1.5 * room + 0.5 * room**3) * splitting.space.mean_displacement
+    here = body.surface.nearest(point)
+    nodes = body.mesh.cells[body.surface.cell[here.face[0]]]
+    middle = float(body.surface.shape(here.face, here.uv)[0] @ sunk[nodes])
+    # w is quadratic in the distance from the middle, and by reciprocity in the radius of the
+    # pressure: under it, it has the mean g₀ + 0.8 g₁ a², and in the middle g₀ + 0.4 g₁ a².
+    return mean, 2.0 * abs(mean - middle)
 
 
 def field_error(
@@ -386,27 +396,8 @@ def split(
     else:  # the closed form of a body with the same E*; the rest is polarisation
         space, own = isotropic(material.half_space(normal), radius), None
     load = _Load(body, point, frame, space, behind=behind)
-    moved_by = load.at_nodes()
-    sunk = load.add_sides()
-    load.add_cells(moved_by[0], own)
-    load.add_elements(moved_by)
-    # L on the free dofs and on the constrained ones, where w = -χ u_B. Of each quantity the parts
-    # that count once and -s² times.
-    forces, free = load.forces.reshape(2, -1), body.free
-    fixed = np.ones(moved_by.size, dtype=bool)
-    fixed[free] = False
-    w, parts = np.zeros(moved_by.size), load.self_term + np.array([sunk, 0.0])
-    if len(_supported(body)):
-        w[fixed] = -moved_by.reshape(-1)[fixed]
-        dofs, K, M = load.supported
-        pulled = np.zeros(forces.shape)
-        pulled[0, dofs], pulled[1, dofs] = K @ w[dofs], -(M @ w[dofs])
-        parts += (2.0 * forces - pulled)[:, fixed] @ w[fixed]
-        forces = forces - pulled
-    right = forces[:, free]
-    moved = solver.solve(right[0] - s2 * right[1])
-    w[free] = moved
-    parts += 2.0 * right @ moved - [moved @ (body.K @ moved), -(moved @ (body.M @ moved))]
+    sunk, moved_by = load.add_all(own)
+    w, parts = _solved(load, moved_by, sunk, solver)
     touched = np.abs(local[:, 2]) < _FLAT * mesh.size
     touched[_supported(body)] = False
     touched[mesh.thin_nodes] = False
@@ -425,6 +416,32 @@ def split(
     )
 
 
+def _solved(
+    load: _Load, moved_by: FloatArray, sunk: float, solver: LinearSolver
+) -> tuple[FloatArray, FloatArray]:
+    """w by L on the free dofs, and -χ u_B on the constrained ones, where that is `moved_by`.
+
+    And of R the parts that count once and -s² times.
+    """
+    body, s2 = load.body, solver.pencil.s2
+    forces, free = load.forces.reshape(2, -1), body.free
+    fixed = np.ones(moved_by.size, dtype=bool)
+    fixed[free] = False
+    w, parts = np.zeros(moved_by.size), load.self_term + np.array([sunk, 0.0])
+    if len(_supported(body)):
+        w[fixed] = -moved_by.reshape(-1)[fixed]
+        dofs, K, M = load.supported
+        pulled = np.zeros(forces.shape)
+        pulled[0, dofs], pulled[1, dofs] = K @ w[dofs], -(M @ w[dofs])
+        parts += (2.0 * forces - pulled)[:, fixed] @ w[fixed]
+        forces = forces - pulled
+    right = forces[:, free]
+    moved = solver.solve(right[0] - s2 * right[1])
+    w[free] = moved
+    parts += 2.0 * right @ moved - [moved @ (body.K @ moved), -(moved @ (body.M @ moved))]
+    return w, parts
+
+
 def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArray) -> float:
     """dR/d(log a) of a curved contact, m/N, from R for half the radius with the same w.
 
@@ -438,10 +455,7 @@ def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArra
         replace(load.space, radius=0.5 * load.space.radius),
         behind=load.behind,
     )
-    half_sunk = half.add_sides()
-    moved_by = half.at_nodes()
-    half.add_cells(moved_by[0], own)
-    half.add_elements(moved_by)
+    half_sunk, _ = half.add_all(own)
     change = half.self_term - load.self_term
     change += 2.0 * (half.forces - load.forces).reshape(2, -1) @ w
     return -float(change[0] - s2 * change[1] + half_sunk - sunk) / math.log(2.0)
@@ -460,7 +474,7 @@ def _at_contact(body: Any, point: FloatArray) -> tuple[Solid, int | None]:
     material = body.material
     number = 0
     if isinstance(material, Materials):
-        cell = int(body.surface.cell[body.surface.nearest(point)[0].face[0]])
+        cell = int(body.surface.cell[body.surface.nearest(point).face[0]])
         number, material = int(material.index[cell]), material.of(cell)
     assert isinstance(material, Solid)
     return material, number
@@ -532,6 +546,14 @@ class _Load:
         self.self_term[part] += float(np.einsum("nq,nqi,nqi->", weight, t, u))
         forces = np.einsum("nq,nqa,nqi->nai", weight, shape, t @ self.frame)
         np.add.at(self.forces[part, 0], nodes, forces)
+
+    def add_all(self, own: int | None) -> tuple[float, FloatArray]:
+        """Add up all integrals; return what `add_sides` does, and what `at_nodes` does."""
+        moved_by = self.at_nodes()
+        sunk = self.add_sides()
+        self.add_cells(moved_by[0], own)
+        self.add_elements(moved_by)
+        return sunk, moved_by
 
     def add_sides(self) -> float:
         """∫ (p - χ σ_B n)·v dA over the surface; returns what ∫ p·u exceeds that of a plane."""

@@ -17,6 +17,7 @@ elastic solids, 1975, section 8.1), with ξ² = k² + s²/c_p² and η² = k² +
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
 
@@ -203,8 +204,9 @@ def _mesh_compliance(
     load : ndarray, shape (n_nodes, 3)
         Forces and couples about both axes, of a unit force.
     """
-    away, loaded = np.linalg.norm(x, axis=1), np.flatnonzero(load.any(axis=1))
-    edge = _edge(x, cells, loaded)
+    away = np.linalg.norm(x, axis=1)
+    loaded: npt.NDArray[np.bool_] = np.any(load, axis=1)
+    edge = longest_edge(x, cells, loaded)
     reach = contact_reach(plate, edge, s)
     inside = away < reach + away[loaded].max()
     chosen = [group[inside[group].any(axis=1)] for group in cells]
@@ -361,11 +363,13 @@ def _waves_of(
     return np.array(found)
 
 
-def _edge(nodes: FloatArray, cells: list[IntArray], loaded: IntArray) -> float:
-    """The longest edge of the elements at some nodes, m."""
+def longest_edge(
+    nodes: FloatArray, cells: Sequence[IntArray], loaded: npt.NDArray[np.bool_]
+) -> float:
+    """Return the longest edge of the elements that have some of the nodes, m."""
     longest = 0.0
     for group in cells:
-        corners = nodes[group[np.isin(group, loaded).any(axis=1)]]
+        corners = nodes[group[loaded[group].any(axis=1)]]
         edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
         longest = max(longest, float(edges.max(initial=0.0)))
     return longest

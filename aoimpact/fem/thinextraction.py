@@ -16,7 +16,13 @@ from .beams import Beam
 from .compliance import ContactCompliance
 from .composition import thin_parts
 from .laminate import Layers
-from .layer import bending_length, contact_reach, layer_compliance_of, mesh_compliance
+from .layer import (
+    bending_length,
+    contact_reach,
+    layer_compliance_of,
+    longest_edge,
+    mesh_compliance,
+)
 from .shells import FOLD, element_frames
 
 # The error is how much c changes from s = 0.87/T to 30/T, as shares of 10/T, where c is taken. What
@@ -131,11 +137,7 @@ def _around(
     """
     mesh, loaded = body.mesh, shares != 0.0
     parts = [part for part in thin_parts(mesh, body.material) if not isinstance(part.of, Beam)]
-    edge = 0.0
-    for part in parts:
-        corners = mesh.nodes[part.cells[loaded[part.cells].any(axis=1)]]
-        lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-        edge = max(edge, float(lengths.max(initial=0.0)))
+    edge = longest_edge(mesh.nodes, [part.cells for part in parts], loaded)
     away = np.linalg.norm(mesh.nodes - point, axis=1)
     close = away < contact_reach(layers, edge, s) + float(away[loaded].max())
     found = []

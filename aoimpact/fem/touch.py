@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, InputError, RoomError, plain, warn
-from ..mesh import SHARP, Place, Surface, nearest_line
+from ..mesh import Place, Surface, nearest_line
 from .beams import Beam
 from .composition import AnyMaterial, Materials, OneMaterial
 from .laminate import Layers
@@ -68,16 +68,16 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
     radius : float
         m; 0: no patch.
     """
-    places = _places(surface, point)
-    here, normal = places[0], _normal(surface, places)
-    sign = _side(surface, places, normal, along)
+    here = _place(surface, point)
+    normal = surface.smooth_normal(here)
+    sign = _side(surface, here, normal, along)
     if radius == 0.0:
         if normal is None and along is None:
             raise _on_edge(point, "a point inside a face, or give direction")
         weights = np.zeros(surface.mesh.n_nodes)
-        cells = surface.mesh.cells[surface.cell[here.face]]
-        np.add.at(weights, cells, surface.shape(here.face, here.uv))
-        direction = _pressing(surface, places, along)
+        cell = surface.mesh.cells[surface.cell[here.face[0]]]
+        np.add.at(weights, cell, surface.shape(here.face[:1], here.uv[:1])[0])
+        direction = _pressing(surface, here, normal, along)
         facing = None if normal is None else sign * normal
         couples = _couples(surface, here, direction)
         return Touch(here.x[0], direction, weights, facing, couples=couples)
@@ -124,7 +124,7 @@ def material_at(
     surface: Surface, material: AnyMaterial, point: FloatArray, normal: FloatArray
 ) -> Material:
     """Return what a contact at a point of the surface meets: as a half-space, and isotropic."""
-    place = surface.nearest(point)[0]
+    place = surface.nearest(point)
     of = of_face(surface, material, int(place.face[0]))
     if isinstance(of, Layers):
         return of.half_space(top=bool(surface.normal(place.face, place.uv)[0] @ normal > 0.0))
@@ -158,7 +158,7 @@ def to_nodes(body: Any, point: FloatArray) -> FloatArray:
         first, last = mesh.nodes[mesh.cells[cell, :2]]
         of, x = _of_cell(material, cell), first + share * (last - first)
     else:
-        here = surface.nearest(point)[0]
+        here = surface.nearest(point)
         of, x, gap = of_face(surface, material, int(here.face[0])), here.x[0], here.distance[0]
     on = isinstance(of, (Layers, Beam)) and gap <= of.reach * (1.0 + _FACE)
     return np.asarray(x) if on else point
@@ -166,8 +166,7 @@ def to_nodes(body: Any, point: FloatArray) -> FloatArray:
 
 def edge_length(surface: Surface, point: FloatArray) -> float:
     """Return the mean length of the edges of the faces at a point, m."""
-    face = np.concatenate([place.face for place in _places(surface, point)])
-    return float(surface.edges(face).mean())
+    return float(surface.edges(_place(surface, point).face).mean())
 
 
 def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
@@ -188,26 +187,25 @@ def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
 
 def normal_at(surface: Surface, point: FloatArray) -> FloatArray:
     """Return the outward normal at a point of the surface, which is on no sharp edge."""
-    normal = _normal(surface, _places(surface, point))
+    normal = surface.smooth_normal(_place(surface, point))
     if normal is None:
         raise _on_edge(point, "a point farther from the edge")
     return normal
 
 
 def _side(
-    surface: Surface, places: list[Place], normal: FloatArray | None, along: FloatArray | None
+    surface: Surface, here: Place, normal: FloatArray | None, along: FloatArray | None
 ) -> float:
     """Return -1 where a shell is touched on the side away from its normal: that which faces it."""
-    if normal is None or along is None or not surface.thin(places[0].face)[0]:
+    if normal is None or along is None or not surface.thin(here.face)[0]:
         return 1.0
     return -1.0 if float(along @ normal) > 0.0 else 1.0
 
 
-def _places(surface: Surface, point: FloatArray) -> list[Place]:
+def _place(surface: Surface, point: FloatArray) -> Place:
     """Return the place meant by a point on or near the surface, on each face that shares it."""
-    places = surface.nearest(point)
-    here = places[0]
-    gap, size = float(here.distance[0]), float(surface.edges(here.face).mean())
+    here = surface.nearest(point)
+    gap, size = float(here.distance[0]), float(surface.edges(here.face[:1])[0])
     if gap > _OFF_SURFACE * size:
         normal = surface.normal(here.face, here.uv)[0]
         where = "inside the body" if (point - here.x[0]) @ normal < 0.0 else "off the body"
@@ -220,27 +218,12 @@ def _places(surface: Surface, point: FloatArray) -> list[Place]:
             f"point {plain(point)} m is {gap:.3g} m off the surface of the mesh; the nearest place "
             f"on it, {plain(here.x[0])} m, is taken"
         )
-    return places
-
-
-def _normals(surface: Surface, places: list[Place]) -> FloatArray:
-    """Return the outward normals of the faces that share a place, shape (n, 3)."""
-    return np.concatenate([surface.normal(place.face, place.uv) for place in places])
+    return here
 
 
 def _distinct(normals: FloatArray) -> FloatArray:
     """Return the normals, each once: a flat side has many faces."""
     return np.unique(np.where(np.abs(normals) > _ROUNDING, normals, 0.0).round(6), axis=0)
-
-
-def _normal(surface: Surface, places: list[Place]) -> FloatArray | None:
-    """Return the outward normal at a place that several faces may share; None on a sharp edge."""
-    normals = _normals(surface, places)
-    if (normals @ normals.T).min() < SHARP:
-        return None
-    mean: FloatArray = normals.mean(axis=0)
-    mean /= np.linalg.norm(mean)
-    return mean
 
 
 def _on_edge(point: FloatArray, cure: str) -> InputError:
@@ -255,22 +238,24 @@ def pressed_normal(surface: Surface, point: FloatArray, along: FloatArray) -> Fl
 
     A place that is not on the surface, and a direction that does not press on it, are refused.
     """
-    places = _places(surface, point)
-    _pressing(surface, places, along)
-    normal = _normal(surface, places)
-    return None if normal is None else _side(surface, places, normal, along) * normal
+    here = _place(surface, point)
+    normal = surface.smooth_normal(here)
+    _pressing(surface, here, normal, along)
+    return None if normal is None else _side(surface, here, normal, along) * normal
 
 
-def _pressing(surface: Surface, places: list[Place], along: FloatArray | None) -> FloatArray:
+def _pressing(
+    surface: Surface, here: Place, normal: FloatArray | None, along: FloatArray | None
+) -> FloatArray:
     """Return the direction, the inward normal by default, if it presses on the surface.
 
     On a sharp edge, which has no normal, it is enough to press on one of the faces that meet.
     """
-    point, normal = places[0].x[0], _normal(surface, places)
+    point = here.x[0]
     if normal is not None:
         return _facing(point, along, normal)
     assert along is not None
-    faces = _normals(surface, places)
+    faces = surface.normal(here.face, here.uv)
     if np.abs(faces @ along).max() < _TANGENT:
         raise InputError(
             f"direction {plain(along)} runs along the edge at point {plain(point)} m, where faces "

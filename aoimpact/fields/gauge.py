@@ -76,27 +76,25 @@ def gauge_ends(
     if body.surface is not None:
         surface = body.surface
         under = surface.nearest(point)
-        if (off := float(under[0].distance[0])) > _BESIDE * length:
+        if (off := float(under.distance[0])) > _BESIDE * length:
             raise InputError(
                 f"{where} is {with_unit(off, 'm', 2)} off the surface; give a point on it"
             )
-        normals = [surface.normal(of.face, of.uv)[0] for of in under]
-        if min(abs(float(normal @ direction)) for normal in normals) > _OFF:
+        normals = surface.normal(under.face, under.uv)
+        if np.abs(normals @ direction).min() > _OFF:
             raise InputError(
                 f"{name} {plain(direction)} does not lie in the surface at point {plain(point)} m, "
                 f"whose normal is {plain(normals[0])}: give one along the surface"
             )
-        places = [surface.nearest(end)[0] for end in ends]
-        off = max(float(place.distance[0]) for place in places)
-        moved = [
-            abs((place.x[0] - end) @ direction) for place, end in zip(places, ends, strict=True)
-        ]
-        if off > _BEYOND * length or max(moved) > _SHORTER * length:
+        found = [surface.nearest(end) for end in ends]
+        off = max(float(place.distance[0]) for place in found)
+        places = np.stack([place.x[0] for place in found])
+        if off > _BEYOND * length or np.abs((places - ends) @ direction).max() > _SHORTER * length:
             raise InputError(
                 f"{where} along {name} {plain(direction)} reaches {with_unit(off, 'm', 2)} beyond "
                 "the surface; give a shorter one, or move it from the edge"
             )
-        ends = np.concatenate([place.x for place in places])
+        ends = places
     along = ends[1] - ends[0]
     size = float(np.linalg.norm(along))
     if size == 0.0:

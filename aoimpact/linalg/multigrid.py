@@ -288,22 +288,24 @@ class Multigrid:
         level = self._levels[depth]
         x = np.zeros_like(r)
         level.smoother.smooth(x, r, finish=True)
-        self._shift(depth, x, r)
+        if depth == 0:
+            self._shift(x, r)
         below = self._cycle(depth + 1, level.moved(r, level.restriction))
         correction = level.moved(below, level.prolongation)
         x += correction
         level.smoother.subtract(correction, r)
-        self._shift(depth, correction, r)
+        if depth == 0:
+            self._shift(correction, r)
         level.smoother.smooth(x, r, finish=False)
         return x
 
-    def _shift(self, depth: int, x: Single, r: Single) -> None:
+    def _shift(self, x: Single, r: Single) -> None:
         """Make `r`, the residual after `x` at the shift of the finest smoother, that at ours.
 
         Else corrections of slow motions, which s²M governs, are taken for far too large or small.
         """
         change = (self.pencil.s2 - self._stored) / self._scale
-        if change and depth == 0:
+        if change:
             momentum = self.pencil.momentum(x[self._place].astype(np.float64))
             r[self._place] -= (change * momentum).astype(np.float32)
 

@@ -127,16 +127,13 @@ def surface_shape(
     True
     """
     places = surface.nearest(np.asarray(point, dtype=np.float64))
-    here, start = places[0].x[0], np.concatenate([place.face for place in places])
-    normals = np.concatenate([surface.normal(place.face, place.uv) for place in places])
-    if (normals @ normals.T).min() < SHARP:
+    here, start, normal = places.x[0], places.face, surface.smooth_normal(places)
+    if normal is None:
         raise InputError(
             f"point {plain(here)} m is on a sharp edge or corner of the mesh, where the "
             "surface has no curvature. Choose a point inside a face, or refine the mesh if the "
             "body is round there"
         )
-    normal = normals.mean(axis=0)
-    normal /= np.linalg.norm(normal)
     if reach is None:
         flat = _flat(surface, start, here, normal)
         if flat is not None:

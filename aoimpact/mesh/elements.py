@@ -218,17 +218,14 @@ def _derivatives(powers: _Powers) -> tuple[dict[_Powers, int], ...]:
 
 def _monomials(points: FloatArray, powers: IntArray) -> FloatArray:
     """Return xⁱ yʲ zᵏ (1 - z)⁻ˡ, shape (m, n); at an apex z = 1 those where x, y = 0."""
-    x, y, z = points.T
-    found: FloatArray = _powers(x)[powers[:, 0]] * _powers(y)[powers[:, 1]]
-    found *= _powers(z)[powers[:, 2]]
+    base = points.T
     if powers[:, 3].any():
-        found *= _powers(1.0 / np.maximum(1.0 - z, _APEX))[powers[:, 3]]
+        base = np.vstack([base, 1.0 / np.maximum(1.0 - base[2], _APEX)])
+    raised = np.stack([np.ones_like(base), base, base * base])
+    found: FloatArray = raised[powers[:, 0], 0] * raised[powers[:, 1], 1]
+    for axis in range(2, len(base)):
+        found *= raised[powers[:, axis], axis]
     return found
-
-
-def _powers(x: FloatArray) -> FloatArray:
-    """Return 1, x and x², shape (3, n)."""
-    return np.stack([np.ones_like(x), x, x * x])
 
 
 def _quadrature(linear: str, n: int) -> Rule:

@@ -71,6 +71,9 @@ _SINGULAR = 1e-12
 # Distance from a pyramid's apex, where slopes have no value, at which they are taken instead.
 _OFF_APEX = 1e-6
 
+# Points of which the nearest ones on the surface are kept: of a few contacts.
+_REMEMBERED = 16
+
 # Pairs of a point and a side that are worked on at a time: some 100 MB for 27 nodes.
 _CHUNK = 50_000
 
@@ -95,9 +98,6 @@ class Place:
     uv: FloatArray
     x: FloatArray
     distance: FloatArray
-
-    def take(self, which: npt.NDArray[np.intp]) -> Place:
-        return Place(self.face[which], self.uv[which], self.x[which], self.distance[which])
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,12 +241,11 @@ class Surface:
         """Return `node_normals` of `count` nodes for elements numbered otherwise, as `cells`."""
         nodes, normals = [], []
         for side, (number, face) in enumerate(self.sides):
-            on = np.flatnonzero(self.side == side)
+            on, count_of = np.flatnonzero(self.side == side), len(face.nodes)
             element = self.mesh.blocks[number].element
             places = (element.nodes[face.nodes] - face.origin) @ np.linalg.pinv(face.axes)
-            for local, uv in zip(face.nodes, places, strict=True):
-                nodes.append(cells[self.cell[on], local])
-                normals.append(self.normal(on, np.tile(uv, (len(on), 1))))
+            nodes.append(cells[self.cell[on]][:, face.nodes].T.ravel())
+            normals.append(self.normal(np.tile(on, count_of), np.repeat(places, len(on), axis=0)))
         node, normal = np.concatenate(nodes), np.concatenate(normals)
         found = np.zeros((3, count, 3))
         for mean in found:
@@ -283,8 +282,21 @@ class Surface:
         triangle = self._triangle[self.side[face]]
         return np.where(triangle[:, None, None], _TRIANGLE_EDGES, _SQUARE_EDGES)
 
-    def nearest(self, point: FloatArray) -> list[Place]:
+    @cached_property
+    def _found(self) -> dict[bytes, Place]:
+        """The last results of `nearest`: one contact asks for its own many times."""
+        return {}
+
+    def nearest(self, point: FloatArray) -> Place:
         """Return the nearest point of the surface, on each of the faces that share it."""
+        if (found := self._found.get(point.tobytes())) is not None:
+            return found
+        if len(self._found) >= _REMEMBERED:
+            self._found.clear()
+        self._found[point.tobytes()] = found = self._nearest(point)
+        return found
+
+    def _nearest(self, point: FloatArray) -> Place:
         centre, radius = self.balls
         distance = np.linalg.norm(centre - point, axis=1)
         face = np.flatnonzero(distance - radius <= (distance + radius).min())
@@ -300,8 +312,18 @@ class Surface:
         distance = np.linalg.norm(x - point, axis=1)
         shared = np.flatnonzero(distance <= distance.min() + _SAME_PLACE * radius[face].max())
         shared = shared[np.argsort(distance[shared], kind="stable")]
-        found = Place(face, uv, x, distance)
-        return [found.take(shared[i : i + 1]) for i in range(len(shared))]
+        found = Place(face[shared], uv[shared], x[shared], distance[shared])
+        for values in vars(found).values():
+            values.flags.writeable = False
+        return found
+
+    def smooth_normal(self, place: Place) -> FloatArray | None:
+        """Return the unit normal at a point that several faces may share; None on a sharp edge."""
+        normals = self.normal(place.face, place.uv)
+        if (normals @ normals.T).min() < SHARP:
+            return None
+        mean: FloatArray = normals.mean(axis=0)
+        return mean / np.linalg.norm(mean)
 
     def pierced(
         self, points: FloatArray, axis: FloatArray, *, reach: float, outward: bool = True

@@ -309,7 +309,7 @@ def _as_a_shell(tip: ContactPoint) -> str:
     surface, normal = tip.body.surface, tip.normal
     if surface is None or tip.point is None or normal is None or tip.thin is not None:
         return ""
-    cell = int(surface.cell[surface.nearest(tip.point)[0].face[0]])
+    cell = int(surface.cell[surface.nearest(tip.point).face[0]])
     height = float(np.ptp(surface.mesh.nodes[surface.mesh.cells[cell]] @ normal))
     width = edge_length(surface, tip.point)
     if height >= _FLAT * width or not math.isfinite(tip.depth):

@@ -108,6 +108,28 @@ def test_the_contact_s_own_radius_hardly_matters() -> None:
     assert abs(wide.beyond - narrow.beyond) * UNIT < 1e-3
 
 
+def test_on_a_thin_plate_it_varies_by_what_a_point_s_differs_from_it() -> None:
+    """w is quadratic under the contact, and so is R in the radius: 24/25 of it from a to a/5."""
+    mesh = ao.box_mesh((0.06, 0.06, 0.01), (12, 12, 2), kind="hexahedron27")
+    plate = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    tip, slowly = plate.contact(point=(0.0311, 0.0287, 0.01), radius=0), plate.inverse(1e6)
+    wide, narrow = (tip.at_impact(a, slowly).extraction for a in (3.0 * A, 0.6 * A))
+    assert isinstance(wide, Extraction)
+    assert isinstance(narrow, Extraction)
+    assert 0.96 * wide.varying == pytest.approx(narrow.beyond - wide.beyond, rel=0.05)
+
+
+def test_on_a_ball_of_a_few_tetrahedra_it_is_that_of_many() -> None:
+    """The mean of w under the pressure is 0.004/(E* a) off there, its energy 0.001/(E* a)."""
+    few, many = (
+        extraction(ao.FEModel.from_mesh(ao.sphere_mesh(0.01, size), STEEL), (0.0, 0.0, 0.01))
+        for size in (0.005, 0.003)
+    )
+    unit = STEEL.plane_strain_modulus * A
+    assert unit * few.beyond == pytest.approx(unit * many.beyond, abs=2e-3)
+    assert unit * few.error < 1e-3
+
+
 # ------------------------------------------------------------------------- invariances
 
 

@@ -84,7 +84,7 @@ def test_on_a_ball_the_centre_lies_on_the_normal_by_the_mean_sagitta(size: float
     mesh = sphere_mesh(1.0, size)
     surface, radius = boundary(mesh), 0.4
     for toward in ([1.0, 0.0, 0.0], [0.48, -0.6, 0.64]):
-        point = surface.nearest(np.array(toward))[0].x[0]
+        point = surface.nearest(np.array(toward)).x[0]
         found = spread(surface, point, np.array(toward), radius)
         sunk = pressed_mean(lambda rho: 1.0 - math.sqrt(1.0 - rho * rho), radius)
         centre = found.weights @ mesh.nodes - point
@@ -103,7 +103,7 @@ def test_at_a_pole_the_disc_settles(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(Surface, "pierced", counted)
     surface = boundary(sphere_mesh(0.01, 0.008))
-    here = surface.nearest(np.array([0.0, 0.0, -0.01]))[0]
+    here = surface.nearest(np.array([0.0, 0.0, -0.01]))
     for first in (surface.normal(here.face, here.uv)[0], -UP):
         found = spread(surface, here.x[0], first, 0.0045)
         assert -UP @ found.normal == pytest.approx(1.0, abs=1e-10)
