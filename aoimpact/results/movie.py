@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, InputError, finite_array, integer, nonnegative, positive
 from ..fem import ContactPoint
@@ -70,7 +71,7 @@ def moving_bodies(hit: Result, times: FloatArray) -> tuple[list[MovingBody], Flo
     if second is not None:
         bodies.append(_body(hit.target, second, times))
     if first is not None:
-        turn = rotation(first.direction, down)
+        turn = Rotation.align_vectors(down, first.direction)[0].as_matrix()
         shift = place - first.point @ turn.T - (hit.gap * down if second is not None else 0.0)
         bodies.append(_body(hit.projectile, first, times, lambda v: v @ turn.T, shift))
     else:
@@ -114,19 +115,3 @@ def _ball(hit: Result, times: FloatArray, place: FloatArray, down: FloatArray) -
     displacement = np.broadcast_to((way[:, None] * down)[:, None], (len(times), *mesh.nodes.shape))
     middle = place - (radius + hit.gap) * down
     return [MovingBody.of_mesh(mesh, np.array(displacement), None, shift=middle)]
-
-
-def rotation(start: FloatArray, end: FloatArray) -> FloatArray:
-    """Return the rotation, (3, 3), of the unit vector `start` into `end`, by the least angle."""
-    cosine, axis = float(start @ end), np.cross(start, end)
-    if cosine < -1.0 + 1e-12:  # half a turn about any axis across
-        across = np.zeros(3)
-        across[np.argmin(np.abs(start))] = 1.0
-        across -= (across @ start) * start
-        across /= np.linalg.norm(across)
-        half: FloatArray = 2.0 * np.outer(across, across) - np.eye(3)
-        return half
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turned: FloatArray = np.eye(3) + cross + cross @ cross / (1.0 + cosine)
-    return turned

@@ -14,7 +14,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.fields.movie import MovingBody, can_draw, enlargement
-from aoimpact.results.movie import moving_bodies, rotation
+from aoimpact.results.movie import moving_bodies
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 BLOCK = ao.FEModel.from_mesh(
@@ -73,16 +73,6 @@ def test_a_mass_without_a_shape_is_not_drawn() -> None:
     assert len(moving_bodies(hit, hit.t[:1])[0]) == 1
     with pytest.raises(ao.InputError, match="movie needs a body of finite elements"):
         moving_bodies(strike(ao.rigid(mass=0.03), ao.rigid(mass=1.0)), hit.t[:1])
-
-
-def test_turns_are_rotations() -> None:
-    rng = np.random.default_rng(5)
-    for start, end in [*rng.normal(size=(8, 2, 3)), (np.eye(3)[0], -np.eye(3)[0])]:
-        a, b = start / np.linalg.norm(start), end / np.linalg.norm(end)
-        turn = rotation(a, b)
-        np.testing.assert_allclose(turn @ a, b, atol=1e-12)
-        np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
-        assert np.linalg.det(turn) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("largest", "factor"), [(1e-5, 200.0), (3e-7, 5000.0), (0.0, 1.0)])
