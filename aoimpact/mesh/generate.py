@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from importlib import resources
 from itertools import combinations, permutations, product
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +21,8 @@ from ..base import (
     positive,
     sequence,
 )
-from .elements import KINDS, TETRAHEDRON_EDGES, reference_element
+from .convert import of_second_order
+from .elements import KINDS, reference_element
 from .mesh import Mesh
 from .read import read_mesh
 
@@ -82,20 +84,11 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     cells = number.reshape(len(cones), -1)[:, tets].reshape(-1, 4)
     volume = np.linalg.det(corners[cells[:, 1:]] - corners[cells[:, :1]])
     cells = np.where(volume[:, None] < 0.0, cells[:, [0, 2, 1, 3]], cells)
-    # A node in the middle of each edge.
-    n = len(corners)
-    ends = np.sort(cells[:, np.array(TETRAHEDRON_EDGES)], axis=2)
-    keys, number = np.unique(ends @ [n, 1], return_inverse=True)
-    nodes = np.concatenate([corners, 0.5 * (corners[keys // n] + corners[keys % n])])
-    cells = np.hstack([cells, n + number.reshape(-1, 6)])
-    # Push the edges of the boundary out to the sphere.
-    on_surface = np.abs(np.linalg.norm(nodes, axis=1) - 1.0) < 1e-9
-    for (a, b), middle in zip(TETRAHEDRON_EDGES, range(4, 10), strict=True):
-        both = on_surface[cells[:, a]] & on_surface[cells[:, b]]
-        on_surface[cells[both, middle]] = True
-    surface = np.flatnonzero(on_surface)
+    outside = np.flatnonzero(np.abs(np.linalg.norm(corners, axis=1) - 1.0) < 1e-9)
+    straight = of_second_order(Mesh(corners, cells, "tetra", {"surface": outside}))
+    surface, nodes = straight.node_sets["surface"], straight.nodes.copy()
     nodes[surface] /= np.linalg.norm(nodes[surface], axis=1)[:, None]
-    return Mesh(R * nodes, cells, "tetra10", {"surface": surface})
+    return Mesh(R * nodes, straight.cells, "tetra10", {"surface": surface})
 
 
 def _icosahedron() -> tuple[FloatArray, IntArray]:
@@ -193,13 +186,7 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
     >>> box_mesh((1.0, 0.02, 0.02), (50, 2, 2))
     Mesh(459 nodes, 200 hexahedron, sets: xmin, xmax, ymin, ymax, zmin, zmax)
     """
-    sides = finite_array("lengths", lengths, shape=(3,), unit="m")
-    for i, side in enumerate(sides):
-        positive(f"lengths[{i}]", float(side), unit="m")
-    given = sequence("divisions", divisions)
-    if len(given) != 3:
-        raise InputError(f"divisions must be three integers, got {given!r}")
-    counts = [integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(given)]
+    sides, counts = _sides(lengths, divisions, 3)
     element = reference_element(choice("kind", kind, KINDS))
     _refuse_monster(8.0 * float(min(math.prod(counts), 10**30)), "divisions", counts)
     # Nodes of all elements on the lattice of quarter bricks, shape (n_cells, n_nodes, 3).
@@ -247,13 +234,7 @@ def sheet_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = 
     >>> ao.sheet_mesh((0.3, 0.2), (6, 4))
     Mesh(35 nodes, 24 quad, sets: xmin, xmax, ymin, ymax, rim)
     """
-    sides = finite_array("lengths", lengths, shape=(2,), unit="m")
-    for i, side in enumerate(sides):
-        positive(f"lengths[{i}]", float(side), unit="m")
-    given = sequence("divisions", divisions)
-    if len(given) != 2:
-        raise InputError(f"divisions must be two integers, got {given!r}")
-    n, m = (integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(given))
+    sides, (n, m) = _sides(lengths, divisions, 2)
     choice("kind", kind, ("quad", "triangle"))
     _refuse_monster(float(min((n + 1) * (m + 1), 10**30)), "divisions", [n, m])
     row, column = (each.ravel() for each in np.indices((n + 1, m + 1)))
@@ -287,3 +268,14 @@ def paper_sphere_mesh() -> Mesh:
 def _refuse_monster(n_nodes: float, name: str, value: object) -> None:
     if n_nodes > _MOST_NODES:
         raise InputError(f"{name}={value} would make some {n_nodes:.2g} nodes; is it in metres?")
+
+
+def _sides(lengths: Any, divisions: Any, axes: int) -> tuple[FloatArray, list[int]]:
+    """Return the lengths of the sides, m, and the number of elements along each."""
+    sides = finite_array("lengths", lengths, shape=(axes,), unit="m")
+    for i, side in enumerate(sides):
+        positive(f"lengths[{i}]", float(side), unit="m")
+    given = sequence("divisions", divisions)
+    if len(given) != axes:
+        raise InputError(f"divisions must be {axes} integers, got {given!r}")
+    return sides, [integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(given)]

@@ -161,7 +161,7 @@ def test_impossible_spheres_are_refused(
     [
         ((1, 1), (1, 1, 1), "hexahedron", InputError, r"lengths must have shape \(3,\)"),
         ((1, 0, 1), (1, 1, 1), "hexahedron", InputError, r"lengths\[1\] must be positive"),
-        ((1, 1, 1), (1, 1), "hexahedron", InputError, "divisions must be three integers"),
+        ((1, 1, 1), (1, 1), "hexahedron", InputError, "divisions must be 3 integers"),
         ((1, 1, 1), (1, 0, 1), "hexahedron", InputError, r"divisions\[1\] must be at least 1"),
         ((1, 1, 1), (1, 2.0, 1), "hexahedron", InputTypeError, r"divisions\[1\]"),
         ((1, 1, 1), (1, 1, 1), "hexahedron8", InputError, "did you mean 'hexahedron"),
