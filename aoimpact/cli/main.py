@@ -11,6 +11,9 @@ from typing import Any
 from .. import __version__
 from ..base import AOImpactError, InputError
 
+_FOLDER = "folder for {}, made if there is none (default: {})"
+_NOTHING = "nothing is written"
+
 Command = Callable[[argparse.Namespace], None]
 
 
@@ -43,11 +46,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="<command>", required=True)
-    scene = argparse.ArgumentParser(add_help=False)
-    scene.add_argument("scene", metavar="SCENE.toml", help="the scene file")
-    folder = "folder for {}, made if there is none (default: {})"
+    for add in (_add_paper, _add_run, _add_compare):
+        add(commands)
+    return parser
 
-    paper = commands.add_parser(
+
+def _add_paper(commands: Any) -> None:
+    parser = commands.add_parser(
         "paper",
         help="recompute the paper's tables and figures beside its numbers",
         description=(
@@ -57,54 +62,10 @@ def _parser() -> argparse.ArgumentParser:
         ),
     )
     files = "the figures (PNG) and for results.csv and results.md"
-    paper.add_argument(
-        "--out", metavar="DIR", default="paper-results", help=folder.format(files, "%(default)s")
+    parser.add_argument(
+        "--out", metavar="DIR", default="paper-results", help=_FOLDER.format(files, "%(default)s")
     )
-    paper.set_defaults(command=_paper)
-
-    run = commands.add_parser(
-        "run",
-        parents=[scene],
-        help="run a scene file",
-        description=(
-            "Run the impact that a TOML file describes (see docs/scene-files.md) and print what "
-            "comes of it: peak force, contact time, rebound, and how wrong they may be. A file "
-            "with a [sweep] is run once for each combination of its values, and a table is printed."
-        ),
-    )
-    files = "histories (CSV), figures (PNG) and fields of meshed bodies (VTU), or a sweep's table "
-    nothing = "nothing is written"
-    run.add_argument("--out", metavar="DIR", help=folder.format(files + "and figure", nothing))
-    run.add_argument("--json", action="store_true", help="print JSON, for machines")
-    run.add_argument(
-        "--workers", type=int, metavar="N", help="threads of a sweep (default: as in the file)"
-    )
-    run.add_argument(
-        "--checkpoint",
-        metavar="FILE",
-        help="keep a sweep's finished cases in a file, from which the same call goes on",
-    )
-    run.set_defaults(command=_run)
-
-    compare = commands.add_parser(
-        "compare",
-        parents=[scene],
-        help="compare models of a scene file's impact, from rigid to full",
-        description=(
-            "Run the impact that a TOML file describes with rigid bodies, with more and more "
-            "anti-oscillators, with natural modes and in full, and print what each costs and how "
-            "wrong it is."
-        ),
-    )
-    files = "the table (CSV) and figure (PNG)"
-    compare.add_argument("--out", metavar="DIR", help=folder.format(files, nothing))
-    compare.add_argument(
-        "--no-full",
-        action="store_true",
-        help="leave out the full model; errors are then relative to the most anti-oscillators",
-    )
-    compare.set_defaults(command=_compare)
-    return parser
+    parser.set_defaults(command=_paper)
 
 
 def _paper(options: argparse.Namespace) -> None:
@@ -114,6 +75,31 @@ def _paper(options: argparse.Namespace) -> None:
     print(done)
     print(f"\n{len(done.files)} files in {done.files[0].parent}:")
     print("  " + ", ".join(file.name for file in done.files))
+
+
+def _add_run(commands: Any) -> None:
+    parser = commands.add_parser(
+        "run",
+        help="run a scene file",
+        description=(
+            "Run the impact that a TOML file describes (see docs/scene-files.md) and print what "
+            "comes of it: peak force, contact time, rebound, and how wrong they may be. A file "
+            "with a [sweep] is run once for each combination of its values, and a table is printed."
+        ),
+    )
+    parser.add_argument("scene", metavar="SCENE.toml", help="the scene file")
+    files = "histories (CSV), figures (PNG) and fields of meshed bodies (VTU), or a sweep's table "
+    parser.add_argument("--out", metavar="DIR", help=_FOLDER.format(files + "and figure", _NOTHING))
+    parser.add_argument("--json", action="store_true", help="print JSON, for machines")
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="threads of a sweep (default: as in the file)"
+    )
+    parser.add_argument(
+        "--checkpoint",
+        metavar="FILE",
+        help="keep a sweep's finished cases in a file, from which the same call goes on",
+    )
+    parser.set_defaults(command=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
@@ -146,6 +132,27 @@ def _run(options: argparse.Namespace) -> None:
     print(f"{scene.title}\n{result}")
     if files:
         print(f"{', '.join(file.name for file in files)} in {files[0].parent}")
+
+
+def _add_compare(commands: Any) -> None:
+    parser = commands.add_parser(
+        "compare",
+        help="compare models of a scene file's impact, from rigid to full",
+        description=(
+            "Run the impact that a TOML file describes with rigid bodies, with more and more "
+            "anti-oscillators, with natural modes and in full, and print what each costs and how "
+            "wrong it is."
+        ),
+    )
+    parser.add_argument("scene", metavar="SCENE.toml", help="the scene file")
+    files = "the table (CSV) and figure (PNG)"
+    parser.add_argument("--out", metavar="DIR", help=_FOLDER.format(files, _NOTHING))
+    parser.add_argument(
+        "--no-full",
+        action="store_true",
+        help="leave out the full model; errors are then relative to the most anti-oscillators",
+    )
+    parser.set_defaults(command=_compare)
 
 
 def _compare(options: argparse.Namespace) -> None:
