@@ -288,7 +288,10 @@ class Surface:
         return {}
 
     def nearest(self, point: FloatArray) -> Place:
-        """Return the nearest point of the surface, on each of the faces that share it."""
+        """Return the nearest point of the surface, on each of the faces that share it.
+
+        Where a web of shells ends on a skin, on those of the skin.
+        """
         if (found := self._found.get(point.tobytes())) is not None:
             return found
         if len(self._found) >= _REMEMBERED:
@@ -312,6 +315,7 @@ class Surface:
         distance = np.linalg.norm(x - point, axis=1)
         shared = np.flatnonzero(distance <= distance.min() + _SAME_PLACE * radius[face].max())
         shared = shared[np.argsort(distance[shared], kind="stable")]
+        shared = shared[self._continuing(face[shared], x[shared[0]], float(radius[face].max()))]
         found = Place(face[shared], uv[shared], x[shared], distance[shared])
         for values in vars(found).values():
             values.flags.writeable = False
@@ -324,6 +328,30 @@ class Surface:
             return None
         mean: FloatArray = normals.mean(axis=0)
         return mean / np.linalg.norm(mean)
+
+    def _continuing(self, face: IntArray, x: FloatArray, size: float) -> npt.NDArray[np.bool_]:
+        """Return which faces at a place are of the skin that goes on there, where a web ends on it.
+
+        Surface elements within 45° of each other are one skin. It goes on if two of its elements
+        have each edge through the place. All faces, if there is no such skin, or several.
+        """
+        every = np.ones(len(face), dtype=bool)
+        if len(face) < 3 or not self.thin(face).all():
+            return every
+        normal = self.normal(face, self.middle(face))
+        level = sp.csr_array(np.abs(normal @ normal.T) > SHARP)
+        count, skin = sp.csgraph.connected_components(level, directed=False)
+        corners = self.corners(face)
+        ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
+        a, b = self.mesh.nodes[ends[..., 0]], self.mesh.nodes[ends[..., 1]]
+        lengths = [np.linalg.norm(of, axis=2) for of in (a - x, b - x, b - a)]
+        through = (lengths[0] + lengths[1] <= lengths[2] + _SAME_PLACE * size) & (lengths[2] > 0.0)
+        shared = [
+            np.unique(ends[(skin == number)[:, None] & through], axis=0, return_counts=True)[1]
+            for number in range(count)
+        ]
+        goes_on = [number for number, elements in enumerate(shared) if (elements > 1).all()]
+        return skin == goes_on[0] if len(goes_on) == 1 else every
 
     def pierced(
         self, points: FloatArray, axis: FloatArray, *, reach: float, outward: bool = True

@@ -111,6 +111,47 @@ def test_a_curved_shell_is_touched_outside_and_inside(side: float) -> None:
     assert hit.law.k == pytest.approx(expected.k, rel=2e-3)
 
 
+def skin_on_a_web(n: int, skin: float = 2e-3, *, at: int | None = None) -> Any:
+    """A skin of n x n elements, 0.1 m, and a web below it under a line of nodes, 1 mm thick."""
+    x = np.linspace(-0.05, 0.05, n + 1)
+    flat = ao.sheet_mesh((0.1, 0.1), (n, n))
+    m, line = n // 4, x[n // 2 if at is None else at]
+    along, down = np.meshgrid(x, -np.linspace(0, 0.025, m + 1)[1:], indexing="ij")
+    below = np.column_stack([np.full(along.size, line), along.ravel(), down.ravel()])
+    nodes = flat.nodes - (0.05, 0.05, 0)
+    on = np.flatnonzero(np.abs(nodes[:, 0] - line) < 1e-9)
+    i = np.column_stack(
+        [on[np.argsort(nodes[on, 1])], len(nodes) + np.arange(along.size).reshape(n + 1, m)]
+    )
+    web = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], axis=-1).reshape(-1, 4)
+    cells, count = np.vstack([flat.cells, web]), len(flat.cells)
+    groups = {"skin": np.arange(count), "web": np.arange(count, len(cells))}
+    mesh = ao.Mesh(np.vstack([nodes, below]), cells, "quad", cell_sets=groups)
+    shells = {"skin": ao.Shell(skin, STEEL), "web": ao.Shell(1e-3, STEEL)}
+    return ao.FEModel.from_mesh(mesh, shells)
+
+
+def test_a_skin_is_struck_where_a_web_stands_on_it() -> None:
+    """Direction, law and shell are those of the skin; a mesh half as fine has nearly its force."""
+    hits = []
+    for n, place in ((20, (0, 0, 0)), (40, (0, 0, 0)), (40, (0, 1e-3, 0))):
+        tip = skin_on_a_web(n).contact(point=place)
+        assert tip.direction == pytest.approx([0, 0, -1], abs=1e-12)
+        assert tip.thin == ao.Shell(2e-3, STEEL)
+        hits.append(ao.simulate(BALL, tip, 1.0, quantity="peak_force", duration=60e-6))
+        assert hits[-1].law.k == pytest.approx(ao.Hertz.between(STEEL, 0.005, STEEL, math.inf).k)
+    plain = ao.simulate(BALL, sheet(2e-3).contact(point=(0.075, 0.075, 0)), 1.0, duration=60e-6)
+    forces = np.array([hit.peak_force for hit in hits])
+    assert (forces > 1.3 * plain.peak_force).all()
+    assert forces == pytest.approx(forces[1], rel=0.02)
+
+
+def test_a_fold_has_no_normal() -> None:
+    """A web along the rim of the skin: neither goes on."""
+    with pytest.raises(ao.InputError, match="sharp edge"):
+        skin_on_a_web(8, at=0).contact(point=(-0.05, 0, 0))
+
+
 def test_a_laminate_is_pressed_on_the_ply_that_faces_the_ball() -> None:
     soft = ao.Orthotropic((10e9, 10e9, 5e9), (3e9, 3e9, 2e9), (0.3, 0.3, 0.3), rho=1500)
     stiff = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
