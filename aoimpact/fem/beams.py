@@ -83,7 +83,7 @@ class BeamSection:
         """
         return np.array(self.points)
 
-    def shear(self, points: FloatArray) -> FloatArray:
+    def shear(self, points: FloatArray, nu: float) -> FloatArray:
         """Return none: shear stress follows from the shape, which is not known.
 
         :meta private:
@@ -133,7 +133,7 @@ class RectangularSection:
         ways = [(along, -one), (along, one), (-one, along), (one, along)]
         return 0.5 * np.hstack(ways).T * (self.width, self.height)
 
-    def shear(self, points: FloatArray) -> FloatArray:
+    def shear(self, points: FloatArray, nu: float) -> FloatArray:
         """Return τxy and τxz at places (n, 2) by Gθ' and the shear forces along y and z, (n, 2, 3).
 
         Saint-Venant's torsion in series (S. P. Timoshenko and J. N. Goodier, Theory of Elasticity,
@@ -203,9 +203,10 @@ class TubularSection:
         return 1.0 / self.radius
 
     def extremes(self, strains: FloatArray) -> FloatArray:
-        """Return places (y, z) where stress may be largest, (..., 4, 2), m.
+        """Return places (y, z) where stress may be largest, (..., 6, 2), m.
 
-        They are those farthest out in the plane of bending, and on its neutral axis.
+        They are those farthest out in the plane of bending, and on its neutral axis outside and
+        inside, where shear of a full circle is largest in the middle.
 
         :meta private:
         """
@@ -213,23 +214,35 @@ class TubularSection:
         size = np.linalg.norm(outwards, axis=-1, keepdims=True)
         outwards = np.where(size > 0.0, outwards / np.where(size > 0.0, size, 1.0), [1.0, 0.0])
         across = np.stack([-outwards[..., 1], outwards[..., 0]], axis=-1)
-        return self.radius * np.stack([outwards, -outwards, across, -across], axis=-2)
+        sides = self.radius * np.stack([outwards, -outwards, across, -across], axis=-2)
+        inside = (self.radius - self.thickness) * np.stack([across, -across], axis=-2)
+        return np.concatenate([sides, inside], axis=-2)
 
-    def shear(self, points: FloatArray) -> FloatArray:
+    def shear(self, points: FloatArray, nu: float) -> FloatArray:
         """Return τxy and τxz at places (..., 2) by Gθ' and the shear forces, (..., 2, 3).
 
-        Shear forces by Zhuravskii's mean over the wall, along its middle.
+        Saint-Venant's flexure of a hollow circle, exact (A. E. H. Love, Mathematical Theory of
+        Elasticity, section 231). In the bore the mean of the section, as of its middle.
 
         :meta private:
         """
         R, r = self.radius, self.radius - self.thickness
         y, z = np.moveaxis(points, -1, 0)
-        along = np.stack([-z, y], axis=-1)
-        square = (along**2).sum(axis=-1)[..., None, None]
-        mean = 4.0 / 3.0 * (R**2 + R * r + r**2) / (np.pi * (R**4 - r**4))
-        turned = along[..., :, None] * along[..., None, :]
-        by_force = np.where(square > 0.0, turned / np.where(square > 0.0, square, 1.0), np.eye(2))
-        return np.concatenate([along[..., None], mean * by_force], axis=-1)
+        square = y**2 + z**2
+        bore = square < (r * (1.0 - _EDGE)) ** 2
+        inner = R * R * r * r / np.where(square > 0.0, square, 1.0) ** 2 if r else 0.0 * square
+        kappa, second = 0.75 + 0.5 * nu, 0.25 * np.pi * (R**4 - r**4)
+        found = np.zeros((*points.shape, 3))
+        found[..., 0, 0], found[..., 1, 0] = -z, y
+        for force, along, other in ((0, y, z), (1, z, y)):
+            main = kappa * (R * R + r * r + inner * (other**2 - along**2))
+            main -= kappa * along**2 + (0.25 - 0.5 * nu) * other**2
+            found[..., force, 1 + force] = main
+            found[..., 1 - force, 1 + force] = -(2.0 * kappa * inner + 0.5 + nu) * y * z
+        found[..., 1:] /= 2.0 * (1.0 + nu) * second
+        found[bore] = 0.0
+        found[bore, :, 1:] = np.eye(2) / (np.pi * (R * R - r * r))
+        return found
 
     def with_nu(self, nu: float) -> BeamSection:
         """Return its numbers, with Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
@@ -339,6 +352,15 @@ class Beam:
         return self.material.rho * np.array([of.area, of.Iy + of.Iz, of.Iy, of.Iz])
 
     @property
+    def hollow(self) -> bool:
+        """True of a tube with a bore.
+
+        :meta private:
+        """
+        of = self.section
+        return isinstance(of, TubularSection) and of.thickness < of.radius
+
+    @property
     def narrowest(self) -> float:
         """Thickness of the wall of a tube, else of the section where it is thinnest, m.
 
@@ -346,7 +368,7 @@ class Beam:
         """
         of = self.section
         if isinstance(of, TubularSection):
-            return of.thickness if of.thickness < of.radius else 2.0 * of.radius
+            return of.thickness if self.hollow else 2.0 * of.radius
         if isinstance(of, RectangularSection):
             return min(of.width, of.height)
         return math.sqrt(of.area)
@@ -376,7 +398,9 @@ class Beam:
         """
         most = np.abs(self.numbers.points).max(axis=0) * (1.0 + _EDGE)
         if isinstance(self.section, TubularSection):
-            return math.hypot(*place) <= self.section.radius * (1.0 + _EDGE)
+            bore = self.section.radius - self.section.thickness
+            away = math.hypot(*place)
+            return bore * (1.0 - _EDGE) <= away <= self.section.radius * (1.0 + _EDGE)
         return bool((np.abs(place) <= most).all())
 
     def stress(self, strains: FloatArray, place: tuple[float, float] | None = None) -> FloatArray:
@@ -401,7 +425,9 @@ class Beam:
         stretch, bent_y, bent_z = (strains[..., i, None] for i in range(3))
         direct = self.material.E * (stretch + bent_y * z - bent_z * y)
         forces = strains[..., 3:] * [self.material.shear_modulus, *self.stiffness[4:]]
-        sheared = np.einsum("...ncl,...l->...nc", self.section.shear(points), forces)
+        sheared = np.einsum(
+            "...ncl,...l->...nc", self.section.shear(points, self.material.nu), forces
+        )
         stress = np.concatenate([direct[..., None], sheared], axis=-1)
         size = stress**2 @ [1.0, 3.0, 3.0]  # von Mises' stress squared
         largest = size.argmax(axis=-1)[..., None, None]

@@ -49,7 +49,7 @@ from .laminate import Layers
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
-from .thinextraction import extracted_from_beam, extracted_from_shell
+from .thinextraction import extracted_from_beam, extracted_from_shell, ring_compliance
 from .touch import (
     Touch,
     edge_length,
@@ -292,6 +292,27 @@ class ContactPoint(Frozen):
             of = of_face(surface, material, int(surface.nearest(self.point).face[0]))
         return of if isinstance(of, (Layers, Beam)) else None
 
+    @property
+    def _along_beam(self) -> float:
+        """Cosine of the angle between the direction and the axis of the beam at the contact."""
+        assert self.body.mesh is not None
+        assert self.point is not None
+        assert self.direction is not None
+        first, last = self.body.mesh.nodes[
+            self.body.mesh.cells[nearest_line(self.body.mesh, self.point)[0], :2]
+        ]
+        return abs(float(self.direction @ (last - first))) / float(np.linalg.norm(last - first))
+
+    @property
+    def ring_compliance(self) -> float:
+        """How much the ring of a tube yields to a slow unit force, m/N; 0 of other bodies.
+
+        :meta private:
+        """
+        if not isinstance(self.thin, Beam) or not self.thin.hollow:
+            return 0.0
+        return (1.0 - self._along_beam**2) * ring_compliance(self.thin, 0.0)[0]
+
     @cached_property
     def extraction(self) -> ContactCompliance | None:
         """The compliance that the mesh has in place of the half-space of a contact law.
@@ -351,7 +372,10 @@ class ContactPoint(Frozen):
         assert self.point is not None
         assert self.direction is not None
         if isinstance(self.thin, Beam):
-            return extracted_from_beam(self.body, self.b, self._width, solver)
+            across = math.sqrt(max(1.0 - self._along_beam**2, 0.0))
+            return extracted_from_beam(
+                self.body, self.thin, self.b, self.point, across, self._width, solver
+            )
         assert self.body.surface is not None
         normal = normal_at(self.body.surface, self.point)
         if self._covered:
@@ -417,7 +441,8 @@ class ContactPoint(Frozen):
         if material is None or self.point is None:
             return None
         if isinstance(self.thin, Beam):
-            return ContactSurface(material, (self.thin.section.curvature, 0.0))
+            end = self._along_beam > _ALONG
+            return ContactSurface(material, (0.0 if end else self.thin.section.curvature, 0.0))
         if surface is None:
             return None
         shape = surface_shape(surface, self.point)

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray
 from ..linalg import LinearSolver
-from .beams import Beam
+from .beams import Beam, TubularSection
 from .compliance import ContactCompliance
 from .composition import thin_parts
 from .laminate import Layers
@@ -31,12 +31,16 @@ from .shells import FOLD, element_frames
 # ln s. In between c need not be monotonic.
 _SPAN = (1.0, 0.087, 1.0 / 3.0, 3.0)
 
+# Up to which n the harmonics of a ring are added up; they fall with 1/n².
+_HARMONICS = 200
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ThinExtraction(ContactCompliance):
     """Compliances of a shell or beam at a contact point under a unit force.
 
-    Here c is what the elements have in place of an elastic layer; 0 of a beam. It hardly depends on
+    Here c is what the elements have in place of an elastic layer; 0 of a beam, and less than 0 of a
+    tube, whose ring yields. It hardly depends on
     the radius of the contact. `error` is how much it changes over the frequencies of an impact:
     large where elements are longer than the bending wave. By c at both ends forces on sheets of
     elements up to three bending waves long are wrong by 1 to 1.3 times the error.
@@ -109,18 +113,88 @@ def extracted_from_shell(
 
 
 def extracted_from_beam(
-    body: Any, b: FloatArray, radius: float, solver: LinearSolver
+    body: Any,
+    beam: Beam,
+    b: FloatArray,
+    point: FloatArray,
+    across: float,
+    radius: float,
+    solver: LinearSolver,
 ) -> ThinExtraction:
-    """Return the compliances at a place of a beam: it has a finite one, and nothing is removed."""
-    none = np.zeros(body.mesh.n_cells, dtype=bool)
+    """Return the compliances at a place of a beam, to which that of a tube's ring is added.
+
+    The error is how much less the ring yields at the frequency s, and near an end of a member,
+    where it is open or held, what an open end would add.
+
+    Parameters
+    ----------
+    body : FEModel
+    beam : Beam
+        At the contact.
+    b : ndarray, shape (n_dofs,)
+        The contact functional.
+    point : ndarray, shape (3,)
+        On the axis, m.
+    across : float
+        Sine of the angle between the force and the axis.
+    radius : float
+        a, of the contact itself, m.
+    solver : LinearSolver
+        Factors of K + s²M.
+    """
+    mesh, ring, error = body.mesh, 0.0, 0.0
+    if beam.hollow:
+        s = math.sqrt(solver.pencil.s2)
+        (ring, decay), (fast, _) = ring_compliance(beam, 0.0), ring_compliance(beam, s)
+        lines = np.concatenate([of.cells for of in mesh.blocks if of.kind == "line"])
+        ends = np.bincount(lines.ravel(), minlength=mesh.n_nodes)
+        away = np.linalg.norm(mesh.nodes[(ends > 0) & (ends != 2)] - point, axis=1).min(
+            initial=math.inf
+        )
+        error = ring - fast + 3.0 * ring * math.exp(-2.0 * decay * float(away))
     return ThinExtraction(
-        removed=0.0,
-        error=0.0,
+        removed=-(across**2) * ring,
+        error=across**2 * error,
         varying=0.0,
         radius=radius,
-        near=none,
+        near=np.zeros(mesh.n_cells, dtype=bool),
         **_deflected(body, b, solver),
     )
+
+
+def ring_compliance(beam: Beam, s: float) -> tuple[float, float]:
+    """Return how much the wall of a long tube yields to a force at a point of it, and β₂.
+
+    The ring bends without stretching by w cos nθ, n = 2, 3, ..., and warps without shear: V. Z.
+    Vlasov's semi-membrane theory. Along the tube each w is then the deflection of an infinite beam
+    of stiffness E I = π E t R³/n⁴ on an elastic foundation k = π D (n² - 1)²/R³, with the mass
+    m = π ρ t R (1 + 1/n²) per length: w/P = 1/(2 √2 (k + m s²)^(3/4) (E I)^(1/4)). It decays with
+    β = (k/(4 E I))^(1/4). Shells of R/t = 10 to 20 agree within 2 % at s = 0.
+
+    Parameters
+    ----------
+    beam : Beam
+        Of a TubularSection.
+    s : float
+        rad/s, on the axis of decaying motions.
+
+    Returns
+    -------
+    compliance : float
+        m/N.
+    decay : float
+        β of n = 2, 1/m.
+    """
+    assert isinstance(beam.section, TubularSection)
+    of, t = beam.material, beam.section.thickness
+    R = beam.section.radius - 0.5 * t
+    n2 = np.arange(2.0, _HARMONICS) ** 2
+    bending = math.pi * of.plane_strain_modulus * t**3 / 12.0 * (n2 - 1.0) ** 2 / R**3
+    along = math.pi * of.E * t * R**3 / n2**2
+    k = bending + math.pi * of.rho * t * R * (1.0 + 1.0 / n2) * s * s
+    each = 1.0 / (2.0 * math.sqrt(2.0) * k**0.75 * along**0.25)
+    rest = float(each[-1]) * _HARMONICS  # of a sum of 1/n² at s = 0
+    return float(each.sum()) + rest, float((bending[0] / (4.0 * along[0])) ** 0.25)
 
 
 def _deflected(body: Any, b: FloatArray, solver: LinearSolver) -> dict[str, Any]:

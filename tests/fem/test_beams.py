@@ -87,6 +87,46 @@ def test_tubes_and_circles() -> None:
     assert circle.J / (math.pi / 2 * 0.02**4) == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("wall", [0.02, 0.008, 1e-3])
+def test_shear_stress_of_circles_and_tubes(wall: float) -> None:
+    """Equilibrium with σ = M z/I, no traction on either surface, and the force as resultant."""
+    section = CircularSection(0.02) if wall == 0.02 else TubularSection(0.02, wall)
+    beam = Beam(section, STEEL)
+    numbers = beam.numbers
+    force = np.array([300.0, -500.0])
+    strains = np.array([0, 0, 0, 0, *(force / beam.stiffness[4:])])
+
+    def shear(y: float, z: float) -> Any:
+        return beam.stress(strains, (y, z))[1:]
+
+    step, inside = 1e-6, 0.02 - 0.5 * wall
+    for turn in (0.3, 1.2, 4.0):
+        n = np.array([math.cos(turn), math.sin(turn)])
+        for R in {0.02, 0.02 - wall} - {0.0}:
+            assert abs(shear(*(R * n)) @ n) < 1e-5 * np.linalg.norm(force) / numbers.area
+        y, z = inside * n
+        change = (shear(y + step, z) - shear(y - step, z))[0] / (2 * step)
+        change += (shear(y, z + step) - shear(y, z - step))[1] / (2 * step)
+        assert change == pytest.approx(-force @ (y, z) / numbers.Iy, rel=1e-6)
+    at, weights = np.polynomial.legendre.leggauss(8)
+    radii, turns = 0.02 - 0.5 * wall * (1 - at), 2 * np.pi * np.arange(12) / 12
+    total = sum(
+        w * r * shear(r * math.cos(turn), r * math.sin(turn))
+        for r, w in zip(radii, weights, strict=True)
+        for turn in turns
+    )
+    assert total * 0.5 * wall * 2 * np.pi / 12 == pytest.approx(force, rel=1e-9)
+
+
+def test_shear_of_a_full_circle_is_timoshenkos() -> None:
+    """1.38 V/A in the middle and 1.23 V/A at the ends of the neutral axis (section 122)."""
+    beam = Beam(CircularSection(0.02), STEEL)
+    strains = np.array([0, 0, 0, 0, 0, 1.0 / beam.stiffness[5]])
+    for place, wanted in (((0.0, 0.0), 1.38), ((0.02, 0.0), 1.23), (None, 1.38)):
+        found = beam.stress(strains, place)[2] * beam.numbers.area
+        assert abs(found) == pytest.approx(wanted, abs=0.006)
+
+
 def test_frequencies_converge_to_timoshenkos() -> None:
     """A simply supported thick beam: Timoshenko's frequency equation."""
     L, mode = 0.5, 2

@@ -201,9 +201,11 @@ def test_layers_that_are_none(layer: Any, frames: Any) -> None:
         frames["tube"].target.probe((0, 0, 0), layer=layer)
 
 
-def test_places_off_the_section_are_refused(frames: Any) -> None:
-    with pytest.raises(ao.InputError, match=r"layer=\(0.0, 0.03\): the body has no such place"):
-        _ = frames["tube"].target.probe((0, 0, 0), layer=(0.0, 0.03)).stress
+@pytest.mark.parametrize("place", [(0.0, 0.03), (0.0, 0.017), (0.0, 0.0)])
+def test_places_off_the_section_are_refused(place: Any, frames: Any) -> None:
+    """Outside of a tube, and in its bore."""
+    with pytest.raises(ao.InputError, match=r"layer=\(0.0, 0.0.*: the body has no such place"):
+        _ = frames["tube"].target.probe((0, 0, 0), layer=place).stress
 
 
 def test_a_section_without_points_warns_that_bending_is_left_out() -> None:
