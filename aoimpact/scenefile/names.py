@@ -234,10 +234,11 @@ def _sensor(body: Any, **more: Any) -> Tagged:
     """Return the table of a sensor on a body; without a type the displacement of a place."""
     of_point = {"body": body, "point": _VECTOR}
     along = {"direction": _VECTOR}
+    where = {"layer?": (TEXT, [ANYTHING, 2]), "part?": TEXT}
     displacement = Variants({"point": of_point | along, **more})
     tables = {
-        "StressAt": of_point | {"component?": TEXT, "layer?": TEXT},
-        "StrainAt": of_point | {"component?": (TEXT, _VECTOR), "length?": "m"},
+        "StressAt": of_point | where | {"component?": TEXT},
+        "StrainAt": of_point | where | {"component?": (TEXT, _VECTOR), "length?": "m"},
         "AccelerationAt": of_point | along | {"cfc?": "Hz", "corner?": "Hz"},
         "ReactionAt": {"body": body, "nodes": TEXT} | along,
     }

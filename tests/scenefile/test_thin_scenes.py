@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -72,6 +73,39 @@ def test_a_plate_of_a_file(name: str, layers: ao.Shell, tmp_path: Path) -> None:
         quantity="peak_force",
     )
     assert found.peak_force == pytest.approx(hit.peak_force, rel=1e-12)
+
+
+DECK = """*NODE
+1, 0, 0, 0
+2, 0.1, 0, 0
+3, 0.1, 0.1, 0
+4, 0, 0.1, 0
+*ELEMENT, TYPE=S4, ELSET=SKIN
+1, 1, 2, 3, 4
+*ELEMENT, TYPE=B31, ELSET=RIB
+2, 1, 2
+"""
+
+
+@pytest.mark.parametrize(
+    ("sensor", "layer", "part"),
+    [
+        ('"StressAt", layer = [1, "bottom"]', (1, "bottom"), None),
+        ('"StressAt", layer = [0.0, 0.005], part = "RIB"', (0.0, 0.005), "RIB"),
+        ('"StrainAt", layer = "bottom", part = "SKIN"', "bottom", "SKIN"),
+    ],
+)
+def test_a_layer_and_a_part_of_a_sensor(
+    sensor: str, layer: Any, part: str | None, tmp_path: Path
+) -> None:
+    (tmp_path / "a.inp").write_text(DECK)
+    text = MATERIALS + IMPACT.replace('"MATERIAL"', '{ SKIN = "stack", RIB = "bar" }')
+    text = text.replace("{ sheet = [0.1, 0.1], divisions = [20, 20] }", '"a.inp"')
+    text = text.replace('nodes = "rim"', "nodes = [3, 4]")
+    wanted = f"{{ type = {sensor}, component = 'xx', body = 'plate', point = [0.05, 0, 0] }}"
+    (tmp_path / "a.toml").write_text(text.replace('"peak_force"', wanted))
+    found = ao.read_scene(tmp_path / "a.toml").case()["quantity"]
+    assert (type(layer)(found.layer), found.part) == (layer, part)
 
 
 @pytest.mark.parametrize(
