@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, InputError, checked, finite_array, positive
+from .laminate import FAR_OFF
 from .material import Material
 
 # Moments are linear and interpolated displacements cubic along an element.
@@ -317,6 +318,12 @@ class Beam:
         kinds = (BeamSection, RectangularSection, TubularSection)
         checked(self, section=kinds, material=(Material,))
         along_y, along_z = finite_array("offset", self.offset, shape=(2,), unit="m").tolist()
+        most = FAR_OFF * math.sqrt(self.section.with_nu(self.material.nu).area)
+        if max(abs(along_y), abs(along_z)) > most:
+            raise InputError(
+                f"offset must be within ±{most:g} m, {FAR_OFF:g} times the root of the section's "
+                f"area, got {self.offset} m; give it in metres"
+            )
         object.__setattr__(self, "offset", (along_y, along_z))
         if self.orientation is not None:
             axis = finite_array("orientation", self.orientation, shape=(3,))

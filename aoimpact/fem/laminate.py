@@ -29,8 +29,11 @@ _AXES = Orthotropic.axes
 # Components of plane stress, and (xz, yz), in the order xx, yy, zz, xy, yz, xz.
 _PLANE, _SHEAR = [0, 1, 3], [5, 4]
 
-# Range of thicknesses, m, and largest offset over the thickness, of which stiffness is computed.
-_THINNEST, _THICKEST, _FAR_OFF = 1e-9, 1e3, 1e3
+# Range of thicknesses, m, of which stiffness is computed.
+_THINNEST, _THICKEST = 1e-9, 1e3
+
+# Offset over the thickness from which on it is in another unit: millimetres make it a thousand.
+FAR_OFF = 100.0
 
 # Gauss' points in a ply: the energy of shear stresses that are quadratic in z is of degree 4.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
@@ -413,9 +416,12 @@ def _thickness(name: str, value: Any) -> float:
 
 
 def _check_offset(layers: Layers) -> None:
-    most = _FAR_OFF * layers.total_thickness
+    most = FAR_OFF * layers.total_thickness
     if abs(layers.offset) > most:
-        raise InputError(f"offset must be within ±{most:g} m, got {layers.offset:g} m")
+        raise InputError(
+            f"offset must be within ±{most:g} m, {FAR_OFF:g} thicknesses, got {layers.offset:g} m; "
+            "give it in metres"
+        )
 
 
 def _offset(name: str, value: Any) -> float:

@@ -32,7 +32,8 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
     fixed : sequence of (nodes, letters) or (nodes, letters, letters)
         The nodes by number, by the name of a set, or by a function of all coordinates that returns
         one bool for each; the letters, of "x", "y" and "z", say which displacements are
-        constrained, and the second ones which rotations about these axes.
+        constrained, and the second ones which rotations about these axes. With rotations the first
+        letters may be "".
 
     Raises
     ------
@@ -42,7 +43,12 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
     left = np.zeros((2, mesh.n_nodes, 3), dtype=bool)
     left[0], left[1, mesh.thin_nodes] = True, True
     for i, (selector, *letters) in enumerate(_entries(fixed)):
-        wanted = [components(f"fixed[{i}]", each) for each in letters]
+        wanted = [
+            []
+            if each == "" and (place, len(letters)) == (0, 2)
+            else components(f"fixed[{i}]", each)
+            for place, each in enumerate(letters)
+        ]
         selected = nodes_of_mesh(f"fixed[{i}]", selector, mesh)
         if len(letters) == 2 and not np.isin(selected, mesh.thin_nodes).any():
             raise InputError(
@@ -59,7 +65,7 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
 def _entries(fixed: Any) -> Sequence[Support]:
     how = (
         'give a list such as [("xmin", "xyz"), ([0, 7], "z")], of shells and beams also '
-        '("rim", "xyz", "xyz") to hold rotations'
+        '("rim", "xyz", "xyz"), or ("rim", "", "xyz"), to hold rotations'
     )
     if fixed is None:
         return ()
@@ -76,7 +82,10 @@ def components(name: str, letters: Any) -> list[int]:
     if not isinstance(letters, str):
         raise InputTypeError(f'{name}: letters must be text such as "xyz", got {letters!r}')
     if not letters or set(letters) - set("xyz"):
-        raise InputError(f'{name}: letters must be of "x", "y" and "z", got {letters!r}')
+        raise InputError(
+            f'{name}: letters must be of "x", "y" and "z", got {letters!r}; to hold rotations '
+            'alone give ("rim", "", "xyz")'
+        )
     if len(letters) > 3:
         raise InputError(
             f"{name}: letters must be at most three, got {letters!r}. Rotations of shells and "

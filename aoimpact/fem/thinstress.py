@@ -217,7 +217,7 @@ def body_stress_rows(
                 "none; leave it out"
             )
         return StressRows(_of_nodes(mesh, material, weights, strain), np.ones(count, dtype=bool))
-    _check_ply(mesh, material, layer)
+    _check_layer(mesh, material, layer)
     held = _cells_at(mesh, weights, layer.part)
     total = sp.csr_array((6 * count, 6 * mesh.n_nodes))
     known, sections, strains = np.zeros(count, dtype=bool), [], []
@@ -236,11 +236,22 @@ def body_stress_rows(
     return StressRows(rows, known, tuple(sections), layer, strain)
 
 
-def _check_ply(mesh: Mesh, material: AnyMaterial, layer: Layer) -> None:
+def _check_layer(mesh: Mesh, material: AnyMaterial, layer: Layer) -> None:
+    """Refuse a ply, side or place that no part of the body has."""
     parts = [part.of for part in thin_parts(mesh, material)]
-    most = max((len(of.plies) for of in parts if isinstance(of, Layers)), default=0)
-    if layer.ply and layer.of[0] >= most:
-        raise InputError(f"layer: there is no ply {layer.of[0]}, the last is {most - 1}")
+    plies = max((len(of.plies) for of in parts if isinstance(of, Layers)), default=0)
+    if layer.ply and not plies:
+        raise InputError(f"{layer}: the body has no shells, and so no plies; leave layer out")
+    if layer.ply and layer.of[0] >= plies:
+        raise InputError(f"layer: there is no ply {layer.of[0]}, the last is {plies - 1}")
+    beams = [of for of in parts if isinstance(of, Beam)]
+    if layer.of_beams and not beams:
+        raise InputError(f'{layer} is of beams, and the body has none; give "top" or "bottom"')
+    if layer.of_beams and not any(_has(of, layer) for of in beams):
+        raise InputError(
+            f"{layer}: the body has no such place: it is outside of the section, or in a bore, or "
+            "the beam has no orientation, without which its sides are not known"
+        )
 
 
 def _cells_at(mesh: Mesh, weights: sp.csr_array, part: str | None) -> sp.csc_array:

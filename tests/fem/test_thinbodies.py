@@ -42,6 +42,18 @@ def test_supports_hold_displacements_and_rotations(kind: str, letters: Any, fact
     assert found[0] / unit == pytest.approx(factor, rel=0.012)
 
 
+def test_supports_may_hold_rotations_alone() -> None:
+    """A strip between guides slides and bends freely: ω = π² √(EI/ρA)/L² (ν = 0)."""
+    metal = ao.Material(E=210e9, nu=0.0, rho=7800)
+    ends = [(place, "", "xyz") for place in ("xmin", "xmax")]
+    strip = ao.FEModel.from_mesh(
+        ao.sheet_mesh((1.0, 0.1), (40, 4)), ao.Shell(1e-3, metal), fixed=ends
+    )
+    assert strip.rigid_modes.shape[1] == 3
+    exact = 0.5 * np.pi * np.sqrt(210e9 * 1e-6 / 12 / 7800)
+    assert strip.frequencies(4) == pytest.approx([0, 0, 0, exact], rel=2e-3, abs=1e-6)
+
+
 def test_mass_and_repr() -> None:
     mesh = ao.sheet_mesh((0.3, 0.2), (6, 4))
     body = ao.FEModel.from_mesh(mesh, SHEET, fixed=[("xmin", "xyz", "y")])
@@ -200,6 +212,22 @@ def test_sheets_of_the_generator() -> None:
             lambda m: ao.FEModel.from_mesh(m, SHEET, fixed=[("rim", "xyz", "q")]),
             InputError,
             'letters must be of "x", "y" and "z"',
+        ),
+        (
+            lambda m: ao.FEModel.from_mesh(m, SHEET, fixed=[("rim", "")]),
+            InputError,
+            'to hold rotations alone give .*"rim", "", "xyz"',
+        ),
+        (
+            lambda m: ao.FEModel.from_mesh(m, SHEET, fixed=[("rim", "", "")]),
+            InputError,
+            'letters must be of "x", "y" and "z"',
+        ),
+        (lambda m: ao.Shell(2e-3, STEEL, offset=2.0), InputError, "offset .* give it in metres"),
+        (
+            lambda m: ao.Beam(ao.CircularSection(0.01), STEEL, (0, 0, 1), offset=(0, 5)),
+            InputError,
+            "offset .* give it in metres",
         ),
         (
             lambda m: ao.FEModel.from_mesh(

@@ -201,6 +201,11 @@ def test_layers_that_are_none(layer: Any, frames: Any) -> None:
         frames["tube"].target.probe((0, 0, 0), layer=layer)
 
 
+def test_a_beam_has_no_plies(frames: Any) -> None:
+    with pytest.raises(ao.InputError, match="the body has no shells, and so no plies"):
+        _ = frames["tube"].target.probe((0, 0, 0), layer=(0, "top")).stress
+
+
 @pytest.mark.parametrize("place", [(0.0, 0.03), (0.0, 0.017), (0.0, 0.0)])
 def test_places_off_the_section_are_refused(place: Any, frames: Any) -> None:
     """Outside of a tube, and in its bore."""

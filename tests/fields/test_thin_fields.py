@@ -121,6 +121,8 @@ def test_plies_have_their_own_stress_along_their_fibres() -> None:
         if ply in (0, 3):
             assert abs(one) > 5 * abs(low[YY])
     assert 0.02 * moment == pytest.approx(hit.peak_force * 0.1, rel=0.02)
+    with pytest.raises(ao.InputError, match="is of beams, and the body has none"):
+        field.stress(layer="left")
     with pytest.raises(ao.InputError, match="there is no ply 4, the last is 3"):
         field.stress(layer=(4, "top"))
 
