@@ -7,6 +7,10 @@ extraction corrects at one frequency only: all springs of the model are altered,
 taken out of the law with them, so that the response at that frequency stays as it is. The errors of
 two bodies, and of several contacts, act in the same run.
 
+A sensor away from the contact sees other motion than that at the contact, whose error says little
+of it: vibration that runs ahead or behind, more with each period. For it, and for all that lasts
+after the contact, each mode of the model is softer by its own error (reduction/softer.py).
+
 A model that gives the force need not vibrate as its body does afterwards. Its error in any history,
 of a displacement, a velocity, a sensor or what follows from these, is estimated by one more run
 with models that contain it and what it leaves out first (reduction/finer.py). These have an error
@@ -26,12 +30,11 @@ import numpy as np
 from ..base import AOImpactError, held_warnings
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..reduction import (
-    AOModel,
     BodyModel,
     FullModel,
-    InterfaceModel,
     ReducedModel,
     finer_model,
+    softer_model,
 )
 from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, Plan, extraction_of
@@ -87,8 +90,10 @@ def errors_left_out(
     met = [_met(run, i) for i in range(len(plan.contacts))]
     if (altered := alterations(plan, met, law_errors)) is None:
         return LeftOut()
-    changes = _Changes(quantity, run, solver)
-    mesh, contact = changes.sum(altered.mesh), changes.sum(altered.contact)
+    changes, of_mesh = _Changes(quantity, run, solver), altered.mesh
+    if quantity.lasting:
+        of_mesh = of_mesh[0], [_softer(plan)]
+    mesh, contact = changes.sum(of_mesh), changes.sum(altered.contact)
     larger = max(mesh, contact, key=lambda change: change.errors[quantity.name])
     if quantity.local is not None:
         mesh.errors[quantity.name] += quantity.local(run)
@@ -339,6 +344,16 @@ def _stiffer(
     return Altered(altered, largest, scale)
 
 
+def _softer(plan: Plan) -> Altered:
+    """The plan with bodies whose modes are softer by the errors of their elements."""
+    bodies = tuple(
+        _derived(body, "softer", softer_model) if _of_mesh(body) else body for body in plan.bodies
+    )
+    if bodies == plan.bodies:
+        return Altered(None)
+    return Altered(replace(plan, bodies=bodies, energies=False), size=1.0)
+
+
 def _met(run: Run, number: int) -> Met:
     """Duration and depth that a contact of a run reached."""
     contact, events = run.plan.contacts[number], run.events[number]
@@ -410,23 +425,28 @@ def finer_run(run: Run, solver: TimeSolver | None) -> Run | None:
         with held_warnings():
             if not any(map(_of_elements, plan.bodies)):
                 return None
-            bodies = tuple(map(_finer, plan.bodies))
+            bodies = tuple(
+                _derived(body, "finer", finer_model) if _of_elements(body) else body
+                for body in plan.bodies
+            )
             return solve(replace(plan, bodies=bodies, energies=False), solver)
     except AOImpactError:  # e.g. a contact wider than its patch
         return None
 
 
-def _finer(model: BodyModel) -> BodyModel:
-    """The finer model of one that was made of a body's elements, made once; of others itself."""
-    if not _of_elements(model):
-        return model
-    if "finer" not in model.kept:
-        assert isinstance(model, AOModel | InterfaceModel)
-        model.kept["finer"] = finer_model(model)
-    found: BodyModel = model.kept["finer"]
+def _derived(model: BodyModel, name: str, make: Callable[[Any], BodyModel]) -> BodyModel:
+    """A model that is made of another once."""
+    if name not in model.kept:
+        model.kept[name] = make(model)
+    found: BodyModel = model.kept[name]
     return found
 
 
 def _of_elements(model: BodyModel) -> bool:
     """True if it has a finer model, or is that of a whole body."""
     return bool(model.contact_points) and not math.isinf(getattr(model, "m0", 0.0))
+
+
+def _of_mesh(model: BodyModel) -> bool:
+    """True if its elements are known."""
+    return _of_elements(model) and model.contact_points[0].body.mesh is not None

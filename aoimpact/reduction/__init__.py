@@ -15,5 +15,6 @@ from .modalbody import ModalBody, Pull, Velocity
 from .modes import ModalModel, modal
 from .recovery import PACE, SOLVED, GeneralizedCoordinates, Recovery
 from .reduction import antioscillators
+from .softer import softer_model
 from .star import AOModel, TurningBody, ball, rigid, wall
 from .validity import fitted_times, is_valid_for

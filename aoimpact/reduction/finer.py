@@ -46,7 +46,7 @@ def finer_model(model: AOModel | InterfaceModel) -> AOModel | InterfaceModel:
     tips, body = model.contact_points, model.contact_points[0].body
     reduced = model.coordinates()
     assert reduced is not None  # made of elements
-    space = _with_rigid(body, _orthonormal(body, reduced.basis))
+    space = with_rigid(body, orthonormal(body, reduced.basis))
     time = model.contact_time or min(map(own_contact_time, tips))
     fast, top = SHIFT_TIMES_DURATION / time, max(map(highest_shift, tips))
     fast = max(fast, min(model.n / len(tips) / ORDER_FITTED * fast, top))
@@ -76,7 +76,7 @@ def finer_model(model: AOModel | InterfaceModel) -> AOModel | InterfaceModel:
     return larger if larger.n > model.n else model
 
 
-def _orthonormal(body: Body, shapes: FloatArray) -> FloatArray:
+def orthonormal(body: Body, shapes: FloatArray) -> FloatArray:
     """An M-orthonormal basis of shapes (n_dofs, n), of which some may depend on others."""
     mass = shapes.T @ (body.M @ shapes)
     size = np.sqrt(mass.diagonal())
@@ -89,7 +89,7 @@ def _orthonormal(body: Body, shapes: FloatArray) -> FloatArray:
     return found
 
 
-def _with_rigid(body: Body, space: FloatArray) -> FloatArray:
+def with_rigid(body: Body, space: FloatArray) -> FloatArray:
     return np.hstack([space, _new_directions(body, space, list(body.rigid_modes.T))])
 
 
