@@ -71,7 +71,8 @@ typedef enum aoi_status {
     AOI_ERROR_LAW_JUMPS,      /* without the patch compliance the force is undefined: the law jumps */
     AOI_ERROR_STOPPED,        /* the caller's pause said so                                        */
     AOI_ERROR_CROWDED,        /* more contacts are closed at once than the system says             */
-    AOI_ERROR_FRICTION        /* friction of a law that is not elastic, or in a run that knows none */
+    AOI_ERROR_FRICTION,       /* friction of a law that is not elastic, or in a run that knows none */
+    AOI_ERROR_SPRINGS         /* a contact with friction needs more springs than there is room for  */
 } aoi_status;
 
 /* A status in words: a constant string, never NULL. */
@@ -308,8 +309,8 @@ typedef struct aoi_friction {
     aoi_law law;      /* the normal law, of its own indentation: without a compliance               */
     double mu, ratio; /* coefficient of friction; tangential over normal stiffness, Mindlin's G / E
                          of the pair: 2 (1 - nu)/(2 - nu) for like materials                       */
-    double precision; /* share of the largest stretch, mu/ratio d, to which a curve of stretches is
-                         drawn; where all motion is along one line it plays no part but in size    */
+    double precision; /* share of the largest stretch since the touch to which the curve of stretches
+                         is drawn                                                                  */
 } aoi_friction;
 
 /* Makes friction of a law. Its compliance and limit are left out: who has them passes the law's own indentation and
@@ -321,19 +322,22 @@ typedef struct aoi_friction {
  * AOI_ERROR_FRICTION for another law, AOI_ERROR_ARGUMENT for other numbers. */
 AOI_API int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision);
 
-/* The stretch of the spring at a depth, m; between two of these it runs straight. */
+/* The stretch of the spring at a depth, m; between two of these it runs straight. And force and stiffness of the normal
+ * law at that depth. */
 typedef struct aoi_stretch {
     double depth, along[2];
+    double force, stiffness;
 } aoi_stretch;
 
 /* The memory of one contact with friction: the stretches of its springs, by ascending depth from 0 to the indentation,
  * where the stretch is 0. No springs, count = 0, where the bodies are apart. The caller sets room, at least 8, and two
- * arrays of that length; count = 0; and the indentation at which he begins, not above 0. To a precision of 1e-3 (1e-4)
- * some 30 (70) springs are held along one line, and some 40 (120) where directions turn. */
+ * arrays of that length; count = 0; and the indentation at which he begins, not above 0. An impact holds some 2 over the
+ * root of the precision. */
 typedef struct aoi_friction_state {
     size_t room, count;
     aoi_stretch *spring, *spare;
     double indentation;
+    double reach; /* largest stretch since the touch, m */
 } aoi_friction_state;
 
 /* What friction gives at the end of a path. The first body slides by slide against the second; force holds it back, and
@@ -344,6 +348,7 @@ typedef struct aoi_friction_value {
     double by_indentation[2]; /* d force / d indentation, N/m                                      */
     double stuck;            /* depth within which springs stick, m: the indentation where all do,
                                 0 where all slip                                                    */
+    double terms;            /* N: rounding of the force is relative to this                        */
 } aoi_friction_value;
 
 /* The force after the bodies have moved straight from the state to an indentation while they slid, m. The state is only
@@ -352,15 +357,15 @@ typedef struct aoi_friction_value {
 AOI_API void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
                               const double slide[2], aoi_friction_value *value);
 
-/* Adds springs to the state where such a path would turn neighbours apart, if there is room. The force is not changed.
- * For once in a step, with a guess of its end: what aoi_friction_try gives is smooth from then on. */
-AOI_API void aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
-                                 const double slide[2]);
+/* Adds springs to the state where such a path would turn neighbours apart. The force is not changed. For once in a
+ * step, with a guess of its end: what aoi_friction_try gives is smooth from then on. AOI_ERROR_SPRINGS without room. */
+AOI_API int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+                                const double slide[2]);
 
-/* Takes the state along that path, and leaves out springs that others stand for to the precision; to less than that
- * where there is no room. */
-AOI_API void aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
-                               const double slide[2]);
+/* Takes the state along that path, and leaves out springs that others stand for to the precision. AOI_ERROR_SPRINGS,
+ * and the state as it was, where there is no room for the others. */
+AOI_API int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+                              const double slide[2]);
 
 /* The energy of the stretches, J: what is left of the work of the force over that has been dissipated. */
 AOI_API double aoi_friction_energy(const aoi_friction *friction, const aoi_friction_state *state);

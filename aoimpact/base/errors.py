@@ -213,6 +213,11 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
         "friction needs a contact law whose force is a function of the indentation alone, such as "
         "Hertz, and fixed steps: give law=ao.Hertz(...) and solver=Newmark(dt=...)",
     ),
+    15: (
+        ConvergenceError,
+        "a contact with friction turns so often that its stretches find no room; take a larger dt, "
+        "which draws them less finely",
+    ),
 }
 
 

@@ -23,6 +23,7 @@ from ..base import (
     real,
 )
 from ..scene import Contact, RecordLayout, SteppedBody
+from .tolerances import DRAWN
 
 # A record larger than this is a mistake in dt more often than a wish.
 _MOST_BYTES = 4 * GIB
@@ -130,6 +131,7 @@ def newmark_run(
     duration: float,
     energies: bool = True,
     start: Start | None = None,
+    precision: float = DRAWN,
 ) -> Record:
     """Run the core once: the least whole number of steps of `dt` that covers `duration`.
 
@@ -146,6 +148,8 @@ def newmark_run(
     start : Start, optional
         By default the contact forces are those that the laws give, which is wrong where a contact
         point without mass meets a law that depends on the rate.
+    precision : float, optional
+        To which friction draws the stretches of a contact, as a share of the largest.
 
     Raises
     ------
@@ -161,7 +165,7 @@ def newmark_run(
     x, v = (np.concatenate(parts) for parts in zip(*((b.x, b.v) for b in bodies), strict=True))
     _core.newmark(
         tuple(body.for_core(dt, rule.beta, rule.gamma) for body in bodies),
-        tuple(contact.for_core(contact.law.for_core()) for contact in contacts),
+        tuple(contact.for_core(contact.law.for_core(), precision) for contact in contacts),
         dt,
         rule.beta,
         rule.gamma,

@@ -4,12 +4,13 @@ Newmark's rule is of second order where forces are smooth. A touch or a release 
 that jumps, and a contact point without mass make it less, and errors at two steps may agree by
 chance. So three steps are compared, in the peak, in the force around it and in the impulse; and
 what no comparison shows is looked for: a jump of the force at a touch, touches between steps or in
-vibration that steps do not resolve, and what loads do between the steps.
+vibration that steps do not resolve, and what loads do between the steps. The forces of friction are
+compared as well. The curves of its stretches are drawn to a precision that goes with the square of
+the step, as the error of the rule does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,11 +22,17 @@ from ..laws import ContactLaw
 from ..scene import Plan
 from .events import find_impulse, find_peak
 from .newmark import Record
-from .tolerances import AROUND_PEAK, LESSER, NO_DIGIT
+from .tolerances import AROUND_PEAK, DRAWN, LESSER, NO_DIGIT
 
 # A law that gives more than this share of the peak at next to no indentation jumps there.
 # A third or three times either leaves all of 1488 estimates as they are.
 _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
+
+# Friction of less than this share of the normal force is rounding of it.
+_NO_FRICTION = 1e-9
+
+# An impulse of friction that turns back is measured by this share of that of its size.
+_TURNED = 0.1
 
 # ω dt of a mode that steps resolve: a period in twelve of them.
 _RESOLVED = 0.5
@@ -33,6 +40,8 @@ _RESOLVED = 0.5
 
 class StepError(NamedTuple):
     """An estimate of the largest relative error of peak force and impulse of all contacts.
+
+    Of those of friction as well.
 
     Attributes
     ----------
@@ -69,7 +78,7 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> Ste
     missed = _missed_forces(plan, fine, coarse)
     if not any(force.any() for record in forces for force in record):
         return StepError(1.0, _TOUCH) if missed.any() else unseen
-    near, far = _changes(fine, *forces[:2]), _changes(coarse, *forces[1:])
+    near, far = _changes(plan, fine, coarse), _changes(plan, coarse, coarser)
     if near is None or far is None:
         return StepError(1.0, _FEW)
     peaks = np.array([force.max() for force in forces[0]])
@@ -83,7 +92,7 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> Ste
         StepError(float(alone.max()), _SUDDEN),
         StepError(float((missed / scales).max()), _TOUCH),
     )
-    share = unseen.share + found.share
+    share = unseen.share + found.share + DRAWN * plan.slides
     return StepError(share if share <= NO_DIGIT else 1.0, max(unseen, found).why)
 
 
@@ -93,18 +102,24 @@ def _scales(sizes: FloatArray) -> FloatArray:
     return scales
 
 
-def _changes(
-    fine: Record, ours: Sequence[FloatArray], theirs: Sequence[FloatArray]
-) -> float | None:
+def _changes(plan: Plan, ours: Record, theirs: Record) -> float | None:
     """The largest relative change from a run to that with twice the step; None if too short."""
-    shared = min(len(theirs[0]), (len(ours[0]) + 1) // 2)
+    shared = min(len(theirs.t), (len(ours.t) + 1) // 2)
     if shared < 3:
         return None
-    t = fine.t[: 2 * shared - 1]
-    found = [_change(t, one[: len(t)], two[:shared]) for one, two in zip(ours, theirs, strict=True)]
+    t, found, slid = ours.t[: 2 * shared - 1], [], []
+    for number in range(len(plan.contacts)):
+        one, two = (plan.layout.contact(record.rows, number) for record in (ours, theirs))
+        found.append(_change(t, one.force[: len(t)], two.force[:shared]))
+        if one.tangential is not None and two.tangential is not None:
+            slid.append(_slid(t, one.tangential[:, : len(t)], two.tangential[:, :shared]))
     largest = 0.0
-    for change, size in np.array(found).transpose(1, 2, 0):
+    for kind, (change, size) in enumerate(np.array(found).transpose(1, 2, 0)):
         largest = max(largest, float((change / _scales(size)).max()))
+        if slid:
+            change, least = np.array(slid)[:, kind].T[0], _NO_FRICTION * size.max()
+            scales = np.maximum(_scales(np.array(slid)[:, kind, 1]), least)
+            largest = max(largest, float((change / scales).max()))
     return largest
 
 
@@ -116,6 +131,18 @@ def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[
     apart = float(np.abs(ours[::2] - theirs)[around].max(initial=abs(peaks[0] - peaks[1])))
     sums = find_impulse(t, ours), find_impulse(every, theirs)
     return (apart, max(peaks)), (abs(sums[0] - sums[1]), max(map(abs, sums)))
+
+
+def _slid(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[float, float], ...]:
+    """The same of the forces of friction along two tangents, shape (2, times)."""
+    size, other = np.linalg.norm(ours, axis=0), np.linalg.norm(theirs, axis=0)
+    peaks = size.max(), other.max()
+    around = np.maximum(size[::2], other) >= AROUND_PEAK * max(peaks)
+    away = np.linalg.norm(ours[:, ::2] - theirs, axis=0)
+    apart = float(away[around].max(initial=abs(peaks[0] - peaks[1])))
+    sums = np.trapezoid(ours, t), np.trapezoid(theirs, t[::2])
+    moved = max(np.linalg.norm(sums, axis=1).max(), _TURNED * np.trapezoid(size, t))
+    return (apart, max(peaks)), (float(np.linalg.norm(sums[0] - sums[1])), moved)
 
 
 def _touch_error(plan: Plan, record: Record, contact: int) -> float:

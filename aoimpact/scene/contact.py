@@ -82,7 +82,8 @@ class Port(NamedTuple):
     port: int
 
 
-# Share of the largest stretch to which the core draws the stretches of a contact that turns.
+# Share of the largest stretch to which the core draws the stretches of a contact with friction. The
+# force errs by a tenth of it.
 _PRECISION = 1e-4
 
 # G*/E* of a pair of unknown materials is that of two like ones of this Poisson's ratio.
@@ -107,19 +108,19 @@ class Friction(NamedTuple):
     ratio: float
     compliance: FloatArray | None = None
 
-    def for_core(self, law: ContactLaw) -> tuple[Any, ...]:
-        """Return it as the core takes it; the normal compliance is the law's.
+    def for_core(self, law: ContactLaw, precision: float) -> tuple[Any, ...]:
+        """Return it as the core takes it, to a precision; the normal compliance is the law's.
 
         A change of the normal compliance, by the contact's width or by an error, changes those of
         the tangents in the ratio of both.
         """
         if self.compliance is None:
-            return self.mu, self.ratio, _PRECISION, None
+            return self.mu, self.ratio, precision, None
         normal = law.compliance if isinstance(law, PatchLaw) else 0.0
         more = normal - float(self.compliance[0, 0])
         found = self.compliance + more * np.diag([1.0, 1.0 / self.ratio, 1.0 / self.ratio])
         found[0, 0] = normal
-        return self.mu, self.ratio, _PRECISION, found
+        return self.mu, self.ratio, precision, found
 
 
 def stiffness_ratio(materials: Sequence[Material | None]) -> float:
@@ -178,11 +179,14 @@ class Contact(NamedTuple):
         """The two places that touch."""
         return Port(self.first, self.first_port), Port(self.second, self.second_port)
 
-    def for_core(self, law: CoreLaw) -> tuple[Any, ...]:
-        """Return it as the core takes it, with its law as the core takes that."""
+    def for_core(self, law: CoreLaw, precision: float = _PRECISION) -> tuple[Any, ...]:
+        """Return it as the core takes it, with its law as the core takes that.
+
+        precision: of friction's stretches, as a share of the largest.
+        """
         if self.friction is None:
             return *self[:4], self.gap, law
-        return *self[:4], self.gap, law, self.friction.for_core(self.law)
+        return *self[:4], self.gap, law, self.friction.for_core(self.law, precision)
 
     def port_of(self, body: int) -> int:
         """Return where one of the two is touched."""

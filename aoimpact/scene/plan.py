@@ -100,6 +100,11 @@ class Plan:
         """True if gravity acts."""
         return bool(np.any(self.pull))
 
+    @cached_property
+    def slides(self) -> bool:
+        """True if a contact has friction."""
+        return any(contact.friction is not None for contact in self.contacts)
+
     @property
     def body_names(self) -> tuple[str, ...]:
         """Names of the bodies; empty for one without a name."""

@@ -17,12 +17,17 @@
 /* How often neighbours are parted at most in one step: into 64. */
 enum { MOST_PARTINGS = 6 };
 
+/* The width, as a share of the depth, at which the difference of two forces over it and the mean of two stiffnesses are
+ * wrong by as much: the root of order three of the rounding. */
+static const double NARROW = 6e-6;
+
 /* Tangents beyond this are of an angle of 180 degrees; its square is still a number. */
 static const double STRAIGHT_BACK = 1e150;
 
 /* A knot of the curve that a path leads to, and its derivatives by the slide (two) and by the indentation. */
 typedef struct knot {
     double depth, s[2];
+    double force, stiffness; /* of the law at that depth */
     double by[3], s_by[2][3];
     int slips;
 } knot;
@@ -55,11 +60,18 @@ int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, d
     return AOI_OK;
 }
 
+static aoi_law_value normal(const aoi_friction *friction, double depth)
+{
+    aoi_law_value value;
+    aoi_law_push(&friction->law, NULL, depth, 0.0, &value);
+    return value;
+}
+
 /* The path on which the springs touch: all of it, or what is left after the first touch. */
 static path path_of(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
                     const double slide[2])
 {
-    path p = {friction, state->spring, {0.0, {0.0, 0.0}}, state->count, state->indentation, indentation,
+    path p = {friction, state->spring, {0.0, {0.0, 0.0}, 0.0, 0.0}, state->count, state->indentation, indentation,
               {slide[0], slide[1]}, friction->mu / friction->ratio};
     if (state->count == 0) {
         const double share = indentation > 0.0 ? indentation / (indentation - p.from) : 0.0;
@@ -81,8 +93,9 @@ static aoi_stretch between(const path *p, size_t i, double depth)
 {
     const aoi_stretch a = spring_of(p, i), b = spring_of(p, i + 1);
     const double share = (depth - a.depth) / (b.depth - a.depth);
+    const aoi_law_value at = normal(p->friction, depth);
     const aoi_stretch found = {depth, {a.along[0] + share * (b.along[0] - a.along[0]),
-                                       a.along[1] + share * (b.along[1] - a.along[1])}};
+                                       a.along[1] + share * (b.along[1] - a.along[1])}, at.force, at.stiffness};
     return found;
 }
 
@@ -147,33 +160,36 @@ static knot moved(const path *p, const aoi_stretch *spring)
 {
     const double s[2] = {spring->along[0] + p->slide[0], spring->along[1] + p->slide[1]};
     const double bound = p->slope * (p->to - spring->depth);
-    knot k = {spring->depth, {s[0], s[1]}, {0.0, 0.0, 0.0}, {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, 0};
+    knot k = {spring->depth, {s[0], s[1]}, spring->force, spring->stiffness, {0.0, 0.0, 0.0},
+              {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, 0};
     k.slips = hypot(s[0], s[1]) > bound * (1.0 + 2.0 * DBL_EPSILON);
     if (k.slips && bound > 0.0) {
         turn(p, spring, bound, &k);
     } else if (k.slips) {
-        const knot none = {spring->depth, {0.0, 0.0}, {0.0, 0.0, 0.0}, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 1};
+        const knot none = {spring->depth, {0.0, 0.0}, spring->force, spring->stiffness, {0.0, 0.0, 0.0},
+                           {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 1};
         k = none;
     }
     return k;
 }
 
-/* Where slip begins between a spring that sticks and one that does not; straight between these before the path. */
+/* Where slip begins between a spring that sticks and one that does not; straight between these before the path. At a
+ * distance z inside the rim, where the curve would come to the stretch e, |e - z g| = slope z: the root of a quadratic
+ * that keeps its digits where all of the slip is next to the rim. */
 static knot front(const path *p, const aoi_stretch *sticks, const aoi_stretch *slips)
 {
-    const double width = slips->depth - sticks->depth, bound = p->slope * (p->to - sticks->depth);
+    const double width = slips->depth - sticks->depth, most = p->to - sticks->depth, least = p->to - slips->depth;
     const double g[2] = {(slips->along[0] - sticks->along[0]) / width, (slips->along[1] - sticks->along[1]) / width};
-    const double s[2] = {sticks->along[0] + p->slide[0], sticks->along[1] + p->slide[1]};
-    const double a = g[0] * g[0] + g[1] * g[1] - p->slope * p->slope;
-    const double b = s[0] * g[0] + s[1] * g[1] + bound * p->slope;
-    const double c = fmin(s[0] * s[0] + s[1] * s[1] - bound * bound, 0.0), root = sqrt(fmax(b * b - a * c, 0.0));
-    const double far = b > 0.0 ? -c / (b + root) : a > 0.0 ? (root - b) / a : width;
-    const double y = far > 0.0 ? fmin(far, width) : 0.0;
-    const double at[2] = {s[0] + y * g[0], s[1] + y * g[1]}, size = hypot(at[0], at[1]);
+    const double e[2] = {slips->along[0] + p->slide[0] + least * g[0], slips->along[1] + p->slide[1] + least * g[1]};
+    const double a = g[0] * g[0] + g[1] * g[1] - p->slope * p->slope, b = e[0] * g[0] + e[1] * g[1];
+    const double c = e[0] * e[0] + e[1] * e[1], root = sqrt(fmax(b * b - a * c, 0.0));
+    const double z = fmax(least, fmin(b > 0.0 ? c / (b + root) : a < 0.0 ? (b - root) / a : least, most));
+    const double at[2] = {e[0] - z * g[0], e[1] - z * g[1]}, size = hypot(at[0], at[1]);
     const double n[2] = {size > 0.0 ? at[0] / size : 0.0, size > 0.0 ? at[1] / size : 0.0};
     const double steepness = n[0] * g[0] + n[1] * g[1] + p->slope;
     const double per = steepness > 0.0 && size > 0.0 ? 1.0 / steepness : 0.0;
-    knot k = {sticks->depth + y, {at[0], at[1]}, {-n[0] * per, -n[1] * per, p->slope * per},
+    const aoi_law_value law = normal(p->friction, p->to - z);
+    knot k = {p->to - z, {at[0], at[1]}, law.force, law.stiffness, {-n[0] * per, -n[1] * per, p->slope * per},
               {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, 1};
     for (int i = 0; i < 2; i++) {
         for (int j = 0; j < 3; j++) {
@@ -196,15 +212,17 @@ typedef struct walk {
 
 static walk walk_along(const path *p)
 {
-    const walk w = {*p, 0, {0.0, {0.0, 0.0}}, 0, 0, 0,
-                    {0.0, {0.0, 0.0}, {0.0, 0.0, 0.0}, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0}};
+    const walk w = {*p, 0, {0.0, {0.0, 0.0}, 0.0, 0.0}, 0, 0, 0,
+                    {0.0, {0.0, 0.0}, 0.0, 0.0, {0.0, 0.0, 0.0}, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0}};
     return w;
 }
 
 /* The rim, where springs have just been touched or are about to be left. */
 static knot rim_of(const path *p, int slips)
 {
-    const knot rim = {p->to, {0.0, 0.0}, {0.0, 0.0, 1.0}, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, slips};
+    const aoi_law_value law = normal(p->friction, p->to);
+    const knot rim = {p->to, {0.0, 0.0}, law.force, law.stiffness, {0.0, 0.0, 1.0},
+                      {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, slips};
     return rim;
 }
 
@@ -220,7 +238,7 @@ static int step(walk *w, knot *k)
     if (w->done) {
         return 0;
     }
-    aoi_stretch here = {p->to, {0.0, 0.0}};
+    aoi_stretch here = {p->to, {0.0, 0.0}, 0.0, 0.0};
     if (w->next < p->count && spring_of(p, w->next).depth < p->to) {
         here = spring_of(p, w->next);
         *k = moved(p, &here);
@@ -243,30 +261,26 @@ static int step(walk *w, knot *k)
     return 1;
 }
 
-static aoi_law_value normal(const aoi_friction *friction, double depth)
-{
-    aoi_law_value value;
-    aoi_law_push(&friction->law, NULL, depth, 0.0, &value);
-    return value;
-}
-
 /* Adds the springs between two knots. */
-static void add(double ratio, const knot *a, const knot *b, const aoi_law_value *at_a, const aoi_law_value *at_b,
-                aoi_friction_value *value)
+static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *value)
 {
     const double width = b->depth - a->depth;
     if (!(width > 0.0)) {
         return;
     }
-    const double mean = (at_b->force - at_a->force) / width;
+    /* The mean stiffness: of a narrow rim the difference of forces has lost its digits. */
+    const int narrow = width <= NARROW * b->depth;
+    const double mean = narrow ? 0.5 * (a->stiffness + b->stiffness) : (b->force - a->force) / width;
+    const double terms = narrow ? mean : b->force / width;
     for (int i = 0; i < 2; i++) {
         const double slope = (b->s[i] - a->s[i]) / width;
         double by[3];
         for (int j = 0; j < 3; j++) {
             by[j] = (b->s_by[i][j] - a->s_by[i][j]) * mean +
-                    slope * ((at_b->stiffness - mean) * b->by[j] - (at_a->stiffness - mean) * a->by[j]);
+                    slope * ((b->stiffness - mean) * b->by[j] - (a->stiffness - mean) * a->by[j]);
         }
         value->force[i] -= ratio * (b->s[i] - a->s[i]) * mean;
+        value->terms += ratio * fabs(b->s[i] - a->s[i]) * terms;
         value->by_slide[i][0] -= ratio * by[0];
         value->by_slide[i][1] -= ratio * by[1];
         value->by_indentation[i] -= ratio * by[2];
@@ -276,7 +290,7 @@ static void add(double ratio, const knot *a, const knot *b, const aoi_law_value 
 void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
                       const double slide[2], aoi_friction_value *value)
 {
-    const aoi_friction_value none = {{0.0, 0.0}, {{0.0, 0.0}, {0.0, 0.0}}, {0.0, 0.0}, 0.0};
+    const aoi_friction_value none = {{0.0, 0.0}, {{0.0, 0.0}, {0.0, 0.0}}, {0.0, 0.0}, 0.0, 0.0};
     *value = none;
     if (!(indentation > 0.0)) {
         return;
@@ -285,17 +299,15 @@ void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *st
     walk w = walk_along(&p);
     knot a, b;
     (void)step(&w, &a);
-    aoi_law_value at_a = normal(friction, a.depth);
     value->stuck = a.slips ? 0.0 : indentation;
     while (step(&w, &b)) {
-        const aoi_law_value at_b = normal(friction, b.depth);
-        add(friction->ratio, &a, &b, &at_a, &at_b, value);
+        add(friction->ratio, &a, &b, value);
         if (b.slips && !a.slips) {
             value->stuck = b.depth;
         }
         a = b;
-        at_a = at_b;
     }
+    value->terms += friction->mu * a.force; /* bounds are differences of depths */
 }
 
 static void swap(aoi_friction_state *state, size_t count)
@@ -306,22 +318,43 @@ static void swap(aoi_friction_state *state, size_t count)
     state->count = count;
 }
 
-/* Copies the state's springs to its spare ones, with one between each two that the path turns apart; their count. */
+/* The largest stretch since the touch, once a path has been taken. */
+static double reach_after(const aoi_friction_state *state, const path *p)
+{
+    double reach = state->count > 0 ? state->reach : 0.0;
+    walk w = walk_along(p);
+    for (knot k; step(&w, &k);) {
+        reach = fmax(reach, hypot(k.s[0], k.s[1]));
+    }
+    return reach;
+}
+
+/* How near a curve must be to the stretches: to a share of the largest there have been, and of the largest there can be. */
+static double enough_of(const path *p, double reach)
+{
+    return p->friction->precision * fmin(reach, p->slope * p->to);
+}
+
+/* Copies the state's springs to its spare ones, with one between each two that the path turns apart; their count, 0 without
+ * room for them. */
 static size_t parted(const aoi_friction_state *state, const path *p)
 {
-    const double enough = p->friction->precision * p->slope * p->to;
+    const double enough = enough_of(p, reach_after(state, p));
     size_t copied = 0, count = 0;
     walk w = walk_along(p);
     knot a, b;
     (void)step(&w, &a);
     for (; step(&w, &b); a = b) {
         const size_t outer = w.next - 1;
-        if (!(a.slips && b.slips && b.depth > a.depth) || state->count + (count - copied) + 2 >= state->room) {
+        if (!(a.slips && b.slips && b.depth > a.depth)) {
             continue;
         }
         const aoi_stretch middle = between(p, outer - 1, 0.5 * (a.depth + b.depth));
         const knot k = moved(p, &middle);
         if (fabs(k.s[0] - 0.5 * (a.s[0] + b.s[0])) > enough || fabs(k.s[1] - 0.5 * (a.s[1] + b.s[1])) > enough) {
+            if (state->count + (count - copied) + 1 > state->room) {
+                return 0;
+            }
             while (copied < outer) {
                 state->spare[count++] = state->spring[copied++];
             }
@@ -334,27 +367,30 @@ static size_t parted(const aoi_friction_state *state, const path *p)
     return count;
 }
 
-void aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
-                         const double slide[2])
+int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+                        const double slide[2])
 {
     for (int i = 0; i < MOST_PARTINGS && state->count > 0 && indentation > 0.0; i++) {
         const path p = path_of(friction, state, indentation, slide);
         const size_t count = parted(state, &p);
-        if (count == state->count) {
-            return;
+        if (count == 0 || count == state->count) {
+            return count == 0 ? AOI_ERROR_SPRINGS : AOI_OK;
         }
         swap(state, count);
     }
+    return AOI_OK;
 }
 
 /* 1 if a spring may be left out: the curve is as good as straight there. A change of slope times the width is four to
- * eight times the distance of the curve from its chord, however closely it was drawn before. */
-static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough)
+ * eight times the distance of the curve from its chord, however closely it was drawn before. Of two that are close
+ * the change of slope may be rounding of their depths; slope: the bound's. */
+static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough, double slope)
 {
+    const double rounding = 4.0 * DBL_EPSILON * slope * c->depth;
     const double before = b->depth - a->depth, after = c->depth - b->depth, width = c->depth - a->depth;
     for (int i = 0; i < 2; i++) {
         const double change = (c->along[i] - b->along[i]) * before - (b->along[i] - a->along[i]) * after;
-        if (fabs(change) * width > enough * before * after) {
+        if (fabs(change) * width > enough * before * after && fabs(change) > rounding * width) {
             return 0;
         }
     }
@@ -367,12 +403,12 @@ static size_t drawn(const path *p, double enough, aoi_stretch *spring, size_t ro
     walk w = walk_along(p);
     size_t count = 0;
     for (knot k; step(&w, &k);) {
-        const aoi_stretch here = {k.depth, {k.s[0], k.s[1]}};
+        const aoi_stretch here = {k.depth, {k.s[0], k.s[1]}, k.force, k.stiffness};
         /* The later of two at one depth counts: the rim is in its place. */
         if (count > 0 && !(here.depth > spring[count - 1].depth)) {
             count--;
         }
-        if (count > 1 && straight(&spring[count - 2], &spring[count - 1], &here, enough)) {
+        if (count > 1 && straight(&spring[count - 2], &spring[count - 1], &here, enough, p->slope)) {
             count--;
         }
         if (count == room) {
@@ -383,19 +419,23 @@ static size_t drawn(const path *p, double enough, aoi_stretch *spring, size_t ro
     return count;
 }
 
-void aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
-                       const double slide[2])
+int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+                      const double slide[2])
 {
     size_t count = 0;
+    double reach = 0.0;
     if (indentation > 0.0) {
         const path p = path_of(friction, state, indentation, slide);
-        double enough = fmax(friction->precision * p.slope * indentation, DBL_MIN);
-        while (!(count = drawn(&p, enough, state->spare, state->room))) {
-            enough *= 4.0;
+        reach = reach_after(state, &p);
+        count = drawn(&p, enough_of(&p, reach), state->spare, state->room);
+        if (count == 0) {
+            return AOI_ERROR_SPRINGS;
         }
     }
     swap(state, count);
     state->indentation = indentation;
+    state->reach = reach;
+    return AOI_OK;
 }
 
 double aoi_friction_energy(const aoi_friction *friction, const aoi_friction_state *state)
@@ -403,13 +443,12 @@ double aoi_friction_energy(const aoi_friction *friction, const aoi_friction_stat
     double energy = 0.0;
     for (size_t i = 1; i < state->count; i++) {
         const aoi_stretch a = state->spring[i - 1], b = state->spring[i];
-        const double at_a = normal(friction, a.depth).force, at_b = normal(friction, b.depth).force;
         const double width = b.depth - a.depth;
         const double work = aoi_law_potential(&friction->law, NULL, b.depth) -
                             aoi_law_potential(&friction->law, NULL, a.depth);
         for (int j = 0; j < 2; j++) {
             const double slope = (b.along[j] - a.along[j]) / width;
-            energy -= friction->ratio * slope * (b.along[j] * at_b - a.along[j] * at_a - slope * work);
+            energy -= friction->ratio * slope * (b.along[j] * b.force - a.along[j] * a.force - slope * work);
         }
     }
     return energy;

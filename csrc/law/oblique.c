@@ -14,7 +14,8 @@ static const double ROUNDING = 16.0 * DBL_EPSILON;
 typedef struct point {
     double place[3], force[3], residual[3];
     double by[3][3], slope[3][3]; /* of the force and of the residual by the place */
-    double size, enough, stuck;
+    double size; /* of what of the residual is more than rounding */
+    double stuck;
 } point;
 
 static void evaluate(const aoi_friction *friction, const aoi_friction_state *state, const aoi_oblique_equation *e,
@@ -30,22 +31,23 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
     const double by[3][3] = {{normal.stiffness, 0.0, 0.0}, {g[0], s[0][0], s[0][1]}, {g[1], s[1][0], s[1][1]}};
     memcpy(p->by, by, sizeof by);
     p->stuck = friction_value.stuck;
-    p->size = p->enough = 0.0;
+    p->size = 0.0;
     for (int i = 0; i < 3; i++) {
         double sum = 0.0, terms = fabs(p->place[i]) + fabs(e->free[i]);
         p->force[i] = force[i];
         for (int j = 0; j < 3; j++) {
             const double c = e->compliance[i][j];
             sum += c * force[j];
-            terms += fabs(c * force[j]);
+            terms += fabs(c) * (j > 0 ? friction_value.terms : normal.force);
             p->slope[i][j] = i == j;
             for (int k = 0; k < 3; k++) {
                 p->slope[i][j] += e->compliance[i][k] * by[k][j];
             }
         }
         p->residual[i] = p->place[i] - e->free[i] + sum;
-        p->size += p->residual[i] * p->residual[i];
-        p->enough = fmax(p->enough, ROUNDING * terms);
+        /* Each to its own digits: slides may be much smaller than the indentation. */
+        const double beyond = fabs(p->residual[i]) - ROUNDING * terms; /* NaN stays NaN */
+        p->size += beyond <= 0.0 ? 0.0 : beyond * beyond;
     }
     p->size = sqrt(p->size);
 }
@@ -92,7 +94,7 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
     point now;
     memcpy(now.place, equation->guess, sizeof now.place);
     evaluate(friction, state, equation, &now);
-    for (int iteration = 0; !(now.size <= now.enough); iteration++) { /* NaN is not enough */
+    for (int iteration = 0; !(now.size <= 0.0); iteration++) { /* NaN goes on */
         if (!isfinite(now.size)) {
             return isnan(now.force[0]) ? AOI_ERROR_LAW : AOI_ERROR_NOT_FINITE;
         }

@@ -14,9 +14,8 @@
 /* Columns of the record that are gathered before they are written: a cache line of each row. */
 enum { BLOCK = 8 };
 
-/* Springs of a contact with friction: along one line an impact holds some 10, and 66 at most; where directions turn, 120 to a
- * precision of 1e-4. */
-enum { SPRINGS = 128 };
+/* Springs of a contact with friction, some 2 over the root of the precision. */
+enum { SPRINGS = 1024 };
 
 struct aoi_newmark {
     const aoi_system *system;
@@ -70,7 +69,7 @@ static aoi_newmark lay_out(const aoi_system *system, void *block, size_t *size)
     e->work = aoi_memory_doubles(&memory, aoi_coupled_size(forces, e->band));
     made.column = aoi_memory_doubles(&memory, aoi_times(BLOCK, rows));
     for (size_t i = 0; block && i < rubbing; i++, spring += 2 * SPRINGS) {
-        made.rubbing[i].state = (aoi_friction_state){SPRINGS, 0, spring, spring + SPRINGS, 0.0};
+        made.rubbing[i].state = (aoi_friction_state){SPRINGS, 0, spring, spring + SPRINGS, 0.0, 0.0};
     }
     for (size_t b = 0; b < bodies; b++) {
         aoi_stepped body;
@@ -143,17 +142,18 @@ static int couple(aoi_newmark *run)
 }
 
 /* Goes on to the place that has been found. */
-static void rub(aoi_contact_state *contact)
+static int rub(aoi_contact_state *contact)
 {
     aoi_rubbing *of = contact->rubbing;
     const aoi_oblique_solution *found = &of->found;
-    aoi_friction_move(of->friction, &of->state, found->place[0], &found->place[1]);
+    const int status = aoi_friction_move(of->friction, &of->state, found->place[0], &found->place[1]);
     of->depth = found->place[0];
     of->guess[0] = found->place[0];
     for (int k = 1; k < 3; k++) {
         contact[k].from += found->place[k];
         of->guess[k] = found->place[k];
     }
+    return status;
 }
 
 /* Friction of a contact whose bodies went straight from (0, 0) to an indentation and slides. */
@@ -174,9 +174,9 @@ static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, cons
             equation.compliance[i][j] = -rubbing->compliance[i][j];
         }
     }
-    const int status = aoi_oblique_solve(of->friction, &rubbing->state, &equation, &rubbing->found);
+    int status = aoi_oblique_solve(of->friction, &rubbing->state, &equation, &rubbing->found);
     if (status == AOI_OK) {
-        rub(contact);
+        status = rub(contact);
         rubbing->guess[1] = rubbing->guess[2] = 0.0; /* as far as the next step is concerned */
         rubbing->start_energy = aoi_friction_energy(of->friction, &rubbing->state);
     }
@@ -226,14 +226,14 @@ static int rubbing_advance(aoi_contact_state *contact)
         of->work += k > 0 ? 0.5 * (contact[k].force + force[k]) * of->found.place[k] : 0.0;
         contact[k].force = force[k];
     }
-    rub(contact);
+    const int status = rub(contact);
     of->guess[0] += touched > 0.0 ? of->depth - touched : 0.0;
     contact->indentation = of->depth;
     for (size_t k = 0; k < 3; k++) {
         contact->indentation -= of->compliance[0][k] * force[k];
     }
     const double alone = of->depth - contact->law->compliance * force[0];
-    return aoi_law_stands(contact->law, contact->memory, alone, 0.0) ? AOI_OK : AOI_ERROR_PATCH;
+    return aoi_law_stands(contact->law, contact->memory, alone, 0.0) ? status : AOI_ERROR_PATCH;
 }
 
 static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *contact)
@@ -616,9 +616,9 @@ static int step(aoi_newmark *run, double time)
         e->free[c] = run->displacement[port[0]] - run->displacement[port[1]] - contact->from;
         e->rate_free[c] = run->velocity[port[0]] - run->velocity[port[1]];
     }
-    for (size_t i = 0; i < (e->count - run->system->contact_count) / 2; i++) {
+    for (size_t i = 0; i < (e->count - run->system->contact_count) / 2 && status == AOI_OK; i++) {
         aoi_rubbing *of = &run->rubbing[i];
-        aoi_friction_refine(of->friction, &of->state, of->guess[0], &of->guess[1]);
+        status = aoi_friction_refine(of->friction, &of->state, of->guess[0], &of->guess[1]);
     }
     if (status == AOI_OK) {
         status = aoi_coupled_solve(e, run->state);

@@ -11,6 +11,7 @@ typedef struct contact {
     aoi_friction friction;
     aoi_friction_state state;
     aoi_stretch spring[ROOM], spare[ROOM];
+    int status; /* of the last move */
 } contact;
 
 /* Bodies that are just about to touch. */
@@ -18,7 +19,7 @@ static void begin(contact *c, const char *name, double mu, double precision, siz
 {
     CHECK(aoi_law_create(&c->law, name, 1, &K) == AOI_OK, "the law %s", name);
     CHECK(aoi_friction_create(&c->friction, &c->law, mu, RATIO, precision) == AOI_OK, "friction %g", mu);
-    const aoi_friction_state none = {room, 0, c->spring, c->spare, 0.0};
+    const aoi_friction_state none = {room, 0, c->spring, c->spare, 0.0, 0.0};
     c->state = none;
 }
 
@@ -39,9 +40,9 @@ static aoi_friction_value go(contact *c, double depth, double x, double y)
 {
     const double slide[2] = {x, y};
     aoi_friction_value value;
-    aoi_friction_refine(&c->friction, &c->state, depth, slide);
+    c->status = aoi_friction_refine(&c->friction, &c->state, depth, slide);
     aoi_friction_try(&c->friction, &c->state, depth, slide, &value);
-    aoi_friction_move(&c->friction, &c->state, depth, slide);
+    c->status = c->status == AOI_OK ? aoi_friction_move(&c->friction, &c->state, depth, slide) : c->status;
     return value;
 }
 
@@ -123,6 +124,27 @@ static void all_slips_with_coulombs_force(void)
                   near(value.force[1], -0.8 * MU * normal(&c, depth), 1e-13), "sliding at %g m", depth);
         CHECK(value.stuck == 0.0, "nothing sticks");
         CHECK(c.state.count <= 3, "one straight curve of %zu springs", c.state.count);
+    }
+}
+
+/* A slide of any size, down to 1e-10 of Coulomb's bound, is the same in its own scale: all but the rim sticks. */
+static void small_slides_are_as_exact_as_large_ones(void)
+{
+    double wanted[3] = {0.0, 0.0, 0.0};
+    for (double size = 1e-4; size > 5e-11; size *= 0.01) {
+        contact c;
+        begin(&c, "hertz", MU, 1e-4, ROOM);
+        const double unit = size * MU / RATIO * DEEP;
+        aoi_friction_value value = {{0.0, 0.0}, {{0.0, 0.0}, {0.0, 0.0}}, {0.0, 0.0}, 0.0, 0.0};
+        for (int i = 1; i <= 60; i++) {
+            value = go(&c, DEEP * sin(PI * i / 64.0), unit * cos(PI * i / 50.0) / 60.0, 0.0);
+            CHECK(c.status == AOI_OK, "room for %zu springs", c.state.count);
+            if (i % 20 == 0) {
+                const double found = value.force[0] / size, *of = &wanted[i / 20 - 1];
+                wanted[i / 20 - 1] = size == 1e-4 ? found : *of;
+                CHECK(fabs(found - *of) < 1e-4 * fabs(wanted[0]), "%g: %g at step %d, not %g", size, found, i, *of);
+            }
+        }
     }
 }
 
@@ -308,10 +330,12 @@ static void derivatives_are_those_of_the_force(void)
     }
 }
 
-/* Any motion, in little room: nothing is written beyond it, and the force is within Coulomb's bound. */
+/* Any motion, in little room: nothing is written beyond it, the force is within Coulomb's bound, and a state that finds
+ * no room stays as it is. */
 static void any_motion_keeps_to_coulomb_and_to_the_room(void)
 {
     uint64_t seed = 23;
+    int full = 0;
     for (int i = 0; i < 200; i++) {
         contact c;
         const size_t room = 8 + (size_t)(uniform(&seed) * 40.0);
@@ -326,10 +350,18 @@ static void any_motion_keeps_to_coulomb_and_to_the_room(void)
             const double most = MU * normal(&c, depth);
             CHECK(hypot(value.force[0], value.force[1]) <= most * (1.0 + 1e-9), "%g of Coulomb's force",
                   hypot(value.force[0], value.force[1]) / most);
-            CHECK(c.state.count <= room && (c.state.count == 0) == !(depth > 0.0), "%zu springs", c.state.count);
+            CHECK(c.state.count <= room && (c.state.count == 0) == !(c.state.indentation > 0.0), "%zu springs",
+                  c.state.count);
             CHECK(aoi_friction_energy(&c.friction, &c.state) >= -1e-12 * most * unit, "energy");
+            CHECK(c.status == AOI_OK ? c.state.indentation == depth : c.status == AOI_ERROR_SPRINGS, "moved");
+            if (c.status != AOI_OK) {
+                full++;
+                c.state.count = 0;
+                c.state.indentation = 0.0;
+            }
         }
     }
+    CHECK(full > 100, "%d times without room", full);
 }
 
 /* Numbers at the ends of their range end nothing but in numbers. */
@@ -453,6 +485,7 @@ int main(void)
     a_loop_is_that_of_mindlin_and_deresiewicz();
     a_loop_dissipates_its_area();
     all_slips_with_coulombs_force();
+    small_slides_are_as_exact_as_large_ones();
     an_oblique_force_within_the_angle_of_friction_sticks();
     a_growing_normal_force_stops_slip();
     one_step_is_as_good_as_many();

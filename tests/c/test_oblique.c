@@ -17,7 +17,7 @@ static void begin(contact *c, const char *name, double mu)
 {
     CHECK(aoi_law_create(&c->law, name, 1, &K) == AOI_OK, "the law %s", name);
     CHECK(aoi_friction_create(&c->friction, &c->law, mu, RATIO, 1e-3) == AOI_OK, "friction %g", mu);
-    const aoi_friction_state none = {ROOM, 0, c->spring, c->spare, 0.0};
+    const aoi_friction_state none = {ROOM, 0, c->spring, c->spare, 0.0, 0.0};
     c->state = none;
 }
 

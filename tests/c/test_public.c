@@ -292,8 +292,8 @@ static void starts_that_cannot_be(void)
 static void every_status_has_words_of_its_own(void)
 {
     const char *unknown = aoi_status_text(-1);
-    CHECK(strcmp(aoi_status_text(AOI_ERROR_FRICTION + 1), unknown) == 0, "beyond the last");
-    for (int a = AOI_OK; a <= AOI_ERROR_FRICTION; a++) {
+    CHECK(strcmp(aoi_status_text(AOI_ERROR_SPRINGS + 1), unknown) == 0, "beyond the last");
+    for (int a = AOI_OK; a <= AOI_ERROR_SPRINGS; a++) {
         CHECK(strcmp(aoi_status_text(a), unknown) != 0, "status %d", a);
         for (int b = AOI_OK; b < a; b++) {
             CHECK(strcmp(aoi_status_text(a), aoi_status_text(b)) != 0, "status %d as %d", a, b);

@@ -12,11 +12,15 @@ from aoimpact import _core
 LIKE = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)  # G*/E* of two like materials of Poisson's ratio 0.3
 SPHERE = 3.5  # acceleration of the contact point of a unit mass, 1/m + R^2/J
 
-ROOM = 200
+ROOM = 800
 
 
 class _Spring(ctypes.Structure):
-    _fields_ = [("depth", ctypes.c_double), ("along", ctypes.c_double * 2)]
+    _fields_ = [
+        ("depth", ctypes.c_double),
+        ("along", ctypes.c_double * 2),
+        ("law", ctypes.c_double * 2),
+    ]
 
 
 class _State(ctypes.Structure):
@@ -26,6 +30,7 @@ class _State(ctypes.Structure):
         ("spring", ctypes.POINTER(_Spring)),
         ("spare", ctypes.POINTER(_Spring)),
         ("indentation", ctypes.c_double),
+        ("reach", ctypes.c_double),
     ]
 
 
@@ -35,6 +40,7 @@ class _Value(ctypes.Structure):
         ("by_slide", ctypes.c_double * 4),
         ("by_indentation", ctypes.c_double * 2),
         ("stuck", ctypes.c_double),
+        ("terms", ctypes.c_double),
     ]
 
 
@@ -49,7 +55,7 @@ class Friction:
         numbers = (ctypes.c_double(number) for number in (mu, ratio, precision))
         assert self.core.aoi_friction_create(self.law, law, *numbers) == 0
         self.springs = [(_Spring * ROOM)() for _ in range(2)]
-        self.state = _State(ROOM, 0, *self.springs, 0.0)
+        self.state = _State(ROOM, 0, *self.springs, 0.0, 0.0)
         self.slide = 0.0
 
     def force(self, depth: float, slide: float) -> float:
@@ -57,7 +63,7 @@ class Friction:
         value, d = _Value(), ctypes.c_double(depth)
         along, state = (ctypes.c_double * 2)(slide - self.slide, 0.0), ctypes.byref(self.state)
         self.core.aoi_friction_try(self.law, state, d, along, ctypes.byref(value))
-        self.core.aoi_friction_move(self.law, state, d, along)
+        assert self.core.aoi_friction_move(self.law, state, d, along) == 0
         self.slide = slide
         return float(value.force[0])
 

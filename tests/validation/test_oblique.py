@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy
 from maw import MEASURED, Rings, impact
 from obliqueoracle import Elastic, Rigid, march
 
@@ -77,6 +78,63 @@ def test_gross_slip_is_the_closed_form(beyond):
         [-5.0 * mu * v / 0.01, 0, 0], rel=1e-6, abs=1e-8
     )
     assert hit.slip_intervals[0] == pytest.approx(hit.contacts[0], abs=1e-8)
+
+
+@pytest.mark.parametrize("share", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("mu", [0.3, 30.0])
+def test_a_slow_slide_rebounds_as_one_that_sticks(share, mu):
+    # All sticks but a rim of that share: dT = κ K(δ) du while δ grows; when it was as deep before,
+    # the slide was u' and the force T', so that T = T' + κ K (u - u') while it shrinks. By SciPy.
+    k, mass, v = 1e10, 0.03, 1.0
+    options: dict[str, Any] = {"rtol": 1e-10, "dense_output": True, "atol": 1e-14}
+
+    def closing(_: float, y: Any) -> list[float]:
+        force = k * max(y[0], 0.0) ** 1.5
+        return [
+            y[1],
+            -force / mass,
+            y[3],
+            -3.5 / mass * y[4],
+            LIKE * 1.5 * force ** (1 / 3) * k ** (2 / 3) * y[3],
+        ]
+
+    half = 2.94326 / 2.0 * (1.25 * mass * v**2 / k) ** 0.4 / v  # Hertz
+    first = scipy.integrate.solve_ivp(closing, (0.0, half), [0.0, v, 0.0, 1.0, 0.0], **options)
+
+    def opening(t: float, y: Any) -> list[float]:
+        depth, _, slid, _, force = first.sol(2.0 * half - t)
+        stiffness = 1.5 * k * max(depth, 0.0) ** 0.5
+        return [y[1], -3.5 / mass * (force + LIKE * stiffness * (y[0] - slid))]
+
+    last = scipy.integrate.solve_ivp(opening, (half, 2.0 * half), first.y[2:4, -1], **options)
+    wanted = 1.0 - (1.0 - last.y[1, -1]) / 3.5
+    ball = ao.rigid(mass, inertia=0.4 * mass * 0.01**2, arm=(0, 0, -0.01))
+    velocity = (share * mu * v, 0.0, -v)
+    hit = ao.simulate(ball, ao.wall(STEEL), velocity, law=ao.Hertz(k=k), friction=mu)
+    time_error = hit.error["tangential_restitution"].time
+    assert time_error is not None
+    assert time_error < 1e-3
+    assert hit.tangential_restitution == pytest.approx(wanted, rel=time_error + share)
+
+
+def test_claimed_errors_of_friction_are_those_there_are():
+    ball, wall = ao.ball(0.01, STEEL), ao.wall(STEEL)
+    for along in (0.02, 0.3, 0.5, 0.9, 1.2):
+        exact = ao.simulate(
+            ball, wall, (along, 0, -1), friction=0.3, duration=7e-5, solver=ao.Newmark(dt=5e-8)
+        )
+        for steps in (50, 100, 200):
+            rule = ao.Newmark(dt=5.6e-5 / steps)
+            hit = ao.simulate(ball, wall, (along, 0, -1), friction=0.3, duration=7e-5, solver=rule)
+            for name in ("tangential_restitution", "peak_friction_force", "final_spin"):
+                value, right = (
+                    np.linalg.norm(of.projectile.final_spin)
+                    if name == "final_spin"
+                    else of.value(name)
+                    for of in (hit, exact)
+                )
+                error = hit.error.time + exact.error.time
+                assert value == pytest.approx(right, rel=error), (along, steps, name)
 
 
 def test_a_superball_thrown_flat_comes_back_the_other_way_round():
