@@ -43,12 +43,28 @@ def checked_friction(value: Any) -> float | None:
     return None if value is None else nonnegative("friction", value)
 
 
+def checked_spin(value: Any) -> FloatArray | None:
+    """Return an angular velocity in three directions, rad/s; None if it was left out."""
+    return None if value is None else finite_array("spin", value, shape=(3,), unit="rad/s")
+
+
+def refuse_held(name: str, model: BodyModel) -> None:
+    """Refuse the spin of a body that cannot turn."""
+    held = model.constrained or model.wall
+    if held or (isinstance(model, AOModel) and model.inertia is None):
+        why = "is held" if held else "has no inertia to turn with"
+        raise InputError(
+            f"spin: {name} {why}; give the spin of a free body: ao.ball(...), "
+            "ao.rigid(mass, inertia=) or one of finite elements"
+        )
+
+
 def refuse_inelastic(law: ContactLaw) -> None:
     """Refuse friction with a law whose force is no function of the indentation alone."""
     if law.depends_on_rate or law.has_memory or law.pulls:
         raise InputError(
             f"friction: law={law!r} is not elastic, and friction is known for elastic contacts "
-            "only; give Hertz(...) or another elastic law, or the speed alone without friction"
+            "only; give Hertz(...) or another elastic law, or friction=0 for smooth surfaces"
         )
 
 

@@ -76,6 +76,8 @@ from .oblique import (
     ROLES,
     axes_of,
     checked_friction,
+    checked_spin,
+    refuse_held,
     refuse_inelastic,
     vector_or_number,
     with_functionals,
@@ -135,6 +137,7 @@ class Scene:
         self._loads: list[Load] = []
         # Velocities, gravity and friction of motion in three directions, where given.
         self._vectors: list[FloatArray | None] = []
+        self._spins: list[FloatArray | None] = []
         self._falls = falls
         self._frictions: list[float | None] = []
         self._axes: FloatArray | None = None
@@ -156,6 +159,7 @@ class Scene:
         body: Any,
         *,
         velocity: float | npt.ArrayLike = 0.0,
+        spin: npt.ArrayLike | None = None,
         position: float = 0.0,
         name: str = "",
     ) -> Handle:
@@ -169,6 +173,8 @@ class Scene:
             of them the full finite-element model, a `rigid` body of infinite mass a wall.
         velocity : float or array_like, shape (3,), optional
             Along the direction of travel, or in three directions (see `simulate`), m/s.
+        spin : array_like, shape (3,), optional
+            Angular velocity in the same axes, rad/s.
         position : float, optional
             Place of its contact coordinate (of all of them) at t = 0, m.
         name : str, optional
@@ -192,7 +198,8 @@ class Scene:
         called, along = text("name", name), vector_or_number("velocity", velocity, "m/s")
         size = velocity if along is None else float(np.linalg.norm(along))
         speed, where = checked_speed("velocity", size), real("position", position, unit="m")
-        self._append(body_model("body", body), speed, where, called, along)
+        turns = checked_spin(spin)
+        self._append(body_model("body", body), speed, where, called, along, turns)
         return Handle(len(self._bodies) - 1, name=called, scene=self._mark.name)
 
     def _append(
@@ -202,12 +209,14 @@ class Scene:
         position: float = 0.0,
         name: str = "",
         vector: FloatArray | None = None,
+        spin: FloatArray | None = None,
     ) -> None:
         self._bodies.append(model)
         self._velocities.append(velocity)
         self._positions.append(position)
         self._names.append(name)
         self._vectors.append(vector)
+        self._spins.append(spin)
 
     def connect(
         self,
@@ -295,7 +304,7 @@ class Scene:
             found = chosen_law(models, [self._called(body) for body, _ in ends])
             law, law_error = found.law, found.error
         contact = Contact(*first, *second, law, normal_gap(gap), text("name", name))
-        if mu is not None:
+        if mu:
             refuse_inelastic(law)
         self._refuse_again(contact)
         self._between.setdefault(contact[:4], []).append(len(self._contacts))
@@ -454,7 +463,10 @@ class Scene:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         self._orient()
         if preload and self._axes is not None:
-            raise InputError("preload: rest with friction is not found yet; start without preload")
+            raise InputError(
+                "preload: rest with friction is not known; start without preload, and let the "
+                "weight or the load grow: apply(body, force=([0, time], [0, force]))"
+            )
         if not preload:
             self._refuse_overlap()
         linear = checked_linear_solver(linear_solver, chosen=self._chooses(quantity, rtol))
@@ -485,14 +497,14 @@ class Scene:
         InputError
             If a contact has no friction, or the contacts differ in their direction of travel.
         """
-        given = [of for of in (*self._vectors, self._falls) if of is not None]
+        given = [of for of in (*self._vectors, *self._spins, self._falls) if of is not None]
         sliding = [mu for mu in self._frictions if mu is not None]
         if not given and not sliding:
             return
         if len(sliding) < len(self._frictions):
             raise InputError(
-                "friction: with a velocity or gravity in three directions every contact needs it; "
-                "give a coefficient, or friction=0 for smooth surfaces"
+                "friction: with a spin, or with a velocity or gravity in three directions, every "
+                "contact needs it; give a coefficient, or friction=0 for smooth surfaces"
             )
         ends = [
             [(self._called(body), self._bodies[body], port) for body, port in contact.ports]
@@ -508,6 +520,9 @@ class Scene:
     def _oblique(self, bodies: Sequence[BodyModel]) -> list[BodyModel]:
         """The bodies with three ports for each place where they are touched."""
         assert self._axes is not None
+        for body, model in enumerate(bodies):
+            if self._spins[body] is not None:
+                refuse_held(self._called(body), model)
         return [
             with_functionals(self._called(body), model, self._axes, self._roles(body))
             for body, model in enumerate(bodies)
@@ -537,7 +552,8 @@ class Scene:
             known = [model.touched_at(at) or model.surface_at(at) for model, at in ends]
             ratio = stiffness_ratio([None if one is None else one.material for one in known])
             assert mu is not None
-            friction = Friction(mu, ratio, oblique_compliance(of.law, ends))
+            # A smooth contact has a normal force alone, by any law.
+            friction = Friction(mu, ratio, oblique_compliance(of.law, ends)) if mu else None
             first, second = places
             contacts.append(of._replace(first_port=first, second_port=second, friction=friction))
         for load in self._loads:
@@ -556,7 +572,8 @@ class Scene:
             speed * along if vector is None else vector
             for speed, vector in zip(self._velocities, self._vectors, strict=True)
         ]
-        velocities = tuple(np.concatenate([vector, np.zeros(3)]) for vector in vectors)
+        spins = [np.zeros(3) if spin is None else spin for spin in self._spins]
+        velocities = tuple(map(np.concatenate, zip(vectors, spins, strict=True)))
         falls = self.gravity * along if self._falls is None else self._falls
         return Oblique(self._axes, velocities, falls)
 

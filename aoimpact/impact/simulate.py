@@ -19,7 +19,7 @@ from ..reduction import BodyModel, body_model
 from ..results import Quantity, RecordLength, Result, TimeSolver, warn_of_exchange
 from ..scene import Plan
 from .defaults import Meeting, checked_numbers, turns
-from .oblique import vector_or_number
+from .oblique import checked_spin, vector_or_number
 from .scene import Scene
 
 _NAMES = "projectile", "target"
@@ -32,6 +32,7 @@ def simulate(
     *,
     law: ContactLaw | None = None,
     friction: float | None = None,
+    spin: npt.ArrayLike | None = None,
     duration: float | None = None,
     solver: TimeSolver | None = None,
     gap: float = 0.0,
@@ -67,6 +68,8 @@ def simulate(
         materials, by which friction changes the normal force and which is neglected. A law without
         materials has the tangential stiffness of ν = 0.3. A vector needs it: 0 is a smooth surface.
         Motion is small: contact points stay where they are on each body.
+    spin : array_like, shape (3,), optional
+        Angular velocity of the projectile in the same axes, rad/s; with `friction`.
     duration : float, optional
         Length of the record, s. If left out, until the impact is over and as long again.
     solver : Adaptive or Newmark, optional
@@ -123,7 +126,7 @@ def simulate(
     (1001.5, 10.88)
     """
     began = perf_counter()
-    impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
+    impact = Impact(projectile, target, velocity, spin=spin, gap=gap, duration=duration)
     impact.refuse_smooth(friction)
     boolean("energies", energies)
     warn_of_exchange(*impact.bodies)
@@ -156,7 +159,7 @@ class Impact(Scene):
 
     Parameters
     ----------
-    projectile, target, velocity, gap, duration
+    projectile, target, velocity, spin, gap, duration
         As of `simulate`.
 
     Raises
@@ -171,10 +174,12 @@ class Impact(Scene):
         target: Any,
         velocity: float | npt.ArrayLike,
         *,
+        spin: npt.ArrayLike | None = None,
         gap: float = 0.0,
         duration: float | None = None,
     ) -> None:
         self._begin(0.0, "")
+        turns = checked_spin(spin)
         vector = vector_or_number("velocity", velocity, "m/s")
         size = velocity if vector is None else float(np.linalg.norm(vector))
         self.velocity, self.duration, self.gap = checked_numbers(size, duration, gap)
@@ -185,7 +190,10 @@ class Impact(Scene):
                     f"{name} is touched in several places: build a Scene, and connect its ports"
                 )
             first = not self._bodies
-            self._append(model, self.velocity if first else 0.0, vector=vector if first else None)
+            if first:
+                self._append(model, self.velocity, vector=vector, spin=turns)
+            else:
+                self._append(model, 0.0)
         if self.velocity < 0.0 and not self._bodies[0].constrained:
             raise InputError(
                 f"velocity={self.velocity:g} m/s: the projectile flies away from the target, and "
@@ -194,12 +202,17 @@ class Impact(Scene):
             )
 
     def refuse_smooth(self, friction: float | None) -> None:
-        """Refuse a velocity in three directions without friction."""
-        vector = self._vectors[0]
+        """Refuse a velocity in three directions, or a spin, without friction."""
+        vector, spin = self._vectors[0], self._spins[0]
         if friction is None and vector is not None:
             raise InputError(
                 f"velocity={plain(vector)} m/s is a vector, and friction is left out: "
                 "give friction=0 for smooth surfaces or a coefficient, or the speed alone"
+            )
+        if friction is None and spin is not None:
+            raise InputError(
+                f"spin={plain(spin)} rad/s is felt by friction alone, which is left out: give a "
+                "coefficient, or leave spin out"
             )
 
     def touch(self, law: ContactLaw | None, friction: float | None = None) -> None:

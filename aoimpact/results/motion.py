@@ -525,9 +525,17 @@ class ContactResult(Frozen, Eventful):
     def slip_intervals(self) -> list[tuple[float, float]]:
         """Start and end [s] of every interval in which all of the contact slips.
 
-        They lie within `intervals`; in the rest of these it sticks, at least in its middle. From
-        stick to slip and back they are as exact as the times of the record are close.
+        With `stick_intervals` they make up `intervals`. From stick to slip and back they are as
+        exact as the times of the record are close.
         """
+        return self._where(slips=True)
+
+    @property
+    def stick_intervals(self) -> list[tuple[float, float]]:
+        """Start and end [s] of every interval in which it sticks, at least in its middle."""
+        return self._where(slips=False)
+
+    def _where(self, *, slips: bool) -> list[tuple[float, float]]:
         found: list[tuple[float, float]] = []
         for start, end in self.intervals if self.stuck is not None else ():
             within = np.flatnonzero((self._times > start) & (self._times < end))
@@ -535,7 +543,7 @@ class ContactResult(Frozen, Eventful):
                 continue
             assert self.stuck is not None
             times = self._times[within]
-            change = np.diff(self.stuck[within] <= 0.0, prepend=False, append=False)
+            change = np.diff((self.stuck[within] <= 0.0) == slips, prepend=False, append=False)
             turns = np.concatenate([[start], times[1:], [end]])[change]
             found += zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True)
         return found

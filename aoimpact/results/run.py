@@ -379,15 +379,18 @@ class Run:
         found = []
         for number, events in enumerate(self.events):
             rows = self._layout.contact(self._rows, number)
-            stored, lost = (rows.elastic, rows.dissipated) if self.energies else (None, None)
+            stored, taken = (rows.elastic, rows.dissipated) if self.energies else (None, None)
             name = self.contact_names[number]
             law = own_law(self.plan.contacts[number].law)
-            given = name, rows.force, rows.indentation, stored, lost, events, law, self.t
-            if rows.tangential is None or rows.stuck is None or self.plan.oblique is None:
+            given = name, rows.force, rows.indentation, stored, taken, events, law, self.t
+            if self.plan.oblique is None:
                 found.append(ContactResult(*given))
                 continue
-            force = rows.tangential.T @ self.plan.oblique.axes[1:]
-            stuck, lost = np.sqrt(rows.stuck), rows.friction if self.energies else None
+            force, stuck, lost = np.zeros((len(self.t), 3)), np.zeros(len(self.t)), rows.friction
+            if rows.tangential is not None and rows.stuck is not None:  # else it is smooth
+                force = rows.tangential.T @ self.plan.oblique.axes[1:]
+                stuck = np.sqrt(rows.stuck)
+            lost = (np.zeros(len(self.t)) if lost is None else lost) if self.energies else None
             found.append(ContactResult(*given, force, stuck, lost))
         return tuple(found)
 
@@ -773,6 +776,11 @@ class Result(Eventful, Run):
     def slip_intervals(self) -> list[tuple[float, float]]:
         """Start and end [s] of every interval in which all of the contact slips."""
         return self.each_contact[0].slip_intervals
+
+    @property
+    def stick_intervals(self) -> list[tuple[float, float]]:
+        """Start and end [s] of every interval in which it sticks, at least in its middle."""
+        return self.each_contact[0].stick_intervals
 
     def _with_friction(self, name: str) -> FloatArray:
         found: FloatArray | None = getattr(self.each_contact[0], name)

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import FloatArray, with_unit
+from ..base import FloatArray, plain, with_unit
 from ..fem import ContactPoint
 from .errors import ROUNDING, ErrorParts, percent
 from .quantities import QUANTITIES, Quantity
 
 if TYPE_CHECKING:
     from ..reduction import BodyModel
-    from .motion import BodyResult
+    from ..scene import Contact
+    from .motion import BodyResult, ContactResult
     from .run import Result, Run
 
 
@@ -38,13 +39,10 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
         ("projectile", _body(result, "projectile")),
         ("target", _body(result, "target")),
         ("law", str(result.plan.contacts[0].law)),
-        ("velocity", f"{_velocity(result)} m/s" + _gap(result)),
+        ("velocity", _velocity(result) + _gap(result)),
     ]
-    if (friction := result.plan.contacts[0].friction) is not None:
-        words = (
-            f"coefficient {friction.mu:g}, tangential over normal stiffness {friction.ratio:.3g}"
-        )
-        rows.append(("friction", words))
+    if result.plan.oblique is not None:
+        rows.append(("friction", _friction(result.plan.contacts[0])))
     if not result.contacts:
         rows.append(("contact", f"none in {with_unit(result.duration, 's')}"))
     else:
@@ -58,12 +56,7 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
         ("restitution", _rebound(result, "restitution")),
     ]
     if result.plan.oblique is not None:
-        if "tangential_restitution" in result.numbers:
-            rows.append(("tangential restit.", _rebound(result, "tangential_restitution")))
-        rows.append(("final velocity", f"{_vector(result.projectile.final_velocity)} m/s"))
-        rows.append(("final spin", f"{_vector(result.projectile.final_spin)} rad/s"))
-        peak = with_unit(result.value("peak_friction_force"), "N", 5)
-        rows.append(("peak friction", peak + within(result.error["peak_friction_force"])))
+        rows += _oblique(result)
     if (dent := result.dent).depth > 0.0:
         wide = "" if math.isnan(dent.diameter) else f", {with_unit(dent.diameter, 'm', 3)} wide"
         rows.append(("residual dent", f"{with_unit(dent.depth, 'm', 3)} deep{wide}"))
@@ -83,6 +76,12 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
         tips = body.contact_points[:: 3 if run.plan.oblique else 1][:_PLACES]
         places = "".join(place_words(tip, rigid=body.label == "rigid") for tip in tips)
         rows.append((name, f"{body.label}{support_words(body)}{places}"))
+    if run.plan.oblique is not None:
+        rows += [
+            (f"{name}, after", f"{_vector(of.final_velocity)} m/s, {_vector(of.final_spin)} rad/s")
+            for name, of, body in zip(run.names[:SHOWN], run.bodies, run.plan.bodies, strict=False)
+            if not body.fixed
+        ]
     error = run.error
     for i, events in enumerate(run.events[:SHOWN]):
         peak = with_unit(events.peak_force, "N", 5)
@@ -93,6 +92,10 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
         uncertain = error[f"contacts.{i}.intervals"].total == math.inf
         times = f"{count} contact{'s' if count > 1 else ''}"
         times += ", more or less" if uncertain else ""
+        if (sliding := f"contacts.{i}.peak_friction_force") in run.numbers:
+            of = run.each_contact[i]
+            peak += f", friction {with_unit(run.value(sliding), 'N', 5)}{within(error[sliding])}"
+            times += _slips(of)
         rows.append((run.contact_names[i], f"{peak}, {times}" if count else "none"))
     bodies, contacts = len(run.plan.bodies), len(run.events)
     if max(bodies, contacts) > SHOWN:
@@ -118,9 +121,46 @@ def summary_html(result: Result) -> str:
     return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"
 
 
+def _friction(contact: Contact) -> str:
+    """The coefficient of a contact with friction, or that it is smooth."""
+    of = contact.friction
+    if of is None:
+        return "none: smooth surfaces"
+    return f"coefficient {of.mu:g}, tangential over normal stiffness {of.ratio:.3g}"
+
+
+def _oblique(result: Result) -> list[tuple[str, str]]:
+    """What an impact in three directions has besides."""
+    rows = []
+    if "tangential_restitution" in result.numbers:
+        rows.append(("tangential restit.", _rebound(result, "tangential_restitution")))
+    spin, error = result.projectile.final_spin, within(result.error["final_spin"])
+    peak = with_unit(result.value("peak_friction_force"), "N", 5)
+    peak += within(result.error["peak_friction_force"])
+    return [
+        *rows,
+        ("final velocity", f"{_vector(result.projectile.final_velocity)} m/s"),
+        ("final spin", f"{_vector(spin)} rad/s{error}"),
+        ("peak friction", f"{peak}{_slips(result.each_contact[0])}"),
+    ]
+
+
+def _slips(contact: ContactResult) -> str:
+    """When all of a contact slips."""
+    if not contact.intervals or not (slips := contact.slip_intervals):
+        return ""
+    if not contact.stick_intervals:
+        return ", slips all along"
+    shown = [f"{with_unit(a, 's', 3)} to {with_unit(b, 's', 3)}" for a, b in slips[:SHOWN]]
+    return f", slips from {' and '.join(shown)}{' …' if len(slips) > SHOWN else ''}"
+
+
 def _velocity(result: Result) -> str:
     oblique = result.plan.oblique
-    return f"{result.velocity:.6g}" if oblique is None else _vector(oblique.velocities[0][:3])
+    if oblique is None:
+        return f"{result.velocity:.6g} m/s"
+    velocity, spin = np.split(oblique.velocities[0], 2)
+    return f"{_vector(velocity)} m/s" + (f", spin {_vector(spin)} rad/s" if spin.any() else "")
 
 
 def _vector(values: FloatArray) -> str:
@@ -166,7 +206,11 @@ def _rebound(result: Result, name: str) -> str:
     if math.isnan(value):
         return "none" if result.in_contact_at_end or not result.contacts else "not known"
     absolute = _absolute(result, interest, value, error.total)
-    return f"{_number(interest, value)}{absolute or within(error)}"
+    oblique = result.plan.oblique
+    along = (
+        "" if name != "rebound_velocity" or oblique is None else f" along {plain(oblique.axes[0])}"
+    )
+    return f"{_number(interest, value)}{along}{absolute or within(error)}"
 
 
 def _gap(result: Result) -> str:

@@ -24,6 +24,7 @@ ROLES = ("projectile", "target")
 _UNITS = {
     "force": ("N", "contact force, positive in compression"),
     "friction_force": ("N", "on the second body, in three directions"),
+    "stuck": ("1", "share of the contact's radius within which it sticks"),
     "indentation": ("m", "first body's minus second body's contact coordinate minus the gap"),
     "displacement": ("m", "of the contact coordinate"),
     "velocity": ("m/s", "of the contact coordinate"),
@@ -33,6 +34,7 @@ _UNITS = {
     "elastic_energy": ("J", "strain energy of each body"),
     "contact_energy": ("J", "stored in the contact laws"),
     "dissipated_energy": ("J", "lost in contact laws and damping since t = 0"),
+    "friction_energy": ("J", "the part of it lost by friction"),
     "total_energy": ("J", "constant in an exact run"),
 }
 
@@ -47,6 +49,8 @@ def columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArra
         if contact.friction_force is not None:
             for axis, force in zip("xyz", contact.friction_force.T, strict=True):
                 table[f"{called}friction force {axis} [N]"] = force
+        if contact.stuck is not None:
+            table[f"{called}stuck [1]"] = contact.stuck
     for name, body in zip(body_names(run, names), run.bodies, strict=True):
         table |= _body_columns(name, body)
     if run.energies:
@@ -55,6 +59,8 @@ def columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArra
             "dissipated energy [J]": run.energy.dissipated,
             "total energy [J]": run.energy.total,
         }
+        if run.plan.oblique is not None:
+            table["friction energy [J]"] = run.energy.friction
     return table
 
 
@@ -136,6 +142,7 @@ def as_dataset(run: Run, names: Sequence[str]) -> Any:
     if run.each_contact and all(of.friction_force is not None for of in run.each_contact):
         rows = [of.friction_force for of in run.each_contact]
         add("friction_force", ("contact", "time", "axis"), rows)
+        add("stuck", ("contact", "time"), [of.stuck for of in run.each_contact])
     for name in ("displacement", "velocity", "centre_displacement", "centre_velocity"):
         add(name, ("body", "time"), [getattr(body, name) for body in run.bodies])
     if run.energies:
@@ -144,6 +151,8 @@ def as_dataset(run: Run, names: Sequence[str]) -> Any:
             add(f"{name}_energy", ("body", "time"), rows)
         for name in ("contact", "dissipated", "total"):
             add(f"{name}_energy", ("time",), getattr(run.energy, name))
+        if run.plan.oblique is not None:
+            add("friction_energy", ("time",), run.energy.friction)
     coordinates = {
         "time": ("time", run.t, {"units": "s", "long_name": "time"}),
         "contact": list(run.contact_names),

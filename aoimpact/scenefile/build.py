@@ -66,7 +66,16 @@ _PAPER_SPHERE = "paper-sphere"
 
 
 # Keywords of `simulate` and of `Scene.simulate` that a file gives as they are.
-_OF_IMPACT = ("velocity", "friction", "duration", "gap", "quantity", "rtol", "linear_solver")
+_OF_IMPACT = (
+    "velocity",
+    "friction",
+    "spin",
+    "duration",
+    "gap",
+    "quantity",
+    "rtol",
+    "linear_solver",
+)
 _OF_SCENE = ("preload", "rtol", "linear_solver")
 
 
@@ -141,7 +150,8 @@ class Builder:
                     raise InputError(
                         f"name: two bodies of the scene are called {name!r}; give one another name"
                     )
-                motion = {key: member[key] for key in ("velocity", "position") if key in member}
+                given = ("velocity", "spin", "position")
+                motion = {key: member[key] for key in given if key in member}
                 handles[name], bodies[name] = scene.add(body, **motion, name=name), body
         for i, contact in enumerate(table.get("contacts", ())):
             law = self._law("scene", "contacts", i)

@@ -250,6 +250,7 @@ _IMPACT = {
     "target": _BODY,
     "velocity": ("m/s", ["m/s", 3]),
     "friction?": NUMBER,
+    "spin?": ["rad/s", 3],
     "gap?": "m",
     "law?": _LAW,
     "quantity?": (TEXT, _sensor(_BODY)),
@@ -261,7 +262,15 @@ _SCENE = {
     "quantity?": (TEXT, _sensor(TEXT, port={"body": TEXT, "port": INTEGER})),
     "gravity?": ("m/s²", ["m/s²", 3]),
     "preload?": FLAG,
-    "bodies": [{"body": _BODY, "name?": TEXT, "velocity?": ("m/s", ["m/s", 3]), "position?": "m"}],
+    "bodies": [
+        {
+            "body": _BODY,
+            "name?": TEXT,
+            "velocity?": ("m/s", ["m/s", 3]),
+            "spin?": ["rad/s", 3],
+            "position?": "m",
+        }
+    ],
     "contacts?": [
         {"between": [_END, 2], "law?": _LAW, "friction?": NUMBER, "gap?": "m", "name?": TEXT}
     ],

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from ..accuracy import Hierarchy, first_guess, model_hierarchy
 from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
 from ..impact import Impact, fitted_pair, simulate
@@ -35,6 +38,8 @@ def compare(
     velocity: float,
     *,
     law: ContactLaw | None = None,
+    friction: float | None = None,
+    spin: npt.ArrayLike | None = None,
     duration: float | None = None,
     gap: float = 0.0,
     oscillators: Iterable[int] = (0, 1, 2, 3, 5, 8, 12),
@@ -52,6 +57,8 @@ def compare(
         A reduced model stands for the finite-element body that it was made of.
     velocity, law, duration, gap
         As in `simulate`, also where `law` or `duration` is left out.
+    friction, spin : optional
+        Refused: impacts with friction are not compared.
     oscillators : iterable of int, optional
         Numbers of scene-fitted anti-oscillators.
     modes : iterable of int, optional
@@ -75,6 +82,13 @@ def compare(
     >>> table.exact, round(table["rigid"].force, 1)
     ('AO(1)', 0.4)
     """
+    along = not isinstance(velocity, list | tuple | np.ndarray)
+    for name, given in (("velocity", velocity), ("friction", friction), ("spin", spin)):
+        if given is not None and not (along and name == "velocity"):
+            raise InputError(
+                f"{name}={given!r}: models are compared along one direction of travel; give the "
+                "speed alone, and simulate an oblique impact with quantity= and rtol="
+            )
     with held_warnings():  # each run has them again
         impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
         impact.touch(law)

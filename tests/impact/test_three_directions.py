@@ -39,7 +39,19 @@ DOWN = (0.0, 0.3, -1.0)
             },
             "same side",
         ),
-        ({"velocity": DOWN, "friction": 0.1, "law": ao.KelvinVoigt(1e8, 10.0)}, "elastic"),
+        ({"velocity": DOWN, "friction": 0.1, "law": ao.KelvinVoigt(1e8, 10.0)}, "friction=0"),
+        ({"velocity": 1.0, "spin": (0, 10.0, 0)}, "friction"),
+        ({"velocity": 1.0, "spin": 10.0, "friction": 0.1}, "spin"),
+        (
+            {
+                "velocity": 1.0,
+                "spin": (0, 1, 0),
+                "friction": 0.1,
+                "law": ao.Hertz(1e9),
+                "projectile": ao.rigid(1.0),
+            },
+            "turn",
+        ),
         (
             {
                 "velocity": DOWN,
@@ -109,6 +121,60 @@ def test_smooth_surfaces_leave_the_tangential_velocity():
     assert not hit.projectile.final_spin.any()
 
 
+@pytest.mark.parametrize("law", [ao.HuntCrossley(1e10, 0.4), ao.Thornton(1e10, 100.0)])
+def test_smooth_surfaces_take_any_law(law):
+    hit = ao.simulate(BALL, WALL, DOWN, friction=0, law=law, solver=RULE, duration=2e-4)
+    straight = ao.simulate(BALL, WALL, 1.0, law=law, solver=RULE, duration=2e-4)
+    np.testing.assert_allclose(hit.force, straight.force, rtol=0, atol=1e-9 * hit.peak_force)
+    assert hit.restitution == pytest.approx(straight.restitution)
+    assert hit.tangential_restitution == pytest.approx(1.0)
+    assert hit.energy.dissipated == pytest.approx(straight.energy.dissipated, abs=1e-12)
+    assert hit.slip_intervals == hit.contacts
+
+
+def test_back_spin_is_the_closed_form():
+    # All slips: friction takes μ of the normal impulse 2 m v, and 5/2 of that over R of the spin.
+    mu, spin, along = 0.1, np.array([0.0, -300.0, 50.0]), 0.4
+    hit = ao.simulate(BALL, WALL, (along, 0, -1), friction=mu, spin=spin)
+    assert hit.slip_intervals == hit.contacts
+    after, turns = hit.projectile.final_velocity, hit.projectile.final_spin
+    assert after == pytest.approx([along - 2 * mu, 0.0, 1.0], rel=1e-6, abs=1e-9)
+    assert turns == pytest.approx(spin + np.array([0.0, 5 * mu / 0.01, 0.0]), rel=1e-6, abs=1e-6)
+    assert "spin (0, -300, 50) rad/s" in repr(hit)
+
+
+def test_spin_is_a_moving_contact_point():
+    # A ball that spins is one that slides, in a frame that moves along.
+    spin = np.array([30.0, 20.0, 0.0])
+    along = np.cross(spin, [0.0, 0.0, -0.01])
+    spun = ao.simulate(BALL, WALL, 1.0, friction=0.4, spin=spin, solver=RULE)
+    slid = ao.simulate(BALL, WALL, (*along[:2], -1.0), friction=0.4, solver=RULE)
+    near = 1e-9 * np.abs(slid.friction_force).max()
+    np.testing.assert_allclose(spun.friction_force, slid.friction_force, rtol=0, atol=near)
+
+
+def test_a_spinning_block_of_finite_elements_is_the_rigid_one_in_its_first_moment():
+    # Under a soft law: the momentum of K and M is that of the tensor of inertia.
+    mesh = ao.box_mesh((0.02, 0.02, 0.02), (2, 2, 2), kind="hexahedron20")
+    block = ao.FEModel.from_mesh(mesh, STEEL)
+    mass, spin, law = block.mass, (20.0, -40.0, 5.0), ao.Linear(2e4)
+    tip = block.contact(point=(0.01, 0.01, 0.0), radius=0)
+    rigid = ao.rigid(mass, inertia=mass * 0.02**2 / 6.0, arm=(0, 0, -0.01))
+    run = {"velocity": (0.1, 0, -1.0), "spin": spin, "friction": 0.3, "law": law}
+    run |= {"duration": 8e-3, "solver": ao.Newmark(dt=1e-5, estimate=False)}
+    elastic, hard = ao.simulate(tip, WALL, **run), ao.simulate(rigid, WALL, **run)
+    assert elastic.peak_force == pytest.approx(hard.peak_force, rel=2e-3)
+    for of in ("final_velocity", "final_spin"):
+        found, right = (getattr(hit.projectile, of) for hit in (elastic, hard))
+        np.testing.assert_allclose(found, right, rtol=0, atol=2e-3 * np.abs(right).max())
+
+
+def test_comparisons_refuse_three_directions():
+    for more in ({"velocity": DOWN}, {"friction": 0.1}, {"spin": (0, 1, 0)}):
+        with pytest.raises(ao.InputError, match="one direction"):
+            ao.compare(**{"projectile": BALL, "target": WALL, "velocity": 1.0} | more)
+
+
 def test_a_speed_with_friction_is_straight():
     hit = ao.simulate(BALL, TOP, 1.0, friction=0.5, solver=RULE, duration=1e-4)
     straight = ao.simulate(BALL, TOP, (0, 0, -1.0), friction=0.5, solver=RULE, duration=1e-4)
@@ -152,6 +218,8 @@ def test_histories_and_summary_have_friction(tmp_path):
     hit.to_csv(tmp_path / "hit.csv")
     header = (tmp_path / "hit.csv").read_text(encoding="utf-8").splitlines()[0]
     assert "friction force y [N]" in header
+    assert "stuck [1]" in header
+    assert "friction energy [J]" in header
     assert "final spin" in repr(hit)
     assert hit.value("peak_friction_force") == pytest.approx(
         np.linalg.norm(hit.friction_force, axis=1).max()
@@ -167,6 +235,18 @@ def test_slip_lies_within_contact():
     slips = hit.slip_intervals
     assert len(slips) == 2  # at first, and at last
     assert start == slips[0][0] < slips[0][1] < slips[1][0] < slips[1][1] == end
+    assert hit.stick_intervals == [(slips[0][1], slips[1][0])]
+
+
+def test_summary_of_a_scene_has_friction():
+    scene = ao.Scene(gravity=(0, 0, -9.81))
+    ball = scene.add(BALL, velocity=DOWN, spin=(0, 10.0, 0), name="ball")
+    scene.connect(ball, scene.add(WALL), friction=0.3)
+    run = scene.simulate(duration=1e-4)
+    words = repr(run)
+    assert "ball, after" in words
+    assert "friction" in words
+    assert "slips from" in words
 
 
 @pytest.fixture(scope="module")
@@ -220,12 +300,13 @@ projectile = "ball"
 target = "floor"
 velocity = [0.0, 0.3, -1.0]
 friction = 0.3
+spin = [0.0, 10.0, 0.0]
 solver = { type = "Newmark", dt = 2e-7, estimate = false }
 """,
         encoding="utf-8",
     )
     hit, same = (
         ao.read_scene(path).simulate(),
-        ao.simulate(BALL, WALL, DOWN, friction=0.3, solver=RULE),
+        ao.simulate(BALL, WALL, DOWN, friction=0.3, spin=(0, 10, 0), solver=RULE),
     )
     assert (hit.friction_force == same.friction_force).all()

@@ -463,6 +463,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         STRIKE
         | {
             "friction": None,
+            "spin": None,
             "solver": None,
             "gap": 0.0,
             "energies": True,
@@ -474,7 +475,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "compare": (
         ao.compare,
         STRIKE
-        | {"gap": 0.0, "oscillators": (0,), "modes": (2,), "full": False, "linear_solver": "auto"},
+        | {"gap": 0.0, "oscillators": (0,), "modes": (2,), "full": False, "linear_solver": "auto"}
+        | {"friction": None, "spin": None},
     ),
     "fit_law": (
         ao.fit_law,
@@ -489,7 +491,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"law": ao.Hertz(1e7), "indentation": [0.0, 1e-4, 2e-4], "force": [0.0, 10.0, 28.0]},
     ),
     "Scene": (ao.Scene, {"gravity": 0.0}),
-    "Scene.add": (_added, {"body": BALL, "velocity": 1.0, "position": 0.0, "name": "a"}),
+    "Scene.add": (
+        _added,
+        {"body": BALL, "velocity": 1.0, "spin": None, "position": 0.0, "name": "a"},
+    ),
     "Scene.connect": (
         _connected,
         {"a": OWN, "b": OWN, "law": HERTZ, "gap": 0.0, "friction": 0.1, "name": ""},
