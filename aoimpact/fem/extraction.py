@@ -238,11 +238,12 @@ def field_error(
     difference, own : ndarray, shape (n_cells,)
         Of each element, J.
     """
+    if not body.mesh.thin:
+        return energy_error(body, field[0], loaded)
+    loaded = loaded | np.isin(np.arange(len(loaded)), body.mesh.thin_nodes)
     difference, own = energy_error(body, field[0], loaded)
-    if body.mesh.thin:
-        of_thin = thin_energy_error(body.mesh, body.material, np.hstack(list(field)))
-        difference, own = difference + of_thin[0], own + of_thin[1]
-    return difference, own
+    of_thin = thin_energy_error(body.mesh, body.material, np.hstack(list(field)))
+    return difference + of_thin[0], own + of_thin[1]
 
 
 def pressed(body: Any, weights: FloatArray, direction: FloatArray) -> FloatArray:
@@ -400,7 +401,6 @@ def split(
     w, parts = _solved(load, moved_by, sunk, solver)
     touched = np.abs(local[:, 2]) < _FLAT * mesh.size
     touched[_supported(body)] = False
-    touched[mesh.thin_nodes] = False
     return Splitting(
         point,
         frame,

@@ -73,3 +73,11 @@ def test_every_law_of_the_core_is_described_tested_and_fuzzed() -> None:
 
 # Of these test_law.c has other formulas: they pull, or depend on what was before.
 PIECEWISE = '{"kelvin_voigt_pulling", {"thornton", {"elastic_plastic", {"yang_sun", '
+
+
+def test_every_mutant_is_of_what_the_core_says() -> None:
+    """Mutants are tried rarely; a formula that changes takes its mutant along."""
+    table = (ROOT / "tests" / "c" / "mutants.txt").read_text("utf-8")
+    rows = [line.replace(r"\n", "\n").split("\t")[:2] for line in table.splitlines()]
+    gone = [row for row in rows if row[1] not in (CSRC / row[0]).read_text("utf-8")]
+    assert not gone
