@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import os
@@ -42,6 +43,19 @@ def _histories(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
     return [file]
 
 
+def _probes(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
+    """What the file's probes read, as CSV."""
+    if not (found := scene.probes(result)):
+        return []
+    file = folder / "probes.csv"
+    columns = {"time [s]": result.t, **found}
+    with file.open("w", newline="", encoding="utf-8") as text:
+        table = csv.writer(text, lineterminator="\n")
+        table.writerow(columns)
+        table.writerows(np.column_stack(list(columns.values())).tolist())
+    return [file]
+
+
 def _figures(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
     """Histories, as PNG."""
     drawn = [name for name in _FIGURES if hasattr(result, f"plot_{name}")]
@@ -65,6 +79,7 @@ def _fields(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
 # names its kind in capitals. Of a sweep `write_sweep` writes a table and a figure instead.
 FORMATS: tuple[Callable[[SceneFile, Run, Path], list[Path]], ...] = (
     _histories,
+    _probes,
     _figures,
     _fields,
 )

@@ -26,7 +26,7 @@ from ..fields import (
     warn_if_wrong,
 )
 from ..integrate import Events
-from ..laws import ContactLaw
+from ..laws import ContactLaw, Dent
 
 # Even times of a record beyond which dt is taken for a mistake.
 _MOST_SAMPLES = 20_000_000
@@ -517,6 +517,7 @@ class ContactResult(Frozen, Eventful):
     events: Events
     law: ContactLaw
     _times: FloatArray = field(repr=False)
+    _acting: ContactLaw = field(repr=False)
     friction_force: FloatArray | None = None
     stuck: FloatArray | None = None
     friction_energy: FloatArray | None = None
@@ -556,6 +557,12 @@ class ContactResult(Frozen, Eventful):
     def intervals(self) -> list[tuple[float, float]]:
         """Start and end [s] of every interval in which the force acts."""
         return list(self.events.contacts)
+
+    @property
+    def dent(self) -> Dent:
+        """Residual dent, ``depth`` and ``diameter`` [m]; see `ContactLaw.dent`."""
+        deepest = float(self.indentation.max(initial=0.0))
+        return self._acting.dent(deepest) if deepest > 0.0 else Dent(0.0, 0.0)
 
 
 @dataclass(frozen=True)

@@ -381,8 +381,9 @@ class Run:
             rows = self._layout.contact(self._rows, number)
             stored, taken = (rows.elastic, rows.dissipated) if self.energies else (None, None)
             name = self.contact_names[number]
-            law = own_law(self.plan.contacts[number].law)
-            given = name, rows.force, rows.indentation, stored, taken, events, law, self.t
+            law = self.plan.contacts[number].law
+            of_law = stored, taken, events, own_law(law)
+            given = name, rows.force, rows.indentation, *of_law, self.t, law
             if self.plan.oblique is None:
                 found.append(ContactResult(*given))
                 continue
@@ -847,8 +848,7 @@ class Result(Eventful, Run):
     @property
     def dent(self) -> Dent:
         """Residual dent, ``depth`` and ``diameter`` [m]; see `ContactLaw.dent`."""
-        deepest = float(self.indentation.max(initial=0.0))
-        return self.plan.contacts[0].law.dent(deepest) if deepest > 0.0 else Dent(0.0, 0.0)
+        return self.each_contact[0].dent
 
     @property
     def advice(self) -> tuple[Advice, ...]:

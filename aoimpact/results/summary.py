@@ -96,6 +96,8 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
             of = run.each_contact[i]
             peak += f", friction {with_unit(run.value(sliding), 'N', 5)}{within(error[sliding])}"
             times += _slips(of)
+        dent = run.each_contact[i].dent.depth
+        times += f", dent of {with_unit(dent, 'm', 3)}" if dent > 0.0 else ""
         rows.append((run.contact_names[i], f"{peak}, {times}" if count else "none"))
     bodies, contacts = len(run.plan.bodies), len(run.events)
     if max(bodies, contacts) > SHOWN:

@@ -130,10 +130,11 @@ class Builder:
             **self._keywords("impact", _OF_IMPACT),
         }
         wanted = table.get("quantity")
+        roles = {table[role]: body for role, body in bodies.items()}
         if isinstance(wanted, Mapping):
             with self.located("impact", "quantity"):
-                roles = {table[role]: body for role, body in bodies.items()}
                 keywords["quantity"] = _point(roles, wanted)
+        self._check_probes("impact", roles)
         return keywords
 
     def scene(self) -> tuple[SceneCase, float | None]:
@@ -167,7 +168,19 @@ class Builder:
         if "quantity" in table:
             with self.located("scene", "quantity"):
                 keywords["quantity"] = _scene_quantity(handles, bodies, table["quantity"])
+        self._check_probes("scene", bodies)
         return SceneCase(scene, keywords), table.get("duration")
+
+    def _check_probes(self, kind: str, bodies: Mapping[str, Any]) -> None:
+        """Refuse probes that make no sense before anything is run."""
+        for name, wanted in self.data[kind].get("probes", {}).items():
+            with self.located(kind, "probes", name):
+                called = wanted["body"]
+                if called not in bodies:
+                    raise InputError(f"body: {called!r} takes no part{nearest(called, bodies)}")
+                if not bodies[called].contact_points:
+                    raise InputError(f"body: {called!r} has no finite elements, so no places")
+                _sensor(bodies[called].contact_points[0].body, wanted)
 
     def _keywords(self, kind: str, names: Sequence[str]) -> dict[str, Any]:
         """The keywords of a run that its table gives."""
@@ -450,12 +463,17 @@ def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint
         raise InputError(
             f"body: {name!r} has a model already; leave the model out to have one chosen"
         )
+    return _sensor(body.body, wanted)
+
+
+def _sensor(body: Any, wanted: Mapping[str, Any]) -> ContactPoint | Sensor:
+    """The sensor of a table; without a type a point for its displacement."""
     if "type" in wanted:
         given = {key: value for key, value in wanted.items() if key not in ("type", "body")}
-        sensor: Sensor = SENSORS[wanted["type"]](body=body.body, **given)
+        sensor: Sensor = SENSORS[wanted["type"]](body=body, **given)
         return sensor
     place, along = wanted["point"], wanted["direction"]
-    return contact_point(body.body, point=place, direction=along, radius=0.0)
+    return contact_point(body, point=place, direction=along, radius=0.0)
 
 
 def _scene_quantity(

@@ -17,6 +17,7 @@ import numpy as np
 from ..accuracy import keeper
 from ..base import (
     AOImpactError,
+    FloatArray,
     InputError,
     InputTypeError,
     SceneFileError,
@@ -29,6 +30,7 @@ from ..impact import simulate
 from ..results import COLUMNS, Result, Run
 from .build import Builder, Kept, member_name
 from .names import SCENE_FILE
+from .probes import read_probe
 from .ranges import at_place, check_apart, grid_of, sweep_problems
 from .toml_lines import Place, holds, line_of
 
@@ -322,6 +324,49 @@ class SceneFile:
             scene, duration = case
             run: Run = scene.simulate(duration=duration)
             return run
+
+    def probes(self, result: Run) -> dict[str, FloatArray]:
+        """Return what each of the file's probes reads over the times of a result, in SI units.
+
+        Parameters
+        ----------
+        result : Run
+            From `simulate`.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (times,)
+
+        Raises
+        ------
+        SceneFileError
+            If a probe makes no sense, with its line.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile
+        >>> text = '''
+        ... [bodies.ball]
+        ... mass = 0.03
+        ... [impact]
+        ... projectile = "ball"
+        ... target = "ball"
+        ... velocity = 1.0
+        ... law = { type = "Hertz", k = 1e9 }
+        ... '''
+        >>> path = pathlib.Path(tempfile.mkdtemp(), "two.toml")
+        >>> _ = path.write_text(text)
+        >>> file = ao.read_scene(path)
+        >>> file.probes(file.simulate())
+        {}
+        """
+        names = [member[1 if self.kind == "impact" else 0] for member in self.members]
+        found = {}
+        for name, wanted in self.data[self.kind].get("probes", {}).items():
+            with self._located(self.kind, "probes", name):
+                body = result.bodies[names.index(wanted["body"])]
+                found[name] = read_probe(body, wanted, result.t)
+        return found
 
     # ------------------------------------------------------------------------- messages
 

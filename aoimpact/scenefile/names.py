@@ -240,7 +240,7 @@ def _sensor(body: Any, **more: Any) -> Tagged:
         "StressAt": of_point | where | {"component?": TEXT},
         "StrainAt": of_point | where | {"component?": (TEXT, _VECTOR), "length?": "m"},
         "AccelerationAt": of_point | along | {"cfc?": "Hz", "corner?": "Hz"},
-        "ReactionAt": {"body": body, "nodes": TEXT} | along,
+        "ReactionAt": {"body": body, "nodes": (TEXT, [INTEGER])} | along,
     }
     return Tagged("type", tables, displacement)
 
@@ -254,12 +254,14 @@ _IMPACT = {
     "gap?": "m",
     "law?": _LAW,
     "quantity?": (TEXT, _sensor(_BODY)),
+    "probes?": Entries(_sensor(_BODY)),
 } | _RUN
 
 _END = (TEXT, {"body": TEXT, "port?": INTEGER})
 
 _SCENE = {
     "quantity?": (TEXT, _sensor(TEXT, port={"body": TEXT, "port": INTEGER})),
+    "probes?": Entries(_sensor(TEXT)),
     "gravity?": ("m/s²", ["m/s²", 3]),
     "preload?": FLAG,
     "bodies": [
