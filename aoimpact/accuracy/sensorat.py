@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -17,6 +18,7 @@ from ..base import (
     place,
     unit_vector,
     warn,
+    with_unit,
 )
 from ..fem import Body, Layer, Strain, Stress, StressRows, VirtualMotion, checked_layer
 from ..fields import (
@@ -45,8 +47,8 @@ _COMPONENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "yz": (1,
 class StrainAt(Sensor):
     """The strain at a point, or of a gauge, for ``simulate(quantity=StrainAt(...))``.
 
-    ``error.mesh`` has what the elements leave out of the force; of the strain at a point also by
-    how much theirs differs from its average there.
+    ``error.mesh`` has what the elements leave out of the body's vibration and of the force; of the
+    strain at a point also by how much theirs differs from its average there.
 
     Parameters
     ----------
@@ -204,7 +206,8 @@ class AccelerationAt(Sensor):
     Raises
     ------
     InputError, InputTypeError
-        If the point is off the body, or both filters are given.
+        If the point is off the body, both filters are given, or the filter passes frequencies
+        above those that the elements at the point have.
 
     Warns
     -----
@@ -260,7 +263,15 @@ class AccelerationAt(Sensor):
         """
         if body.nodes is None:
             raise InputError(f"body {body!r} has no nodes, without which no point is known")
-        place_rows(body, self.point[None])
+        row = motion_rows(body, place_rows(body, self.point[None]), self.direction[None])
+        stiffness, mass = (float((row @ of @ row.T).sum()) for of in (body.K, body.M))
+        if 0.0 < mass * (2.0 * math.pi * self.channel.passed) ** 2 > stiffness > 0.0:
+            carried = math.sqrt(stiffness / mass) / (2.0 * math.pi)
+            raise InputError(
+                f"{self.channel} passes {with_unit(self.channel.passed, 'Hz')}, and the elements "
+                f"at the point vibrate at {with_unit(carried, 'Hz')} at most: take a class of "
+                f"{0.5 * carried:.2g} or less, or smaller elements"
+            )
 
     def quantity(self, body: Body, number: int) -> Quantity:
         """Return the quantity of a body with that number in the plan.

@@ -26,8 +26,8 @@ _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "von_mises")
 class StressAt(Sensor):
     """The stress at a point over the record, for ``simulate(quantity=StressAt(...))``.
 
-    ``error.mesh`` has what the elements leave out of the force, and by how much their own stress
-    differs from its average at the point.
+    ``error.mesh`` has what the elements leave out of the body's vibration and of the force, and by
+    how much their own stress differs from its average at the point.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import FloatArray, InputError, checked, positive, with_unit
+from ..base import FloatArray, InputError, checked, positive, warn, with_unit
 
 # SAE J211-1, appendix C: each of two poles over the class's frequency. The two passes are together
 # 3 dB down at 1.65 times the class.
@@ -75,6 +75,11 @@ class Channel:
             return _POLE * self.cfc
         assert self.corner is not None
         return _POLE_OF_CORNER * self.corner
+
+    @property
+    def passed(self) -> float:
+        """Frequency where two passes are 3 dB down, Hz."""
+        return self.pole / _POLE_OF_CORNER
 
     @property
     def frequency_class(self) -> float:
@@ -154,8 +159,19 @@ def filtered_acceleration(
     ------
     InputError
         If the record is shorter than the settling time.
+
+    Warns
+    -----
+    AOImpactWarning
+        If less than the settling time of it is known.
     """
     _check_long_enough(channel, duration)
+    if duration < 2.0 * channel.settling_time:
+        warn(
+            f"{channel}: of the record of {with_unit(duration, 's', 3)} only the first "
+            f"{with_unit(duration - channel.settling_time, 's', 2)} are known behind the filter; "
+            f"take a duration of {with_unit(3.0 * channel.settling_time, 's', 2)} or more"
+        )
     if duration * channel.pole * _SAMPLES > _MOST:
         raise InputError(
             f"{channel} takes more than {_MOST} samples of a record of {with_unit(duration, 's')}"

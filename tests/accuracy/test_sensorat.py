@@ -113,6 +113,16 @@ BAR = ao.FEModel.from_mesh(
         ),
         (lambda: ao.AccelerationAt((1.0, 0.0, 0.0), DOWN, cfc=60, body=BAR), "off the body"),
         (lambda: ao.AccelerationAt((0.05, 0.0, 0.0), DOWN, cfc=60, corner=60), "either cfc or"),
+        (
+            lambda: ao.AccelerationAt((0.05, 0.0, 0.0), DOWN, cfc=1e6, body=BAR),
+            "take a class of .* or less, or smaller elements",
+        ),
+        (
+            lambda: strike(
+                BAR.contact(dof=2), quantity=ao.AccelerationAt((0.05, 0, 0), DOWN, cfc=1e6)
+            ),
+            "take a class of .* or less, or smaller elements",
+        ),
         (lambda: ao.ReactionAt("xmax", DOWN, body=BAR), "is held"),
         (lambda: ao.ReactionAt("edge", DOWN, body=BAR), "no node set"),
         (lambda: strike(BAR.contact(dof=2), quantity=ao.ReactionAt("xmax", DOWN)), "is held"),
