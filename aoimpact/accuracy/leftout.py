@@ -11,6 +11,10 @@ A sensor away from the contact sees other motion than that at the contact, whose
 of it: vibration that runs ahead or behind, more with each period. For it, and for all that lasts
 after the contact, each mode of the model is softer by its own error (reduction/softer.py).
 
+A law that is not like Hertz's is taken as it is at a node. The indentation of the mesh there is
+then part of the result: that of solids doubles where elements are halved. Of what lasts it is the
+mesh's error. The force itself has no limit to be compared with, and its error is not known.
+
 A model that gives the force need not vibrate as its body does afterwards. Its error in any history,
 of a displacement, a velocity, a sensor or what follows from these, is estimated by one more run
 with models that contain it and what it leaves out first (reduction/finer.py). These have an error
@@ -28,6 +32,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import AOImpactError, held_warnings
+from ..fem import ContactPoint
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..reduction import (
     BodyModel,
@@ -88,12 +93,15 @@ def errors_left_out(
     with held_warnings():  # the quantity has had its warnings
         quantity = interest()
     met = [_met(run, i) for i in range(len(plan.contacts))]
-    if (altered := alterations(plan, met, law_errors)) is None:
+    altered = alterations(plan, met, law_errors, at_nodes=quantity.lasting)
+    if altered is None:
         return LeftOut()
     changes, of_mesh = _Changes(quantity, run, solver), altered.mesh
     if quantity.lasting:
         of_mesh = of_mesh[0], [_softer(plan)]
     mesh, contact = changes.sum(of_mesh), changes.sum(altered.contact)
+    if not quantity.lasting and _any_bare(plan):
+        return LeftOut({}, contact.errors, contact.when)
     larger = max(mesh, contact, key=lambda change: change.errors[quantity.name])
     if quantity.local is not None:
         mesh.errors[quantity.name] += quantity.local(run)
@@ -256,7 +264,11 @@ class Alterations(NamedTuple):
 
 
 def alterations(
-    plan: Plan, met: Sequence[Met], law_errors: Sequence[float] = ()
+    plan: Plan,
+    met: Sequence[Met],
+    law_errors: Sequence[float] = (),
+    *,
+    at_nodes: bool = False,
 ) -> Alterations | None:
     """Return the plans that show the errors of a run by meshes and laws; None if not known.
 
@@ -268,10 +280,12 @@ def alterations(
         Duration and depth of each of its contacts.
     law_errors : sequence of float, optional
         See `errors_left_out`.
+    at_nodes : bool, optional
+        Whether the mesh's indentation at nodes counts as its error under laws that leave it.
     """
     ends: list[list[_End]] = []
     for number, of in enumerate(met):
-        found = _of_contact(plan, number, of.contact_time)
+        found = _of_contact(plan, number, of.contact_time, at_nodes=at_nodes)
         if found is None:
             return None
         ends.append(found)
@@ -294,7 +308,9 @@ def alterations(
     )
 
 
-def _of_contact(plan: Plan, number: int, contact_time: float) -> list[_End] | None:
+def _of_contact(
+    plan: Plan, number: int, contact_time: float, *, at_nodes: bool
+) -> list[_End] | None:
     """Errors of the compliances at a contact; none for models given by numbers."""
     contact = plan.contacts[number]
     if contact_time <= 0.0:
@@ -304,11 +320,15 @@ def _of_contact(plan: Plan, number: int, contact_time: float) -> list[_End] | No
     for body, port in contact.ports:
         model = plan.bodies[body]
         tip = model.touched_at(port)
-        if tip is None or (tip.patch is None and not isinstance(law, HertzianLaw)):
+        bare = tip is not None and _is_bare(law, tip)
+        if tip is None or (bare and not at_nodes):
             continue  # numbers, or a law that does not contain the bodies' indentation
-        known = extraction_of(law, model, port)
+        known = model.extraction_at(port) if bare else extraction_of(law, model, port)
         if known is None:
             return None  # a rigid model leaves out all, and a sharp edge is not known
+        if bare:
+            found.append(_End(body, abs(known.removed) + known.error, 0.0, 0.0, 0.0))
+            continue
         assert isinstance(model, ReducedModel)
         assert tip.body.mesh is not None
         safety = _SAFETY[tip.body.mesh.quadratic]
@@ -342,6 +362,20 @@ def _stiffer(
     ]
     altered = replace(_with(plan, contacts), bodies=tuple(bodies))
     return Altered(altered, largest, scale)
+
+
+def _is_bare(law: ContactLaw, tip: ContactPoint) -> bool:
+    """True if the mesh's indentation at a node stays in series with a law."""
+    return tip.patch is None and not isinstance(law, HertzianLaw)
+
+
+def _any_bare(plan: Plan) -> bool:
+    tips = (
+        (own_law(contact.law), plan.bodies[body].touched_at(port))
+        for contact in plan.contacts
+        for body, port in contact.ports
+    )
+    return any(tip is not None and _is_bare(law, tip) for law, tip in tips)
 
 
 def _softer(plan: Plan) -> Altered:

@@ -19,8 +19,8 @@ from .star import AOModel
 
 # The true share over θ: 0.4 to 1.5 on plates, beams, bars and blocks of solid elements of first and
 # second order, with a median of 0.8; on plates of shell elements 1 to 3.6, and 1.6. With these
-# factors three of four modes are within it, and a history, of many modes, nearly always.
-_SAFETY = {False: 1.5, True: 2.5}
+# factors four of five modes are within it, and histories, of many modes, nearly always.
+_SAFETY = {False: 2.0, True: 2.5}
 
 # No mode is taken to be softer than this.
 _LEAST = 0.1

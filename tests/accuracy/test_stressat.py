@@ -82,6 +82,7 @@ def test_what_makes_no_sense_is_named(plate: Any) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:the record of")  # it ends before waves come back
+@pytest.mark.filterwarnings("ignore:.*elements of first order")
 @pytest.mark.parametrize(("kind", "across"), [("hexahedron", 2), ("tetra", 2)])
 def test_the_stress_wave_of_a_rod_is_the_force_later(kind: str, across: int) -> None:
     """σ = -F(t - x/c)/A before waves come back: known, within what is said and not far below."""
