@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..accuracy import KrylovHierarchy, SharedPoint, larger_orders
 from ..base import AOImpactError, boolean, held_warnings, warn
@@ -90,6 +90,27 @@ class SharedCase:
         return hit if chosen.numbers[name] <= chosen.rtol else None
 
 
+class _Foreseen(NamedTuple):
+    """An impact among some cases, and its contact as rigid bodies foresee it."""
+
+    number: int
+    impact: Impact
+    met: Meeting
+
+    @property
+    def radius(self) -> float:
+        """Of the contact, m; 0 where the law has no surface."""
+        return self.met.contact_radius or 0.0
+
+    @property
+    def length(self) -> float:
+        """Of the motion that matters, s."""
+        impact = self.impact
+        if impact.record.given:
+            return max(impact.record.length - impact.gap / abs(impact.velocity), 0.0)
+        return 2.0 * self.met.contact_time
+
+
 def share_models(
     cases: Sequence[Any], keywords: Sequence[str], required: Sequence[str]
 ) -> list[Any]:
@@ -112,10 +133,8 @@ def share_models(
         if len(members) > 1:
             bodies = [cases[members[0]][name] for name in _NAMES]
             points = {id(of): SharedPoint((of,)) for of in bodies if isinstance(of, ContactPoint)}
-            foreseen = [
-                (i, impact) for i in members if (impact := _foreseen(cases[i], points)) is not None
-            ]
-            for alike in _as_wide(foreseen):
+            foreseen = [_foreseen(i, cases[i], points) for i in members]
+            for alike in _as_wide([of for of in foreseen if of is not None]):
                 if len(alike) > 1:
                     _share(cases, alike, found)
     return found
@@ -137,7 +156,9 @@ def _key(case: Mapping[str, Any]) -> tuple[Any, ...] | None:
     )
 
 
-def _foreseen(case: Mapping[str, Any], points: Mapping[int, SharedPoint]) -> Impact | None:
+def _foreseen(
+    number: int, case: Mapping[str, Any], points: Mapping[int, SharedPoint]
+) -> _Foreseen | None:
     """An impact as its rigid bodies foresee it; None of one that is refused or warned of.
 
     points: its contact points, by their identity.
@@ -151,7 +172,8 @@ def _foreseen(case: Mapping[str, Any], points: Mapping[int, SharedPoint]) -> Imp
             impact.touch(case.get("law"))
         except AOImpactError:
             return None
-    return None if messages or impact.met is None else impact
+    met = impact.met
+    return None if messages or met is None else _Foreseen(number, impact, met)
 
 
 def _bodies(
@@ -167,44 +189,24 @@ def _bodies(
     return first, second
 
 
-def _as_wide(foreseen: Sequence[tuple[int, Impact]]) -> list[list[tuple[int, Impact]]]:
+def _as_wide(foreseen: Sequence[_Foreseen]) -> list[list[_Foreseen]]:
     """Impacts by the width of their contacts, which is about the same in each list."""
-    widest = max((_radius(impact) for _, impact in foreseen), default=0.0)
-    alike: dict[int, list[tuple[int, Impact]]] = {}
-    for i, impact in foreseen:
-        radius = _radius(impact)
-        narrow = int(math.log(widest / radius) / math.log(_AS_WIDE)) if radius else -1
-        alike.setdefault(narrow, []).append((i, impact))
+    widest = max((of.radius for of in foreseen), default=0.0)
+    alike: dict[int, list[_Foreseen]] = {}
+    for of in foreseen:
+        narrow = int(math.log(widest / of.radius) / math.log(_AS_WIDE)) if of.radius else -1
+        alike.setdefault(narrow, []).append(of)
     return list(alike.values())
 
 
-def _radius(impact: Impact) -> float:
-    """Radius of the contact, m; 0 where the law has no surface."""
-    assert impact.met is not None
-    return impact.met.contact_radius or 0.0
-
-
-def _time(impact: Impact) -> float:
-    """Duration of the contact, s."""
-    assert impact.met is not None
-    return impact.met.contact_time
-
-
-def _length(impact: Impact) -> float:
-    """Length of the motion that matters, s."""
-    if impact.record.given:
-        return max(impact.record.length - impact.gap / abs(impact.velocity), 0.0)
-    return 2.0 * _time(impact)
-
-
-def _share(cases: Sequence[Any], alike: Sequence[tuple[int, Impact]], found: list[Any]) -> None:
+def _share(cases: Sequence[Any], alike: Sequence[_Foreseen], found: list[Any]) -> None:
     """Reduce the contact points of impacts that are alike, and put their cases into `found`."""
-    shortest = min(_time(impact) for _, impact in alike)
-    longest = max(_length(impact) for _, impact in alike)
-    widest = max(_radius(impact) for _, impact in alike)
+    shortest = min(of.met.contact_time for of in alike)
+    longest = max(of.length for of in alike)
+    widest = max(of.radius for of in alike)
     met = Meeting(shortest, widest or None)
     slow = longest if longest > _LONG * shortest else None
-    linear_solver = cases[alike[0][0]].get("linear_solver") or "auto"
+    linear_solver = cases[alike[0].number].get("linear_solver") or "auto"
     factors: dict[Any, LinearSolver] = {}
     points: dict[tuple[int, bool], SharedPoint] = {}
     chosen: dict[tuple[int, bool], list[Any]] = {}
@@ -221,7 +223,7 @@ def _share(cases: Sequence[Any], alike: Sequence[tuple[int, Impact]], found: lis
     rtol = 0.0
     try:
         with held_warnings() as messages:
-            for i, impact in _hardest(alike):
+            for i, impact, _ in _hardest(alike):
                 hit = simulate(**_with(cases[i], _bodies(cases[i], impact.turned, fresh)))
                 _ = hit.error  # which may warn
                 assert hit.chosen is not None
@@ -233,7 +235,7 @@ def _share(cases: Sequence[Any], alike: Sequence[tuple[int, Impact]], found: lis
     except AOImpactError:
         return  # each by itself, with its own message
     settled = {key: _settled(point, chosen[key], rtol) for key, point in points.items()}
-    for i, impact in alike:
+    for i, impact, _ in alike:
         bodies = _bodies(cases[i], impact.turned, lambda tip, turn: settled[id(tip), turn])
         shared = impact.with_bodies(bodies)
         solver = cases[i].get("solver")
@@ -247,15 +249,15 @@ def _with(case: Mapping[str, Any], bodies: Sequence[BodyModel]) -> dict[str, Any
     return {**case, **dict(zip(_NAMES, bodies, strict=True))}
 
 
-def _hardest(alike: Sequence[tuple[int, Impact]]) -> list[tuple[int, Impact]]:
+def _hardest(alike: Sequence[_Foreseen]) -> list[_Foreseen]:
     """The impacts with the shortest and the longest contact, and with the longest record."""
 
-    def speed(impact: Impact) -> float:
-        return abs(impact.velocity)
+    def speed(of: _Foreseen) -> float:
+        return abs(of.impact.velocity)
 
-    by_time = sorted(alike, key=lambda of: (_time(of[1]), speed(of[1])))
-    by_length = max(alike, key=lambda of: (_length(of[1]), speed(of[1])))
-    return list({i: (i, impact) for i, impact in (by_time[0], by_time[-1], by_length)}.values())
+    by_time = sorted(alike, key=lambda of: (of.met.contact_time, speed(of)))
+    by_length = max(alike, key=lambda of: (of.length, speed(of)))
+    return list({of.number: of for of in (by_time[0], by_time[-1], by_length)}.values())
 
 
 def _settled(point: SharedPoint, chosen: Sequence[Any], rtol: float) -> SharedPoint:
