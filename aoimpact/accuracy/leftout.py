@@ -365,8 +365,8 @@ def _stiffer(
 
 
 def _is_bare(law: ContactLaw, tip: ContactPoint) -> bool:
-    """True if the mesh's indentation at a node stays in series with a law."""
-    return tip.patch is None and not isinstance(law, HertzianLaw)
+    """True if a solid mesh's indentation at a node stays in series with a law."""
+    return not (tip.patch or tip.thin or isinstance(law, HertzianLaw))
 
 
 def _any_bare(plan: Plan) -> bool:

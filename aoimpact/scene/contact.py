@@ -61,10 +61,11 @@ def law_of_models(
 def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> ContactCompliance | None:
     """Return the compliances of a body under a law, or None if nothing is taken out of it there.
 
-    A law that is not like Hertz's leaves out the indentation at a node, as springs and buffers do.
+    A law that is not like Hertz's leaves out the indentation of a solid at a node, as springs and
+    buffers do. Shells and beams bend there under any law.
     """
     tip = model.touched_at(port)
-    if tip is None or (tip.patch is None and not isinstance(own_law(law), HertzianLaw)):
+    if tip is None or not (tip.patch or tip.thin or isinstance(own_law(law), HertzianLaw)):
         return None
     return model.extraction_at(port)
 

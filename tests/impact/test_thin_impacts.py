@@ -146,6 +146,24 @@ def test_a_skin_is_struck_where_a_web_stands_on_it() -> None:
     assert forces == pytest.approx(forces[1], rel=0.02)
 
 
+def test_the_mesh_error_of_a_spring_at_a_node_of_a_shell() -> None:
+    """Deflection by shear depends on the mesh under any law; a finer one is within the error."""
+    coarse, fine = (
+        ao.simulate(
+            ao.rigid(mass=4e-3),
+            sheet(4e-3, n, 0.1).contact(point=(0.05, 0.05, 0)),
+            1.0,
+            law=ao.Linear(k=2e7),
+            quantity="peak_force",
+            duration=60e-6,
+        )
+        for n in (10, 40)
+    )
+    error = coarse.error["peak_force"]
+    assert 0.0 < abs(coarse.peak_force / fine.peak_force - 1.0) < error.total
+    assert error.mesh > 5e-4
+
+
 def test_a_fold_has_no_normal() -> None:
     """A web along the rim of the skin: neither goes on."""
     with pytest.raises(ao.InputError, match="sharp edge"):
