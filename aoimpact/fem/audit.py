@@ -147,7 +147,12 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
 
 
 def _density(body: Any, extent: FloatArray, moved: float) -> float | None:
-    """Mass over the box around the nodes, that of constrained nodes as of the others."""
+    """Mass over the box around the nodes, that of constrained nodes as of the others.
+
+    None of a body with rotations: shells and beams are no box.
+    """
+    if body.free.max() >= 3 * len(body.nodes):
+        return None
     box = float(np.prod(np.maximum(extent, _THINNEST * extent.max())))
     mass = moved * 3 * len(body.nodes) / len(body.free) if body.mass is None else body.mass
     return mass / box if box > 0.0 else None

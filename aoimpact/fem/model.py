@@ -423,8 +423,12 @@ class FEModel(Frozen):
         if self._springs is not None:
             parts.append(f"{np.count_nonzero(self._springs)} springs to the ground")
         if self.nodes is not None:
-            rotating = 0 if self.mesh is None else len(self.mesh.thin_nodes)
-            fixed = 3 * (len(self.nodes) + rotating) - self.n_dofs
+            assert self.free is not None
+            n = len(self.nodes)
+            turning = np.unique(self.free[self.free >= 3 * n] // 3) - n
+            if self.mesh is not None:
+                turning = self.mesh.thin_nodes
+            fixed = 3 * (n + len(turning)) - self.n_dofs
             parts.append(f"{fixed} dofs constrained" if fixed else "free")
         return f"FEModel({', '.join(parts)})"
 

@@ -128,12 +128,15 @@ def scaled(pair: Pair, length: float, mass: float) -> Pair:
     return replace(pair, K=sp.csr_array(scaled[0]), M=sp.csr_array(scaled[1]))
 
 
-def condensed(pair: Pair) -> Pair:
+def condensed(pair: Pair, *, rotations: bool) -> Pair:
     """The pair without inner dofs that have no mass: K̂ = K_aa - K_ai K_ii⁻¹ K_ia, exact.
 
-    Larger models keep these dofs; then no coordinates are known of their rows.
+    Larger models keep these dofs; then no coordinates are known of their rows. Rotations are inner
+    dofs if `rotations`, and else kept.
     """
     light = np.asarray(abs(pair.M).sum(axis=1)).ravel() == 0.0
+    if not rotations and pair.labels is not None:
+        light &= pair.labels[:, 1] <= 3
     if not light.any() or (~light).sum() > _CONDENSED:
         return pair
     at, inner = _at(pair, int(np.flatnonzero(light)[0])), np.zeros_like(light)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ..base import InputError, InputTypeError, positive, warn
-from ..fem import Damping, FEModel, Material, audited
+from ..fem import AnyMaterial, Damping, FEModel, OneMaterial, audited
 from ..mesh import read_mesh
 from .choose import File, chosen, given_labels, naming
 from .pair import Pair, check_exchange, condensed, joined, scaled, without_held
@@ -27,7 +28,7 @@ def read_matrices(
     length: float = 1.0,
     mass: float = 1.0,
     mesh: Any = None,
-    material: Material | None = None,
+    material: AnyMaterial | Mapping[str, OneMaterial] | None = None,
     damping: Damping | None = None,
     name: str = "",
 ) -> FEModel:
@@ -37,7 +38,8 @@ def read_matrices(
     ``*MATRIX GENERATE`` (MATRIX INPUT or COORDINATE), CalculiX' ``.sti`` and ``.mas`` with the
     ``.dof`` beside them, Nastran's OP4 (text and binary) and punched DMIG, SciPy's ``.npz``. One
     triangle or both may be there. Dofs that are constrained (Abaqus' 1e36), and those with neither
-    stiffness nor mass, are left out; internal dofs and rotations without mass are condensed.
+    stiffness nor mass, are left out; internal dofs without mass are condensed, and rotations
+    without mass where there are no coordinates.
 
     Parameters
     ----------
@@ -52,16 +54,17 @@ def read_matrices(
     nodes : path or array_like, optional
         Coordinates in the file's unit: a deck of the same model (``*NODE`` or GRID), a mesh file,
         lines of label, x, y, z; or an array: (n, 4) with labels, (n, 3) without, in
-        ascending order of the labels. Used where every row is a displacement x, y or z.
+        ascending order of the labels. Used where every row is a displacement or rotation.
     length, mass : float, optional
         The files' units, in m and kg: millimetres and tonnes (with N and s) are ``length=1e-3,
         mass=1e3``. The unit of time is the second.
     mesh : path, meshio.Mesh or Mesh, optional
         A mesh file in the files' unit (or a mesh in metres) whose nodes are those of the matrices,
-        by their places; with the `material` of its surface. Then the contact is a patch of the
-        surface, the law may be left out, and there are stresses, as of `FEModel.from_mesh`. Where
-        `nodes` is left out they are this file's.
-    material : Material, optional
+        by their places; with its `material`. Then the contact is a patch of the surface, of a
+        shell a place on it, the law may be left out, and there are stresses, as of
+        `FEModel.from_mesh`. Where `nodes` is left out they are this file's.
+    material : Material, Orthotropic, Shell, Laminate, Beam, or mapping of str to these, optional
+        As for `FEModel.from_mesh`, for contact and stress.
     damping : Rayleigh or ModalDamping, optional
     name : str, optional
 
@@ -104,7 +107,7 @@ def read_matrices(
         labels = given_labels(dofs, stiffness, inertia)
     pair = without_held(joined(stiffness, inertia, labels))
     check_exchange(pair)
-    pair = condensed(scaled(pair, *units))
+    pair = condensed(scaled(pair, *units), rotations=nodes is None and mesh is None)
     with naming("nodes"):
         places = _places(nodes, mesh, units[0])
     body = _body(pair, places, units[0], damping, name)
@@ -156,7 +159,7 @@ def _body(
 
 
 def _coordinates(pair: Pair, places: Places, length: float) -> dict[str, Any]:
-    """The keywords `nodes` and `free` of a body whose rows are displacements x, y, z."""
+    """The keywords `nodes` and `free` of a body whose rows are displacements and rotations."""
     numbers, where = places
     size = pair.K.shape[0]
     if pair.labels is None:
@@ -165,7 +168,7 @@ def _coordinates(pair: Pair, places: Places, length: float) -> dict[str, Any]:
                 f"nodes: {len(where)} nodes do not have the {size} rows of {pair.called}; give dofs"
             )
         return {"nodes": length * where}
-    if ((pair.labels[:, 1] < 1) | (pair.labels[:, 1] > 3)).any():
+    if (pair.labels[:, 1] < 1).any():
         return {}
     used = np.unique(pair.labels[:, 0])
     if numbers is None:
@@ -190,5 +193,7 @@ def _coordinates(pair: Pair, places: Places, length: float) -> dict[str, Any]:
     if len(numbers) > len(used) and _body(pair, None, 1.0, None, "").mass is not None:
         keep = np.isin(numbers, used)
         numbers, where = numbers[keep], where[keep]
-    free = 3 * np.searchsorted(numbers, pair.labels[:, 0]) + pair.labels[:, 1] - 1
+    rotation, component = np.divmod(pair.labels[:, 1] - 1, 3)
+    node = np.searchsorted(numbers, pair.labels[:, 0])
+    free = 3 * (node + len(numbers) * rotation) + component
     return {"nodes": length * where, "free": free}

@@ -238,7 +238,8 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
     tip = projectile.touched_at()
     if tip is None or not projectile.constrained or target.fixed or tip.body.nodes is None:
         return
-    if tip.body.free is not None and len(tip.body.free) < tip.body.nodes.size:
+    free, size = tip.body.free, tip.body.nodes.size
+    if free is not None and np.count_nonzero(free < size) < size:
         warn(
             "projectile moves though supports hold it, and nothing holds the target: it moves as "
             "it would deflect under a force at the contact, and swings back. If it is what is "

@@ -62,3 +62,31 @@ def test_another_mesh_is_refused(files: dict[str, Path]) -> None:
         ao.read_matrices(files["K"], files["M"], mesh=other, **given)
     with pytest.raises(ao.InputTypeError, match="mesh and material, of the surface: give both"):
         ao.read_matrices(files["K"], files["M"], **given)
+
+
+def test_matrices_of_a_shell_have_its_contact_stress_and_errors(tmp_path: Path) -> None:
+    """Rotations about the normal have no mass; the rim is simply supported."""
+    mesh, layers = ao.sheet_mesh((0.1, 0.1), (20, 20), kind="triangle"), ao.Shell(2e-3, STEEL)
+    plate = ao.FEModel.from_mesh(mesh, layers, fixed=[("rim", "xyz")])
+    made = ao.write_matrices(plate, tmp_path)
+    given = {"dofs": made["dofs"], "nodes": made["nodes"]}
+    known = ao.read_matrices(made["K"], made["M"], **given)
+    assert repr(known) == repr(plate).replace("800 triangle, ", "").replace(", 0.156 kg", "")
+    read = ao.read_matrices(made["K"], made["M"], mesh=mesh, material=layers, **given)
+    hits = [
+        ao.simulate(
+            ao.ball(0.005, STEEL),
+            body.contact(point=(0.05, 0.05, 0)),
+            1.0,
+            duration=100e-6,
+            quantity="peak_force",
+        )
+        for body in (read, plate)
+    ]
+    assert hits[0].peak_force == pytest.approx(hits[1].peak_force, rel=1e-9)
+    assert hits[0].error["peak_force"].mesh == pytest.approx(hits[1].error["peak_force"].mesh)
+    stress = [
+        hit.target.probe((0.05, 0.03, 0), layer="bottom", times=[5e-5]).stress["xx"][0]
+        for hit in hits
+    ]
+    assert stress[0] == pytest.approx(stress[1], rel=1e-6)
