@@ -129,7 +129,7 @@ static int too_steep(search *s, double *d, aoi_law_value *value)
     const double c = s->law->compliance, further = s->indentation + c * value->force;
     aoi_law_value there;
     own_force(s->law, s->memory, s->piece, further, s->rate, &there);
-    if (there.stiffness < value->stiffness) {
+    if (c * there.stiffness < c * value->stiffness) {
         *d = further;
         return 0;
     }
