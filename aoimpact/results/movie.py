@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, InputError, finite_array, integer, nonnegative, positive
 from ..fem import ContactPoint
@@ -59,6 +58,8 @@ def _span(hit: Result) -> tuple[float, float]:
 
 def moving_bodies(hit: Result, times: FloatArray) -> tuple[list[MovingBody], FloatArray]:
     """Return the bodies that can be drawn, where they meet, and the direction of travel."""
+    from scipy.spatial.transform import Rotation
+
     first, second = (_tip(body) for body in hit.plan.bodies)
     shown = [tip for tip in (second, first) if tip is not None]
     if not shown:

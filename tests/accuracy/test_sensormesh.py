@@ -135,7 +135,6 @@ def test_softer_modes_of_a_bar_of_linear_elements_are_beyond_the_exact_ones() ->
 @pytest.mark.parametrize(
     ("body", "law", "sensor"),
     [
-        ("sheet", "PowerLaw", "acceleration"),
         ("rod", "Linear", "strain"),
     ],
 )
