@@ -76,14 +76,17 @@ def davidson(
     """
     m_known = M @ away_from
     width = n + max(_SPARE, int(_SPARE_SHARE * n))
-    start = M @ np.random.default_rng(5).standard_normal((M.shape[0], width))
-    block = _each(precondition, start)
+    start = np.random.default_rng(5).standard_normal((M.shape[0], width))
+    block = _each(precondition, M @ start)
     basis, stiffness = np.zeros((M.shape[0], 0)), np.zeros((0, 0))
     open_pairs, before = np.ones(n, dtype=bool), np.full(n, np.inf)
     made = width
     with bar(f"{n} modes, {M.shape[0]} dofs", n, unit="mode") as progress:
         for _ in range(_MOST_STEPS):
             block = _new_directions(M, block, away_from, m_known, basis)
+            if basis.shape[1] + block.shape[1] < n:  # all lean towards far lower modes
+                block = np.column_stack([block, start])
+                block = _new_directions(M, block, away_from, m_known, basis)
             stiffness = _bordered(stiffness, basis, block, K @ block)
             basis = np.column_stack([basis, block])
             omega2, within = scipy.linalg.eigh(stiffness)
