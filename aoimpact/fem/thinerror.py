@@ -2,7 +2,8 @@
 
 As for solids (`stresserror`): strains that are averaged at the nodes are better than those of the
 elements, and the energy of the difference estimates the error. They are averaged over elements of
-one shell on one smooth surface. Beams are exact between nodes that carry the loads.
+one shell on one smooth surface. Beams are exact between nodes that carry the loads, and lack what
+they bend and shear under their own inertia (`beam_inertial_error`).
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, IntArray
-from .beams import Beam, beam_stiffness
+from .beams import Beam, beam_inertial_error, beam_stiffness
 from .composition import ThinPart, thin_parts
 from .laminate import Layers
 from .shells import Strains, nodal_normals, nodal_strains, strain_rows
@@ -102,15 +103,21 @@ def mean_at_nodes(pieces: list[ShellPiece], moved: FloatArray, count: int) -> li
     return [_components(total[piece.places], piece.strains.frames) for piece in pieces]
 
 
-def thin_energy_error(mesh: Any, material: Any, moved: FloatArray) -> tuple[FloatArray, FloatArray]:
+def thin_energy_error(
+    mesh: Any, material: Any, moved: FloatArray, s: float
+) -> tuple[FloatArray, FloatArray]:
     """Return twice the strain energy of averaged strain less the elements' own, and of their own.
+
+    For beams the first is twice the energy that they lack.
 
     Parameters
     ----------
     mesh, material
         A body of shells and beams.
     moved : ndarray, shape (n_nodes, 6)
-        Displacements and rotations.
+        Displacements and rotations at the frequency i s.
+    s : float
+        rad/s.
 
     Returns
     -------
@@ -123,6 +130,8 @@ def thin_energy_error(mesh: Any, material: Any, moved: FloatArray) -> tuple[Floa
             stiffness = beam_stiffness(mesh.nodes[part.cells], part.of)
             x = moved[part.cells].reshape(len(part.cells), -1)
             own[part.numbers] = np.einsum("ni,nij,nj->n", x, stiffness, x)
+            lacking = beam_inertial_error(mesh.nodes[part.cells], part.of, x, s)
+            difference[part.numbers] = lacking
     pieces, places = shell_pieces(mesh, material)
     averaged = mean_at_nodes(pieces, moved, len(places))
     for piece, mean in zip(pieces, averaged, strict=True):
@@ -135,8 +144,10 @@ def thin_energy_error(mesh: Any, material: Any, moved: FloatArray) -> tuple[Floa
     return difference, own
 
 
-def thin_stiffness_error(body: Any, deflection: FloatArray, near: npt.NDArray[np.bool_]) -> float:
-    """Return how much too stiff a mesh of shells is for a deflection of its free dofs, relative.
+def thin_stiffness_error(
+    body: Any, deflection: FloatArray, near: npt.NDArray[np.bool_], s: float
+) -> float:
+    """Return how much too stiff a mesh is for a deflection of its free dofs at i s, relative.
 
     Parameters
     ----------
@@ -145,7 +156,7 @@ def thin_stiffness_error(body: Any, deflection: FloatArray, near: npt.NDArray[np
     """
     full = np.zeros((2, body.mesh.n_nodes, 3))
     full.reshape(-1)[body.free] = deflection
-    false, own = thin_energy_error(body.mesh, body.material, np.hstack(list(full)))
+    false, own = thin_energy_error(body.mesh, body.material, np.hstack(list(full)), s)
     whole = float(own.sum())
     return missing_energy(false[~near], own[~near]) / whole if whole else 0.0
 

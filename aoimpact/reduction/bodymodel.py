@@ -350,7 +350,7 @@ class ReducedModel(BodyModel):
             assert point.direction is not None
             deflection = self.deflection(2.0**octave, port)
             if isinstance(known, ThinExtraction):
-                found[key] = thin_stiffness_error(point.body, deflection, known.near)
+                found[key] = thin_stiffness_error(point.body, deflection, known.near, 2.0**octave)
                 return found[key]
             assert isinstance(known, Extraction)
             moved = np.zeros(known.mesh_field.size)
