@@ -15,6 +15,11 @@ A law that is not like Hertz's is taken as it is at a node. The indentation of t
 then part of the result: that of solids doubles where elements are halved. Of what lasts it is the
 mesh's error. The force itself has no limit to be compared with, and its error is not known.
 
+A compliance c that changes with the frequency, as that of shells does, also takes energy, as a
+dashpot does, which no spring in series shows. If c goes with c' ln s, a force of half a sine of
+duration T loses c'/4 ∫|ω||F|²dω = 1.8 c' F², and so a share 1.4 c' F/(v T/2) of the impulse of a
+body that rebounds. Where Hertz's force is largest v T/2 is 1.47 δ, and the share is c' F/δ.
+
 A model that gives the force need not vibrate as its body does afterwards. Its error in any history,
 of a displacement, a velocity, a sensor or what follows from these, is estimated by one more run
 with models that contain it and what it leaves out first (reduction/finer.py). These have an error
@@ -60,6 +65,9 @@ _IN_PLACE_OF_ALL = 16
 # their error, those of faceted balls left out.
 _SLOW, _SAFETY = 6.0, {False: 1.5, True: 2.0}
 
+# F over δ dF/dδ of Hertz's law.
+_HERTZ = 2.0 / 3.0
+
 # Slopes are taken over this share of the indentation.
 _DIFFERENCE = 1e-3
 
@@ -103,6 +111,8 @@ def errors_left_out(
     if not quantity.lasting and _any_bare(plan):
         return LeftOut({}, contact.errors, contact.when)
     larger = max(mesh, contact, key=lambda change: change.errors[quantity.name])
+    for name in mesh.errors:
+        mesh.errors[name] += altered.lag
     if quantity.local is not None:
         mesh.errors[quantity.name] += quantity.local(run)
     return LeftOut(mesh.errors, contact.errors, larger.when)
@@ -203,6 +213,8 @@ class _End:
     held : float
         By how much its response changes, m/N, for each unit of that, at the frequency at which it
         is known.
+    lagging : float
+        See `ContactCompliance`, m/N.
     """
 
     body: int
@@ -210,6 +222,7 @@ class _End:
     varying: float
     softening: float
     held: float
+    lagging: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,10 +270,14 @@ class Met(NamedTuple):
 
 
 class Alterations(NamedTuple):
-    """The plans that show the errors of a run, by cause; of each the first that can run counts."""
+    """The plans that show the errors of a run, by cause; of each the first that can run counts.
+
+    `lag` is the relative error of all numbers by compliances that change with frequency.
+    """
 
     mesh: tuple[Iterable[Altered], ...]
     contact: tuple[Iterable[Altered], ...]
+    lag: float
 
 
 def alterations(
@@ -295,6 +312,10 @@ def alterations(
     ]
     beyond = [math.fsum(end.error for end in of) for of in ends]
     varying = [math.fsum(end.varying for end in of) for of in ends]
+    lags = [
+        slope * math.fsum(end.lagging for end in of) * _HERTZ
+        for slope, of in zip(slopes, ends, strict=True)
+    ]
     series, wider = _in_series(plan, slopes, beyond), None
     if len(met) == 1 and varying[0] and beyond[0]:  # the same alteration, but for its size
         ratio = varying[0] / beyond[0]
@@ -305,6 +326,7 @@ def alterations(
             [wider or _in_series(plan, slopes, varying)],
             [_with_law_error(plan, law_errors)],
         ),
+        lag=max(lags, default=0.0),
     )
 
 
@@ -333,7 +355,7 @@ def _of_contact(
         assert tip.body.mesh is not None
         safety = _SAFETY[tip.body.mesh.quadratic]
         stiffness = safety * model.stiffness_error(_SLOW / contact_time, port)
-        found.append(_End(body, known.error, known.varying, stiffness, known.strain))
+        found.append(_End(body, known.error, known.varying, stiffness, known.strain, known.lagging))
     return found
 
 

@@ -78,6 +78,7 @@ class _Impact:
     length: float
     rows: list[int] = field(default_factory=list)
     altered: list[tuple[tuple[float, float], int, bool]] = field(default_factory=list)
+    lag: float = 0.0
 
     def asked(
         self, bodies: Sequence[BodyModel], calls: Briefs, contact: Contact | None = None
@@ -182,6 +183,7 @@ def _alter(of: _Impact, answer: FloatArray, calls: Briefs) -> bool:
         return False
     if found is None:
         return False
+    of.lag = found.lag
     rows: dict[int, int] = {}
     for causes, by_mesh in ((found.mesh, True), (found.contact, False)):
         for altered in (next(iter(ways)) for ways in causes):
@@ -202,6 +204,7 @@ def _kept(
     # Impacts and rows of the runs that theirs are compared with.
     pairs = [(i, at) for i, of in enumerate(impacts) for at in of.rows[1:]]
     safety = np.array([of.safety for of in impacts])
+    lag = np.array([of.lag for of in impacts])
     of_mesh, of_law = (
         [
             (i, at, *size)
@@ -224,7 +227,7 @@ def _kept(
                 )
                 scaled = extrapolated(changes, *size) if size else safety[which] * changes
                 add.at(error, which, scaled)
-            errors.append(error)
+            errors.append(error + lag if some is of_mesh else error)
         return values[rows], errors
 
     rtol = np.array([of.rtol for of in impacts])

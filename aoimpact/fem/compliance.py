@@ -33,6 +33,9 @@ class ContactCompliance:
         rad/s.
     radius : float
         a, m.
+    lagging : float
+        dc/d(ln s), m/N, where c keeps changing with the frequency. The displacement c F then lags
+        behind the force, as that of a dashpot does.
     """
 
     removed: float
@@ -42,6 +45,7 @@ class ContactCompliance:
     strain: float
     s: float
     radius: float
+    lagging: float = 0.0
 
     by_width = 0.0
 

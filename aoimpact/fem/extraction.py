@@ -157,7 +157,7 @@ def extracted(
     x = solver.solve(along)
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
-    false, own = field_error(body, splitting.w, ~splitting.smooth)
+    false, own = field_error(body, splitting.w, ~splitting.smooth, math.sqrt(solver.pencil.s2))
     missing = missing_energy(false, own)
     # At supports -u_B is interpolated between nodes, so that R2 has an error of either sign there.
     held = np.isin(body.mesh.cells, _supported(body)).any(axis=1)
@@ -220,7 +220,7 @@ def _under_pressure(
 
 
 def field_error(
-    body: Any, field: FloatArray, loaded: npt.NDArray[np.bool_]
+    body: Any, field: FloatArray, loaded: npt.NDArray[np.bool_], s: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return twice the strain energy of averaged strain less the elements' own, and of their own.
 
@@ -232,6 +232,8 @@ def field_error(
         Displacement, m, and rotation.
     loaded : ndarray of bool, shape (n_nodes,)
         Nodes that may carry traction.
+    s : float
+        The field is that of a motion at the frequency i s, rad/s, or s.
 
     Returns
     -------
@@ -242,7 +244,7 @@ def field_error(
         return energy_error(body, field[0], loaded)
     loaded = loaded | np.isin(np.arange(len(loaded)), body.mesh.thin_nodes)
     difference, own = energy_error(body, field[0], loaded)
-    of_thin = thin_energy_error(body.mesh, body.material, np.hstack(list(field)))
+    of_thin = thin_energy_error(body.mesh, body.material, np.hstack(list(field)), s)
     return difference + of_thin[0], own + of_thin[1]
 
 

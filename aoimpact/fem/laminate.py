@@ -123,7 +123,7 @@ class Layers:
 
         :meta private:
         """
-        return self.offset != 0.0 or len(self.plies) > 1
+        return self.offset != 0.0 or len(self.plies) > 1 or self.plies[0].angle_deg != 0.0
 
     @property
     def narrowest(self) -> float:
@@ -148,7 +148,8 @@ class Layers:
         """
         if top or not self.sided:
             return self
-        return Laminate(self.plies[::-1], self.reference, -self.offset)
+        plies = [replace(ply, angle_deg=-ply.angle_deg) for ply in self.plies[::-1]]
+        return Laminate(plies, self.reference, -self.offset)
 
     def half_space(self, *, top: bool) -> Material:
         """Return the isotropic material that a contact on one side meets.

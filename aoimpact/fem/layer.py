@@ -5,7 +5,7 @@ shear. A layer of the same thickness has a compliance R beyond the half-space th
 that of a shear-deformable plate grows without bound as the load narrows, by ln(t/a)/(2π S), and so
 does that of a mesh with smaller elements. As for solids (`extraction`), the excess c = G - R is
 taken out of the law, here of an infinite layer: the mesh about the contact is solved for K + s²M
-with the motion of Mindlin's infinite plate at its rim, and R is that of elastodynamics. So c holds
+with the motion of the infinite plate at its rim, and R is that of elastodynamics. So c holds
 what the elements make of bending and shear near the load, and nothing of the body's other bounds.
 
 The displacement of one face under a pressure on it, at the wave number k, is the sum of half the
@@ -26,12 +26,17 @@ import numpy.typing as npt
 import scipy
 
 from ..base import FloatArray, IntArray
-from .laminate import Laminate, Layers, Ply, Shell
+from .laminate import Laminate, Layers, Shell
 from .material import Material
 from .thin import thin_stiffness_mass
 
+ComplexArray = npt.NDArray[np.complex128]
+
 # Wave numbers of the integrals over k: how many, and how far beyond 1/λ and 1/a.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
+
+# Of these waves a laminate's plate takes one in so many.
+_SKIPPED = 8
 
 # The mesh about the contact reaches over so many of its edges, or lengths λ if these are less.
 _EDGES, _LENGTHS = 6.0, 8.0
@@ -39,11 +44,15 @@ _EDGES, _LENGTHS = 6.0, 8.0
 # k a below which the transform of Hertz's pressure is its series.
 _SERIES = 1e-2
 
-# ν of the plate that stands for a laminate in the mesh's share.
-_NU = 0.3
-
 # For laminates: wave numbers, directions, elements through the thickness, and the finest's share.
 _FEW_WAVES, _TURNS, _GRADES, _FINEST = 60, 4, 24, 5e-3
+
+# Directions and wave numbers of the motion of a laminate's plate, and directions of its mean. A
+# force that is spread over a sixth of the distance has waves up to 42 over the distance.
+_AROUND, _RINGS, _SPREAD, _MEANS = 48, 160, 6.0, 16
+
+# Directions among which that of the least bending stiffness is sought.
+_DIRECTIONS = 36
 
 
 def layer_compliance(material: Material, thickness: float, radius: float, s: float) -> float:
@@ -74,25 +83,34 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
 
 
 def plate_compliance(layers: Layers, radius: float, s: float) -> float:
-    """Return the mean displacement of Mindlin's infinite plate under Hertz's pressure, m/N."""
-    D, S, m, inertia = _numbers(layers)
+    """Return the mean displacement of the infinite plate under Hertz's pressure, m/N.
+
+    By the theory of first order: Mindlin's plate where the layers are isotropic.
+    """
     k = _waves(radius, layers.total_thickness, bending_length(layers, s))
+    if not _isotropic(layers):
+        k = k[::_SKIPPED]
+        turns = np.pi / _MEANS * np.arange(_MEANS)
+        moved = np.mean([_plate_waves(layers, turn, k, s)[:, 2].real for turn in turns], axis=0)
+        return _mean(k, radius, moved)
+    D, S, m, inertia = _numbers(layers)
     bent = D * k**2 + S + inertia * s**2
     return _mean(k, radius, bent / ((S * k**2 + m * s**2) * bent - (S * k) ** 2))
 
 
 def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
-    """Return w, θx and θy of Mindlin's infinite plate under a force e^{st} of 1 N at the origin.
+    """Return u, v, w, θx and θy of the infinite plate under a force e^{st} of 1 N at the origin.
 
     Parameters
     ----------
     layers : Shell or Laminate
-        For a laminate, the isotropic plate of the same mean stiffness.
     s : float
         rad/s, positive.
     x : ndarray, shape (n, 2)
-        m, none at the origin.
+        m, none at the origin; the first axis is that of the layers.
     """
+    if not _isotropic(layers):
+        return _motion_of_waves(layers, s, x)
     D, S, m, inertia = _numbers(layers)
     # Roots of S D ζ⁴ - s²(m D + S I) ζ² + m s²(S + I s²) = 0: k² = -ζ² is a pole.
     half = 0.5 * s**2 * (m / S + inertia / D)
@@ -112,7 +130,28 @@ def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
         )
     (w_one, slope_one), (w_other, slope_other) = parts
     w, slope = (w_one + w_other).real, -(slope_one + slope_other).real / r
-    return np.stack([w, slope * x[:, 1], -slope * x[:, 0]], axis=1)
+    still = np.zeros_like(w)
+    return np.stack([still, still, w, slope * x[:, 1], -slope * x[:, 0]], axis=1)
+
+
+def _motion_of_waves(layers: Layers, s: float, x: FloatArray) -> FloatArray:
+    """`plate_motion` as an integral over plane waves in all directions.
+
+    The force is spread by a Gaussian whose second and fourth moments vanish.
+    """
+    away = np.linalg.norm(x, axis=1)
+    width = away.min() / _SPREAD
+    points, weights = np.polynomial.legendre.leggauss(_RINGS)
+    k = 0.5 * 7.0 / width * (points + 1.0)
+    y = 0.5 * (k * width) ** 2
+    share = 0.5 * 7.0 / width * weights * k * np.exp(-y) * (1.0 + y + 0.5 * y**2)
+    moved = np.zeros((len(x), 5))
+    for turn in np.pi / _AROUND * np.arange(_AROUND):
+        waves = share[:, None] * _plate_waves(layers, turn, k, s)
+        phase = np.outer(x @ np.array([np.cos(turn), np.sin(turn)]), k)
+        moved += np.cos(phase) @ waves.real - np.sin(phase) @ waves.imag
+    u, v, w, by_x, by_y = moved.T / (2.0 * np.pi * _AROUND)
+    return np.stack([u, v, w, -by_y, by_x], axis=1)
 
 
 def excess_compliance(
@@ -134,19 +173,18 @@ def excess_compliance(
     cells : list of ndarray of int, shape (n, 3) or (n, 4)
         Elements of the surface that is touched.
     layers : Shell or Laminate
-        Under the contact, which presses on its top. The mesh's share of a laminate's c is that of
-        the isotropic plate of the same mean stiffness.
+        Under the contact, which presses on its top.
     forces : ndarray, shape (n_nodes,)
         Shares of a unit force along the normal: the contact's functional.
     point, normal : ndarray, shape (3,)
-        m; where the surface is touched, and its normal, either way.
+        m; where the surface is touched, and its outward normal there.
     radius : float
         a, of the contact itself, m.
     s : float
         rad/s, of K + s²M; 10 over the duration of the contact.
     """
     of_mesh = mesh_compliance(nodes, cells, layers, forces, point, normal, s)
-    return of_mesh - layer_compliance_of(layers, radius, s)
+    return float(of_mesh[0]) - layer_compliance_of(layers, radius, s)
 
 
 def layer_compliance_of(
@@ -154,16 +192,14 @@ def layer_compliance_of(
 ) -> float:
     """Return R, the compliance of infinite layers beyond the half-space under the contact, m/N.
 
-    For a laminate it is that of the isotropic plate of the same mean stiffness, plus what the
-    laminate itself has beyond its own plate theory: so c of the mesh may be that of the isotropic
-    plate. That part takes most of the time and varies slowly: it may be that of another frequency,
-    slowly.
+    For a laminate it is that of its plate plus what elasticity has beyond. That part takes most of
+    the time and varies slowly: it may be that of another frequency, slowly.
     """
     material = layers.plies[0].material
-    if len(layers.plies) == 1 and isinstance(material, Material):
+    if isinstance(material, Material) and _isotropic(layers):
         return layer_compliance(material, layers.total_thickness, radius, s)
     beyond = _laminate_excess(layers, radius, s if slowly is None else slowly)
-    return plate_compliance(_plate(layers), radius, s) - beyond
+    return plate_compliance(layers, radius, s) - beyond
 
 
 def mesh_compliance(
@@ -173,18 +209,48 @@ def mesh_compliance(
     forces: FloatArray,
     point: FloatArray,
     normal: FloatArray,
-    s: float,
+    s: npt.ArrayLike,
     couples: FloatArray | None = None,
-) -> float:
+) -> FloatArray:
     """Return G, the compliance of an infinite plate that is meshed as the shell is there, m/N.
 
-    Parameters as for `excess_compliance`; couples, shape (n_nodes, 3), are those of the functional.
+    Parameters as for `excess_compliance`, but of several frequencies, shape (n,), and so is G;
+    couples, shape (n_nodes, 3), are those of the functional.
     """
-    axes, load = _plane(normal), np.zeros((len(nodes), 3))
-    load[:, 0] = forces
+    axes, several = _plane(normal, layers.reference), np.atleast_1d(s)
+    load = np.zeros((len(nodes), 6))
+    load[:, 2] = forces
     if couples is not None:
-        load[:, 1:] = couples @ axes.T
-    return _mesh_compliance((nodes - point) @ axes.T, cells, _plate(layers), load, s)
+        load[:, 3:5] = couples @ axes.T
+    x, loaded = (nodes - point) @ axes.T, np.any(load, axis=1)
+    reach = contact_reach(layers, longest_edge(x, cells, loaded), float(several.min()))
+    away = np.linalg.norm(x, axis=1)
+    inside = away < reach + away[loaded].max()
+    chosen = [group[inside[group].any(axis=1)] for group in cells]
+    used = np.unique(np.concatenate([group.ravel() for group in chosen]))
+    chosen = [_facing(np.searchsorted(used, group), x[used]) for group in chosen if len(group)]
+    x, load, plate = x[used], load[used], _in_plane(layers)
+    K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
+    rim = _rim(chosen, len(used)) & ~load.any(axis=1)
+    # Where bending makes no membrane force, only w and its rotations move.
+    moving = np.full(6, plate.stiffness[:3, 3:6].any()) | (np.abs(np.arange(6) - 3) < 2)
+    free = np.outer(~rim, moving)
+    free[:, 5] = moving[5]  # rotation about the normal is no part of a plate's motion
+    free, found = np.flatnonzero(free), []
+    for each in several.tolist():
+        A, moved = (K + each**2 * M).tocsr()[free], np.zeros((len(used), 6))
+        moved[rim, :5] = plate_motion(plate, each, x[rim])
+        right = load.ravel()[free] - A @ moved.ravel()
+        moved.ravel()[free] = scipy.sparse.linalg.spsolve(A[:, free].tocsc(), right)
+        found.append((load * moved).sum())
+    return np.array(found)
+
+
+def _facing(cells: IntArray, x: FloatArray) -> IntArray:
+    """Elements with their nodes in the order that has their normals out of the plane."""
+    one, other = x[cells[:, 1]] - x[cells[:, 0]], x[cells[:, 2]] - x[cells[:, 0]]
+    turned = one[:, 0] * other[:, 1] < one[:, 1] * other[:, 0]
+    return np.where(turned[:, None], cells[:, ::-1], cells)
 
 
 def contact_reach(layers: Layers, edge: float, s: float) -> float:
@@ -192,56 +258,41 @@ def contact_reach(layers: Layers, edge: float, s: float) -> float:
     return min(_EDGES * edge, max(_LENGTHS * bending_length(layers, s), 3.0 * edge))
 
 
-def _mesh_compliance(
-    x: FloatArray, cells: list[IntArray], plate: _Plate, load: FloatArray, s: float
-) -> float:
-    """Mean displacement under a unit force of an infinite plate, meshed about the force.
+def _isotropic(layers: Layers) -> bool:
+    return len(layers.plies) == 1 and isinstance(layers.plies[0].material, Material)
 
-    Parameters
-    ----------
-    x : ndarray, shape (n_nodes, 2)
-        Places in the tangent plane, m; the force is at the origin.
-    load : ndarray, shape (n_nodes, 3)
-        Forces and couples about both axes, of a unit force.
-    """
-    away = np.linalg.norm(x, axis=1)
-    loaded: npt.NDArray[np.bool_] = np.any(load, axis=1)
-    edge = longest_edge(x, cells, loaded)
-    reach = contact_reach(plate, edge, s)
-    inside = away < reach + away[loaded].max()
-    chosen = [group[inside[group].any(axis=1)] for group in cells]
-    chosen = [group for group in chosen if len(group)]
-    used = np.unique(np.concatenate([group.ravel() for group in chosen]))
-    chosen = [np.searchsorted(used, group) for group in chosen]
-    x, load = x[used], load[used]
-    K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
-    bent = (6 * np.arange(len(used))[:, None] + [2, 3, 4]).ravel()
-    A = (K + s**2 * M)[bent][:, bent].tocsr()
-    moved, rim = np.zeros((len(used), 3)), _rim(chosen, len(used)) & ~load.any(axis=1)
-    moved[rim] = plate_motion(plate, s, x[rim])
-    free = np.repeat(~rim, 3)
-    right = (load.ravel() - A @ moved.ravel())[free]
-    moved[~rim] = scipy.sparse.linalg.spsolve(A[free][:, free].tocsc(), right).reshape(-1, 3)
-    return float((load * moved).sum())
+
+def _in_plane(layers: Layers) -> Layers:
+    """The layers with their x axis along x; an isotropic one with its middle at the nodes."""
+    if _isotropic(layers):
+        return Shell(layers.total_thickness, layers.plies[0].material)
+    return Laminate(layers.plies, (1.0, 0.0, 0.0), layers.offset)
 
 
 def _numbers(layers: Layers) -> tuple[float, float, float, float]:
-    """Bending and shear stiffness, mass and rotary inertia per area, of the isotropic plate.
+    """Bending and shear stiffness, mass and rotary inertia per area, of isotropic layers.
 
     About the surface in which bending makes no membrane force.
     """
-    A, B = layers.stiffness[:3, :3], layers.stiffness[:3, 3:6]
-    d = layers.stiffness[3:6, 3:6] - B.T @ np.linalg.solve(A, B)
-    D = float((3.0 * (d[0, 0] + d[1, 1]) + 2.0 * d[0, 1] + 4.0 * d[2, 2]) / 8.0)
-    S = float(0.5 * np.trace(layers.stiffness[6:, 6:]))
     m, first, second = layers.inertia.tolist()
-    return D, S, m, second - first**2 / m
+    D, S = _bending(layers)[0, 0], layers.stiffness[6, 6]
+    return float(D), float(S), m, second - first**2 / m
+
+
+def _bending(layers: Layers) -> FloatArray:
+    """Moments of curvatures without membrane forces, N m, shape (3, 3)."""
+    A, B = layers.stiffness[:3, :3], layers.stiffness[:3, 3:6]
+    bending: FloatArray = layers.stiffness[3:6, 3:6] - B.T @ np.linalg.solve(A, B)
+    return bending
 
 
 def bending_length(layers: Layers, s: float) -> float:
-    """λ = (D/(m s²))^(1/4): how far a bending motion e^{st} reaches, m."""
-    D, _, m, _ = _numbers(layers)
-    return float((D / (m * s**2)) ** 0.25)
+    """λ = (D/(m s²))^(1/4): how far a bending motion e^{st} reaches where it does least, m."""
+    turns = np.pi / _DIRECTIONS * np.arange(_DIRECTIONS)
+    c, d = np.cos(turns), np.sin(turns)
+    curved = np.stack([c * c, d * d, 2.0 * c * d])
+    D = np.einsum("in,ij,jn->n", curved, _bending(layers), curved).min()
+    return float((D / (layers.inertia[0] * s**2)) ** 0.25)
 
 
 def _waves(radius: float, thickness: float, length: float) -> FloatArray:
@@ -258,84 +309,75 @@ def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
     return float(np.trapezoid(values, np.log(k)) / (2.0 * np.pi))
 
 
-class _Plate(Layers):
-    """An isotropic plate by its numbers, with its middle surface at the nodes."""
-
-    reference = None
-
-    def __init__(
-        self, stiffness: FloatArray, inertia: FloatArray, thickness: float, nu: float
-    ) -> None:
-        self.stiffness, self.inertia, self.nu = stiffness, inertia, nu
-        self.total_thickness = thickness
-
-
-def _plate(layers: Layers) -> _Plate:
-    """The plate that bends and shears as the layers do in the mean over all directions."""
-    D, S, m, inertia = _numbers(layers)
-    material = layers.plies[0].material
-    nu = material.nu if len(layers.plies) == 1 and isinstance(material, Material) else _NU
-    matrix = np.zeros((8, 8))
-    matrix[3:6, 3:6] = D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
-    matrix[:3, :3] = matrix[3:6, 3:6] * 12.0 / layers.total_thickness**2
-    matrix[6, 6] = matrix[7, 7] = S
-    return _Plate(matrix, np.array([m, 0.0, inertia]), layers.total_thickness, nu)
-
-
 @lru_cache(maxsize=8)
 def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
     """Compliance of a laminate's plate, less the laminate's own beyond its top's half-space, m/N.
 
-    In the mean over directions of waves. The laminate is resolved through its thickness by
-    quadratic elements, finer towards the top (E. Kausel and J. M. Roësset, Bull. Seism. Soc. Am.
-    71, 1743, 1981).
+    In the mean over directions of waves.
     """
     modulus = layers.half_space(top=True).plane_strain_modulus
     k = np.geomspace(0.02 / bending_length(layers, s), 25.0 / radius, _FEW_WAVES)
     excess = 2.0 / (modulus * k)
-    for angle in 180.0 / _TURNS * np.arange(_TURNS):
-        plies = [Ply(ply.thickness, ply.material, ply.angle_deg - angle) for ply in layers.plies]
-        turned = Laminate(plies, fibre_axis=(1.0, 0.0, 0.0))
-        excess += (_plate_waves(turned, k, s) - _layer_waves(turned, k, s)) / _TURNS
+    for turn in np.pi / _TURNS * np.arange(_TURNS):
+        plate = _plate_waves(layers, turn, k, s)[:, 2].real
+        excess += (plate - _layer_waves(layers, turn, k, s)) / _TURNS
     return _mean(k, radius, excess)
 
 
-def _plate_waves(layers: Layers, k: FloatArray, s: float) -> FloatArray:
-    """w of (u, v, w, βx, βy) e^{ikx} under a unit pressure, by the plate theory of first order."""
-    along, still = np.zeros((8, 5)), np.zeros((8, 5))
-    for row, column in ((0, 0), (2, 1), (3, 3), (5, 4), (6, 2)):
-        along[row, column] = 1.0
+def _plate_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> ComplexArray:
+    """(u, v, w, βx, βy) e^{ikx} under a unit pressure by the plate theory of first order, (n, 5).
+
+    The waves run at an angle to the layers' x axis.
+    """
+    along, still, (c, d) = np.zeros((8, 5)), np.zeros((8, 5)), (np.cos(turn), np.sin(turn))
+    for strain, moved in ((0, 0), (3, 3)):  # of the membrane, of bending
+        along[strain, moved] = along[strain + 2, moved + 1] = c
+        along[strain + 1, moved + 1] = along[strain + 2, moved] = d
+    along[6:, 2] = c, d
     still[6, 3] = still[7, 4] = 1.0
     m0, m1, m2 = layers.inertia
     mass = np.diag([m0, m0, m0, m2, m2])
     mass[[0, 1, 3, 4], [3, 4, 0, 1]] = m1
     K0, K1, K2 = _by_wave_number(along, still, layers.stiffness)
-    return _waves_of(K0, K1, K2, mass, 2, k, s)
+    k = k[:, None, None]
+    force = np.broadcast_to(np.eye(5)[:, 2:3], (len(k), 5, 1))
+    return np.asarray(np.linalg.solve(K0 + s**2 * mass + 1j * k * K1 + k**2 * K2, force)[..., 0])
 
 
-def _layer_waves(layers: Layers, k: FloatArray, s: float) -> FloatArray:
-    """w of the top face under a unit pressure e^{ikx} on it, by elements through the thickness."""
+def _layer_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> FloatArray:
+    """w of the top face under a unit pressure e^{ikx} on it, by elements through the thickness.
+
+    Quadratic, and finer towards the top (E. Kausel and J. M. Roësset, Bull. Seism. Soc. Am. 71,
+    1743, 1981).
+    """
     t, z = layers.total_thickness, layers.interfaces
     ends = np.concatenate([z, z[-1] - np.geomspace(_FINEST * t, t, _GRADES)])
     ends = np.unique(np.round(ends / t, 6)) * t
-    n = 2 * len(ends) - 1
-    parts = np.zeros((4, 3 * n, 3 * n))
-    along, still = np.zeros((6, 3)), np.zeros((6, 3))
-    along[[0, 3, 5], [0, 1, 2]] = still[[2, 4, 5], [2, 1, 0]] = 1.0
+    n = 3 * (2 * len(ends) - 1)
+    bands = np.zeros((4, 9, n))  # of K0, K1, K2 and M: the diagonals, from the main one down
+    along, still, (c, d) = np.zeros((6, 3)), np.zeros((6, 3)), (np.cos(turn), np.sin(turn))
+    along[[0, 3, 5], [0, 1, 2]] = c
+    along[[1, 3, 4], [1, 0, 2]] = d
+    still[[2, 4, 5], [2, 1, 0]] = 1.0
     points, weights = np.polynomial.legendre.leggauss(3)
-    for number, (low, high) in enumerate(pairwise(ends.tolist())):
-        ply = layers.plies[max(int(np.searchsorted(z[:-1], 0.5 * (low + high))) - 1, 0)]
+    low, high = np.tril_indices(9)
+    for number, (lower, upper) in enumerate(pairwise(ends.tolist())):
+        ply = layers.plies[max(int(np.searchsorted(z[:-1], 0.5 * (lower + upper))) - 1, 0)]
         stiffness: FloatArray = np.asarray(np.linalg.inv(ply.compliance), dtype=np.float64)
-        half = 0.5 * (high - low)
-        dofs = slice(6 * number, 6 * number + 9)
+        half = 0.5 * (upper - lower)
         for x, weight in zip(points, weights, strict=True):
             shape = np.kron([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], np.eye(3))
             slope = np.kron(np.array([x - 0.5, -2.0 * x, x + 0.5]) / half, np.eye(3))
             elastic = _by_wave_number(along @ shape, still @ slope, stiffness)
-            for part, of in zip(parts, (*elastic, ply.material.rho * shape.T @ shape), strict=True):
-                part[dofs, dofs] += weight * half * of
-    K0, K1, K2, M = parts
-    return _waves_of(K0, K1, K2, M, 3 * n - 1, k, s)
+            for band, of in zip(bands, (*elastic, ply.material.rho * shape.T @ shape), strict=True):
+                band[low - high, 6 * number + high] += weight * half * of[low, high]
+    K0, K1, K2, M = bands
+    fixed, force = K0 + s**2 * M, np.eye(n)[-1]
+    found = [
+        scipy.linalg.solveh_banded(fixed + 1j * q * K1 + q * q * K2, force, lower=True)[-1].real
+        for q in k
+    ]
+    return np.array(found)
 
 
 def _by_wave_number(
@@ -344,23 +386,6 @@ def _by_wave_number(
     """K0, K1 and K2 of BᴴCB = K0 + ik K1 + k² K2 with B = ik along + still."""
     mixed = still.T @ stiffness @ along
     return still.T @ stiffness @ still, mixed - mixed.T, along.T @ stiffness @ along
-
-
-def _waves_of(
-    K0: FloatArray,
-    K1: FloatArray,
-    K2: FloatArray,
-    M: FloatArray,
-    row: int,
-    k: FloatArray,
-    s: float,
-) -> FloatArray:
-    """The displacement in a row under a unit force there, at each wave number."""
-    force = np.zeros(len(M))
-    force[row] = 1.0
-    fixed = K0 + s**2 * M
-    found = [np.linalg.solve(fixed + 1j * q * K1 + q * q * K2, force)[row].real for q in k]
-    return np.array(found)
 
 
 def longest_edge(
@@ -384,8 +409,10 @@ def _rim(cells: list[IntArray], n_nodes: int) -> npt.NDArray[np.bool_]:
     return rim
 
 
-def _plane(normal: FloatArray) -> FloatArray:
-    """Two unit vectors across the normal, rows of (2, 3)."""
+def _plane(normal: FloatArray, reference: FloatArray | None) -> FloatArray:
+    """Two unit vectors across the normal, rows of (2, 3), the first along a direction if given."""
     first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
+    if reference is not None:
+        first = reference - (reference @ normal) * normal
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(normal, first)])

@@ -358,7 +358,7 @@ class ReducedModel(BodyModel):
             inward = known.splitting.frame[2] @ point.direction
             moved = math.copysign(1.0, inward) * moved.reshape(known.mesh_field.shape)
             beyond = moved - known.mesh_field
-            false, own = field_error(point.body, beyond, ~known.splitting.smooth)
+            false, own = field_error(point.body, beyond, ~known.splitting.smooth, 2.0**octave)
             whole = float(own.sum())
             found[key] = missing_energy(false, own) / whole if whole else 0.0
         return found[key]

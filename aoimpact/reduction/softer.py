@@ -8,6 +8,8 @@ energy in it has ω² (1 - θ) for ω².
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -46,17 +48,19 @@ def softer_model(model: AOModel | InterfaceModel) -> InterfaceModel:
     pressed = _at_nodes(body, np.sum([np.abs(tip.b) for tip in tips], axis=0)) > 0.0
     loaded = np.asarray(pressed.any(axis=(0, 2)))
     for j in range(rigid, len(omega2)):
-        omega2[j] *= 1.0 - _false_share(body, modes[:, j], loaded)
+        omega2[j] *= 1.0 - _false_share(body, modes[:, j], loaded, math.sqrt(omega2[j]))
     order = np.argsort(omega2)
     return of_modes(
         tips, np.sqrt(omega2[order]), modes[:, order], model.linear_solver, model.contact_time
     )
 
 
-def _false_share(body: Body, mode: FloatArray, loaded: npt.NDArray[np.bool_]) -> float:
+def _false_share(
+    body: Body, mode: FloatArray, loaded: npt.NDArray[np.bool_], omega: float
+) -> float:
     """The share of a mode's energy by which it is too stiff."""
     assert body.mesh is not None
-    false, own = field_error(body, _at_nodes(body, mode), loaded)
+    false, own = field_error(body, _at_nodes(body, mode), loaded, omega)
     share = min(float(false.sum() / own.sum()), 1.0 - _LEAST)
     return share * (1.0 + (_SAFETY[body.mesh.thin] - 1.0) * (1.0 - share) ** 2)
 

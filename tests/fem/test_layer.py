@@ -17,6 +17,7 @@ from aoimpact.fem.laminate import Laminate, Ply, Shell
 from aoimpact.fem.layer import (
     excess_compliance,
     layer_compliance,
+    mesh_compliance,
     plate_compliance,
     plate_motion,
 )
@@ -80,13 +81,21 @@ def test_motion_of_mindlins_plate() -> None:
     D, S, m = shell.stiffness[3, 3], shell.stiffness[6, 6], shell.inertia[0]
     length = (D / (m * s * s)) ** 0.25
     x = np.array([[3 * length, 0.0], [0.0, 3 * length]])
-    moved = plate_motion(shell, s, x)
+    moved = plate_motion(shell, s, x)[:, 2:]
     assert moved[0, 0] == pytest.approx(-(length**2) / (2 * np.pi * D) * kei(3.0), rel=0.1)
     assert moved[0, 1] == pytest.approx(0.0, abs=1e-20)
     assert moved[1, 1] == pytest.approx(-moved[0, 2])
     near = np.array([[1e-5, 0.0], [1.01e-5, 0.0]])
-    slope = np.diff(plate_motion(shell, s, near)[:, 0])[0] / 1e-7
+    slope = np.diff(plate_motion(shell, s, near)[:, 2])[0] / 1e-7
     assert slope == pytest.approx(-1 / (2 * np.pi * S * 1.005e-5), rel=0.01)
+
+
+def test_motion_of_a_laminates_plate() -> None:
+    """Plane waves in all directions: of one material, twice, they are Mindlin's closed form."""
+    plies = Laminate([Ply(1e-3, STEEL), Ply(1e-3, STEEL)])
+    x = np.array([[0.006, 0.0], [0.003, 0.0055], [-0.0055, 0.0062]])
+    moved, closed = (plate_motion(each, 3e5, x) for each in (plies, Shell(2e-3, STEEL)))
+    assert moved == pytest.approx(closed, rel=1e-3, abs=1e-3 * np.abs(closed[:, 2]).max())
 
 
 def sheet(t: float, n: int, kind: str, size: float = 0.15) -> tuple[Any, Any, Any, FloatArray, int]:
@@ -150,12 +159,35 @@ def test_a_laminate_of_one_material_is_a_layer_of_it() -> None:
     assert excess_of(plies) == pytest.approx(excess_of(layer), abs=2e-11)
 
 
+UNIDIRECTIONAL = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+
+
+@KINDS
+@pytest.mark.parametrize("angles", [(0.0,), (30.0,), (0.0, 90.0)])
+def test_a_laminate_is_meshed_as_it_is(kind: str, angles: tuple[float, ...]) -> None:
+    """A wide sheet in which no wave comes back yields as its mesh about the force, from any side.
+
+    The plies at 0 and 90 degrees stretch as they bend.
+    """
+    stack = Laminate([Ply(2e-3 / len(angles), UNIDIRECTIONAL, x) for x in angles], (1, 0, 0))
+    nodes, cells, r, q = grid(40, 40, lambda r, s: (0.2 * (r - 0.5), 0.2 * (s - 0.5), 0 * r), kind)
+    K, M = thin_stiffness_mass(nodes, [(cells, stack)])
+    force = ((abs(r - 0.5) < 1e-9) & (abs(q - 0.5) < 1e-9)).astype(np.float64)
+    load, s = np.kron(force, np.eye(6)[2]), 2e5
+    whole = float(load @ sla.spsolve((K + s * s * M).tocsc(), load))
+    up = np.array([0.0, 0.0, 1.0])
+    above = mesh_compliance(nodes, [cells], stack, force, np.zeros(3), up, s)
+    below = stack.seen_from(top=False)
+    under = mesh_compliance(nodes, [cells], below, force, np.zeros(3), -up, s)
+    assert above[0] == pytest.approx(whole, rel=3e-3)
+    assert under[0] == pytest.approx(whole, rel=3e-3)
+
+
 def test_excess_of_a_laminate() -> None:
     """It does not depend on how the body lies, and hardly on how fine plies are stacked."""
-    carbon = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
 
     def stack(*angles: float) -> Laminate:
-        return Laminate([Ply(2e-3 / len(angles), carbon, x) for x in angles], (1, 0, 0))
+        return Laminate([Ply(2e-3 / len(angles), UNIDIRECTIONAL, x) for x in angles], (1, 0, 0))
 
     one = excess_of(stack(0, 45, 90, -45, -45, 90, 45, 0))
     assert excess_of(stack(90, 135, 180, 45, 45, 180, 135, 90)) == pytest.approx(one, rel=1e-6)
