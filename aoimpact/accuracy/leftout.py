@@ -104,17 +104,18 @@ def errors_left_out(
     altered = alterations(plan, met, law_errors, at_nodes=quantity.lasting)
     if altered is None:
         return LeftOut()
-    changes, of_mesh = _Changes(quantity, run, solver), altered.mesh
+    changes, name = _Changes(quantity, run, solver), quantity.name
+    mesh, contact = changes.sum(altered.mesh), changes.sum(altered.contact)
+    if _any_bare(plan):
+        mesh.errors.clear()
     if quantity.lasting:
-        of_mesh = of_mesh[0], [_softer(plan)]
-    mesh, contact = changes.sum(of_mesh), changes.sum(altered.contact)
-    if not quantity.lasting and _any_bare(plan):
-        return LeftOut({}, contact.errors, contact.when)
-    larger = max(mesh, contact, key=lambda change: change.errors[quantity.name])
-    for name in mesh.errors:
-        mesh.errors[name] += altered.lag
+        softer = changes.sum((altered.mesh[0], _softer(plan)))
+        mesh = _Change(mesh.errors | {name: softer.errors[name]}, softer.when)
+    for each in mesh.errors:
+        mesh.errors[each] += altered.lag
+    larger = max(mesh, contact, key=lambda change: change.errors.get(name, 0.0))
     if quantity.local is not None:
-        mesh.errors[quantity.name] += quantity.local(run)
+        mesh.errors[name] += quantity.local(run)
     return LeftOut(mesh.errors, contact.errors, larger.when)
 
 
@@ -400,14 +401,32 @@ def _any_bare(plan: Plan) -> bool:
     return any(tip is not None and _is_bare(law, tip) for law, tip in tips)
 
 
-def _softer(plan: Plan) -> Altered:
-    """The plan with bodies whose modes are softer by the errors of their elements."""
+def _softer(plan: Plan) -> Iterable[Altered]:
+    """The plans with bodies whose modes are softer by the errors of their elements.
+
+    First with laws to suit, so that the responses at the frequencies of the extraction stay as they
+    are; then, where laws have not as much compliance to give, without.
+    """
     bodies = tuple(
         _derived(body, "softer", softer_model) if _of_mesh(body) else body for body in plan.bodies
     )
     if bodies == plan.bodies:
-        return Altered(None)
-    return Altered(replace(plan, bodies=bodies, energies=False), size=1.0)
+        yield Altered(None)
+        return
+    contacts = []
+    for contact in plan.contacts:
+        change = 0.0
+        for body, port in contact.ports:
+            model, softer, tip = plan.bodies[body], bodies[body], plan.bodies[body].touched_at(port)
+            known = extraction_of(own_law(contact.law), model, port)
+            if known is not None and tip is not None and softer is not model:
+                assert isinstance(model, ReducedModel)
+                assert isinstance(softer, ReducedModel)
+                moved = softer.deflection(known.s, port) - model.deflection(known.s, port)
+                change += float(tip.b @ moved)
+        contacts.append(contact._replace(law=_with_compliance(contact.law, -change)))
+    yield Altered(replace(_with(plan, contacts), bodies=bodies), size=1.0)
+    yield Altered(replace(plan, bodies=bodies, energies=False), size=1.0)
 
 
 def _met(run: Run, number: int) -> Met:
