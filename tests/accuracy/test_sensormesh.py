@@ -139,8 +139,9 @@ def test_softer_modes_of_a_bar_of_linear_elements_are_beyond_the_exact_ones() ->
     ],
 )
 def test_the_error_said_is_one_to_five_times_the_true_one(body: str, law: str, sensor: str) -> None:
+    """And at least half of the largest value where the motion has no relation to the right one."""
     said, true = said_and_true(body, law, sensor)
-    assert true < said < 5.0 * true
+    assert min(true, 0.5) < said < 5.0 * true
 
 
 @pytest.mark.slow
@@ -151,10 +152,10 @@ def test_of_most_sensors_the_error_said_is_one_to_five_times_the_true_one() -> N
             for sensor in ("acceleration", "strain", "reaction"):
                 said, true = said_and_true(body, law, sensor)
                 ratios.append(said / true)
-                print(body, law, sensor, said, true, said / true, flush=True)
     found = np.array(ratios)
-    assert ((found > 0.8) & (found < 5.0)).mean() > 0.8
-    assert found.min() > 0.3
+    assert (found > 1.0).mean() > 0.7
+    assert found.min() > 0.75
+    assert found.max() < 5.0
 
 
 def test_where_nothing_is_known_of_the_mesh_the_error_is_not_0() -> None:
