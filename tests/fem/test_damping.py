@@ -77,12 +77,8 @@ def test_damping_that_does_nothing_is_none():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ao.Rayleigh(alpha=-1.0), "alpha must not be negative"),
-        (lambda: ao.Rayleigh(beta=math.nan), "beta must be a number"),
-        (lambda: ao.ModalDamping(-0.1), "ratio must not be negative"),
         (lambda: ao.ModalDamping(1e308), r"ratio must be at most 1e\+100"),
         (lambda: ao.Rayleigh(beta=1e308), r"beta must be at most 1e\+100 s"),
-        (lambda: ao.ModalDamping("1 %"), "ratio must be a real number"),
         (lambda: ao.AOModel(m0=1.0, damping=0.02), r"damping must be Rayleigh\(alpha=, beta=\)"),
     ],
 )

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aoimpact.base.errors import AOImpactError, AOImpactWarning, InputError, InputTypeError
+from aoimpact.base.errors import AOImpactError, AOImpactWarning, InputError
 from aoimpact.fem.material import Material
 
 moduli = st.floats(1e6, 1.2e12)
@@ -50,27 +50,14 @@ def test_wave_speeds_of_steel() -> None:
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"E": 0.0}, "E must be positive, got 0 Pa"),
-        ({"E": -1.0}, "E must be positive"),
-        ({"E": math.nan}, "E must be a number, got nan"),
-        ({"E": math.inf}, "E must be finite"),
-        ({"rho": 0.0}, "rho must be positive"),
-        ({"rho": -7800.0}, "rho must be positive"),
         ({"nu": 0.5}, r"nu must lie between -1 and 0\.5"),
         ({"nu": 0.7}, "got 0.7"),
         ({"nu": -1.0}, "nu must lie"),
-        ({"nu": math.nan}, "nu must be a number"),
     ],
 )
 def test_impossible_constants_are_refused(changed: dict[str, float], words: str) -> None:
     with pytest.raises(InputError, match=words):
         Material(**{"E": 210e9, "nu": 0.3, "rho": 7800.0, **changed})
-
-
-@pytest.mark.parametrize("value", ["210e9", None, 1j, True, [1.0], np.array([1.0])])
-def test_what_is_no_number_is_refused(value: object) -> None:
-    with pytest.raises(InputTypeError, match="E must be a real number"):
-        Material(E=value, nu=0.3, rho=7800)  # type: ignore[arg-type]
 
 
 def test_errors_are_also_the_built_in_kinds() -> None:
@@ -127,5 +114,3 @@ def test_a_yield_strength_is_shown_where_there_is_one() -> None:
     assert "yield" not in repr(Material(E=210e9, nu=0.3, rho=7800))
     steel = Material(E=210e9, nu=0.3, rho=7800, yield_strength=350e6)
     assert eval(repr(steel)) == steel
-    with pytest.raises(InputError, match="yield_strength must be positive"):
-        Material(E=210e9, nu=0.3, rho=7800, yield_strength=0.0)

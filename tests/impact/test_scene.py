@@ -540,8 +540,6 @@ def test_senseless_connections_are_named():
         scene.connect(0, beam, HERTZ)
     with pytest.raises(ao.InputTypeError, match="law must be a contact law"):
         scene.connect(ball, beam, 1e10)
-    with pytest.raises(ao.InputError, match="gap must be finite"):
-        scene.connect(ball, beam, HERTZ, gap=math.inf)
     with pytest.raises(ao.InputError, match="both of infinite mass"):
         scene.connect(scene.add(WALL), scene.add(WALL), HERTZ)
 
@@ -582,8 +580,6 @@ def test_the_same_contact_twice_is_a_mistake():
 @pytest.mark.parametrize(
     ("force", "message"),
     [
-        (math.nan, "force must be a number"),
-        ("much", "force must be a real number"),
         (([0.0, 0.0], [1.0, 2.0]), "times that ascend"),
         (([0.0, 1.0], [1.0]), "as many forces as times"),
         (([0.0, 1.0], [1.0, math.inf]), "forces"),
@@ -606,10 +602,7 @@ def test_a_wall_takes_no_load():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"velocity": math.nan}, "velocity must be a number"),
         ({"velocity": 1e99}, "beyond the range"),
-        ({"position": math.inf}, "position must be finite"),
-        ({"position": "here"}, "position must be a real number"),
         ({"name": 1}, "name must be of type str"),
     ],
 )
@@ -662,18 +655,12 @@ def test_gravity_on_a_held_star_of_numbers_says_that_it_does_nothing():
 def test_senseless_scenes_are_named():
     with pytest.raises(ao.InputError, match="the scene is empty"):
         ao.Scene().simulate(duration=1.0)
-    with pytest.raises(ao.InputError, match="gravity must be"):
-        ao.Scene(gravity=math.nan)
     with pytest.raises(ao.InputTypeError, match="must be an AOModel"):
         ao.Scene().add(HERTZ)
     scene, ball, beam = pair()
     scene.connect(ball, beam, HERTZ, gap=-1e-6)
     with pytest.raises(ao.InputError, match=r"body 0 \(ball\) and body 1 overlap by 1e-06 m"):
         scene.simulate(duration=1e-3)
-    with pytest.raises(ao.InputError, match="duration must be positive"):
-        scene.simulate(duration=0.0)
-    with pytest.raises(ao.InputTypeError, match="preload must be True or False"):
-        scene.simulate(duration=1.0, preload=1)
 
 
 @pytest.mark.parametrize("connected", [False, True])

@@ -443,11 +443,6 @@ def test_hertz_pair_against_a_quadrature_of_its_energy_equation():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"dt": 0.0}, "dt must be positive, got 0 s"),
-        ({"dt": -1e-6}, "dt must be positive"),
-        ({"dt": math.nan}, "dt must be a number"),
-        ({"dt": "1e-6"}, "dt must be a real number"),
-        ({"dt": 1e-6, "beta": 0.0}, "beta must be positive"),
         ({"dt": 1e-6, "gamma": 0.4}, "gamma must be at least 1/2"),
         ({"rtol": 2.0}, "rtol must be below 1"),
     ],

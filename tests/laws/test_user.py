@@ -219,8 +219,6 @@ def test_python_laws_run_in_many_threads():
         (lambda: ao.UserLaw(-5), "function must be a function or its address"),
         (lambda: ao.UserLaw(3), "function must be a function or its address, got 3"),
         (lambda: ao.UserLaw(damped_hertz, stiffness=1 << 20), "all Python functions or all C ones"),
-        (lambda: ao.UserLaw(damped_hertz, depends_on_rate=1), "depends_on_rate must be True"),
-        (lambda: ao.UserLaw(damped_hertz, pulls=None), "pulls must be True"),
         (lambda: ao.UserLaw(ctypes.CFUNCTYPE(ctypes.c_int)(int)), "not declared as double f"),
     ],
 )

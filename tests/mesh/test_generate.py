@@ -140,13 +140,8 @@ def test_paper_sphere_is_a_good_mesh_of_the_sphere() -> None:
 @pytest.mark.parametrize(
     ("arguments", "kind", "words"),
     [
-        ((0.0, 1.0), InputError, "radius must be positive"),
-        ((-1.0, 1.0), InputError, "radius must be positive"),
-        ((1.0, 0.0), InputError, "size must be positive"),
-        ((1.0, math.nan), InputError, "size must be a number"),
         ((1.0, 3.0), InputError, "size=3 m is larger than the sphere"),
         ((10.0, 1e-3), InputError, "is it in metres"),
-        (("1", 1.0), InputTypeError, "radius must be a real number"),
     ],
 )
 def test_impossible_spheres_are_refused(

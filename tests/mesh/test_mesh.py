@@ -333,11 +333,6 @@ def test_what_is_no_mesh_at_all(source: object) -> None:
         read_mesh(source)
 
 
-def test_scale_must_be_positive() -> None:
-    with pytest.raises(InputError, match="scale must be positive"):
-        read_mesh(solid(), scale=0)
-
-
 @pytest.mark.parametrize(
     ("changed", "error", "words"),
     [

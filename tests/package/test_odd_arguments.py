@@ -710,6 +710,66 @@ NOT = {
 }
 
 
+# The calls and arguments that are a number, and take infinity, zero, a negative one or None:
+# nothing else does, and none takes NaN, text, a complex number or True.
+TAKEN = {
+    "inf": """Hertz.between: radius_1, radius_2; Thornton.between: radius_1, radius_2;
+        ElasticPlastic.between: radius_1, radius_2; rigid: mass; KrylovSpace.include: duration""",
+    "zero": """KuwabaraKono: A; Tsuji: alpha; KelvinVoigt: c; HuntCrossley: damping; Hertz:
+        eccentricity; Rayleigh: alpha, beta; ModalDamping: ratio; Rayleigh.decay: omega;
+        ModalDamping.decay: omega; Material: nu; Orthotropic.turned: angle; Ply: angle_deg; Shell:
+        offset; Laminate: offset; AOModel: m0, k0; AOModel.receptance: omega;
+        InterfaceModel.receptance: omega; AOModel.truncated: n; antioscillators: n;
+        KrylovSpace.antioscillators: n; KrylovSpace.of_vectors: n; KrylovSpace.factored: n;
+        simulate: gap; compare: gap; Scene: gravity; Scene.add: position, velocity; Scene.connect:
+        gap, friction; Scene.apply: force; ContactLaw.force: indentation, rate;
+        ContactLaw.potential: indentation; FEModel.contact: radius; FEModel.contact of a node:
+        radius, node; FEModel.contact of a dof: dof; ContactPoint: node; FEModel.audit:
+        frequencies; FEModel.inverse: solutions; Handle: at, body; Handle.port: at; StrainAt:
+        length; LoadCell: damping_ratio; LoadCell.gain: frequency; shock_spectrum: damping_ratio;
+        drop_weight: gravity, start; Signal.of: contact, margin; read_signal: time, values""",
+    "minus one": """Orthotropic.turned: angle; Ply: angle_deg; Shell: offset; Laminate: offset;
+        ContactLaw.within_patch: compliance; ContactLaw.force: indentation, rate;
+        ContactLaw.potential: indentation; Hertz.between: radius_1, radius_2; Thornton.between:
+        radius_1, radius_2; ElasticPlastic.between: radius_1, radius_2; AOModel.receptance: omega;
+        InterfaceModel.receptance: omega; Rayleigh.decay: omega; ModalDamping.decay: omega; Scene:
+        gravity; Scene.add: position, velocity; Scene.connect: gap; Scene.apply: force;
+        LoadCell.gain: frequency""",
+    "none": """Material: yield_strength, hardness; YangSun: beta; Newmark: dt; AccelerationAt:
+        cfc; AccelerationAt with a corner: corner; probe at even times: dt; antioscillators:
+        contact_time; KrylovSpace: contact_time; InterfaceModel: contact_time; ContactPoint: node;
+        simulate: duration; compare: duration; Scene.simulate: duration; Scene.connect: friction;
+        Signal.of: rate; LoadCell.read: rate; drop_weight: gravity, cfc, start""",
+    **dict.fromkeys(("nan", "text", "complex", "true"), ""),
+}
+
+# A case is looked at where it is run; and these laws and materials have no use for their argument.
+UNSEEN = """a case: velocity, duration; a case in numbers: velocity, duration; a value of a sweep:
+    velocity; values of SceneFile.replaced: velocity; HuntCrossley.rigid_restitution: mass;
+    ContactLaw.rigid_restitution: mass; KelvinVoigt.rigid_restitution: velocity;
+    Tsuji.rigid_restitution: velocity; Hertz.between: angle"""
+
+
+def listed(text: str) -> set[tuple[str, str]]:
+    """Calls and arguments of "call: argument, argument; call: argument"."""
+    calls = [call.split(":") for call in " ".join(text.split()).split(";") if call]
+    return {(name.strip(), one.strip()) for name, rest in calls for one in rest.split(",")}
+
+
+ARE_TAKEN = {kind: listed(text) for kind, text in TAKEN.items()}
+ARE_UNSEEN = listed(UNSEEN)
+
+
+def is_number_taken(name: str, argument: str, kind: str) -> bool | None:
+    """Whether a number, or True or False, must be taken; None of what may be."""
+    sound = CALLS[name][1][argument]
+    if kind not in TAKEN or not isinstance(sound, int | float) or (name, argument) in ARE_UNSEEN:
+        return None
+    if isinstance(sound, bool):
+        return kind == "true"
+    return (name, argument) in ARE_TAKEN[kind]
+
+
 def nearly(sound: Any) -> dict[str, Any]:
     """Odd values that are nearly the sound one, of arrays and lists of numbers."""
     if not isinstance(sound, (np.ndarray, list, tuple)) or not len(sound):
@@ -752,9 +812,10 @@ def used(made: Any) -> None:
             ao.simulate(**STRIKE | {"target": made})
 
 
-def tried(name: str, argument: str, value: Any) -> str:
+def tried(name: str, argument: str, kind: str, value: Any) -> str:
     """What is wrong with how a call takes an odd value; empty if nothing is."""
     function, given = CALLS[name]
+    taken = is_number_taken(name, argument, kind)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", ao.AOImpactWarning)
@@ -762,9 +823,13 @@ def tried(name: str, argument: str, value: Any) -> str:
             made = function(**given | {argument: value})
         except ao.AOImpactError as error:
             words = (argument, *ALSO.get(argument, ()))
+            if taken:
+                return f"refused: {error}"
             return "" if any(word in str(error) for word in words) else f"unnamed: {error}"
         except Exception as error:
             return f"{type(error).__name__}: {error}"
+        if taken is False:
+            return "taken"
         if inspect.isclass(function):
             try:
                 used(made)
@@ -783,7 +848,7 @@ def test_every_argument_takes_odd_values_or_names_them(
         for kind, value in (ODD | nearly(sound)).items():
             if kind in NOT.get(argument, ()):
                 continue
-            said = tried(name, argument, value)
+            said = tried(name, argument, kind, value)
             if said:
                 wrong.append(f"{argument} = {kind}: {said}")
     assert not wrong, "\n".join(wrong)

@@ -270,10 +270,8 @@ def test_no_oscillator_leaves_the_static_mass_on_the_static_spring():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"n": -1}, "n must be from 0 to 10, got -1"),
         ({"n": 11}, "n must be from 0 to 10, got 11"),
         ({"n": 2.0}, "n must be an integer"),
-        ({"n": True}, "n must be an integer"),
         ({"n": 1, "method": "egien"}, "did you mean 'eigen'"),
         ({"n": 1, "order": "size"}, "order must be one of"),
     ],

@@ -235,8 +235,6 @@ def test_a_simulated_plate_is_never_punctured() -> None:
     [
         ({"mass": None}, "mass of the impactor is not known: give mass="),
         ({"velocity": None}, "velocity of the impactor is not known"),
-        ({"velocity": -1.0}, "velocity must be positive"),
-        ({"gravity": -9.81}, "gravity must not be negative"),
         ({"cfc": 1000}, "cfc=1000 needs"),
         ({"start": 1.0}, "start must lie in the record"),
     ],
