@@ -71,7 +71,7 @@ typedef enum aoi_status {
     AOI_ERROR_LAW_JUMPS,      /* without the patch compliance the force is undefined: the law jumps */
     AOI_ERROR_STOPPED,        /* the caller's pause said so                                        */
     AOI_ERROR_CROWDED,        /* more contacts are closed at once than the system says             */
-    AOI_ERROR_FRICTION,       /* friction of a law that is not elastic, or in a run that knows none */
+    AOI_ERROR_FRICTION,       /* friction of a law that remembers or pulls, or in a run that knows none */
     AOI_ERROR_SPRINGS         /* a contact with friction needs more springs than there is room for  */
 } aoi_status;
 
@@ -304,7 +304,9 @@ AOI_API double aoi_law_potential(const aoi_law *law, const double *memory, doubl
  *     force = ratio * integral of s(x) dK(x) over 0 <= x <= d.
  * This is exact for a Hertzian contact of two like materials, but for the small part of slip across the force. Of
  * unlike materials Dundurs' constant is neglected: friction does not change the normal force. Another elastic law has
- * springs by its own K; a linear one has one. */
+ * springs by its own K; a linear one has one. Of a law with a rate these are its K at rest, and the force of its rate is
+ * spread as that of the springs: a share of both in the latter, share = F/F(rest), raises Coulomb's bound to
+ * mu/ratio share (d - x). It is 1 of an elastic law. */
 typedef struct aoi_friction {
     aoi_law law;      /* the normal law, of its own indentation: without a compliance               */
     double mu, ratio; /* coefficient of friction; tangential over normal stiffness, Mindlin's G / E
@@ -315,7 +317,7 @@ typedef struct aoi_friction {
 
 /* Makes friction of a law. Its compliance and limit are left out: who has them passes the law's own indentation and
  * slide, which are those of the bodies plus compliance times force.
- *   law        elastic: it must neither depend on the rate nor have a memory, turn or pull; copied
+ *   law        it must neither have a memory nor turn or pull; copied
  *   mu         >= 0
  *   ratio      > 0
  *   precision  in (0, 0.1]; some 1e-4
@@ -337,7 +339,7 @@ typedef struct aoi_friction_state {
     size_t room, count;
     aoi_stretch *spring, *spare;
     double indentation;
-    double reach; /* largest stretch since the touch, m */
+    double reach, share; /* largest stretch since the touch, m; share of the normal force (above) */
 } aoi_friction_state;
 
 /* What friction gives at the end of a path. The first body slides by slide against the second; force holds it back, and
@@ -346,26 +348,27 @@ typedef struct aoi_friction_value {
     double force[2];         /* N                                                                   */
     double by_slide[2][2];   /* d force / d slide, N/m                                              */
     double by_indentation[2]; /* d force / d indentation, N/m                                      */
+    double by_share[2];      /* d force / d share, N                                                */
     double stuck;            /* depth within which springs stick, m: the indentation where all do,
                                 0 where all slip                                                    */
     double terms;            /* N: rounding of the force is relative to this                        */
 } aoi_friction_value;
 
-/* The force after the bodies have moved straight from the state to an indentation while they slid, m. The state is only
+/* The force after the bodies have moved straight from the state to an indentation and a share while they slid, m. The state is only
  * read. Exact for straight paths along one line (and reversals between them); where directions turn, to the precision,
  * for springs turn exactly. by_indentation leaves out how the turning depends on the indentation. */
 AOI_API void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
-                              const double slide[2], aoi_friction_value *value);
+                              double share, const double slide[2], aoi_friction_value *value);
 
 /* Adds springs to the state where such a path would turn neighbours apart. The force is not changed. For once in a
  * step, with a guess of its end: what aoi_friction_try gives is smooth from then on. AOI_ERROR_SPRINGS without room. */
 AOI_API int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
-                                const double slide[2]);
+                                double share, const double slide[2]);
 
 /* Takes the state along that path, and leaves out springs that others stand for to the precision. AOI_ERROR_SPRINGS,
  * and the state as it was, where there is no room for the others. */
 AOI_API int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
-                              const double slide[2]);
+                              double share, const double slide[2]);
 
 /* The energy of the stretches, J: what is left of the work of the force over that has been dissipated. */
 AOI_API double aoi_friction_energy(const aoi_friction *friction, const aoi_friction_state *state);

@@ -30,10 +30,12 @@ class Rigid:
     def __post_init__(self) -> None:
         self.place, self.turn, self.rate = np.zeros(3), np.zeros(3), np.zeros(6)
         self.velocity, self.spin = self.velocity.copy(), self.spin.copy()
+        self.lever = np.cross(np.eye(3), self.arm).T  # of the turn: turn x arm
+        self.moment = np.linalg.solve(self.inertia, self.lever.T)  # of arm x force
 
     @property
     def point(self) -> FloatArray:
-        return self.place + np.cross(self.turn, self.arm)
+        return self.place + self.lever @ self.turn
 
     def drift(self, dt: float) -> None:
         self.place += dt * self.velocity + 0.5 * dt * dt * self.rate[:3]
@@ -42,8 +44,7 @@ class Rigid:
     def kick(self, force: FloatArray, gravity: FloatArray, dt: float) -> None:
         before = self.rate
         if np.isfinite(self.mass):
-            moment = np.linalg.solve(self.inertia, np.cross(self.arm, force))
-            self.rate = np.concatenate([force / self.mass + gravity, moment])
+            self.rate = np.concatenate([force / self.mass + gravity, self.moment @ force])
         self.velocity += 0.5 * dt * (before + self.rate)[:3]
         self.spin += 0.5 * dt * (before + self.rate)[3:]
 
@@ -105,15 +106,18 @@ def march(
     power: float = 1.5,
     springs: int = 200,
     gravity: FloatArray | None = None,
+    damping: float = 0.0,
 ) -> Motion:
-    """March two bodies whose law is k δ^power; `normal` is the direction of travel.
+    """March two bodies whose law is k δ^power (1 + damping dδ/dt), not below 0.
 
-    `depth` is what no indentation exceeds; `ratio` is G*/E*.
+    `normal` is the direction of travel; `depth` is what no indentation exceeds; `ratio` is G*/E*.
+    The damping raises Coulomb's bound of all springs by the same share.
     """
     edge = depth * (np.arange(springs + 1) / springs) ** 2
     at = depth * ((np.arange(springs) + 0.5) / springs) ** 2
     stiffness = np.diff(k * power * edge ** (power - 1.0))
     stretch, slid, dt = np.zeros((springs, 3)), np.zeros(3), duration / steps
+    last = np.zeros(3)  # indentations: the rate is that of the parabola through them
     falls = np.zeros(3) if gravity is None else gravity
     t = dt * np.arange(steps + 1)
     pressed, along = np.zeros(steps + 1), np.zeros((steps + 1, 3))
@@ -125,12 +129,15 @@ def march(
         slide = apart - depth_now * normal
         if depth_now > depth:
             raise ValueError("deeper than the springs")
-        room = mu / ratio * np.maximum(depth_now - at, 0.0)
+        last = np.array([depth_now, *last[:2]])
+        rate = (1.5 * last[0] - 2.0 * last[1] + 0.5 * last[2]) / dt
+        share = max(1.0 + damping * rate, 0.0)
+        room = mu / ratio * share * np.maximum(depth_now - at, 0.0)
         stretch += slide - slid
         length = np.linalg.norm(stretch, axis=1)
         stretch *= np.divide(room, length, out=np.ones(springs), where=length > room)[:, None]
         slid = slide
-        pressed[step] = k * max(depth_now, 0.0) ** power
+        pressed[step] = share * k * max(depth_now, 0.0) ** power
         along[step] = ratio * stiffness @ stretch
         force = pressed[step] * normal + along[step]
         first.kick(-force, falls, dt)

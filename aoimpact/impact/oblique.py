@@ -59,12 +59,12 @@ def refuse_held(name: str, model: BodyModel) -> None:
         )
 
 
-def refuse_inelastic(law: ContactLaw) -> None:
-    """Refuse friction with a law whose force is no function of the indentation alone."""
-    if law.depends_on_rate or law.has_memory or law.pulls:
+def refuse_plastic(law: ContactLaw) -> None:
+    """Refuse friction with a law that remembers or pulls."""
+    if law.has_memory or law.pulls:
         raise InputError(
-            f"friction: law={law!r} is not elastic, and friction is known for elastic contacts "
-            "only; give Hertz(...) or another elastic law, or friction=0 for smooth surfaces"
+            f"friction: law={law!r} remembers or pulls, and friction is known for other contacts "
+            "only; give Hertz(...) or a law with damping, or friction=0 for smooth surfaces"
         )
 
 

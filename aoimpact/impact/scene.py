@@ -78,7 +78,7 @@ from .oblique import (
     checked_friction,
     checked_spin,
     refuse_held,
-    refuse_inelastic,
+    refuse_plastic,
     vector_or_number,
     with_functionals,
     with_tangents,
@@ -305,7 +305,7 @@ class Scene:
             law, law_error = found.law, found.error
         contact = Contact(*first, *second, law, normal_gap(gap), text("name", name))
         if mu:
-            refuse_inelastic(law)
+            refuse_plastic(law)
         self._refuse_again(contact)
         self._between.setdefault(contact[:4], []).append(len(self._contacts))
         self._contacts.append(contact)

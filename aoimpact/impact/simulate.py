@@ -63,10 +63,11 @@ def simulate(
         materials of both bodies and the curvatures of their surfaces at the contact. The compliance
         that a mesh has in place of the law's half-space is taken out (`ContactPoint.extraction`).
     friction : float, optional
-        Coulomb's coefficient, for an elastic law. The contact sticks in its middle and slips at its
-        rim (Cattaneo, Mindlin); that of spheres is exact but for Dundurs' constant of unlike
-        materials, by which friction changes the normal force and which is neglected. A law without
-        materials has the tangential stiffness of ν = 0.3. A vector needs it: 0 is a smooth surface.
+        Coulomb's coefficient, for laws without memory or pull. The contact sticks in its middle
+        and slips at its rim (Cattaneo, Mindlin). That of spheres is exact but for Dundurs' constant
+        of unlike materials, by which friction changes the normal force and which is neglected. A
+        law without materials has the tangential stiffness of ν = 0.3. A vector needs it: 0 is a
+        smooth surface, for any law.
         Motion is small: contact points stay where they are on each body.
     spin : array_like, shape (3,), optional
         Angular velocity of the projectile in the same axes, rad/s; with `friction`.

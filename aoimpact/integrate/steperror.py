@@ -140,6 +140,9 @@ def _slid(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[fl
     around = np.maximum(size[::2], other) >= AROUND_PEAK * max(peaks)
     away = np.linalg.norm(ours[:, ::2] - theirs, axis=0)
     apart = float(away[around].max(initial=abs(peaks[0] - peaks[1])))
+    # Where slip begins the force has a corner, which samples cut by half of what they bend there.
+    top = min(max(int(size.argmax()), 1), len(size) - 2)
+    apart = max(apart, 0.5 * abs(2.0 * size[top] - size[top - 1] - size[top + 1]))
     sums = np.trapezoid(ours, t), np.trapezoid(theirs, t[::2])
     moved = max(np.linalg.norm(sums, axis=1).max(), _TURNED * np.trapezoid(size, t))
     return (apart, max(peaks)), (float(np.linalg.norm(sums[0] - sums[1])), moved)

@@ -1,4 +1,4 @@
-/* Friction of an elastic contact: springs that stick or slip, as stretches over their depth.
+/* Friction of a contact: springs that stick or slip, as stretches over their depth.
  *
  * The spring of depth x has the bound r = mu/ratio (d - x) on its stretch s. On a straight path the indentation d and
  * the slide grow evenly, and so does r. A spring follows the slide while |s| <= r. Once it slips it goes on to do so,
@@ -8,11 +8,14 @@
  * If s runs straight over x between knots, so does it after straight motion along one line: springs slip outside one
  * depth (Cattaneo 1938, Mindlin and Deresiewicz 1953), where s = r n. With K = dF/dd and s(d) = 0,
  *     force = ratio * integral of s dK = -ratio * sum of (change of s / change of x) * (change of F),
- * which is the superposition of normal forces of Jaeger (1993) and Ciavarella (1998), for any elastic law. */
+ * which is the superposition of normal forces of Jaeger (1993) and Ciavarella (1998), for any elastic law. Of a law with
+ * a rate F is its force at rest, and the bound is larger by the share of the whole force in that. */
 #include "aoimpact.h"
 
 #include <float.h>
 #include <math.h>
+
+#define NONE {0.0, 0.0, 0.0, 0.0}
 
 /* How often neighbours are parted at most in one step: into 64. */
 enum { MOST_PARTINGS = 6 };
@@ -24,11 +27,11 @@ static const double NARROW = 6e-6;
 /* Tangents beyond this are of an angle of 180 degrees; its square is still a number. */
 static const double STRAIGHT_BACK = 1e150;
 
-/* A knot of the curve that a path leads to, and its derivatives by the slide (two) and by the indentation. */
+/* A knot of the curve that a path leads to, and its derivatives by the slide (two), the indentation and the share. */
 typedef struct knot {
     double depth, s[2];
     double force, stiffness; /* of the law at that depth */
-    double by[3], s_by[2][3];
+    double by[4], s_by[2][4];
     int slips;
 } knot;
 
@@ -39,7 +42,7 @@ typedef struct path {
     aoi_stretch touch; /* the first spring, where the path begins apart */
     size_t count;
     double from, to, slide[2];
-    double slope; /* of the bound: mu/ratio */
+    double first, slope; /* of the bound at both ends: mu/ratio times the share of the normal force */
 } path;
 
 int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision)
@@ -48,7 +51,7 @@ int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, d
         !(ratio > 0.0 && ratio < HUGE_VAL) || !(precision > 0.0 && precision <= 0.1)) {
         return AOI_ERROR_ARGUMENT;
     }
-    if (law->depends_on_rate || law->remember || law->turns || law->pulls) {
+    if (law->remember || law->turns || law->pulls) {
         return AOI_ERROR_FRICTION;
     }
     friction->law = *law;
@@ -68,17 +71,18 @@ static aoi_law_value normal(const aoi_friction *friction, double depth)
 }
 
 /* The path on which the springs touch: all of it, or what is left after the first touch. */
-static path path_of(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
+static path path_of(const aoi_friction *friction, const aoi_friction_state *state, double indentation, double share,
                     const double slide[2])
 {
+    const double slope = friction->mu / friction->ratio;
     path p = {friction, state->spring, {0.0, {0.0, 0.0}, 0.0, 0.0}, state->count, state->indentation, indentation,
-              {slide[0], slide[1]}, friction->mu / friction->ratio};
+              {slide[0], slide[1]}, slope * state->share, slope * share};
     if (state->count == 0) {
-        const double share = indentation > 0.0 ? indentation / (indentation - p.from) : 0.0;
+        const double left = indentation > 0.0 ? indentation / (indentation - p.from) : 0.0;
         p.count = 1;
         p.from = 0.0;
-        p.slide[0] *= share;
-        p.slide[1] *= share;
+        p.slide[0] *= left;
+        p.slide[1] *= left;
     }
     return p;
 }
@@ -117,7 +121,7 @@ static entry entry_of(double x, double y, double u, double r, double r_by)
 /* A spring that slips at the end of the path, where its bound is r1 > 0. */
 static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
 {
-    const double r0 = fmax(p->slope * (p->from - spring->depth), 0.0);
+    const double r0 = fmax(p->first * (p->from - spring->depth), 0.0);
     const double u = hypot(p->slide[0], p->slide[1]), size = hypot(spring->along[0], spring->along[1]);
     const double *axis = u > 0.0 ? p->slide : spring->along;
     const double e[2] = {axis[0] / (u > 0.0 ? u : size), axis[1] / (u > 0.0 ? u : size)};
@@ -152,6 +156,7 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
         k->s_by[i][0] = r1 * t[i] * turning[0];
         k->s_by[i][1] = r1 * t[i] * turning[1];
         k->s_by[i][2] = p->slope * n[i];
+        k->s_by[i][3] = p->friction->mu / p->friction->ratio * (p->to - spring->depth) * n[i];
     }
 }
 
@@ -160,39 +165,60 @@ static knot moved(const path *p, const aoi_stretch *spring)
 {
     const double s[2] = {spring->along[0] + p->slide[0], spring->along[1] + p->slide[1]};
     const double bound = p->slope * (p->to - spring->depth);
-    knot k = {spring->depth, {s[0], s[1]}, spring->force, spring->stiffness, {0.0, 0.0, 0.0},
-              {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, 0};
+    knot k = {spring->depth, {s[0], s[1]}, spring->force, spring->stiffness, NONE,
+              {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}}, 0};
     k.slips = hypot(s[0], s[1]) > bound * (1.0 + 2.0 * DBL_EPSILON);
     if (k.slips && bound > 0.0) {
         turn(p, spring, bound, &k);
     } else if (k.slips) {
-        const knot none = {spring->depth, {0.0, 0.0}, spring->force, spring->stiffness, {0.0, 0.0, 0.0},
-                           {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 1};
+        const knot none = {spring->depth, {0.0, 0.0}, spring->force, spring->stiffness, NONE, {NONE, NONE}, 1};
         k = none;
     }
     return k;
 }
 
-/* Where slip begins between a spring that sticks and one that does not; straight between these before the path. At a
- * distance z inside the rim, where the curve would come to the stretch e, |e - z g| = slope z: the root of a quadratic
- * that keeps its digits where all of the slip is next to the rim. */
-static knot front(const path *p, const aoi_stretch *sticks, const aoi_stretch *slips)
+/* The curve between two springs, straight before the path: at a distance z inside the rim its stretch is e - z g, and
+ * the bound slope z. Springs slip where square(z) = a z^2 - 2 b z + c > 0. */
+typedef struct piece {
+    double depth, least, most, g[2], e[2], a, b, c, root;
+} piece;
+
+static piece piece_of(const path *p, const aoi_stretch *inner, const aoi_stretch *outer)
 {
-    const double width = slips->depth - sticks->depth, most = p->to - sticks->depth, least = p->to - slips->depth;
-    const double g[2] = {(slips->along[0] - sticks->along[0]) / width, (slips->along[1] - sticks->along[1]) / width};
-    const double e[2] = {slips->along[0] + p->slide[0] + least * g[0], slips->along[1] + p->slide[1] + least * g[1]};
-    const double a = g[0] * g[0] + g[1] * g[1] - p->slope * p->slope, b = e[0] * g[0] + e[1] * g[1];
-    const double c = e[0] * e[0] + e[1] * e[1], root = sqrt(fmax(b * b - a * c, 0.0));
-    const double z = fmax(least, fmin(b > 0.0 ? c / (b + root) : a < 0.0 ? (b - root) / a : least, most));
+    piece q = {outer->depth, p->to - outer->depth, p->to - inner->depth, {0.0, 0.0}, {0.0, 0.0}, 0.0, 0.0, 0.0, 0.0};
+    for (int i = 0; i < 2; i++) {
+        q.g[i] = (outer->along[i] - inner->along[i]) / (outer->depth - inner->depth);
+        q.e[i] = outer->along[i] + p->slide[i] + q.least * q.g[i];
+    }
+    q.a = q.g[0] * q.g[0] + q.g[1] * q.g[1] - p->slope * p->slope;
+    q.b = q.e[0] * q.g[0] + q.e[1] * q.g[1];
+    q.c = q.e[0] * q.e[0] + q.e[1] * q.e[1];
+    q.root = sqrt(fmax(q.b * q.b - q.a * q.c, 0.0));
+    return q;
+}
+
+/* 1 if both springs slip and some between them stick, as where the bound has fallen with the rate. */
+static int dips(const piece *q)
+{
+    return q->a > 0.0 && q->root > 0.0 && q->b > q->least * q->a && q->b < q->most * q->a;
+}
+
+/* Where slip begins, or ends, going outward: a root that keeps its digits where all of the slip is next to the rim. */
+static knot front(const path *p, const piece *q, int begins)
+{
+    const double *e = q->e, *g = q->g;
+    const double first = q->b > 0.0 ? q->c / (q->b + q->root) : q->a < 0.0 ? (q->b - q->root) / q->a : q->least;
+    const double last = q->a > 0.0 ? (q->b + q->root) / q->a : q->most;
+    const double z = fmax(q->least, fmin(begins ? first : last, q->most));
     const double at[2] = {e[0] - z * g[0], e[1] - z * g[1]}, size = hypot(at[0], at[1]);
     const double n[2] = {size > 0.0 ? at[0] / size : 0.0, size > 0.0 ? at[1] / size : 0.0};
     const double steepness = n[0] * g[0] + n[1] * g[1] + p->slope;
-    const double per = steepness > 0.0 && size > 0.0 ? 1.0 / steepness : 0.0;
+    const double per = steepness != 0.0 && size > 0.0 ? 1.0 / steepness : 0.0;
     const aoi_law_value law = normal(p->friction, p->to - z);
-    knot k = {p->to - z, {at[0], at[1]}, law.force, law.stiffness, {-n[0] * per, -n[1] * per, p->slope * per},
-              {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, 1};
+    knot k = {p->to - z, {at[0], at[1]}, law.force, law.stiffness, {-n[0] * per, -n[1] * per, p->slope * per,
+              p->friction->mu / p->friction->ratio * z * per}, {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}}, 1};
     for (int i = 0; i < 2; i++) {
-        for (int j = 0; j < 3; j++) {
+        for (int j = 0; j < 4; j++) {
             k.s_by[i][j] += g[i] * k.by[j];
         }
     }
@@ -204,16 +230,15 @@ typedef struct walk {
     path p;
     size_t next;    /* of the springs                                */
     aoi_stretch last; /* the spring before, as the path finds it       */
-    int sticks;     /* it does                                       */
-    int pending;    /* the knot after a front is to be given         */
+    int sticks, slips; /* it does; neither before the first          */
+    int pending;    /* so many of the knots after a front are to be given: the last ones */
     int done;
-    knot after;
+    knot after[2];
 } walk;
 
 static walk walk_along(const path *p)
 {
-    const walk w = {*p, 0, {0.0, {0.0, 0.0}, 0.0, 0.0}, 0, 0, 0,
-                    {0.0, {0.0, 0.0}, 0.0, 0.0, {0.0, 0.0, 0.0}, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0}};
+    const walk w = {.p = *p};
     return w;
 }
 
@@ -221,8 +246,7 @@ static walk walk_along(const path *p)
 static knot rim_of(const path *p, int slips)
 {
     const aoi_law_value law = normal(p->friction, p->to);
-    const knot rim = {p->to, {0.0, 0.0}, law.force, law.stiffness, {0.0, 0.0, 1.0},
-                      {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, slips};
+    const knot rim = {p->to, {0.0, 0.0}, law.force, law.stiffness, {0.0, 0.0, 1.0, 0.0}, {NONE, NONE}, slips};
     return rim;
 }
 
@@ -230,16 +254,16 @@ static knot rim_of(const path *p, int slips)
 static int step(walk *w, knot *k)
 {
     const path *p = &w->p;
-    if (w->pending) {
-        *k = w->after;
-        w->pending = 0;
+    if (w->pending > 0) {
+        *k = w->after[2 - w->pending--];
         return 1;
     }
     if (w->done) {
         return 0;
     }
+    const int is_spring = w->next < p->count && spring_of(p, w->next).depth < p->to;
     aoi_stretch here = {p->to, {0.0, 0.0}, 0.0, 0.0};
-    if (w->next < p->count && spring_of(p, w->next).depth < p->to) {
+    if (is_spring) {
         here = spring_of(p, w->next);
         *k = moved(p, &here);
     } else {
@@ -250,12 +274,19 @@ static int step(walk *w, knot *k)
             k->slips = hypot(here.along[0] + p->slide[0], here.along[1] + p->slide[1]) > 0.0;
         }
     }
-    if (w->sticks && k->slips) {
-        w->after = *k;
-        w->pending = 1;
-        *k = front(p, &w->last, &here);
+    const int slips = k->slips;
+    if ((w->sticks && slips) || (w->slips && (slips || is_spring))) {
+        const piece q = piece_of(p, &w->last, &here);
+        const int begins = w->sticks, both = w->slips && slips;
+        if (!both || dips(&q)) {
+            w->after[0] = front(p, &q, 1);
+            w->after[1] = *k;
+            w->pending = both ? 2 : 1;
+            *k = front(p, &q, begins);
+        }
     }
-    w->sticks = !(w->pending || k->slips);
+    w->sticks = !slips;
+    w->slips = slips;
     w->last = here;
     w->next++;
     return 1;
@@ -274,8 +305,8 @@ static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *
     const double terms = narrow ? mean : b->force / width;
     for (int i = 0; i < 2; i++) {
         const double slope = (b->s[i] - a->s[i]) / width;
-        double by[3];
-        for (int j = 0; j < 3; j++) {
+        double by[4];
+        for (int j = 0; j < 4; j++) {
             by[j] = (b->s_by[i][j] - a->s_by[i][j]) * mean +
                     slope * ((b->stiffness - mean) * b->by[j] - (a->stiffness - mean) * a->by[j]);
         }
@@ -284,30 +315,32 @@ static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *
         value->by_slide[i][0] -= ratio * by[0];
         value->by_slide[i][1] -= ratio * by[1];
         value->by_indentation[i] -= ratio * by[2];
+        value->by_share[i] -= ratio * by[3];
     }
 }
 
 void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
-                      const double slide[2], aoi_friction_value *value)
+                      double share, const double slide[2], aoi_friction_value *value)
 {
-    const aoi_friction_value none = {{0.0, 0.0}, {{0.0, 0.0}, {0.0, 0.0}}, {0.0, 0.0}, 0.0, 0.0};
+    const aoi_friction_value none = {.stuck = 0.0};
     *value = none;
     if (!(indentation > 0.0)) {
         return;
     }
-    const path p = path_of(friction, state, indentation, slide);
+    const path p = path_of(friction, state, indentation, share, slide);
     walk w = walk_along(&p);
     knot a, b;
     (void)step(&w, &a);
-    value->stuck = a.slips ? 0.0 : indentation;
+    int slips = 0;
     while (step(&w, &b)) {
+        const int slide_both = a.slips && (b.slips || !(b.depth < indentation));
         add(friction->ratio, &a, &b, value);
-        if (b.slips && !a.slips) {
-            value->stuck = b.depth;
-        }
+        value->stuck += slide_both ? 0.0 : b.depth - a.depth;
+        slips = slips || slide_both;
         a = b;
     }
-    value->terms += friction->mu * a.force; /* bounds are differences of depths */
+    value->stuck = slips ? value->stuck : indentation;
+    value->terms += friction->mu * share * a.force; /* bounds are differences of depths */
 }
 
 static void swap(aoi_friction_state *state, size_t count)
@@ -367,11 +400,11 @@ static size_t parted(const aoi_friction_state *state, const path *p)
     return count;
 }
 
-int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation, double share,
                         const double slide[2])
 {
     for (int i = 0; i < MOST_PARTINGS && state->count > 0 && indentation > 0.0; i++) {
-        const path p = path_of(friction, state, indentation, slide);
+        const path p = path_of(friction, state, indentation, share, slide);
         const size_t count = parted(state, &p);
         if (count == 0 || count == state->count) {
             return count == 0 ? AOI_ERROR_SPRINGS : AOI_OK;
@@ -419,13 +452,13 @@ static size_t drawn(const path *p, double enough, aoi_stretch *spring, size_t ro
     return count;
 }
 
-int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
+int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation, double share,
                       const double slide[2])
 {
     size_t count = 0;
     double reach = 0.0;
     if (indentation > 0.0) {
-        const path p = path_of(friction, state, indentation, slide);
+        const path p = path_of(friction, state, indentation, share, slide);
         reach = reach_after(state, &p);
         count = drawn(&p, enough_of(&p, reach), state->spare, state->room);
         if (count == 0) {
@@ -435,6 +468,7 @@ int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, d
     swap(state, count);
     state->indentation = indentation;
     state->reach = reach;
+    state->share = share;
     return AOI_OK;
 }
 

@@ -14,56 +14,23 @@ static const double ROUNDING = 16.0 * DBL_EPSILON;
 typedef struct point {
     double place[3], force[3], residual[3];
     double by[3][3], slope[3][3]; /* of the force and of the residual by the place */
+    double by_rate[3];            /* of the force by the rate                      */
     double size; /* of what of the residual is more than rounding */
-    double stuck;
+    double stuck, share, rate;
 } point;
-
-static void evaluate(const aoi_friction *friction, const aoi_friction_state *state, const aoi_oblique_equation *e,
-                     point *p)
-{
-    aoi_law_value normal;
-    aoi_friction_value friction_value;
-    aoi_law_push(&friction->law, NULL, p->place[0], 0.0, &normal);
-    aoi_friction_try(friction, state, p->place[0], &p->place[1], &friction_value);
-    const double *f = friction_value.force, *g = friction_value.by_indentation;
-    double (*s)[2] = friction_value.by_slide;
-    const double force[3] = {normal.force, f[0], f[1]};
-    const double by[3][3] = {{normal.stiffness, 0.0, 0.0}, {g[0], s[0][0], s[0][1]}, {g[1], s[1][0], s[1][1]}};
-    memcpy(p->by, by, sizeof by);
-    p->stuck = friction_value.stuck;
-    p->size = 0.0;
-    for (int i = 0; i < 3; i++) {
-        double sum = 0.0, terms = fabs(p->place[i]) + fabs(e->free[i]);
-        p->force[i] = force[i];
-        for (int j = 0; j < 3; j++) {
-            const double c = e->compliance[i][j];
-            sum += c * force[j];
-            terms += fabs(c) * (j > 0 ? friction_value.terms : normal.force);
-            p->slope[i][j] = i == j;
-            for (int k = 0; k < 3; k++) {
-                p->slope[i][j] += e->compliance[i][k] * by[k][j];
-            }
-        }
-        p->residual[i] = p->place[i] - e->free[i] + sum;
-        /* Each to its own digits: slides may be much smaller than the indentation. */
-        const double beyond = fabs(p->residual[i]) - ROUNDING * terms; /* NaN stays NaN */
-        p->size += beyond <= 0.0 ? 0.0 : beyond * beyond;
-    }
-    p->size = sqrt(p->size);
-}
 
 static double determinant(const double a[3], const double b[3], const double c[3])
 {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/* Solves slope x = right by Cramer's rule. */
-static void solve(const point *p, const double right[3], double x[3])
+/* Solves matrix x = right by Cramer's rule; the matrix by rows. */
+static void solve(const double *matrix, const double right[3], double x[3])
 {
     double column[3][3];
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
-            column[j][i] = p->slope[i][j];
+            column[j][i] = matrix[3 * i + j];
         }
     }
     const double whole = determinant(column[0], column[1], column[2]);
@@ -72,16 +39,103 @@ static void solve(const point *p, const double right[3], double x[3])
     x[2] = determinant(column[0], column[1], right) / whole;
 }
 
-/* by_free = by slope^-1 */
-static void give(const point *p, aoi_oblique_solution *solution)
+/* How the rate goes with the place, where the forces are those of the equation: rate_compliance compliance^-1. */
+static void find_rate_by_place(const aoi_oblique_equation *e, double by[3])
 {
+    double turned[9];
+    for (int i = 0; i < 9; i++) {
+        turned[i] = e->compliance[i % 3][i / 3];
+    }
+    solve(turned, e->rate_compliance, by);
+}
+
+/* The forces at a place, and their derivatives. terms: what their rounding is relative to. */
+static void find_forces(const aoi_friction *friction, const aoi_friction_state *state, const aoi_oblique_equation *e,
+                        const double rate_by[3], point *p, double terms[3])
+{
+    const aoi_law *law = &friction->law;
+    aoi_law_value normal, rest;
+    aoi_friction_value along;
+    double share_by[3] = {0.0, 0.0, 0.0}, rates = fabs(e->rate_free), per = 0.0;
+    p->share = 1.0;
+    p->rate = e->rate_free;
+    for (int j = 0; j < 3; j++) {
+        p->rate += rate_by[j] * (p->place[j] - e->free[j]);
+        rates += fabs(rate_by[j]) * (fabs(p->place[j]) + fabs(e->free[j]));
+    }
+    aoi_law_push(law, NULL, p->place[0], p->rate, &normal);
+    for (int j = 0; j < 3; j++) {
+        p->by[0][j] = (j == 0 ? normal.stiffness : 0.0) + normal.damping * rate_by[j];
+    }
+    if (law->depends_on_rate) {
+        aoi_law_push(law, NULL, p->place[0], 0.0, &rest);
+        per = rest.force > 0.0 ? 1.0 / rest.force : 0.0;
+        p->share = per * normal.force;
+        for (int j = 0; j < 3; j++) {
+            share_by[j] = per * (p->by[0][j] - (j == 0 ? p->share * rest.stiffness : 0.0));
+        }
+    }
+    aoi_friction_try(friction, state, p->place[0], p->share, &p->place[1], &along);
+    p->force[0] = normal.force;
+    p->by_rate[0] = normal.damping;
+    for (int i = 0; i < 2; i++) {
+        p->force[i + 1] = along.force[i];
+        p->by_rate[i + 1] = along.by_share[i] * normal.damping * per;
+        for (int j = 0; j < 3; j++) {
+            p->by[i + 1][j] = (j == 0 ? along.by_indentation[i] : along.by_slide[i][j - 1]) +
+                              along.by_share[i] * share_by[j];
+        }
+    }
+    p->stuck = along.stuck;
+    terms[0] = normal.force + fabs(normal.damping) * rates;
+    terms[1] = terms[2] = along.terms + friction->mu * fabs(normal.damping) * rates;
+}
+
+static void evaluate(const aoi_friction *friction, const aoi_friction_state *state, const aoi_oblique_equation *e,
+                     const double rate_by[3], point *p)
+{
+    double terms[3];
+    find_forces(friction, state, e, rate_by, p, terms);
+    p->size = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double sum = 0.0, all = fabs(p->place[i]) + fabs(e->free[i]);
+        for (int j = 0; j < 3; j++) {
+            const double c = e->compliance[i][j];
+            sum += c * p->force[j];
+            all += fabs(c) * terms[j];
+            p->slope[i][j] = i == j;
+            for (int k = 0; k < 3; k++) {
+                p->slope[i][j] += e->compliance[i][k] * p->by[k][j];
+            }
+        }
+        p->residual[i] = p->place[i] - e->free[i] + sum;
+        /* Each to its own digits: slides may be much smaller than the indentation. */
+        const double beyond = fabs(p->residual[i]) - ROUNDING * all; /* NaN stays NaN */
+        p->size += beyond <= 0.0 ? 0.0 : beyond * beyond;
+    }
+    p->size = sqrt(p->size);
+}
+
+/* by_free = by slope^-1; by_rate likewise, of a force at a given place. */
+static void give(const aoi_oblique_equation *e, const point *p, aoi_oblique_solution *solution)
+{
+    double moved[3], x[3];
+    for (int i = 0; i < 3; i++) {
+        const double *c = e->compliance[i];
+        moved[i] = c[0] * p->by_rate[0] + c[1] * p->by_rate[1] + c[2] * p->by_rate[2];
+    }
+    solve(p->slope[0], moved, x);
+    for (int i = 0; i < 3; i++) {
+        solution->by_rate[i] = p->by_rate[i] - (p->by[i][0] * x[0] + p->by[i][1] * x[1] + p->by[i][2] * x[2]);
+    }
     memcpy(solution->force, p->force, sizeof p->force);
     memcpy(solution->place, p->place, sizeof p->place);
     solution->stuck = p->stuck;
+    solution->share = p->share;
+    solution->rate = p->rate;
     for (int j = 0; j < 3; j++) {
         const double unit[3] = {j == 0, j == 1, j == 2};
-        double x[3];
-        solve(p, unit, x);
+        solve(p->slope[0], unit, x);
         for (int i = 0; i < 3; i++) {
             solution->by_free[i][j] = p->by[i][0] * x[0] + p->by[i][1] * x[1] + p->by[i][2] * x[2];
         }
@@ -92,8 +146,12 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
                       const aoi_oblique_equation *equation, aoi_oblique_solution *solution)
 {
     point now;
+    double rate_by[3] = {0.0, 0.0, 0.0};
+    if (friction->law.depends_on_rate && equation->rate_compliance[0] > 0.0) {
+        find_rate_by_place(equation, rate_by);
+    }
     memcpy(now.place, equation->guess, sizeof now.place);
-    evaluate(friction, state, equation, &now);
+    evaluate(friction, state, equation, rate_by, &now);
     for (int iteration = 0; !(now.size <= 0.0); iteration++) { /* NaN goes on */
         if (!isfinite(now.size)) {
             return isnan(now.force[0]) ? AOI_ERROR_LAW : AOI_ERROR_NOT_FINITE;
@@ -103,12 +161,12 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
         }
         double change[3], share = 1.0;
         point next;
-        solve(&now, now.residual, change);
+        solve(now.slope[0], now.residual, change);
         for (int halving = 0;; halving++, share *= 0.5) {
             for (int i = 0; i < 3; i++) {
                 next.place[i] = now.place[i] - share * change[i];
             }
-            evaluate(friction, state, equation, &next);
+            evaluate(friction, state, equation, rate_by, &next);
             if (next.size < now.size) {
                 break;
             }
@@ -118,6 +176,6 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
         }
         now = next;
     }
-    give(&now, solution);
+    give(equation, &now, solution);
     return AOI_OK;
 }

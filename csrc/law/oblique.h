@@ -7,16 +7,18 @@
 /* What linear bodies leave to be solved at the end of a step, in the normal direction and along two tangents:
  * place = free - compliance force, where place is the indentation and the slide since the state, and force the law's
  * and that of friction. A compliance that has been taken out of the law is taken out of this one. guess: where to look
- * first. */
+ * first. The rate of the indentation is rate_free - rate_compliance force. */
 typedef struct aoi_oblique_equation {
     double free[3], compliance[3][3];
     double guess[3];
+    double rate_free, rate_compliance[3];
 } aoi_oblique_equation;
 
 typedef struct aoi_oblique_solution {
     double force[3], place[3];
-    double by_free[3][3]; /* d force / d free */
+    double by_free[3][3], by_rate[3]; /* d force / d free, / d rate_free */
     double stuck;         /* as in aoi_friction_value */
+    double share, rate;   /* of the normal force, as of aoi_friction_try; of the indentation */
 } aoi_oblique_solution;
 
 /* Solves it by Newton's method, with shorter steps where the residual would grow. The state is only read.

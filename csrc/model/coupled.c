@@ -179,13 +179,14 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
 }
 
 /* Solves the three equations of a contact with friction from i on, for the free places and from the guess. */
-static int solve_three(const aoi_coupled *e, aoi_rubbing *rubbing, size_t i, const double free[3], double place[3],
-                       double force[3])
+static int solve_three(const aoi_coupled *e, aoi_rubbing *rubbing, size_t i, const double free[3], double rate_free,
+                       double place[3], double force[3])
 {
-    aoi_oblique_equation equation;
+    aoi_oblique_equation equation = {.rate_free = rate_free};
     for (size_t k = 0; k < 3; k++) {
         equation.free[k] = free[k];
         equation.guess[k] = place[k];
+        equation.rate_compliance[k] = row_of(e, e->rate_compliance, i)[i + k];
         for (size_t j = 0; j < 3; j++) {
             equation.compliance[k][j] = row_of(e, e->compliance, i + k)[i + j] - rubbing->compliance[k][j];
         }
@@ -204,10 +205,11 @@ static int solve_one(const newton *s, iterate *at, size_t i)
     const aoi_coupled *e = s->e;
     const aoi_contact_state *contact = &s->contact[i];
     if (contact->rubbing) {
-        at->of_rate[i] = 0.0;
-        return contact->axis > 0 ? AOI_OK
-                                 : solve_three(e, contact->rubbing, i, at->unloaded + i, at->indentation + i,
-                                               at->force + i);
+        const int status = contact->axis > 0 ? AOI_OK
+                                             : solve_three(e, contact->rubbing, i, at->unloaded + i, at->unloaded_rate[i],
+                                                           at->indentation + i, at->force + i);
+        at->of_rate[i] = contact->axis > 0 ? 0.0 : fmax(contact->rubbing->found.by_rate[0], 0.0);
+        return status;
     }
     /* An adhesive contact may have two solutions, closed and open: it stays closed if it was. */
     const double pulled = contact->indentation > s->ended ? contact->indentation
@@ -282,18 +284,21 @@ static double find_merit(const newton *s, iterate *at)
 }
 
 /* Row i of the matrix, of a contact with friction. */
-static void fill_row(const newton *s, size_t i, const double *by_free)
+static void fill_row(const newton *s, size_t i, const aoi_oblique_solution *found, size_t axis)
 {
     const aoi_coupled *e = s->e;
-    const size_t begin = begin_of(s->contact, i);
+    const size_t begin = i - axis;
+    const double *by_free = found->by_free[axis], by_rate = found->by_rate[axis];
+    const double *rates = row_of(e, e->rate_compliance, begin);
     double *row = s->matrix + i * s->width;
     memset(row, 0, s->width * sizeof *row);
-    s->change[i] = 0.0;
+    s->change[i] = -by_rate * s->now.rate_off[begin];
     for (size_t k = 0; k < 3; k++) {
         const double *compliance = row_of(e, e->compliance, begin + k);
         s->change[i] -= by_free[k] * s->now.off[begin + k];
         for (size_t j = first_of(e, begin + 2), last = last_of(e, begin); j < last; j++) {
-            row[e->band + j - i] += j - begin < 3 ? 0.0 : s->yield * by_free[k] * compliance[j];
+            const double by = by_free[k] * compliance[j] + (k == 0 ? by_rate * rates[j] : 0.0);
+            row[e->band + j - i] += j - begin < 3 ? 0.0 : s->yield * by;
         }
     }
     row[e->band] = 1.0;
@@ -304,7 +309,7 @@ static void fill_matrix(const newton *s)
     const aoi_coupled *e = s->e;
     for (size_t i = 0; i < e->count; i++) {
         if (s->contact[i].rubbing) {
-            fill_row(s, i, s->contact[i].rubbing->found.by_free[s->contact[i].axis]);
+            fill_row(s, i, &s->contact[i].rubbing->found, s->contact[i].axis);
             continue;
         }
         const double *compliance = e->compliance + i * s->width;
@@ -671,7 +676,7 @@ int aoi_coupled_solve(aoi_coupled *e, const aoi_contact_state *contact)
     }
     if (e->count == 3 && contact->rubbing) {
         memcpy(e->indentation, contact->force != 0.0 ? contact->rubbing->guess : e->free, 3 * sizeof(double));
-        return solve_three(e, contact->rubbing, 0, e->free, e->indentation, e->force);
+        return solve_three(e, contact->rubbing, 0, e->free, e->rate_free[0], e->indentation, e->force);
     }
     for (size_t i = 0; i < e->count; i++) {
         if (!isfinite(e->free[i]) || !isfinite(e->rate_free[i])) {

@@ -69,7 +69,7 @@ static aoi_newmark lay_out(const aoi_system *system, void *block, size_t *size)
     e->work = aoi_memory_doubles(&memory, aoi_coupled_size(forces, e->band));
     made.column = aoi_memory_doubles(&memory, aoi_times(BLOCK, rows));
     for (size_t i = 0; block && i < rubbing; i++, spring += 2 * SPRINGS) {
-        made.rubbing[i].state = (aoi_friction_state){SPRINGS, 0, spring, spring + SPRINGS, 0.0, 0.0};
+        made.rubbing[i].state = (aoi_friction_state){SPRINGS, 0, spring, spring + SPRINGS, 0.0, 0.0, 0.0};
     }
     for (size_t b = 0; b < bodies; b++) {
         aoi_stepped body;
@@ -146,7 +146,7 @@ static int rub(aoi_contact_state *contact)
 {
     aoi_rubbing *of = contact->rubbing;
     const aoi_oblique_solution *found = &of->found;
-    const int status = aoi_friction_move(of->friction, &of->state, found->place[0], &found->place[1]);
+    const int status = aoi_friction_move(of->friction, &of->state, found->place[0], found->share, &found->place[1]);
     of->depth = found->place[0];
     of->guess[0] = found->place[0];
     for (int k = 1; k < 3; k++) {
@@ -160,7 +160,7 @@ static int rub(aoi_contact_state *contact)
 static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, const aoi_newmark *run)
 {
     aoi_rubbing *rubbing = contact->rubbing;
-    aoi_oblique_equation equation;
+    aoi_oblique_equation equation = {.rate_free = contact->rate};
     *rubbing = (aoi_rubbing){.friction = of->friction, .state = rubbing->state, .compliance = {{of->law->compliance}}};
     if (of->compliance) {
         memcpy(rubbing->compliance, of->compliance, sizeof rubbing->compliance);
@@ -175,10 +175,14 @@ static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, cons
         }
     }
     int status = aoi_oblique_solve(of->friction, &rubbing->state, &equation, &rubbing->found);
+    if (status == AOI_OK && rubbing->found.place[0] == 0.0 && contact->rate > 0.0 && of->law->depends_on_rate) {
+        rubbing->found.force[0] = aoi_law_push_only(&of->friction->law, NULL, DBL_MIN, contact->rate);
+    }
     if (status == AOI_OK) {
         status = rub(contact);
         rubbing->guess[1] = rubbing->guess[2] = 0.0; /* as far as the next step is concerned */
         rubbing->start_energy = aoi_friction_energy(of->friction, &rubbing->state);
+        contact->start_energy = aoi_law_potential(&of->friction->law, NULL, rubbing->depth);
     }
     return status;
 }
@@ -222,6 +226,7 @@ static int rubbing_advance(aoi_contact_state *contact)
 {
     aoi_rubbing *of = contact->rubbing;
     const double *force = of->found.force, touched = of->depth;
+    contact->work += 0.5 * (contact->force + force[0]) * (of->found.place[0] - touched);
     for (size_t k = 0; k < 3; k++) {
         of->work += k > 0 ? 0.5 * (contact[k].force + force[k]) * of->found.place[k] : 0.0;
         contact[k].force = force[k];
@@ -233,7 +238,7 @@ static int rubbing_advance(aoi_contact_state *contact)
         contact->indentation -= of->compliance[0][k] * force[k];
     }
     const double alone = of->depth - contact->law->compliance * force[0];
-    return aoi_law_stands(contact->law, contact->memory, alone, 0.0) ? status : AOI_ERROR_PATCH;
+    return aoi_law_stands(contact->law, contact->memory, alone, of->found.rate) ? status : AOI_ERROR_PATCH;
 }
 
 static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *contact)
@@ -285,6 +290,10 @@ static void write_contact(const aoi_contact_state *contact, int energies, double
     }
     if (contact->rubbing) {
         row[AOI_CONTACT_ELASTIC * BLOCK] = write_friction(contact, row);
+        if (contact->law->depends_on_rate) { /* of its own indentation */
+            const double stored = aoi_law_potential(&contact->rubbing->friction->law, NULL, contact->rubbing->depth);
+            row[AOI_CONTACT_DISSIPATED * BLOCK] = contact->work - (stored - contact->start_energy);
+        }
     }
 }
 
@@ -618,7 +627,7 @@ static int step(aoi_newmark *run, double time)
     }
     for (size_t i = 0; i < (e->count - run->system->contact_count) / 2 && status == AOI_OK; i++) {
         aoi_rubbing *of = &run->rubbing[i];
-        status = aoi_friction_refine(of->friction, &of->state, of->guess[0], &of->guess[1]);
+        status = aoi_friction_refine(of->friction, &of->state, of->guess[0], of->found.share, &of->guess[1]);
     }
     if (status == AOI_OK) {
         status = aoi_coupled_solve(e, run->state);

@@ -17,7 +17,7 @@ static void begin(contact *c, const char *name, double mu)
 {
     CHECK(aoi_law_create(&c->law, name, 1, &K) == AOI_OK, "the law %s", name);
     CHECK(aoi_friction_create(&c->friction, &c->law, mu, RATIO, 1e-3) == AOI_OK, "friction %g", mu);
-    const aoi_friction_state none = {ROOM, 0, c->spring, c->spare, 0.0, 0.0};
+    const aoi_friction_state none = {ROOM, 0, c->spring, c->spare, 0.0, 0.0, 0.0};
     c->state = none;
 }
 
@@ -40,7 +40,7 @@ static void what_sticks_is_linear(void)
     const double soft = 0.5 / K;
     const aoi_oblique_equation e = {{DEEP, 0.3 * DEEP, -0.2 * DEEP},
                                     {{soft, 0.1 * soft, 0.0}, {0.1 * soft, soft, 0.2 * soft}, {0.0, 0.2 * soft, soft}},
-                                    {DEEP, 0.0, 0.0}};
+                                    {DEEP, 0.0, 0.0}, 0.0, {0.0, 0.0, 0.0}};
     double force[3], place[3];
     CHECK(solve(&c, &e, force, place) == AOI_OK, "solved");
     CHECK(near(force[0], K * place[0], 1e-13), "the law");
@@ -67,7 +67,7 @@ static void what_slides_is_coulombs(void)
     begin(&c, "hertz", 0.3);
     const double soft = DEEP / (K * DEEP * sqrt(DEEP));
     const aoi_oblique_equation e = {{2.0 * DEEP, 8.0 * DEEP, -6.0 * DEEP},
-                                    {{soft, 0.0, 0.0}, {0.0, soft, 0.0}, {0.0, 0.0, soft}}, {DEEP, 0.0, 0.0}};
+                                    {{soft, 0.0, 0.0}, {0.0, soft, 0.0}, {0.0, 0.0, soft}}, {DEEP, 0.0, 0.0}, 0.0, {0.0, 0.0, 0.0}};
     double force[3], place[3];
     CHECK(solve(&c, &e, force, place) == AOI_OK, "solved");
     CHECK(near(place[0], DEEP, 1e-13), "2 d - d = d by Hertz's law");
@@ -80,7 +80,7 @@ static void what_parts_has_no_force(void)
     begin(&c, "hertz", 0.3);
     const double soft = 1.0 / (K * sqrt(DEEP));
     const aoi_oblique_equation e = {{-DEEP, DEEP, DEEP}, {{soft, 0.0, 0.0}, {0.0, soft, 0.0}, {0.0, 0.0, soft}},
-                                    {DEEP, 0.0, 0.0}};
+                                    {DEEP, 0.0, 0.0}, 0.0, {0.0, 0.0, 0.0}};
     double force[3], place[3];
     CHECK(solve(&c, &e, force, place) == AOI_OK, "solved");
     CHECK(force[0] == 0.0 && force[1] == 0.0 && force[2] == 0.0 && near(place[0], -DEEP, 1e-13), "apart");
@@ -124,7 +124,7 @@ static void any_step_is_solved(void)
                 }
                 e.guess[j] = (j == 0) * gone + rate[j];
             }
-            aoi_friction_refine(&c.friction, &c.state, e.guess[0], &e.guess[1]);
+            aoi_friction_refine(&c.friction, &c.state, e.guess[0], 1.0, &e.guess[1]);
             const int status = solve(&c, &e, force, place);
             CHECK(status == AOI_OK, "case %d, step %d: %s", i, step, aoi_status_text(status));
             if (status != AOI_OK) {
@@ -139,7 +139,7 @@ static void any_step_is_solved(void)
                 }
                 CHECK(fabs(sum) < 1e-13 * terms, "case %d, step %d: row %d is off by %g", i, step, j, sum / terms);
             }
-            aoi_friction_move(&c.friction, &c.state, place[0], &place[1]);
+            aoi_friction_move(&c.friction, &c.state, place[0], 1.0, &place[1]);
             if (step == 14) {
                 rate[0] = -rate[0];
                 rate[1] *= uniform(&seed) < 0.5 ? 1.0 : -1.0;
@@ -160,14 +160,14 @@ static void what_is_not_a_number_is_refused(void)
     contact c;
     begin(&c, "hertz", 0.3);
     const aoi_oblique_equation e = {{(double)NAN, 0.0, 0.0}, {{1e-9, 0.0, 0.0}, {0.0, 1e-9, 0.0}, {0.0, 0.0, 1e-9}},
-                                    {DEEP, 0.0, 0.0}};
+                                    {DEEP, 0.0, 0.0}, 0.0, {0.0, 0.0, 0.0}};
     double force[3], place[3];
     CHECK(solve(&c, &e, force, place) == AOI_ERROR_NOT_FINITE, "no number");
     const aoi_user_law user = {{no_number}, NULL, NULL, {1}};
     CHECK(aoi_law_create_user(&c.law, &user, 0, 0) == AOI_OK, "a law of the caller's");
     CHECK(aoi_friction_create(&c.friction, &c.law, 0.3, RATIO, 1e-3) == AOI_OK, "friction of it");
     const aoi_oblique_equation sound = {{DEEP, 0.0, 0.0}, {{1e-9, 0.0, 0.0}, {0.0, 1e-9, 0.0}, {0.0, 0.0, 1e-9}},
-                                        {DEEP, 0.0, 0.0}};
+                                        {DEEP, 0.0, 0.0}, 0.0, {0.0, 0.0, 0.0}};
     CHECK(solve(&c, &sound, force, place) == AOI_ERROR_LAW, "a law without numbers");
 }
 

@@ -39,7 +39,7 @@ DOWN = (0.0, 0.3, -1.0)
             },
             "same side",
         ),
-        ({"velocity": DOWN, "friction": 0.1, "law": ao.KelvinVoigt(1e8, 10.0)}, "friction=0"),
+        ({"velocity": DOWN, "friction": 0.1, "law": ao.Thornton(1e8, 10.0)}, "friction=0"),
         ({"velocity": 1.0, "spin": (0, 10.0, 0)}, "friction"),
         ({"velocity": 1.0, "spin": 10.0, "friction": 0.1}, "spin"),
         (

@@ -31,6 +31,7 @@ class _State(ctypes.Structure):
         ("spare", ctypes.POINTER(_Spring)),
         ("indentation", ctypes.c_double),
         ("reach", ctypes.c_double),
+        ("share", ctypes.c_double),
     ]
 
 
@@ -39,6 +40,7 @@ class _Value(ctypes.Structure):
         ("force", ctypes.c_double * 2),
         ("by_slide", ctypes.c_double * 4),
         ("by_indentation", ctypes.c_double * 2),
+        ("by_share", ctypes.c_double * 2),
         ("stuck", ctypes.c_double),
         ("terms", ctypes.c_double),
     ]
@@ -55,15 +57,17 @@ class Friction:
         numbers = (ctypes.c_double(number) for number in (mu, ratio, precision))
         assert self.core.aoi_friction_create(self.law, law, *numbers) == 0
         self.springs = [(_Spring * ROOM)() for _ in range(2)]
-        self.state = _State(ROOM, 0, *self.springs, 0.0, 0.0)
+        self.state = _State(ROOM, 0, *self.springs, 0.0, 0.0, 0.0)
         self.slide = 0.0
 
     def force(self, depth: float, slide: float) -> float:
         """Return the force after the next step: at an indentation, having slid so far in all."""
         value, d = _Value(), ctypes.c_double(depth)
         along, state = (ctypes.c_double * 2)(slide - self.slide, 0.0), ctypes.byref(self.state)
-        self.core.aoi_friction_try(self.law, state, d, along, ctypes.byref(value))
-        assert self.core.aoi_friction_move(self.law, state, d, along) == 0
+        self.core.aoi_friction_try(
+            self.law, state, d, ctypes.c_double(1.0), along, ctypes.byref(value)
+        )
+        assert self.core.aoi_friction_move(self.law, state, d, ctypes.c_double(1.0), along) == 0
         self.slide = slide
         return float(value.force[0])
 

@@ -198,6 +198,70 @@ def test_random_impacts_are_those_of_fixed_springs(seed):
         assert 0.01 * ours.final_spin == pytest.approx(0.01 * theirs.spin, abs=near)
 
 
+@pytest.mark.parametrize("seed", [3, 4, 7])
+def test_damped_impacts_are_those_of_fixed_springs(seed):
+    ball, target, mu, velocity, k = _random_scene(seed)
+    deepest = (1.25 * 0.03 / k) ** 0.4
+    time = 2.95 * deepest
+    law = ao.HuntCrossley(k, 0.5, n=1.5)
+    hit = ao.simulate(
+        ball[0],
+        target[0],
+        velocity,
+        law=law,
+        friction=mu,
+        duration=1.4 * time,
+        solver=ao.Newmark(dt=time / 1000, estimate=False),
+    )
+    right = march(
+        ball[1],
+        target[1],
+        DOWN,
+        k=k,
+        mu=mu,
+        ratio=LIKE,
+        depth=1.02 * deepest,
+        duration=1.4 * time,
+        steps=6000,
+        damping=0.5,
+    )
+    assert hit.peak_force == pytest.approx(right.force.max(), rel=5e-4)
+    largest = np.linalg.norm(right.friction, axis=1).max()
+    assert hit.value("peak_friction_force") == pytest.approx(largest, rel=1e-3)
+    near = 3e-4 * float(np.linalg.norm(velocity))
+    for ours, theirs in ((hit.projectile, ball[1]), (hit.target, target[1])):
+        assert ours.final_velocity == pytest.approx(theirs.velocity, abs=near)
+        assert 0.01 * ours.final_spin == pytest.approx(0.01 * theirs.spin, abs=near)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        ao.HuntCrossley.from_restitution(k=1e10, restitution=0.6, velocity=1.0),
+        ao.Tsuji(k=1e10, alpha=0.3, mass=0.03),
+        ao.KuwabaraKono(k=1e10, A=3e-6),
+        ao.KelvinVoigt(k=5e7, c=300.0),
+    ],
+)
+def test_damped_contacts_that_slip_have_coulombs_impulse(law):
+    ball, wall, mu = ao.ball(0.01, STEEL), ao.wall(STEEL), 0.2
+    straight = ao.simulate(ball, wall, 1.0, law=law)
+    hit = ao.simulate(ball, wall, (3.0, 0, -1), law=law, friction=mu)
+    assert hit.restitution == pytest.approx(straight.restitution, rel=1e-3)
+    friction = np.linalg.norm(hit.friction_force, axis=1)
+    slips = (hit.stuck == 0.0) & (hit.t > 0.0)
+    np.testing.assert_allclose(friction[slips], mu * hit.force[slips], rtol=1e-9, atol=1e-9)
+    assert slips.sum() > 0.98 * len(hit.t)
+    assert hit.projectile.final_velocity[0] == pytest.approx(
+        3.0 - mu * (1.0 + hit.restitution), rel=5e-4
+    )
+    lost = hit.energy.dissipated[-1] - hit.energy.friction[-1]
+    assert lost == pytest.approx(straight.energy.dissipated[-1], rel=2e-3)
+    slow = ao.simulate(ball, wall, (0.1, 0, -1), law=law, friction=mu)
+    assert (np.linalg.norm(slow.friction_force, axis=1) <= mu * slow.force * (1 + 1e-9)).all()
+    assert slow.stick_intervals
+
+
 def test_a_free_block_struck_at_a_node_moves_as_all_of_its_dofs_do():
     mesh = ao.box_mesh((0.03, 0.03, 0.02), (3, 3, 2), kind="hexahedron")
     block = ao.FEModel.from_mesh(mesh, ALU)
