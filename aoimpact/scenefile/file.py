@@ -339,8 +339,8 @@ class SceneFile:
 
         Raises
         ------
-        SceneFileError
-            If a probe makes no sense, with its line.
+        InputError, InputTypeError
+            If it is not a result of this file; with the line if a probe makes no sense.
 
         Examples
         --------
@@ -361,6 +361,10 @@ class SceneFile:
         {}
         """
         names = [member[1 if self.kind == "impact" else 0] for member in self.members]
+        if not isinstance(result, Run):
+            raise InputTypeError(f"result must come from simulate(), got {result!r}")
+        if len(result.bodies) != len(names):
+            raise InputError(f"result has {len(result.bodies)} bodies, and the file {len(names)}")
         found = {}
         for name, wanted in self.data[self.kind].get("probes", {}).items():
             with self._located(self.kind, "probes", name):

@@ -647,6 +647,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {name: getattr(FILE, name) for name in ("path", "data", "text")},
     ),
     "SceneFile.has_mesh": (FILE.has_mesh, {"body": "beam"}),
+    "SceneFile.probes": (FILE.probes, {"result": HIT}),
     "SceneFile.replaced": (FILE.replaced, {"values": {"velocity": 2.0}}),
     "values of SceneFile.replaced": (
         lambda **values: FILE.replaced(values),
