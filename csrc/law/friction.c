@@ -332,6 +332,7 @@ void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *st
     knot a, b;
     (void)step(&w, &a);
     int slips = 0;
+    const double reach = (state->count > 0 ? state->reach : 0.0) + hypot(p.slide[0], p.slide[1]);
     while (step(&w, &b)) {
         const int slide_both = a.slips && (b.slips || !(b.depth < indentation));
         add(friction->ratio, &a, &b, value);
@@ -340,7 +341,8 @@ void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *st
         a = b;
     }
     value->stuck = slips ? value->stuck : indentation;
-    value->terms += friction->mu * share * a.force; /* bounds are differences of depths */
+    /* Bounds are differences of depths, and stretches sums of many slides. */
+    value->terms += friction->mu * share * a.force + friction->ratio * reach * a.stiffness;
 }
 
 static void swap(aoi_friction_state *state, size_t count)
