@@ -71,7 +71,8 @@ typedef enum aoi_status {
     AOI_ERROR_LAW_JUMPS,      /* without the patch compliance the force is undefined: the law jumps */
     AOI_ERROR_STOPPED,        /* the caller's pause said so                                        */
     AOI_ERROR_CROWDED,        /* more contacts are closed at once than the system says             */
-    AOI_ERROR_FRICTION,       /* friction of a law that remembers or pulls, or in a run that knows none */
+    AOI_ERROR_FRICTION,       /* friction of a law that remembers or pulls, or, to a tolerance, that is damped or
+                                 beside a residual compliance                                       */
     AOI_ERROR_SPRINGS         /* a contact with friction needs more springs than there is room for  */
 } aoi_status;
 
@@ -447,7 +448,7 @@ typedef struct aoi_contact {
     size_t body[2], port[2];
     double gap;
     const aoi_law *law;
-    const aoi_friction *friction; /* of that law; NULL: none. Only Newmark's rule takes it                   */
+    const aoi_friction *friction; /* of that law; NULL: none                                                 */
     const double *compliance;     /* [3][3] m/N, by normal and tangents: with friction, what is taken out.
                                      [0][0] is law->compliance. NULL: that alone                             */
 } aoi_contact;
@@ -584,7 +585,7 @@ AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* linked */
  *   start   copied
  *   rtol    in (0, 1); below some 1e-13 it is lost in rounding
  *   end     s, > 0
- * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_FRICTION for a contact with friction,
+ * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_FRICTION for friction of a damped law or beside a residual compliance,
  * AOI_ERROR_NOT_FINITE for x, v. */
 AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start,
                                double rtol, double end);

@@ -405,7 +405,8 @@ class Scene:
         duration : float, optional
             Length of the record, s. If left out, until the last contact is over and as long again.
         solver : Adaptive or Newmark, optional
-            By default ``Adaptive()``; with a full finite-element model ``Newmark()``.
+            By default ``Adaptive()``, with friction ``Adaptive(rtol=1e-4)``; with a full
+            finite-element model, or friction of a damped law, ``Newmark()``.
         energies : bool, optional
             Whether to record energies as well.
         preload : bool, optional
@@ -619,7 +620,9 @@ class Scene:
                     bodies[i], around[i] = body.turned(around[i]), ()
             plan_of = partial(plan_of, around=around, widths=self._widths())
         if self._axes is not None:
-            bodies, solver = self._oblique(bodies), Newmark() if solver is None else solver
+            bodies = self._oblique(bodies)
+            if solver is None and any(of.law.depends_on_rate for of in self._contacts):
+                solver = Newmark()  # `solve` refuses the other one
         interest = partial(self._interest, quantity, bodies)
         if self._chooses(quantity, rtol):
             with bar("models", unit="solution"):

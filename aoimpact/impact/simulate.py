@@ -75,8 +75,9 @@ def simulate(
         Length of the record, s. If left out, until the impact is over and as long again.
     solver : Adaptive or Newmark, optional
         ``Adaptive(rtol=...)`` for a tolerance, ``Newmark(dt=...)`` for a given step. By default
-        ``Adaptive()``; with a full finite-element model, whose modes would have to be computed
-        first, and with friction ``Newmark()`` with a step of its own choice.
+        ``Adaptive()``, with friction ``Adaptive(rtol=1e-4)``; with a full finite-element model,
+        whose modes would have to be computed first, and with friction of a damped law
+        ``Newmark()`` with a step of its own choice.
     gap : float, optional
         Distance to go before the bodies touch, m, not negative.
     energies : bool, optional

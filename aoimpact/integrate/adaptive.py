@@ -40,6 +40,11 @@ class Adaptive:
     small enough, a warning is given, and `error.time` is how far the result may be off; 1.0 means
     that no digit is reliable.
 
+    With friction an elastic contact's memory follows the motion within each step. Velocities and
+    spins have the error `rtol`, or 1e-5 where that is less: `error.time` says so. Momentum is kept
+    to rounding and energy to `rtol`. Friction of damped laws is refused, and of bodies whose
+    contact points have no mass.
+
     Touches that have together less than a hundredth of the impulse of a contact's largest one do
     not count. Bodies at rest side by side begin to press each other at no certain time when a wave
     reaches them: the start of such a touch is when its force is no longer rounding.

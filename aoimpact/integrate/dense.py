@@ -202,7 +202,9 @@ class DenseRecorder:
         return forces
 
     def pushes(self, times: FloatArray) -> FloatArray:
-        return self.forces(times)  # the method has no friction
+        if self.plan.oblique is None:
+            return self.forces(times)
+        return self.plan.layout.pushes(self.rows(times, energies=False))
 
     def modes(self, times: FloatArray, body: int) -> tuple[FloatArray, FloatArray]:
         """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
@@ -240,16 +242,17 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     began = perf_counter()
     order = _order(plan) if len(plan.contacts) > 2 else None
     laws = {id(of.law): of.law.for_core() for of in plan.contacts}  # each of them once
-    bodies = tuple(
-        [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(plan.modal)]
-    )
+    bodies = tuple([body.for_core(plan.pull, plan.load_on(i)) for i, body in enumerate(plan.modal)])
     joined = [of.for_core(laws[id(of.law)]) for of in plan.contacts]
     contacts = tuple(joined if order is None else [joined[i] for i in order])
     rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
-    moving = tuple([body.moving for body in plan.modal])
+    moving, velocities = tuple([body.moving for body in plan.modal]), tuple(plan.velocities)
+    if plan.oblique is not None:
+        moving = tuple([body.rates(plan.start(i)) for i, body in enumerate(plan.modal)])
+        velocities = (1.0,) * len(moving)
     try:
         track, x, v, intervals, steps, rejected = _core.adaptive(
-            bodies, contacts, rtol, plan.duration, rest, moving, tuple(plan.velocities), most_steps
+            bodies, contacts, rtol, plan.duration, rest, moving, velocities, most_steps
         )
     except LawLimitError as error:
         if order is not None and error.contact is not None:

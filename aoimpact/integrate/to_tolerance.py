@@ -13,7 +13,17 @@ from .adaptive import Adaptive
 from .comparison import difference, most_touches
 from .dense import DenseRecorder, adaptive_run
 from .roughness import refuse_rough
-from .tolerances import FLOOR, GAIN, LINEAR, OTHER_STEPS, PATIENCE, ROUNDING, SEVERAL, SPREAD
+from .tolerances import (
+    FLOOR,
+    FRICTION,
+    GAIN,
+    LINEAR,
+    OTHER_STEPS,
+    PATIENCE,
+    ROUNDING,
+    SEVERAL,
+    SPREAD,
+)
 
 
 def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | None]:
@@ -45,6 +55,8 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | N
     if touches > 1 or (touches == 1 and any(contact.law.pulls for contact in plan.contacts)):
         run, error = _confirmed(plan, run, rule.rtol, touches)
         _refuse_gain(plan, run)
+    if error is not None and plan.oblique is not None:
+        error = max(error, FRICTION)
     return run if run.rtol == rule.rtol else replace(run, rtol=rule.rtol), error
 
 

@@ -293,7 +293,7 @@ class Run:
             modal = model.modal
             assert modal.rigid is not None
             rows = modal.rigid.velocity
-            if not (model.constrained or model.damping):
+            if not (self.recorder.dense or model.constrained or model.damping):
                 return np.asarray(rows @ (modal.rates(self.plan.start(index)) + self._gain(index)))
         _, rates = self.recorder.motion(index).observed(rows, np.array([self._parted]))
         return np.asarray(rates[:, 0])

@@ -15,14 +15,17 @@ from .run import Result, Run
 
 TimeSolver = Adaptive | Newmark
 
-_BY_DEFAULT = Adaptive()
+# With friction to as many digits as its coefficient has.
+_BY_DEFAULT, _RUBBING = Adaptive(), Adaptive(rtol=1e-4)
 
 
 def solve(plan: Plan, solver: TimeSolver | None) -> Run:
-    """Run a plan; by default to a tolerance, with a full model or friction by Newmark's rule.
+    """Run a plan; by default to a tolerance, with a full model or damped friction in steps.
 
     Raises
     ------
+    InputError
+        If `solver` is `Adaptive`, and a damped law has friction.
     InputTypeError
         If `solver` is no solver.
     LawLimitError
@@ -30,15 +33,18 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
     """
     if solver is None:
         full = any(isinstance(body, FullModel) for body in plan.bodies)
-        solver = Newmark() if full or plan.oblique is not None else _BY_DEFAULT
+        solver = _BY_DEFAULT if plan.oblique is None else _RUBBING
+        if full or (plan.oblique is not None and _damped(plan)):
+            solver = Newmark()
     if not isinstance(solver, (Adaptive, Newmark)):
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
     try:
         kind = Run if plan.scene else Result
         if isinstance(solver, Adaptive):
-            if plan.oblique is not None:
+            if plan.oblique is not None and _damped(plan):
                 raise InputError(
-                    f"solver={solver!r} does not know friction yet; take Newmark(), or leave it out"
+                    f"solver={solver!r} takes friction of elastic laws only, and a law is damped; "
+                    "take Newmark(), or leave it out"
                 )
             return kind(plan, *solve_adaptive(plan, solver))
         return kind(plan, *solve_newmark(plan, solver))
@@ -52,6 +58,11 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
         if factor is None:
             raise
         raise _too_narrow(error, plan, contact, factor) from None
+
+
+def _damped(plan: Plan) -> bool:
+    """True if a law depends on the rate."""
+    return any(contact.law.depends_on_rate for contact in plan.contacts)
 
 
 def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: float) -> LawLimitError:

@@ -293,6 +293,9 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     contact->start = bends ? here : fmax(here, rest);
     contact->start_rate = contact->touch_rate = rate;
     contact->last_length = contact->since_touch = contact->edge = 0.0;
+    if (contact->sliding) {
+        aoi_sliding_touch(contact->sliding);
+    }
     contact->piece = aoi_law_piece(of->law, contact->memory, contact->start, rate >= 0.0,
                                    &contact->low, &contact->high);
     aoi_law_force(of->law, contact->memory, contact->piece, fmax(here, rest), rate, &value);

@@ -32,7 +32,8 @@ static double slowness(double e, double power)
 /* The closed contact if it is the only one: several closed contacts influence each other's separation. */
 static const aoi_adaptive_contact *only_contact(const aoi_adaptive *run)
 {
-    return run->closed_count == 1 ? &run->contact[run->entry[0].contact] : NULL;
+    const int rubs = run->closed_count == 3 && run->entry[0].sliding;
+    return run->closed_count == 1 || rubs ? &run->contact[run->entry[0].contact] : NULL;
 }
 
 double aoi_release_after(const aoi_adaptive *run, double within)

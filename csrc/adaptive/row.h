@@ -3,6 +3,7 @@
 #define AOI_ADAPTIVE_ROW_H
 
 #include "law/law.h"
+#include "model/system.h"
 
 /* A row of a track, the dense record of an adaptive run: a step of contact, or the start of free motion of some bodies.
  * First the five values of aoi_row; then for each of its bodies an aoi_row_body: its number, the work done on it and the
@@ -34,5 +35,43 @@ enum aoi_row_contact {
     AOI_TRACK_INDENTATION = AOI_TRACK_FORCE + AOI_NODES,
     AOI_TRACK_CONTACT_SIZE = AOI_TRACK_INDENTATION + AOI_NODES + 1
 };
+
+/* With friction more follows: the work on slides before, less the energy of stretches at the start of a run; of it
+ * dissipated, J, and the stuck share of the indentation, before and at the nodes or the points of an edge, and at the end;
+ * then for each tangent an aoi_row_tangent: the force at the start and at the nodes, its ratio to the normal force there
+ * (for an edge only), and the Legendre coefficients of the slide. */
+enum aoi_row_friction {
+    AOI_TRACK_SLIDE_WORK = AOI_TRACK_CONTACT_SIZE,
+    AOI_TRACK_DISSIPATED,
+    AOI_TRACK_STUCK = AOI_TRACK_DISSIPATED + AOI_NODES + 2,
+    AOI_TRACK_TANGENTS = AOI_TRACK_STUCK + AOI_NODES + 2,
+    AOI_TRACK_TANGENT_START = 0,
+    AOI_TRACK_TANGENT_FORCE,
+    AOI_TRACK_TANGENT_SHARE = AOI_TRACK_TANGENT_FORCE + AOI_NODES,
+    AOI_TRACK_TANGENT_SLIDE = AOI_TRACK_TANGENT_SHARE + AOI_NODES,
+    AOI_TRACK_TANGENT_SIZE = AOI_TRACK_TANGENT_SLIDE + AOI_NODES + 1,
+    AOI_TRACK_FRICTION_SIZE = AOI_TRACK_TANGENTS + 2 * AOI_TRACK_TANGENT_SIZE
+};
+
+/* Doubles of a contact in a row. */
+static inline size_t aoi_row_contact_size(const aoi_contact *contact)
+{
+    return contact->friction ? AOI_TRACK_FRICTION_SIZE : AOI_TRACK_CONTACT_SIZE;
+}
+
+/* Of a contact with friction (of: in its row): the normal force and those along the tangents at a place (0 .. 1) of the
+ * row, N, and the indentation beyond that of the bodies, m. */
+void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent);
+
+/* The polynomials of these forces at the nodes of the part up to place: at an edge the nearest ones on that part. */
+void aoi_row_forces(const aoi_contact *contact, const double *of, double place, double force[3][AOI_NODES]);
+
+/* The work on slides up to a place, with that before, J: but for that on slides which the compliance that is taken out
+ * would make of friction. With it what is dissipated or in the stretches. */
+double aoi_row_slide_work(const aoi_contact *contact, const double *of, double place);
+double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double place);
+
+/* A value at a place, linear between those before, at the nodes or the points of an edge, and at the end. */
+double aoi_row_between(const double *of, int first, double place);
 
 #endif

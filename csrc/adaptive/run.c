@@ -16,6 +16,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 /* Least number of levels by which a step grows at once; most times that one step is cut short for an event, and that a
  * run goes on in a loop without a step: guards against loops without end. Tried: of both no run changes. */
@@ -61,19 +62,32 @@ static int is_quick(const aoi_system *system)
     return 0;
 }
 
+/* Number of contacts with friction, and the most forces that so many contacts have. */
+static size_t rubbing_of(const aoi_system *system)
+{
+    return (aoi_system_forces(system) - system->contact_count) / 2;
+}
+
+static size_t forces_of(const aoi_system *system, size_t contacts)
+{
+    return aoi_system_rubs(system) ? aoi_times(3, contacts) : contacts;
+}
+
 size_t aoi_adaptive_room(const aoi_system *system)
 {
     if (!system->first) {
         return 0;
     }
-    return AOI_TRACK_FIXED + system->contact_count * AOI_TRACK_CONTACT_SIZE +
+    const size_t more = AOI_TRACK_FRICTION_SIZE - AOI_TRACK_CONTACT_SIZE;
+    return AOI_TRACK_FIXED + system->contact_count * AOI_TRACK_CONTACT_SIZE + rubbing_of(system) * more +
            AOI_TRACK_STATE * system->body_count + 2 * system->first[system->body_count];
 }
 
 /* Work space of the collocation, which the balance of massless contact points takes as well. */
 static size_t work_size(const aoi_adaptive *run, const aoi_system *system)
 {
-    const size_t closed = run->at_once, apart = run->span < closed ? run->span : closed - (closed > 0);
+    const size_t closed = forces_of(system, run->at_once);
+    const size_t apart = run->span < closed ? run->span : closed - (closed > 0);
     size_t size = aoi_collocation_size(closed, apart);
     for (size_t b = 0; b < system->body_count; b++) {
         const size_t balance = system->body[b].residual ? aoi_balance_size(system->contact_count, run->span) : 0;
@@ -86,8 +100,9 @@ static size_t work_size(const aoi_adaptive *run, const aoi_system *system)
 static void lay_out_body(const aoi_system *system, const aoi_modes *modes, aoi_memory *memory, aoi_adaptive_body *body)
 {
     const size_t tables = tables_of(modes), ports = modes->ports;
-    const int some = system->at_once > 0 && system->at_once < ports;
-    const size_t columns = some ? system->at_once : ports, size = aoi_response_size(modes, columns);
+    const size_t most = forces_of(system, system->at_once);
+    const int some = most > 0 && most < ports;
+    const size_t columns = some ? most : ports, size = aoi_response_size(modes, columns);
     double *block = aoi_memory_doubles(memory, aoi_times(tables, size));
     size_t *port = some ? aoi_memory_numbers(memory, columns) : NULL;
     size_t *of = some ? aoi_memory_numbers(memory, ports) : NULL;
@@ -107,6 +122,9 @@ static size_t at_once_of(const aoi_system *system)
     return system->at_once > 0 && system->at_once < all ? system->at_once : all;
 }
 
+/* Springs of a contact: two arrays for each of its paths and for one in trial. */
+enum { OF_SLIDING = 2 * (AOI_PATHS + 1) * AOI_SPRINGS };
+
 /* Distributes the memory after the run's own struct; with block NULL it only counts the bytes. */
 static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
 {
@@ -115,7 +133,7 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
     (void)aoi_memory_take(&memory, 1, sizeof *run);
     run->body = aoi_memory_take(&memory, bodies, sizeof *run->body);
     run->contact = aoi_memory_take(&memory, contacts, sizeof *run->contact);
-    run->entry = aoi_memory_take(&memory, contacts, sizeof *run->entry);
+    run->entry = aoi_memory_take(&memory, aoi_system_forces(system), sizeof *run->entry);
     run->response = aoi_memory_take(&memory, bodies, sizeof *run->response);
     run->balanced = aoi_memory_take(&memory, contacts, sizeof *run->balanced);
     run->engaged.at = aoi_memory_numbers(&memory, bodies);
@@ -134,6 +152,9 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
     for (size_t b = 0; b < bodies; b++) {
         lay_out_body(system, &system->body[b], &memory, block ? &run->body[b] : NULL);
     }
+    const size_t rubbing = rubbing_of(system);
+    run->sliding = aoi_memory_take(&memory, rubbing, sizeof *run->sliding);
+    run->spring = aoi_memory_take(&memory, aoi_times(rubbing, OF_SLIDING), sizeof *run->spring);
     return memory.used;
 }
 
@@ -149,7 +170,7 @@ size_t aoi_adaptive_size(const aoi_system *system)
 /* -------------------------------------------------------------------------------- the start */
 
 /* Closes a contact whose bodies press on each other at the start. */
-static void start_closed(aoi_adaptive *run, size_t c)
+static int start_closed(aoi_adaptive *run, size_t c)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_contact *of = &run->system->contact[c];
@@ -160,6 +181,15 @@ static void start_closed(aoi_adaptive *run, size_t c)
     contact->start = delta;
     aoi_law_force(of->law, contact->memory, contact->piece, delta, contact->start_rate, &value);
     contact->force = value.force;
+    if (contact->sliding) {
+        const double place[3] = {delta, aoi_contact_slide(run, c, 1), aoi_contact_slide(run, c, 2)};
+        const int status = aoi_sliding_begin(contact->sliding, place);
+        if (status != AOI_OK) {
+            run->failed = c;
+            return status;
+        }
+        contact->force = aoi_sliding_force(contact->sliding, 0);
+    }
     aoi_contact_note_peak(run, c, contact->force, 0.0);
     const double time = 1.0 / sqrt(value.stiffness * contact->mobility);
     contact->indentation_scale = fmax(contact->indentation_scale, delta);
@@ -170,6 +200,7 @@ static void start_closed(aoi_adaptive *run, size_t c)
     }
     run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
     run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);
+    return AOI_OK;
 }
 
 /* Work done before the start by loads and closed contacts on residual compliances is excluded from the ledger. */
@@ -221,17 +252,43 @@ static void begin_bodies(aoi_adaptive *run)
     }
 }
 
+/* Curves of stretches are drawn to the tolerance, but not finer than the first, which takes 1000 springs; within a step this much finer. And the share of the tolerance at which Newton's method ends. */
+static const double FINEST_CURVE = 4e-6, WITHIN_STEP = 0.01, NEWTON_SHARE = 1e-2;
+
+static void begin_sliding(const aoi_adaptive *run, const aoi_contact *of, aoi_sliding *sliding, aoi_stretch *spring)
+{
+    *sliding = (aoi_sliding){.friction = *of->friction, .compliance = {{of->law->compliance}}};
+    if (of->compliance) {
+        memcpy(sliding->compliance, of->compliance, sizeof sliding->compliance);
+    }
+    sliding->friction.precision = fmax(fmin(of->friction->precision, run->rtol), FINEST_CURVE);
+    sliding->exact = sliding->friction;
+    sliding->exact.precision *= WITHIN_STEP;
+    sliding->enough = NEWTON_SHARE * run->rtol;
+    for (size_t p = 0; p <= AOI_PATHS; p++, spring += 2 * AOI_SPRINGS) {
+        aoi_slide_path *path = p < AOI_PATHS ? &sliding->path[p] : &sliding->trial;
+        path->springs = (aoi_friction_state){AOI_SPRINGS, 0, spring, spring + AOI_SPRINGS, 0.0, 0.0, 0.0};
+    }
+    aoi_sliding_touch(sliding);
+}
+
 static int begin_contacts(aoi_adaptive *run)
 {
+    size_t rubbing = 0;
     for (size_t c = 0; c < run->system->contact_count; c++) {
         run->contact[c] = (aoi_adaptive_contact){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
         run->contact[c].peak_time = run->time;
+        if (run->system->contact[c].friction) {
+            run->contact[c].sliding = &run->sliding[rubbing];
+            begin_sliding(run, &run->system->contact[c], &run->sliding[rubbing], run->spring + OF_SLIDING * rubbing);
+            rubbing++;
+        }
     }
-    const int status = aoi_balance_at_start(run);
+    int status = aoi_balance_at_start(run);
     aoi_watch_begin(run);
     for (size_t c = 0; c < run->system->contact_count && status == AOI_OK; c++) {
         if (run->contact[c].start > 0.0) {
-            start_closed(run, c);
+            status = start_closed(run, c);
         } else {
             aoi_watch_add(run, c);
         }
@@ -251,10 +308,32 @@ static int take_state(const double *from, size_t count, double *to)
     return 1;
 }
 
+/* Whether a body has a residual compliance. */
+static int has_residual(const aoi_system *system)
+{
+    for (size_t b = 0; b < system->body_count; b++) {
+        if (system->body[b].residual) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Whether a law with friction depends on the rate. */
+static int is_damped(const aoi_system *system)
+{
+    for (size_t c = 0; c < system->contact_count; c++) {
+        if (system->contact[c].friction && system->contact[c].law->depends_on_rate) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start, double rtol,
                        double end)
 {
-    if (system->first && aoi_system_rubs(system)) {
+    if (system->first && aoi_system_rubs(system) && (has_residual(system) || is_damped(system))) {
         return AOI_ERROR_FRICTION;
     }
     if (!aoi_system_is_plain(system) || !(rtol > 0.0 && rtol < 1.0) || !(end > 0.0) || !isfinite(end)) {
@@ -264,6 +343,7 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
     *run = (aoi_adaptive){.system = system, .rtol = rtol, .end = end, .rested = start->rested};
     run->span = aoi_system_span(system);
     run->at_once = at_once_of(system);
+    run->most_columns = forces_of(system, run->at_once);
     run->row_size = aoi_adaptive_room(system);
     run->grain = modes > 1 && is_quick(system) ? AOI_LEVELS : 1;
     run->table_cost = modes > 1 ? (double)modes : 0.0;
@@ -447,7 +527,7 @@ static int prepare(aoi_adaptive *run, double *limit)
             note_starts(run);
             run->unbalanced = 0;
         }
-    } while (run->closed_count != run->closed.count);
+    } while (run->closed_count != aoi_run_forces(run));
     const double now = aoi_run_now(run);
     double stop = run->horizon;
     for (size_t i = 0; i < run->engaged.count; i++) {

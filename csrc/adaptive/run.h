@@ -8,6 +8,7 @@
 #include "motion/free.h"
 #include "motion/response.h"
 #include "collocation/collocation.h"
+#include "collocation/sliding.h"
 
 #include <math.h>
 
@@ -55,6 +56,7 @@ typedef struct aoi_adaptive_contact {
     double event_place;
     double last_length, last[AOI_NODES + 1]; /* the last step's indentation, to guess the next */
     double peak_force, peak_time, impulse, since_touch, work;
+    aoi_sliding *sliding; /* NULL: without friction */
 } aoi_adaptive_contact;
 
 /* Numbers of bodies or contacts. */
@@ -72,13 +74,15 @@ struct aoi_adaptive {
     aoi_adaptive_contact *contact;
     aoi_contact_step *entry;
     aoi_response *response;
+    aoi_sliding *sliding; /* of the contacts with friction, and their springs */
+    aoi_stretch *spring;
     aoi_contact_state *balanced; /* contacts at massless contact points, while their forces are found */
 
     aoi_list closed;     /* contacts, ascending                                           */
     aoi_list watched[2]; /* open ones in free motion: 0 those with no touch yet found, 1 those that touch */
     aoi_list engaged, changed; /* bodies: in this step; since their last row              */
-    size_t span, row_size, at_once;
-    size_t closed_count, entry_count; /* the entries: closed contacts first, then those beside them */
+    size_t span, row_size, at_once, most_columns; /* of the tables of a body with more ports */
+    size_t closed_count, entry_count; /* the entries: those of closed contacts first, then of contacts beside them */
     int level;                        /* steps are base 2^(-level/8) long */
     int grain;                        /* levels are multiples of this */
     double table_cost, saved; /* cost of new tables, a step a mode, and steps that a coarser level would have saved */
@@ -148,6 +152,9 @@ typedef struct aoi_attempt {
 /* The time now. */
 double aoi_run_now(const aoi_adaptive *run);
 
+/* Number of the entries of the closed contacts. */
+size_t aoi_run_forces(const aoi_adaptive *run);
+
 /* The length of a step of the run's level, s. */
 double aoi_run_step(const aoi_adaptive *run);
 
@@ -193,6 +200,9 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates);
 
 /* A contact's indentation now, including the deflection of residual compliances, m. */
 double aoi_contact_place(const aoi_adaptive *run, size_t c);
+
+/* The slide of the ports of a contact along a tangent now, m. */
+double aoi_contact_slide(const aoi_adaptive *run, size_t c, size_t axis);
 
 /* Updates a contact's largest force with a force that it has some time after now. */
 void aoi_contact_note_peak(aoi_adaptive *run, size_t c, double force, double after);

@@ -4,6 +4,7 @@
 #include "adaptive/step.h"
 #include "law/law.h"
 #include "model/modes.h"
+#include "model/system.h"
 #include "motion/energy.h"
 #include "motion/free.h"
 #include "motion/modes.h"
@@ -18,6 +19,15 @@ static const double EVENT_SHARE = 0.01, PLACE_ROUNDING = 8.0;
 /* ----------------------------------------------------------------------------------------- time */
 
 double aoi_run_now(const aoi_adaptive *run) { return run->origin + run->elapsed; }
+
+size_t aoi_run_forces(const aoi_adaptive *run)
+{
+    size_t count = run->closed.count;
+    for (size_t i = 0; i < run->closed.count && aoi_system_rubs(run->system); i++) {
+        count += aoi_contact_forces(&run->system->contact[run->closed.at[i]]) - 1;
+    }
+    return count;
+}
 
 double aoi_run_step(const aoi_adaptive *run)
 {
@@ -131,6 +141,18 @@ double aoi_contact_place(const aoi_adaptive *run, size_t c)
     aoi_pair_now(run, c, &pair);
     aoi_free_pair_indentation(&pair, &without_forces, &rate, &acceleration);
     return without_forces - aoi_contact_bent(run, c, 0);
+}
+
+double aoi_contact_slide(const aoi_adaptive *run, size_t c, size_t axis)
+{
+    const aoi_contact *of = &run->system->contact[c];
+    double slide[2], rate;
+    for (int side = 0; side < 2; side++) {
+        const size_t at = run->system->first[of->body[side]];
+        aoi_modes_port(&run->system->body[of->body[side]], of->port[side] + axis, run->x + at, run->v + at, &slide[side],
+                       &rate);
+    }
+    return slide[0] - slide[1];
 }
 
 void aoi_contact_note_peak(aoi_adaptive *run, size_t c, double force, double after)

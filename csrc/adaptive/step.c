@@ -99,7 +99,7 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
     }
     for (int side = 0; side < 2; side++) {
         const size_t b = contact->body[side], at = run->system->first[b];
-        aoi_response_homogeneous(&run->response[b], &run->system->body[b], contact->port[side],
+        aoi_response_homogeneous(&run->response[b], &run->system->body[b], contact->port[side] + entry->axis,
                                  side == 0 ? 1.0 : -1.0, aoi_run_now(run), run->x + at, run->v + at,
                                  entry->homogeneous, with_rates ? entry->homogeneous_rate : NULL);
     }
@@ -156,6 +156,27 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
     entry->scale = fmax(largest, (massless ? MASSLESS_NEWTON_SHARE : NEWTON_SHARE) * usual);
 }
 
+/* The same of a slide: the last step's polynomial, or the motion without contact forces. Its scale is what springs are
+ * stretched at most, or, of a longer one, itself. */
+static void guess_slide(const aoi_adaptive_contact *contact, double h, double usual, aoi_contact_step *entry)
+{
+    const aoi_friction *friction = &entry->sliding->friction;
+    const double stretch = friction->mu / friction->ratio;
+    double largest = 0.0;
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        double slope;
+        entry->indentation[i] = entry->homogeneous[i];
+        entry->rate[i] = entry->homogeneous_rate[i];
+        if (contact->last_length > 0.0 && h <= 2.0 * contact->last_length) {
+            const double beyond = 1.0 + aoi_radau_node[i] * h / contact->last_length;
+            entry->indentation[i] =
+                aoi_legendre_evaluate(AOI_NODES + 1, entry->sliding->last[entry->axis - 1], beyond, &slope);
+        }
+        largest = fmax(largest, fabs(entry->indentation[i] - entry->start));
+    }
+    entry->scale = fmax(fmax(largest, stretch * contact->indentation_scale), NEWTON_SHARE * usual);
+}
+
 /* Whether a step of length h begins or ends at an edge of a contact. */
 static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
@@ -185,7 +206,16 @@ static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
     entry->start_force = contact->force;
     entry->start = contact->start;
     entry->start_rate = contact->start_rate;
+    if (entry->axis > 0) {
+        entry->start = entry->sliding->slide[entry->axis - 1];
+        entry->start_force = aoi_sliding_force(entry->sliding, entry->axis);
+        entry->start_rate = 0.0;
+    }
     homogeneous(run, entry, with_rates);
+    if (entry->axis > 0) {
+        guess_slide(contact, h, run->indentation_scale, entry);
+        return;
+    }
     const int massless = aoi_contact_has_residual(run, entry->contact);
     guess(contact, h, run->indentation_scale, with_rates, massless, entry);
 }
@@ -204,7 +234,8 @@ static void gather_forces(aoi_adaptive *run, double h)
     for (size_t s = 0; s < run->closed_count; s++) {
         const aoi_contact *contact = &system->contact[run->entry[s].contact];
         for (int side = 0; side < 2; side++) {
-            const size_t port = run->system->first_port[contact->body[side]] + contact->port[side];
+            const size_t port =
+                run->system->first_port[contact->body[side]] + contact->port[side] + run->entry[s].axis;
             aoi_nodes_add(side == 0 ? -1.0 : 1.0, run->entry[s].force,
                            run->port_force + port * AOI_NODES);
         }
@@ -256,6 +287,11 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
             begin_entry(run, s, h, with_rates);
         }
     }
+    for (size_t s = 0; s < run->closed_count; s++) {
+        if (run->entry[s].sliding && run->entry[s].axis == 0) {
+            aoi_sliding_prepare(run->entry[s].sliding, &run->entry[s]);
+        }
+    }
     if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
                               run->entry, run->collocation) != AOI_OK) {
         return;
@@ -269,10 +305,17 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
     run->force_scale = force_scale_of(run);
     attempt->growth = HUGE_VAL;
     for (size_t s = 0; s < run->closed_count; s++) {
+        if (run->entry[s].sliding && run->entry[s].axis == 0 &&
+            aoi_sliding_check(run->entry[s].sliding, &run->entry[s]) != AOI_OK) {
+            attempt->growth = 0.0;
+            return;
+        }
         const double growth = aoi_step_growth(run, &run->entry[s], h);
         attempt->growth = growth < attempt->growth ? growth : attempt->growth;
-        aoi_step_closed_events(run, &run->entry[s], attempt);
-        aoi_step_skip(run, &run->entry[s], attempt);
+        if (run->entry[s].axis == 0) {
+            aoi_step_closed_events(run, &run->entry[s], attempt);
+            aoi_step_skip(run, &run->entry[s], attempt);
+        }
     }
     for (size_t s = run->closed_count; s < run->entry_count; s++) {
         aoi_step_open_events(run, &run->entry[s], attempt);

@@ -33,6 +33,17 @@ static double top_of(const aoi_law *law, const aoi_contact_step *entry)
     return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }
 
+/* Of a contact with friction, by its row: its normal force depends a little on friction, too. */
+static void note_rubbing_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h, const double *of)
+{
+    double place, value, force[3], bent;
+    if (aoi_legendre_top(AOI_NODES + 1, entry->legendre, &place, &value)) {
+        aoi_row_rub(&run->system->contact[entry->contact], of, place, force, &bent);
+        aoi_contact_note_peak(run, entry->contact, force[0], place * h);
+    }
+    aoi_contact_note_peak(run, entry->contact, aoi_sliding_force(entry->sliding, 0), h);
+}
+
 static void note_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h)
 {
     const aoi_law *law = aoi_step_law(run, entry);
@@ -143,8 +154,8 @@ static double force_slope(const aoi_contact_step *entry)
     return end_slope(legendre);
 }
 
-/* Updates a contact's peak, impulse, work and scales, and sets its state at the end of the step. */
-static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double h, int with_rates)
+/* Updates a contact's peak, impulse, work and scales, and sets its state at the end of the step. of: in its row. */
+static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double h, int with_rates, const double *of)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
     const aoi_law *law = aoi_step_law(run, entry);
@@ -155,7 +166,11 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
         return AOI_ERROR_PATCH;
     }
     if (entry->piece != AOI_SLACK) {
-        note_peak(run, entry, h);
+        if (entry->sliding) {
+            note_rubbing_peak(run, entry, h, of);
+        } else {
+            note_peak(run, entry, h);
+        }
         const double impulse = aoi_collocation_impulse(entry, h);
         contact->impulse += impulse;
         contact->since_touch += impulse;
@@ -173,7 +188,7 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
     if (!with_rates) {
         contact->start_rate = end_slope(entry->legendre) / h;
     }
-    contact->force = force_at_end(law, entry);
+    contact->force = entry->sliding ? aoi_sliding_force(entry->sliding, 0) : force_at_end(law, entry);
     if (aoi_contact_has_residual(run, entry->contact)) {
         contact->bending = entry->force[end];
         contact->force_rate = force_slope(entry) / h;
@@ -246,6 +261,9 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
     int some = 0;
     for (size_t s = 0; s < run->closed_count; s++) {
         aoi_adaptive_contact *contact = &run->contact[run->entry[s].contact];
+        if (run->entry[s].axis > 0) {
+            continue;
+        }
         if (contact->event_place > place) {
             contact->event = AOI_EVENT_NONE; /* not yet */
             continue;
@@ -295,6 +313,9 @@ static void apply_events(aoi_adaptive *run, double later)
     run->indentation_scale = run->impulse_scale = 0.0;
     for (size_t s = 0; s < run->entry_count; s++) {
         const size_t c = run->entry[s].contact;
+        if (run->entry[s].axis > 0) {
+            continue;
+        }
         if (run->contact[c].event == AOI_EVENT_TOUCH) {
             aoi_contact_close(run, c);
         } else if (s < run->closed_count) {
@@ -306,15 +327,43 @@ static void apply_events(aoi_adaptive *run, double later)
     }
 }
 
+/* Takes the springs of all contacts to the end of the step. */
+static int advance_friction(aoi_adaptive *run)
+{
+    int status = AOI_OK;
+    for (size_t s = 0; s < run->closed_count && status == AOI_OK; s++) {
+        if (run->entry[s].sliding && run->entry[s].axis == 0) {
+            status = aoi_sliding_advance(run->entry[s].sliding, &run->entry[s]);
+            run->failed = status != AOI_OK ? run->entry[s].contact : run->failed;
+        }
+    }
+    return status;
+}
+
+/* Doubles of so many closed contacts in a row, two more entries of each that has friction. */
+static size_t contacts_size(const aoi_adaptive *run, size_t count)
+{
+    const size_t more = AOI_TRACK_FRICTION_SIZE - AOI_TRACK_CONTACT_SIZE;
+    return count * AOI_TRACK_CONTACT_SIZE + (run->closed_count - count) / 2 * more;
+}
+
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
 {
     const double h = attempt->h, later = run->origin + (run->elapsed + (h + run->left_off));
     const int with_rates =
         aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
+    int status = aoi_system_rubs(run->system) ? advance_friction(run) : AOI_OK;
+    if (status != AOI_OK) {
+        return status;
+    }
     *size = aoi_step_write(run, h, run->closed_count, row);
     move_bodies(run, h, later);
+    const double *of = row + *size - contacts_size(run, (size_t)row[AOI_TRACK_CONTACTS]);
     for (size_t s = 0; s < run->closed_count; s++) {
-        const int status = move_contact(run, &run->entry[s], h, with_rates);
+        if (run->entry[s].axis == 0) {
+            status = move_contact(run, &run->entry[s], h, with_rates, of);
+            of += aoi_row_contact_size(&run->system->contact[run->entry[s].contact]);
+        }
         if (status != AOI_OK) {
             return status;
         }

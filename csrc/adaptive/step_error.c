@@ -14,6 +14,7 @@
 #include "motion/radau.h"
 #include "motion/nodes.h"
 #include "collocation/collocation.h"
+#include "collocation/sliding.h"
 
 #include <float.h>
 #include <math.h>
@@ -40,6 +41,9 @@ static const double BLIND_GROWTH = 2.0;
 /* Largest growth of the length allowed at the contact's end over that of the step with its beginning. Measured: 1 costs
  * 1.3 % more work, 4.2 costs 0.3 %. */
 static const double EDGE_REACH = 1.4;
+
+/* Where the rate of friction has a kink in a step its impulse errs by this power of the length. */
+static const double KINK_ORDER = 3.0;
 
 /* Above the ratio of the forces at the last two nodes where the force grows like t^(1/4) from the start, 0.986. */
 static const double NEAR_TOP = 0.99;
@@ -130,15 +134,27 @@ static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *
 /* The errors of a step as shares of their tolerances; and the tolerance of the unresolved oscillation of a force, N. */
 typedef struct errors {
     double within, handed_on, ripple;
+    double drift; /* of friction, by the length of the straight parts of its paths */
 } errors;
+
+/* Friction is measured by its bound, as a share of the normal force, and slides by what springs are stretched at most. Of
+ * a coefficient below this no more is promised. */
+static const double LEAST_BOUND = 0.01;
 
 /* Tolerances are at least a few times the rounding. */
 static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double h, errors *of)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
-    const double largest = aoi_step_indentation(entry), scale = aoi_step_scale(run, entry, largest);
-    const double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
-    const int at_an_end = contact->last_length == 0.0 || entry->indentation[AOI_NODES - 1] <= 0.0;
+    const aoi_contact_step *normal = entry - entry->axis;
+    const double bound = entry->axis > 0 ? fmax(entry->sliding->friction.mu, LEAST_BOUND) : 1.0;
+    const double largest = aoi_step_indentation(normal);
+    double scale = aoi_step_scale(run, normal, largest);
+    double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
+    if (entry->axis > 0) {
+        scale *= bound / entry->sliding->friction.ratio;
+        impulse_scale *= bound;
+    }
+    const int at_an_end = contact->last_length == 0.0 || normal->indentation[AOI_NODES - 1] <= 0.0;
     const double end_share = at_an_end ? END_SHARE : 1.0;
     const int bent = aoi_contact_has_residual(run, entry->contact);
     const double tail_share =
@@ -158,7 +174,12 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
         const double known = fmax(run->rtol * usual, AOI_RATE_ERROR * fmax(usual, run->force_scale));
         of->within = fmax(of->within, force_jump(run, entry) / known);
     }
-    of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * force_scale(run, entry);
+    of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * bound * force_scale(run, normal);
+    of->drift = 0.0;
+    if (entry->sliding) { /* which cannot be told from what the curve of stretches leaves out */
+        const double known = fmax(STEP_SHARE * run->rtol, entry->sliding->friction.precision);
+        of->drift = entry->sliding->drift[entry->axis] / (known * bound * force_scale(run, normal));
+    }
     of->handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }
@@ -186,6 +207,15 @@ static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entr
     return unresolved > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), BLIND_GROWTH);
 }
 
+/* Friction's, where slip may begin or end in the step: its impulse has errors of a kink of its rate only where they are too
+ * large, the length of parts errs with about the same power. */
+static double sliding_growth(const errors *of)
+{
+    const double worst = fmax(of->drift, of->handed_on > 1.0 ? of->handed_on : 0.0);
+    const double growth = CAUTION * pow(worst, -1.0 / KINK_ORDER);
+    return worst > 1.0 ? growth : fmax(growth, 1.0);
+}
+
 /* At an edge errors grow like the powers of time that a polynomial cannot represent: a force like d^(3/2) gives t^(7/2)
  * in the motion and t^(5/2) in the impulse. */
 static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *entry, double h, const errors *of)
@@ -196,7 +226,10 @@ static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *e
     if (of->within > 1.0 || of->handed_on > of->within * of->within) { /* else the first is the least */
         growth = fmin(growth, CAUTION * pow(of->handed_on, -1.0 / by_impulse));
     }
-    if (of->within > 1.0 || of->handed_on > 1.0) {
+    if (entry->sliding) {
+        growth = fmin(growth, sliding_growth(of));
+    }
+    if (of->within > 1.0 || of->handed_on > 1.0 || of->drift > 1.0) {
         return fmin(growth, CAUTION);
     }
     if (at_edge) {
@@ -210,7 +243,7 @@ double aoi_step_growth(aoi_adaptive *run, aoi_contact_step *entry, double h)
 {
     errors of;
     find_errors(run, entry, h, &of);
-    if (isnan(of.within + of.handed_on)) {
+    if (isnan(of.within + of.handed_on + of.drift)) {
         return 0.0;
     }
     const double growth = entry->piece == AOI_SLACK ? slack_growth(run, entry, h, of.within)

@@ -2,6 +2,7 @@
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "model/modes.h"
+#include "model/system.h"
 #include "motion/energy.h"
 #include "motion/free.h"
 #include "motion/modes.h"
@@ -28,7 +29,10 @@ static void bring_along(aoi_adaptive *run, size_t b)
     for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
         const size_t c = system->contact_of[i];
         if (aoi_watch_remove(run, c)) {
-            run->entry[run->entry_count++].contact = c;
+            aoi_contact_step *entry = &run->entry[run->entry_count++];
+            entry->contact = c;
+            entry->axis = 0;
+            entry->sliding = NULL;
             run->contact[c].free_until = -HUGE_VAL;
             run->contact[c].touches = 0;
             aoi_body_engage(run, system->contact[c].body[0], AOI_WATCHED);
@@ -51,16 +55,18 @@ static int set_columns(aoi_adaptive *run, size_t b)
     for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
         const aoi_contact *contact = &system->contact[system->contact_of[i]];
         const aoi_adaptive_contact *now = &run->contact[system->contact_of[i]];
-        const size_t port = contact->port[contact->body[1] == b];
-        if ((!now->closed && now->bending == 0.0) || columns->of[port] != AOI_NO_COLUMN) {
-            continue;
+        const size_t first = contact->port[contact->body[1] == b];
+        for (size_t port = first; port < first + aoi_contact_forces(contact); port++) {
+            if ((!now->closed && now->bending == 0.0) || columns->of[port] != AOI_NO_COLUMN) {
+                continue;
+            }
+            if (count == run->most_columns) {
+                return AOI_ERROR_CROWDED;
+            }
+            changed = changed || count >= columns->count || columns->port[count] != port;
+            columns->port[count] = port;
+            columns->of[port] = count++;
         }
-        if (count == system->at_once) {
-            return AOI_ERROR_CROWDED;
-        }
-        changed = changed || count >= columns->count || columns->port[count] != port;
-        columns->port[count] = port;
-        columns->of[port] = count++;
     }
     changed = changed || count != columns->count;
     columns->count = count;
@@ -86,12 +92,17 @@ void aoi_step_prepare(aoi_adaptive *run)
 {
     aoi_step_release(run);
     for (size_t i = 0; i < run->closed.count; i++) {
-        const size_t c = run->closed.at[i];
-        run->entry[i].contact = c;
+        const size_t c = run->closed.at[i], forces = aoi_contact_forces(&run->system->contact[c]);
+        for (size_t axis = 0; axis < forces; axis++) {
+            aoi_contact_step *entry = &run->entry[run->closed_count++];
+            entry->contact = c;
+            entry->axis = axis;
+            entry->sliding = run->contact[c].sliding;
+        }
         aoi_body_engage(run, run->system->contact[c].body[0], AOI_UNDER_FORCE);
         aoi_body_engage(run, run->system->contact[c].body[1], AOI_UNDER_FORCE);
     }
-    run->closed_count = run->entry_count = run->closed.count;
+    run->entry_count = run->closed_count;
     const size_t count = run->engaged.count; /* only the bodies of closed contacts: bring_along adds others */
     for (size_t i = 0; i < count; i++) {
         if (run->body[run->engaged.at[i]].engaged == AOI_UNDER_FORCE) {

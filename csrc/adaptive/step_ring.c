@@ -74,14 +74,16 @@ typedef struct reaction {
 static reaction reaction_of(const aoi_adaptive *run, const aoi_contact_step *entry, double h)
 {
     const aoi_contact *contact = &run->system->contact[entry->contact];
+    const aoi_contact_step *normal = entry - entry->axis;
     aoi_law_value value;
-    aoi_law_force(contact->law, entry->memory, aoi_step_piece(contact->law, entry), aoi_step_indentation(entry),
-                  entry->start_rate, &value);
+    aoi_law_force(contact->law, entry->memory, aoi_step_piece(contact->law, normal), aoi_step_indentation(normal),
+                  normal->start_rate, &value);
     reaction of = {value.stiffness, value.damping, aoi_system_residual(run->system, entry->contact, entry->contact)};
+    of.stiffness *= entry->axis > 0 ? entry->sliding->friction.ratio : 1.0;
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = &run->system->body[contact->body[side]];
         for (size_t j = body->n; j-- > 0 && body->omega[j] * h > AOI_PATH_FAST;) {
-            const size_t at = contact->port[side] * body->n + j;
+            const size_t at = (contact->port[side] + entry->axis) * body->n + j;
             of.compliance += body->shape[at] * body->push[at] / (body->omega[j] * body->omega[j]);
         }
     }
@@ -107,7 +109,7 @@ double aoi_step_ring_growth(const aoi_adaptive *run, const aoi_contact_step *ent
         const aoi_modes *body = &run->system->body[b];
         double sum = 0.0;
         for (size_t j = body->n; j-- > 0 && body->omega[j] * longest > UNRESOLVED;) {
-            const double amplitude = amplitude_of(run, b, contact->port[side], j, h);
+            const double amplitude = amplitude_of(run, b, contact->port[side] + entry->axis, j, h);
             of = of.compliance < 0.0 && amplitude > 0.0 ? reaction_of(run, entry, h) : of;
             sum += force_of(&of, amplitude, body->omega[j]);
             if (!(sum <= 0.5 * most)) {

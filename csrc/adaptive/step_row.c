@@ -3,6 +3,9 @@
 #include "adaptive/run.h"
 #include "law/law.h"
 #include "collocation/collocation.h"
+#include "collocation/sliding.h"
+
+#include <string.h>
 
 static size_t write_body(const aoi_adaptive *run, size_t b, double *row)
 {
@@ -40,6 +43,34 @@ static void write_contact(const aoi_adaptive_contact *contact, const aoi_contact
     }
 }
 
+/* Behind a contact with friction, whose three entries these are, at the end of the step. */
+static void write_friction(aoi_sliding *sliding, const aoi_contact *contact, const aoi_contact_step *entry, double *of)
+{
+    const int edge = entry->edge != AOI_EDGE_NONE;
+    const double *points = edge ? aoi_radau_edge_point[entry->edge] : aoi_radau_node;
+    of[AOI_TRACK_SLIDE_WORK] = sliding->work;
+    for (size_t i = 0; i < 2; i++) {
+        double *tangent = of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;
+        tangent[AOI_TRACK_TANGENT_START] = entry[1 + i].start_force;
+        memcpy(tangent + AOI_TRACK_TANGENT_FORCE, entry[1 + i].force, sizeof entry->force);
+        memset(tangent + AOI_TRACK_TANGENT_SHARE, 0, sizeof entry->force);
+        if (edge) {
+            memcpy(tangent + AOI_TRACK_TANGENT_SHARE, sliding->share[i], sizeof sliding->share[i]);
+        }
+        memcpy(tangent + AOI_TRACK_TANGENT_SLIDE, entry[1 + i].legendre, sizeof entry->legendre);
+    }
+    of[AOI_TRACK_DISSIPATED] = sliding->lost;
+    of[AOI_TRACK_STUCK] = sliding->stuck;
+    for (size_t k = 0; k <= AOI_NODES; k++) {
+        const double place = k < AOI_NODES ? points[k] : 1.0;
+        sliding->lost = aoi_row_slide_stored(contact, of, place) - sliding->stretched_at[k];
+        of[AOI_TRACK_DISSIPATED + 1 + k] = sliding->lost;
+        of[AOI_TRACK_STUCK + 1 + k] = sliding->stuck_at[k];
+    }
+    sliding->stuck = sliding->stuck_at[AOI_NODES];
+    sliding->work = aoi_row_slide_work(contact, of, 1.0);
+}
+
 size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
 {
     size_t at = AOI_TRACK_FIXED;
@@ -54,13 +85,21 @@ size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
         run->body[run->changed.at[i]].changed = 0;
     }
     run->changed.count = 0;
-    for (size_t s = 0; s < contacts; s++, at += AOI_TRACK_CONTACT_SIZE) {
-        write_contact(&run->contact[run->entry[s].contact], &run->entry[s], row + at);
+    size_t written = 0;
+    for (size_t s = 0; s < contacts; s += aoi_contact_forces(&run->system->contact[run->entry[s].contact])) {
+        const aoi_contact_step *entry = &run->entry[s];
+        const aoi_contact *contact = &run->system->contact[entry->contact];
+        write_contact(&run->contact[entry->contact], entry, row + at);
+        if (entry->sliding) {
+            write_friction(entry->sliding, contact, entry, row + at);
+        }
+        at += aoi_row_contact_size(contact);
+        written++;
     }
     row[AOI_TRACK_START] = aoi_run_now(run);
     row[AOI_TRACK_LENGTH] = h;
     row[AOI_TRACK_BODIES] = (double)bodies;
-    row[AOI_TRACK_CONTACTS] = (double)contacts;
+    row[AOI_TRACK_CONTACTS] = (double)written;
     row[AOI_TRACK_SIZE] = (double)at;
     return at;
 }

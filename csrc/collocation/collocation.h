@@ -15,13 +15,17 @@ enum { AOI_SLACK = -1 };
  * the nodes would miss part of its impulse, the polynomial of least squares does not. */
 enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
 
-/* One contact during a step. The caller sets the first block: the piece of the law and its memory; which edge of the
+typedef struct aoi_sliding aoi_sliding; /* sliding.h */
+
+/* One contact during a step, or with friction one of three entries in a row, of its normal and two tangents: their
+ * indentation is then the slide of the bodies since the touch. The caller sets the first block: the piece of the law and its memory; which edge of the
  * contact the step has; indentation, rate and force at the start of the step; the scale of the indentation; a constant
  * force, the motion under the constant forces of all contacts, and a guess of the indentation and its rate. At a
  * massless contact point the constant is the force at the start: rates then follow from changes of forces within the
  * step without loss of digits, however short it is. */
 typedef struct aoi_contact_step {
-    size_t contact;
+    size_t contact, axis;  /* 0, or 1 and 2 along the tangents */
+    aoi_sliding *sliding;  /* NULL: without friction           */
     const double *memory;
     int piece;
     enum aoi_edge edge;
@@ -34,14 +38,14 @@ typedef struct aoi_contact_step {
     double legendre[AOI_NODES + 1]; /* of the indentation */
 } aoi_contact_step;
 
-/* Doubles of work space of aoi_collocation_solve for count contacts of which those that share a body
+/* Doubles of work space of aoi_collocation_solve for count entries of which those that share a body
  * are at most span places apart. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
 /* Whether rates are needed: a law of these contacts depends on them, or on their change of sign. */
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 
-/* Solves F = law(indentation, rate) of all contacts together by Newton's method, to rounding of each one's
+/* Solves F = law(indentation, rate), and friction, of all contacts together by Newton's method, to rounding of each one's
  * scale: F at all nodes, or, at an edge (of bodies without residual compliance), the polynomial nearest to
  * the law's force. indentation, rate: a guess in, the solution out; homogeneous as set. response: by
  * body. AOI_ERROR_NO_CONVERGENCE where the guess is too far from the solution: take a shorter step. */
@@ -50,7 +54,7 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
 
 /* Errors of the solution. The law's force minus the polynomial's between the nodes gives the leading error of the
  * impulse and of the indentation at the end of the step; tail is the size of the last Legendre coefficients of the
- * indentation. Fills entry->legendre. */
+ * indentation. With friction aoi_sliding_check comes first. Fills entry->legendre. */
 typedef struct aoi_collocation_error {
     double impulse, indentation, tail;
 } aoi_collocation_error;
@@ -62,6 +66,9 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
  * with the accuracy of the motion at its end. h: of the step. */
 void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
                              double h, const double *legendre, double place, double *force);
+
+/* The least-squares polynomial, at the nodes, of values at the quadrature points of an edge; in place, too. */
+void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes);
 
 /* int F dt over the step, and int F d(indentation). */
 double aoi_collocation_impulse(const aoi_contact_step *entry, double h);

@@ -2,6 +2,7 @@
  * exact, Newton on their values, all contacts of the step together. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
+#include "collocation/sliding.h"
 #include "linear/work.h"
 #include "law/law.h"
 #include "motion/polynomial.h"
@@ -25,11 +26,11 @@ size_t aoi_collocation_size(size_t count, size_t span)
     return aoi_plus(aoi_times(aoi_times(count, blocks_of(span)), 2 * SQUARE), aoi_times(rows, width));
 }
 
-/* Adds what contact t's force does to contact s (with a minus sign) by way of the bodies they share. */
-static void add_coupling(const aoi_system *system, const aoi_response *response, double h, size_t s,
-                         size_t t, double *displacement, double *rate)
+/* Adds what the force of another entry does to one (with a minus sign) by way of the bodies they share. */
+static void add_coupling(const aoi_system *system, const aoi_response *response, double h,
+                         const aoi_contact_step *one, const aoi_contact_step *other, double *displacement, double *rate)
 {
-    const aoi_contact *of = &system->contact[s], *by = &system->contact[t];
+    const aoi_contact *of = &system->contact[one->contact], *by = &system->contact[other->contact];
     for (int i = 0; i < 4; i++) {
         const int a = i / 2, c = i % 2;
         if (of->body[a] != by->body[c]) {
@@ -38,9 +39,9 @@ static void add_coupling(const aoi_system *system, const aoi_response *response,
         const aoi_modes *body = &system->body[of->body[a]];
         const aoi_response *answer = &response[of->body[a]];
         const double sign = a == c ? 1.0 : -1.0;
-        const size_t at = aoi_response_at(answer, of->port[a], by->port[c]);
-        const double residual =
-            body->residual ? sign * body->residual[of->port[a] * body->ports + by->port[c]] : 0.0;
+        const size_t port = of->port[a] + one->axis, from = by->port[c] + other->axis;
+        const size_t at = aoi_response_at(answer, port, from);
+        const double residual = body->residual ? sign * body->residual[port * body->ports + from] : 0.0;
         for (size_t k = 0; k < SQUARE; k++) {
             displacement[k] += sign * answer->influence[at + k];
             if (rate) {
@@ -87,7 +88,7 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
     for (size_t s = 0; s < of->count; s++) {
         for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
             const size_t at = (size_t)(block_of(of, of->displacement, s, t) - of->displacement);
-            add_coupling(system, response, h, entry[s].contact, entry[t].contact, of->displacement + at,
+            add_coupling(system, response, h, &entry[s], &entry[t], of->displacement + at,
                          of->rate ? of->rate + at : NULL);
         }
     }
@@ -177,6 +178,22 @@ static equations lay_out(size_t count, size_t span, double *work)
     return (equations){n, half, 2 * half, size, work, work + half, work + size};
 }
 
+/* Rows of one of the three entries of a contact with friction: its force depends on all three places. */
+static void set_sliding_rows(const couplings *of, const aoi_contact_step *entry, size_t s, const equations *to)
+{
+    const size_t axis = entry[s].axis, begin = s - axis;
+    double *rows = to->matrix + s * AOI_NODES * to->stride;
+    for (size_t r = begin; r < begin + 3; r++) {
+        for (size_t t = first_of(of, r > s ? r : s), end = last_of(of, r < s ? r : s); t <= end; t++) {
+            add_block(entry[s].edge, entry[s].sliding->by[axis][r - begin], block_of(of, of->displacement, r, t),
+                      to->stride, rows + t * AOI_NODES);
+        }
+    }
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        rows[i * to->stride + s * AOI_NODES + i] += 1.0;
+    }
+}
+
 /* Rows of a contact. */
 static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t s, const aoi_law_values *law,
                      const equations *to)
@@ -194,8 +211,8 @@ static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t 
     }
 }
 
-/* The right-hand sides, and the matrix if it is to be renewed. */
-static void set_equations(const aoi_system *system, const couplings *of, const aoi_contact_step *entry,
+/* The right-hand sides, and the matrix if it is to be renewed. Returns 0 where friction finds no forces. */
+static int set_equations(const aoi_system *system, const couplings *of, const aoi_contact_step *entry,
                           const aoi_newton *newton, const equations *to)
 {
     const int with_rates = of->rate != NULL;
@@ -204,8 +221,14 @@ static void set_equations(const aoi_system *system, const couplings *of, const a
     }
     for (size_t s = 0; s < of->count; s++) {
         aoi_law_values law;
+        if (entry[s].sliding && entry[s].axis == 0 &&
+            aoi_sliding_evaluate(entry[s].sliding, &entry[s], aoi_newton_nears(newton)) != AOI_OK) {
+            return 0;
+        }
         aoi_collocation_evaluate(system->contact[entry[s].contact].law, &entry[s], with_rates, &law);
-        if (newton->renew) {
+        if (newton->renew && entry[s].sliding) {
+            set_sliding_rows(of, entry, s, to);
+        } else if (newton->renew) {
             set_rows(of, entry, s, &law, to);
         }
         aoi_collocation_aim(&entry[s], newton->iteration == 0, with_rates, &law);
@@ -213,6 +236,7 @@ static void set_equations(const aoi_system *system, const couplings *of, const a
             to->right[s * AOI_NODES + i] = law.force[i];
         }
     }
+    return 1;
 }
 
 /* Effect of the forces of all contacts on contact s at its nodes, by the influences `values`. */
@@ -258,18 +282,24 @@ static double update(const couplings *of, const double *by, int first, aoi_conta
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work)
 {
-    if (count == 1) {
+    if (count == 1) { /* without friction, which has three */
         return aoi_collocation_solve_one(system, response, h, entry);
     }
     const size_t blocks = blocks_of(span), size = count * blocks * SQUARE;
     const int with_rates = aoi_collocation_wants_rates(system, count, entry);
     couplings of = {count, span, blocks, work, with_rates ? work + size : NULL};
     const equations to = lay_out(count, span, work + 2 * size);
-    aoi_newton newton = {0, 1, HUGE_VAL};
+    aoi_newton newton = aoi_newton_begin();
+    for (size_t s = 0; s < count; s++) {
+        newton.slides = newton.slides || entry[s].sliding;
+        newton.enough = entry[s].sliding ? fmax(newton.enough, entry[s].sliding->enough) : newton.enough;
+    }
     double change;
     couple(system, response, h, entry, &of);
     do {
-        set_equations(system, &of, entry, &newton, &to);
+        if (!set_equations(system, &of, entry, &newton, &to)) {
+            return AOI_ERROR_NO_CONVERGENCE;
+        }
         if (newton.renew) {
             factorise_band(to.n, to.half, to.stride, to.matrix);
         }
@@ -283,10 +313,11 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
 }
 
 /* Displacement between both bodies of a contact, at the nodes after a unit impulse. */
-static void impulse_responses(const aoi_response *response, const aoi_contact *contact, double *answer)
+static void impulse_responses(const aoi_response *response, const aoi_contact *contact, size_t axis, double *answer)
 {
-    const double *first = response[contact->body[0]].impulse_response + contact->port[0] * AOI_NODES;
-    const double *second = response[contact->body[1]].impulse_response + contact->port[1] * AOI_NODES;
+    const size_t port[2] = {contact->port[0] + axis, contact->port[1] + axis};
+    const double *first = response[contact->body[0]].impulse_response + port[0] * AOI_NODES;
+    const double *second = response[contact->body[1]].impulse_response + port[1] * AOI_NODES;
     for (size_t i = 0; i < AOI_NODES; i++) {
         answer[i] = first[i] + second[i];
     }
@@ -340,14 +371,29 @@ static void edge_defects(const aoi_law *law, const aoi_contact_step *entry, doub
     }
 }
 
+/* The same with friction, by what aoi_sliding_check has found. */
+static void sliding_defects(const aoi_contact_step *entry, double h, const double *answer, aoi_collocation_error *error)
+{
+    const int edge = entry->edge != AOI_EDGE_NONE;
+    for (size_t k = 0, count = edge ? AOI_EDGE_CHECKS : AOI_NODES; k < count; k++) {
+        const double weighted = h * (edge ? aoi_radau_check_weight[k] : aoi_radau_extra_weight[k]) *
+                                entry->sliding->beyond[entry->axis][k];
+        error->impulse += weighted;
+        error->indentation +=
+            weighted * (edge ? aoi_nodes_dot(aoi_radau_remainder_at_check[entry->edge][k], answer) : answer[k]);
+    }
+}
+
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry, aoi_collocation_error *error)
 {
     const aoi_contact *contact = &system->contact[entry->contact];
     double values[AOI_NODES + 1] = {entry->start}, answer[AOI_NODES];
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
-    impulse_responses(response, contact, answer);
-    if (entry->piece != AOI_SLACK) {
+    impulse_responses(response, contact, entry->axis, answer);
+    if (entry->sliding) {
+        sliding_defects(entry, h, answer, error);
+    } else if (entry->piece != AOI_SLACK) {
         (entry->edge == AOI_EDGE_NONE ? defects : edge_defects)(contact->law, entry, h, answer, error);
     }
     for (size_t i = 0; i < AOI_NODES; i++) {

@@ -2,22 +2,23 @@
  * nodes or at the points of an edge, the right-hand side, and when the iteration ends. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
+#include "collocation/sliding.h"
 #include "law/law.h"
 #include "motion/radau.h"
 #include "motion/nodes.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { MOST_ITERATIONS = 25 };
-
-/* Newton has converged at this change of the indentation relative to its scale, or at AOI_COLLOCATION_ROUNDING where
- * changes no longer shrink. */
-static const double CONVERGED = 1e-15;
 
 /* The matrix is kept as long as a change is smaller than the one before by this: to make and invert it anew costs
  * about three iterations with the old one, each of which gains more than a digit. Measured: 0.017 costs 0.3 % more
  * work, 0.15 costs 0.1 %. */
 static const double KEPT = 0.05;
+
+/* Of friction two paths differ little, and their difference changes less: after a smaller change it is kept. */
+static const double FAR_OFF = 1e-2;
 
 /* With the matrix of the change before, the error falls by twice the ratio of the last changes: the next change would
  * be half a rounding. Measured: a third costs 1.1 % more work, three times as much 0.4 %. */
@@ -51,6 +52,11 @@ void aoi_collocation_evaluate(const aoi_law *law, const aoi_contact_step *entry,
     const double *indentation = entry->indentation, *rate = entry->rate;
     if (entry->piece == AOI_SLACK) {
         *of = (aoi_law_values){{0.0}, {0.0}, {0.0}};
+        return;
+    }
+    if (entry->sliding) { /* as found for all three entries of the contact */
+        *of = (aoi_law_values){{0.0}, {0.0}, {0.0}};
+        memcpy(of->force, entry->sliding->force[entry->axis], sizeof of->force);
         return;
     }
     if (entry->edge != AOI_EDGE_NONE) {
@@ -95,9 +101,20 @@ static void add_lack(const aoi_contact_step *entry, const double *aim, const dou
     }
 }
 
+/* The same with friction, whose force depends on all three places of its contact. */
+static void add_sliding_lack(const aoi_contact_step *entry, double *to)
+{
+    for (size_t i = 0; i < 3; i++) {
+        const aoi_contact_step *of = entry - entry->axis + i;
+        add_lack(of, of->homogeneous, of->indentation, entry->sliding->by[entry->axis][i], to);
+    }
+}
+
 void aoi_collocation_aim(const aoi_contact_step *entry, int first, int with_rates, aoi_law_values *law)
 {
-    if (first) {
+    if (first && entry->sliding) {
+        add_sliding_lack(entry, law->force);
+    } else if (first) {
         add_lack(entry, entry->homogeneous, entry->indentation, law->stiffness, law->force);
     }
     if (first && with_rates) {
@@ -111,6 +128,11 @@ void aoi_collocation_aim(const aoi_contact_step *entry, int first, int with_rate
     }
 }
 
+int aoi_newton_nears(const aoi_newton *newton)
+{
+    return newton->iteration == 1 || (newton->iteration > 1 && newton->before > FAR_OFF);
+}
+
 int aoi_newton_goes_on(const aoi_newton *newton, double change)
 {
     return isfinite(change) && newton->iteration < MOST_ITERATIONS;
@@ -122,6 +144,9 @@ int aoi_newton_done(aoi_newton *newton, double change)
     const double ratio = change / newton->before;
     newton->renew = !first && !(ratio < KEPT);
     newton->before = change;
-    return change <= CONVERGED || (change <= AOI_COLLOCATION_ROUNDING && ratio >= 0.5) ||
+    if (first && newton->slides) {
+        return 0;
+    }
+    return change <= newton->enough || (change <= AOI_COLLOCATION_ROUNDING && ratio >= 0.5) ||
            (!first && ratio < KEPT && ratio * change <= NEXT_CHANGE);
 }

@@ -98,7 +98,7 @@ int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *resp
                               aoi_contact_step *entry)
 {
     const aoi_law *law = system->contact[entry->contact].law;
-    aoi_newton newton = {0, 1, HUGE_VAL};
+    aoi_newton newton = aoi_newton_begin();
     double change;
     single of;
     couple(system, response, h, entry, &of);

@@ -218,7 +218,7 @@ int aoi_system_is_plain(const aoi_system *system)
     for (size_t b = 0; b < system->body_count; b++) {
         full += system->body[b].full != NULL;
     }
-    return system->first && full == 0 && !aoi_system_rubs(system);
+    return system->first && full == 0;
 }
 
 size_t aoi_system_most_modes(const aoi_system *system)

@@ -4,7 +4,7 @@
 
 #include "aoimpact.h"
 
-/* True if it is linked, all bodies are in modes, and no contact has friction. */
+/* True if it is linked, and all bodies are in modes. */
 int aoi_system_is_plain(const aoi_system *system);
 
 /* Modes of the body that has most; 1 without bodies. */

@@ -26,7 +26,7 @@ static int contact_is_sound(const aoi_system *system, const double *of)
     }
     const aoi_law *law = system->contact[c].law;
     if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* the law is not evaluated: its force has no edge */
-        return edge == AOI_EDGE_NONE;
+        return edge == AOI_EDGE_NONE && !system->contact[c].friction;
     }
     return number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
 }
@@ -57,7 +57,11 @@ static size_t end_of_row(const aoi_system *system, const aoi_track *track, size_
         if (track->used - end < AOI_TRACK_CONTACT_SIZE || !contact_is_sound(system, values + end)) {
             return 0;
         }
-        end += AOI_TRACK_CONTACT_SIZE;
+        const size_t size = aoi_row_contact_size(&system->contact[(size_t)values[end + AOI_TRACK_CONTACT]]);
+        if (track->used - end < size) {
+            return 0;
+        }
+        end += size;
     }
     return end;
 }

@@ -92,8 +92,9 @@ size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, dou
         for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
             of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[AOI_TRACK_BODY]].n;
         }
-        for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++, of += AOI_TRACK_CONTACT_SIZE) {
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++) {
             follow_contact(&found, system, row, of);
+            of += aoi_row_contact_size(&system->contact[(size_t)of[AOI_TRACK_CONTACT]]);
         }
     }
     for (size_t c = 0; c < system->contact_count; c++) {

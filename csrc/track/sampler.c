@@ -135,12 +135,17 @@ static void gather(aoi_sampler *sampler, double part)
         if (sampler->contact_row[c] != sampler->row) {
             continue;
         }
-        double force[AOI_NODES];
-        force_on_part(sampler, c, part, force);
-        for (int side = 0; side < 2; side++) {
+        double force[3][AOI_NODES];
+        if (system->contact[c].friction) {
+            aoi_row_forces(&system->contact[c], sampler->track + sampler->contact_at[c], part, force);
+        } else {
+            force_on_part(sampler, c, part, force[0]);
+        }
+        for (size_t i = 0, count = 2 * aoi_contact_forces(&system->contact[c]); i < count; i++) {
+            const size_t side = i % 2, axis = i / 2;
             const size_t port = system->first_port[system->contact[c].body[side]] +
-                                system->contact[c].port[side];
-            aoi_vector_add(AOI_NODES, side == 0 ? -1.0 : 1.0, force,
+                                system->contact[c].port[side] + axis;
+            aoi_vector_add(AOI_NODES, side == 0 ? -1.0 : 1.0, force[axis],
                            sampler->port_force + port * AOI_NODES);
         }
     }
@@ -172,7 +177,7 @@ static void enter_row(aoi_sampler *sampler, size_t row)
         sampler->contact_at[c] = at;
         sampler->settled[c] = NAN;
         sampler->has_edge |= sampler->track[at + AOI_TRACK_EDGE] != AOI_EDGE_NONE;
-        at += AOI_TRACK_CONTACT_SIZE;
+        at += aoi_row_contact_size(&system->contact[c]);
     }
 }
 
@@ -351,6 +356,34 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
     return value.force;
 }
 
+/* The same of a contact with friction. */
+static double rubbing_contact(const aoi_sampler *sampler, size_t c, double place, int energies, double *record, size_t stride)
+{
+    const aoi_contact *contact = &sampler->system->contact[c];
+    const double *of = sampler->track + sampler->contact_at[c], *out = contact->compliance;
+    const double lost = aoi_row_between(of, AOI_TRACK_DISSIPATED, place);
+    double force[3], bent, slope;
+    aoi_row_rub(contact, of, place, force, &bent);
+    const double indentation = aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
+    record[AOI_CONTACT_FORCE * stride] = force[0];
+    record[AOI_CONTACT_INDENTATION * stride] = indentation;
+    record[AOI_CONTACT_TANGENTIAL * stride] = force[1];
+    record[(AOI_CONTACT_TANGENTIAL + 1) * stride] = force[2];
+    record[AOI_CONTACT_FRICTION * stride] = lost;
+    record[AOI_CONTACT_STUCK * stride] = aoi_row_between(of, AOI_TRACK_STUCK, place);
+    if (energies) {
+        double taken_out = 0.5 * contact->law->compliance * force[0] * force[0];
+        for (size_t i = 0; i < 9 && out; i++) {
+            taken_out += i > 0 ? 0.5 * force[i / 3] * out[i] * force[i % 3] : 0.0;
+        }
+        record[AOI_CONTACT_ELASTIC * stride] =
+            aoi_law_potential(&contact->friction->law, NULL, indentation + bent) - taken_out +
+            aoi_row_slide_stored(contact, of, place) - lost;
+        record[AOI_CONTACT_DISSIPATED * stride] = 0.0;
+    }
+    return force[0];
+}
+
 /* The indentation by the places of the ports. */
 static double between(const aoi_system *system, size_t c, const double *port_displacement)
 {
@@ -382,6 +415,13 @@ static void open_contact(aoi_sampler *sampler, size_t c, const double *port_disp
     if (energies) {
         record[AOI_CONTACT_ELASTIC * stride] = 0.0;
         record[AOI_CONTACT_DISSIPATED * stride] = lost_in(sampler, c);
+    }
+    if (sampler->system->contact[c].friction) {
+        const double *of = sampler->track + sampler->contact_at[c];
+        const double lost = sampler->contact_row[c] == sampler->rows ? 0.0 : of[AOI_TRACK_DISSIPATED + AOI_NODES + 1];
+        for (size_t i = AOI_CONTACT_TANGENTIAL; i < AOI_FRICTION_ROWS; i++) {
+            record[i * stride] = i == AOI_CONTACT_FRICTION ? lost : 0.0;
+        }
     }
 }
 
@@ -459,9 +499,10 @@ static void closed_contacts(aoi_sampler *sampler, double time, int energies, dou
         if (sampler->contact_row[c] != sampler->row) {
             continue;
         }
-        double change;
-        const double pressed = closed_contact(sampler, c, place, energies,
-                                              record + AOI_CONTACT_ROWS * c * stride, stride, &change);
+        double change = 0.0, *of = record + aoi_record_contact(system, c) * stride;
+        const double pressed = system->contact[c].friction
+                                   ? rubbing_contact(sampler, c, place, energies, of, stride)
+                                   : closed_contact(sampler, c, place, energies, of, stride, &change);
         for (int side = 0; side < 2; side++) {
             const aoi_contact *contact = &system->contact[c];
             const size_t port = system->first_port[contact->body[side]] + contact->port[side];
@@ -480,7 +521,7 @@ void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double 
     double *displacement = rate + ports;
     advance(sampler, time);
     closed_contacts(sampler, time, energies, record, stride, force, rate);
-    double *of_body = record + AOI_CONTACT_ROWS * system->contact_count * stride;
+    double *of_body = record + aoi_record_body(system, 0) * stride;
     for (size_t b = 0; b < system->body_count; b++) {
         const size_t port = system->first_port[b];
         write_body(sampler, time, b, energies, force + port, rate + port, of_body, stride,
@@ -489,8 +530,7 @@ void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double 
     }
     for (size_t c = 0; c < system->contact_count; c++) {
         if (sampler->contact_row[c] != sampler->row) {
-            open_contact(sampler, c, displacement, energies, record + AOI_CONTACT_ROWS * c * stride,
-                         stride);
+            open_contact(sampler, c, displacement, energies, record + aoi_record_contact(system, c) * stride, stride);
         }
     }
 }
@@ -500,8 +540,10 @@ void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t
     advance(sampler, time);
     const double place = place_of(sampler, time);
     for (size_t c = 0; c < sampler->system->contact_count; c++) {
-        double record[AOI_CONTACT_INDENTATION + 1], rate;
-        const int closed = sampler->contact_row[c] == sampler->row;
-        force[c * stride] = closed ? closed_contact(sampler, c, place, 0, record, 1, &rate) : 0.0;
+        double record[AOI_FRICTION_ROWS], rate;
+        const int closed = sampler->contact_row[c] == sampler->row, rubs = sampler->system->contact[c].friction != NULL;
+        force[c * stride] = !closed ? 0.0
+                            : rubs  ? rubbing_contact(sampler, c, place, 0, record, 1)
+                                    : closed_contact(sampler, c, place, 0, record, 1, &rate);
     }
 }

@@ -1,66 +1,8 @@
 /* Bodies that rub, in fixed steps: balls with spin on a wall, blocks on slopes, several contacts at once; against closed
  * forms, Maw's curve and what motion keeps. */
-#include "body.h"
-
-static const double MASS = 0.02, RADIUS = 0.01, K = 3e9, RATIO = 1.4 / 1.7, FAST = 2.0;
+#include "rub.h"
 
 static aoi_rule steps_of(double dt) { return (aoi_rule){dt, 0.25, 0.5}; }
-
-/* A ball of three translations and two spins, by the ports normal, t1, t2; its arm from the centre is R along the normal. */
-static size_t add_ball(world *w, double arm, const double velocity[3], const double gravity[3])
-{
-    const double inertia = 0.4 * MASS * RADIUS * RADIUS;
-    const double shapes[15] = {1, 0, 0, 0, 0, 0, 1, 0, arm, 0, 0, 0, 1, 0, arm};
-    const double weights[5] = {MASS, MASS, MASS, inertia, inertia}, centres[5] = {1, 0, 0, 0, 0};
-    double *shape = zeros(15), *push = zeros(15), *weight = zeros(5), *centre = zeros(5), *v = zeros(5), *fall = zeros(5);
-    for (size_t i = 0; i < 15; i++) {
-        shape[i] = shapes[i];
-        push[i] = shapes[i] / weights[i % 5];
-    }
-    for (size_t j = 0; j < 5; j++) {
-        weight[j] = weights[j];
-        centre[j] = centres[j];
-        v[j] = j < 3 ? velocity[j] : 0.0;
-        fall[j] = j < 3 && gravity ? gravity[j] : 0.0;
-    }
-    const aoi_modes ball = {.n = 5, .ports = 3, .omega = zeros(5), .shape = shape, .push = push, .inertia = weight,
-                            .centre = centre, .gravity = gravity ? fall : NULL};
-    return add_body(w, ball, zeros(5), v);
-}
-
-static size_t add_wall(world *w)
-{
-    double *shape = zeros(9), *centre = zeros(3);
-    shape[0] = shape[4] = shape[8] = centre[0] = 1.0;
-    const aoi_modes wall = {.n = 3, .ports = 3, .omega = zeros(3), .shape = shape, .push = zeros(9), .inertia = zeros(3),
-                            .centre = centre};
-    return add_body(w, wall, zeros(3), zeros(3));
-}
-
-typedef struct pair {
-    world w;
-    aoi_law law;
-    aoi_friction friction;
-} pair;
-
-static void rub(pair *p, const char *name, double k, double mu)
-{
-    CHECK(aoi_law_create(&p->law, name, 1, &k) == AOI_OK && aoi_friction_create(&p->friction, &p->law, mu, RATIO, 1e-4) == AOI_OK,
-          "friction of a %s law", name);
-}
-
-static void join(pair *p, size_t first, size_t second)
-{
-    p->w.contact[p->w.system.contact_count++] =
-        (aoi_contact){.body = {first, second}, .law = &p->law, .friction = &p->friction};
-}
-
-/* A ball as body 0 in contact with a wall as body 1. */
-static void meet_wall(pair *p, double arm, const double velocity[3], const double gravity[3])
-{
-    const size_t ball = add_ball(&p->w, arm, velocity, gravity);
-    join(p, ball, add_wall(&p->w));
-}
 
 static double row_at(const world *w, size_t row) { return w->record[row * w->columns + w->at]; }
 
@@ -83,12 +25,6 @@ static void run(world *w, size_t columns)
     while (w->at + 1 < columns && step_on(w) == AOI_OK) {
     }
     CHECK(w->at + 1 == columns, "%zu steps", w->at);
-}
-
-/* The time of an elastic impact of a Hertzian mass on a wall, 2.943 depth/speed (Deresiewicz). */
-static double hertz_time(double mass, double k, double speed)
-{
-    return 2.943 * pow(1.25 * mass * speed * speed / k, 0.4) / speed;
 }
 
 /* The ball's contact point along t1 after an impact with psi, in units of mu v E/G, before it (Maw, Barber and Fawcett). */
@@ -339,8 +275,6 @@ static void what_cannot_rub_is_refused(void)
     p.w.contact[0].compliance = NULL;
     CHECK(world_start(&p.w, steps_of(1e-7), 2, NULL) == AOI_OK, "a sound one");
     CHECK(aoi_record_rows(&p.w.system) == AOI_FRICTION_ROWS + 2 * (AOI_BODY_ROWS + 3 * AOI_PORT_ROWS), "rows");
-    aoi_adaptive *adaptive = keep(aoi_adaptive_size(&p.w.system));
-    CHECK(aoi_adaptive_start(adaptive, &p.w.system, &p.w.start, 1e-4, 1.0) == AOI_ERROR_FRICTION, "adaptive");
     drop();
 }
 

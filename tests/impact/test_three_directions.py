@@ -28,7 +28,15 @@ DOWN = (0.0, 0.3, -1.0)
         ({"velocity": (0, 0, 0), "friction": 0.1}, "velocity"),
         ({"velocity": (0, 0.3, 1.0), "friction": 0.1}, "does not approach"),
         ({"velocity": DOWN, "friction": 0.1, "target": OSCILLATOR}, "one direction"),
-        ({"velocity": DOWN, "friction": 0.1, "solver": ao.Adaptive()}, "Newmark"),
+        (
+            {
+                "velocity": DOWN,
+                "friction": 0.1,
+                "law": ao.KelvinVoigt(1e8, 10.0),
+                "solver": ao.Adaptive(),
+            },
+            "Newmark",
+        ),
         (
             {
                 "velocity": DOWN,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 from typing import Any
 
 import numpy as np
@@ -66,11 +67,11 @@ def test_contact_point_rebounds_as_by_maw_barber_and_fawcett(psi):
     assert after / unit == pytest.approx((2.0 * fine - coarse) / unit, abs=2e-3 * max(psi, 1.0))
 
 
+@pytest.mark.parametrize("rule", [ao.Newmark(dt=2e-9, estimate=False), ao.Adaptive()], ids=repr)
 @pytest.mark.parametrize("beyond", [1.01, 2.0, 6.0])
-def test_gross_slip_is_the_closed_form(beyond):
+def test_gross_slip_is_the_closed_form(beyond, rule):
     mu, v = 0.15, 1.0
     along = beyond * (7.0 * LIKE - 1.0) * mu * v / LIKE
-    rule = ao.Newmark(dt=2e-9, estimate=False)
     ball, wall = ao.ball(0.01, STEEL), ao.wall(STEEL)
     hit = ao.simulate(ball, wall, (0, along, -v), friction=mu, solver=rule, duration=7e-5)
     assert hit.projectile.final_velocity == pytest.approx([0, along - 2 * mu * v, v], rel=1e-6)
@@ -164,11 +165,13 @@ def _random_scene(seed: int) -> tuple[Any, ...]:
     return ball, target, mu, velocity, k
 
 
+@pytest.mark.parametrize("rtol", [None, 1e-6])
 @pytest.mark.parametrize("seed", range(8))
-def test_random_impacts_are_those_of_fixed_springs(seed):
+def test_random_impacts_are_those_of_fixed_springs(seed, rtol):
     ball, target, mu, velocity, k = _random_scene(seed)
     deepest = (1.25 * 0.03 / k) ** 0.4
     time = 2.95 * deepest
+    steps = ao.Newmark(dt=time / 1000, estimate=False)
     hit = ao.simulate(
         ball[0],
         target[0],
@@ -176,7 +179,7 @@ def test_random_impacts_are_those_of_fixed_springs(seed):
         law=ao.Hertz(k=k),
         friction=mu,
         duration=1.1 * time,
-        solver=ao.Newmark(dt=time / 1000, estimate=False),
+        solver=steps if rtol is None else ao.Adaptive(rtol=rtol),
     )
     right = march(
         ball[1],
@@ -313,6 +316,27 @@ def struck():
     return way, ball, block, ao.simulate(ball, place, way, friction=0.3, solver=rule, duration=1e-4)
 
 
+def test_to_a_tolerance_momentum_is_kept_to_rounding_and_energy_to_1e_9(struck):
+    # The same impact, in which the slide turns; and forces and motion are those of fixed steps.
+    way, ball, block, hit = struck
+    fine = ao.simulate(
+        hit.models[0],
+        hit.models[1],
+        way,
+        law=hit.plan.contacts[0].law,
+        friction=0.3,
+        duration=1e-4,
+        solver=ao.Adaptive(rtol=1e-6),
+    )
+    momentum = block.mass * fine.target.final_velocity
+    assert ball.mass * (fine.projectile.final_velocity - way) == pytest.approx(-momentum, abs=1e-15)
+    total = fine.energy.total
+    assert np.ptp(total) < 1e-9 * total[0]
+    assert (np.diff(fine.energy.friction) > -1e-6 * total[0]).all()
+    assert fine.peak_force == pytest.approx(hit.peak_force, rel=5e-4)
+    assert fine.projectile.final_velocity == pytest.approx(hit.projectile.final_velocity, abs=1e-4)
+
+
 def test_momentum_and_angular_momentum_are_kept(struck):
     way, ball, block, hit = struck
     momentum = block.mass * hit.target.final_velocity
@@ -341,15 +365,18 @@ def test_energy_is_kept_and_friction_only_takes(struck):
     assert hit.energy.friction[-1] > 1e-3 * total[0]
 
 
+@pytest.mark.parametrize(
+    "rule", [ao.Newmark(dt=1e-4, estimate=False), ao.Adaptive(rtol=1e-5)], ids=repr
+)
 @pytest.mark.parametrize(("mu", "slides"), [(0.5, False), (0.1, True)])
-def test_a_mass_rests_on_a_slope_that_is_not_too_steep(mu, slides):
+def test_a_mass_rests_on_a_slope_that_is_not_too_steep(mu, slides, rule):
     # Pressed by its weight, which grows slowly, on an incline of 0.2.
     g, mass = 10.0, 0.1
     scene = ao.Scene(gravity=(0.2 * g, 0.0, 0.0))
     block, slope = scene.add(ao.rigid(mass)), scene.add(ao.rigid(math.inf))
     scene.connect(block, slope, ao.Linear(k=1e5), friction=mu)
     scene.apply(block, force=([0.0, 0.1], [0.0, mass * g]))
-    run = scene.simulate(duration=0.5, solver=ao.Newmark(dt=1e-4, estimate=False))
+    run = scene.simulate(duration=0.5, solver=rule)
     velocity = run[block].port_velocities[1]
     late = run.t > 0.2
     if slides:
@@ -358,3 +385,33 @@ def test_a_mass_rests_on_a_slope_that_is_not_too_steep(mu, slides):
     else:
         assert np.abs(velocity[late]).max() < 1e-2
         assert np.ptp(run[block].port_displacements[1][late]) < 1e-4
+
+
+def test_tolerances_are_kept_where_the_slide_reverses():
+    # Slips, sticks and slips back; errors relative to the velocity along the surface.
+    ball, wall, mu = ao.ball(0.01, STEEL), ao.wall(STEEL), 0.2
+    for psi in (0.5, 2.0, 3.0, 4.5):
+        found = {
+            rtol: ao.simulate(
+                ball, wall, (psi * mu / LIKE, 0, -1.0), friction=mu, solver=ao.Adaptive(rtol=rtol)
+            ).projectile.final_velocity[0]
+            for rtol in (1e-4, 1e-6, 1e-8)
+        }
+        assert found[1e-4] == pytest.approx(found[1e-8], abs=1e-4)
+        assert found[1e-6] == pytest.approx(found[1e-8], abs=2e-6)
+
+
+def test_a_gap_is_flown_in_one_step():
+    ball, wall = ao.ball(0.01, STEEL), ao.wall(STEEL)
+    near, far = (
+        ao.simulate(ball, wall, (0.3, 0, -1.0), friction=0.2, gap=gap) for gap in (0.0, 1.0)
+    )
+    assert far.contacts[0][0] == pytest.approx(1.0, rel=1e-12)
+    assert far.projectile.final_spin == pytest.approx(near.projectile.final_spin, rel=1e-6)
+
+
+def test_a_track_of_friction_can_be_pickled():
+    hit = ao.simulate(ao.ball(0.01, STEEL), ao.wall(STEEL), (0.3, 0, -1.0), friction=0.2)
+    again = pickle.loads(pickle.dumps(hit.recorder))
+    t = np.linspace(0.0, hit.contacts[0][1], 50)
+    assert np.array_equal(again.rows(t, True), hit.recorder.rows(t, True))

@@ -1,0 +1,335 @@
+/* Friction along the motion of a step: see sliding.h. */
+#include "collocation/sliding.h"
+#include "collocation/newton.h"
+#include "motion/nodes.h"
+#include "motion/polynomial.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Places of a step, ascending, and the number of each: of the points where forces are found below AOI_NODES, then of those
+ * where they are compared, or NO_POINT. */
+enum { MOST_POINTS = AOI_NODES + AOI_EDGE_CHECKS, NO_POINT = MOST_POINTS, MOST_STOPS = MOST_POINTS + 4 };
+typedef struct stops {
+    size_t count, at[MOST_STOPS];
+    double place[MOST_STOPS];
+} stops;
+
+/* What is found at the stops, by their numbers. */
+typedef struct finds {
+    aoi_oblique_solution at[MOST_POINTS + 1];
+    double stretched[MOST_POINTS + 1]; /* energy of the springs, J; only where it is asked for */
+} finds;
+
+/* The motion of the bodies in a step: an indentation and two slides since the touch, as Legendre series. */
+typedef struct motion {
+    double series[3][AOI_NODES + 1];
+} motion;
+
+static motion motion_of(const aoi_contact_step *entry)
+{
+    motion made;
+    for (size_t i = 0; i < 3; i++) {
+        double values[AOI_NODES + 1] = {entry[i].start};
+        memcpy(values + 1, entry[i].indentation, sizeof entry[i].indentation);
+        aoi_legendre_fit(values, made.series[i]);
+    }
+    return made;
+}
+
+static void add_stop(stops *of, double place, size_t number)
+{
+    size_t i = of->count++;
+    for (; i > 0 && of->place[i - 1] > place; i--) {
+        of->place[i] = of->place[i - 1];
+        of->at[i] = of->at[i - 1];
+    }
+    of->place[i] = place;
+    of->at[i] = number;
+}
+
+/* The direction in which friction acts at the start of a step; of one that begins with a touch, in which it slides. */
+static void direction_of(const aoi_sliding *of, const motion *along, double n[2])
+{
+    const double *force = of->path[1].force;
+    const int acts = force[1] != 0.0 || force[2] != 0.0;
+    for (size_t i = 0; i < 2; i++) {
+        n[i] = acts ? force[1 + i] : along->series[1 + i][1];
+    }
+    const double size = hypot(n[0], n[1]);
+    n[0] /= size > 0.0 ? size : 1.0;
+    n[1] /= size > 0.0 ? size : 1.0;
+}
+
+/* The nodes, or the points of an edge; and where springs begin or cease to slip. A spring of depth x does where the
+ * slide along its stretch passes an extreme beyond that of the bound, mu/ratio (d - x): with all others, where their
+ * difference or sum has one. */
+static stops stops_of(const aoi_sliding *of, enum aoi_edge edge, const motion *along)
+{
+    stops made = {.count = 0};
+    const double *point = edge == AOI_EDGE_NONE ? aoi_radau_node : aoi_radau_edge_point[edge];
+    const double slope = of->friction.mu / of->friction.ratio;
+    double n[2];
+    direction_of(of, along, n);
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        add_stop(&made, point[k], k);
+    }
+    for (int i = 0; i < 4; i++) {
+        const double bound = i % 2 ? slope : -slope, sign = i / 2 ? 1.0 : -1.0;
+        double series[AOI_NODES + 1], place, value;
+        for (size_t k = 0; k <= AOI_NODES; k++) {
+            series[k] = sign * (n[0] * along->series[1][k] + n[1] * along->series[2][k] + bound * along->series[0][k]);
+        }
+        if (aoi_legendre_top(AOI_NODES + 1, series, &place, &value)) {
+            add_stop(&made, place, NO_POINT);
+        }
+    }
+    return made;
+}
+
+/* A place of an edge's finer rule: its cardinal polynomials stand for the linear function as well. */
+static double check_place(enum aoi_edge edge, size_t k)
+{
+    return aoi_nodes_dot(aoi_radau_indentation_at_check[edge][k] + 1, aoi_radau_node);
+}
+
+static void copy_path(const aoi_slide_path *from, aoi_slide_path *to)
+{
+    aoi_stretch *spring = to->springs.spring, *spare = to->springs.spare;
+    memcpy(spring, from->springs.spring, from->springs.count * sizeof *spring);
+    *to = *from;
+    to->springs.spring = spring;
+    to->springs.spare = spare;
+}
+
+/* Takes a path straight to a place of the bodies. */
+static int go(const aoi_sliding *of, const double place[3], aoi_slide_path *path, aoi_oblique_solution *found)
+{
+    aoi_oblique_equation equation = {.rate_free = 0.0}; /* the law is elastic */
+    for (size_t i = 0; i < 3; i++) {
+        equation.free[i] = place[i] - (i > 0 ? path->own[i - 1] : 0.0);
+        equation.guess[i] = equation.free[i] + path->bent[i];
+        for (size_t j = 0; j < 3; j++) {
+            equation.compliance[i][j] = -of->compliance[i][j];
+        }
+    }
+    int status = aoi_oblique_solve(&of->friction, &path->springs, &equation, found);
+    if (status == AOI_OK) {
+        status = aoi_friction_move(&of->exact, &path->springs, found->place[0], found->share, &found->place[1]);
+    }
+    if (status != AOI_OK) {
+        return status;
+    }
+    for (size_t i = 0; i < 3; i++) {
+        path->force[i] = found->force[i];
+        path->bent[i] = found->place[i] - equation.free[i];
+    }
+    path->own[0] = place[1] + path->bent[1];
+    path->own[1] = place[2] + path->bent[2];
+    return AOI_OK;
+}
+
+/* Takes a path along the motion, in so many straight parts from stop to stop. energies: 1 for those of the springs. */
+static int follow(const aoi_sliding *of, const motion *along, const stops *to, size_t parts, int energies,
+                  aoi_slide_path *path, finds *found)
+{
+    double before = 0.0;
+    for (size_t i = 0; i < to->count; before = to->place[i++]) {
+        aoi_oblique_solution *here = &found->at[to->at[i]];
+        for (size_t part = 1; part <= parts; part++) {
+            const double share = (double)part / (double)parts;
+            const double at = part < parts ? before + (to->place[i] - before) * share : to->place[i];
+            double place[3], slope;
+            for (size_t k = 0; k < 3; k++) {
+                place[k] = aoi_legendre_evaluate(AOI_NODES + 1, along->series[k], at, &slope);
+            }
+            const int status = go(of, place, path, here);
+            if (status != AOI_OK) {
+                return status;
+            }
+        }
+        if (energies) {
+            found->stretched[to->at[i]] = aoi_friction_energy(&of->friction, &path->springs);
+        }
+    }
+    return AOI_OK;
+}
+
+/* What parts of no length would give, by the forces of both paths, whose errors are as one to four. */
+static double extrapolated(double whole, double half)
+{
+    return half + (half - whole) / 3.0;
+}
+
+double aoi_sliding_force(const aoi_sliding *of, size_t axis)
+{
+    return extrapolated(of->path[0].force[axis], of->path[1].force[axis]);
+}
+
+void aoi_sliding_touch(aoi_sliding *of)
+{
+    for (size_t p = 0; p < AOI_PATHS; p++) {
+        aoi_slide_path *path = &of->path[p];
+        path->springs.count = 0;
+        path->springs.indentation = path->springs.reach = path->springs.share = 0.0;
+        memset(path->own, 0, sizeof path->own);
+        memset(path->bent, 0, sizeof path->bent);
+        memset(path->force, 0, sizeof path->force);
+    }
+    of->slide[0] = of->slide[1] = 0.0;
+    of->stuck = 0.0;
+}
+
+int aoi_sliding_begin(aoi_sliding *of, const double place[3])
+{
+    aoi_oblique_solution found;
+    double bound = 0.0;
+    aoi_sliding_touch(of);
+    for (size_t p = 0; p < AOI_PATHS; p++) {
+        const int status = go(of, place, &of->path[p], &found);
+        if (status != AOI_OK) {
+            return status;
+        }
+    }
+    of->slide[0] = place[1];
+    of->slide[1] = place[2];
+    of->stuck = found.place[0] > 0.0 ? found.stuck / found.place[0] : 0.0;
+    for (size_t i = 0; i < 4; i++) {
+        bound += 0.5 * found.force[1 + i / 2] * of->compliance[1 + i / 2][1 + i % 2] * found.force[1 + i % 2];
+    }
+    of->work = aoi_friction_energy(&of->friction, &of->path[0].springs) - bound;
+    return AOI_OK;
+}
+
+void aoi_sliding_prepare(aoi_sliding *of, const aoi_contact_step *entry)
+{
+    memset(of->apart, 0, sizeof of->apart);
+    static const size_t ahead[] = {AOI_NODES / 2 - 1, AOI_NODES - 3, AOI_NODES - 1};
+    for (size_t p = 0; p < AOI_PATHS; p++) {
+        aoi_slide_path *path = &of->path[p];
+        for (size_t i = 0; i < sizeof ahead / sizeof *ahead; i++) {
+            const double depth = entry[0].indentation[ahead[i]] + path->bent[0];
+            const double slide[2] = {entry[1].indentation[ahead[i]] + path->bent[1] - path->own[0],
+                                     entry[2].indentation[ahead[i]] + path->bent[2] - path->own[1]};
+            (void)aoi_friction_refine(&of->friction, &path->springs, depth, 1.0, slide); /* as far as there is room */
+        }
+    }
+}
+
+int aoi_sliding_evaluate(aoi_sliding *of, const aoi_contact_step *entry, int both)
+{
+    const motion along = motion_of(entry);
+    const stops to = stops_of(of, entry->edge, &along);
+    finds found[AOI_PATHS];
+    for (size_t p = 0; p < (both ? AOI_PATHS : 1); p++) {
+        copy_path(&of->path[p], &of->trial);
+        const int status = follow(of, &along, &to, p + 1, 0, &of->trial, &found[p]);
+        if (status != AOI_OK) {
+            return status;
+        }
+    }
+    for (size_t i = 0; i < 3; i++) {
+        const double before = of->path[1].force[i] - of->path[0].force[i];
+        of->drift[i] = both ? 0.0 : of->drift[i];
+        for (size_t k = 0; k < AOI_NODES; k++) {
+            if (both) {
+                of->apart[i][k] = found[1].at[k].force[i] - found[0].at[k].force[i];
+                of->drift[i] = fmax(of->drift[i], fabs(of->apart[i][k] - before) / 3.0);
+            }
+            of->force[i][k] = extrapolated(found[0].at[k].force[i], found[0].at[k].force[i] + of->apart[i][k]);
+            for (size_t j = 0; j < 3; j++) {
+                of->by[i][j][k] = found[0].at[k].by_free[i][j];
+            }
+        }
+    }
+    return AOI_OK;
+}
+
+int aoi_sliding_check(aoi_sliding *of, const aoi_contact_step *entry)
+{
+    const motion along = motion_of(entry);
+    const enum aoi_edge edge = entry->edge;
+    stops to = stops_of(of, edge, &along);
+    finds found;
+    /* Where the force is compared with the polynomial: the start has the first of the nodes mirrored. */
+    const size_t checks = edge == AOI_EDGE_NONE ? AOI_NODES : AOI_EDGE_CHECKS;
+    copy_path(&of->path[1], &of->trial);
+    for (size_t k = 0; k < checks; k++) {
+        if (edge != AOI_EDGE_NONE) {
+            add_stop(&to, check_place(edge, k), AOI_NODES + k);
+        } else if (k + 1 < AOI_NODES) {
+            add_stop(&to, 1.0 - aoi_radau_node[k], AOI_NODES + k);
+        }
+    }
+    memcpy(found.at[2 * AOI_NODES - 1].force, of->trial.force, sizeof of->trial.force);
+    const int status = follow(of, &along, &to, 1, 0, &of->trial, &found);
+    for (size_t i = 0; i < 3 && status == AOI_OK; i++) {
+        double force[AOI_NODES], there[AOI_NODES];
+        for (size_t k = 0; k < AOI_NODES; k++) {
+            force[k] = found.at[k].force[i];
+        }
+        if (edge == AOI_EDGE_NONE) {
+            aoi_nodes_multiply(&aoi_radau_force_at_extra[0][0], force, there);
+        } else {
+            aoi_edge_project(edge, force, force);
+        }
+        for (size_t k = 0; k < checks; k++) {
+            const double by_nodes =
+                edge == AOI_EDGE_NONE ? there[k] : aoi_nodes_dot(aoi_radau_force_at_check[edge][k], force);
+            of->beyond[i][k] = found.at[AOI_NODES + k].force[i] - by_nodes;
+        }
+    }
+    return status;
+}
+
+/* The ratio of friction to the normal force at the nodes of a step with an edge. At a node beyond the contact's end it is
+ * that of the node before: where the indentation falls to zero all springs slip. */
+static void find_shares(aoi_sliding *of, const finds *found)
+{
+    for (size_t i = 0; i < 2; i++) {
+        for (size_t k = 0; k < AOI_NODES; k++) {
+            const double *whole = found[0].at[AOI_NODES + k].force, *half = found[1].at[AOI_NODES + k].force;
+            const double normal = extrapolated(whole[0], half[0]), along = extrapolated(whole[1 + i], half[1 + i]);
+            of->share[i][k] = normal > 0.0 ? along / normal : k > 0 ? of->share[i][k - 1] : 0.0;
+        }
+    }
+}
+
+int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
+{
+    const motion along = motion_of(entry);
+    const int edge = entry->edge != AOI_EDGE_NONE;
+    stops to = stops_of(of, entry->edge, &along);
+    finds found[AOI_PATHS];
+    for (size_t k = 0; k < AOI_NODES && edge; k++) {
+        add_stop(&to, aoi_radau_node[k], AOI_NODES + k);
+    }
+    for (size_t p = 0; p < AOI_PATHS; p++) {
+        const int status = follow(of, &along, &to, p + 1, 1, &of->path[p], &found[p]);
+        if (status != AOI_OK) {
+            return status;
+        }
+    }
+    for (size_t k = 0; k <= AOI_NODES; k++) {
+        const size_t at = k < AOI_NODES ? k : edge ? 2 * AOI_NODES - 1 : AOI_NODES - 1;
+        const aoi_oblique_solution *last = &found[1].at[at];
+        of->stretched_at[k] = extrapolated(found[0].stretched[at], found[1].stretched[at]);
+        of->stuck_at[k] = last->place[0] > 0.0 ? last->stuck / last->place[0] : 0.0;
+    }
+    if (edge) {
+        find_shares(of, found);
+    }
+    for (size_t p = 0; p < AOI_PATHS; p++) {
+        const double stays[2] = {0.0, 0.0};
+        const int status =
+            aoi_friction_move(&of->friction, &of->path[p].springs, of->path[p].springs.indentation, 1.0, stays);
+        if (status != AOI_OK) {
+            return status;
+        }
+    }
+    for (size_t i = 0; i < 2; i++) {
+        of->slide[i] = entry[1 + i].indentation[AOI_NODES - 1];
+        memcpy(of->last[i], along.series[1 + i], sizeof of->last[i]);
+    }
+    return AOI_OK;
+}
