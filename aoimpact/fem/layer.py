@@ -231,7 +231,7 @@ def mesh_compliance(
     chosen = [_facing(np.searchsorted(used, group), x[used]) for group in chosen if len(group)]
     x, load, plate = x[used], load[used], _in_plane(layers)
     K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
-    rim = _rim(chosen, len(used)) & ~load.any(axis=1)
+    rim = rim_nodes(chosen, len(used)) & ~load.any(axis=1)
     # Where bending makes no membrane force, only w and its rotations move.
     moving = np.full(6, plate.stiffness[:3, 3:6].any()) | (np.abs(np.arange(6) - 3) < 2)
     free = np.outer(~rim, moving)
@@ -400,8 +400,8 @@ def longest_edge(
     return longest
 
 
-def _rim(cells: list[IntArray], n_nodes: int) -> npt.NDArray[np.bool_]:
-    """Nodes on edges that belong to a single element, shape (n_nodes,)."""
+def rim_nodes(cells: Sequence[IntArray], n_nodes: int) -> npt.NDArray[np.bool_]:
+    """Return which nodes are on edges that belong to a single element, shape (n_nodes,)."""
     ends = [np.stack([group, np.roll(group, -1, axis=1)], axis=2).reshape(-1, 2) for group in cells]
     edges, count = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0, return_counts=True)
     rim = np.zeros(n_nodes, dtype=bool)

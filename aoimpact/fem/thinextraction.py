@@ -22,6 +22,7 @@ from .layer import (
     layer_compliance_of,
     longest_edge,
     mesh_compliance,
+    rim_nodes,
 )
 from .shells import FOLD, element_frames
 
@@ -94,13 +95,16 @@ def extracted_from_shell(
     of_mesh = mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, several, couples)
     found = of_mesh - [layer_compliance_of(layers, radius, each, slowly=s) for each in several]
     steps, varying = np.diff(found), 0.0
+    error = abs(float(steps[0]))
+    if (rim_nodes(groups, mesh.n_nodes) & (shares != 0.0)).any():
+        error += abs(float(found[0]))  # c is that of an interior, and may be anything here
     if len(layers.plies) == 1:
         narrow, wide = (layer_compliance_of(layers, f * radius, s) for f in (0.5, 1.0))
         varying = abs(narrow - wide)
     share = cosine**2
     return ThinExtraction(
         removed=share * float(found[0]),
-        error=share * abs(float(steps[0])),
+        error=share * error,
         varying=share * varying,
         lagging=share * float(np.abs(steps / np.diff(np.log(_SPAN))).max()),
         radius=radius,
