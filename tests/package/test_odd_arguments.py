@@ -729,10 +729,10 @@ TAKEN = {
         frequencies; FEModel.inverse: solutions; Handle: at, body; Handle.port: at; StrainAt:
         length; LoadCell: damping_ratio; LoadCell.gain: frequency; shock_spectrum: damping_ratio;
         drop_weight: gravity, start; Signal.of: contact, margin; read_signal: time, values""",
-    "minus one": """Orthotropic.turned: angle; Ply: angle_deg; Shell: offset; Laminate: offset;
-        ContactLaw.within_patch: compliance; ContactLaw.force: indentation, rate;
-        ContactLaw.potential: indentation; Hertz.between: radius_1, radius_2; Thornton.between:
-        radius_1, radius_2; ElasticPlastic.between: radius_1, radius_2; AOModel.receptance: omega;
+    "minus one": """Orthotropic.turned: angle; Ply: angle_deg; ContactLaw.within_patch:
+        compliance; ContactLaw.force: indentation, rate; ContactLaw.potential: indentation;
+        Hertz.between: radius_1, radius_2; Thornton.between: radius_1, radius_2;
+        ElasticPlastic.between: radius_1, radius_2; AOModel.receptance: omega;
         InterfaceModel.receptance: omega; Rayleigh.decay: omega; ModalDamping.decay: omega; Scene:
         gravity; Scene.add: position, velocity; Scene.connect: gap; Scene.apply: force;
         LoadCell.gain: frequency""",
