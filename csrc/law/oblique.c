@@ -11,6 +11,11 @@ enum { MOST_ITERATIONS = 100, MOST_HALVINGS = 30 };
 /* Rounding of the sum of the equation's terms, as a share of these. */
 static const double ROUNDING = 16.0 * DBL_EPSILON;
 
+/* Where springs that slip turn at once, a slide however small takes the front of slip across many of them, and friction
+ * jumps by what its straight pieces leave out: seen, by up to 1e-4 of its bound, whatever the step. A residual within
+ * that share of the bound, where no step makes it smaller, is that of a jump. The next step begins with its sum. */
+static const double JUMP = 1e-3;
+
 typedef struct point {
     double place[3], force[3], residual[3];
     double by[3][3], slope[3][3]; /* of the force and of the residual by the place */
@@ -116,6 +121,12 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
     p->size = sqrt(p->size);
 }
 
+/* The residual of a jump of friction. */
+static double jump_of(const aoi_friction *friction, const aoi_oblique_equation *e, const point *p)
+{
+    return JUMP * friction->mu * p->force[0] * fmax(fabs(e->compliance[1][1]), fabs(e->compliance[2][2]));
+}
+
 /* by_free = by slope^-1; by_rate likewise, of a force at a given place. */
 static void give(const aoi_oblique_equation *e, const point *p, aoi_oblique_solution *solution)
 {
@@ -169,6 +180,10 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
             evaluate(friction, state, equation, rate_by, &next);
             if (next.size < now.size) {
                 break;
+            }
+            if (halving == MOST_HALVINGS && now.size <= jump_of(friction, equation, &now)) {
+                give(equation, &now, solution);
+                return AOI_OK;
             }
             if (halving == MOST_HALVINGS) {
                 return AOI_ERROR_NO_CONVERGENCE;

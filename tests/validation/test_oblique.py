@@ -415,3 +415,19 @@ def test_a_track_of_friction_can_be_pickled():
     again = pickle.loads(pickle.dumps(hit.recorder))
     t = np.linspace(0.0, hit.contacts[0][1], 50)
     assert np.array_equal(again.rows(t, True), hit.recorder.rows(t, True))
+
+
+@pytest.mark.slow
+def test_springs_that_turn_at_once_are_solved_for() -> None:
+    """Off the centre of a plate a slide turns; meshes agree within their errors."""
+    found = []
+    for counts in ((10, 10, 2), (20, 20, 4)):
+        mesh = ao.box_mesh((0.06, 0.06, 0.006), counts, kind="hexahedron20")
+        plate = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+        tip = plate.contact(point=(0.022, 0.027, 0.006))
+        found.append(ao.simulate(ao.ball(0.01, STEEL), tip, (0.3, 0.2, -1.0), friction=0.3))
+    coarse, fine = found
+    for name in ("peak_force", "restitution"):
+        apart = abs(coarse.value(name) / fine.value(name) - 1.0)
+        assert apart < coarse.error[name].total + fine.error[name].total
+    assert coarse.tangential_restitution == pytest.approx(fine.tangential_restitution, abs=0.01)
