@@ -252,6 +252,27 @@ static inline aoi_law take_law(input *in, int *status)
     return law;
 }
 
+/* Friction of a law that can have it, for half of the contacts, and often what is taken out of it: a symmetric matrix,
+ * but for spoiled ones. NULL: none. */
+static inline const aoi_friction *take_friction(input *in, const aoi_law *law, const double **compliance)
+{
+    aoi_friction *of = take_bytes(in, 1, sizeof *of);
+    if (take_byte(in) & 1 || aoi_friction_create(of, law, take_not_negative(in), take_positive(in),
+                                                 pow(10.0, -1.0 - 3.0 * take_share(in))) != AOI_OK) {
+        return NULL;
+    }
+    if (take_byte(in) & 1) {
+        double *c = take_array(in, 9, take_signed);
+        c[0] = law->compliance;
+        c[3] = c[1];
+        c[6] = c[2];
+        c[7] = c[5];
+        (void)spoil(in, c, 9);
+        *compliance = c;
+    }
+    return of;
+}
+
 /* Whether it may give no number. */
 static inline int may_fail(const aoi_law *law)
 {

@@ -46,7 +46,8 @@ static void sample(input *in, const aoi_system *system, const aoi_track *track, 
         aoi_sampler_forces(sampler, time, forces, 1);
         aoi_sampler_state(sampler, time, 0, state);
         for (size_t c = 0; c < system->contact_count; c++) {
-            REQUIRE(!isnan(record[AOI_CONTACT_ROWS * c]) && forces[c] == record[AOI_CONTACT_ROWS * c]);
+            const double force = record[aoi_record_contact(system, c)];
+            REQUIRE(!isnan(force) && forces[c] == force);
             REQUIRE(forces[c] >= 0.0 || system->contact[c].law->pulls);
         }
     }

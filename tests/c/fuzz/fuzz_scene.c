@@ -82,14 +82,18 @@ static aoi_modes take_full(input *in, full_body *one, const aoi_rule *rule)
     return body;
 }
 
-/* Every force is a number, and presses unless its law pulls. */
+/* Every force is a number, and presses unless its law pulls. So are all rows of friction. */
 static void look_at_forces(const aoi_system *system, const double *record, size_t columns, size_t first, size_t last)
 {
     for (size_t c = 0; c < system->contact_count; c++) {
-        const double *force = record + AOI_CONTACT_ROWS * c * columns;
+        const aoi_contact *contact = &system->contact[c];
+        const double *force = record + aoi_record_contact(system, c) * columns;
         for (size_t i = first; i <= last; i++) {
             REQUIRE(isfinite(force[i]) && isfinite(force[columns + i]));
-            REQUIRE(force[i] >= 0.0 || system->contact[c].law->pulls);
+            REQUIRE(force[i] >= 0.0 || contact->law->pulls);
+            for (size_t row = AOI_CONTACT_TANGENTIAL; contact->friction && row <= AOI_CONTACT_STUCK; row++) {
+                REQUIRE(isfinite(force[row * columns + i]));
+            }
         }
     }
 }
@@ -103,8 +107,9 @@ static void run(input *in, aoi_system *system, const aoi_rule *rule)
     aoi_start start = {take_array(in, all, take_signed), take_array(in, all, take_signed), take_byte(in) & 1, NULL, NULL};
     const int given = take_byte(in) % 4 == 0;
     if (given) {
-        start.force = take_array(in, system->contact_count, take_signed);
-        start.force_rate = take_byte(in) & 1 ? take_array(in, system->contact_count, take_signed) : NULL;
+        start.force = take_array(in, system->first_force[system->contact_count], take_signed);
+        start.force_rate =
+            take_byte(in) & 1 ? take_array(in, system->first_force[system->contact_count], take_signed) : NULL;
     }
     const int energies = take_byte(in) & 1;
     double *record = take_room(in, aoi_record_rows(system) * columns);
@@ -164,6 +169,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
         contacts[c].gap = take_byte(&in) > 250 ? take_any(&in) : take_signed(&in);
         contacts[c].law = take_shared_law(&in, &status);
+        if (status == AOI_OK) {
+            contacts[c].friction = take_friction(&in, contacts[c].law, &contacts[c].compliance);
+        }
     }
     if (status == AOI_OK) {
         run(&in, &system, &rule);

@@ -9,15 +9,20 @@ static double take_entry(input *in, size_t limit)
 
 static size_t write_contact(input *in, const aoi_system *system, double *of)
 {
-    for (size_t i = 0; i < AOI_TRACK_CONTACT_SIZE; i++) {
+    const double contact = take_entry(in, system->contact_count);
+    size_t size = AOI_TRACK_CONTACT_SIZE;
+    if (contact >= 0.0 && contact < (double)system->contact_count) {
+        size = aoi_row_contact_size(&system->contact[(size_t)contact]);
+    }
+    for (size_t i = 0; i < size; i++) {
         of[i] = take_signed(in);
     }
-    of[AOI_TRACK_CONTACT] = take_entry(in, system->contact_count);
+    of[AOI_TRACK_CONTACT] = contact;
     of[AOI_TRACK_BEGINS] = take_entry(in, 2);
     of[AOI_TRACK_ENDS] = take_entry(in, 2);
     of[AOI_TRACK_EDGE] = take_entry(in, 3);
     of[AOI_TRACK_PIECE] = take_entry(in, 5) - 1.0;
-    return AOI_TRACK_CONTACT_SIZE;
+    return size;
 }
 
 /* The first row has all bodies, in order. */
@@ -74,7 +79,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         enum { ROWS = 4 };
         size_t row_size = aoi_adaptive_room(&system), used = 0;
         size_t *index = take_bytes(&in, ROWS, sizeof *index);
-        /* A row may name a body more than once. */
+        /* A row may name a body more than once, and a contact. */
+        row_size += system.contact_count * AOI_TRACK_FRICTION_SIZE;
         for (size_t b = 0; b < system.body_count; b++) {
             row_size += system.body_count * (AOI_TRACK_STATE + 2 * (size_t)MOST_MODES);
         }

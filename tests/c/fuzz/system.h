@@ -74,6 +74,9 @@ static inline aoi_contact take_contact(input *in, size_t bodies, int *status)
     law->note = take_room(in, AOI_LAW_NOTE);
     law->note[0] = law->note[1] = (double)NAN;
     c.law = law;
+    if (*status == AOI_OK) {
+        c.friction = take_friction(in, law, &c.compliance);
+    }
     return c;
 }
 
