@@ -429,6 +429,16 @@ class ContactPoint(Frozen):
         return tip
 
     @cached_property
+    def deflections(self) -> dict[Any, FloatArray]:
+        """K⁻¹ b, shape (n_dofs,), by the solver of the factors that gave it; empty at first.
+
+        Models that are fitted to the contact one after another share it.
+
+        :meta private:
+        """
+        return {}
+
+    @cached_property
     def contact_surface(self) -> ContactSurface | None:
         """Material, and curvatures of the surface at the point; None for a body without a mesh.
 

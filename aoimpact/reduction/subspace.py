@@ -108,6 +108,7 @@ class Subspace:
         refuse_massless(tips)
         rigid = body.rigid_modes
         self.body = body
+        self._tips = tuple(tips)
         self.rigid_count = rigid.shape[1]
         self.shifts = tuple(shifts)
         self._highest = highest
@@ -251,10 +252,14 @@ class Subspace:
                 return list(within)
         anew = partial(self.body.inverse, solver=self._solver)
         invert = SolverBook(dynamic.below or dynamic.at or anew)
-        return [
-            self._outside(place, displacement(self.body, load, invert, tolerance=_STATIC))
-            for place, load in enumerate(loads)
-        ]
+        found = []
+        for place, load in enumerate(loads):
+            # A rough solution depends on the shift that it was begun from: it is not shared.
+            known = {} if dynamic.precondition else self._tips[self._held[place]].deflections
+            if self._solver not in known:
+                known[self._solver] = displacement(self.body, load, invert, tolerance=_STATIC)
+            found.append(self._outside(place, known[self._solver]))
+        return found
 
     def _spanned(self, loads: FloatArray, wanted: int) -> tuple[FloatArray, float]:
         """K⁻¹ of each load in the span of the vectors wanted anyway and, if promising, of more.
