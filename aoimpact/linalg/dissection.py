@@ -62,8 +62,11 @@ def nested_dissection(matrix: Any, places: FloatArray | None = None) -> Dissecti
     place = np.empty(count, dtype=np.int64)
     place[np.concatenate(parts.order)] = np.arange(count)
     size = len(node) / count
+    # SuperLU joins columns that follow each other. Pieces that share no entries, such as stretching
+    # and bending of a flat sheet, would come between each other's.
+    piece = sp.csgraph.connected_components(parts.graph, directed=False)[1]
     return Dissection(
-        np.argsort(place[node], kind="stable"),
+        np.lexsort((place[node], piece[node])),
         size * len(parts.order[-1]),
         size**2 * parts.entries,
         size**3 * parts.operations,

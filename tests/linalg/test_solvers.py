@@ -225,6 +225,16 @@ def test_a_grid_is_cut_as_by_hand():
     assert len({*places[cut.order[-31:], 0]}) == 1  # the last ones are one line
 
 
+def test_pieces_that_share_no_entries_are_eliminated_one_after_the_other():
+    """Stretching and bending of a flat sheet, whose rows alternate."""
+    line = sp.diags([1.0, 2.0, 1.0], [-1, 0, 1], shape=(31, 31))
+    grid = sp.csr_array(sp.kron(sp.kronsum(line, line), sp.eye(2)))
+    grid.eliminate_zeros()
+    places = np.repeat(np.indices((31, 31)).reshape(2, -1).T.astype(float), 2, axis=0)
+    piece = nested_dissection(grid, places).order % 2
+    assert np.count_nonzero(np.diff(piece)) == 1
+
+
 def test_pieces_that_are_not_connected_are_ordered_without_coordinates():
     K, _ = rod(50, fixed=[0])
     apart = sp.block_diag([K, K, sp.eye_array(200)], format="csr")
