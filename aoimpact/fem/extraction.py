@@ -242,9 +242,11 @@ def field_error(
     """
     if not body.mesh.thin:
         return energy_error(body, field[0], loaded)
+    of_thin = thin_energy_error(body.mesh, body.material, np.hstack(list(field)), s)
+    if not pieces(body.mesh, body.material):
+        return of_thin
     loaded = loaded | np.isin(np.arange(len(loaded)), body.mesh.thin_nodes)
     difference, own = energy_error(body, field[0], loaded)
-    of_thin = thin_energy_error(body.mesh, body.material, np.hstack(list(field)), s)
     return difference + of_thin[0], own + of_thin[1]
 
 

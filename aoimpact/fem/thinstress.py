@@ -287,9 +287,9 @@ def corner_stress(
     if not layer.of_beams:
         own = _cells_at(mesh, sp.csr_array(np.eye(1, mesh.n_nodes, node)), layer.part).indices
         for _, cells, rows in _corners(mesh, material, np.arange(mesh.n_nodes) == node, layer)[0]:
-            some = np.isin(cells, own)
+            some = np.flatnonzero(np.isin(cells, own))
             ends = mesh.cells[cells[some], : rows.shape[2] // 6]
-            values.append(np.einsum("ncd,nd->nc", rows[some], moved[ends].reshape(len(ends), -1)))
+            values.append(np.einsum("ncd,nd->nc", rows[some], moved[ends].reshape(len(some), rows.shape[2])))
     return np.concatenate(values)
 
 

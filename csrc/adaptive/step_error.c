@@ -137,22 +137,34 @@ typedef struct errors {
     double drift; /* of friction, by the length of the straight parts of its paths */
 } errors;
 
-/* Friction is measured by its bound, as a share of the normal force, and slides by what springs are stretched at most. Of
- * a coefficient below this no more is promised. */
-static const double LEAST_BOUND = 0.01;
+/* Of friction below this share of its bound no more is promised: it is rounding of the normal force. */
+static const double LEAST_FRICTION = 1e-9;
+
+/* What the tangential forces of a contact are measured by, and slides with them, over its normal force: the largest so
+ * far and in this step. Where a contact sticks friction is far below its bound. */
+static double friction_share(const aoi_adaptive *run, const aoi_contact_step *normal)
+{
+    const aoi_sliding *sliding = normal->sliding;
+    double largest = sliding->largest;
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        largest = fmax(largest, hypot(normal[1].force[k], normal[2].force[k]));
+    }
+    const double share = largest / force_scale(run, normal);
+    return fmin(fmax(share, LEAST_FRICTION * sliding->friction.mu), sliding->friction.mu);
+}
 
 /* Tolerances are at least a few times the rounding. */
 static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double h, errors *of)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
     const aoi_contact_step *normal = entry - entry->axis;
-    const double bound = entry->axis > 0 ? fmax(entry->sliding->friction.mu, LEAST_BOUND) : 1.0;
+    const double share = entry->axis > 0 ? friction_share(run, normal) : 1.0;
     const double largest = aoi_step_indentation(normal);
     double scale = aoi_step_scale(run, normal, largest);
     double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
     if (entry->axis > 0) {
-        scale *= bound / entry->sliding->friction.ratio;
-        impulse_scale *= bound;
+        scale *= share / entry->sliding->friction.ratio;
+        impulse_scale *= share;
     }
     const int at_an_end = contact->last_length == 0.0 || normal->indentation[AOI_NODES - 1] <= 0.0;
     const double end_share = at_an_end ? END_SHARE : 1.0;
@@ -174,11 +186,11 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
         const double known = fmax(run->rtol * usual, AOI_RATE_ERROR * fmax(usual, run->force_scale));
         of->within = fmax(of->within, force_jump(run, entry) / known);
     }
-    of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * bound * force_scale(run, normal);
+    of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * share * force_scale(run, normal);
     of->drift = 0.0;
     if (entry->sliding) { /* which cannot be told from what the curve of stretches leaves out */
         const double known = fmax(STEP_SHARE * run->rtol, entry->sliding->friction.precision);
-        of->drift = entry->sliding->drift[entry->axis] / (known * bound * force_scale(run, normal));
+        of->drift = entry->sliding->drift[entry->axis] / (known * share * force_scale(run, normal));
     }
     of->handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
                  fmax(step_share, 2.0 * DBL_EPSILON);

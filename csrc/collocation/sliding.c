@@ -311,6 +311,9 @@ int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
         }
     }
     for (size_t k = 0; k <= AOI_NODES; k++) {
+        if (k < AOI_NODES) {
+            of->largest = fmax(of->largest, hypot(entry[1].force[k], entry[2].force[k]));
+        }
         const size_t at = k < AOI_NODES ? k : edge ? 2 * AOI_NODES - 1 : AOI_NODES - 1;
         const aoi_oblique_solution *last = &found[1].at[at];
         of->stretched_at[k] = extrapolated(found[0].stretched[at], found[1].stretched[at]);

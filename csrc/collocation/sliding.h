@@ -36,6 +36,7 @@ struct aoi_sliding {
 
     double slide[2];                    /* of the bodies since the touch, at the start of a step */
     double last[2][AOI_NODES + 1];      /* the last step's, as Legendre series, to guess the next */
+    double largest;                     /* of the friction so far */
     double work, lost, stuck; /* on the slides so far; of this dissipated; stuck share of the indentation */
     double share[2][AOI_NODES], stretched_at[AOI_NODES + 1], stuck_at[AOI_NODES + 1]; /* of the last step */
 };

@@ -341,8 +341,9 @@ void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *st
         a = b;
     }
     value->stuck = slips ? value->stuck : indentation;
-    /* Bounds are differences of depths, and stretches sums of many slides. */
-    value->terms += friction->mu * share * a.force + friction->ratio * reach * a.stiffness;
+    /* Bounds are differences of depths, and stretches sums of many slides; a bound beyond all stretches is not reached. */
+    const double stretches = friction->ratio * reach * a.stiffness;
+    value->terms += fmin(friction->mu * share * a.force, stretches) + stretches;
 }
 
 static void swap(aoi_friction_state *state, size_t count)
