@@ -37,7 +37,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import AOImpactError, held_warnings
-from ..fem import ContactPoint
+from ..fem import ContactPoint, Extraction
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..reduction import (
     BodyModel,
@@ -355,8 +355,13 @@ def _of_contact(
         assert isinstance(model, ReducedModel)
         assert tip.body.mesh is not None
         safety = _SAFETY[tip.body.mesh.quadratic]
-        stiffness = safety * model.stiffness_error(_SLOW / contact_time, port)
-        found.append(_End(body, known.error, known.varying, stiffness, known.strain, known.lagging))
+        stiffness = safety * max(
+            model.stiffness_error(_SLOW / contact_time, port, axis) for axis in range(contact.size)
+        )
+        error = known.error
+        if contact.friction and isinstance(known, Extraction):  # see `Friction.for_core`
+            error = max(error, contact.friction.ratio * known.sideways)
+        found.append(_End(body, error, known.varying, stiffness, known.strain, known.lagging))
     return found
 
 

@@ -88,12 +88,18 @@ class Extraction(ContactCompliance):
         where the body has shells or beams, also its rotation, 1/N.
     oblique : ndarray, shape (3, 3), or None
         c between the direction of the force and two tangents, m/N; None where these are not given.
+    sheared : ndarray, shape (2, 1 or 2, n_nodes, 3), or None
+        As `mesh_field`, under a unit force along either tangent.
+    sideways : float
+        As `error`, of R along the tangents.
     """
 
     beyond: float
     splitting: Splitting
     mesh_field: FloatArray
     oblique: FloatArray | None = None
+    sheared: FloatArray | None = None
+    sideways: float = 0.0
 
     @property
     def by_width(self) -> float:  # type: ignore[override]
@@ -112,7 +118,8 @@ class Extraction(ContactCompliance):
         inward = math.copysign(1.0, self.splitting.frame[2] @ tip.direction)
         missing[tip.body.free] = inward * self.missing(tip, deflection)
         field = self.mesh_field - missing.reshape(self.mesh_field.shape)
-        return replace(super().of_truncated(tip, deflection), mesh_field=field)
+        known = super().of_truncated(tip, deflection)
+        return replace(known, mesh_field=field, sheared=None)
 
 
 def extracted(
@@ -157,12 +164,8 @@ def extracted(
     x = solver.solve(along)
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
-    false, own = field_error(body, splitting.w, ~splitting.smooth, math.sqrt(solver.pencil.s2))
-    missing = missing_energy(false, own)
-    # At supports -u_B is interpolated between nodes, so that R2 has an error of either sign there.
-    held = np.isin(body.mesh.cells, _supported(body)).any(axis=1)
-    beyond = splitting.compliance + missing_energy(false[~held], own[~held])
-    error = missing
+    missing, added = _missing(body, splitting, solver)
+    beyond, error = splitting.compliance + added, missing
     mean, varying = _under_pressure(body, splitting, point, normal)
     if mean is not None:
         apart = abs(mean + splitting.bent - splitting.compliance)
@@ -179,6 +182,11 @@ def extracted(
         removed *= cosine**2 + (1.0 - cosine**2) * (2.0 - nu) / (2.0 - 2.0 * nu)
     moved = np.zeros(splitting.w.size)
     moved[body.free] = np.copysign(1.0, -cosine) * x if straight else -x
+    oblique, sheared, sideways = None, None, 0.0
+    if tangents is not None:
+        oblique, sheared, sideways = _oblique(
+            body, weights, direction, tangents, splitting, beyond, solver
+        )
     return Extraction(
         removed=removed,
         error=error,
@@ -190,10 +198,20 @@ def extracted(
         beyond=beyond,
         splitting=splitting,
         mesh_field=moved.reshape(splitting.w.shape) - splitting.w,
-        oblique=None
-        if tangents is None
-        else _oblique(body, weights, direction, tangents, splitting, solver),
+        oblique=oblique,
+        sheared=sheared,
+        sideways=sideways,
     )
+
+
+def _missing(body: Any, splitting: Splitting, solver: LinearSolver) -> tuple[float, float]:
+    """What w lacks of R, m/N, and the part of it away from supports.
+
+    At supports -u_B is interpolated between nodes, so that R has an error of either sign there.
+    """
+    false, own = field_error(body, splitting.w, ~splitting.smooth, math.sqrt(solver.pencil.s2))
+    held = np.isin(body.mesh.cells, _supported(body)).any(axis=1)
+    return missing_energy(false, own), missing_energy(false[~held], own[~held])
 
 
 def _under_pressure(
@@ -263,28 +281,35 @@ def _oblique(
     direction: FloatArray,
     tangents: FloatArray,
     splitting: Splitting,
+    straight: float,
     solver: LinearSolver,
-) -> FloatArray:
-    """c = G - R between a direction along the normal and two tangents, m/N, shape (3, 3).
+) -> tuple[FloatArray, FloatArray, float]:
+    """c = G - R in a direction along the normal and two tangents, m/N, `sheared`, `sideways`.
 
     R_ii is stationary in w_i. R_ij is the mean of w_j along i under the pressure, or over the
     nodes' shares where the surface ends within it: of first order in w, enough for a small part.
+    A mesh gives w of the normal force along a tangent better than that of a shear along the normal.
     """
     axes, a = np.vstack([direction, tangents]), splitting.space.radius
     loads = np.array([pressed(body, weights, axis) for axis in axes])
     moved = np.array([solver.solve(load) for load in loads])
     point, inward = splitting.point, splitting.frame[2]
     sheared = [split(body, point, -inward, a, solver, tangent) for tangent in tangents]
+    lacking = [_missing(body, of, solver) for of in sheared]
     try:
         under = spread(body.surface, point, -inward, a).weights
     except RoomError:
         under = weights
     fields = [float(direction @ inward) * splitting.w[0], *(of.w[0] for of in sheared)]
     beyond = np.array([under @ field @ axes.T for field in fields])
+    beyond[1:, 0] = beyond[0, 1:]
     beyond = 0.5 * (beyond + beyond.T)
-    np.fill_diagonal(beyond, [splitting.compliance, *(of.compliance for of in sheared)])
-    found: FloatArray = loads @ moved.T - beyond
-    return found
+    along = [of.compliance + apart for of, (_, apart) in zip(sheared, lacking, strict=True)]
+    np.fill_diagonal(beyond, [straight, *along])
+    field = np.zeros((2, splitting.w.size))
+    field[:, body.free] = moved[1:]
+    field = field.reshape(2, *splitting.w.shape) - [of.w for of in sheared]
+    return loads @ moved.T - beyond, field, max(of for of, _ in lacking)
 
 
 @dataclass(frozen=True, eq=False)

@@ -332,32 +332,44 @@ class ReducedModel(BodyModel):
         """
         return None
 
-    def stiffness_error(self, s: float, port: int = 0) -> float:
+    def stiffness_error(self, s: float, port: int = 0, axis: int = 0) -> float:
         """Return how much too stiff the mesh is for motion at the frequency i s, relative.
 
         The energy that the field beyond the half-space lacks, over its strain energy. Frequencies
         within a factor of √2 share one estimate.
 
+        Parameters
+        ----------
+        s : float
+            rad/s, positive.
+        port : int, optional
+            Where the force acts.
+        axis : int, optional
+            1 or 2 for a force along the first or second tangent there, if these are known.
+
         :meta private:
         """
         octave = round(math.log2(s))
-        key = octave, port
+        key = octave, port + axis
         found: dict[tuple[int, int], float] = self.kept.setdefault("stiffness", {})
         if key not in found:
             point, known = self.contact_points[port], self.extraction_at(port)
             if known is None:
                 return 0.0
             assert point.direction is not None
-            deflection = self.deflection(2.0**octave, port)
+            deflection = self.deflection(2.0**octave, port + axis)
             if isinstance(known, ThinExtraction):
                 found[key] = thin_stiffness_error(point.body, deflection, known.near, 2.0**octave)
                 return found[key]
             assert isinstance(known, Extraction)
-            moved = np.zeros(known.mesh_field.size)
-            moved[point.body.free] = deflection
-            inward = known.splitting.frame[2] @ point.direction
-            moved = math.copysign(1.0, inward) * moved.reshape(known.mesh_field.shape)
-            beyond = moved - known.mesh_field
+            field, sign = known.mesh_field, known.splitting.frame[2] @ point.direction
+            if axis:
+                if known.sheared is None:
+                    return 0.0
+                field, sign = known.sheared[axis - 1], 1.0
+            moved = np.zeros(field.size)
+            moved[point.body.free] = math.copysign(1.0, sign) * deflection
+            beyond = moved.reshape(field.shape) - field
             false, own = field_error(point.body, beyond, ~known.splitting.smooth, 2.0**octave)
             whole = float(own.sum())
             found[key] = missing_energy(false, own) / whole if whole else 0.0
