@@ -478,8 +478,15 @@ class ContactPoint(Frozen):
 
     @cached_property
     def depth(self) -> float:
-        """Thickness of the body under the point, m; infinite without a mesh."""
+        """Thickness of the body under the point, m; infinite without a mesh.
+
+        That of a beam is the height of the rectangle which bends as stiffly along the force.
+        """
         surface = self.body.surface
+        if isinstance(self.thin, Beam) and self.direction is not None:
+            of, z = self.thin.numbers, self.thin.orientation
+            share = 0.0 if z is None else float(self.direction @ z) ** 2 / float(np.dot(z, z))
+            return math.sqrt(12.0 * (share * of.Iy + (1.0 - share) * of.Iz) / of.area)
         if isinstance(self.thin, Layers):
             return self.thin.total_thickness
         if surface is None or self.point is None or self.direction is None:

@@ -289,7 +289,9 @@ def corner_stress(
         for _, cells, rows in _corners(mesh, material, np.arange(mesh.n_nodes) == node, layer)[0]:
             some = np.flatnonzero(np.isin(cells, own))
             ends = mesh.cells[cells[some], : rows.shape[2] // 6]
-            values.append(np.einsum("ncd,nd->nc", rows[some], moved[ends].reshape(len(some), rows.shape[2])))
+            values.append(
+                np.einsum("ncd,nd->nc", rows[some], moved[ends].reshape(len(some), rows.shape[2]))
+            )
     return np.concatenate(values)
 
 

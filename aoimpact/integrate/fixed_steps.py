@@ -117,7 +117,7 @@ class SteppedRecorder:
             equations,
             self.rule,
             self.record.dt,
-            forces,
+            forces[: equations.B.shape[1]],  # a wall has no weight
             partial(coordinates, model),
             0.0 if residual is None else float(residual[0, 0]),
         )

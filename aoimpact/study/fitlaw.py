@@ -312,6 +312,9 @@ def fit_law(
     >>> round(fit.law.k / 1e9, 3), round(fit.law.damping, 3)
     (1.0, 0.2)
     """
+    measured = [signal is not None, indentation is not None or force is not None, dent is not None]
+    if sum(measured) > 1:
+        raise InputError("give one measurement: a signal, a curve, or dents of several impacts")
     if signal is not None:
         data = _history(signal, mass, velocity, projectile, target)
     elif indentation is not None and force is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -296,3 +297,32 @@ def test_a_contact_wider_than_a_shell_is_thick_is_said() -> None:
 def test_refusals(make: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         make()
+
+
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")  # of a coarse mesh
+def test_sensors_on_beams_and_ribs_may_be_quantities() -> None:
+    """A beam moves where it is struck; a rib's outer fibre bears more than the skin's."""
+    beam = ao.Beam(ao.RectangularSection(0.003, 0.01), STEEL, orientation=(0, 0, 1))
+    line = ao.Mesh(np.linspace((0, 0, 0), (0.1, 0, 0), 11), np.c_[:10, 1:11], "line")
+    ends = [([0, 10], "xyz", "xyz")]
+    bar = ao.FEModel.from_mesh(line, beam, fixed=ends)
+    tip, ball = bar.contact(point=(0.05, 0, 0), direction=(0, 0, -1)), ao.ball(0.005, STEEL)
+    given = {"duration": 2e-4, "rtol": 0.3}
+    hit = ao.simulate(ball, tip, 1.0, quantity="target_displacement", **given)
+    assert hit.target.displacement.max() > 0.0
+    skin = ao.sheet_mesh((0.1, 0.1), (10, 10))
+    row = np.flatnonzero(np.isclose(skin.nodes[:, 1], 0.05))
+    row = row[np.argsort(skin.nodes[row, 0])]
+    both: Any = [("line", np.c_[row[:-1], row[1:]]), ("quad", skin.cells)]
+    groups = {"rib": np.arange(10), "skin": 10 + np.arange(100)}
+    mesh = ao.Mesh(skin.nodes, both, "mixed", skin.node_sets, groups)
+    parts = {"skin": ao.Shell(1e-3, STEEL), "rib": replace(beam, offset=(0, -0.006))}
+    panel = ao.FEModel.from_mesh(mesh, parts, fixed=[("rim", "xyz", "xyz")])
+    found = []
+    for part in ("rib", "skin"):
+        fibre = ao.StressAt(panel, (0.05, 0.05, 0), "xx", layer="bottom", part=part)
+        tip = panel.contact(point=(0.05, 0.08, 0))
+        hit = ao.simulate(ball, tip, 1.0, quantity=fibre, **given)
+        stress = hit.target.probe((0.05, 0.05, 0), layer="bottom", part=part).stress
+        found.append(np.abs(stress["xx"]).max())
+    assert found[0] > found[1] > 0.0

@@ -417,6 +417,36 @@ def test_a_track_of_friction_can_be_pickled():
     assert np.array_equal(again.rows(t, True), hit.recorder.rows(t, True))
 
 
+@pytest.mark.parametrize(("mu", "sideways"), [(0.2, 0.02), (1.0, 0.1), (3.0, 0.1)])
+def test_friction_of_a_contact_that_sticks_is_right_at_any_time(mu: float, sideways: float) -> None:
+    """Far below Coulomb's bound, by both methods."""
+    hits = [
+        ao.simulate(
+            ao.ball(0.01, STEEL),
+            ao.wall(STEEL),
+            (sideways, 0, -1),
+            friction=mu,
+            duration=7.5e-5,
+            solver=solver,
+        )
+        for solver in (None, ao.Newmark(dt=2e-8, estimate=False))
+    ]
+    times = np.linspace(0.0, 6.7e-5, 400)
+    tolerant, fixed = (np.interp(times, hit.t, hit.friction_force[:, 0]) for hit in hits)
+    assert np.abs(tolerant - fixed).max() < 1e-3 * np.abs(fixed).max()
+
+
+def test_a_wall_stays_under_gravity() -> None:
+    for solver in (ao.Newmark(dt=4e-7), ao.Adaptive(rtol=1e-4)):
+        scene = ao.Scene(gravity=(0, 0, -9.81))
+        ball = scene.add(ao.ball(0.01, STEEL), velocity=(0.3, 0, -0.5))
+        wall = scene.add(ao.wall(STEEL))
+        scene.connect(ball, wall, friction=0.2)
+        run = scene.simulate(duration=2e-4, solver=solver)
+        assert not run.bodies[1].final_velocity.any()
+        assert not run.bodies[1].final_spin.any()
+
+
 @pytest.mark.slow
 def test_springs_that_turn_at_once_are_solved_for() -> None:
     """Off the centre of a plate a slide turns; meshes agree within their errors."""
