@@ -231,6 +231,10 @@ def test_bodies_that_ring_are_taken_as_they_are() -> None:
         ({"law": ao.Hertz, "indentation": [1e-4], "force": [1.0]}, "more than 1 measured values"),
         ({"law": ao.Hertz, "signal": ([0, 1], [0, -1.0])}, "velocity must be"),
         (
+            {"law": LAW, "signal": ([0, 1], [0, 1]), "dent": [1e-4], "mass": 1, "velocity": 1},
+            "give one measurement",
+        ),
+        (
             {"law": ao.Hertz(1e9), "free": ["k", "k"], "indentation": [0, 1e-4], "force": [0, 1]},
             "name each parameter once",
         ),
