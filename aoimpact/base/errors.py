@@ -210,8 +210,8 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     13: (ConvergenceError, "more contacts are closed at once than the run has room for"),
     14: (
         InputError,
-        "friction needs a contact law that neither remembers nor pulls, such as Hertz, and fixed "
-        "steps: give law=ao.Hertz(...) and solver=Newmark(dt=...)",
+        "friction needs a contact law that neither remembers nor pulls, and with damping fixed "
+        "steps: give law=ao.Hertz(...), or solver=Newmark(dt=...)",
     ),
     15: (
         ConvergenceError,

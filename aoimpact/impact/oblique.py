@@ -64,7 +64,7 @@ def refuse_plastic(law: ContactLaw) -> None:
     if law.has_memory or law.pulls:
         raise InputError(
             f"friction: law={law!r} remembers or pulls, and friction is known for other contacts "
-            "only; give Hertz(...) or a law with damping, or friction=0 for smooth surfaces"
+            "only; give Hertz(...), a law with damping and solver=Newmark(), or friction=0"
         )
 
 

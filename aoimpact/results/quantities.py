@@ -37,6 +37,9 @@ _LEAST_CONTACT = 0.1
 # but stopped has neither.
 _LEAST_REBOUND = 0.1
 
+# Times at which the largest friction is looked for between two of a record.
+_BETWEEN = 65
+
 
 def recorded(rows: Callable[[Run], FloatArray]) -> History:
     """Return a history from rows that a run has at its own times, shape (rows, times)."""
@@ -378,9 +381,24 @@ def _displacement(name: str, body: int) -> Quantity:
 
 
 def _friction_peaks(run: Run) -> FloatArray:
-    """The largest force of friction of each contact that has it, N."""
-    found = [of.friction_force for of in run.each_contact]
-    return np.array([np.linalg.norm(of, axis=1).max(initial=0.0) for of in found if of is not None])
+    """The largest force of friction of each contact that has it, N.
+
+    Between the times of the record next to the largest there it is looked for again: where slip
+    begins it has a corner.
+    """
+    found = []
+    for number, of in enumerate(run.each_contact):
+        if of.friction_force is None:
+            continue
+        size = np.linalg.norm(of.friction_force, axis=1)
+        top = int(size.argmax()) if len(size) else 0
+        if run.recorder.dense and 0 < top < len(size) - 1:
+            times = np.linspace(run.t[top - 1], run.t[top + 1], _BETWEEN)
+            near = run.at(times).each_contact[number].friction_force
+            assert near is not None
+            size = np.append(np.linalg.norm(near, axis=1), size[top])
+        found.append(size.max(initial=0.0))
+    return np.array(found)
 
 
 def _tangential_restitution(run: Run) -> FloatArray:

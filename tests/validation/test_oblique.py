@@ -436,6 +436,17 @@ def test_friction_of_a_contact_that_sticks_is_right_at_any_time(mu: float, sidew
     assert np.abs(tolerant - fixed).max() < 1e-3 * np.abs(fixed).max()
 
 
+def test_the_peak_of_friction_is_no_sample_of_the_record() -> None:
+    """Where slip begins it has a corner: the same to six digits in records of any length."""
+    peaks = [
+        ao.simulate(
+            ao.ball(0.01, STEEL), ao.wall(STEEL), (0.5, 0, -1), friction=0.2, duration=lasts
+        ).value("peak_friction_force")
+        for lasts in (8e-5, 1e-3)
+    ]
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-6)
+
+
 def test_a_wall_stays_under_gravity() -> None:
     for solver in (ao.Newmark(dt=4e-7), ao.Adaptive(rtol=1e-4)):
         scene = ao.Scene(gravity=(0, 0, -9.81))
