@@ -436,6 +436,21 @@ def test_friction_of_a_contact_that_sticks_is_right_at_any_time(mu: float, sidew
     assert np.abs(tolerant - fixed).max() < 1e-3 * np.abs(fixed).max()
 
 
+def test_a_contact_may_end_where_a_step_does() -> None:
+    """The bodies are apart by nothing then, and the forces are rounding."""
+    inertia = 9.486182951932598e-4, 7.973312877206715e-4, 1.0170603742438748e-3
+    arm = -0.01286399309557867, -0.022037774195586328, 0.019541384789217763
+    velocity = 0.44079537303657496, 0.26817176677579846, -1.6550444241236257
+    body = ao.rigid(1.3135053506784045, inertia=inertia, arm=arm)
+    law, given = ao.Hertz(k=77964525.93589751), {"friction": 0.8892244506178925}
+    one, other = (
+        ao.simulate(body, ao.wall(STEEL), velocity, law=law, solver=solver, **given)
+        for solver in (ao.Newmark(), ao.Adaptive(rtol=1e-6))
+    )
+    spins = [hit.projectile.final_spin for hit in (one, other)]
+    np.testing.assert_allclose(*spins, atol=1e-3 * np.abs(spins[1]).max())
+
+
 def test_the_peak_of_friction_is_no_sample_of_the_record() -> None:
     """Where slip begins it has a corner: the same to six digits in records of any length."""
     peaks = [
