@@ -314,7 +314,7 @@ def fit_law(
     """
     measured = [signal is not None, indentation is not None or force is not None, dent is not None]
     if sum(measured) > 1:
-        raise InputError("give one measurement: a signal, a curve, or dents of several impacts")
+        raise InputError("give one measurement: signal=, or indentation= and force=, or dent=")
     if signal is not None:
         data = _history(signal, mass, velocity, projectile, target)
     elif indentation is not None and force is not None:
