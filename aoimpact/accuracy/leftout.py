@@ -109,8 +109,10 @@ def errors_left_out(
     if _any_bare(plan):
         mesh.errors.clear()
     if quantity.lasting:
-        softer = changes.sum((altered.mesh[0], _softer(plan)))
-        mesh = _Change(mesh.errors | {name: softer.errors[name]}, softer.when)
+        softer, stiff = changes.sum((altered.mesh[0], _softer(plan))), mesh.errors.get(name, 0.0)
+        # Stress near a contact also sees its force, which softer modes leave as it is.
+        size = softer.errors[name] if quantity.local is None else max(softer.errors[name], stiff)
+        mesh = _Change(mesh.errors | {name: size}, softer.when)
     for each in mesh.errors:
         mesh.errors[each] += altered.lag
     larger = max(mesh, contact, key=lambda change: change.errors.get(name, 0.0))

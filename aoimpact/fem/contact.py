@@ -249,7 +249,10 @@ class ContactPoint(Frozen):
         :meta private:
         """
         if self.thin is not None and self.directed and self.normal is not None:
-            return replace(self, normal=-self.normal)  # a projectile: touched on its other side
+            other = replace(self, normal=-self.normal)  # a projectile: touched on its other side
+            if "extraction" in vars(self) and not getattr(self.thin, "sided", False):
+                vars(other)["extraction"] = self.extraction  # found for the impact
+            return other
         opposite = None if self.direction is None else -self.direction
         tip = replace(self, b=-self.b, direction=opposite)
         if "extraction" in vars(self):
