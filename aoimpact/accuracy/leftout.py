@@ -301,7 +301,7 @@ def alterations(
     law_errors : sequence of float, optional
         See `errors_left_out`.
     at_nodes : bool, optional
-        Whether the mesh's indentation at nodes counts as its error under laws that leave it.
+        True to count the mesh's indentation at nodes as its error under laws that leave it.
     """
     ends: list[list[_End]] = []
     for number, of in enumerate(met):

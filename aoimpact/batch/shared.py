@@ -99,12 +99,12 @@ class _Foreseen(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """Of the contact, m; 0 where the law has no surface."""
+        """Radius of the contact, m; 0 where the law has no surface."""
         return self.met.contact_radius or 0.0
 
     @property
     def length(self) -> float:
-        """Of the motion that matters, s."""
+        """Length of the motion that matters, s."""
         impact = self.impact
         if impact.record.given:
             return max(impact.record.length - impact.gap / abs(impact.velocity), 0.0)

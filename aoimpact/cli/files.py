@@ -44,7 +44,7 @@ def _histories(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
 
 
 def _probes(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
-    """What the file's probes read, as CSV."""
+    """Readings of the file's probes, as CSV."""
     if not (found := scene.probes(result)):
         return []
     file = folder / "probes.csv"

@@ -364,8 +364,10 @@ class ContactPoint(Frozen):
         mesh, material = self.body.mesh, self.body.material
         assert mesh is not None
         assert material is not None
+        if not mesh.thin:
+            return False
         solids = [piece.cells.ravel() for piece in pieces(mesh, material)]
-        if not (mesh.thin and solids):
+        if not solids:
             return False
         both = np.intersect1d(np.concatenate(solids), mesh.thin_nodes)
         pressed_on = self._nodal_forces.any(axis=1)

@@ -205,7 +205,7 @@ def extracted(
 
 
 def _missing(body: Any, splitting: Splitting, solver: LinearSolver) -> tuple[float, float]:
-    """What w lacks of R, m/N, and the part of it away from supports.
+    """Return the part of R that w lacks, m/N, and how much of it is away from supports.
 
     At supports -u_B is interpolated between nodes, so that R has an error of either sign there.
     """
@@ -251,7 +251,7 @@ def field_error(
     loaded : ndarray of bool, shape (n_nodes,)
         Nodes that may carry traction.
     s : float
-        The field is that of a motion at the frequency i s, rad/s, or s.
+        rad/s; the field moves at the frequency i s, or s.
 
     Returns
     -------

@@ -35,7 +35,7 @@ ComplexArray = npt.NDArray[np.complex128]
 # Wave numbers of the integrals over k: how many, and how far beyond 1/λ and 1/a.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
 
-# Of these waves a laminate's plate takes one in so many.
+# A laminate's plate takes one in so many of these waves.
 _SKIPPED = 8
 
 # The mesh about the contact reaches over so many of its edges, or lengths λ if these are less.

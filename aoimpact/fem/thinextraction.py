@@ -41,9 +41,9 @@ class ThinExtraction(ContactCompliance):
     """Compliances of a shell or beam at a contact point under a unit force.
 
     Here c is what the elements have in place of an elastic layer; 0 of a beam, and less than 0 of a
-    tube, whose ring yields. It hardly depends on the radius of the contact. `error`
-    is how much it changes over the frequencies of a rising force, and `lagging` by how much for
-    each power of e in frequency: large where elements are longer than the bending wave.
+    tube, whose ring yields. It hardly depends on the radius of the contact. `error` is how much it
+    changes over the frequencies of a rising force, and `lagging` by how much for each power of e in
+    frequency: large where elements are longer than the bending wave.
 
     Attributes
     ----------

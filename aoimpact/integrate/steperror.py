@@ -41,7 +41,7 @@ _RESOLVED = 0.5
 class StepError(NamedTuple):
     """An estimate of the largest relative error of peak force and impulse of all contacts.
 
-    Of those of friction as well.
+    The forces of friction count as well.
 
     Attributes
     ----------

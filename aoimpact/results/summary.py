@@ -132,7 +132,7 @@ def _friction(contact: Contact) -> str:
 
 
 def _oblique(result: Result) -> list[tuple[str, str]]:
-    """What an impact in three directions has besides."""
+    """Rows that only an impact in three directions has."""
     rows = []
     if "tangential_restitution" in result.numbers:
         rows.append(("tangential restit.", _rebound(result, "tangential_restitution")))

@@ -69,7 +69,7 @@ _STARTS, _AROUND = 5, 0.7
 # the largest value; the noise is that of second differences, from eight values on.
 _OFF, _VISIBLE, _FEW = 3.0, 0.02, 8
 
-# Of noise alone a fit takes about a variance for each parameter off the sum of squares, and a few
+# A fit of noise alone takes about a variance for each parameter off the sum of squares, and a few
 # where it may choose its start among a thousand samples.
 _EXPLAINED = 10.0
 

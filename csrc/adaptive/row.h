@@ -59,7 +59,7 @@ static inline size_t aoi_row_contact_size(const aoi_contact *contact)
     return contact->friction ? AOI_TRACK_FRICTION_SIZE : AOI_TRACK_CONTACT_SIZE;
 }
 
-/* Of a contact with friction (of: in its row): the normal force and those along the tangents at a place (0 .. 1) of the
+/* The normal force and those along the tangents of a contact with friction (of: in its row) at a place (0 .. 1) of the
  * row, N, and the indentation beyond that of the bodies, m. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent);
 

@@ -252,7 +252,8 @@ static void begin_bodies(aoi_adaptive *run)
     }
 }
 
-/* Curves of stretches are drawn to the tolerance, but not finer than the first, which takes 1000 springs; within a step this much finer. And the share of the tolerance at which Newton's method ends. */
+/* Curves of stretches are drawn to the tolerance, but not finer than the first, which takes 1000 springs; within a step
+ * this much finer. And the share of the tolerance at which Newton's method ends. */
 static const double FINEST_CURVE = 4e-6, WITHIN_STEP = 0.01, NEWTON_SHARE = 1e-2;
 
 static void begin_sliding(const aoi_adaptive *run, const aoi_contact *of, aoi_sliding *sliding, aoi_stretch *spring)
@@ -308,7 +309,7 @@ static int take_state(const double *from, size_t count, double *to)
     return 1;
 }
 
-/* Whether a body has a residual compliance. */
+/* 1 if a body has a residual compliance. */
 static int has_residual(const aoi_system *system)
 {
     for (size_t b = 0; b < system->body_count; b++) {
@@ -319,7 +320,7 @@ static int has_residual(const aoi_system *system)
     return 0;
 }
 
-/* Whether a law with friction depends on the rate. */
+/* 1 if a law with friction depends on the rate. */
 static int is_damped(const aoi_system *system)
 {
     for (size_t c = 0; c < system->contact_count; c++) {

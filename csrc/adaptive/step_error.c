@@ -137,11 +137,11 @@ typedef struct errors {
     double drift; /* of friction, by the length of the straight parts of its paths */
 } errors;
 
-/* Of friction below this share of its bound no more is promised: it is rounding of the normal force. */
+/* Friction below this share of its bound is rounding of the normal force, and no more is promised. */
 static const double LEAST_FRICTION = 1e-9;
 
-/* What the tangential forces of a contact are measured by, and slides with them, over its normal force: the largest so
- * far and in this step. Where a contact sticks friction is far below its bound. */
+/* The scale of a contact's friction, and of its slides, over that of its normal force: the largest friction so far and
+ * in this step. Where a contact sticks friction is far below its bound. */
 static double friction_share(const aoi_adaptive *run, const aoi_contact_step *normal)
 {
     const aoi_sliding *sliding = normal->sliding;

@@ -18,9 +18,9 @@ enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
 typedef struct aoi_sliding aoi_sliding; /* sliding.h */
 
 /* One contact during a step, or with friction one of three entries in a row, of its normal and two tangents: their
- * indentation is then the slide of the bodies since the touch. The caller sets the first block: the piece of the law and its memory; which edge of the
- * contact the step has; indentation, rate and force at the start of the step; the scale of the indentation; a constant
- * force, the motion under the constant forces of all contacts, and a guess of the indentation and its rate. At a
+ * indentation is then the slide of the bodies since the touch. The caller sets the first block: the piece of the law and
+ * its memory; which edge of the contact the step has; indentation, rate and force at the start of the step; the scale of
+ * the indentation; a constant force, the motion under the constant forces of all contacts, and a guess of the indentation and its rate. At a
  * massless contact point the constant is the force at the start: rates then follow from changes of forces within the
  * step without loss of digits, however short it is. */
 typedef struct aoi_contact_step {

@@ -17,7 +17,7 @@ enum { MOST_ITERATIONS = 25 };
  * work, 0.15 costs 0.1 %. */
 static const double KEPT = 0.05;
 
-/* Of friction two paths differ little, and their difference changes less: after a smaller change it is kept. */
+/* The two paths of friction differ little, and their difference changes less: after a smaller change it is kept. */
 static const double FAR_OFF = 1e-2;
 
 /* With the matrix of the change before, the error falls by twice the ratio of the last changes: the next change would

@@ -18,7 +18,7 @@ typedef struct aoi_newton {
     int slides;    /* with friction */
 } aoi_newton;
 
-/* Whether the iteration is near enough for the difference of two paths of friction to be found, and not so near that it
+/* 1 if the iteration is near enough for the difference of two paths of friction to be found, and not so near that it
  * has been. */
 int aoi_newton_nears(const aoi_newton *newton);
 

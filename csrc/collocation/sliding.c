@@ -15,7 +15,7 @@ typedef struct stops {
     double place[MOST_STOPS];
 } stops;
 
-/* What is found at the stops, by their numbers. */
+/* Results at the stops, by their numbers. */
 typedef struct finds {
     aoi_oblique_solution at[MOST_POINTS + 1];
     double stretched[MOST_POINTS + 1]; /* energy of the springs, J; only where it is asked for */
@@ -155,7 +155,7 @@ static int follow(const aoi_sliding *of, const motion *along, const stops *to, s
     return AOI_OK;
 }
 
-/* What parts of no length would give, by the forces of both paths, whose errors are as one to four. */
+/* The force of parts of no length, by those of both paths, whose errors are as one to four. */
 static double extrapolated(double whole, double half)
 {
     return half + (half - whole) / 3.0;

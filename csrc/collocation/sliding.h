@@ -51,7 +51,8 @@ int aoi_sliding_begin(aoi_sliding *sliding, const double place[3]);
 /* The force at the end of the last step. */
 double aoi_sliding_force(const aoi_sliding *sliding, size_t axis);
 
-/* Before the forces of a step are found: adds springs that the step will turn apart, by a guess of the places of the three entries. */
+/* Before the forces of a step are found: adds springs that the step will turn apart, by a guess of the places of the
+ * three entries. */
 void aoi_sliding_prepare(aoi_sliding *sliding, const aoi_contact_step *entry);
 
 /* Sets force and by along the places of the three entries of a contact; both: follows both paths and sets drift, else only

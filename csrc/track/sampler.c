@@ -357,7 +357,8 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
 }
 
 /* The same of a contact with friction. */
-static double rubbing_contact(const aoi_sampler *sampler, size_t c, double place, int energies, double *record, size_t stride)
+static double rubbing_contact(const aoi_sampler *sampler, size_t c, double place, int energies, double *record,
+                              size_t stride)
 {
     const aoi_contact *contact = &sampler->system->contact[c];
     const double *of = sampler->track + sampler->contact_at[c], *out = contact->compliance;

@@ -165,10 +165,21 @@ def _random_scene(seed: int) -> tuple[Any, ...]:
     return ball, target, mu, velocity, k
 
 
+def assert_same(hit, right, bodies, *, force, friction, near):
+    """An impact is that of fixed springs: relative errors of peaks, and m/s of velocities."""
+    assert hit.peak_force == pytest.approx(right.force.max(), rel=force)
+    largest = np.linalg.norm(right.friction, axis=1).max()
+    assert hit.value("peak_friction_force") == pytest.approx(largest, rel=friction)
+    for ours, theirs in zip((hit.projectile, hit.target), bodies, strict=True):
+        assert ours.final_velocity == pytest.approx(theirs.velocity, abs=near)
+        assert 0.01 * ours.final_spin == pytest.approx(0.01 * theirs.spin, abs=near)
+
+
 @pytest.mark.parametrize("rtol", [None, 1e-6])
 @pytest.mark.parametrize("seed", range(8))
 def test_random_impacts_are_those_of_fixed_springs(seed, rtol):
     ball, target, mu, velocity, k = _random_scene(seed)
+    speed = float(np.linalg.norm(velocity))
     deepest = (1.25 * 0.03 / k) ** 0.4
     time = 2.95 * deepest
     steps = ao.Newmark(dt=time / 1000, estimate=False)
@@ -192,18 +203,13 @@ def test_random_impacts_are_those_of_fixed_springs(seed, rtol):
         duration=1.1 * time,
         steps=4000,
     )
-    assert hit.peak_force == pytest.approx(right.force.max(), rel=1e-5)
-    largest = np.linalg.norm(right.friction, axis=1).max()
-    assert hit.value("peak_friction_force") == pytest.approx(largest, rel=2e-4)
-    near = 1e-4 * float(np.linalg.norm(velocity))
-    for ours, theirs in ((hit.projectile, ball[1]), (hit.target, target[1])):
-        assert ours.final_velocity == pytest.approx(theirs.velocity, abs=near)
-        assert 0.01 * ours.final_spin == pytest.approx(0.01 * theirs.spin, abs=near)
+    assert_same(hit, right, (ball[1], target[1]), force=1e-5, friction=2e-4, near=1e-4 * speed)
 
 
 @pytest.mark.parametrize("seed", [3, 4, 7])
 def test_damped_impacts_are_those_of_fixed_springs(seed):
     ball, target, mu, velocity, k = _random_scene(seed)
+    speed = float(np.linalg.norm(velocity))
     deepest = (1.25 * 0.03 / k) ** 0.4
     time = 2.95 * deepest
     law = ao.HuntCrossley(k, 0.5, n=1.5)
@@ -228,13 +234,7 @@ def test_damped_impacts_are_those_of_fixed_springs(seed):
         steps=6000,
         damping=0.5,
     )
-    assert hit.peak_force == pytest.approx(right.force.max(), rel=5e-4)
-    largest = np.linalg.norm(right.friction, axis=1).max()
-    assert hit.value("peak_friction_force") == pytest.approx(largest, rel=1e-3)
-    near = 3e-4 * float(np.linalg.norm(velocity))
-    for ours, theirs in ((hit.projectile, ball[1]), (hit.target, target[1])):
-        assert ours.final_velocity == pytest.approx(theirs.velocity, abs=near)
-        assert 0.01 * ours.final_spin == pytest.approx(0.01 * theirs.spin, abs=near)
+    assert_same(hit, right, (ball[1], target[1]), force=5e-4, friction=1e-3, near=3e-4 * speed)
 
 
 @pytest.mark.parametrize(
