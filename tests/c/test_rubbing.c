@@ -116,7 +116,8 @@ static void energy_of_a_slider_is_closed(void)
     drop();
 }
 
-/* Started at rest with its stretched spring, a block below the angle of friction stays; above it, it slides down. */
+/* Started at rest with its stretched spring, a block below the angle of friction stays, wherever it touches; above it,
+ * it slides down. */
 static void blocks_rest_on_slopes(void)
 {
     for (int slips = 0; slips < 2; slips++) {
@@ -126,7 +127,8 @@ static void blocks_rest_on_slopes(void)
         memset(&p, 0, sizeof p);
         rub(&p, "linear", k, mu);
         meet_wall(&p, 0.0, still, down);
-        p.w.x[0][0] = MASS * down[0] / k;
+        p.w.contact[0].gap = 1e-4;
+        p.w.x[0][0] = p.w.contact[0].gap + MASS * down[0] / k;
         p.w.x[0][1] = slips ? 0.0 : MASS * down[1] / (RATIO * k);
         CHECK(world_start(&p.w, steps_of(dt), 2001, NULL) == AOI_OK, "start");
         run(&p.w, 2001);
