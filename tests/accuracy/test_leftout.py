@@ -27,6 +27,7 @@ def strike(body: ao.FEModel, **more: object) -> ao.Result:
     return ao.simulate(projectile=BALL, target=tip, velocity=1.0, **more)
 
 
+@pytest.mark.slow
 def test_bricks_that_lock_in_bending_are_seen_in_the_force() -> None:
     """One layer of linear bricks as long as the plate is thick, against quadratic ones."""
     rough, fine = (
@@ -86,6 +87,7 @@ def light_ball_on(
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "divisions"), [("tetra", (8, 6, 1)), ("hexahedron", (5, 4, 1))], ids=str
 )
@@ -127,6 +129,7 @@ def test_a_law_that_ends_just_beyond_the_impact_has_its_errors() -> None:
     assert hit.error.contact > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_a_full_model_leaves_out_mesh_and_contact_but_nothing_by_reduction() -> None:
     """As much as the model of the same body that is chosen, whose numbers are found otherwise."""
@@ -147,6 +150,7 @@ def test_a_full_model_leaves_out_mesh_and_contact_but_nothing_by_reduction() -> 
     )
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_a_history_of_several_contacts_says_in_which_it_is_off_most() -> None:
     """A light plate comes back: what is left out shifts the later contact against the earlier."""
@@ -161,6 +165,7 @@ def test_a_history_of_several_contacts_says_in_which_it_is_off_most() -> None:
     assert 1 < int(said.group(1)) <= int(said.group(2)) == len(again.contacts)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*elements of first order")
 def test_displacement_without_curvature_under_the_contact_is_taken() -> None:
     """Within one face of a linear tetrahedron it often varies by nothing at all."""
@@ -173,7 +178,7 @@ def test_displacement_without_curvature_under_the_contact_is_taken() -> None:
 
 def test_a_patch_wider_than_a_plate_is_thick_is_refused() -> None:
     """Its mean displacement is that of a softer place than the contact's."""
-    mesh = ao.box_mesh((0.2, 0.15, 0.006), (24, 18, 1), kind="hexahedron20")
+    mesh = ao.box_mesh((0.2, 0.15, 0.006), (16, 12, 1), kind="hexahedron20")
     thin = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
     with pytest.raises(ao.InputError, match=r"radius=0\.02: .*smaller radius"):
         ao.simulate(BALL, thin.contact(point=(0.12, 0.06, 0.006), radius=0.02), 1.0)

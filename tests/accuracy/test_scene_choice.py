@@ -55,6 +55,7 @@ def three(request):
     return cache(lambda rtol: scene.simulate(duration=DURATION, rtol=rtol)), scene, struck, full
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rtol", [1e-1, pytest.param(1e-2, marks=pytest.mark.slow), 1e-3])
 def test_forces_of_a_body_touched_in_three_places(three, rtol):
     within, _, struck, full = three
@@ -73,6 +74,7 @@ def test_displacement_of_one_of_the_places(three, rtol):
     assert relative(mine, full[struck.body].port_displacements[1]) <= rtol
 
 
+@pytest.mark.slow
 def test_displacement_of_a_point_that_nothing_touches(three):
     _, scene, struck, full = three
     body = full.plan.bodies[struck.body].tips[0].body
@@ -102,6 +104,7 @@ def test_numbers_of_contacts(three, quantity):
         assert getattr(run.contacts[i], quantity) == run.value(name)
 
 
+@pytest.mark.slow
 def test_a_full_body_in_three_places_is_its_modes():
     """All natural modes exactly against Newmark's rule on K and M, under gravity and preload."""
     tips = tips_of(beam((6, 1, 1), "hexahedron"))
@@ -208,7 +211,9 @@ def free_plate():
     return plate.contact(point=(0.05, 0.05, 0.004))
 
 
-@pytest.mark.parametrize("name", ["rebound_velocity", "restitution"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("rebound_velocity", marks=pytest.mark.slow), "restitution"]
+)
 def test_a_scene_of_two_has_what_an_impact_has(name):
     """The same models and errors; seen from a train, the same restitution (Galilei)."""
     tip, ball = free_plate(), ao.ball(0.01, STEEL)

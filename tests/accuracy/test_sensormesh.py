@@ -132,6 +132,7 @@ def test_softer_modes_of_a_bar_of_linear_elements_are_beyond_the_exact_ones() ->
     assert (ratio < 2.5).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("body", "law", "sensor"),
     [

@@ -81,6 +81,7 @@ def test_what_makes_no_sense_is_named(plate: Any) -> None:
         strike(plate, quantity=ao.StressAt(other, POINT))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:the record of")  # it ends before waves come back
 @pytest.mark.filterwarnings("ignore:.*elements of first order")
 @pytest.mark.parametrize(("kind", "across"), [("hexahedron", 2), ("tetra", 2)])
@@ -136,6 +137,7 @@ def test_the_error_of_the_mesh_is_said_of_the_stress() -> None:
         assert np.abs(found).max() * hit.error.total < 5.0 * true, mesh
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*elements of first order")
 def test_a_result_keeps_nothing_of_the_search_for_its_model() -> None:
     plate = box(ALUMINIUM, (0.1, 0.1, 0.005), (3, 3, 1), (0.4, 0.5, 1), ALL_EDGES)

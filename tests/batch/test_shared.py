@@ -24,7 +24,7 @@ def tip() -> ao.ContactPoint:
     return ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.045, 0.035, 0.01))
 
 
-def balls(count: int = 6, **changes: Any) -> list[dict[str, Any]]:
+def balls(count: int = 4, **changes: Any) -> list[dict[str, Any]]:
     """Random balls at random speeds."""
     rng = np.random.default_rng(1)
     return [
@@ -64,7 +64,7 @@ def test_each_is_what_simulate_gives_within_their_errors() -> None:
     ids=["given law and duration", "gap and solver", "damped law", "tolerance"],
 )
 def test_so_it_is_for_other_arguments(changes: dict[str, Any]) -> None:
-    cases = balls(3, **changes)
+    cases = balls(2, **changes)
     check_errors(cases, ao.simulate_many(cases, keep=NAMES))
 
 
@@ -77,7 +77,7 @@ def test_a_tolerance_that_is_given_is_kept() -> None:
 def test_two_meshed_bodies_share_both_models() -> None:
     mesh = ao.sphere_mesh(0.01, 0.008)
     ball = ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.0, 0.0, -0.01))
-    cases = [case | {"projectile": ball} for case in balls(3)]
+    cases = [case | {"projectile": ball} for case in balls(2)]
     check_errors(cases, ao.simulate_many(cases, keep=NAMES))
 
 

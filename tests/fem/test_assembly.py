@@ -210,6 +210,7 @@ def test_frequencies_converge_with_twice_the_order_of_the_element(kind: str) -> 
     assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.25)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["hexahedron27", "tetra10"])
 def test_curved_elements_keep_the_order(kind: str) -> None:
     errors = [bar_frequency(kind, n, twisted=True) - math.pi / 2.0 for n in (8, 12)]

@@ -60,7 +60,7 @@ def test_all_modes_give_the_solutions_of_the_full_matrices(damped: str, held: st
 
 
 @pytest.mark.parametrize("held", SUPPORTS)
-@pytest.mark.parametrize("damped", ["undamped", "Rayleigh"])
+@pytest.mark.parametrize("damped", [pytest.param("undamped", marks=pytest.mark.slow), "Rayleigh"])
 def test_few_modes_and_a_series_do_as_well(damped: str, held: str) -> None:
     body, first, second = plate(DAMPING[damped], SUPPORTS[held], 10)
     assert body.n_dofs > 1000
@@ -157,7 +157,7 @@ def test_what_makes_no_sense_is_named() -> None:
         body.frf(excitation=first, frequencies=[1.0], kind="force")
 
 
-@pytest.mark.parametrize("across", [4, 10])
+@pytest.mark.parametrize("across", [4, pytest.param(10, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("damping", [None, ao.Rayleigh(beta=1e-7)])
 def test_a_free_body_moves_at_low_frequency_as_a_rigid_one(across: int, damping: Any) -> None:
     """a = (1/m + (r × n)ᵀ J⁻¹ (r × n)) F under a force along n at r from the centre of mass."""
@@ -173,7 +173,7 @@ def test_a_free_body_moves_at_low_frequency_as_a_rigid_one(across: int, damping:
     assert (found.error[:3] <= 1e-9 * known).all()
 
 
-@pytest.mark.parametrize("across", [4, 10])
+@pytest.mark.parametrize("across", [4, pytest.param(10, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("held", ["clamped", "free"])
 def test_the_bound_holds_far_above_all_modes(held: str, across: int) -> None:
     """Of two points that are apart the terms of the sum nearly cancel; refined in long double."""
@@ -191,6 +191,7 @@ def test_the_bound_holds_far_above_all_modes(held: str, across: int) -> None:
         assert abs(value - known) <= bound <= 1e-6 * abs(known)
 
 
+@pytest.mark.slow
 def test_a_million_frequencies_take_little_memory() -> None:
     body, first, _ = plate(ao.ModalDamping(0.01), SUPPORTS["clamped"], 2)
     frequencies = np.linspace(1.0, 1e4, 1_000_000)

@@ -117,7 +117,9 @@ def excess(t: float, cells: Any, nodes: FloatArray, node: int, s: float, tilt: A
 
 
 @KINDS
-@pytest.mark.parametrize(("t", "n"), [(2e-3, 30), (2e-3, 60), (1e-3, 30), (8e-3, 30)])
+@pytest.mark.parametrize(
+    ("t", "n"), [(2e-3, 30), pytest.param(2e-3, 60, marks=pytest.mark.slow), (1e-3, 30), (8e-3, 30)]
+)
 def test_the_mesh_about_a_contact_gives_its_excess(kind: str, t: float, n: int) -> None:
     """G of a sheet in which no wave comes back, less the layer's R: c, from the mesh nearby."""
     s = 3e5
@@ -163,7 +165,9 @@ UNIDIRECTIONAL = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3,
 
 
 @KINDS
-@pytest.mark.parametrize("angles", [(0.0,), (30.0,), (0.0, 90.0)])
+@pytest.mark.parametrize(
+    "angles", [pytest.param((0.0,), marks=pytest.mark.slow), (30.0,), (0.0, 90.0)]
+)
 def test_a_laminate_is_meshed_as_it_is(kind: str, angles: tuple[float, ...]) -> None:
     """A wide sheet in which no wave comes back yields as its mesh about the force, from any side.
 
@@ -205,7 +209,12 @@ def test_excess_near_an_edge_is_that_of_the_mesh_alone(kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("t", "rigid", "peak"), [(2e-3, True, 241.7), (2e-3, False, 215.1), (4e-3, False, 347.7)]
+    ("t", "rigid", "peak"),
+    [
+        (2e-3, True, 241.7),
+        pytest.param(2e-3, False, 215.1, marks=pytest.mark.slow),
+        pytest.param(4e-3, False, 347.7, marks=pytest.mark.slow),
+    ],
 )
 def test_a_ball_on_a_sheet(t: float, rigid: bool, peak: float) -> None:
     """R 5 mm at 1 m/s: resolved contact (241.7 N), and Zener's thin plates, by any elements."""

@@ -143,6 +143,7 @@ def beyond(
     return compliance * a * 4.0 * body.material.shear_modulus / (2.0 - body.material.nu)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "divisions"),
     [("hexahedron20", (4, 4, 2)), ("tetra10", (4, 4, 2)), ("hexahedron27", (6, 6, 3))],
@@ -169,6 +170,7 @@ def test_a_resolved_patch_has_the_half_space_and_what_is_beyond() -> None:
     assert whole - rest == pytest.approx(half, rel=0.01)
 
 
+@pytest.mark.slow
 def test_every_direction_in_the_surface_of_a_ball_is_alike_on_every_mesh() -> None:
     # Less the motion of the mesh as a whole, 1/m + R²/J.
     s2 = (10.0 / 60e-6) ** 2  # of an impact of 60 µs

@@ -134,6 +134,7 @@ def test_a_blow_on_the_rim_of_a_coarse_sheet_is_questioned() -> None:
         ao.simulate(BALL, sheet.contact(point=(0, 0.05, 0)), 0.1, quantity="peak_force", rtol=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
 def test_the_force_at_a_rim_is_known_to_its_error_only() -> None:
     """On elements of 4 and 2 mm it differs by no more than what is said of the coarse ones."""

@@ -108,7 +108,7 @@ def plate() -> tuple[ao.ContactPoint, float]:
     return body.contact(point=(0.08, 0.08, 0.004), direction=(0, 0, -1), radius=0), 1.2e-3
 
 
-@pytest.mark.parametrize("make", [held_beam, plate])
+@pytest.mark.parametrize("make", [pytest.param(held_beam, marks=pytest.mark.slow), plate])
 def test_the_error_said_is_no_less_than_half_the_true_one_at_any_time(make: Any) -> None:
     """Of models that give the force to some percent, over the contact and long after it."""
     tip, duration = make()

@@ -145,6 +145,7 @@ def test_five_oscillators_fitted_to_the_contact_give_the_whole_beam_at_the_peak(
     assert np.abs(found - exact).max() < 0.01 * np.abs(exact).max()
 
 
+@pytest.mark.slow
 def test_under_the_sphere_the_correction_gains_a_factor() -> None:
     tip, times = beam_tip(), np.linspace(0.0, 250e-6, 126)
     assert tip.node is not None

@@ -142,6 +142,7 @@ def end_face(body: ao.FEModel) -> ao.ContactPoint:
     return body.contact(b=b)
 
 
+@pytest.mark.slow
 def test_the_strain_of_a_rod_that_a_mass_strikes() -> None:
     """F'' + (k/Z) F' + (k/m) F = 0 of a mass on a spring on a long rod; ε = -F(t - x/c)/(E A)."""
     side, mass, k, speed = 0.01, 0.1, 5e7, 1.0
@@ -296,7 +297,7 @@ def test_the_end_of_a_record_is_not_the_largest_acceleration() -> None:
     np.testing.assert_allclose(cut, whole, atol=2e-3 * np.abs(whole).max())
 
 
-@pytest.mark.parametrize("n", [16, 40])
+@pytest.mark.parametrize("n", [pytest.param(16, marks=pytest.mark.slow), 40])
 def test_errors_of_sensors_are_not_below_the_true_ones(n: int) -> None:
     """Also of models that few further oscillators add to; against all oscillators."""
     tip = plate("supports")

@@ -61,7 +61,7 @@ def test_a_ball_on_a_thin_sheet() -> None:
     assert hit.peak_force == pytest.approx(83.64, rel=0.015)
 
 
-@pytest.mark.parametrize("kind", ["quad", "triangle"])
+@pytest.mark.parametrize("kind", ["quad", pytest.param("triangle", marks=pytest.mark.slow)])
 def test_a_rigid_ball_on_a_sheet(kind: str) -> None:
     """Resolved by finite elements of 8 µm: 241.7 N, in contact for 41.9 µs."""
     law = ao.Hertz(4 / 3 * STEEL.plane_strain_modulus * math.sqrt(0.005))
@@ -71,6 +71,7 @@ def test_a_rigid_ball_on_a_sheet(kind: str) -> None:
     assert hit.contact_duration == pytest.approx(41.9e-6, rel=0.025)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [(0.0775, 0.0775), (0.0762, 0.0737), (0.0775, 0.075)])
 def test_a_contact_may_be_anywhere_on_an_element(place: tuple[float, float]) -> None:
     body = sheet(2e-3)
@@ -133,6 +134,7 @@ def skin_on_a_web(n: int, skin: float = 2e-3, *, at: int | None = None) -> Any:
     return ao.FEModel.from_mesh(mesh, shells)
 
 
+@pytest.mark.slow
 def test_a_skin_is_struck_where_a_web_stands_on_it() -> None:
     """Direction, law and shell are those of the skin; a mesh half as fine has nearly its force."""
     hits = []

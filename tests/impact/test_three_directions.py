@@ -264,6 +264,7 @@ def held():
     return block.contact(point=(0.01, 0.01, 0.02))
 
 
+@pytest.mark.slow
 def test_supports_and_contact_change_the_momentum_of_a_reduced_body(held):
     hit = ao.simulate(BALL, held, DOWN, friction=0.3, duration=1.5e-4)
     end = hit.contacts[-1][1]
@@ -276,6 +277,7 @@ def test_supports_and_contact_change_the_momentum_of_a_reduced_body(held):
     np.testing.assert_allclose(gained, momentum, rtol=0, atol=1e-3 * passed)
 
 
+@pytest.mark.slow
 def test_points_of_a_reduced_body_move_as_those_of_all_of_it(held):
     at = {"point": (0.02, 0.01, 0.015), "direction": (1, 0, 0)}
     hit, full = (

@@ -239,6 +239,7 @@ def test_newtons_cradle_against_scipy(count):
     assert math.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.3)
 
 
+@pytest.mark.slow
 def test_a_solitary_wave_runs_at_its_speed():
     """Nesterenko (1983): a wave as wide as five balls, its shape and speed the same all along."""
     _, contacts, _ = row_of_balls(120, 2e-7, 2.4e-3)

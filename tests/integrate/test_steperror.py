@@ -91,6 +91,7 @@ def test_the_estimate_is_seldom_exceeded_never_by_much_and_not_timid(cases: list
     assert np.median(claimed / np.maximum(true, 1e-9)) < 7.0
 
 
+@pytest.mark.slow
 def test_a_wider_peak_makes_the_estimate_timid_and_a_narrower_one_bold(
     cases: list[Case], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -94,7 +94,13 @@ def test_every_model_of_a_body_remembers_its_patch() -> None:
 
 @pytest.mark.parametrize(
     ("mesh", "radius"),
-    [("coarse", 0.0), ("coarse", 0.0045), ("paper", 0.0), ("paper", 0.002), ("paper", 0.004)],
+    [
+        ("coarse", 0.0),
+        ("coarse", 0.0045),
+        ("paper", 0.0),
+        pytest.param("paper", 0.002, marks=pytest.mark.slow),
+        pytest.param("paper", 0.004, marks=pytest.mark.slow),
+    ],
 )
 def test_two_spheres_meet_as_the_resolved_contact_does(mesh: str, radius: float) -> None:
     """Over a patch of any radius, and at a single node."""

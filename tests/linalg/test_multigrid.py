@@ -309,7 +309,7 @@ def test_the_number_of_threads_changes_no_bit(monkeypatch):
         assert np.array_equal(solver.solve(load_on(body)), one)
 
 
-@pytest.mark.parametrize("name", ["bar", "hexahedron", "partly held", "few dofs"])
+@pytest.mark.parametrize("name", ["bar, coarse", "hexahedron", "partly held", "few dofs"])
 def test_a_smaller_shift_has_the_finest_level_of_the_first(name):
     """Solutions at each are those of a multigrid of its own, also where the two alternate."""
     if name == "partly held":
@@ -322,14 +322,14 @@ def test_a_smaller_shift_has_the_finest_level_of_the_first(name):
     shifts = (0.0, 0.25 * SHIFT, 0.0, 2000.0 * SHIFT, SHIFT)  # one is larger, and has its own
     half = first.below(shifts[1])
     others = (first.below(0.0), half, half.below(0.0), first.below(shifts[3]), first)
-    for _ in range(2):
-        for other, s2 in zip(others, shifts, strict=True):
-            own = Multigrid(pencil_of(body, s2), 1e-10)
-            x, iterations = own.iterate(load, 1e-10, np.inf)
-            found, taken = other.iterate(load, 1e-10, np.inf)
-            np.testing.assert_allclose(found, x, atol=1e-7 * np.abs(x).max())
-            assert other.sizes == own.sizes
-            assert taken <= iterations + 3
+    own = {s2: Multigrid(pencil_of(body, s2), 1e-10) for s2 in set(shifts)}
+    alone = {s2: solver.iterate(load, 1e-10, np.inf) for s2, solver in own.items()}
+    for other, s2 in 2 * list(zip(others, shifts, strict=True)):
+        x, iterations = alone[s2]
+        found, taken = other.iterate(load, 1e-10, np.inf)
+        np.testing.assert_allclose(found, x, atol=1e-7 * np.abs(x).max())
+        assert other.sizes == own[s2].sizes
+        assert taken <= iterations + 3
     if name != "few dofs":
         assert first._levels[0] is others[0]._levels[0]
 
@@ -474,7 +474,7 @@ def test_indefinite_matrices_are_refused():
 
 
 def test_what_is_not_coupled_has_no_coarse_level():
-    K = sp.diags_array(np.arange(1.0, 200001.0)).tocsr()
+    K = sp.diags_array(np.arange(1.0, 40001.0)).tocsr()
     with pytest.raises(ao.ConvergenceError, match="too few of them are coupled"):
         Multigrid(Pencil(K, K), 1e-8)
 

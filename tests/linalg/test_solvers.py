@@ -164,11 +164,15 @@ def test_a_users_solver_may_overwrite_what_it_got_or_gave(bar, returned):
     [
         (((0.5, 0.02, 0.02), (40, 2, 2), "hexahedron20"), 10, True),  # slender
         (((0.02, 0.02, 0.02), (5, 5, 5), "hexahedron20"), 10, True),  # small
-        (((0.3, 0.3, 0.001), (60, 60, 1), "hexahedron20"), 10, True),  # one layer of flat elements
+        pytest.param(  # one layer of flat elements
+            ((0.3, 0.3, 0.001), (60, 60, 1), "hexahedron20"), 10, True, marks=pytest.mark.slow
+        ),
         (((0.3, 0.3, 0.3), (12, 12, 12), "hexahedron20"), 10, False),  # compact
         (((0.3, 0.3, 0.3), (12, 12, 12), "hexahedron20"), 10_000, True),
         (((0.3, 0.3, 0.003), (12, 12, 12), "hexahedron20"), 10, True),  # flat elements
-        (((0.3, 0.3, 0.3), (30, 30, 30), "hexahedron"), 10, False),
+        pytest.param(
+            ((0.3, 0.3, 0.3), (30, 30, 30), "hexahedron"), 10, False, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_the_quickest_is_taken(mesh, solutions, direct):
@@ -202,7 +206,11 @@ BOXES = [
 ]
 
 
-@pytest.mark.parametrize("mesh", BOXES, ids=["ball", "bar", "plate", "cube", "sheet"])
+@pytest.mark.parametrize(
+    "mesh",
+    [*(pytest.param(mesh, marks=pytest.mark.slow) for mesh in BOXES[:2]), *BOXES[2:]],
+    ids=["ball", "bar", "plate", "cube", "sheet"],
+)
 def test_the_size_of_the_factors_is_known_before(mesh):
     """Parts that are not cut further count as dense."""
     body = ao.FEModel.from_mesh(mesh, STEEL)
@@ -445,6 +453,7 @@ def test_factors_take_over_where_iterations_cannot_be_set_up(block, monkeypatch)
     assert solver.name == solvers._direct(solver.pencil).name
 
 
+@pytest.mark.slow
 def test_frequencies_of_a_sheet_do_not_wait_for_iterations(iterating):
     """Kirchhoff's plate, clamped on one side: 3.494 √(D / ρ h) / 2π a² (Leissa 1969, ν = .3)."""
     mesh = box_mesh((0.3, 0.3, 0.003), (16, 16, 1), kind="hexahedron20")

@@ -205,6 +205,8 @@ def _laws() -> Iterator[tuple[str, tuple[Callable[..., Any], dict[str, Any]]]]:
 
 # What is called, with what, and which of its arguments are made odd.
 SIGNAL = testrig.Signal(np.arange(500) / 1e5, np.sin(np.arange(500) / 50.0))
+HALF_SINE = np.sin(np.pi * np.arange(60) / 60.0)
+TAP = testrig.Signal(np.arange(60) / 3e4, 180.0 * HALF_SINE)  # Hertz's k of 1e7, 0.1 kg at 1 m/s
 DROP = testrig.Signal(np.arange(500) / 1e5, 500.0 * np.sin(np.pi * np.arange(500) / 500.0))
 CHANNEL = Path(tempfile.mkdtemp()) / "drop.csv"
 CHANNEL.write_text("t,F\n0,0\n1,1\n2,0\n")
@@ -481,7 +483,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "fit_law": (
         ao.fit_law,
         {
-            **{"law": ao.Hertz(1e7), "signal": DROP, "mass": 0.1, "velocity": 1.0},
+            **{"law": ao.Hertz(1e7), "signal": TAP, "mass": 0.1, "velocity": 1.0},
             **{"projectile": None, "target": None, "free": "k"},
             **{"indentation": None, "force": None, "dent": None},
         },

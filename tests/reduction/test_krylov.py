@@ -60,6 +60,7 @@ def beam_force(target):
     return hit.at(np.linspace(0, 250e-6, 501)).force
 
 
+@pytest.mark.slow
 def test_few_antioscillators_give_the_force_on_the_papers_beam(paper_beam):
     """The paper takes 28 by their mass for .3 %; largest difference over 250 µs to all of them."""
     tip, full, _ = paper_beam
@@ -492,6 +493,7 @@ def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monk
     assert 8 <= 4 * slow <= 32  # of 4 to 15 iterations each
 
 
+@pytest.mark.slow
 def test_many_oscillators_by_multigrid_are_those_of_factors():
     """The shift rises on the way, by a factor of 20."""
     mesh = box_mesh((0.2, 0.2, 0.01), (10, 10, 1), kind="hexahedron20")

@@ -46,6 +46,7 @@ def test_the_error_of_the_receptance_is_bounded_and_in_the_band_it_is_small(
             assert error < 1e-3
 
 
+@pytest.mark.slow
 def test_the_lowest_bending_of_a_free_bar_is_right_by_default() -> None:
     """4.730² √(EI/ρA)/(2π L²), less 3 % of shear and rotary inertia at this slenderness."""
     bernoulli = 4.730**2 * math.sqrt(70e9 / 2700 / 12) * HEIGHT / (2 * np.pi * LENGTH**2)

@@ -152,7 +152,7 @@ def test_iteration_and_lapack_find_the_same_oscillators():
     assert few.m0 == pytest.approx(every.m0 + every.m[6:].sum(), rel=1e-10)
 
 
-@pytest.mark.parametrize("n", [5, 40])
+@pytest.mark.parametrize("n", [5, pytest.param(40, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("fixed", [[("xmin", "xyz")], []], ids=["constrained", "free"])
 def test_the_heaviest_oscillators_of_all_are_found_without_all(n, fixed):
     """On a plate, where masses do not fall with the frequency; LAPACK has all oscillators."""

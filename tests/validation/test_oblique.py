@@ -176,7 +176,9 @@ def assert_same(hit, right, bodies, *, force, friction, near):
 
 
 @pytest.mark.parametrize("rtol", [None, 1e-6])
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(
+    "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 8))]
+)
 def test_random_impacts_are_those_of_fixed_springs(seed, rtol):
     ball, target, mu, velocity, k = _random_scene(seed)
     speed = float(np.linalg.norm(velocity))
@@ -206,7 +208,9 @@ def test_random_impacts_are_those_of_fixed_springs(seed, rtol):
     assert_same(hit, right, (ball[1], target[1]), force=1e-5, friction=2e-4, near=1e-4 * speed)
 
 
-@pytest.mark.parametrize("seed", [3, 4, 7])
+@pytest.mark.parametrize(
+    "seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 7))]
+)
 def test_damped_impacts_are_those_of_fixed_springs(seed):
     ball, target, mu, velocity, k = _random_scene(seed)
     speed = float(np.linalg.norm(velocity))
@@ -316,6 +320,7 @@ def struck():
     return way, ball, block, ao.simulate(ball, place, way, friction=0.3, solver=rule, duration=1e-4)
 
 
+@pytest.mark.slow
 def test_to_a_tolerance_momentum_is_kept_to_rounding_and_energy_to_1e_9(struck):
     # The same impact, in which the slide turns; and forces and motion are those of fixed steps.
     way, ball, block, hit = struck

@@ -18,6 +18,7 @@ def is_within_its_error(hit: ao.Result, reference: float, most: float) -> None:
     assert true < min(total, most), f"{hit.peak_force:.2f} N, {true:.2%}, ± {total:.2%}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [0.009, pytest.param(0.006, marks=pytest.mark.slow)])
 def test_two_balls_of_aluminium(size: float) -> None:
     """R 20 mm, 4 m/s: 7446 N with contact resolved by explicit elements of 8 µm."""

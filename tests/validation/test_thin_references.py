@@ -67,6 +67,7 @@ def test_karas_plate(kind: str) -> None:
     assert hit.rebound_velocity == pytest.approx(speed, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("t", [2e-3, 4e-3, 8e-3])
 def test_a_sheet_of_shells_is_that_of_elasticity(t: float) -> None:
     """120 x 120 mm, ball of 10 mm: force within 1 %, impulse within 0.5 %."""
@@ -118,6 +119,7 @@ def backed_plate(skin: bool) -> ao.FEModel:
     return ao.FEModel.from_mesh(mixed, parts, fixed=[(ends, "xyz", "xyz") for ends, _ in fixed])
 
 
+@pytest.mark.slow
 def test_solids_on_a_shell_are_struck() -> None:
     """Force within 1 %, impulse within 0.5 % of solids alone; stress is known everywhere."""
     one, other = (
