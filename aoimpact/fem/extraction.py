@@ -573,7 +573,7 @@ class _Load:
     ) -> None:
         """∫ t·v, and ∫ t·u in the self term; t and u in local axes, shape (n, q, 3)."""
         self.self_term[part] += float(np.einsum("nq,nqi,nqi->", weight, t, u))
-        forces = np.einsum("nq,nqa,nqi->nai", weight, shape, t @ self.frame)
+        forces = shape.swapaxes(1, 2) @ (weight[..., None] * t @ self.frame)
         np.add.at(self.forces[part, 0], nodes, forces)
 
     def add_all(self, own: int | None) -> tuple[float, FloatArray]:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 
 from ..base import FloatArray, IntArray
-from ..mesh import Block, ReferenceElement
+from ..mesh import Block, ReferenceElement, cofactors
 
 # Points in each direction of the product rules: exact to degree 5 on triangles, 3 on tetrahedra.
 _ON_SIDE, _IN_CELL = 3, 2
@@ -144,15 +144,16 @@ def _points(
         some, corners = rows[start : start + step], vertices[start : start + step]
         shape, gradient = _evaluated(block.element, corners, shares)
         places = nodes[block.cells[some]]
-        jacobian = np.einsum("nqat,nai->nqti", gradient, places)
-        slopes = gradient @ np.linalg.inv(jacobian).swapaxes(2, 3)
+        jacobian = gradient.swapaxes(2, 3) @ places[:, None]
+        det, cofactor = cofactors(jacobian.transpose(3, 2, 0, 1))
+        slopes = gradient @ (cofactor / det).transpose(2, 3, 1, 0)
         edges = corners[:, 1:] - corners[:, :1]
         if d == 2:
             along = np.einsum("net,nqti->nqei", edges, jacobian)
             area = weight[:, None] * np.cross(along[:, :, 0], along[:, :, 1])
             volume = np.ones(shape.shape[:2])
         else:
-            volume = weight * np.abs(np.linalg.det(edges))[:, None] * np.linalg.det(jacobian)
+            volume = weight * np.abs(np.linalg.det(edges))[:, None] * det
             area = np.zeros((*shape.shape[:2], 3))
         yield Points(some, shape @ places, shape, slopes, volume, area)
 
