@@ -61,6 +61,7 @@ def test_what_a_model_given_by_numbers_leaves_out_is_not_known() -> None:
     assert hit.error.total is None
 
 
+@pytest.mark.slow
 def test_more_stiffness_of_the_law_from_doubtful_curvatures_counts_as_contact() -> None:
     """On facets of a coarse ball the curvature is known to some percent."""
     ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=0.01, size=0.008), STEEL)

@@ -115,6 +115,7 @@ def test_modal_damping_of_a_large_body_is_within_its_bound() -> None:
     assert (found.error <= 2e-2 * np.abs(known).max()).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", SUPPORTS)
 def test_strong_damping_by_mass_takes_more_modes(held: str) -> None:
     """μ = ω² - iαω is far above ω², and the series is one in μ."""

@@ -208,13 +208,10 @@ def test_excess_near_an_edge_is_that_of_the_mesh_alone(kind: str) -> None:
         assert near == pytest.approx(in_the_middle, abs=0.1 * abs(in_the_middle) + 2e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("t", "rigid", "peak"),
-    [
-        (2e-3, True, 241.7),
-        pytest.param(2e-3, False, 215.1, marks=pytest.mark.slow),
-        pytest.param(4e-3, False, 347.7, marks=pytest.mark.slow),
-    ],
+    [(2e-3, True, 241.7), (2e-3, False, 215.1), (4e-3, False, 347.7)],
 )
 def test_a_ball_on_a_sheet(t: float, rigid: bool, peak: float) -> None:
     """R 5 mm at 1 m/s: resolved contact (241.7 N), and Zener's thin plates, by any elements."""

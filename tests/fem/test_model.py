@@ -72,6 +72,7 @@ def test_beam_of_quadratic_elements_does_not_lock() -> None:
     assert beam.frequencies(1)[0] == pytest.approx(exact, rel=3e-3)
 
 
+@pytest.mark.slow
 def test_paper_s_sphere_has_its_frequencies_and_its_mass() -> None:
     sphere = FEModel.from_mesh(paper_sphere_mesh(), STEEL)
     megahertz = sphere.frequencies(18) / 1e6

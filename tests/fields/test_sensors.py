@@ -48,7 +48,9 @@ def impulse(force: FloatArray, dt: float) -> FloatArray:
     return np.concatenate([[0.0], np.cumsum(0.5 * dt * (force[1:] + force[:-1]))])
 
 
-@pytest.mark.parametrize("reduced", [True, False], ids=["reduced", "full"])
+@pytest.mark.parametrize(
+    "reduced", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["reduced", "full"]
+)
 @pytest.mark.parametrize("held", HELD)
 def test_reactions_change_the_momentum(held: str, reduced: bool) -> None:
     tip = plate(held)
@@ -297,7 +299,8 @@ def test_the_end_of_a_record_is_not_the_largest_acceleration() -> None:
     np.testing.assert_allclose(cut, whole, atol=2e-3 * np.abs(whole).max())
 
 
-@pytest.mark.parametrize("n", [pytest.param(16, marks=pytest.mark.slow), 40])
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [16, 40])
 def test_errors_of_sensors_are_not_below_the_true_ones(n: int) -> None:
     """Also of models that few further oscillators add to; against all oscillators."""
     tip = plate("supports")

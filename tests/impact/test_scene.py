@@ -179,6 +179,7 @@ def midspan(body):
     return body.contact(point=(0.15, 0.01, 0.02), direction=(0.0, 0.0, -1.0), radius=0)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*elements of first order")  # models are compared, not meshes
 def test_a_ball_on_a_ball_on_a_beam_under_gravity():
     """Dropped a little, against Newmark's rule at two small steps."""

@@ -183,6 +183,7 @@ def test_comparisons_refuse_three_directions():
             ao.compare(**{"projectile": BALL, "target": WALL, "velocity": 1.0} | more)
 
 
+@pytest.mark.slow
 def test_a_speed_with_friction_is_straight():
     hit = ao.simulate(BALL, TOP, 1.0, friction=0.5, solver=RULE, duration=1e-4)
     straight = ao.simulate(BALL, TOP, (0, 0, -1.0), friction=0.5, solver=RULE, duration=1e-4)

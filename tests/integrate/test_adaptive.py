@@ -442,6 +442,7 @@ def test_grazing_touches_are_found_and_misses_are_not_touches():
         assert (len(result.contacts) > 0) == touches
 
 
+@pytest.mark.slow
 def test_chattering_ball_on_a_ringing_beam():
     """Every re-contact is found: against SciPy with an event at each."""
     K, M = beam(4, fixed=[0, 8])

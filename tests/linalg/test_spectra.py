@@ -97,7 +97,7 @@ def test_stiffness_that_rounding_drowns_is_said(thickness, lost, made):
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.3])
-@pytest.mark.parametrize("n", [20, 140])
+@pytest.mark.parametrize("n", [20, pytest.param(140, marks=pytest.mark.slow)])
 def test_rotations_without_mass_leave_the_frequencies_of_a_shell_right(turn, n):
     """Against LAPACK on K and M with the massless motions statically condensed."""
     c, s = np.cos(turn), np.sin(turn)

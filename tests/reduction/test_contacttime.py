@@ -22,7 +22,9 @@ def struck(nu: float, kind: str = "hexahedron20", *, fixed: Any = None) -> ao.Co
 
 
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
-@pytest.mark.parametrize("nu", [0.3, 0.49, 0.4999])
+@pytest.mark.parametrize(
+    "nu", [*(pytest.param(nu, marks=pytest.mark.slow) for nu in (0.3, 0.49)), 0.4999]
+)
 @pytest.mark.parametrize("fixed", [None, [("xmin", "xyz")]], ids=["free", "held"])
 def test_six_antioscillators_give_the_force_on_any_material(nu: float, fixed: Any) -> None:
     """By the body's own contact time, against all constraint modes."""

@@ -29,7 +29,9 @@ def averaged(body: ao.FEModel, frequency: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("body", [FREE, HELD], ids=["free", "held"])
-@pytest.mark.parametrize("duration", [SHORT, math.inf], ids=["short", "for ever"])
+@pytest.mark.parametrize(
+    "duration", [SHORT, pytest.param(math.inf, marks=pytest.mark.slow)], ids=["short", "for ever"]
+)
 def test_the_error_of_the_receptance_is_bounded_and_in_the_band_it_is_small(
     body: ao.FEModel, duration: float
 ) -> None:

@@ -153,7 +153,11 @@ def test_iteration_and_lapack_find_the_same_oscillators():
 
 
 @pytest.mark.parametrize("n", [5, pytest.param(40, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("fixed", [[("xmin", "xyz")], []], ids=["constrained", "free"])
+@pytest.mark.parametrize(
+    "fixed",
+    [pytest.param([("xmin", "xyz")], marks=pytest.mark.slow), []],
+    ids=["constrained", "free"],
+)
 def test_the_heaviest_oscillators_of_all_are_found_without_all(n, fixed):
     """On a plate, where masses do not fall with the frequency; LAPACK has all oscillators."""
     mesh = ao.box_mesh((0.2, 0.1, 0.01), (10, 5, 1), kind="hexahedron20")

@@ -15,7 +15,7 @@ from tools.campaign import abaqusdecks, nastrandecks
 
 @pytest.mark.parametrize("written", [abaqusdecks, nastrandecks])
 @pytest.mark.parametrize(
-    "numbers", [range(30), pytest.param(range(30, 300), marks=pytest.mark.slow)], ids=["30", "300"]
+    "numbers", [range(15), pytest.param(range(15, 300), marks=pytest.mark.slow)], ids=["15", "300"]
 )
 def test_decks_are_read_as_they_were_meant(
     written: ModuleType, numbers: range, tmp_path: Path

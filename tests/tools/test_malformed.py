@@ -21,7 +21,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits a proces
 @pytest.mark.parametrize(
     ("kind", "count"),
     [
-        ("mesh", 10),
+        ("mesh", 5),
         *(
             pytest.param(*case, marks=pytest.mark.slow)
             for case in (("mesh", 200), ("matrix", 600), ("matrixfile", 600), ("scene", 300))

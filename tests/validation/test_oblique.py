@@ -177,7 +177,7 @@ def assert_same(hit, right, bodies, *, force, friction, near):
 
 @pytest.mark.parametrize("rtol", [None, 1e-6])
 @pytest.mark.parametrize(
-    "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 8))]
+    "seed", [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 8))]
 )
 def test_random_impacts_are_those_of_fixed_springs(seed, rtol):
     ball, target, mu, velocity, k = _random_scene(seed)

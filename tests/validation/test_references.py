@@ -36,6 +36,7 @@ def disc(around: int, layers: int) -> ao.FEModel:
     return ao.FEModel.from_mesh(ao.Mesh(nodes, mesh.cells, "hexahedron20"), ALU)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("around", "layers", "most"),
     [(10, 2, 1.5e-2), pytest.param(20, 3, 3e-3, marks=pytest.mark.slow)],
