@@ -418,9 +418,7 @@ def test_a_contact_without_stiffness_has_no_time_of_its_own():
     """A loose mass beside a spring: two masses on Hertz's law, whose peak force is known."""
     spring = np.array([[2.0, -2.0], [-2.0, 2.0]])
     tip = ao.FEModel(K=la.block_diag(0.0, spring), M=np.eye(3)).contact(dof=0)
-    hit = ao.simulate(
-        projectile=tip, target=tip, law=ao.Hertz(k=1e4), velocity=1.0, duration=2.0, rtol=1e-4
-    )
+    hit = ao.simulate(tip, tip, 1.0, law=ao.Hertz(k=1e4), duration=2.0, rtol=1e-4)
     peak = 1e4 * (1.25 * 0.5 / 1e4) ** 0.6
     assert hit.peak_force == pytest.approx(peak, rel=1e-4)
 

@@ -81,10 +81,7 @@ def light_ball_on(
     mesh = ao.box_mesh((0.1, 0.08, 0.006), divisions, kind=kind)
     body = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
     return ao.simulate(
-        projectile=ao.ball(0.005, nylon),
-        target=body.contact(point=(0.04, 0.035, 0.006)),
-        velocity=0.5,
-        rtol=rtol,
+        ao.ball(0.005, nylon), body.contact(point=(0.04, 0.035, 0.006)), 0.5, rtol=rtol
     )
 
 

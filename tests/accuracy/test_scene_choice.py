@@ -127,9 +127,7 @@ def test_a_full_body_in_three_places_is_its_modes():
 def test_the_scene_of_two_is_an_impact():
     tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN, radius=0)
     ball = ao.AOModel(m0=1e-3, m=[0.02, 0.005], k=[2e8, 9e8])
-    hit = ao.simulate(
-        projectile=ball, target=tip, law=HERTZ, velocity=1.0, duration=DURATION, rtol=1e-2
-    )
+    hit = ao.simulate(ball, tip, 1.0, law=HERTZ, duration=DURATION, rtol=1e-2)
     scene = ao.Scene()
     one, other = scene.add(ball, velocity=1.0), scene.add(tip)
     scene.connect(one, other, HERTZ)
@@ -196,13 +194,7 @@ def test_several_places_are_on_one_body():
     with pytest.raises(ao.InputError, match="body is empty"):
         ao.Scene().add([])
     with pytest.raises(ao.InputTypeError, match="build a Scene"):
-        ao.simulate(
-            projectile=ao.rigid(mass=1.0),
-            target=tips_of(one),
-            law=HERTZ,
-            velocity=1.0,
-            duration=1e-3,
-        )
+        ao.simulate(ao.rigid(mass=1.0), tips_of(one), 1.0, law=HERTZ, duration=1e-3)
 
 
 def free_plate():

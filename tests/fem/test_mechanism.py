@@ -142,14 +142,7 @@ def test_several_ports_are_looked_at_each() -> None:
     with pytest.raises(ao.SingularError, match="mechanism"):
         ao.interface([along, top], 12)
     with pytest.raises(ao.SingularError, match="mechanism"):
-        ao.simulate(
-            projectile=ao.rigid(0.1),
-            target=top,
-            law=ao.Hertz(k=1e10),
-            velocity=1.0,
-            duration=1e-4,
-            rtol=1e-2,
-        )
+        ao.simulate(ao.rigid(0.1), top, 1.0, law=ao.Hertz(k=1e10), duration=1e-4, rtol=1e-2)
 
 
 def test_a_mechanism_that_the_contact_does_not_move_does_no_harm() -> None:

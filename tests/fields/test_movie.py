@@ -27,11 +27,7 @@ LAW = ao.Hertz(k=1e10)
 
 def strike(projectile: Any, target: Any = None, **given: Any) -> ao.Result:
     return ao.simulate(
-        projectile=projectile,
-        target=ao.antioscillators(TOP, 3) if target is None else target,
-        law=LAW,
-        velocity=1.0,
-        **given,
+        projectile, ao.antioscillators(TOP, 3) if target is None else target, 1.0, law=LAW, **given
     )
 
 

@@ -30,14 +30,7 @@ def cantilever(fixed: Any = (("xmin", "xyz"),)) -> ao.ContactPoint:
 
 
 def impact(target: Any, solver: Any = None, duration: float = 9.5e-4) -> ao.Result:
-    return ao.simulate(
-        projectile=BALL,
-        target=target,
-        law=ao.Hertz(k=5e8),
-        velocity=1.0,
-        duration=duration,
-        solver=solver,
-    )
+    return ao.simulate(BALL, target, 1.0, law=ao.Hertz(k=5e8), duration=duration, solver=solver)
 
 
 def clamp(x: FloatArray) -> npt.NDArray[np.bool_]:
@@ -111,9 +104,7 @@ def beam_star(many: int) -> ao.AOModel:
 def paper_impact(target: Any, solver: Any = None) -> ao.Result:
     """By a law that does not contain the compliance of the node."""
     ball, law = ao.rigid(mass=0.0327), ao.PowerLaw(LAW.k, 1.5)
-    return ao.simulate(
-        projectile=ball, target=target, law=law, velocity=1.0, duration=250e-6, solver=solver
-    )
+    return ao.simulate(ball, target, 1.0, law=law, duration=250e-6, solver=solver)
 
 
 @cache
@@ -163,9 +154,7 @@ def test_a_free_body_struck_off_its_centre_flies_turns_and_bends_as_the_full_one
     tip = cantilever(fixed=())
     law, wall = ao.Hertz(k=5e8), ao.AOModel(m0=0.2, k0=1e6)
     runs = [
-        ao.simulate(
-            projectile=bar, target=wall, law=law, velocity=2.0, duration=6e-4, solver=solver
-        )
+        ao.simulate(bar, wall, 2.0, law=law, duration=6e-4, solver=solver)
         for bar, solver in (
             (ao.full(tip), ao.Newmark(dt=5e-7, estimate=False)),
             (ao.antioscillators(tip, 12), ao.Adaptive(rtol=1e-8)),

@@ -130,13 +130,7 @@ def test_a_body_of_matrices_and_nodes_has_displacements_but_no_stress() -> None:
     solid = body()
     bare = ao.FEModel(K=solid.K, M=solid.M, nodes=solid.nodes, free=solid.free)
     target = ao.antioscillators(bare.contact(point=TIP, direction=(0, 0, -1), radius=0), 6)
-    hit = ao.simulate(
-        projectile=ao.rigid(mass=0.05),
-        target=target,
-        law=ao.Hertz(k=5e8),
-        velocity=1.0,
-        duration=6e-4,
-    )
+    hit = ao.simulate(ao.rigid(mass=0.05), target, 1.0, law=ao.Hertz(k=5e8), duration=6e-4)
     times = [1e-4, 2e-4]
     seen = hit.target.probe((0.1, 0.0, 0.02), times=times)
     expected = impact().target.probe((0.1, 0.0, 0.02), times=times)

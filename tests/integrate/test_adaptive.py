@@ -611,9 +611,7 @@ def test_absurdly_stiff_laws_are_solved_or_named_at_once(k, unit):
     begin, result, failure = time.process_time(), None, ""
     try:
         with held_warnings() as said:
-            result = ao.simulate(
-                projectile=star, target=star, law=ao.Linear(k=k * unit), velocity=1.0, duration=1e-4
-            )
+            result = ao.simulate(star, star, 1.0, law=ao.Linear(k=k * unit), duration=1e-4)
     except ao.ConvergenceError as error:
         failure = str(error)
     assert time.process_time() - begin < 20.0

@@ -50,9 +50,7 @@ def test_blows_and_ringing_never_give_energy(law, solver):
     """A ringing tup loads and unloads within a blow; a spring throws it back into its dent."""
     tup = ao.AOModel(m0=0.02, k0=0.0, m=[0.2], k=[0.02 * 2.5e4**2])
     plate = ao.AOModel(m0=0.05, k0=2e5, m=[0.05], k=[4e7])
-    hit = ao.simulate(
-        projectile=tup, target=plate, law=law, velocity=3.0, duration=6e-3, solver=solver
-    )
+    hit = ao.simulate(tup, plate, 3.0, law=law, duration=6e-3, solver=solver)
     total = hit.energy.total
     assert len(hit.contacts) >= 2
     assert total == pytest.approx(total[0], rel=2e-4 if hit.solver.startswith("N") else 1e-6)

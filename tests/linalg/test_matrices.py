@@ -39,12 +39,7 @@ def test_more_entries_than_the_core_counts_are_refused(monkeypatch: pytest.Monke
         body.inverse(1.0, solver="multigrid")
     with pytest.raises(ao.InputError, match=message):
         ao.simulate(
-            projectile=ao.rigid(1.0),
-            target=tip,
-            law=ao.Hertz(k=1.0),
-            velocity=1.0,
-            duration=1.0,
-            solver=ao.Newmark(dt=0.1),
+            ao.rigid(1.0), tip, 1.0, law=ao.Hertz(k=1.0), duration=1.0, solver=ao.Newmark(dt=0.1)
         )
 
 

@@ -88,6 +88,7 @@ ODD: dict[str, Any] = {
 }
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+TWO = {"material_1": STEEL, "radius_1": 0.01, "material_2": STEEL, "radius_2": 0.01}
 HERTZ = ao.Hertz(1e9)
 BALL = ao.rigid(0.03)
 STAR = ao.AOModel(m0=0.1, k0=1e4, m=[0.2], k=[1e6])
@@ -215,457 +216,366 @@ LABELS = np.stack([BAR.free // 3 + 1, BAR.free % 3 + 1], axis=1)
 BARE = ao.FEModel(K=BAR.K, M=BAR.M, nodes=BAR.nodes, free=BAR.free)
 MATRICES = ao.write_matrices(BAR, tempfile.mkdtemp())
 
+
+def call(
+    function: Callable[..., Any], /, **sound: Any
+) -> tuple[Callable[..., Any], dict[str, Any]]:
+    return function, sound
+
+
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     **dict(_laws()),
-    "AOModel": (
+    "AOModel": call(
         ao.AOModel,
-        {
-            **{"m0": 0.1, "k0": 1.0, "m": [1.0], "k": [1.0], "origin": None, "damping": None},
-            **{"surface": None, "name": "", "inertia": None, "arm": None},
-        },
+        m0=0.1,
+        k0=1.0,
+        m=[1.0],
+        k=[1.0],
+        origin=None,
+        damping=None,
+        surface=None,
+        name="",
+        inertia=None,
+        arm=None,
     ),
-    "ball": (
-        ao.ball,
-        {"radius": 0.01, "material": ao.Material(E=1e9, nu=0.3, rho=1e3), "name": ""},
+    "ball": call(ao.ball, radius=0.01, material=ao.Material(E=1e9, nu=0.3, rho=1e3), name=""),
+    "rigid": call(ao.rigid, mass=1.0, inertia=1.0, arm=(0, 0, 1.0), name=""),
+    "wall": call(ao.wall, material=STEEL, name=""),
+    "Adaptive": call(ao.Adaptive, rtol=1e-6),
+    "Newmark": call(ao.Newmark, dt=1e-6, beta=0.25, gamma=0.5, rtol=1e-3, estimate=True),
+    "Material": call(ao.Material, E=1e9, nu=0.3, rho=1e3, yield_strength=1e7, hardness=3e7),
+    "StressAt": call(
+        ao.StressAt, body=BAR, point=(0.1, 0.0, 0.0), component="xx", layer="top", part=None
     ),
-    "rigid": (ao.rigid, {"mass": 1.0, "inertia": 1.0, "arm": (0, 0, 1.0), "name": ""}),
-    "wall": (ao.wall, {"material": STEEL, "name": ""}),
-    "Adaptive": (ao.Adaptive, {"rtol": 1e-6}),
-    "Newmark": (
-        ao.Newmark,
-        {"dt": 1e-6, "beta": 0.25, "gamma": 0.5, "rtol": 1e-3, "estimate": True},
-    ),
-    "Material": (
-        ao.Material,
-        {"E": 1e9, "nu": 0.3, "rho": 1e3, "yield_strength": 1e7, "hardness": 3e7},
-    ),
-    "StressAt": (
-        ao.StressAt,
-        {"body": BAR, "point": (0.1, 0.0, 0.0), "component": "xx", "layer": "top", "part": None},
-    ),
-    "StrainAt": (
+    "StrainAt": call(
         ao.StrainAt,
-        {
-            "body": BAR,
-            "point": (0.05, 0.01, 0.0),
-            "component": (1, 0, 0),
-            "length": 1e-3,
-            "layer": "top",
-            "part": None,
-        },
+        body=BAR,
+        point=(0.05, 0.01, 0.0),
+        component=(1, 0, 0),
+        length=1e-3,
+        layer="top",
+        part=None,
     ),
-    "AccelerationAt": (
-        ao.AccelerationAt,
-        {"point": (0.1, 0.0, 0.0), "direction": (0, 0, 1), "cfc": 1000.0, "body": BAR},
+    "AccelerationAt": call(
+        ao.AccelerationAt, point=(0.1, 0.0, 0.0), direction=(0, 0, 1), cfc=1000.0, body=BAR
     ),
-    "AccelerationAt with a corner": (
-        ao.AccelerationAt,
-        {"point": (0.1, 0.0, 0.0), "direction": (0, 0, 1), "corner": 1000.0},
+    "AccelerationAt with a corner": call(
+        ao.AccelerationAt, point=(0.1, 0.0, 0.0), direction=(0, 0, 1), corner=1000.0
     ),
-    "ReactionAt": (ao.ReactionAt, {"nodes": "xmin", "direction": (0, 0, 1), "body": HELD}),
-    "Rayleigh": (ao.Rayleigh, {"alpha": 1.0, "beta": 1e-6}),
-    "ModalDamping": (ao.ModalDamping, {"ratio": 0.1}),
-    "Hertz.between": (
-        ao.Hertz.between,
-        {
-            "material_1": STEEL,
-            "radius_1": 0.01,
-            "material_2": STEEL,
-            "radius_2": 0.01,
-            "angle": 0.0,
-        },
-    ),
-    "Thornton.between": (
-        ao.Thornton.between,
-        {
-            "material_1": STEEL,
-            "radius_1": 0.01,
-            "material_2": STEEL,
-            "radius_2": 0.01,
-            "yield_pressure": 1e9,
-        },
-    ),
-    "ElasticPlastic.between": (
-        ao.ElasticPlastic.between,
-        {
-            "material_1": STEEL,
-            "radius_1": 0.01,
-            "material_2": STEEL,
-            "radius_2": 0.01,
-            "hardness": 3e9,
-        },
-    ),
-    "ContactLaw.dent": (HERTZ.dent, {"indentation": 1e-6}),
-    "Tabulated": (ao.Tabulated, {"indentation": [0.0, 1e-3], "force": [0.0, 1.0]}),
-    "UserLaw": (
+    "ReactionAt": call(ao.ReactionAt, nodes="xmin", direction=(0, 0, 1), body=HELD),
+    "Rayleigh": call(ao.Rayleigh, alpha=1.0, beta=1e-6),
+    "ModalDamping": call(ao.ModalDamping, ratio=0.1),
+    "Hertz.between": call(ao.Hertz.between, **TWO, angle=0.0),
+    "Thornton.between": call(ao.Thornton.between, **TWO, yield_pressure=1e9),
+    "ElasticPlastic.between": call(ao.ElasticPlastic.between, **TWO, hardness=3e9),
+    "ContactLaw.dent": call(HERTZ.dent, indentation=1e-6),
+    "Tabulated": call(ao.Tabulated, indentation=[0.0, 1e-3], force=[0.0, 1.0]),
+    "UserLaw": call(
         ao.UserLaw,
-        {
-            "function": lambda d, r: d,
-            "stiffness": None,
-            "damping": None,
-            "energy": None,
-            "depends_on_rate": True,
-            "pulls": False,
-        },
+        function=lambda d, r: d,
+        stiffness=None,
+        damping=None,
+        energy=None,
+        depends_on_rate=True,
+        pulls=False,
     ),
-    "ContactLaw.force": (HERTZ.force, {"indentation": 1e-6, "rate": 0.0, "along": True}),
-    "ContactLaw.potential": (HERTZ.potential, {"indentation": 1e-6}),
-    "ContactLaw.stroke": (HERTZ.stroke, {"energy": 1.0}),
-    "ContactLaw.within_patch": (HERTZ.within_patch, {"compliance": 1e-9}),
-    "restitution": (
-        ao.restitution,
-        {"law": ao.HuntCrossley(1e9, 0.1), "mass": 1.0, "velocity": 1.0},
-    ),
-    "box_mesh": (
-        ao.box_mesh,
-        {"lengths": (1.0, 1.0, 1.0), "divisions": (1, 1, 1), "kind": "tetra"},
-    ),
-    "sheet_mesh": (
-        ao.sheet_mesh,
-        {"lengths": (1.0, 1.0), "divisions": (1, 1), "kind": "triangle"},
-    ),
-    "Shell": (ao.Shell, {"thickness": 1e-3, "material": STEEL, "offset": 0.0}),
-    "Ply": (ao.Ply, {"thickness": 1e-3, "material": PLY, "angle_deg": 45.0}),
-    "Laminate": (
-        ao.Laminate,
-        {"plies": [ao.Ply(1e-3, PLY)], "fibre_axis": (1, 0, 0), "offset": 0.0},
-    ),
-    "Beam": (
+    "ContactLaw.force": call(HERTZ.force, indentation=1e-6, rate=0.0, along=True),
+    "ContactLaw.potential": call(HERTZ.potential, indentation=1e-6),
+    "ContactLaw.stroke": call(HERTZ.stroke, energy=1.0),
+    "ContactLaw.within_patch": call(HERTZ.within_patch, compliance=1e-9),
+    "restitution": call(ao.restitution, law=ao.HuntCrossley(1e9, 0.1), mass=1.0, velocity=1.0),
+    "box_mesh": call(ao.box_mesh, lengths=(1.0, 1.0, 1.0), divisions=(1, 1, 1), kind="tetra"),
+    "sheet_mesh": call(ao.sheet_mesh, lengths=(1.0, 1.0), divisions=(1, 1), kind="triangle"),
+    "Shell": call(ao.Shell, thickness=1e-3, material=STEEL, offset=0.0),
+    "Ply": call(ao.Ply, thickness=1e-3, material=PLY, angle_deg=45.0),
+    "Laminate": call(ao.Laminate, plies=[ao.Ply(1e-3, PLY)], fibre_axis=(1, 0, 0), offset=0.0),
+    "Beam": call(
         ao.Beam,
-        {
-            "section": ao.CircularSection(0.01),
-            "material": STEEL,
-            "orientation": (0, 0, 1),
-            "offset": (0.0, 0.0),
-        },
+        section=ao.CircularSection(0.01),
+        material=STEEL,
+        orientation=(0, 0, 1),
+        offset=(0.0, 0.0),
     ),
-    "RectangularSection": (ao.RectangularSection, {"width": 0.02, "height": 0.01}),
-    "CircularSection": (ao.CircularSection, {"radius": 0.01}),
-    "TubularSection": (ao.TubularSection, {"radius": 0.01, "thickness": 1e-3}),
-    "BeamSection": (
+    "RectangularSection": call(ao.RectangularSection, width=0.02, height=0.01),
+    "CircularSection": call(ao.CircularSection, radius=0.01),
+    "TubularSection": call(ao.TubularSection, radius=0.01, thickness=1e-3),
+    "BeamSection": call(
         ao.BeamSection,
-        {
-            "area": 1e-3,
-            "Iy": 1e-6,
-            "Iz": 1e-7,
-            "J": 1e-8,
-            "shear_factors": (0.8, 0.8),
-            "points": ((0.0, 0.0),),
-        },
+        area=1e-3,
+        Iy=1e-6,
+        Iz=1e-7,
+        J=1e-8,
+        shear_factors=(0.8, 0.8),
+        points=((0.0, 0.0),),
     ),
-    "sphere_mesh": (ao.sphere_mesh, {"radius": 1.0, "size": 1.0}),
-    "Mesh": (
+    "sphere_mesh": call(ao.sphere_mesh, radius=1.0, size=1.0),
+    "Mesh": call(
         ao.Mesh,
-        {
-            "nodes": BOX.nodes,
-            "cells": BOX.cells,
-            "kind": BOX.kind,
-            "node_sets": BOX.node_sets,
-            "cell_sets": {"all": [0]},
-            "node_labels": np.arange(1, BOX.n_nodes + 1),
-            "cell_labels": np.arange(1, BOX.n_cells + 1),
-            "left_out": {"springs": "3 SPRINGA"},
-        },
+        nodes=BOX.nodes,
+        cells=BOX.cells,
+        kind=BOX.kind,
+        node_sets=BOX.node_sets,
+        cell_sets={"all": [0]},
+        node_labels=np.arange(1, BOX.n_nodes + 1),
+        cell_labels=np.arange(1, BOX.n_cells + 1),
+        left_out={"springs": "3 SPRINGA"},
     ),
-    "Mesh.part": (
-        ao.Mesh(BOX.nodes, BOX.cells, BOX.kind, {}, {"all": [0]}).part,
-        {"names": "all"},
-    ),
-    "read_mesh": (ao.read_mesh, {"source": BOX, "scale": 1.0, "part": None, "order": None}),
-    "Material.half_space": (STEEL.half_space, {"normal": (0, 0, 1)}),
-    "Orthotropic": (
+    "Mesh.part": call(ao.Mesh(BOX.nodes, BOX.cells, BOX.kind, {}, {"all": [0]}).part, names="all"),
+    "read_mesh": call(ao.read_mesh, source=BOX, scale=1.0, part=None, order=None),
+    "Material.half_space": call(STEEL.half_space, normal=(0, 0, 1)),
+    "Orthotropic": call(
         ao.Orthotropic,
-        {
-            "E": (135e9, 9e9, 9e9),
-            "G": (5e9, 5e9, 3.2e9),
-            "nu": (0.3, 0.3, 0.4),
-            "rho": 1550.0,
-            "axes": ((1, 0, 0), (0, 1, 0)),
-        },
+        E=(135e9, 9e9, 9e9),
+        G=(5e9, 5e9, 3.2e9),
+        nu=(0.3, 0.3, 0.4),
+        rho=1550.0,
+        axes=((1, 0, 0), (0, 1, 0)),
     ),
-    "Orthotropic.turned": (PLY.turned, {"angle": 0.1, "about": (0, 0, 1)}),
-    "Orthotropic.half_space": (PLY.half_space, {"normal": (0, 0, 1)}),
-    "RigidMass": (
-        ao.RigidMass,
-        {"nodes": "xmax", "mass": 1.0, "centre": (0, 0, 0), "inertia": (1.0, 1.0, 1.0)},
+    "Orthotropic.turned": call(PLY.turned, angle=0.1, about=(0, 0, 1)),
+    "Orthotropic.half_space": call(PLY.half_space, normal=(0, 0, 1)),
+    "RigidMass": call(
+        ao.RigidMass, nodes="xmax", mass=1.0, centre=(0, 0, 0), inertia=(1.0, 1.0, 1.0)
     ),
-    "read_scene": (ao.read_scene, {"path": "no.toml"}),
-    "FEModel": (
-        ao.FEModel,
-        {"K": BAR.K, "M": BAR.M, "nodes": BAR.nodes, "free": BAR.free, "damping": None, "name": ""},
+    "read_scene": call(ao.read_scene, path="no.toml"),
+    "FEModel": call(
+        ao.FEModel, K=BAR.K, M=BAR.M, nodes=BAR.nodes, free=BAR.free, damping=None, name=""
     ),
-    "FEModel.from_mesh": (
+    "FEModel.from_mesh": call(
         ao.FEModel.from_mesh,
-        {
-            "mesh": BOX,
-            "material": STEEL,
-            "fixed": None,
-            "masses": [("xmax", 1.0)],
-            "springs": [("xmax", "x", 1e6)],
-            "part": None,
-            "order": None,
-            "damping": None,
-            "name": "",
-        },
+        mesh=BOX,
+        material=STEEL,
+        fixed=None,
+        masses=[("xmax", 1.0)],
+        springs=[("xmax", "x", 1e6)],
+        part=None,
+        order=None,
+        damping=None,
+        name="",
     ),
-    "FEModel.contact": (
-        BAR.contact,
-        {"point": (0.1, 0, 0), "direction": (-1, 0, 0), "radius": 0.0, "expected": None},
+    "FEModel.contact": call(
+        BAR.contact, point=(0.1, 0, 0), direction=(-1, 0, 0), radius=0.0, expected=None
     ),
-    "FEModel.contact of a dof": (BAR.contact, {"dof": 0}),
-    "FEModel.contact of a node": (
-        BAR.contact,
-        {"node": 3, "direction": (-1, 0, 0), "radius": 0.0},
-    ),
-    "FEModel.contact of a functional": (BAR.contact, {"b": np.eye(BAR.n_dofs)[0]}),
-    "FEModel of labels": (ao.FEModel, {"K": BAR.K, "M": BAR.M, "labels": LABELS}),
-    "FEModel.translation": (BAR.translation, {"direction": (1, 0, 0)}),
-    "FEModel.com_functional": (BAR.com_functional, {"direction": (1, 0, 0)}),
-    "FEModel.inverse": (BAR.inverse, {"s2": 1e8, "solver": "auto", "solutions": 1}),
-    "FEModel.frequencies": (BAR.frequencies, {"n": 3}),
-    "antioscillators": (
+    "FEModel.contact of a dof": call(BAR.contact, dof=0),
+    "FEModel.contact of a node": call(BAR.contact, node=3, direction=(-1, 0, 0), radius=0.0),
+    "FEModel.contact of a functional": call(BAR.contact, b=np.eye(BAR.n_dofs)[0]),
+    "FEModel of labels": call(ao.FEModel, K=BAR.K, M=BAR.M, labels=LABELS),
+    "FEModel.translation": call(BAR.translation, direction=(1, 0, 0)),
+    "FEModel.com_functional": call(BAR.com_functional, direction=(1, 0, 0)),
+    "FEModel.inverse": call(BAR.inverse, s2=1e8, solver="auto", solutions=1),
+    "FEModel.frequencies": call(BAR.frequencies, n=3),
+    "antioscillators": call(
         ao.antioscillators,
-        {
-            "tip": TIP,
-            "n": 2,
-            "method": "krylov",
-            "order": None,
-            "contact_time": 1e-4,
-            "duration": None,
-            "solver": "auto",
-        },
+        tip=TIP,
+        n=2,
+        method="krylov",
+        order=None,
+        contact_time=1e-4,
+        duration=None,
+        solver="auto",
     ),
-    "full": (ao.full, {"tips": TIP}),
-    "modal": (ao.modal, {"tips": TIP, "n": 3, "solver": "auto"}),
-    "interface": (
-        ao.interface,
-        {"tips": [TIP], "n": 8, "contact_time": None, "duration": None, "solver": "auto"},
+    "full": call(ao.full, tips=TIP),
+    "modal": call(ao.modal, tips=TIP, n=3, solver="auto"),
+    "interface": call(
+        ao.interface, tips=[TIP], n=8, contact_time=None, duration=None, solver="auto"
     ),
-    "KrylovSpace": (
-        ao.KrylovSpace,
-        {"tip": TIP, "contact_time": 1e-4, "duration": None, "solver": "auto"},
-    ),
-    "AOModel.to_json": (STAR.to_json, {"path": "model.json"}),
-    "FEModel.with_mesh": (BARE.with_mesh, {"mesh": BAR.mesh, "material": STEEL}),
-    "FEModel.audit": (BAR.audit, {"frequencies": 2}),
-    "write_matrices": (ao.write_matrices, {"what": STAR, "folder": "matrices"}),
-    "read_matrices": (
+    "KrylovSpace": call(ao.KrylovSpace, tip=TIP, contact_time=1e-4, duration=None, solver="auto"),
+    "AOModel.to_json": call(STAR.to_json, path="model.json"),
+    "FEModel.with_mesh": call(BARE.with_mesh, mesh=BAR.mesh, material=STEEL),
+    "FEModel.audit": call(BAR.audit, frequencies=2),
+    "write_matrices": call(ao.write_matrices, what=STAR, folder="matrices"),
+    "read_matrices": call(
         ao.read_matrices,
-        {
-            **{"K": MATRICES["K"], "M": MATRICES["M"], "dofs": LABELS, "nodes": BAR.nodes},
-            **{"length": 1.0, "mass": 1.0, "damping": None, "name": ""},
-            **{"mesh": BAR.mesh, "material": STEEL},
-        },
+        K=MATRICES["K"],
+        M=MATRICES["M"],
+        dofs=LABELS,
+        nodes=BAR.nodes,
+        length=1.0,
+        mass=1.0,
+        damping=None,
+        name="",
+        mesh=BAR.mesh,
+        material=STEEL,
     ),
-    "AOModel.receptance": (STAR.receptance, {"omega": 1.0}),
-    "AOModel.truncated": (STAR.truncated, {"n": 1}),
-    "AOModel.expand": (ao.antioscillators(TIP, 2).expand, {"coordinates": np.zeros(3)}),
-    "simulate": (
+    "AOModel.receptance": call(STAR.receptance, omega=1.0),
+    "AOModel.truncated": call(STAR.truncated, n=1),
+    "AOModel.expand": call(ao.antioscillators(TIP, 2).expand, coordinates=np.zeros(3)),
+    "simulate": call(
         ao.simulate,
-        STRIKE
-        | {
-            "friction": None,
-            "spin": None,
-            "solver": None,
-            "gap": 0.0,
-            "energies": True,
-            "quantity": None,
-            "rtol": None,
-            "linear_solver": None,
-        },
+        **STRIKE,
+        friction=None,
+        spin=None,
+        solver=None,
+        gap=0.0,
+        energies=True,
+        quantity=None,
+        rtol=None,
+        linear_solver=None,
     ),
-    "compare": (
+    "compare": call(
         ao.compare,
-        STRIKE
-        | {"gap": 0.0, "oscillators": (0,), "modes": (2,), "full": False, "linear_solver": "auto"}
-        | {"friction": None, "spin": None},
+        **STRIKE,
+        gap=0.0,
+        oscillators=(0,),
+        modes=(2,),
+        full=False,
+        linear_solver="auto",
+        friction=None,
+        spin=None,
     ),
-    "fit_law": (
+    "fit_law": call(
         ao.fit_law,
-        {
-            **{"law": ao.Hertz(1e7), "signal": TAP, "mass": 0.1, "velocity": 1.0},
-            **{"projectile": None, "target": None, "free": "k"},
-            **{"indentation": None, "force": None, "dent": None},
-        },
+        law=ao.Hertz(1e7),
+        signal=TAP,
+        mass=0.1,
+        velocity=1.0,
+        projectile=None,
+        target=None,
+        free="k",
+        indentation=None,
+        force=None,
+        dent=None,
     ),
-    "fit_law of a curve": (
-        ao.fit_law,
-        {"law": ao.Hertz(1e7), "indentation": [0.0, 1e-4, 2e-4], "force": [0.0, 10.0, 28.0]},
+    "fit_law of a curve": call(
+        ao.fit_law, law=ao.Hertz(1e7), indentation=[0.0, 1e-4, 2e-4], force=[0.0, 10.0, 28.0]
     ),
-    "Scene": (ao.Scene, {"gravity": 0.0}),
-    "Scene.add": (
-        _added,
-        {"body": BALL, "velocity": 1.0, "spin": None, "position": 0.0, "name": "a"},
-    ),
-    "Scene.connect": (
-        _connected,
-        {"a": OWN, "b": OWN, "law": HERTZ, "gap": 0.0, "friction": 0.1, "name": ""},
-    ),
-    "Scene.apply": (_applied, {"body": OWN, "force": 1.0}),
-    "Scene.simulate": (
+    "Scene": call(ao.Scene, gravity=0.0),
+    "Scene.add": call(_added, body=BALL, velocity=1.0, spin=None, position=0.0, name="a"),
+    "Scene.connect": call(_connected, a=OWN, b=OWN, law=HERTZ, gap=0.0, friction=0.1, name=""),
+    "Scene.apply": call(_applied, body=OWN, force=1.0),
+    "Scene.simulate": call(
         _run,
-        {
-            "duration": 1e-3,
-            "solver": None,
-            "energies": True,
-            "preload": False,
-            "quantity": None,
-            "rtol": None,
-            "linear_solver": None,
-        },
+        duration=1e-3,
+        solver=None,
+        energies=True,
+        preload=False,
+        quantity=None,
+        rtol=None,
+        linear_solver=None,
     ),
-    "FEModel.frf": (
+    "FEModel.frf": call(
         HELD.frf,
-        {
-            "excitation": HELD.contact(dof=2),
-            "response": HELD.contact(dof=5),
-            "frequencies": [100.0, 200.0],
-            "kind": "mobility",
-        },
+        excitation=HELD.contact(dof=2),
+        response=HELD.contact(dof=5),
+        frequencies=[100.0, 200.0],
+        kind="mobility",
     ),
-    "Run.value": (HIT.value, {"name": "restitution"}),
-    "probe": (
-        FIELDS.target.probe,
-        {"point": (0.05, 0.0, 0.0), "direction": (1, 0, 0), "times": None},
-    ),
-    "probe of nodes": (FIELDS.target.probe, {"nodes": "xmin"}),
-    "probe at even times": (FIELDS.target.probe, {"point": (0.05, 0.0, 0.0), "dt": 1e-5}),
-    "filtered": (
-        FIELDS.target.probe((0.05, 0.0, 0.0)).filtered,
-        {"cfc": 2000.0},
-    ),
-    "gauge": (
+    "Run.value": call(HIT.value, name="restitution"),
+    "probe": call(FIELDS.target.probe, point=(0.05, 0.0, 0.0), direction=(1, 0, 0), times=None),
+    "probe of nodes": call(FIELDS.target.probe, nodes="xmin"),
+    "probe at even times": call(FIELDS.target.probe, point=(0.05, 0.0, 0.0), dt=1e-5),
+    "filtered": call(FIELDS.target.probe((0.05, 0.0, 0.0)).filtered, cfc=2000.0),
+    "gauge": call(
         FIELDS.target.gauge,
-        {
-            "point": (0.05, 0.01, 0.0),
-            "direction": (1, 0, 0),
-            "length": 1e-3,
-            "times": None,
-            "dt": None,
-        },
+        point=(0.05, 0.01, 0.0),
+        direction=(1, 0, 0),
+        length=1e-3,
+        times=None,
+        dt=None,
     ),
-    "reaction": (CLAMPED.target.reaction, {"nodes": "xmin", "times": None, "dt": None}),
-    "field": (FIELDS.target.field, {"times": [1e-5]}),
-    "to_vtu": (FIELDS.target.to_vtu, {"path": "fields", "times": [1e-5]}),
-    "simulate_many": (
-        ao.simulate_many,
-        {"cases": [STRIKE], "workers": 1, "keep": None, "checkpoint": None, "progress": False},
+    "reaction": call(CLAMPED.target.reaction, nodes="xmin", times=None, dt=None),
+    "field": call(FIELDS.target.field, times=[1e-5]),
+    "to_vtu": call(FIELDS.target.to_vtu, path="fields", times=[1e-5]),
+    "simulate_many": call(
+        ao.simulate_many, cases=[STRIKE], workers=1, keep=None, checkpoint=None, progress=False
     ),
-    "a case": (lambda **case: ao.simulate_many([case]), dict(STRIKE)),
-    "a case in numbers": (
-        lambda **case: ao.simulate_many([case], keep=("peak_force",)),
-        dict(STRIKE),
+    "a case": call(lambda **case: ao.simulate_many([case]), **STRIKE),
+    "a case in numbers": call(
+        lambda **case: ao.simulate_many([case], keep=("peak_force",)), **STRIKE
     ),
-    "iterate_many": (
+    "iterate_many": call(
         lambda **given: list(ao.iterate_many(**given)),
-        {"cases": [STRIKE], "workers": 1, "keep": None, "checkpoint": None, "progress": False},
+        cases=[STRIKE],
+        workers=1,
+        keep=None,
+        checkpoint=None,
+        progress=False,
     ),
-    "sweep": (
+    "sweep": call(
         ao.sweep,
-        {
-            "base": STRIKE,
-            "grid": {"velocity": [1.0]},
-            "keep": ["peak_force"],
-            "workers": 1,
-            "checkpoint": None,
-            "progress": False,
-        },
+        base=STRIKE,
+        grid={"velocity": [1.0]},
+        keep=["peak_force"],
+        workers=1,
+        checkpoint=None,
+        progress=False,
     ),
-    "values of a sweep": (
-        lambda **grid: ao.sweep(STRIKE, grid, progress=False),
-        {"velocity": [1.0], "gap": [0.0]},
+    "values of a sweep": call(
+        lambda **grid: ao.sweep(STRIKE, grid, progress=False), velocity=[1.0], gap=[0.0]
     ),
-    "a value of a sweep": (
+    "a value of a sweep": call(
         lambda **given: ao.sweep(STRIKE, {k: [v] for k, v in given.items()}, progress=False),
-        {"velocity": 1.0, "law": HERTZ},
+        velocity=1.0,
+        law=HERTZ,
     ),
-    "ContactLaw.rigid_restitution": (
-        ao.HuntCrossley(1e9, 0.1).rigid_restitution,
-        {"mass": 1.0, "velocity": 1.0},
+    "ContactLaw.rigid_restitution": call(
+        ao.HuntCrossley(1e9, 0.1).rigid_restitution, mass=1.0, velocity=1.0
     ),
     "ContactPoint": _again(TIP),
     "FullModel": _again(ao.full(TIP)),
-    "ContactPoint of a dof": (ao.ContactPoint, {"body": BAR, "b": np.ones(BAR.n_dofs)}),
+    "ContactPoint of a dof": call(ao.ContactPoint, body=BAR, b=np.ones(BAR.n_dofs)),
     "ModalModel": _again(MODAL),
-    "ModalModel.truncated": (MODAL.truncated, {"n": 1}),
+    "ModalModel.truncated": call(MODAL.truncated, n=1),
     "InterfaceModel": _again(PORTS),
-    "InterfaceModel.receptance": (PORTS.receptance, {"omega": 1.0}),
-    "InterfaceModel.expand": (PORTS.expand, {"coordinates": np.zeros(PORTS.n)}),
-    "Patch": (ao.Patch, {"radius": 1e-3, "faces": 1}),
-    "Handle": (ao.Handle, {"body": 0, "at": 0, "name": "a", "scene": "b"}),
-    "Handle.port": (ao.Handle(0).port, {"at": 0}),
-    "Run.at": (HIT.at, {"times": [1e-4]}),
-    "Run.to_csv": (HIT.to_csv, {"path": "run.csv", "names": None}),
-    "Result.movie": (
-        FIELDS.movie,
-        {"path": "movie.avi", "times": None, "frames": 3, "scale": None, "fps": 15.0},
+    "InterfaceModel.receptance": call(PORTS.receptance, omega=1.0),
+    "InterfaceModel.expand": call(PORTS.expand, coordinates=np.zeros(PORTS.n)),
+    "Patch": call(ao.Patch, radius=1e-3, faces=1),
+    "Handle": call(ao.Handle, body=0, at=0, name="a", scene="b"),
+    "Handle.port": call(ao.Handle(0).port, at=0),
+    "Run.at": call(HIT.at, times=[1e-4]),
+    "Run.to_csv": call(HIT.to_csv, path="run.csv", names=None),
+    "Result.movie": call(
+        FIELDS.movie, path="movie.avi", times=None, frames=3, scale=None, fps=15.0
     ),
-    "Run.to_dataframe": (HIT.to_dataframe, {"names": None}),
-    "Run.to_xarray": (HIT.to_xarray, {"names": None}),
-    "Signal": (
-        testrig.Signal,
-        {"t": [0.0, 1.0], "values": [0.0, 1.0], "unit": "N", "name": "force", "raw": None},
+    "Run.to_dataframe": call(HIT.to_dataframe, names=None),
+    "Run.to_xarray": call(HIT.to_xarray, names=None),
+    "Signal": call(
+        testrig.Signal, t=[0.0, 1.0], values=[0.0, 1.0], unit="N", name="force", raw=None
     ),
-    "Signal.of": (testrig.Signal.of, {"source": HIT, "contact": 0, "rate": 1e6, "margin": 0.0}),
-    "Signal.resampled": (SIGNAL.resampled, {"rate": 2e5}),
-    "Signal.filtered": (SIGNAL.filtered, {"cfc": 600, "corner": None}),
-    "read_signal": (
+    "Signal.of": call(testrig.Signal.of, source=HIT, contact=0, rate=1e6, margin=0.0),
+    "Signal.resampled": call(SIGNAL.resampled, rate=2e5),
+    "Signal.filtered": call(SIGNAL.filtered, cfc=600, corner=None),
+    "read_signal": call(
         testrig.read_signal,
-        {
-            **{"path": CHANNEL, "time": 0, "values": 1, "time_unit": "s", "unit": "N"},
-            "decimal": ".",
-            "name": "force",
-        },
+        path=CHANNEL,
+        time=0,
+        values=1,
+        time_unit="s",
+        unit="N",
+        decimal=".",
+        name="force",
     ),
-    "drop_weight": (
-        testrig.drop_weight,
-        {
-            **{"source": DROP, "mass": 1.0, "velocity": 1.0, "gravity": 0.0, "cfc": 600},
-            "start": 0.0,
-        },
+    "drop_weight": call(
+        testrig.drop_weight, source=DROP, mass=1.0, velocity=1.0, gravity=0.0, cfc=600, start=0.0
     ),
-    "DropWeight.to_csv": (
-        testrig.drop_weight(DROP, mass=1.0, velocity=1.0).to_csv,
-        {"path": "test.csv"},
+    "DropWeight.to_csv": call(
+        testrig.drop_weight(DROP, mass=1.0, velocity=1.0).to_csv, path="test.csv"
     ),
-    "LoadCell": (
-        testrig.LoadCell,
-        {"nose": 0.1, "carriage": 1.0, "stiffness": 1e8, "damping_ratio": 0.1},
-    ),
-    "LoadCell.gain": (CELL.gain, {"frequency": 100.0}),
-    "LoadCell.tup": (CELL.tup, {"radius": 0.01, "material": STEEL, "name": "tup"}),
-    "LoadCell.read": (CELL.read, {"source": SIGNAL, "rate": 2e5}),
-    "shock_spectrum": (
+    "LoadCell": call(testrig.LoadCell, nose=0.1, carriage=1.0, stiffness=1e8, damping_ratio=0.1),
+    "LoadCell.gain": call(CELL.gain, frequency=100.0),
+    "LoadCell.tup": call(CELL.tup, radius=0.01, material=STEEL, name="tup"),
+    "LoadCell.read": call(CELL.read, source=SIGNAL, rate=2e5),
+    "shock_spectrum": call(
         testrig.shock_spectrum,
-        {
-            **{"source": SIGNAL, "frequencies": [100.0, 200.0], "damping_ratio": 0.1},
-            "kind": "absolute acceleration",
-        },
+        source=SIGNAL,
+        frequencies=[100.0, 200.0],
+        damping_ratio=0.1,
+        kind="absolute acceleration",
     ),
-    "SweepTable.to_csv": (SWEEP.to_csv, {"path": None}),
-    "Comparison.to_csv": (COMPARED.to_csv, {"path": None}),
-    "SceneFile": (
-        ao.SceneFile,
-        {name: getattr(FILE, name) for name in ("path", "data", "text")},
-    ),
-    "SceneFile.has_mesh": (FILE.has_mesh, {"body": "beam"}),
-    "SceneFile.probes": (FILE.probes, {"result": HIT}),
-    "SceneFile.replaced": (FILE.replaced, {"values": {"velocity": 2.0}}),
-    "values of SceneFile.replaced": (
-        lambda **values: FILE.replaced(values),
-        {"velocity": 1.0},
-    ),
-    "KrylovSpace sharpened": (_space, {"sharpened": False, "known": None}),
-    "KrylovSpace.antioscillators": (lambda **n: _space().antioscillators(**n), {"n": 2}),
-    "KrylovSpace.of_vectors": (lambda **n: _space().of_vectors(**n), {"n": 2}),
-    "KrylovSpace.factored": (lambda **n: _space().factored(**n), {"n": 2}),
-    "KrylovSpace.include": (lambda **given: _space().include(**given), {"duration": 1e-3}),
-    "Rayleigh.decay": (ao.Rayleigh(alpha=1.0).decay, {"omega": 1.0}),
-    "ModalDamping.decay": (ao.ModalDamping(0.1).decay, {"omega": 1.0}),
-    "AOModel.weights": (
-        ao.antioscillators(TIP, 2).weights,
-        {"functional": np.ones(BAR.n_dofs)},
-    ),
+    "SweepTable.to_csv": call(SWEEP.to_csv, path=None),
+    "Comparison.to_csv": call(COMPARED.to_csv, path=None),
+    "SceneFile": (ao.SceneFile, {name: getattr(FILE, name) for name in ("path", "data", "text")}),
+    "SceneFile.has_mesh": call(FILE.has_mesh, body="beam"),
+    "SceneFile.probes": call(FILE.probes, result=HIT),
+    "SceneFile.replaced": call(FILE.replaced, values={"velocity": 2.0}),
+    "values of SceneFile.replaced": call(lambda **values: FILE.replaced(values), velocity=1.0),
+    "KrylovSpace sharpened": call(_space, sharpened=False, known=None),
+    "KrylovSpace.antioscillators": call(lambda **n: _space().antioscillators(**n), n=2),
+    "KrylovSpace.of_vectors": call(lambda **n: _space().of_vectors(**n), n=2),
+    "KrylovSpace.factored": call(lambda **n: _space().factored(**n), n=2),
+    "KrylovSpace.include": call(lambda **given: _space().include(**given), duration=1e-3),
+    "Rayleigh.decay": call(ao.Rayleigh(alpha=1.0).decay, omega=1.0),
+    "ModalDamping.decay": call(ao.ModalDamping(0.1).decay, omega=1.0),
+    "AOModel.weights": call(ao.antioscillators(TIP, 2).weights, functional=np.ones(BAR.n_dofs)),
 }
 
 # What else an argument may be called in messages.

@@ -33,9 +33,7 @@ def test_six_antioscillators_give_the_force_on_any_material(nu: float, fixed: An
     law = ao.Hertz.between(tip.body.material, 0.01, STEEL, 0.01)
 
     def force(target: ao.AOModel) -> Any:
-        hit = ao.simulate(
-            projectile=ao.rigid(mass=0.01), target=target, law=law, velocity=1.0, duration=6e-3
-        )
+        hit = ao.simulate(ao.rigid(mass=0.01), target, 1.0, law=law, duration=6e-3)
         return hit.at(np.linspace(0, 6e-3, 301)).force
 
     full = force(ao.antioscillators(tip))

@@ -31,14 +31,7 @@ TIP, OTHER = tip_of(BODY, 0.15), tip_of(BODY, 0.1)
 
 
 def struck(body: object, **options: object) -> ao.Result:
-    return ao.simulate(
-        projectile=ao.rigid(mass=0.02),
-        target=body,
-        law=HERTZ,
-        velocity=1.0,
-        duration=2e-4,
-        **options,
-    )
+    return ao.simulate(ao.rigid(mass=0.02), body, 1.0, law=HERTZ, duration=2e-4, **options)
 
 
 @pytest.mark.parametrize("options", [{}, {"rtol": 1e-2}, {"quantity": "peak_force", "rtol": 0.1}])
@@ -124,10 +117,7 @@ def test_models_are_compared_with_it() -> None:
     free = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.02, 0.02), (4, 1, 1)), STEEL)
     tip = free.contact(point=(0.1, 0.01, 0.01), direction=(1, 0, 0))
     first, second = (
-        ao.compare(
-            projectile=body, target=wall, law=HERTZ, velocity=1.0, duration=6e-4, oscillators=(3,),
-            modes=(),
-        )
+        ao.compare(body, wall, 1.0, law=HERTZ, duration=6e-4, oscillators=(3,), modes=())
         for body in (tip, ao.full(tip))
     )  # fmt: skip
     assert [row.force for row in first.rows] == [row.force for row in second.rows]

@@ -54,9 +54,7 @@ def paper_beam():
 
 
 def beam_force(target):
-    hit = ao.simulate(
-        projectile=ao.rigid(mass=BALL_MASS), target=target, law=LAW, velocity=1.0, duration=250e-6
-    )
+    hit = ao.simulate(ao.rigid(mass=BALL_MASS), target, 1.0, law=LAW, duration=250e-6)
     return hit.at(np.linspace(0, 250e-6, 501)).force
 
 
@@ -134,9 +132,7 @@ def test_a_free_body_keeps_its_mass_and_the_motion_of_its_centre(block):
 def test_momentum_of_a_free_body_is_the_impulse(block):
     star = ao.antioscillators(block, 4, method="krylov", contact_time=20e-6)
     law = ao.Hertz(k=1e10)
-    hit = ao.simulate(
-        projectile=ao.rigid(mass=0.05), target=star, law=law, velocity=1.0, duration=1e-4
-    )
+    hit = ao.simulate(ao.rigid(mass=0.05), star, 1.0, law=law, duration=1e-4)
     assert 0.05 * (1.0 - hit.rebound_velocity) == pytest.approx(hit.impulse, rel=1e-7)
     gained = star.mass * hit.target.centre_velocity[-1]
     assert gained == pytest.approx(hit.impulse, rel=1e-7)
@@ -301,9 +297,7 @@ def test_vibration_long_after_the_blow_takes_a_duration(paper_beam):
         ao.antioscillators(tip, 30, method="krylov", contact_time=90e-6, duration=20e-3),
         whole,
     ):
-        hit = ao.simulate(
-            projectile=ao.rigid(mass=BALL_MASS), target=star, law=LAW, velocity=1.0, duration=20e-3
-        )
+        hit = ao.simulate(ao.rigid(mass=BALL_MASS), star, 1.0, law=LAW, duration=20e-3)
         u.append(hit.at(np.linspace(0, 20e-3, 2001)).target.displacement)
     assert np.abs(u[0] - u[1]).max() <= 0.005 * np.abs(u[1]).max()
 

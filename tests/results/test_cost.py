@@ -34,12 +34,7 @@ def test_given_models_cost_nothing() -> None:
     models = ao.rigid(mass=1.0), ao.rigid(mass=2.0)
     for solver in (ao.Adaptive(), ao.Newmark(dt=1e-7, estimate=False)):
         hit = ao.simulate(
-            projectile=models[0],
-            target=models[1],
-            law=ao.Hertz(k=1e9),
-            velocity=1.0,
-            duration=1e-3,
-            solver=solver,
+            models[0], models[1], 1.0, law=ao.Hertz(k=1e9), duration=1e-3, solver=solver
         )
         assert hit.cost.model == 0.0 < hit.cost.run
         assert str(hit.cost).startswith("run ")

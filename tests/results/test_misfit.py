@@ -33,9 +33,7 @@ def fitted(tip, contact_time, n=6):
 
 
 def strike(target, **options):
-    return ao.simulate(
-        projectile=BALL, target=target, law=LAW, velocity=1.0, duration=250e-6, **options
-    )
+    return ao.simulate(BALL, target, 1.0, law=LAW, duration=250e-6, **options)
 
 
 @pytest.mark.parametrize("contact_time", [45e-6, 180e-6, 260e-6])
@@ -67,9 +65,7 @@ def test_newmark_hears_of_it_too(tip):
 
 def test_a_contact_cut_off_is_no_short_one(tip):
     with pytest.warns(ao.AOImpactWarning, match="ends in contact") as said:
-        ao.simulate(
-            projectile=BALL, target=fitted(tip, 90e-6), law=LAW, velocity=1.0, duration=20e-6
-        )
+        ao.simulate(BALL, fitted(tip, 90e-6), 1.0, law=LAW, duration=20e-6)
     assert not any("fitted" in str(each.message) for each in said)
 
 
@@ -179,9 +175,7 @@ def test_displacement_after_the_contact_is_told_when_it_is_asked_for():
 
 def test_a_long_record_after_one_contact_is_no_reason(tip):
     assert strike(fitted(tip, 90e-6)).contacts[-1][1] < 100e-6
-    hit = ao.simulate(
-        projectile=BALL, target=fitted(tip, 90e-6), law=LAW, velocity=1.0, duration=2e-3
-    )
+    hit = ao.simulate(BALL, fitted(tip, 90e-6), 1.0, law=LAW, duration=2e-3)
     assert len(hit.contacts) == 1
 
 
@@ -226,12 +220,7 @@ def test_dashpots_at_a_massless_contact(beta):
         star = ao.AOModel(m0=m0, m=[1.0], k=[1e6], damping=ao.Rayleigh(beta=beta))
         solver = ao.Adaptive(rtol=1e-7)
         return ao.simulate(
-            projectile=ao.rigid(0.5),
-            target=star,
-            law=ao.Hertz(k=1e8),
-            velocity=1.0,
-            duration=4e-3,
-            solver=solver,
+            ao.rigid(0.5), star, 1.0, law=ao.Hertz(k=1e8), duration=4e-3, solver=solver
         )
 
     if beta < 1e-6:

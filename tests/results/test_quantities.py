@@ -49,11 +49,7 @@ def test_rebound_is_relative_to_itself_unless_it_is_almost_nothing():
     assert QUANTITIES["rebound_velocity"].difference(run(velocity=1.1), run()) == pytest.approx(0.1)
     # Equal masses: the projectile is stopped, and only its initial velocity is a measure.
     stopped = ao.simulate(
-        projectile=ao.rigid(mass=1.0),
-        target=ao.rigid(mass=1.0),
-        law=ao.Linear(1e6),
-        velocity=1.0,
-        duration=0.01,
+        ao.rigid(mass=1.0), ao.rigid(mass=1.0), 1.0, law=ao.Linear(1e6), duration=0.01
     )
     assert QUANTITIES["rebound_velocity"].difference(stopped, stopped) == 0.0
     assert QUANTITIES["rebound_velocity"].difference(run(), stopped) == pytest.approx(

@@ -826,10 +826,7 @@ contact = { point = [0.015, 0.015, 0.03] }
     mesh = ao.box_mesh((0.03,) * 3, (3,) * 3, kind="hexahedron20")
     block = ao.FEModel.from_mesh(mesh, steel)
     same = ao.simulate(
-        projectile=ao.ball(0.01, steel),
-        target=block.contact(point=(0.015, 0.015, 0.03)),
-        velocity=0.5,
-        rtol=0.05,
+        ao.ball(0.01, steel), block.contact(point=(0.015, 0.015, 0.03)), 0.5, rtol=0.05
     )
     assert hit.peak_force == same.peak_force
     assert hit.duration == same.duration

@@ -143,9 +143,7 @@ def test_noise_does_not_make_a_contact_longer() -> None:
 
 def test_an_impactor_that_goes_on_does_not_turn() -> None:
     """A weight of 5 kg that drives 0.1 kg away goes on faster than half of its velocity."""
-    hit = ao.simulate(
-        projectile=ao.rigid(mass=M), target=ao.rigid(mass=0.1), law=LAW, velocity=V, duration=1e-3
-    )
+    hit = ao.simulate(ao.rigid(mass=M), ao.rigid(mass=0.1), V, law=LAW, duration=1e-3)
     test = testrig.drop_weight(hit)
     assert test.rebound_velocity > 0.9 * V
     assert test.turn is None

@@ -134,9 +134,7 @@ def test_very_low_frequencies_lose_no_digits() -> None:
 
 def test_an_impact_is_the_deceleration_of_its_projectile() -> None:
     law = ao.Linear(1e6)
-    hit = ao.simulate(
-        projectile=ao.rigid(mass=2.0), target=ao.rigid(mass=1e9), law=law, velocity=1.0
-    )
+    hit = ao.simulate(ao.rigid(mass=2.0), ao.rigid(mass=1e9), 1.0, law=law)
     peak, tau = hit.peak_force / 2.0, hit.contact_duration
     spectrum = testrig.shock_spectrum(hit, np.geomspace(0.5, 1.2, 60) / tau, damping_ratio=0.0)
     assert spectrum.maximax.max() / peak == pytest.approx(1.768, abs=2e-3)

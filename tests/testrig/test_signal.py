@@ -161,12 +161,7 @@ def test_what_is_no_signal_is_refused(t: Any, values: Any, words: str) -> None:
 def strike(duration: float | None = None, solver: Any = None) -> ao.Result:
     plate = ao.AOModel(m0=0.1, k0=5e6)
     return ao.simulate(
-        projectile=ao.rigid(mass=2.0),
-        target=plate,
-        law=ao.Hertz(k=1e9),
-        velocity=1.0,
-        duration=duration,
-        solver=solver,
+        ao.rigid(mass=2.0), plate, 1.0, law=ao.Hertz(k=1e9), duration=duration, solver=solver
     )
 
 
@@ -198,11 +193,7 @@ def test_a_probe_gives_the_acceleration_of_its_point() -> None:
     bar = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.02, 0.02), (4, 1, 1)), steel)
     tip = bar.contact(point=(0.1, 0.0, 0.0), direction=(-1.0, 0.0, 0.0), radius=0)
     hit = ao.simulate(
-        projectile=ao.rigid(mass=0.05),
-        target=ao.antioscillators(tip, 2),
-        law=ao.Linear(1e6),
-        velocity=1.0,
-        duration=1e-3,
+        ao.rigid(mass=0.05), ao.antioscillators(tip, 2), 1.0, law=ao.Linear(1e6), duration=1e-3
     )
     times = np.linspace(0.0, 1e-3, 4001)
     probe = hit.target.probe((0.0, 0.01, 0.01), direction=(1, 0, 0), times=times)

@@ -59,9 +59,7 @@ def strike(name: str, kind: str, along: int) -> ao.Result:
     size = max(lengths) / along
     divisions = tuple(max(1, round(length / size)) for length in lengths)
     body = ao.FEModel.from_mesh(ao.box_mesh(lengths, divisions, kind=kind), material, fixed=fixed)
-    return ao.simulate(
-        projectile=ao.ball(radius, STEEL), target=body.contact(point=point), velocity=velocity
-    )
+    return ao.simulate(ao.ball(radius, STEEL), body.contact(point=point), velocity)
 
 
 def test_true_errors_of_peak_forces_are_within_their_estimates() -> None:

@@ -65,11 +65,7 @@ def cylinder(name: str, kind: str, across: int, layers: int) -> ao.FEModel:
 
 def by_default(target: ao.FEModel) -> ao.Result:
     ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=RADIUS, size=0.003), material(STEEL))
-    return ao.simulate(
-        projectile=ball.contact(point=(0, 0, -RADIUS)),
-        target=target.contact(point=(0, 0, 0)),
-        velocity=1.0,
-    )
+    return ao.simulate(ball.contact(point=(0, 0, -RADIUS)), target.contact(point=(0, 0, 0)), 1.0)
 
 
 def off(hit: ao.Result, force: float) -> tuple[float, float]:

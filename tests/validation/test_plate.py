@@ -83,9 +83,7 @@ def plate() -> ao.FEModel:
 @cache
 def by_default() -> ao.Result:
     return ao.simulate(
-        projectile=ao.ball(RADIUS, STEEL),
-        target=plate().contact(point=(0.0, 0.0, THICKNESS)),
-        velocity=VELOCITY,
+        ao.ball(RADIUS, STEEL), plate().contact(point=(0.0, 0.0, THICKNESS)), VELOCITY
     )
 
 

@@ -137,9 +137,7 @@ def test_a_ledger_that_does_not_balance_is_said() -> None:
         lambda d, v: K * d**1.5, energy=lambda d, v: 0.5 * K * d**2.5, depends_on_rate=False
     )
     ball, wall = ao.rigid(mass=1.0), ao.rigid(mass=math.inf)
-    run = ao.simulate(
-        projectile=ball, target=wall, law=law, velocity=1.0, duration=1e-3, solver=ao.Adaptive()
-    )
+    run = ao.simulate(ball, wall, 1.0, law=law, duration=1e-3, solver=ao.Adaptive())
     with pytest.warns(ao.AOImpactWarning, match="ledger"):
         assert run.error.energy > 0.1
 

@@ -52,12 +52,7 @@ def test_every_model_of_a_body_of_singular_mass_gives_its_force() -> None:
     ]
     peaks = [
         ao.simulate(
-            projectile=ao.rigid(10.0),
-            target=model,
-            law=ao.Hertz(0.01),
-            velocity=1.0,
-            duration=400.0,
-            solver=solver,
+            ao.rigid(10.0), model, 1.0, law=ao.Hertz(0.01), duration=400.0, solver=solver
         ).peak_force
         for model, solver in runs
     ]
