@@ -43,8 +43,10 @@ typedef struct pair {
     aoi_friction friction;
 } pair;
 
+/* A pair of nothing yet, whose contacts will have that law and friction. */
 static void rub(pair *p, const char *name, double k, double mu)
 {
+    memset(p, 0, sizeof *p);
     CHECK(aoi_law_create(&p->law, name, 1, &k) == AOI_OK && aoi_friction_create(&p->friction, &p->law, mu, RATIO, 1e-4) == AOI_OK,
           "friction of a %s law", name);
 }

@@ -32,7 +32,6 @@ static double psi_after(double psi, size_t steps, pair *p)
 {
     const double mu = 0.1, unit = mu * FAST / RATIO, velocity[3] = {FAST, psi * unit * 0.6, psi * unit * 0.8};
     const double dt = 1.1 * hertz_time(MASS, K, FAST) / (double)steps;
-    memset(p, 0, sizeof *p);
     rub(p, "hertz", K, mu);
     meet_wall(p, RADIUS, velocity, NULL);
     CHECK(world_start(&p->w, steps_of(dt), steps + 1, NULL) == AOI_OK, "it starts");
@@ -70,7 +69,6 @@ static void what_motion_keeps(void)
     for (size_t i = 0; i < 3; i++) {
         const size_t steps = (size_t)400 << (2 * i);
         pair p;
-        memset(&p, 0, sizeof p);
         rub(&p, "hertz", K, 0.3);
         const size_t first = add_ball(&p.w, RADIUS, one, NULL);
         join(&p, first, add_ball(&p.w, -RADIUS, other, NULL));
@@ -99,7 +97,6 @@ static void energy_of_a_slider_is_closed(void)
 {
     const double down[3] = {400.0, 30.0, 20.0}, velocity[3] = {0.0, 0.4, -0.3};
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "linear", 1e6, 0.2);
     meet_wall(&p, RADIUS, velocity, down);
     p.w.x[0][0] = MASS * down[0] / 1e6;
@@ -124,7 +121,6 @@ static void blocks_rest_on_slopes(void)
         const double mu = 0.3, down[3] = {10.0, (slips ? 1.5 : 0.9) * mu * 10.0, 0.0}, still[3] = {0.0, 0.0, 0.0};
         const double k = 1e6, dt = 1e-5;
         pair p;
-        memset(&p, 0, sizeof p);
         rub(&p, "linear", k, mu);
         meet_wall(&p, 0.0, still, down);
         p.w.contact[0].gap = 1e-4;
@@ -155,7 +151,6 @@ static void loops_are_mindlins(void)
     const double force[] = {press, 0.0, 0.0, press, most, 0.0, press, -most, 0.0, press, most, 0.0};
     const double still[3] = {0.0, 0.0, 0.0}, share = most / (mu * press);
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "hertz", K, mu);
     meet_wall(&p, 0.0, still, NULL);
     p.w.body[0].load = (aoi_load){4, time, force};
@@ -191,7 +186,6 @@ static void two_contacts_share_a_body(void)
     }
     for (size_t twice = 0; twice < 2; twice++) {
         pair p;
-        memset(&p, 0, sizeof p);
         rub(&p, "hertz", twice ? K : 2.0 * K, 0.2);
         const size_t ball = add_ball(&p.w, 0.0, velocity, NULL);
         join(&p, ball, add_wall(&p.w));
@@ -218,7 +212,6 @@ static void what_is_taken_out_is_not_there(void)
     double end[2][3], stored[2], seen[3];
     for (size_t given = 0; given < 2; given++) {
         pair p;
-        memset(&p, 0, sizeof p);
         rub(&p, "hertz", K, 0.2);
         meet_wall(&p, RADIUS, velocity, NULL);
         if (given) {
@@ -249,7 +242,6 @@ static void overlap_at_the_start(void)
 {
     const double still[3] = {0.0, 0.0, 0.0}, depth = 1e-5, c = 0.2 / (K * sqrt(depth));
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "hertz", K, 0.2);
     meet_wall(&p, RADIUS, still, NULL);
     p.law.compliance = c;
@@ -264,7 +256,6 @@ static void what_cannot_rub_is_refused(void)
 {
     const double velocity[3] = {FAST, 0.0, 0.0}, wrong[9] = {1e-9}, nan[9] = {0.0, (double)NAN};
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "hertz", K, 0.2);
     meet_wall(&p, RADIUS, velocity, NULL);
     p.w.contact[0].port[0] = 1;

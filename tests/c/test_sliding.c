@@ -38,6 +38,15 @@ static outcome run(pair *p, double rtol, double end)
     return o;
 }
 
+/* How the same motion ends by Newmark's rule. */
+static aoi_progress by_fixed_steps(pair *p, double end, size_t steps)
+{
+    CHECK(world_start(&p->w, (aoi_rule){end / (double)steps, 0.25, 0.5}, steps + 1, NULL) == AOI_OK, "fixed steps");
+    while (p->w.at < steps && step_on(&p->w) == AOI_OK) {
+    }
+    return aoi_newmark_progress(p->w.run);
+}
+
 static double *column(pair *p, const outcome *o, double time)
 {
     double *record = keep(aoi_record_rows(&p->w.system) * sizeof *record);
@@ -64,7 +73,6 @@ static double psi_after(double psi, double rtol)
 {
     const double mu = 0.1, unit = mu * FAST / RATIO, velocity[3] = {FAST, psi * unit * 0.6, psi * unit * 0.8};
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "hertz", K, mu);
     meet_wall(&p, RADIUS, velocity, NULL);
     const outcome o = run(&p, rtol, 1.1 * hertz_time(MASS, K, FAST));
@@ -99,7 +107,6 @@ static void what_motion_keeps(void)
 {
     const double one[3] = {1.5, 0.6, -0.3}, other[3] = {-0.5, 0.1, 0.2}, end = 1.1 * hertz_time(0.5 * MASS, K, FAST);
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "hertz", K, 0.3);
     const size_t first = add_ball(&p.w, RADIUS, one, NULL);
     join(&p, first, add_ball(&p.w, -RADIUS, other, NULL));
@@ -124,13 +131,10 @@ static void what_motion_keeps(void)
     CHECK(taken > 0.01 * before, "friction takes energy");
     double v[10];
     memcpy(v, a, sizeof v);
-    const size_t steps = 20000;
-    CHECK(world_start(&p.w, (aoi_rule){end / (double)steps, 0.25, 0.5}, steps + 1, NULL) == AOI_OK, "fixed steps");
-    while (p.w.at < steps && step_on(&p.w) == AOI_OK) {
-    }
+    const aoi_progress fixed = by_fixed_steps(&p, end, 20000);
     for (size_t j = 0; j < 10; j++) {
         const double scale = j % 5 < 3 ? FAST : FAST / RADIUS;
-        CHECK(fabs(aoi_newmark_progress(p.w.run).v[j] - v[j]) < 2e-5 * scale, "fixed steps, %zu", j);
+        CHECK(fabs(fixed.v[j] - v[j]) < 2e-5 * scale, "fixed steps, %zu", j);
     }
     drop();
 }
@@ -141,7 +145,6 @@ static void a_slider_comes_to_stick(void)
 {
     const double down[3] = {400.0, 30.0, 20.0}, velocity[3] = {0.0, 0.4, -0.3}, end = 6e-3;
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "linear", 1e6, 0.2);
     meet_wall(&p, RADIUS, velocity, down);
     p.w.x[0][0] = MASS * down[0] / 1e6;
@@ -154,11 +157,8 @@ static void a_slider_comes_to_stick(void)
         CHECK(fabs(all_energy(&p, now) - before) < 1e-9 * before, "energy: %g at %zu", all_energy(&p, now) / before - 1.0, i);
     }
     CHECK(column(&p, &o, end)[AOI_CONTACT_FRICTION] > 0.1 * before, "it slid");
-    const size_t steps = 12000;
-    CHECK(world_start(&p.w, (aoi_rule){end / (double)steps, 0.25, 0.5}, steps + 1, NULL) == AOI_OK, "fixed steps");
-    while (p.w.at < steps && step_on(&p.w) == AOI_OK) {
-    }
-    const double *found = aoi_newmark_progress(p.w.run).x + 1;
+    const aoi_progress fixed = by_fixed_steps(&p, end, 12000);
+    const double *found = fixed.x + 1;
     CHECK(hypot(found[0] - x[0], found[1] - x[1]) < 1e-3 * hypot(x[0], x[1]), "fixed steps: %g %g, not %g %g", found[0], found[1],
           x[0], x[1]);
     drop();
@@ -171,7 +171,6 @@ static void two_contacts_share_a_body(void)
     double end[2][5];
     for (size_t twice = 0; twice < 2; twice++) {
         pair p;
-        memset(&p, 0, sizeof p);
         rub(&p, "hertz", twice ? K : 2.0 * K, 0.2);
         const size_t ball = add_ball(&p.w, RADIUS, velocity, NULL);
         for (size_t i = 0; i <= twice; i++) {
@@ -193,7 +192,6 @@ static void what_is_taken_out(void)
     const double out[9] = {c, 0.1 * c, 0, 0.1 * c, 1.2 * c, 0.05 * c, 0, 0.05 * c, 0.9 * c};
     const double last = 1.1 * hertz_time(MASS, K, FAST);
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "hertz", K, 0.2);
     meet_wall(&p, RADIUS, velocity, NULL);
     p.law.compliance = c;
@@ -206,13 +204,10 @@ static void what_is_taken_out(void)
         const double *now = column(&p, &o, last * (double)i / 100.0);
         CHECK(fabs(all_energy(&p, now) - before) < 1e-8 * before, "energy: %g at %zu", all_energy(&p, now) / before - 1.0, i);
     }
-    const size_t steps = 20000;
-    CHECK(world_start(&p.w, (aoi_rule){last / (double)steps, 0.25, 0.5}, steps + 1, NULL) == AOI_OK, "fixed steps");
-    while (p.w.at < steps && step_on(&p.w) == AOI_OK) {
-    }
+    const aoi_progress fixed = by_fixed_steps(&p, last, 20000);
     for (size_t j = 0; j < 5; j++) {
         const double scale = j < 3 ? FAST : FAST / RADIUS;
-        CHECK(fabs(aoi_newmark_progress(p.w.run).v[j] - v[j]) < 2e-5 * scale, "fixed steps, %zu", j);
+        CHECK(fabs(fixed.v[j] - v[j]) < 2e-5 * scale, "fixed steps, %zu", j);
     }
     drop();
 }
@@ -222,7 +217,6 @@ static void overlap_at_the_start(void)
 {
     const double k = 1e6, mu = 0.3, down[3] = {10.0, 0.9 * mu * 10.0, 0.0}, still[3] = {0.0, 0.0, 0.0};
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "linear", k, mu);
     meet_wall(&p, 0.0, still, down);
     p.w.x[0][0] = MASS * down[0] / k;
@@ -243,7 +237,6 @@ static void a_gap_costs_nothing(void)
     double v[2][5];
     for (size_t far = 0; far < 2; far++) {
         pair p;
-        memset(&p, 0, sizeof p);
         rub(&p, "hertz", K, 0.2);
         meet_wall(&p, RADIUS, velocity, NULL);
         p.w.contact[0].gap = far ? 1.0 : 0.0;
@@ -260,7 +253,6 @@ static void what_cannot_rub_is_refused(void)
     const double velocity[3] = {FAST, 0.0, 0.0}, soft[9] = {1e-9, 0, 0, 0, 1e-9, 0, 0, 0, 1e-9};
     outcome o;
     pair p;
-    memset(&p, 0, sizeof p);
     rub(&p, "hertz", K, 0.2);
     meet_wall(&p, RADIUS, velocity, NULL);
     p.w.body[1].residual = soft;
