@@ -253,10 +253,7 @@ def stiffens(d, rate):
     ("function", "energy"),
     [
         (ends, lambda d: 5e6 * d * d),
-        (
-            locks,
-            lambda d: 1e7 * DEEP**2 * 2.0 / 3.0 * (2.0 - 3.0 * (s := (1 - d / DEEP) ** 0.5) + s**3),
-        ),
+        (locks, locks_energy),
         (stiffens, lambda d: 1e-3 * (math.cosh(d / 1e-5) - 1.0)),
     ],
     ids=["raises", "locks", "stiffens"],

@@ -19,7 +19,6 @@ from aoimpact.mesh import boundary, meshio_of_all_kinds, read_mesh, weights_at
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 LENGTHS = (2.0, 1.5, 1.0)
-GROUPS = {"low", "wedges", "middle", "high"}
 both_orders = pytest.mark.parametrize("order", [1, 2])
 
 
