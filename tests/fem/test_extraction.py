@@ -89,7 +89,15 @@ def test_its_error_falls_with_twice_the_order_of_the_elements(
     assert math.log2(errors[0] / errors[1]) > 2.0 * order - 1.0
 
 
-@pytest.mark.parametrize("radius", [0.0, 1.0 * A, 1.4 * A, 3.0 * A])
+@pytest.mark.parametrize(
+    "radius",
+    [
+        0.0,
+        pytest.param(1.0 * A, marks=pytest.mark.slow),
+        pytest.param(1.4 * A, marks=pytest.mark.slow),
+        3.0 * A,
+    ],
+)
 def test_what_is_removed_and_what_is_beyond_are_the_compliance_of_any_patch(radius: float) -> None:
     """c + R = G; R does not know over which nodes the force is spread, and c has all of that."""
     body = block("hexahedron20", (4, 4, 2))
@@ -225,6 +233,7 @@ def layered(kind: str, divisions: tuple[int, int, int], thick: float = 0.003) ->
     return ao.Mesh(nodes, mesh.cells, kind, mesh.node_sets, sets)
 
 
+@pytest.mark.slow
 def test_one_material_in_two_groups_is_one() -> None:
     mesh = layered("hexahedron20", (4, 4, 3))
     whole = extraction(ao.FEModel.from_mesh(mesh, ALU))
@@ -342,6 +351,7 @@ def test_what_has_neither_mesh_nor_place_has_none() -> None:
     assert bare.contact(point=(0.02, 0.02, 0.03), direction=(0, 0, -1)).extraction is None
 
 
+@pytest.mark.slow
 def test_near_an_edge_meshes_agree_and_the_body_is_softer() -> None:
     """3 mm from it."""
     found = [

@@ -199,6 +199,7 @@ def test_an_impact_along_one_direction_has_no_vectors():
         hit.projectile.final_velocity  # noqa: B018
 
 
+@pytest.mark.slow
 def test_axes_are_those_of_the_target():
     # The same impact on the top and on a side of the block, turned with it.
     side = BLOCK.contact(point=(0.02, 0.01, 0.01))

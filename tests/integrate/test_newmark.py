@@ -665,6 +665,7 @@ def test_vibration_that_given_steps_do_not_resolve_is_said():
     assert run.error.time == 1.0
 
 
+@pytest.mark.slow
 def test_vibration_before_a_slow_press_is_not_missed_by_a_rule_that_damps_it():
     """A mass on a spring, pushed at once to within 1.9 of 2 F/k, and pressed on by and by."""
     scene = ao.Scene()

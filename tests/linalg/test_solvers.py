@@ -199,9 +199,9 @@ def test_a_body_of_a_million_dofs_is_left_to_iterations():
 
 BOXES = [
     sphere_mesh(0.01, 4e-3),
+    box_mesh((1, 1, 1), (6, 6, 6), kind="hexahedron20"),
     box_mesh((1, 0.1, 0.1), (40, 3, 3), kind="tetra10"),
     box_mesh((1, 1, 0.1), (20, 20, 2)),
-    box_mesh((1, 1, 1), (6, 6, 6), kind="hexahedron20"),
     box_mesh((1, 1, 0.1), (20, 20, 1), kind="hexahedron20"),
 ]
 
@@ -209,7 +209,7 @@ BOXES = [
 @pytest.mark.parametrize(
     "mesh",
     [*(pytest.param(mesh, marks=pytest.mark.slow) for mesh in BOXES[:2]), *BOXES[2:]],
-    ids=["ball", "bar", "plate", "cube", "sheet"],
+    ids=["ball", "cube", "bar", "plate", "sheet"],
 )
 def test_the_size_of_the_factors_is_known_before(mesh):
     """Parts that are not cut further count as dense."""

@@ -60,7 +60,7 @@ def test_elements_of_very_different_size_do_not_look_like_rigid_motion():
 
 
 @pytest.mark.parametrize("thickness", [5e-4, pytest.param(1e-3, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("held", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_strip_a_thousand_times_as_long_as_thick_vibrates_as_a_beam(thickness, held):
     """Its lowest ω² is 1e-13 of the highest one, and K has as many digits less for it."""
     length = 1.0

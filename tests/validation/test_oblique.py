@@ -269,6 +269,7 @@ def test_damped_contacts_that_slip_have_coulombs_impulse(law):
     assert slow.stick_intervals
 
 
+@pytest.mark.slow
 def test_a_free_block_struck_at_a_node_moves_as_all_of_its_dofs_do():
     mesh = ao.box_mesh((0.03, 0.03, 0.02), (3, 3, 2), kind="hexahedron")
     block = ao.FEModel.from_mesh(mesh, ALU)
@@ -392,6 +393,7 @@ def test_a_mass_rests_on_a_slope_that_is_not_too_steep(mu, slides, rule):
         assert np.ptp(run[block].port_displacements[1][late]) < 1e-4
 
 
+@pytest.mark.slow
 def test_tolerances_are_kept_where_the_slide_reverses():
     # Slips, sticks and slips back; errors relative to the velocity along the surface.
     ball, wall, mu = ao.ball(0.01, STEEL), ao.wall(STEEL), 0.2
@@ -422,7 +424,10 @@ def test_a_track_of_friction_can_be_pickled():
     assert np.array_equal(again.rows(t, True), hit.recorder.rows(t, True))
 
 
-@pytest.mark.parametrize(("mu", "sideways"), [(0.2, 0.02), (1.0, 0.1), (3.0, 0.1)])
+@pytest.mark.parametrize(
+    ("mu", "sideways"),
+    [(0.2, 0.02), *(pytest.param(mu, 0.1, marks=pytest.mark.slow) for mu in (1.0, 3.0))],
+)
 def test_friction_of_a_contact_that_sticks_is_right_at_any_time(mu: float, sideways: float) -> None:
     """Far below Coulomb's bound, by both methods."""
     hits = [
