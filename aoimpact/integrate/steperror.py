@@ -140,12 +140,27 @@ def _slid(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[fl
     around = np.maximum(size[::2], other) >= AROUND_PEAK * max(peaks)
     away = np.linalg.norm(ours[:, ::2] - theirs, axis=0)
     apart = float(away[around].max(initial=abs(peaks[0] - peaks[1])))
-    # Where slip begins the force has a corner, which samples cut by half of what they bend there.
-    top = min(max(int(size.argmax()), 1), len(size) - 2)
-    apart = max(apart, 0.5 * abs(2.0 * size[top] - size[top - 1] - size[top + 1]))
+    apart = max(apart, _cut_corner(size))
     sums = np.trapezoid(ours, t), np.trapezoid(theirs, t[::2])
     moved = max(np.linalg.norm(sums, axis=1).max(), _TURNED * np.trapezoid(size, t))
     return (apart, max(peaks)), (float(np.linalg.norm(sums[0] - sums[1])), moved)
+
+
+def _cut_corner(size: FloatArray) -> float:
+    """By how much a largest friction at the corner where slip begins may exceed its samples, N.
+
+    The lines through two samples before a step and two after it meet at the corner, to second
+    order, if there is one within the step.
+    """
+    top, most = int(size.argmax()), 0.0
+    for first in (top - 1, top):
+        if 0 < first < len(size) - 2:
+            before, here, there, after = size[first - 1 : first + 3]
+            rises, falls = here - before, after - there
+            if rises > falls:
+                along = np.clip((there - falls - here) / (rises - falls), 0.0, 1.0)
+                most = max(most, float(here + along * rises - size[top]))
+    return most
 
 
 def _touch_error(plan: Plan, record: Record, contact: int) -> float:

@@ -85,8 +85,10 @@ def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: floa
 # Longest record in units of the first guess, for contacts that do not end, as under gravity.
 _MOST = 4096.0
 
-# Length of the record in units of the time from the first contact's start to the last one's end.
+# Length of the record in units of the time from the first contact's start to the last one's end. A
+# record that is off by less than this share of it, as by the errors of that time, is not run again.
 AS_LONG_AGAIN = 2.0
+_AS_LONG = 1e-3
 
 
 @dataclass
@@ -137,6 +139,8 @@ class RecordLength:
         while True:
             run = solve(_lasting(plan, length))
             wanted = _until_over(run) + self.margin
+            if abs(wanted - length) <= _AS_LONG * length:
+                wanted = length
             if wanted <= length or length >= longest:
                 break
             further = wanted if math.isfinite(wanted) else AS_LONG_AGAIN * length

@@ -80,6 +80,7 @@ static path path_of(const aoi_friction *friction, const aoi_friction_state *stat
     if (state->count == 0) {
         const double left = indentation > 0.0 ? indentation / (indentation - p.from) : 0.0;
         p.count = 1;
+        p.touch.stiffness = normal(friction, DBL_MIN).stiffness;
         p.from = 0.0;
         p.slide[0] *= left;
         p.slide[1] *= left;
@@ -382,7 +383,7 @@ static size_t parted(const aoi_friction_state *state, const path *p)
     (void)step(&w, &a);
     for (; step(&w, &b); a = b) {
         const size_t outer = w.next - 1;
-        if (!(a.slips && b.slips && b.depth > a.depth)) {
+        if (!(a.slips && b.slips && b.depth > a.depth) || a.stiffness == b.stiffness) {
             continue;
         }
         const aoi_stretch middle = between(p, outer - 1, 0.5 * (a.depth + b.depth));
@@ -417,11 +418,15 @@ int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state,
     return AOI_OK;
 }
 
-/* 1 if a spring may be left out: the curve is as good as straight there. A change of slope times the width is four to
- * eight times the distance of the curve from its chord, however closely it was drawn before. Of two that are close
- * the change of slope may be rounding of their depths; slope: the bound's. */
+/* 1 if a spring may be left out: the curve is as good as straight there, or the law is, so that no spring is touched
+ * there. A change of slope times the width is four to eight times the distance of the curve from its chord, however
+ * closely it was drawn before. Of two that are close the change of slope may be rounding of their depths; slope: the
+ * bound's. */
 static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough, double slope)
 {
+    if (a->stiffness == b->stiffness && b->stiffness == c->stiffness) {
+        return 1;
+    }
     const double rounding = 4.0 * DBL_EPSILON * slope * c->depth;
     const double before = b->depth - a->depth, after = c->depth - b->depth, width = c->depth - a->depth;
     for (int i = 0; i < 2; i++) {

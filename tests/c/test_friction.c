@@ -231,6 +231,19 @@ static void a_spring_turns_towards_the_slide(void)
     }
 }
 
+/* However a slide turns, a linear law keeps its one spring and the rim. */
+static void a_linear_law_keeps_one_spring(void)
+{
+    contact c;
+    begin(&c, "linear", MU, 1e-6, ROOM);
+    const double unit = MU / RATIO * DEEP;
+    for (int i = 1; i <= 300; i++) {
+        const double t = i / 301.0;
+        (void)go(&c, DEEP * sin(PI * t), 0.05 * unit * cos(9.0 * t), 0.05 * unit * sin(9.0 * t));
+        CHECK(c.state.count <= 3, "%zu springs after path %d", c.state.count, i);
+    }
+}
+
 /* Force and energy of paths that turn, in finer and finer precision. */
 static double turning(double precision, double *work)
 {
@@ -490,6 +503,7 @@ int main(void)
     a_growing_normal_force_stops_slip();
     one_step_is_as_good_as_many();
     a_spring_turns_towards_the_slide();
+    a_linear_law_keeps_one_spring();
     turning_paths_converge_in_the_precision();
     a_sliding_contact_turns_spring_by_spring();
     derivatives_are_those_of_the_force();

@@ -138,6 +138,39 @@ def test_claimed_errors_of_friction_are_those_there_are():
                 assert value == pytest.approx(right, rel=error), (along, steps, name)
 
 
+@pytest.mark.parametrize("rule", [ao.Newmark()], ids=repr)
+def test_peak_of_friction_that_breaks_loose_just_before_the_bodies_part_is_known(rule):
+    # It is a corner, from which friction falls to nothing within 2e-3 of the contact. On a linear
+    # law that sticks the contact point moves as q'' = -W k diag(1, κ, κ) q, W its mobility.
+    mass, moments, k, mu = 1.8436, np.array([1.411e-4, 1.522e-4, 1.794e-4]), 2.008e8, 7.943
+    arm, velocity = np.array([1.335e-3, -2.357e-5, -1.756e-3]), np.array([-0.097, 0.085, -8.534])
+    cross = np.cross(np.eye(3), arm)  # rows: e × a
+    mobility = np.eye(3) / mass + cross @ np.diag(1.0 / moments) @ cross.T
+    springs = k * np.array([LIKE, LIKE, 1.0])
+    squares, shapes = scipy.linalg.eigh(np.diag(springs), np.linalg.inv(mobility))
+    pace, share = np.sqrt(squares), np.linalg.solve(shapes, velocity)
+
+    def forces(t: float) -> Any:
+        return springs * (shapes @ (np.sin(pace * t) / pace * share))
+
+    def left(t: float) -> float:
+        return float(-mu * forces(t)[2] - np.linalg.norm(forces(t)[:2]))
+
+    loose = scipy.optimize.brentq(left, 2.5e-4, 2.978e-4)
+    hit = ao.simulate(
+        ao.rigid(mass, inertia=moments, arm=arm),
+        ao.wall(STEEL),
+        velocity,
+        law=ao.Linear(k),
+        friction=mu,
+        solver=rule,
+    )
+    largest = float(np.linalg.norm(forces(loose)[:2]))
+    assert hit.value("peak_friction_force") == pytest.approx(largest, rel=hit.error.time)
+    assert hit.slip_intervals[0][0] == pytest.approx(loose, rel=1e-3)
+    assert len(hit.t) < 5000  # 4e5 of fixed steps, if the fall is taken for the peak's error
+
+
 def test_a_superball_thrown_flat_comes_back_the_other_way_round():
     # Its contact point leaves with a velocity against that with which it came: ψ after is negative.
     rubber = ao.Material(E=2e6, nu=0.49, rho=1000)
