@@ -11,7 +11,6 @@ import numpy as np
 
 from ..base import FloatArray, Frozen, InputTypeError, held_warnings
 from ..fem import (
-    Body,
     ContactPoint,
     FEModel,
     Layer,
@@ -33,7 +32,7 @@ _COMPARED = 9
 class Responses:
     """The responses of a body in the runs that are compared, and what all of them share."""
 
-    def __init__(self, body: Body, number: int) -> None:
+    def __init__(self, body: FEModel, number: int) -> None:
         self.body, self.number, factors = body, number, SolverBook(body.inverse)
         self._factors = factors
 
@@ -113,11 +112,11 @@ class Sensor(Frozen):
     body: Any
     memory: float = 0.0
 
-    def quantity(self, body: Body, number: int) -> Quantity:
+    def quantity(self, body: FEModel, number: int) -> Quantity:
         """Return the quantity of a body with that number in the plan."""
         raise NotImplementedError
 
-    def check(self, body: Body) -> None:
+    def check(self, body: FEModel) -> None:
         """Refuse a body that has no such quantity."""
 
 
@@ -130,7 +129,7 @@ def body_of(body: Any) -> FEModel | None:
 
 
 def _roughness(
-    body: Body,
+    body: FEModel,
     field: Field,
     point: FloatArray,
     seen: Callable[[Stress], FloatArray],

@@ -20,7 +20,7 @@ from ..base import (
     warn,
     with_unit,
 )
-from ..fem import Body, Layer, Strain, Stress, StressRows, VirtualMotion, checked_layer
+from ..fem import FEModel, Layer, Strain, Stress, StressRows, VirtualMotion, checked_layer
 from ..fields import (
     Channel,
     Response,
@@ -119,7 +119,7 @@ class StrainAt(Sensor):
             along = np.array(self.component)
         return gauge_ends(self.body, self.point, along, self.length, "component")
 
-    def quantity(self, body: Body, number: int) -> Quantity:
+    def quantity(self, body: FEModel, number: int) -> Quantity:
         """Return the quantity of a body with that number in the plan.
 
         :meta private:
@@ -159,7 +159,7 @@ class StrainAt(Sensor):
             return np.asarray(components[list(_COMPONENTS).index(self.component)])
         return Strain(components, np.empty(0)).along(np.array(self.component))
 
-    def _of_gauge(self, body: Body, number: int) -> Quantity:
+    def _of_gauge(self, body: FEModel, number: int) -> Quantity:
         responses, (ends, along) = Responses(body, number), self.ends
         axes = along[None]
 
@@ -256,7 +256,7 @@ class AccelerationAt(Sensor):
         """
         return _AFTER / self.channel.pole + self.channel.settling_time
 
-    def check(self, body: Body) -> None:
+    def check(self, body: FEModel) -> None:
         """Refuse a body that has no such quantity.
 
         :meta private:
@@ -273,7 +273,7 @@ class AccelerationAt(Sensor):
                 f"{0.5 * carried:.2g} or less, or smaller elements"
             )
 
-    def quantity(self, body: Body, number: int) -> Quantity:
+    def quantity(self, body: FEModel, number: int) -> Quantity:
         """Return the quantity of a body with that number in the plan.
 
         :meta private:
@@ -331,14 +331,14 @@ class ReactionAt(Sensor):
             self.check(self.body)
         super().__post_init__()
 
-    def check(self, body: Body) -> None:
+    def check(self, body: FEModel) -> None:
         """Refuse a body that has no such quantity.
 
         :meta private:
         """
         body.grounding.nodes("nodes", self.nodes)
 
-    def quantity(self, body: Body, number: int) -> Quantity:
+    def quantity(self, body: FEModel, number: int) -> Quantity:
         """Return the quantity of a body with that number in the plan.
 
         :meta private:

@@ -14,7 +14,7 @@ from ..base import (
     choice,
     place,
 )
-from ..fem import Body, Layer, Stress, checked_layer
+from ..fem import FEModel, Layer, Stress, checked_layer
 from ..fields import Response, stress_rows_at
 from ..results import Quantity
 from .sensor import Responses, Sensor, body_of
@@ -72,7 +72,7 @@ class StressAt(Sensor):
         stress_rows_at(model, self.point, self._where)
         super().__post_init__()
 
-    def quantity(self, body: Body, number: int) -> Quantity:
+    def quantity(self, body: FEModel, number: int) -> Quantity:
         """Return the stress at the point of the body with that number in the plan.
 
         :meta private:

@@ -25,7 +25,6 @@ from .composition import (
 )
 from .contact import (
     PATCH_OVER_CONTACT,
-    Body,
     ContactPoint,
     contact_point,
     contact_within,

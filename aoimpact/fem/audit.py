@@ -141,7 +141,7 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
         frequencies=body.frequencies(count) if count else np.zeros(0),
         # K and M of a mesh follow from its material, which is checked by itself.
         doubts=()
-        if body._assembled
+        if body.assembled
         else (*_doubts_of_order(body, residuals), *_doubts(density, speed)),
     )
 

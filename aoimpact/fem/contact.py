@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,6 @@ from ..base import (
     Frozen,
     InputError,
     InputTypeError,
-    IntArray,
     RoomError,
     boolean,
     checked,
@@ -35,19 +34,17 @@ from ..base import (
     unit_vector,
     warn,
 )
-from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
-from ..mesh import AT_NODE, Mesh, Surface, nearest_line, surface_shape
+from ..linalg import LinearSolver
+from ..mesh import AT_NODE, nearest_line, surface_shape
 from .beams import Beam, beam_motion
 from .compliance import ContactCompliance
-from .composition import AnyMaterial, Materials, pieces
+from .composition import Materials, pieces
 from .contactsurface import ContactSurface, contact_surface
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
-from .damping import Damping
 from .extraction import Extraction, extracted, pressed
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
 from .laminate import Layers
 from .material import Material
-from .mechanism import Mechanism
 from .patch import Patch
 from .thinextraction import extracted_from_beam, extracted_from_shell, ring_compliance
 from .touch import (
@@ -63,7 +60,7 @@ from .touch import (
 )
 
 if TYPE_CHECKING:
-    from .grounding import Grounding
+    from .model import FEModel
 
 # Cosine of the angle with a beam's axis above which a force is along it: 45°.
 _ALONG = math.sqrt(0.5)
@@ -97,56 +94,6 @@ _NEARLY = 1e-3
 
 # Entries of a functional whose squares, times masses and stiffnesses, are numbers.
 _SMALLEST, _LARGEST = 1e-50, 1e50
-
-
-class Body(Protocol):
-    """The part of a finite-element model that a functional needs."""
-
-    @property
-    def K(self) -> Any: ...
-    @property
-    def M(self) -> Any: ...
-    @property
-    def n_dofs(self) -> int: ...
-    @property
-    def nodes(self) -> FloatArray | None: ...
-    @property
-    def free(self) -> IntArray | None: ...
-    @property
-    def labels(self) -> IntArray | None: ...
-    @property
-    def node_labels(self) -> IntArray | None: ...
-    @property
-    def mesh(self) -> Mesh | None: ...
-    @property
-    def material(self) -> AnyMaterial | None: ...
-    @property
-    def attached(self) -> IntArray | None: ...
-    @property
-    def surface(self) -> Surface | None: ...
-    @property
-    def mass(self) -> float | None: ...
-    @property
-    def damping(self) -> Damping | None: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def rigid_modes(self) -> FloatArray: ...
-    @property
-    def springs(self) -> FloatArray | None: ...
-    @property
-    def masses(self) -> Any: ...
-    @property
-    def assembled(self) -> bool: ...
-    @property
-    def grounding(self) -> Grounding: ...
-    @property
-    def mechanism(self) -> Mechanism | None: ...
-    def inverse(
-        self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
-    ) -> LinearSolver: ...
-    def translation(self, direction: npt.ArrayLike) -> FloatArray: ...
-    def com_functional(self, direction: npt.ArrayLike) -> FloatArray: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,7 +146,7 @@ class ContactPoint(Frozen):
     True
     """
 
-    body: Body
+    body: FEModel
     b: FloatArray
     direction: FloatArray | None = None
     point: FloatArray | None = None
@@ -570,7 +517,7 @@ class ContactPoint(Frozen):
 
 
 def contact_point(
-    body: Body,
+    body: FEModel,
     *,
     point: npt.ArrayLike | None = None,
     direction: npt.ArrayLike | None = None,
@@ -610,7 +557,7 @@ def contact_point(
 
 
 def _at_point(
-    body: Body, point: Any, direction: Any, radius: float | str, expected: float | None
+    body: FEModel, point: Any, direction: Any, radius: float | str, expected: float | None
 ) -> ContactPoint:
     if body.nodes is None or body.free is None:
         raise InputError(
@@ -688,7 +635,7 @@ def contact_within(tip: ContactPoint, radius: float) -> ContactPoint:
 
 
 def _with_room(
-    body: Body, point: FloatArray, along: FloatArray | None, radius: float
+    body: FEModel, point: FloatArray, along: FloatArray | None, radius: float
 ) -> ContactPoint:
     """The contact with a patch of that radius, or of one that has room."""
     assert body.surface is not None
@@ -708,7 +655,7 @@ def _with_room(
 
 
 def _without_faces(
-    body: Body, point: FloatArray, along: FloatArray | None, radius: float | str
+    body: FEModel, point: FloatArray, along: FloatArray | None, radius: float | str
 ) -> ContactPoint:
     assert body.nodes is not None
     if radius not in ("auto", 0.0):
@@ -722,7 +669,7 @@ def _without_faces(
 
 
 def _on_beam(
-    body: Body, point: FloatArray, along: FloatArray | None, radius: float | str, expected: Any
+    body: FEModel, point: FloatArray, along: FloatArray | None, radius: float | str, expected: Any
 ) -> ContactPoint:
     """A place on the axis of a beam, which moves as its element does."""
     assert body.mesh is not None
@@ -769,7 +716,7 @@ def _on_beam(
     return ContactPoint(body, b, along, x, node, None, **known)
 
 
-def _at_dof(body: Body, dof: int) -> ContactPoint:
+def _at_dof(body: FEModel, dof: int) -> ContactPoint:
     b = np.zeros(body.n_dofs)
     b[dof] = 1.0
     if body.nodes is None or body.free is None:
@@ -780,7 +727,7 @@ def _at_dof(body: Body, dof: int) -> ContactPoint:
     return _on_surface(ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node))
 
 
-def _of_functional(body: Body, b: Any, radius: float | str) -> ContactPoint:
+def _of_functional(body: FEModel, b: Any, radius: float | str) -> ContactPoint:
     """The contact of a functional of one's own, with as much of a place as it has."""
     values = finite_array("b", b, ndim=1, most=HUGE).copy()
     if len(values) != body.n_dofs:
@@ -870,7 +817,7 @@ def _with_patch(tip: ContactPoint, radius: float) -> ContactPoint:
     return replace(tip, point=touch.point, patch=touch.patch, normal=touch.normal)
 
 
-def _node_number(body: Body, node: Any) -> int:
+def _node_number(body: FEModel, node: Any) -> int:
     """The place in `nodes` of a node that is named by its label or, without labels, by that."""
     assert body.nodes is not None
     if body.node_labels is None:
@@ -879,7 +826,7 @@ def _node_number(body: Body, node: Any) -> int:
     return int(nodes_by_number("node", wanted, len(body.nodes), body.node_labels)[0])
 
 
-def _at_label(body: Body, node: Any, direction: Any, radius: float | str) -> ContactPoint:
+def _at_label(body: FEModel, node: Any, direction: Any, radius: float | str) -> ContactPoint:
     """A node of a body whose nodes are known by their labels only."""
     label = integer("node", node)
     if body.labels is None:
@@ -903,7 +850,7 @@ def _at_label(body: Body, node: Any, direction: Any, radius: float | str) -> Con
     return ContactPoint(body, b, along)
 
 
-def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
+def _at_node(body: FEModel, node: int, along: FloatArray) -> ContactPoint:
     assert body.nodes is not None
     assert body.free is not None
     shares = np.zeros(len(body.nodes))
@@ -919,7 +866,7 @@ def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
     return ContactPoint(body, b, along, body.nodes[node], node)
 
 
-def _at_touch(body: Body, touch: Touch) -> ContactPoint:
+def _at_touch(body: FEModel, touch: Touch) -> ContactPoint:
     """Put the touch's shares of a unit force on the dofs that are free."""
     assert body.free is not None
     b = _on_dofs(body, touch.weights, touch.direction, touch.couples)
@@ -935,7 +882,7 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
 
 
 def _on_dofs(
-    body: Body, shares: FloatArray, along: FloatArray, couples: FloatArray | None = None
+    body: FEModel, shares: FloatArray, along: FloatArray, couples: FloatArray | None = None
 ) -> FloatArray:
     """The free dofs of nodal forces along a direction, and of couples."""
     assert body.free is not None
@@ -956,7 +903,7 @@ def _at_a_node(nodes: FloatArray, gap: float) -> bool:
     return gap <= AT_NODE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
 
 
-def _nearest_node(body: Body, point: FloatArray) -> int:
+def _nearest_node(body: FEModel, point: FloatArray) -> int:
     """Return the node that is meant by a point of a body without faces."""
     assert body.nodes is not None
     nodes = body.nodes

@@ -11,7 +11,8 @@ import numpy as np
 from ..base import FloatArray, InputError, positive
 
 if TYPE_CHECKING:
-    from .contact import Body, ContactPoint
+    from .contact import ContactPoint
+    from .model import FEModel
 
 
 # s T of the shift for a contact of duration T. On the paper's beam 8 to 14 are alike, a third of it
@@ -53,7 +54,7 @@ def fitted_shifts(
     return shifts
 
 
-def near_static(body: Body) -> float:
+def near_static(body: FEModel) -> float:
     """Return s² of a K + s²M that has factors and is as good as K, (rad/s)²."""
     return _NEAR_K * float(body.K.diagonal().sum() / body.M.diagonal().sum())
 
@@ -78,7 +79,7 @@ def own_contact_time(tip: ContactPoint) -> float:
     return math.pi * math.sqrt(total_mass(tip.body) * compliance)
 
 
-def total_mass(body: Body) -> float:
+def total_mass(body: FEModel) -> float:
     """Return the mass of a body, kg; where it is not known, the trace of M, which is not less."""
     return float(body.M.diagonal().sum()) if body.mass is None else body.mass
 

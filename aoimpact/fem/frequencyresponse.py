@@ -30,12 +30,14 @@ import numpy.typing as npt
 
 from ..base import HUGE, FloatArray, Frozen, InputError, InputTypeError, choice, finite_array
 from ..linalg import lowest
-from .contact import Body, ContactPoint
+from .contact import ContactPoint
 from .damping import Damping, ModalDamping, Rayleigh
 from .statics import displacement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from .model import FEModel
 
 
 KINDS = {"receptance": "m/N", "mobility": "m/(s N)", "accelerance": "m/(s² N)"}
@@ -110,7 +112,7 @@ class FrequencyResponse(Frozen):
 
 
 def frequency_response(
-    body: Body, excitation: Any, response: Any, frequencies: Any, kind: str
+    body: FEModel, excitation: Any, response: Any, frequencies: Any, kind: str
 ) -> FrequencyResponse:
     """Return a frequency response function; see `FEModel.frf`."""
     b = _functional(body, "excitation", excitation)
@@ -150,7 +152,7 @@ def frequency_response(
 
 
 def _solved(
-    body: Body, b: FloatArray, c: FloatArray, omega: FloatArray
+    body: FEModel, b: FloatArray, c: FloatArray, omega: FloatArray
 ) -> tuple[npt.NDArray[np.complex128], FloatArray]:
     """The receptance and its error, m/N, by a complex factorisation at each frequency."""
     from scipy.sparse.linalg import splu  # slow to import
@@ -184,7 +186,7 @@ def _without_damping(
     return mu, np.asarray(stiffer, dtype=np.complex128)
 
 
-def _functional(body: Body, name: str, point: Any) -> FloatArray:
+def _functional(body: FEModel, name: str, point: Any) -> FloatArray:
     """The functional b of a contact point of the body."""
     if not isinstance(point, ContactPoint):
         raise InputTypeError(f"{name} must come from body.contact(...), got {point!r}")
@@ -207,13 +209,13 @@ class _Modes:
         A frequency below which there is no other, rad/s; infinite where there is none.
     """
 
-    body: Body
+    body: FEModel
     omega: FloatArray
     shapes: FloatArray
     above: float
 
     @classmethod
-    def up_to(cls, body: Body, highest: float, most: int) -> _Modes | None:
+    def up_to(cls, body: FEModel, highest: float, most: int) -> _Modes | None:
         """Return the modes up to well above √|μ|, rad/s, so that the series in μ/ω² converges.
 
         None where these are more than `most`.

@@ -27,7 +27,7 @@ from .statics import displacement
 from .supports import selected_nodes
 
 if TYPE_CHECKING:
-    from .contact import Body
+    from .model import FEModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class Grounding:
         Rows of M, over all dofs, whose number is its width.
     """
 
-    body: Body
+    body: FEModel
     held: IntArray
     K: Any
     M: Any
@@ -131,7 +131,7 @@ class Grounding:
         return VirtualMotion(ground, springs, phi, inertia, ground.T @ self.inertia)
 
 
-def grounding_of(body: Body) -> Grounding:
+def grounding_of(body: FEModel) -> Grounding:
     """Return what holds a body.
 
     Raises

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -19,6 +19,9 @@ import scipy.sparse as sp
 from ..base import FloatArray, IntArray, SingularError
 from ..linalg import DENSE_DOFS, factorize
 from ..mesh import Surface, motions_at
+
+if TYPE_CHECKING:
+    from .contact import ContactPoint
 
 # bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
 _MOVED = 1e-10
@@ -61,16 +64,7 @@ class Mechanism:
         return self._joints.most_turned(b @ self.motions)
 
 
-class Moved(Protocol):
-    """A place on a body where a force acts."""
-
-    @property
-    def b(self) -> FloatArray: ...
-    @property
-    def body(self) -> Any: ...
-
-
-def refuse_mechanism(tips: Sequence[Moved]) -> None:
+def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
     """Refuse contact points from which part of their body is a mechanism.
 
     A mechanism that no force there moves is accepted: its motion takes no part in the response.
@@ -79,7 +73,7 @@ def refuse_mechanism(tips: Sequence[Moved]) -> None:
     ------
     SingularError
     """
-    mechanism: Mechanism | None = tips[0].body.mechanism
+    mechanism = tips[0].body.mechanism
     if mechanism is None:
         return
     for tip in tips:

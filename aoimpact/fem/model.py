@@ -145,11 +145,11 @@ class FEModel(Frozen):
     # Nodes with added masses or springs, which so carry traction.
     attached: IntArray | None = field(init=False, default=None)
     # (n_dofs,): springs to the ground, N/m, that K contains.
-    _springs: FloatArray | None = field(init=False, default=None)
+    springs: FloatArray | None = field(init=False, default=None)
     # Over all dofs: added masses, kg, that M contains.
-    _masses: Any = field(init=False, default=None)
+    masses: Any = field(init=False, default=None)
     # Whether K and M follow from mesh and material, added masses and springs.
-    _assembled: bool = field(init=False, default=False)
+    assembled: bool = field(init=False, default=False)
     # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
     _soft: FloatArray | None = field(init=False, default=None)
 
@@ -297,7 +297,7 @@ class FEModel(Frozen):
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
         model._set(mesh=solid, material=made_of, damping=damped, name=called)
-        model._set(_springs=stiffer, _masses=heavier, attached=attached, _assembled=True)
+        model._set(springs=stiffer, masses=heavier, attached=attached, assembled=True)
         if surface is not None:
             model._set(surface=surface)
         return model
@@ -352,17 +352,17 @@ class FEModel(Frozen):
     def __getstate__(self) -> dict[str, Any]:
         """State without caches, and without matrices that follow from a mesh."""
         state = {item.name: getattr(self, item.name) for item in fields(self)}
-        if self._assembled:
+        if self.assembled:
             del state["K"], state["M"]
         return state
 
     def __getattr__(self, name: str) -> Any:
         """K and M of an unpickled body with a mesh, assembled at their first use."""
         known = vars(self)
-        if name not in ("K", "M") or not known.get("_assembled"):
+        if name not in ("K", "M") or not known.get("assembled"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         K, M = stiffness_mass(known["mesh"], known["material"])
-        K, M = _completed(K, M, known["_masses"], known["_springs"], known["free"])
+        K, M = _completed(K, M, known["masses"], known["springs"], known["free"])
         self._set(K=K, M=M)
         return vars(self)[name]
 
@@ -371,30 +371,6 @@ class FEModel(Frozen):
         copied = object.__new__(type(self))
         vars(copied).update(vars(self))
         return copied
-
-    @property
-    def springs(self) -> FloatArray | None:
-        """Springs to the ground that K contains, N/m, shape (n_dofs,); None for none.
-
-        :meta private:
-        """
-        return self._springs
-
-    @property
-    def masses(self) -> Any:
-        """Added masses that M contains, over all dofs, kg; None for none.
-
-        :meta private:
-        """
-        return self._masses
-
-    @property
-    def assembled(self) -> bool:
-        """True if K and M follow from mesh and material, added masses and springs.
-
-        :meta private:
-        """
-        return self._assembled
 
     @cached_property
     def grounding(self) -> Grounding:
@@ -420,8 +396,8 @@ class FEModel(Frozen):
             parts.append(f"{len(self.material.materials)} materials")
         if self.mass is not None:
             parts.append(f"{self.mass:.4g} kg")
-        if self._springs is not None:
-            parts.append(f"{np.count_nonzero(self._springs)} springs to the ground")
+        if self.springs is not None:
+            parts.append(f"{np.count_nonzero(self.springs)} springs to the ground")
         if self.nodes is not None:
             assert self.free is not None
             n = len(self.nodes)
@@ -489,7 +465,7 @@ class FEModel(Frozen):
         """
         if self.nodes is not None:
             motions = rigid_motions(self.nodes, rotations=self._pencil.rotates)[self.free]
-            modes = unresisted_motions(self.K, self.M, motions, self._springs)
+            modes = unresisted_motions(self.K, self.M, motions, self.springs)
         elif self.K.data.any():
             modes = null_space(self.K, self.M)
         else:
@@ -509,7 +485,7 @@ class FEModel(Frozen):
                 return None
             return mechanism_in(self._soft, self.K, self.M, self.rigid_modes)
         assert self.free is not None  # a body with a mesh has nodes
-        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes, self._springs)
+        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes, self.springs)
 
     @cached_property
     def node_labels(self) -> IntArray | None:

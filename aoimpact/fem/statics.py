@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -13,8 +14,11 @@ from .. import _core
 from ..base import FloatArray, InputTypeError, SingularError
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from ..mesh import motions_at
-from .contact import Body, ContactPoint
+from .contact import ContactPoint
 from .contacttime import near_static
+
+if TYPE_CHECKING:
+    from .model import FEModel
 
 # rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
 # just distinguished from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
@@ -97,25 +101,8 @@ def moves_rigidly(tip: ContactPoint) -> bool:
     return reach > _MOVED * float(np.linalg.norm(tip.b) * np.linalg.norm(rigid))
 
 
-def elastic_compliance(
-    tip: ContactPoint, *, invert: Callable[[float], LinearSolver] | None = None
-) -> float:
-    """Return the deflection of the contact under a steady unit force, without rigid motion, m/N.
-
-    A free body accelerates as a whole under the force; its inertia balances the force.
-
-    Parameters
-    ----------
-    invert : callable, optional
-        As for `static_mode`.
-    """
-    rigid, M, b = tip.body.rigid_modes, tip.body.M, tip.b
-    load = b - M @ (rigid @ (rigid.T @ b))
-    return float(load @ displacement(tip.body, load, invert or tip.body.inverse))
-
-
 def displacement(
-    body: Body,
+    body: FEModel,
     b: FloatArray,
     invert: Callable[[float], LinearSolver],
     *,
@@ -161,7 +148,7 @@ def displacement(
         before = size
 
 
-def _by_grounding(body: Body, b: FloatArray, solver: LinearSolver) -> FloatArray:
+def _by_grounding(body: FEModel, b: FloatArray, solver: LinearSolver) -> FloatArray:
     """Return K⁻¹ b, shape (n_dofs,), of a partly free body grounded by springs in its free motions.
 
     `solver` is one of its K + s²M: the same kind factorises K. At no more places than there are
@@ -210,7 +197,7 @@ def translates(tip: ContactPoint) -> bool:
     return float(rest @ (body.M @ rest)) <= _OF_ANOTHER_MOTION * float(along @ (body.M @ along))
 
 
-def whole_motion(body: Body) -> tuple[FloatArray, FloatArray]:
+def whole_motion(body: FEModel) -> tuple[FloatArray, FloatArray]:
     """Return the functionals of a body's motion as a whole, and the momenta that make it.
 
     Returns

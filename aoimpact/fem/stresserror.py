@@ -32,7 +32,7 @@ from .stress import Stress, batches, elements_at, extrapolation, gauss_of, shown
 from .supports import constrained
 
 if TYPE_CHECKING:
-    from .contact import Body
+    from .model import FEModel
 
 # No share of the energy is taken to be less true than this.
 _LEAST_TRUE = 0.1
@@ -45,7 +45,7 @@ def missing_energy(difference: FloatArray, own: FloatArray) -> float:
 
 
 def energy_error(
-    body: Body, moved: FloatArray, loaded: npt.NDArray[np.bool_]
+    body: FEModel, moved: FloatArray, loaded: npt.NDArray[np.bool_]
 ) -> tuple[FloatArray, FloatArray]:
     """Return twice the strain energy of averaged strain less the elements' own, and of their own.
 
@@ -108,7 +108,7 @@ def _of_tensor(material: OneMaterial) -> FloatArray:
 
 
 def _free_of_traction(
-    strain: FloatArray, body: Body, places: Layout, loaded: npt.NDArray[np.bool_]
+    strain: FloatArray, body: FEModel, places: Layout, loaded: npt.NDArray[np.bool_]
 ) -> None:
     """Take the traction out of the strain at places on free surfaces, shape (6, n_places)."""
     surface, material = body.surface, body.material
@@ -154,7 +154,7 @@ def _strain(
     return strain, det
 
 
-def stresses_around(body: Body, displacement: FloatArray, node: int) -> tuple[Stress, Stress]:
+def stresses_around(body: FEModel, displacement: FloatArray, node: int) -> tuple[Stress, Stress]:
     """Return the stress at a node, averaged and as each of the elements that meet there has it.
 
     Where materials meet, of the elements of the stiffest.

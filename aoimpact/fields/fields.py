@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from ..base import FloatArray, InputError, choice, integer, warn
 from ..fem import (
     AnyMaterial,
-    Body,
+    FEModel,
     Strain,
     Stress,
     beam_von_mises,
@@ -216,7 +216,7 @@ class Field:
         m and m/s.
     """
 
-    body: Body
+    body: FEModel
     times: FloatArray
     displacement: FloatArray
     velocity: FloatArray
@@ -488,7 +488,7 @@ class Field:
         return movie.write_movie(path, [drawn], self.times, down=down, scale=scale, fps=fps)
 
 
-def solid(body: Body, what: str) -> tuple[Mesh, AnyMaterial]:
+def solid(body: FEModel, what: str) -> tuple[Mesh, AnyMaterial]:
     """Return the body's mesh and material; `what` needs them."""
     if body.mesh is None or body.material is None:
         raise InputError(

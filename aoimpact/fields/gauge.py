@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base import FloatArray, InputError, plain, with_unit
-from ..fem import Body, to_nodes
+from ..fem import FEModel, to_nodes
 from .historyerror import warn_if_wrong
 
 # sin of the angle between a gauge and the surface beyond which it does not lie on it.
@@ -51,7 +51,7 @@ class Gauge:
 
 
 def gauge_ends(
-    body: Body, point: FloatArray, direction: FloatArray, length: float, name: str = "direction"
+    body: FEModel, point: FloatArray, direction: FloatArray, length: float, name: str = "direction"
 ) -> tuple[FloatArray, FloatArray]:
     """Return both ends of a gauge, shape (2, 3), m, and the unit vector from one to the other.
 

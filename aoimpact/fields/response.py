@@ -12,8 +12,8 @@ import scipy.sparse as sp
 
 from ..base import HUGE, FloatArray, InputError, IntArray, finite_array, unit_vector
 from ..fem import (
-    Body,
     Damping,
+    FEModel,
     Layer,
     Strain,
     StressRows,
@@ -62,14 +62,14 @@ class OmittedMotion:
     motion: FreeMotion
 
 
-def stress_rows_at(body: Body, point: FloatArray, layer: Layer) -> StressRows:
+def stress_rows_at(body: FEModel, point: FloatArray, layer: Layer) -> StressRows:
     """Return the stress at a point of a body by its dofs."""
     solid(body, "stress")
     assert body.free is not None
     return _stress_rows(body, place_rows(body, point[None]), body.free, layer)
 
 
-def strain_rows_at(body: Body, point: FloatArray, layer: Layer) -> tuple[StressRows, FloatArray]:
+def strain_rows_at(body: FEModel, point: FloatArray, layer: Layer) -> tuple[StressRows, FloatArray]:
     """Return the strain at a point by a body's dofs, and by stress, 1/Pa, (6, 6)."""
     assert body.free is not None
     weights = place_rows(body, point[None])
@@ -78,7 +78,7 @@ def strain_rows_at(body: Body, point: FloatArray, layer: Layer) -> tuple[StressR
 
 
 def shell_gauge_rows(
-    body: Body, ends: FloatArray, along: FloatArray, layer: Layer
+    body: FEModel, ends: FloatArray, along: FloatArray, layer: Layer
 ) -> sp.csr_array | None:
     """Return the strain of a gauge on a layer of a shell by a body's dofs, (1, n_dofs).
 
@@ -100,7 +100,7 @@ def shell_gauge_rows(
     return sp.csr_array(sp.kron(0.5 * w[None], component[None]) @ rows.rows)
 
 
-def place_rows(body: Body, places: FloatArray) -> sp.csr_array:
+def place_rows(body: FEModel, places: FloatArray) -> sp.csr_array:
     """Return the nodes' weights at places (p, 3), m, of a body, shape (p, n_nodes)."""
     assert body.nodes is not None
     weights = sp.lil_array((len(places), len(body.nodes)))
@@ -114,7 +114,7 @@ def place_rows(body: Body, places: FloatArray) -> sp.csr_array:
 
 
 def _stress_rows(
-    body: Body,
+    body: FEModel,
     weights: sp.csr_array,
     free: IntArray,
     layer: Layer,
@@ -132,7 +132,7 @@ def _stress_rows(
     return rows.of_dofs(free)
 
 
-def _compliance(body: Body, weights: sp.csr_array) -> FloatArray:
+def _compliance(body: FEModel, weights: sp.csr_array) -> FloatArray:
     """Strain by stress at places with the nodes' `weights`, 1/Pa, shape (p, 6, 6)."""
     mesh, material = solid(body, "strain")
     if mesh.thin:  # under whose contacts there is no half-space
@@ -144,7 +144,7 @@ def _compliance(body: Body, weights: sp.csr_array) -> FloatArray:
     return found.reshape(-1, 6, 6)
 
 
-def motion_rows(body: Body, weights: sp.csr_array, axes: FloatArray) -> sp.csr_array:
+def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.csr_array:
     """Return the motion along axes (k, 3) at places with the nodes' weights, (p k, n_dofs)."""
     assert body.free is not None
     rows = sp.csr_array(sp.kron(weights, axes))
@@ -213,7 +213,7 @@ class Response:
         m/s².
     """
 
-    body: Body
+    body: FEModel
     motion: Motion
     recovery: Recovery | None
     omitted: OmittedMotion | None

@@ -1,7 +1,7 @@
 """Integration in time: a `scene.Plan` goes in, a recorder comes out.
 
 Newmark's rule with fixed steps, and the adaptive method to a tolerance. Both recorders have one
-interface (recorder.py), for any times. `results` runs plans by them (solve.py); other
+interface (recorder.py). `results` runs plans by them (solve.py); other
 folders take the solvers' settings and `Events` from here.
 """
 

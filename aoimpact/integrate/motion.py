@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,39 +31,9 @@ _DIFFERENCE = 1e-6
 _RESOLUTION = 1e-3
 
 
-class Motion(Protocol):
-    """One body's coordinates q over a run, and the forces on its ports."""
-
-    @property
-    def duration(self) -> float:
-        """Length of the record, s."""
-        ...
-
-    def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return rows @ q and rows @ q̇ at `times`, s; q and q̇ themselves where rows is None."""
-        ...
-
-    def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
-        """Return rows @ q̈ at `times`, s, of a body that is stepped in its own dofs."""
-        ...
-
-    @property
-    def resolution(self) -> float:
-        """Time over which rates are taken, s: forces are smooth over it, or linear in it."""
-        ...
-
-    def force(self, times: FloatArray) -> FloatArray:
-        """Return the forces along their directions, N, shape (p, times); see `Plan.port_forces`."""
-        ...
-
-    def force_rate(self, times: FloatArray) -> FloatArray:
-        """Return their rates, N/s."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class DenseMotion:
-    """A body of an adaptive run.
+    """A body of an adaptive run, its coordinates q and the forces on its ports.
 
     Attributes
     ----------
@@ -80,6 +50,7 @@ class DenseMotion:
         return self.run.duration
 
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return rows @ q and rows @ q̇ at `times`, s; q and q̇ themselves where rows is None."""
         modal = self.run.plan.modal[self.body]
         u, v = (modal.coordinates(of) for of in self.run.modes(times, self.body))
         if modal.residual is not None and modal.ports == 1:
@@ -93,6 +64,7 @@ class DenseMotion:
 
     @property
     def resolution(self) -> float:
+        """Time over which rates are taken, s: forces are smooth over it, or linear in it."""
         return _RESOLUTION * self._shortest
 
     @property
@@ -101,9 +73,11 @@ class DenseMotion:
         return min(lengths, default=self.duration)
 
     def force(self, times: FloatArray) -> FloatArray:
+        """Return the forces along their directions, N, shape (p, times); see `Plan.port_forces`."""
         return self.run.plan.port_forces(self.body, times, self.run.pushes(times))
 
     def force_rate(self, times: FloatArray) -> FloatArray:
+        """Return their rates, N/s."""
         step = _DIFFERENCE * self._shortest
         after = np.minimum(times + step, self.duration)
         before = np.maximum(times - step, 0.0)
@@ -145,7 +119,7 @@ class ForcedMotion:
         return self.dt
 
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """See :class:`Motion`."""
+        """Return rows @ q and rows @ q̇, as `DenseMotion.observed` does."""
         u, v, _ = self._seen(rows, times)
         if self.residual:
             contact = np.eye(len(self.model(self.equations.u0)), 1)
@@ -155,6 +129,7 @@ class ForcedMotion:
         return u, v
 
     def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
+        """Return rows @ q̈ at `times`, s."""
         return np.asarray(self._seen(rows, times)[2])
 
     def _seen(self, rows: Any, times: FloatArray) -> FloatArray:
@@ -205,6 +180,9 @@ class ForcedMotion:
             u = u + beta * dt**2 * a
             v = v + gamma * dt * a
             yield u, v, a
+
+
+Motion = DenseMotion | ForcedMotion
 
 
 def _at_start(body: Equations, forces: FloatArray, inverse: Factorization) -> FloatArray:

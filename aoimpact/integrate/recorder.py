@@ -1,71 +1,37 @@
-"""The record that a solver leaves of a run, to be read at times."""
+"""The record that a solver leaves of a run, to be read at times.
+
+Both kinds have the same attributes and methods:
+
+solver : str
+    How time was integrated.
+seconds : float
+    Run time, s.
+duration : float
+    Length of the record, s.
+times : ndarray
+    Times at which to draw it, s.
+marks : ndarray
+    Times at which the run itself is most exact, s: the ends of its steps.
+events : tuple of Events
+    Events of each contact; found between the steps where the solver does not locate them.
+dense : bool
+    True if it can be read at any times.
+rows(times, energies)
+    The record at times, shape (rows, n), for the caller to write on. `RecordLayout` tells its rows
+    apart.
+forces(times)
+    Contact forces at times, N, shape (contacts, n).
+pushes(times)
+    Contact forces with those of friction, N; see `RecordLayout.pushes`.
+state(body)
+    A body's own coordinates and their rates at the end of the record.
+motion(body)
+    The motion of a body at any times, in the coordinates of its model: a `Motion`.
+"""
 
 from __future__ import annotations
 
-from typing import Protocol
+from .dense import DenseRecorder
+from .fixed_steps import SteppedRecorder
 
-from ..base import FloatArray
-from .events import Events
-from .motion import Motion
-
-
-class Recorder(Protocol):
-    """A run of a solver that can be read at times."""
-
-    @property
-    def solver(self) -> str:
-        """How time was integrated."""
-        ...
-
-    @property
-    def seconds(self) -> float:
-        """How long the run took, s."""
-        ...
-
-    @property
-    def duration(self) -> float:
-        """Length of the record, s."""
-        ...
-
-    @property
-    def times(self) -> FloatArray:
-        """Times at which to draw it, s."""
-        ...
-
-    @property
-    def marks(self) -> FloatArray:
-        """Times at which the run itself is most exact: the ends of its steps."""
-        ...
-
-    @property
-    def events(self) -> tuple[Events, ...]:
-        """Events of each contact; found between the steps where the solver does not locate them."""
-        ...
-
-    @property
-    def dense(self) -> bool:
-        """True if it can be read at any times."""
-        ...
-
-    def rows(self, times: FloatArray, energies: bool) -> FloatArray:
-        """Return the record at times, shape (rows, n), for the caller to write on.
-
-        :class:`RecordLayout` tells its rows apart.
-        """
-        ...
-
-    def forces(self, times: FloatArray) -> FloatArray:
-        """Return the contact forces at times, shape (contacts, n), N: of the record, these rows."""
-        ...
-
-    def pushes(self, times: FloatArray) -> FloatArray:
-        """Return the contact forces with those of friction, N; see `RecordLayout.pushes`."""
-        ...
-
-    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
-        """Return a body's own coordinates and their rates at the end of the record."""
-        ...
-
-    def motion(self, body: int) -> Motion:
-        """Return how a body moves at any times, in the coordinates of its model."""
-        ...
+Recorder = DenseRecorder | SteppedRecorder

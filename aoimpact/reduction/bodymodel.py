@@ -13,12 +13,12 @@ import numpy as np
 
 from ..base import HUGE, FloatArray, InputError, InputTypeError, finite_array
 from ..fem import (
-    Body,
     ContactCompliance,
     ContactPoint,
     ContactSurface,
     Damping,
     Extraction,
+    FEModel,
     ThinExtraction,
     field_error,
     missing_energy,
@@ -387,7 +387,7 @@ class FiniteElementModel(BodyModel):
     """A model that knows its finite-element body: its name and mass are the body's."""
 
     @property
-    def body(self) -> Body:
+    def body(self) -> FEModel:
         """The body touched."""
         return self.contact_points[0].body
 

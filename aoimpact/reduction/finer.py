@@ -18,7 +18,7 @@ import scipy
 from ..base import FloatArray
 from ..fem import (
     SHIFT_TIMES_DURATION,
-    Body,
+    FEModel,
     highest_shift,
     near_static,
     own_contact_time,
@@ -76,7 +76,7 @@ def finer_model(model: AOModel | InterfaceModel) -> AOModel | InterfaceModel:
     return larger if larger.n > model.n else model
 
 
-def orthonormal(body: Body, shapes: FloatArray) -> FloatArray:
+def orthonormal(body: FEModel, shapes: FloatArray) -> FloatArray:
     """An M-orthonormal basis of shapes (n_dofs, n), of which some may depend on others."""
     mass = shapes.T @ (body.M @ shapes)
     size = np.sqrt(mass.diagonal())
@@ -89,11 +89,11 @@ def orthonormal(body: Body, shapes: FloatArray) -> FloatArray:
     return found
 
 
-def with_rigid(body: Body, space: FloatArray) -> FloatArray:
+def with_rigid(body: FEModel, space: FloatArray) -> FloatArray:
     return np.hstack([space, _new_directions(body, space, list(body.rigid_modes.T))])
 
 
-def _new_directions(body: Body, space: FloatArray, vectors: list[FloatArray]) -> FloatArray:
+def _new_directions(body: FEModel, space: FloatArray, vectors: list[FloatArray]) -> FloatArray:
     """Return an M-orthonormal basis of vectors beyond an M-orthonormal space, (n_dofs, k)."""
     start = space.shape[1]
     for vector in vectors:

@@ -20,7 +20,7 @@ from ..base import (
     integer,
     warn,
 )
-from ..fem import Body, ContactPoint, ContactSurface, Patch, refuse_massless
+from ..fem import ContactPoint, ContactSurface, FEModel, Patch, refuse_massless
 from ..linalg import EQUAL, Solver, checked_solver, lowest, warn_of_rounding
 from .bodymodel import FiniteElementModel, ascending, checked_ports
 from .interface import InterfaceModel, of_modes
@@ -233,7 +233,9 @@ def _of_distinct(
     return m0, k0, m, k, static, shapes
 
 
-def natural_modes(body: Body, n: int, *, solver: Solver = "auto") -> tuple[FloatArray, FloatArray]:
+def natural_modes(
+    body: FEModel, n: int, *, solver: Solver = "auto"
+) -> tuple[FloatArray, FloatArray]:
     """Return ω², shape (n,), and the M-orthonormal modes, shape (n_dofs, n), of the lowest `n`.
 
     Raises

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray
-from ..fem import Body
+from ..fem import FEModel
 from ..linalg import ROUGH, LinearSolver
 
 # s T for a contact of duration T. Measured on beams struck at midspan and at the end, supported and
@@ -59,7 +59,7 @@ class GeneralizedCoordinates:
         gravity the weight, N, after them.
     """
 
-    body: Body
+    body: FEModel
     basis: FloatArray
     mass: FloatArray
     stiffness: FloatArray

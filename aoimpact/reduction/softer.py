@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray
-from ..fem import Body, field_error
+from ..fem import FEModel, field_error
 from .finer import orthonormal, with_rigid
 from .interface import InterfaceModel, of_modes
 from .star import AOModel
@@ -56,7 +56,7 @@ def softer_model(model: AOModel | InterfaceModel) -> InterfaceModel:
 
 
 def _false_share(
-    body: Body, mode: FloatArray, loaded: npt.NDArray[np.bool_], omega: float
+    body: FEModel, mode: FloatArray, loaded: npt.NDArray[np.bool_], omega: float
 ) -> float:
     """The share of a mode's energy by which it is too stiff."""
     assert body.mesh is not None
@@ -65,7 +65,7 @@ def _false_share(
     return share * (1.0 + (_SAFETY[body.mesh.thin] - 1.0) * (1.0 - share) ** 2)
 
 
-def _at_nodes(body: Body, dofs: FloatArray) -> FloatArray:
+def _at_nodes(body: FEModel, dofs: FloatArray) -> FloatArray:
     """Values on the free dofs as displacements and rotations of the nodes, (2, n_nodes, 3)."""
     assert body.nodes is not None
     full = np.zeros((2, len(body.nodes), 3))
