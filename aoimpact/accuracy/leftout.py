@@ -419,7 +419,10 @@ def _softer(plan: Plan) -> Iterable[Altered]:
     are; then, where laws have not as much compliance to give, without.
     """
     bodies = tuple(
-        _derived(body, "softer", softer_model) if _of_mesh(body) else body for body in plan.bodies
+        _derived(body, "softer", softer_model)
+        if _of_elements(body) and body.contact_points[0].body.mesh is not None
+        else body
+        for body in plan.bodies
     )
     if bodies == plan.bodies:
         yield Altered(None)
@@ -531,8 +534,3 @@ def _derived(model: BodyModel, name: str, make: Callable[[Any], BodyModel]) -> B
 def _of_elements(model: BodyModel) -> bool:
     """True if it has a finer model, or is that of a whole body."""
     return bool(model.contact_points) and not math.isinf(getattr(model, "m0", 0.0))
-
-
-def _of_mesh(model: BodyModel) -> bool:
-    """True if its elements are known."""
-    return _of_elements(model) and model.contact_points[0].body.mesh is not None

@@ -111,15 +111,6 @@ class TimeScales(NamedTuple):
         return alike and (self.slow is not None or others.slow is None)
 
 
-def _taken(
-    factors: dict[Any, LinearSolver] | None, body: Any, solver: Solver
-) -> LinearSolver | None:
-    """The solver of a body that has been set up; removed, so that its memory can be freed."""
-    if not factors or solver != "auto" or not isinstance(body, FullModel):
-        return None
-    return factors.pop(body.body, None)
-
-
 def first_guess(
     bodies: Sequence[BodyModel], run: Callable[[Models], Run], quantity: Quantity
 ) -> TimeScales:
@@ -204,6 +195,7 @@ class Search:
 
     def _fit(self, scales: TimeScales) -> None:
         """Begin with models that are fitted to these time scales."""
+        factors = self.factors if self.factors and self.solver == "auto" else {}
         # Equal bodies with the same contact point, such as two equal spheres, share one basis.
         made = {
             body: model_hierarchy(
@@ -211,7 +203,8 @@ class Search:
                 scales.contact_time,
                 scales.slow,
                 self.solver,
-                _taken(self.factors, body, self.solver),
+                # Taken from those set up, so that their memory can be freed.
+                factors.pop(body.body, None) if isinstance(body, FullModel) else None,
             )
             for body in dict.fromkeys(self.bodies)
         }

@@ -154,39 +154,6 @@ def _motion_of_waves(layers: Layers, s: float, x: FloatArray) -> FloatArray:
     return np.stack([u, v, w, -by_y, by_x], axis=1)
 
 
-def excess_compliance(
-    nodes: FloatArray,
-    cells: list[IntArray],
-    layers: Layers,
-    forces: FloatArray,
-    point: FloatArray,
-    normal: FloatArray,
-    radius: float,
-    s: float,
-) -> float:
-    """Return c = G - R, the compliance that shell elements have in excess of a layer's, m/N.
-
-    Parameters
-    ----------
-    nodes : ndarray, shape (n_nodes, 3)
-        m.
-    cells : list of ndarray of int, shape (n, 3) or (n, 4)
-        Elements of the surface that is touched.
-    layers : Shell or Laminate
-        Under the contact, which presses on its top.
-    forces : ndarray, shape (n_nodes,)
-        Shares of a unit force along the normal: the contact's functional.
-    point, normal : ndarray, shape (3,)
-        m; where the surface is touched, and its outward normal there.
-    radius : float
-        a, of the contact itself, m.
-    s : float
-        rad/s, of K + s²M; 10 over the duration of the contact.
-    """
-    of_mesh = mesh_compliance(nodes, cells, layers, forces, point, normal, s)
-    return float(of_mesh[0]) - layer_compliance_of(layers, radius, s)
-
-
 def layer_compliance_of(
     layers: Layers, radius: float, s: float, slowly: float | None = None
 ) -> float:

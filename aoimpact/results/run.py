@@ -26,6 +26,7 @@ from ..base import (
     integer,
     text,
     with_unit,
+    write_csv,
 )
 from ..fem import whole_motion
 from ..fields import Response, response_of
@@ -41,7 +42,7 @@ from .movie import write_impact_movie
 from .plot import During
 from .quantities import all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
-from .table import ROLES, as_dataframe, as_dataset, body_names, columns, different, write_csv
+from .table import ROLES, as_dataframe, as_dataset, body_names, columns, different
 from .validity import Advice, advice_of
 
 if TYPE_CHECKING:
@@ -327,11 +328,6 @@ class Run:
         same = finer.at(self.t) if finer.recorder.dense else finer
         return finer.bodies[body], same.bodies[body]
 
-    @property
-    def mean_velocities(self) -> FloatArray:
-        """Velocities of the centres of mass, m/s, shape (bodies, n); NaN where not known."""
-        return self._of_known_centres(self._layout.centre_velocities(self._rows))
-
     @cached_property
     def parting(self) -> FloatArray:
         """`mean_velocities` at the end of the last contact, or of the record, shape (bodies,).
@@ -591,7 +587,8 @@ class Run:
         >>> run = scene.simulate(duration=1e-3)
         >>> run.to_csv(folder / "scene.csv")
         """
-        write_csv(columns(self, names), path)
+        table = columns(self, names)
+        write_csv(path, table, np.column_stack(list(table.values())).tolist())
 
     def to_dataframe(self, *, names: Sequence[str] | None = None) -> Any:
         """Return all histories as a pandas DataFrame, a row a time.

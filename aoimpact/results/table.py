@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, optional_package, texts, written_file
+from ..base import FloatArray, InputError, optional_package, texts
 from ..laws import own_law
 
 if TYPE_CHECKING:
@@ -103,20 +102,6 @@ def body_names(run: Run, names: Sequence[str] | None) -> Sequence[str]:
     if len(given) != count or len(set(given)) != count:
         raise InputError(f"names must be {count} different ones, one a body, got {list(given)}")
     return given
-
-
-def write_csv(table: Mapping[str, FloatArray], path: str | os.PathLike[str]) -> None:
-    """Write columns with 17 digits, so that they read back bit for bit."""
-    with written_file("path", path) as file:
-        np.savetxt(
-            file,
-            np.column_stack(list(table.values())),
-            fmt="%.17g",
-            delimiter=",",
-            header=",".join(table),
-            comments="",
-            encoding="utf-8",
-        )
 
 
 def as_dataframe(table: Mapping[str, FloatArray]) -> Any:

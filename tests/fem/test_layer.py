@@ -15,8 +15,8 @@ from thinmeshes import dofs, grid, turned
 import aoimpact as ao
 from aoimpact.fem.laminate import Laminate, Ply, Shell
 from aoimpact.fem.layer import (
-    excess_compliance,
     layer_compliance,
+    layer_compliance_of,
     mesh_compliance,
     plate_compliance,
     plate_motion,
@@ -105,6 +105,21 @@ def sheet(t: float, n: int, kind: str, size: float = 0.15) -> tuple[Any, Any, An
     bent = dofs(r >= 0, [2, 3, 4])
     middle = int(np.flatnonzero((abs(r - 0.5) < 1e-9) & (abs(s - 0.5) < 1e-9))[0])
     return K[bent][:, bent], M[bent][:, bent], cells, nodes, middle
+
+
+def excess_compliance(
+    nodes: FloatArray,
+    cells: list[Any],
+    layers: Any,
+    forces: FloatArray,
+    point: FloatArray,
+    normal: FloatArray,
+    radius: float,
+    s: float,
+) -> float:
+    """G - R, the compliance that shell elements have in excess of a layer's, m/N."""
+    of_mesh = mesh_compliance(nodes, cells, layers, forces, point, normal, s)
+    return float(of_mesh[0]) - layer_compliance_of(layers, radius, s)
 
 
 def excess(t: float, cells: Any, nodes: FloatArray, node: int, s: float, tilt: Any = None) -> float:
