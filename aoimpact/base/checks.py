@@ -29,9 +29,11 @@ __all__ = [
     "choice",
     "file_path",
     "finite_array",
+    "inertia_tensor",
     "instance",
     "instances",
     "integer",
+    "integers",
     "nearest",
     "node_ids",
     "nonnegative",
@@ -49,6 +51,9 @@ __all__ = [
 
 # In SI units: squares and cubes of what is not larger are numbers, and so are products of two.
 HUGE = 1e100
+
+# Entries of an inertia that are rounding, relative.
+_ROUNDING = 1e-9
 
 
 def _unit(unit: str) -> str:
@@ -276,13 +281,7 @@ def finite_array(
     array = _real_array(name, value, order)
     if ndim is not None and array.ndim != ndim:
         raise InputError(f"{name} must have {ndim} axes, got shape {array.shape}")
-    if shape is not None:
-        actual = array.shape
-        fits = [w is None or a == w for a, w in zip(actual, shape, strict=False)]
-        if len(actual) != len(shape) or not all(fits):
-            sizes = ["any" if size is None else str(size) for size in shape]
-            wanted = f"({', '.join(sizes)}{',' if len(sizes) == 1 else ''})"
-            raise InputError(f"{name} must have shape {wanted}, got {actual}")
+    _check_shape(name, array.shape, shape)
     if array.size and not np.isfinite(array).all():
         bad = np.argwhere(~np.isfinite(array))
         first = tuple(int(i) for i in bad[0])
@@ -294,6 +293,16 @@ def finite_array(
     if most < math.inf and float(np.abs(array).max(initial=0.0)) > most:
         raise InputError(f"{name} must not exceed {most:g}{_unit(unit)} to be computed with")
     return array
+
+
+def _check_shape(name: str, actual: tuple[int, ...], shape: Sequence[int | None] | None) -> None:
+    if shape is None:
+        return
+    fits = [w is None or a == w for a, w in zip(actual, shape, strict=False)]
+    if len(actual) != len(shape) or not all(fits):
+        sizes = ["any" if size is None else str(size) for size in shape]
+        wanted = f"({', '.join(sizes)}{',' if len(sizes) == 1 else ''})"
+        raise InputError(f"{name} must have shape {wanted}, got {actual}")
 
 
 def unit_vector(name: str, value: Any) -> FloatArray:
@@ -332,6 +341,55 @@ def plain(vector: FloatArray) -> str:
     """Return a place or direction as text, "(0.01, 0, 0)"; rounding noise is shown as 0."""
     noise = 1e-9 * np.abs(vector).max()
     return f"({', '.join(f'{x if abs(x) > noise else 0.0:.6g}' for x in vector)})"
+
+
+def integers(
+    name: str, value: Any, what: str, *, shape: Sequence[int | None] | None = None
+) -> IntArray:
+    """Return `value` as a new array of integers of that shape, where None stands for any length.
+
+    what: in words, for messages.
+
+    Raises
+    ------
+    InputTypeError, InputError
+    """
+    try:
+        array = np.array(value)
+    except (ValueError, TypeError) as error:
+        raise InputTypeError(f"{name} must be {what}: {error}") from None
+    if array.dtype.kind not in "iu":
+        raise InputTypeError(f"{name} must be {what}, got dtype {array.dtype}")
+    _check_shape(name, array.shape, shape)
+    return array.astype(np.int64)
+
+
+def inertia_tensor(name: str, value: Any, *, most: float) -> FloatArray:
+    """Return the tensor of inertia of a body, kg m², shape (3, 3), of three moments or of itself.
+
+    Raises
+    ------
+    InputTypeError, InputError
+        If no body has it, or an entry exceeds `most`.
+    """
+    given = finite_array(name, value, unit="kg m²")
+    if given.shape not in ((3,), (3, 3)):
+        raise InputError(f"{name} must have shape (3,) or (3, 3), got {given.shape}")
+    tensor = np.diag(given) if given.ndim == 1 else given
+    largest = float(np.abs(tensor).max())
+    if largest > most:
+        raise InputError(
+            f"{name} is {largest:g} kg m², whose products cannot be computed; give it in kg m²"
+        )
+    if np.abs(tensor - tensor.T).max() > _ROUNDING * largest:
+        raise InputError(f"{name} must be symmetric, got {given.tolist()}")
+    low, middle, high = np.linalg.eigvalsh(tensor).tolist()
+    if low < -_ROUNDING * largest or high > (1.0 + _ROUNDING) * (low + middle):
+        raise InputError(
+            f"{name}: no body has the principal moments {low:g}, {middle:g} and {high:g} kg m²: "
+            "none is negative, and each at most the sum of the other two"
+        )
+    return tensor
 
 
 def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> IntArray:

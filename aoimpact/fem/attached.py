@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from ..base import (
     InputTypeError,
     IntArray,
     checked,
-    finite_array,
+    inertia_tensor,
     place,
     positive,
     warn,
@@ -36,7 +37,7 @@ _MOST_NODES = 500
 # Sizes of the body beyond which a rigid mass is given in millimetres in messages.
 _FAR = 50.0
 
-# Entries of an inertia that are rounding, relative.
+# Mass that is lost in the products of a rigid mass, relative, beyond rounding.
 _ROUNDING = 1e-9
 
 
@@ -82,7 +83,7 @@ class RigidMass:
         if self.centre is not None:
             checked(self, centre=place)
         if self.inertia is not None:
-            checked(self, inertia=_inertia)
+            checked(self, inertia=partial(inertia_tensor, most=LARGEST))
 
 
 Mounted = tuple[Selector, float] | RigidMass
@@ -253,24 +254,3 @@ def _bounded(name: str, value: Any, unit: str) -> float:
 
 def _mass(name: str, value: Any) -> float:
     return _bounded(name, value, "kg")
-
-
-def _inertia(name: str, value: Any) -> FloatArray:
-    given = finite_array(name, value, unit="kg m²")
-    if given.shape not in ((3,), (3, 3)):
-        raise InputError(f"{name} must have shape (3,) or (3, 3), got {given.shape}")
-    tensor = np.diag(given) if given.ndim == 1 else given
-    largest = float(np.abs(tensor).max())
-    if largest > LARGEST:
-        raise InputError(
-            f"{name} is {largest:g} kg m², whose products cannot be computed; give it in kg m²"
-        )
-    if np.abs(tensor - tensor.T).max() > _ROUNDING * largest:
-        raise InputError(f"{name} must be symmetric, got {given.tolist()}")
-    low, middle, high = np.linalg.eigvalsh(tensor).tolist()
-    if low < -_ROUNDING * largest or high > (1.0 + _ROUNDING) * (low + middle):
-        raise InputError(
-            f"{name}: no body has the principal moments {low:g}, {middle:g} and {high:g} kg m²: "
-            "none is negative, and each at most the sum of the other two"
-        )
-    return tensor

@@ -518,7 +518,6 @@ class ContactPoint(Frozen):
 
 def contact_point(
     body: FEModel,
-    *,
     point: npt.ArrayLike | None = None,
     direction: npt.ArrayLike | None = None,
     node: int | None = None,
@@ -546,11 +545,12 @@ def contact_point(
     if node is not None:
         if body.nodes is None:
             return _at_label(body, node, direction, radius)
-        where = body.nodes[_node_number(body, node)]
+        labelled, count = body.node_labels, len(body.nodes)
+        low, high = (0, count - 1) if labelled is None else (None, None)
+        wanted = integer("node", node, low=low, high=high)
+        where = body.nodes[nodes_by_number("node", wanted, count, labelled)[0]]
         try:
-            return contact_point(
-                body, point=where, direction=direction, radius=radius, expected=expected
-            )
+            return contact_point(body, where, direction, radius=radius, expected=expected)
         except InputError as error:
             raise InputError(f"node {node}: {error}") from error
     return _at_point(body, point, direction, radius, expected)
@@ -815,15 +815,6 @@ def _with_patch(tip: ContactPoint, radius: float) -> ContactPoint:
         )
     touch = touched(body.surface, place.x[0], tip.direction, radius)
     return replace(tip, point=touch.point, patch=touch.patch, normal=touch.normal)
-
-
-def _node_number(body: FEModel, node: Any) -> int:
-    """The place in `nodes` of a node that is named by its label or, without labels, by that."""
-    assert body.nodes is not None
-    if body.node_labels is None:
-        return integer("node", node, low=0, high=len(body.nodes) - 1)
-    wanted = integer("node", node)
-    return int(nodes_by_number("node", wanted, len(body.nodes), body.node_labels)[0])
 
 
 def _at_label(body: FEModel, node: Any, direction: Any, radius: float | str) -> ContactPoint:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, node_ids, plain
+from ..base import FloatArray, InputError, IntArray, integers, node_ids, plain
 
 # Components: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
 _MOST = 6
@@ -25,17 +25,8 @@ def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
     """
     if labels is None:
         return None
-    try:
-        pairs = np.array(labels)
-    except (ValueError, TypeError) as error:
-        raise InputTypeError(f"labels must be pairs of node and component: {error}") from None
-    if pairs.dtype.kind not in "iu":
-        raise InputTypeError(
-            f"labels must be pairs of integers, node and component, got dtype {pairs.dtype}"
-        )
-    if pairs.shape != (n_dofs, 2):
-        raise InputError(f"labels must have shape ({n_dofs}, 2), got {pairs.shape}")
-    pairs = pairs.astype(np.int64)
+    what = "pairs of integers, node and component"
+    pairs = integers("labels", labels, what, shape=(n_dofs, 2))
     wrong = np.flatnonzero((pairs[:, 1] < 0) | (pairs[:, 1] > _MOST))
     if len(wrong):
         raise InputError(

@@ -18,11 +18,11 @@ from ..base import (
     FloatArray,
     Frozen,
     InputError,
-    InputTypeError,
     IntArray,
     checked,
     finite_array,
     integer,
+    integers,
     nonnegative,
     text,
     unit_vector,
@@ -269,7 +269,8 @@ class FEModel(Frozen):
         damped, called = damping_or_none(damping), text("name", name)
         solid = read_for(mesh, thin_groups(material), part=part, order=order)
         made_of = materials_of(solid, material)
-        surface = boundary(solid) if _mixes_solids(solid) else None  # which checks that they fit
+        solids = sum(not block.element.thin for block in solid.blocks)
+        surface = boundary(solid) if solids > 1 else None  # which checks that they fit
         check_joints(solid, made_of)
         free = free_dofs(solid, fixed)
         heavier = added_mass(solid, masses, free)
@@ -665,16 +666,7 @@ class FEModel(Frozen):
         >>> body.contact(b=b)
         ContactPoint(functional of 2 dofs of a body of 132 dofs)
         """
-        return contact_point(
-            self,
-            point=point,
-            direction=direction,
-            node=node,
-            dof=dof,
-            b=b,
-            radius=radius,
-            expected=expected,
-        )
+        return contact_point(self, point, direction, node, dof, b, radius, expected)
 
     def audit(self, *, frequencies: int = 8) -> Audit:
         """Return the figures by which a mistake of units or files is seen.
@@ -772,10 +764,6 @@ def _density(material: AnyMaterial) -> float:
     return float(np.mean(np.array([of.rho for of in material.materials])[material.index]))
 
 
-def _mixes_solids(mesh: Mesh) -> bool:
-    return sum(not block.element.thin for block in mesh.blocks) > 1
-
-
 def _translates(K: Any, axes: FloatArray) -> bool:
     """True if no translation meets elastic force: beside that of the single dofs, only rounding."""
     force = np.abs(K @ axes).max(initial=0.0)
@@ -795,14 +783,7 @@ def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | Non
                 "if supports were taken out, give free: for each row its dof 3·node + component"
             )
         return places, np.arange(n_dofs)
-    try:
-        dofs = np.array(free)
-    except ValueError as error:
-        raise InputTypeError(f"free must be integer dof numbers: {error}") from None
-    if dofs.dtype.kind not in "iu":
-        raise InputTypeError(f"free must be integer dof numbers, got dtype {dofs.dtype}")
-    if dofs.shape != (n_dofs,):
-        raise InputError(f"free must have shape ({n_dofs},), as K has, got {dofs.shape}")
+    dofs = integers("free", free, "integer dof numbers", shape=(n_dofs,))
     if dofs.min() < 0 or dofs.max() >= 6 * len(places):
         raise InputError(
             f"free must be within 0 … {3 * len(places) - 1} for {len(places)} nodes, of rotations "
@@ -810,7 +791,7 @@ def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | Non
         )
     if len(np.unique(dofs)) != n_dofs:
         raise InputError(f"free names {n_dofs - len(np.unique(dofs))} dofs more than once")
-    return places, dofs.astype(np.int64)
+    return places, dofs
 
 
 def _checked_total(total: FloatArray) -> float:

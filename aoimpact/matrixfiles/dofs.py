@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import InputError, InputTypeError, IntArray, file_path
+from ..base import IntArray, file_path, integers
 from .found import existing, spoilt
 
 # Ansys' words for components; what is none of these has no direction.
@@ -29,7 +29,8 @@ def read_dofs(dofs: Any) -> IntArray:
     InputTypeError, InputError, MissingFileError
     """
     if not isinstance(dofs, str) and not hasattr(dofs, "__fspath__"):
-        return _array(dofs)
+        what = "a file, or pairs of integers, node and component"
+        return integers("dofs", dofs, what, shape=(None, 2))
     file = file_path("dofs", dofs)
     existing(file)
     text = file.read_text(encoding="latin-1")
@@ -40,20 +41,6 @@ def read_dofs(dofs: Any) -> IntArray:
         return _pairs(file, text)
     except OverflowError:
         raise spoilt(file, "its numbers are too large for nodes and components") from None
-
-
-def _array(dofs: Any) -> IntArray:
-    try:
-        array = np.array(dofs)
-    except (ValueError, TypeError) as error:
-        raise InputTypeError(f"dofs must be a file, or pairs of integers: {error}") from None
-    if array.dtype.kind not in "iu":
-        raise InputTypeError(
-            f"dofs must be a file, or pairs of integers, node and component, got {array.dtype}"
-        )
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise InputError(f"dofs must have shape (rows of K, 2), got {array.shape}")
-    return array.astype(np.int64)
 
 
 def _mapping(file: Path, found: list[tuple[str, str, str]]) -> IntArray:

@@ -20,6 +20,7 @@ from ..base import (
     called,
     choice,
     finite_array,
+    integers,
     nearest,
     node_ids,
     sequence,
@@ -344,24 +345,8 @@ def _sets(name: str, given: Any, count: int, what: str) -> dict[str, IntArray]:
     }
 
 
-def _integers(name: str, what: str, values: Any) -> Any:
-    try:
-        array = np.array(values)
-    except ValueError as error:
-        raise InputTypeError(f"{name} must be {what}: {error}") from None
-    if array.dtype.kind not in "iu":
-        raise InputTypeError(f"{name} must be {what}, got dtype {array.dtype}")
-    return array
-
-
 def _labels(name: str, labels: Any, count: int) -> IntArray | None:
-    if labels is None:
-        return None
-    array = _integers(name, "integers", labels)
-    if array.shape != (count,):
-        raise InputError(f"{name} must have shape ({count},), got {array.shape}")
-    found: IntArray = array.astype(np.int64)
-    return found
+    return None if labels is None else integers(name, labels, "integers", shape=(count,))
 
 
 def check_reach(nodes: FloatArray) -> None:
@@ -382,7 +367,7 @@ def check_reach(nodes: FloatArray) -> None:
 
 def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
     """Return node numbers of elements, shape (n, nodes per element), in range."""
-    array = _integers("cells", "integer node numbers", cells)
+    array = integers("cells", cells, "integer node numbers")
     if array.ndim != 2 or array.shape[1] != element.n_nodes or not len(array):
         raise MeshError(
             f"cells of kind {element.kind} must have shape (any, {element.n_nodes}), "
@@ -395,7 +380,7 @@ def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArr
             f"{len(outside)} elements refer to nodes that are not there, the first is element "
             f"{outside[0]}: {nodes}. Nodes run from 0 to {n_nodes - 1}"
         )
-    return np.ascontiguousarray(array, dtype=np.int64)
+    return np.ascontiguousarray(array)
 
 
 def _check_elements(

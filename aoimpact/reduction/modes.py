@@ -207,15 +207,7 @@ def star_of_modes(
     weight = np.add.reduceat(weight, starts)
     shapes = np.add.reduceat(shapes, starts, axis=1)
     m0, k0, m, k, static, shapes = _of_distinct(omega2[starts], weight, shapes)
-    origin = origin_of(
-        tip,
-        static,
-        shapes,
-        label,
-        vectors=vectors,
-        solver=solver,
-        contact_time=contact_time,
-    )
+    origin = origin_of(tip, static, shapes, label, solver, contact_time, vectors)
     return AOModel(m0=m0, k0=k0, m=m, k=k, origin=origin, damping=tip.body.damping)
 
 

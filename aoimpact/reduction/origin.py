@@ -99,21 +99,11 @@ def origin_of(
     static: FloatArray,
     shapes: FloatArray,
     label: str,
-    *,
-    vectors: Callable[[], FloatArray] | None = None,
-    solver: str = "",
+    solver: str,
     contact_time: float | None = None,
+    vectors: Callable[[], FloatArray] | None = None,
 ) -> Origin:
-    """Return what a star made from a body keeps of it."""
+    """Return the origin of a star with these shapes, whose body's centre of mass it adds."""
     centre = centre_of(tip, lambda: static if vectors is None else vectors() @ static)
-    return Origin(
-        label,
-        tip,
-        static,
-        shapes,
-        *centre,
-        translates(tip),
-        solver,
-        contact_time,
-        vectors,
-    )
+    parts = label, tip, static, shapes, *centre, translates(tip)
+    return Origin(*parts, solver, contact_time, vectors)

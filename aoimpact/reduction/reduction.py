@@ -337,6 +337,6 @@ def _model(
         k0=static.k0,
         m=found.m,
         k=found.k,
-        origin=origin_of(tip, static.phi, found.shapes, label, solver=solver),
+        origin=origin_of(tip, static.phi, found.shapes, label, solver),
         damping=tip.body.damping,
     )

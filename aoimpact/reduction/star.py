@@ -19,9 +19,9 @@ from ..base import (
     FloatArray,
     Frozen,
     InputError,
-    SingularError,
     checked,
     finite_array,
+    inertia_tensor,
     instance,
     integer,
     nonnegative,
@@ -203,24 +203,6 @@ class AOModel(Frozen, ReducedModel):
         """True if its weight is not known: constrained, and given by numbers or without nodes."""
         known = self.origin is not None and self.origin.centre_known
         return self.constrained and not known and not math.isinf(self.m0)
-
-    @property
-    def static_stiffness(self) -> float:
-        """Force per static displacement of the contact, N/m: k0, eq. (11); infinite for a wall.
-
-        Raises
-        ------
-        SingularError
-            If the body is free: a constant force accelerates it.
-        """
-        if math.isinf(self.m0):
-            return math.inf
-        if self.k0 == 0.0:
-            raise SingularError(
-                "static_stiffness: the body is free (k0 = 0), a constant force accelerates it; "
-                "hold it with FEModel.from_mesh(..., fixed=[...]) or give k0"
-            )
-        return self.k0
 
     @cached_property
     def static_mass(self) -> float:
@@ -788,25 +770,12 @@ class TurningBody(AOModel):
 
 
 def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
-    """Return a tensor of inertia, kg m²: given as one, by its moments about the axes, or as one."""
-    given = finite_array(name, value, unit="kg m²", most=HUGE)
-    if given.shape not in ((), (3,), (3, 3)):
-        raise InputError(
-            f"{name} must be a number, three moments or of shape (3, 3), got shape {given.shape}"
-        )
-    found = given if given.ndim == 2 else np.diag(np.broadcast_to(given, 3))
-    moments = np.linalg.eigvalsh(found)
-    if not (moments[0] > 0.0 and np.allclose(found, found.T, rtol=1e-9, atol=0.0)):
-        raise InputError(
-            f"{name} must be positive, and as a tensor symmetric positive definite, got "
-            f"{given.tolist()}"
-        )
-    if moments[2] > (1.0 + 1e-9) * (moments[0] + moments[1]):
-        raise InputError(
-            f"{name}: no body has the principal moments {moments.tolist()} kg m², of which one is "
-            "larger than the sum of the two others"
-        )
-    return np.ascontiguousarray(found)
+    """Return a tensor of inertia, kg m²: of one number for all axes, three moments, or itself."""
+    given = finite_array(name, value, unit="kg m²")
+    tensor = inertia_tensor(name, given if given.ndim else np.full(3, given), most=HUGE)
+    if np.linalg.eigvalsh(tensor)[0] <= 0.0:
+        raise InputError(f"{name} must be positive about every axis, got {given.tolist()} kg m²")
+    return np.ascontiguousarray(tensor)
 
 
 def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray]:
