@@ -53,7 +53,7 @@ def write_csv(path: Any, heading: Iterable[str], rows: Iterable[Iterable[Any]]) 
         If `path` is not one of a file that can be written; see `written_file`.
     """
     with (
-        written_file("path", path) as given,
+        written_file(path) as given,
         open(given, "w", newline="", encoding="utf-8") as file,
     ):
         writer = csv.writer(file)

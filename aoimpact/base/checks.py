@@ -210,8 +210,8 @@ def file_path(name: str, value: Any) -> Path:
 
 
 @contextmanager
-def written_file(name: str, value: Any) -> Iterator[Path]:
-    """Yield `value` as the path of a file that is written meanwhile.
+def written_file(path: Any) -> Iterator[Path]:
+    """Yield the argument `path` as that of a file that is written meanwhile.
 
     Raises
     ------
@@ -220,12 +220,12 @@ def written_file(name: str, value: Any) -> Iterator[Path]:
     InputError
         If it is none that can be written to.
     """
-    file = file_path(name, value)
+    file = file_path("path", path)
     try:
         yield file
     except OSError as error:
         raise InputError(
-            f"{name}={str(file)!r} cannot be written: {error.strerror or error}; give another path"
+            f"path={str(file)!r} cannot be written: {error.strerror or error}; give another path"
         ) from None
 
 

@@ -39,7 +39,7 @@ _FREE, _RESISTED = 1e-6, 1e-4
 # Nodes whose neighbours are looked for.
 _SAMPLE = 2000
 
-# Of the couplings looked at, what may be missing where rows and nodes are in one order.
+# Largest share of couplings that may be missing where rows and nodes are in one order.
 _MOST_MISSING = 0.5
 
 

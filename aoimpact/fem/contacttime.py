@@ -29,10 +29,6 @@ _ROUNDING = 1e-12
 # matrix.
 _NEAR_K = 1e-9
 
-# ν above which λ is taken as it is there. The half-space's (1 - ν)/G goes on almost as before; λ
-# grows without bound, and with it bᵀKb: at .49 by a factor of four.
-_COMPRESSIBLE = 0.45
-
 
 def fitted_shifts(
     tips: Sequence[ContactPoint], contact_time: float | None, duration: float | None

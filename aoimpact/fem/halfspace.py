@@ -103,7 +103,7 @@ class IsotropicHalfSpace:
         r = np.maximum(away, _ON_AXIS * a)
         q = r * r + z * z - a2
         root = np.maximum(np.sqrt(q * q + 4.0 * a2 * z * z), _ON_RIM * a2)
-        # Of the two roots of u² - q u - a² z² the one that loses no digits, and the other by it.
+        # The root of u² - q u - a² z² that loses no digits, and by it the other one.
         within = q < 0.0
         h = np.maximum(0.5 * np.where(within, root - q, root + q), _ON_RIM**2 * a2)
         u = np.where(within, a2 * z * z / h, h)

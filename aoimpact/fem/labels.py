@@ -12,7 +12,7 @@ from ..base import FloatArray, InputError, IntArray, integers, node_ids, plain
 # Components: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
 _MOST = 6
 
-# Of the body's size, what decks print of coordinates.
+# Relative rounding of the coordinates that decks print, of the body's size.
 _SAME_PLACE = 1e-5
 
 

@@ -38,9 +38,6 @@ FAR_OFF = 100.0
 # Gauss' points in a ply: the energy of shear stresses that are quadratic in z is of degree 4.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
-# A ply whose stiffness changes by less than this share when it is turned has no fibres.
-_ISOTROPIC = 1e-6
-
 
 @dataclass(frozen=True)
 class Ply:
@@ -320,8 +317,8 @@ class Shell(Layers):
     offset: float = 0.0
 
     def __post_init__(self) -> None:
-        checked(self, thickness=_thickness, material=(Material, Orthotropic), offset=_offset)
-        _check_offset(self)
+        checked(self, thickness=_thickness, material=(Material, Orthotropic))
+        object.__setattr__(self, "offset", _offset(self.offset, self.thickness))
 
     @cached_property
     def plies(self) -> tuple[Ply, ...]:  # type: ignore[override]
@@ -392,10 +389,9 @@ class Laminate(Layers):
                 raise InputError("fibre_axis must not be zero")
         object.__setattr__(self, "plies", stack)
         object.__setattr__(self, "fibre_axis", fibre_axis)
-        object.__setattr__(self, "offset", _offset("offset", offset))
         if fibre_axis is None and any(isinstance(ply.material, Orthotropic) for ply in stack):
             raise InputError("fibre_axis: orthotropic plies need the direction of 0 degrees")
-        _check_offset(self)
+        object.__setattr__(self, "offset", _offset(offset, self.total_thickness))
 
     @property
     def reference(self) -> FloatArray | None:
@@ -416,14 +412,11 @@ def _thickness(name: str, value: Any) -> float:
     return thickness
 
 
-def _check_offset(layers: Layers) -> None:
-    most = FAR_OFF * layers.total_thickness
-    if abs(layers.offset) > most:
+def _offset(value: Any, thickness: float) -> float:
+    offset, most = real("offset", value, unit="m"), FAR_OFF * thickness
+    if abs(offset) > most:
         raise InputError(
-            f"offset must be within ±{most:g} m, {FAR_OFF:g} thicknesses, got {layers.offset:g} m; "
+            f"offset must be within ±{most:g} m, {FAR_OFF:g} thicknesses, got {offset:g} m; "
             "give it in metres"
         )
-
-
-def _offset(name: str, value: Any) -> float:
-    return real(name, value, unit="m")
+    return offset

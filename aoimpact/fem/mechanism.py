@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 _MOVED = 1e-10
 
 # Square of the share of the parts' motions that joints and supports do not resist: nodes off a line
-# by less than 1e-4 of the parts' size count as on it, as mesh files round to six digits or so. What
-# holds by that is a spring of 1e-8 of the body's stiffness.
+# by less than 1e-4 of the parts' size count as on it, as mesh files round to six digits or so. Such
+# an offset holds like a spring of 1e-8 of the body's stiffness.
 _UNRESISTED = 1e-8
 
-# What regularises the motions' matrix; how often it is inverted, and on how many motions at first.
+# Regularisation of the motions' matrix; number of inverse iterations; motions in the first block.
 _HELD, _INVERSE_ITERATIONS, _FIRST_BLOCK = 1e-9, 4, 32
 
 # ‖Kφ‖ / ‖|K||φ|‖ of a motion whose elastic forces are rounding.

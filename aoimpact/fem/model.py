@@ -146,9 +146,9 @@ class FEModel(Frozen):
     attached: IntArray | None = field(init=False, default=None)
     # (n_dofs,): springs to the ground, N/m, that K contains.
     springs: FloatArray | None = field(init=False, default=None)
-    # Over all dofs: added masses, kg, that M contains.
+    # Added masses over all dofs, kg, that M contains.
     masses: Any = field(init=False, default=None)
-    # Whether K and M follow from mesh and material, added masses and springs.
+    # True if K and M follow from mesh and material, added masses and springs.
     assembled: bool = field(init=False, default=False)
     # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
     _soft: FloatArray | None = field(init=False, default=None)

@@ -26,7 +26,6 @@ import numpy as np
 
 from ..base import FloatArray, InputError, IntArray, plain
 from .laminate import Layers
-from .material import PAIRS
 
 # Stiffness against the drilling strain over the membrane's shear stiffness. It is small so that
 # in-plane bending does not lock (1e-3 costs 1 % where elements are ten times as long as wide), and
@@ -243,15 +242,6 @@ def nodal_strains(strains: Strains, moved: FloatArray) -> FloatArray:
     rows = strains.rows[:, :, :8]
     at_points = np.einsum("nqsd,nd->nqs", rows, moved.reshape(len(moved), -1))
     return np.asarray(np.linalg.pinv(strains.shape) @ at_points, dtype=np.float64)
-
-
-def in_global_axes(components: FloatArray, frames: FloatArray) -> FloatArray:
-    """Return stresses (n, ..., 6) in elements' axes, xx, yy, zz, xy, yz, xz, in the body's axes."""
-    own = np.zeros((*components.shape[:-1], 3, 3))
-    for value, (i, j) in zip(np.moveaxis(components, -1, 0), PAIRS, strict=True):
-        own[..., i, j] = own[..., j, i] = value
-    turned = np.einsum("nai,n...ab,nbj->n...ij", frames, own, frames, optimize=True)
-    return np.stack([turned[..., i, j] for i, j in PAIRS], axis=-1)
 
 
 def _flatness(local: FloatArray, normals: FloatArray | None, stiffness: FloatArray) -> FloatArray:

@@ -24,17 +24,17 @@ if TYPE_CHECKING:
 # just distinguished from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
 _MOVED = 1e-7
 
-# Of a motion that is 0 or 1 everywhere, what rounding of a null space leaves.
+# Rounding of a null space: deviation of a motion that is 0 or 1 everywhere.
 _AS_ONE = 1e-6
 
 # A pass that leaves more than this of the last change shows motions too soft for passes.
 _SLOW = 0.5
 
-# A change relative to the solution that is rounding; one that may be, and is if it shrinks no more
-# than so.
+# Passes end when the change relative to the solution is below the first value, or below the second
+# and above the third times the last change.
 _AT_ROUNDING, _NEAR_ROUNDING, _STALLED = 1e-14, 1e-10, 0.9
 
-# Of a translation's energy, the share beside all rigid motions that is rounding: 1e-6 of its size.
+# Share of a translation's energy outside all rigid motions that is rounding: 1e-6 of its size.
 _OF_ANOTHER_MOTION = 1e-12
 
 

@@ -37,17 +37,17 @@ def checked_duration(duration: Any) -> float:
     return length
 
 
-def checked_speed(name: str, value: Any) -> float:
+def checked_speed(velocity: Any) -> float:
     """Return a speed, m/s, whose square neither overflows nor vanishes.
 
     Raises
     ------
     InputError
     """
-    speed = real(name, value, unit="m/s")
+    speed = real("velocity", velocity, unit="m/s")
     if speed != 0.0 and not _SLOWEST <= abs(speed) <= _FASTEST:
         raise InputError(
-            f"{name}={speed:g} m/s: its square is beyond the range of numbers; give a speed from "
+            f"velocity={speed:g} m/s: its square is beyond the range of numbers; give a speed from "
             f"{_SLOWEST:g} to {_FASTEST:g} m/s"
         )
     return speed
@@ -77,7 +77,7 @@ def checked_numbers(velocity: Any, duration: Any, gap: Any) -> tuple[float, floa
     InputError, InputTypeError
         For an argument that makes no sense.
     """
-    speed = checked_speed("velocity", velocity)
+    speed = checked_speed(velocity)
     if speed == 0.0:
         raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
     length = None if duration is None else checked_duration(duration)

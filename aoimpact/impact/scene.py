@@ -197,7 +197,7 @@ class Scene:
         """
         called, along = text("name", name), vector_or_number("velocity", velocity, "m/s")
         size = velocity if along is None else float(np.linalg.norm(along))
-        speed, where = checked_speed("velocity", size), real("position", position, unit="m")
+        speed, where = checked_speed(size), real("position", position, unit="m")
         turns = checked_spin(spin)
         self._append(body_model("body", body), speed, where, called, along, turns)
         return Handle(len(self._bodies) - 1, name=called, scene=self._mark.name)

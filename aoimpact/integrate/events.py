@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from ..base import FloatArray
 
-# Of the record's length: where a contact ends no farther before its end, the end is that.
+# A contact that ends within this share of the record before its end lasts to the end.
 _ROUNDING = 1e-12
 
-# Of the curvature at a peak: where both samples beside it have less, the force has jumped or is not
-# resolved. A jump bends the curve up on one side of it, down on the other, and no further out. Half
-# a sine of N steps has cos(π/N) there, so that four steps are enough.
+# Least curvature at both samples beside a peak, over that at the peak. With less, the force has
+# jumped or is not resolved. A jump bends the curve up on one side of it, down on the other, and no
+# further out. Half a sine of N steps has cos(π/N) there, so that four steps are enough.
 _LEAST_CURVATURE = 0.5
 
 

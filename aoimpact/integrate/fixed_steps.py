@@ -257,7 +257,7 @@ class _Stepping:
             if isinstance(fine, Record):
                 if error.share <= rtol:
                     return fine, error
-                # Of coarser runs only the contacts are needed: the other memory is given back.
+                # Coarser runs are needed for their contacts only: the other memory is freed.
                 kept = self.plan.layout.of_contacts(fine.rows).copy()
                 fine = replace(fine, rows=kept)
             before = [fine, before[0]]

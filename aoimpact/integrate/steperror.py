@@ -180,7 +180,7 @@ def _touch_error(plan: Plan, record: Record, contact: int) -> float:
         return 0.0
     rate = (indentation[first] - indentation[first - 1]) / record.dt
     jump = law.force(np.full(len(first), _AT_TOUCH * indentation.max()), rate)
-    # What has mass comes with the rate of before; it may lose most of that within the step.
+    # A body with mass arrives with its previous velocity and may lose most of it within the step.
     before = np.maximum(_approach(plan, record, contact)[first - 1], 0.0)
     missed = law.force(np.minimum(before * record.dt, law.limit), before).max() - peak
     impulse = record.dt * float(np.add.reduceat(force, first).max())

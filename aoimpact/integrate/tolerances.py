@@ -31,7 +31,7 @@ NO_DIGIT = 0.2
 # much, too; with 1, an error of 0.07 is claimed where two runs differ by 0.27.
 LINEAR = 0.03
 
-# Of Newmark's error estimate: the share of the peak force above which the force itself is compared
+# Newmark's error estimate: the share of the peak force above which the force itself is compared
 # between two steps, since the difference of two peaks may vanish by chance. Over 1488 impacts the
 # true error exceeds the estimate in 0.7 % (at most 1.8 times); 0.95 gives 1.5 % (3.6 times), and
 # comparing all of the force makes the median estimate 9 times the error instead of 5.6.
@@ -42,11 +42,11 @@ AROUND_PEAK = 0.8
 # 0.14 of the precision along one line, and by up to 0.7 of it where the slide turns.
 DRAWN = 1e-5
 
-# Of two adaptive runs the one with the smaller tolerance errs less: by as much as that is smaller,
-# but for this factor, by which single contacts miss or exceed their tolerance. So a second run with
-# a tolerance smaller by this factor, and by the number of touches, confirms itself unless errors
-# multiply. Over 61 scenes of 2 to 58 touches and five tolerances the largest true error is 0.19 of
-# the tolerance; with 3 it is 1.7, and 30 costs 8 % more steps.
+# Safety factor of two adaptive runs. The one with the smaller tolerance errs less, in proportion to
+# the tolerance but for this factor, by which single contacts miss or exceed theirs. A second run
+# with a tolerance smaller by this factor, and by the number of touches, confirms itself unless
+# errors multiply. Over 61 scenes of 2 to 58 touches and five tolerances the largest true error is
+# 0.19 of the tolerance; with 3 it is 1.7, and 30 costs 8 % more steps.
 SPREAD = 10.0
 
 # The share of the tolerance with which a scene of several contacts is run. Bodies that meet after
@@ -55,8 +55,8 @@ SPREAD = 10.0
 # 0.1 costs 22 %, and in one of 30 scenes of dashpots on a massless point no step meets it at 1e-9.
 SEVERAL = 0.3
 
-# What rounding alone does to a contact: where each is like the last, it adds up, and tighter runs
-# share it. 2.0e-15 a bounce was the most found, of 200 balls on a floor against their closed form.
+# Error of a contact by rounding. It adds up over like contacts, and tighter runs share it. The most
+# found was 2.0e-15 a bounce, of 200 balls on a floor against their closed form.
 ROUNDING = 12.0 * float(np.finfo(float).eps)
 
 # A tighter run has this tolerance at most. Two that are looser may take the same steps through a
@@ -92,7 +92,7 @@ AT_REST = 1e-3
 # with its root. A contact takes 3 steps without scatter, 60 with 1e-9, and 6 000 with this share.
 ROUGHEST = 1e-5
 
-# And one that scatters by a larger share of the tolerance: steps then resolve the scatter itself.
-# Of forces with a wave of 6e-12 m on them a contact takes up to 800 steps where they scatter by
-# 0.05 of a tolerance of 1e-5 to 1e-7, and 4 million calls of the law do not end it with 0.16.
+# Largest scatter of a user's law as a share of the tolerance: above it steps resolve the scatter
+# itself. A contact under a force with a wave of 6e-12 m takes up to 800 steps with a scatter of
+# 0.05 of a tolerance of 1e-5 to 1e-7, and is not over after 4 million calls of the law with 0.16.
 ROUGHEST_SHARE = 0.1

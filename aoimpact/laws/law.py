@@ -71,8 +71,8 @@ class Dent(NamedTuple):
 # Residual indentation, as a share of the deepest, that is rounding.
 _NO_DENT = 1e-12
 
-# Of c dF/dδ, up to which a law without the compliance c is used, as in csrc/law/law.c. There what
-# is left is twenty times as stiff as the law; of two like bodies the contact is 0.8 of the patch.
+# Largest c dF/dδ at which a law without the compliance c is used, as in csrc/law/law.c. The rest is
+# then twenty times as stiff as the law; with two like bodies the contact is 0.8 of the patch.
 MOST_SHARE = 0.95
 
 # Eccentricity up to which an ellipse is called round: √(a b) differs from a circle's radius by e⁴.
@@ -114,15 +114,15 @@ class ContactLaw:
     _has_memory: ClassVar[bool] = False
     _by_caller: ClassVar[bool] = False
 
-    # Of the parameters, by name, for summaries; that of k follows from the power.
+    # Units of the parameters, by name, for summaries; that of k follows from the power.
     _units: ClassVar[dict[str, str]] = {}
 
     # Checks of parameters, by name and in their order; k is positive.
     _checks: ClassVar[dict[str, Callable[..., Any]]] = {}
-    # Of the indentation, where no parameter n says so.
+    # Exponent of the indentation, for laws without a parameter n.
     _power: ClassVar[float] = 1.5
 
-    # Of the indentation, in the unloading force of a law with memory.
+    # Exponent of the indentation in the unloading force of a law with memory.
     _unloading_power: ClassVar[float] = 1.5
 
     # R, m, of a law with a contact radius, √(R δ).

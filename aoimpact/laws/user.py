@@ -11,7 +11,7 @@ from typing import Any
 from ..base import InputError, InputTypeError, boolean
 from .law import ContactLaw
 
-# What every function of a C library is an instance of.
+# The class of all functions of C libraries.
 _CTYPES_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 
 # No function lies below, on any system that a process can run on (Linux: vm.mmap_min_addr): such a

@@ -25,7 +25,7 @@ from .rebound import (
     swing_restitution,
 )
 
-# Of a smaller share of the approach, velocities of 16 digits leave less than four.
+# Smallest restitution: below it, a rebound velocity in double precision has less than four digits.
 _LEAST_RESTITUTION = 1e-12
 
 

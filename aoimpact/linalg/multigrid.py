@@ -56,7 +56,7 @@ _MOST_ITERATIONS = 500
 
 # Bytes that the set-up takes at most, per entry of K, beside K, M and the coarsest level's factors,
 # with a mesh of second order and without: 19 and 42 were measured, the most of linear tetrahedra.
-# And per entry of those factors.
+# The third is per entry of those factors.
 _BYTES_QUADRATIC, _BYTES_OTHERS, _BYTES_PER_FACTOR = 20.0, 44.0, 30.0
 
 # ‖f - A x‖ / ‖f‖ to iterate to: half of what `LinearSolver` asks for, since the residual that is

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, at_once
 
-# Of a matrix that is made or changed some rows at a time: 2 MB of numbers, in the caches. With
+# Entries of a matrix that are made or changed at a time: 2 MB of numbers, in the caches. With
 # 2**22, each piece in memory of its own, supports of a block of 493 000 dofs are taken out in 1.4 s
 # instead of 1.0 s, and K + s²M takes 2.8 s instead of 2.5 s.
 ENTRIES_AT_ONCE = 2**18

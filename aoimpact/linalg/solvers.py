@@ -31,14 +31,11 @@ from .pardiso import PARDISO
 from .pencil import Pencil
 from .superlu import SUPERLU
 
-# What `solver=` may be: a name, or a function that takes the sparse matrix K + s²M and returns one
+# Values of `solver=`: a name, or a function that takes the sparse matrix K + s²M and returns one
 # that takes f and returns (K + s²M)⁻¹ f, as scipy.sparse.linalg.factorized does.
 Solver = str | Callable[[Any], Solve]
 
 METHODS = {method.name: method for method in (SUPERLU, PARDISO, MULTIGRID)}
-
-# Taken where nothing fits into memory by the estimates: it needs the least for large bodies.
-_LAST_RESORT = MULTIGRID
 
 SOLVERS = ("auto", *METHODS)
 

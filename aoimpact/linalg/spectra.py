@@ -25,7 +25,7 @@ EQUAL = 1e-9
 # serve.
 _RESTARTS, _DENSE_AT_WORST = 200, 2000
 
-# Of the first guess of s²: what is less is no elastic eigenvalue, but rounding.
+# Least elastic eigenvalue over the first guess of s²: below it is rounding.
 _LEAST_SHIFT = 1e-30
 
 # ‖Kφ‖ / ‖|K||φ|‖ of a mode that is rigid: rounding gives some 1e-15, the slenderest of meshes that
@@ -45,8 +45,8 @@ _SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
 # and the next s² is a hundredth of that.
 _INVERSE_STEPS, _FURTHER = 8, 0.01
 
-# eps |φ|ᵀ|K||φ| over φᵀKφ of a mode from which on it is lost. Of bars and plates 1 000 to 10 000
-# times as long as thick, the first ω is off by 1 % and more from there on, by 0.3 % at most below.
+# eps |φ|ᵀ|K||φ| over φᵀKφ of a mode from which on it is lost. The first ω of bars and plates
+# 1 000 to 10 000 times as long as thick is off by 1 % and more above, by 0.3 % at most below.
 _DROWNED = 0.2
 
 # s² as `_FIRST_SHIFT`, and passes, by which strain is taken out of rigid modes: each leaves
@@ -57,9 +57,8 @@ _STRAIN_SHIFT, _STRAIN_PASSES = 1e-10, 3
 def shifted(
     K: Any,
     M: Any,
-    *,
-    rigid: FloatArray | None = None,
-    invert: Callable[[float], LinearSolver] | None = None,
+    rigid: FloatArray,
+    solver_at: Callable[[float], LinearSolver],
     first: LinearSolver | None = None,
 ) -> LinearSolver:
     """Return the solver of K + s²M with s² beside the lowest elastic eigenvalue.
@@ -70,17 +69,14 @@ def shifted(
     Parameters
     ----------
     K, M : scipy.sparse matrices, shape (n, n)
-    rigid : ndarray, shape (n, r), optional
-        M-orthonormal basis of the null space of K; without it s² stays at its first guess.
-    invert : callable, optional
+    rigid : ndarray, shape (n, r)
+        M-orthonormal basis of the null space of K.
+    solver_at : callable
         s² ↦ the solver of K + s²M, such as `FEModel.inverse`, which uses the body's mesh.
     first : LinearSolver, optional
         The solver at the first guess of s², if it exists already.
     """
-    solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
     current = first or solver_at(_first_shift(K, M))
-    if rigid is None:
-        return current
     for _ in range(_GUESSES):
         # A motion that was missed among the rigid ones has no elastic eigenvalue at all.
         elastic = max(_first_elastic(K, M, current, rigid), _LEAST_SHIFT * _first_shift(K, M))
@@ -184,7 +180,8 @@ def lowest(
     if found is not None:
         omega2, modes = found
     else:
-        base = near if near.s2 == 0.0 else shifted(K, M, rigid=known, invert=solver_at, first=near)
+        there = known is None or near.s2 == 0.0  # of an unknown null space the first guess stays
+        base = near if there else shifted(K, M, rigid, solver_at, near)
         try:
             modes = _lowest_sparse(K, M, base.solve, base.s2, n - count, rigid)
             # Rayleigh and Ritz: where few digits of K leave rigid motions a stiffness, s² is next

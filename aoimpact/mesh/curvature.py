@@ -93,7 +93,7 @@ class SurfaceShape(Frozen):
 
     @property
     def from_below(self) -> SurfaceShape:
-        """That of the other side of a shell."""
+        """The shape of the other side of a shell."""
         turned = -self.normal, -self.curvatures[::-1], self.directions[::-1]
         return replace(self, normal=turned[0], curvatures=turned[1], directions=np.array(turned[2]))
 

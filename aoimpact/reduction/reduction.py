@@ -135,7 +135,7 @@ def _first_oscillators(
     if tip.body.rigid_modes.shape[1] == 0:
         base = solvers(0.0)
     else:
-        base = shifted(K, M, rigid=tip.body.rigid_modes, invert=solvers)
+        base = shifted(K, M, tip.body.rigid_modes, solvers)
     z, idle = base.solve(b), static.unobservable
     start = _across(tip, static)
     mass = float(start @ (M @ start))

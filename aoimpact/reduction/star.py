@@ -635,7 +635,7 @@ class AOModel(Frozen, ReducedModel):
             raise InputError("a wall of infinite mass is not written as JSON")
         written = json.dumps(content)
         if path is not None:
-            with written_file("path", path) as file:
+            with written_file(path) as file:
                 file.write_text(written + "\n", encoding="utf-8")
         return written
 

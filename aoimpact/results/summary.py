@@ -91,7 +91,7 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
         count = len(events.contacts)
         uncertain = error[f"contacts.{i}.intervals"].total == math.inf
         times = f"{count} contact{'s' if count > 1 else ''}"
-        times += ", more or less" if uncertain else ""
+        times += " (the count is uncertain)" if uncertain else ""
         if (sliding := f"contacts.{i}.peak_friction_force") in run.numbers:
             of = run.each_contact[i]
             peak += f", friction {with_unit(run.value(sliding), 'N', 5)}{within(error[sliding])}"
@@ -232,8 +232,7 @@ def _contact(result: Result) -> str:
     text += f" from {with_unit(start, 's')}"
     uncertain = error["contacts"].total == math.inf
     if len(result.contacts) > 1 or uncertain:
-        number = f"{len(result.contacts)}, more or less" if uncertain else len(result.contacts)
-        text += f", the first of {number}"
+        text += f", the first of {len(result.contacts)}{' (uncertain)' if uncertain else ''}"
     if result.in_contact_at_end:
         text += " (the record ends in contact)"
     return text
@@ -286,7 +285,7 @@ def _interest(run: Run, parts: ErrorParts) -> str:
     values = {of: run.numbers[of] for of in interest.names(run)}
     if interest.count:  # a share of a number of contacts is none
         sure = not any((parts.mesh, parts.contact, parts.model))
-        bound = f", {'certain' if sure else 'more or less'}"
+        bound = f", {'certain' if sure else 'uncertain'}"
     if len(values) == 1:
         [value] = values.values()
         absolute = _absolute(run, interest, value, total)

@@ -358,14 +358,14 @@ static double least_jump(const aoi_adaptive *run, size_t count)
     return LEAST_JUMP * run->rtol * largest;
 }
 
-/* Whether a rate-dependent law without adhesion becomes slack at once. */
+/* True if a rate-dependent law without adhesion becomes slack at once. */
 static int becomes_slack(const aoi_adaptive_contact *contact, const aoi_law *law, double force, double least)
 {
     return contact->piece != AOI_SLACK && !contact->begins && law->depends_on_rate && !law->pulls &&
            force < -least;
 }
 
-/* Whether a contact that has just touched separates at once, since other contacts move its massless contact point. A
+/* True if a contact that has just touched separates at once, since other contacts move its massless contact point. A
  * touch that the step has located stays closed: its bodies approach each other. */
 static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, double least, double error)
 {

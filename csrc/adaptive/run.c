@@ -50,7 +50,7 @@ static const double TRUSTED = 0.1;
 
 static size_t tables_of(const aoi_modes *body) { return body->n > 1 ? AOI_TABLES : 1; }
 
-/* Whether a force depends on the rate, or a contact has no mass. */
+/* True if a force depends on the rate, or a contact has no mass. */
 static int is_quick(const aoi_system *system)
 {
     for (size_t c = 0; c < system->contact_count; c++) {
@@ -372,7 +372,7 @@ aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
 
 /* ---------------------------------------------------------------------------------- free motion */
 
-/* Whether a body is rigid: its free motion is a polynomial, so that one search covers it to the end of the run. */
+/* True if a body is rigid: its free motion is a polynomial, so that one search covers it to the end of the run. */
 static int is_simple(const aoi_modes *body) { return body->n == 1 && body->omega[0] == 0.0; }
 
 /* Finds when the bodies of a watched contact touch, up to limit, on copies of their states. */
@@ -604,7 +604,7 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
     return AOI_OK;
 }
 
-/* Whether a law written by the caller has returned NaN. */
+/* True if a law written by the caller has returned NaN. */
 static int law_fails(aoi_adaptive *run)
 {
     for (size_t c = 0; c < run->system->contact_count; c++) {

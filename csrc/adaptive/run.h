@@ -18,7 +18,7 @@
 /* Lengths of a step whose tables a body keeps. */
 enum { AOI_TABLES = 12 };
 
-/* What a body does in a step, the larger prevails: free motion, a contact that is watched, a force. */
+/* Part of a body in a step, of which the larger prevails: free motion, a contact that is watched, a force. */
 enum aoi_part { AOI_FREE_MOTION = 0, AOI_WATCHED, AOI_UNDER_FORCE };
 
 /* State of a body in a run: the time at which x, v hold, and the tables of the last step lengths. */
@@ -182,7 +182,7 @@ size_t aoi_balance_size(size_t count, size_t span);
 /* Empties the lists of the step's bodies and contacts; its open contacts are watched again. */
 void aoi_step_release(aoi_adaptive *run);
 
-/* Whether an event that long after the start of a step of length h counts as one at its start. */
+/* True if an event that long after the start of a step of length h counts as one at its start. */
 int aoi_is_at_start(const aoi_adaptive *run, double after, double h);
 
 /* Computes a step of length h without accepting it; level as in aoi_adaptive, or AOI_NO_LEVEL. */
@@ -222,7 +222,7 @@ void aoi_balance_at_once(aoi_adaptive *run, int pull_off);
  * work on each of these contacts: sign is -1 before a sudden change, 1 after it. */
 double aoi_balance_book(aoi_adaptive *run, double sign);
 
-/* Whether one of the events up to a place in the step tried is a pull-off at a massless contact point: the contact
+/* True if one of the events up to a place in the step tried is a pull-off at a massless contact point: the contact
  * ends under tension, and the point jumps back. */
 int aoi_step_pulls_off(const aoi_adaptive *run, double place);
 

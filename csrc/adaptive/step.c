@@ -30,7 +30,7 @@ static int are_equal(const double *one, const double *other, size_t count)
     return one == other || (one && other && memcmp(one, other, count * sizeof *one) == 0);
 }
 
-/* Whether two bodies have the same response: scenes often use one model several times. */
+/* True if two bodies have the same response: scenes often use one model several times. */
 static int are_alike(const aoi_adaptive *run, size_t first, size_t second)
 {
     const aoi_modes *one = &run->system->body[first], *other = &run->system->body[second];
@@ -177,7 +177,7 @@ static void guess_slide(const aoi_adaptive_contact *contact, double h, double us
     entry->scale = fmax(fmax(largest, stretch * contact->indentation_scale), NEWTON_SHARE * usual);
 }
 
-/* Whether a step of length h begins or ends at an edge of a contact. */
+/* True if a step of length h begins or ends at an edge of a contact. */
 static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];

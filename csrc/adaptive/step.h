@@ -42,7 +42,7 @@ static inline double aoi_step_force(const aoi_contact_step *entry)
     return aoi_nodes_largest(0.0, entry->force);
 }
 
-/* Whether the step's largest force, at a node or beside it, may be the contact's largest so far. */
+/* True if the step's largest force, at a node or beside it, may be the contact's largest so far. */
 static inline int aoi_step_may_peak(const aoi_adaptive_contact *contact, const aoi_contact_step *entry)
 {
     return aoi_step_force(entry) >= NEAR_PEAK * contact->peak_force;
@@ -64,7 +64,7 @@ static inline void aoi_step_law_at_end(const aoi_law *law, const aoi_contact_ste
     aoi_law_force(law, entry->memory, entry->piece, entry->indentation[end], entry->rate[end], value);
 }
 
-/* Whether a residual compliance lies between the bodies of a contact: its velocity changes at once where
+/* True if a residual compliance lies between the bodies of a contact: its velocity changes at once where
  * the force begins or ends. */
 static inline int aoi_contact_has_residual(const aoi_adaptive *run, size_t c)
 {
@@ -72,7 +72,7 @@ static inline int aoi_contact_has_residual(const aoi_adaptive *run, size_t c)
     return run->system->body[body[0]].residual != NULL || run->system->body[body[1]].residual != NULL;
 }
 
-/* Whether work is done on a body, or lost in it, besides that of contacts. */
+/* True if work is done on a body, or lost in it, besides that of contacts. */
 static inline int aoi_body_has_ledger(const aoi_modes *body)
 {
     return body->gravity || body->decay || body->load.count > 0;

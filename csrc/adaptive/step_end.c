@@ -113,7 +113,7 @@ static double deepest(const aoi_law *law, const aoi_contact_step *entry)
     return between ? fmax(at_nodes, value) : at_nodes;
 }
 
-/* Whether all forces at the nodes are within the range for which the law is defined (aoi_law_stands). */
+/* True if all forces at the nodes are within the range for which the law is defined (aoi_law_stands). */
 static int stands(const aoi_law *law, const aoi_contact_step *entry)
 {
     int all = 1;
@@ -247,7 +247,7 @@ static void apply_event(aoi_adaptive *run, size_t c, double now)
     }
 }
 
-/* Whether an event at the start of a step results from the error of its polynomial: a contact that opens just after it
+/* True if an event at the start of a step results from the error of its polynomial: a contact that opens just after it
  * has closed, or leaves its piece at the end from which it moves away. */
 static int goes_back(const aoi_adaptive_contact *contact)
 {

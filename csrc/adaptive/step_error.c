@@ -1,4 +1,4 @@
-/* Whether a step meets the tolerance, and how long the next may be.
+/* The errors of a step as shares of the tolerance, and the length of the next step.
  *
  * Two errors are kept below rtol in each step. The tail of the indentation's Legendre series measures how well the
  * polynomial follows the motion within the step, hence the peak. The integrated defect of the force between the nodes
@@ -42,7 +42,7 @@ static const double BLIND_GROWTH = 2.0;
  * 1.3 % more work, 4.2 costs 0.3 %. */
 static const double EDGE_REACH = 1.4;
 
-/* Where the rate of friction has a kink in a step its impulse errs by this power of the length. */
+/* Order of the error of friction's impulse in the step's length where its rate has a kink. */
 static const double KINK_ORDER = 3.0;
 
 /* Above the ratio of the forces at the last two nodes where the force grows like t^(1/4) from the start, 0.986. */
@@ -102,7 +102,7 @@ static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry
            fabs(value.damping) * rate_tail(entry) * AOI_NODES / 3.0;
 }
 
-/* Whether a load on one of the two bodies has a kink or a jump now. */
+/* True if a load on one of the two bodies has a kink or a jump now. */
 static int load_bent(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     const aoi_contact *of = &run->system->contact[entry->contact];
@@ -122,7 +122,7 @@ static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
     return goes_on ? fabs(aoi_nodes_at_start(entry->force) - entry->start_force) : 0.0;
 }
 
-/* Whether the contact's largest force may lie inside the step. Otherwise the force's error is measured by its impulse
+/* True if the contact's largest force may lie inside the step. Otherwise the force's error is measured by its impulse
  * in the step: at a massless contact point a force may begin like t^(1/4), with a relative error that does not decrease
  * with the step length. */
 static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *entry, double wrong)
@@ -212,7 +212,7 @@ static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entr
 {
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, entry), scale / h);
-    /* Of a change within rounding the slopes at the nodes are up to their number squared over the step's length. */
+    /* Slopes at the nodes, of a change within rounding: up to their number squared over the step's length. */
     const double rounding = AOI_NODES * AOI_NODES * AOI_COLLOCATION_ROUNDING * entry->scale / h;
     const double unresolved = fmax(within, fmax(rate_tail(entry) - rounding, 0.0) / fmax(slow, DBL_MIN));
     const double growth = CAUTION * pow(unresolved, -1.0 / AOI_NODES);

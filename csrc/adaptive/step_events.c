@@ -20,7 +20,7 @@ static const double SKIP_SHARE = 0.1;
  * once counts as open. Measured and tried: from 0.003 to 0.03 no run changes. */
 static const double SHORTEST = 1e-2;
 
-/* Whether a function of time falls below zero in the step, and where. If it ends within the tolerance below zero, and
+/* True if a function of time falls below zero in the step; finds the place. If it ends within the tolerance below zero, and
  * was not lower before, the place is the end. Otherwise it is where the function is half the tolerance below zero. */
 static int falls_below(const double *values, double tolerance, double *place)
 {
@@ -50,7 +50,7 @@ static void falls(const double *values, double tolerance, int kind, aoi_adaptive
     }
 }
 
-/* Whether a minimum beside a node may lie below -depth: the node is a local minimum, and the rise to a neighbour
+/* True if a minimum beside a node may lie below -depth: the node is a local minimum, and the rise to a neighbour
  * exceeds its distance from that. */
 static int may_dip(const double *values, double depth)
 {
@@ -89,7 +89,7 @@ static void line_up(double start, const double *nodes, double factor, double shi
     }
 }
 
-/* Where the law's own force, which is cut at zero, changes its sign. */
+/* Events where the law's own force, which is cut at zero, changes its sign. */
 static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -134,7 +134,7 @@ static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adapti
     }
 }
 
-/* Whether a contact at a massless contact point has separated within rounding: in steps as short as the rest of the
+/* True if a contact at a massless contact point has separated within rounding: in steps as short as the rest of the
  * contact rates would be dominated by rounding. */
 static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, double rest, double tolerance)
 {
@@ -145,7 +145,7 @@ static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, doubl
            fmax(fabs(entry->start_force), aoi_step_force(entry)) <= least;
 }
 
-/* Whether a contact that has just touched at a massless contact point opens at once, since other contacts move that
+/* True if a contact that has just touched at a massless contact point opens at once, since other contacts move that
  * point away. Only the shortest steps decide this. reach: the approach in the step, m. */
 static int is_none(const aoi_adaptive *run, const aoi_contact_step *entry, double reach, double scale)
 {

@@ -4,7 +4,7 @@
 
 static const size_t NOWHERE = (size_t)-1;
 
-/* Whether one contact precedes another in a heap; at equal times the lower number does. */
+/* True if one contact precedes another in a heap; at equal times the lower number does. */
 static int comes_first(const aoi_adaptive *run, size_t one, size_t other)
 {
     const double time = run->contact[one].free_until, its = run->contact[other].free_until;

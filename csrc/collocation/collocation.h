@@ -42,7 +42,7 @@ typedef struct aoi_contact_step {
  * are at most span places apart. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
-/* Whether rates are needed: a law of these contacts depends on them, or on their change of sign. */
+/* True if rates are needed: a law of these contacts depends on them, or on their change of sign. */
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 
 /* Solves F = law(indentation, rate), and friction, of all contacts together by Newton's method, to rounding of each one's

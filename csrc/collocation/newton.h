@@ -29,7 +29,7 @@ static inline aoi_newton aoi_newton_begin(void) { return (aoi_newton){0, 1, HUGE
 /* Notes a change of the indentation, relative to its scale. Returns whether the iteration has converged. */
 int aoi_newton_done(aoi_newton *newton, double change);
 
-/* Whether the iteration can still converge. */
+/* True if the iteration can still converge. */
 int aoi_newton_goes_on(const aoi_newton *newton, double change);
 
 /* Evaluates the law at the nodes, or at the points of an edge. */

@@ -98,7 +98,7 @@ double aoi_sparse_quadratic(const aoi_sparse *matrix, const double *x)
     return sum;
 }
 
-/* Whether column j has the rows of column j+1, and j+1 itself. */
+/* True if column j has the rows of column j+1, and j+1 itself. */
 static int continues(const int32_t *start, const int32_t *rows, size_t j)
 {
     const int32_t begin = start[j], middle = start[j + 1];
@@ -140,7 +140,7 @@ static int panels_are_sound(const aoi_factors *factors)
     return 1;
 }
 
-/* Whether each row has a place of its own. */
+/* True if each row has a place of its own. */
 static int places_are_sound(const aoi_factors *factors)
 {
     double *taken = factors->work;
@@ -254,7 +254,7 @@ static void strip_up(const strip *cut, const double *x, double *sum)
 /* Entries between two calls of pause. */
 enum { UNASKED = 1 << 20 };
 
-/* Whether pause, called once in that many entries, ends the solution; entries: of a panel. */
+/* True if pause, called once in that many entries, ends the solution; entries: of a panel. */
 static int stops(const aoi_factors *factors, size_t p, int64_t *left)
 {
     *left -= factors->start[factors->panel[p + 1]] - factors->start[factors->panel[p]] + 1;

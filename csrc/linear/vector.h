@@ -10,7 +10,7 @@ double aoi_vector_dot(size_t n, const double *x, const double *y);
 /* y += factor x, n doubles, not overlapping. */
 void aoi_vector_add(size_t n, double factor, const double *x, double *y);
 
-/* Whether none of n doubles is infinite or NaN. */
+/* True if none of n doubles is infinite or NaN. */
 int aoi_vector_is_finite(size_t n, const double *x);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include "aoimpact.h"
 
-/* Whether the caller wants a long computation to end. */
+/* True if the caller wants a long computation to end. */
 static inline int aoi_work_stops(const aoi_pause *pause)
 {
     return pause && pause->ask && pause->ask(pause->data) != 0;

@@ -4,13 +4,13 @@
 
 #include "aoimpact.h"
 
-/* Where a time lies between two of a load's: the forces of both, the same where the load is constant. */
+/* The two times of a load between which a time lies, and their forces: the same where the load is constant. */
 typedef struct aoi_load_span {
     const double *here, *next;
     double into, length;
 } aoi_load_span;
 
-/* Of a load on so many ports, with count > 0; just after the time where the load jumps. */
+/* The span of a load on so many ports, with count > 0; just after the time where the load jumps. */
 aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
 
 /* The first time after a time at which it bends; infinite where there is none. */
@@ -19,7 +19,7 @@ double aoi_load_next_bend(const aoi_load *load, double time);
 /* The one that comes after so many others. */
 double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped);
 
-/* Whether times ascend (equal neighbours may be) and all numbers are finite. */
+/* True if times ascend (equal neighbours may be) and all numbers are finite. */
 int aoi_load_is_sound(const aoi_load *load, size_t ports);
 
 #endif

@@ -9,7 +9,7 @@ static inline double aoi_modes_inertia(const aoi_modes *body, size_t j)
     return body->inertia ? body->inertia[j] : 1.0;
 }
 
-/* Whether forces move any mode of a body: a wall's they do not. */
+/* True if forces move any mode of a body: a wall's they do not. */
 static inline int aoi_modes_can_move(const aoi_modes *body)
 {
     for (size_t k = 0; k < body->ports * body->n; k++) {

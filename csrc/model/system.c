@@ -26,7 +26,7 @@ static int none_negative(const double *values, size_t count)
     return 1;
 }
 
-/* Whether forces do no negative work on a residual compliance: of a port, and of each pair. */
+/* True if forces do no negative work on a residual compliance: of a port, and of each pair. */
 static int residual_is_sound(const double *residual, size_t ports)
 {
     for (size_t p = 0; residual && p < ports; p++) {
@@ -42,7 +42,7 @@ static int residual_is_sound(const double *residual, size_t ports)
     return 1;
 }
 
-/* Whether frequencies ascend from 0; equal neighbours may be. */
+/* True if frequencies ascend from 0; equal neighbours may be. */
 static int ascending(const double *values, size_t count)
 {
     double least = 0.0;
@@ -55,7 +55,7 @@ static int ascending(const double *values, size_t count)
     return 1;
 }
 
-/* Whether the description of a body by its modes, or by its matrices, can be used. */
+/* True if the description of a body by its modes, or by its matrices, can be used. */
 static int kind_is_sound(const aoi_modes *body)
 {
     const aoi_full *full = body->full;
@@ -98,7 +98,7 @@ static int contact_is_sound(const aoi_system *system, const aoi_contact *contact
            (!contact->compliance || contact->compliance[0] == contact->law->compliance);
 }
 
-/* Whether a force on a port moves it: that of a wall it does not. */
+/* True if a force on a port moves it: that of a wall it does not. */
 static int port_can_move(const aoi_modes *body, size_t port)
 {
     const double *shape = body->shape + port * body->n, *push = body->push + port * body->n;

@@ -43,7 +43,7 @@ static void turn(const aoi_even_lanes *of, double off, double *x, double *v)
     memcpy(v, speed, sizeof speed);
 }
 
-/* Whether the state follows from that of the time before, which lies in the same free motion. */
+/* True if the state follows from that of the time before, which lies in the same free motion. */
 static int follows(aoi_even *even, const aoi_modes *body, double spacing)
 {
     if (!(fabs(spacing - even->spacing) <= NEARLY_EVEN * spacing)) {

@@ -248,7 +248,7 @@ static double stop_of(const aoi_free_pair *pair, double limit)
     return fmin(bend, limit);
 }
 
-/* Whether bodies at touch are about to be pressed together. */
+/* True if bodies at touch are about to be pressed together. */
 static int closes(const aoi_free_pair *pair, double rate, double acceleration)
 {
     if (rate != 0.0 || acceleration != 0.0) {

@@ -50,7 +50,7 @@ static double decay_of(const aoi_modes *body, size_t j)
     return body->decay ? body->decay[j] : 0.0;
 }
 
-/* Whether the series serves a mode up to a node: it is the more exact of the two there. */
+/* True if the series serves a mode up to a node: it is the more exact of the two there. */
 static int is_slow(const aoi_modes *body, size_t j, double h, size_t node)
 {
     return body->omega[j] * (h * aoi_radau_node[node]) <= SERIES_LIMIT && decay_of(body, j) == 0.0;

@@ -3,7 +3,7 @@
 
 enum { FREE = -1 };
 
-/* Whether node i and all its neighbours are free. */
+/* True if node i and all its neighbours are free. */
 static int surrounded_by_free(const int32_t *start, const int32_t *indices,
                               const int32_t *aggregate, size_t i)
 {

@@ -38,7 +38,7 @@ typedef struct aoi_stepped {
     double centre_rate, centre_a, centre_reached;
 } aoi_stepped;
 
-/* What distinguishes bodies in modes and in finite elements. */
+/* The functions that differ between bodies in modes and in finite elements. */
 typedef struct aoi_stepped_kind {
     int (*prepare)(aoi_stepped *body);               /* gain, own, whether before is there              */
     int (*begin)(aoi_stepped *body);                 /* a of the state, under forces free_a on x        */

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/* Of each mode, over that factor of a': omega^2, 2 decay, gravity. */
+/* omega^2, 2 decay and gravity of each mode, over that factor of a'. */
 enum { STIFFNESS, DRAG, DRIVE };
 
 /* Of every body. */

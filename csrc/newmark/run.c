@@ -444,7 +444,7 @@ static void start_push(aoi_newmark *run, const aoi_start *start, const double *s
     }
 }
 
-/* Whether a body rests deflected by forces that are not given: only an adaptive run finds them. */
+/* True if a body rests deflected by forces that are not given: only an adaptive run finds them. */
 static int rests_deflected(const aoi_system *system, const aoi_start *start)
 {
     size_t residuals = 0;

@@ -111,8 +111,8 @@ void take_sparse(call *of, PyObject *tuple, size_t *n, aoi_sparse *matrix);
 /* (start, rows, values, pivots, place, panel); factors->work is there already. */
 void take_factors(call *of, PyObject *tuple, size_t n, aoi_factors *factors);
 
-/* What the tuple of a body holds, in this order; None for what there is not. Python makes it by these names, which it
- * has from _core.MODES. */
+/* Entries of the tuple of a body, in this order; None where the body has none. Python takes the names from
+ * _core.MODES. */
 #define MODES_PARTS(X)                                                                             \
     X(centre) X(shape) X(push) X(omega) X(decay) X(residual) X(gravity) X(inertia)                 \
     X(centre_residual) X(load_time) X(load_force) X(full)

@@ -6,7 +6,7 @@
 
 static const char PATTERN[] = "aoimpact pattern of blocks";
 
-/* What has been checked once, for all calls, of which each reads the matrix once. */
+/* A matrix's pattern, checked once for all calls, each of which reads the matrix once. */
 typedef struct pattern {
     call of; /* holds the buffers */
     aoi_blocks matrix;

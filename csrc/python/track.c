@@ -102,7 +102,7 @@ static PyObject *bytes_of(const void *record, size_t size)
     return bytes;
 }
 
-/* What a capsule holds; NULL where it is none. */
+/* The content of a capsule; NULL for another object. */
 static const kept_track *held(call *of, PyObject *capsule)
 {
     const kept_track *kept = of->status == AOI_OK ? PyCapsule_GetPointer(capsule, NAME) : NULL;
@@ -121,7 +121,7 @@ PyObject *track_bytes(PyObject *args)
     return Py_BuildValue("NN", values, places);
 }
 
-/* Of each row when it starts, how long it lasts, s, and how many contacts it holds, as bytes of doubles. */
+/* The start and length of each row, s, and its number of contacts, as bytes of doubles. */
 PyObject *track_rows(PyObject *args)
 {
     call of = {.status = AOI_OK};
@@ -145,7 +145,7 @@ PyObject *track_rows(PyObject *args)
 
 /* ------------------------------------------------------------------------------ dense output */
 
-/* What is read at each of many times; of a body, its state. */
+/* The values read at each of many times; for a body, its state. */
 typedef struct reading {
     const kept_track *kept;
     aoi_sampler *sampler;

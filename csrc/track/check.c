@@ -1,4 +1,4 @@
-/* Whether a track that does not come from a run of this process can be read. */
+/* True if a track that does not come from a run of this process can be read. */
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
 #include "model/system.h"
@@ -16,7 +16,7 @@ static int number_below(double value, size_t limit, size_t *number)
     return (double)*number == value;
 }
 
-/* Whether a contact of a row can be read. */
+/* True if a contact of a row can be read. */
 static int contact_is_sound(const aoi_system *system, const double *of)
 {
     size_t c, edge, piece;

@@ -16,13 +16,25 @@ from aoimpact.base.errors import InputError
 from aoimpact.fem.shells import (
     element_mass,
     element_stiffness,
-    in_global_axes,
     nodal_normals,
     nodal_strains,
     strain_rows,
 )
 
 FloatArray = npt.NDArray[np.float64]
+
+# Rows and columns of a tensor by the package's order of its components.
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+
+
+def in_global_axes(components: FloatArray, frames: FloatArray) -> FloatArray:
+    """Stresses (n, ..., 6) in elements' axes, xx, yy, zz, xy, yz, xz, in the body's axes."""
+    own = np.zeros((*components.shape[:-1], 3, 3))
+    for value, (i, j) in zip(np.moveaxis(components, -1, 0), PAIRS, strict=True):
+        own[..., i, j] = own[..., j, i] = value
+    global_ = np.einsum("nai,n...ab,nbj->n...ij", frames, own, frames, optimize=True)
+    return np.stack([global_[..., i, j] for i, j in PAIRS], axis=-1)
+
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 KINDS = pytest.mark.parametrize("kind", ["quad", "triangle"])
