@@ -250,7 +250,7 @@ class AccelerationAt(Sensor):
 
     @property
     def memory(self) -> float:  # type: ignore[override]
-        """By how much longer than the impact a record is, s.
+        """Length of a record beyond that of the impact, s.
 
         :meta private:
         """

@@ -129,7 +129,7 @@ def _methods(value: Any) -> Iterator[types.FunctionType]:
 
 
 def _of_function(function: types.FunctionType) -> tuple[Any, ...]:
-    """Its code, and the data and functions of its own module that it looks up there."""
+    """Code of a function, and the data and functions of its module that it looks up."""
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     looked_up = {
         name: found

@@ -480,7 +480,7 @@ class ContactPoint(Frozen):
 
     @property
     def _couples(self) -> FloatArray:
-        """Those on the nodes of a shell or beam for a unit contact force, m, shape (n_nodes, 3)."""
+        """Couples on nodes of a shell or beam for a unit contact force, m, shape (n_nodes, 3)."""
         assert self.body.nodes is not None
         assert self.body.free is not None
         full = np.zeros((2, len(self.body.nodes), 3))
@@ -512,7 +512,7 @@ class ContactPoint(Frozen):
 
     @property
     def name(self) -> str:
-        """The body's."""
+        """Name of the body."""
         return self.body.name
 
 

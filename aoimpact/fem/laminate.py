@@ -241,7 +241,7 @@ class Layers:
 
     @property
     def stations(self) -> tuple[tuple[int, str], ...]:
-        """Where stress is given: number of the ply, and "bottom" or "top" of it."""
+        """Places at which stress is given: number of the ply, and its "bottom" or "top"."""
         return tuple(
             (number, side) for number in range(len(self.plies)) for side in ("bottom", "top")
         )
@@ -338,7 +338,7 @@ class Shell(Layers):
 
     @property
     def stations(self) -> tuple[tuple[int, str], ...]:
-        """Where stress is given: the bottom, the middle and the top."""
+        """Places at which stress is given: the bottom, the middle and the top."""
         return ((0, "bottom"), (0, "middle"), (0, "top"))
 
 

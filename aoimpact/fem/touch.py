@@ -1,4 +1,4 @@
-"""Where and how a meshed body is touched: at a point of its surface, or over a patch about it."""
+"""Place of a contact on a meshed body: a point of its surface, or a patch about it."""
 
 from __future__ import annotations
 

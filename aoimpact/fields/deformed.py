@@ -84,7 +84,7 @@ def plot_deformed(
 
 
 def _largest(values: FloatArray, faces: list[IntArray], mesh: Mesh) -> str:
-    """Where the largest of the faces' values is, as it may lie on a side that is not seen."""
+    """Place of the largest of the faces' values, which may lie on a side that is not seen."""
     unit = scale_for(mesh.size, "m")
     place = unit.factor * mesh.nodes[faces[int(np.argmax(values))]].mean(axis=0) + 0.0
     return f"largest near\n({', '.join(f'{x:.3g}' for x in place)}) {unit.unit}"

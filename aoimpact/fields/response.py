@@ -154,7 +154,7 @@ def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.cs
 
 
 class _At(NamedTuple):
-    """Where and along which axes a motion is measured; see `Response.motion_at`."""
+    """Places and axes of a measured motion; see `Response.motion_at`."""
 
     places: FloatArray
     axes: FloatArray
@@ -233,7 +233,7 @@ class Response:
         follows: Callable[[], bool],
         layer: Layer,
     ) -> Probe:
-        """See `BodyResult.probe`; follows: whether displacements are known to be right."""
+        """See `BodyResult.probe`; follows() is true if displacements are known to be right."""
         wanted = self._times(times)
         places, weights = self._places(point, nodes)
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]

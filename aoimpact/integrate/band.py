@@ -1,4 +1,4 @@
-"""In which order contacts are solved: those that share a body close to each other.
+"""Order in which contacts are solved: those that share a body close to each other.
 
 The core eliminates within a band as wide as contacts that share a body are apart, at a cost that
 grows with its square.

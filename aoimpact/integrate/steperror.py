@@ -235,7 +235,7 @@ def _relaxes(plan: Plan, body: int) -> bool:
 def _beyond_ends(
     t: FloatArray, at_steps: FloatArray, times: FloatArray, acting: FloatArray, relaxes: bool
 ) -> float:
-    """By how much a load within a step goes beyond what it is at the step's ends, N.
+    """Excess of a load within a step over its values at the step's ends, N.
 
     If what it does to a contact fades, a jump between the ends is missed as a pulse is.
     """
@@ -248,7 +248,7 @@ def _beyond_ends(
 
 
 def _missed_forces(plan: Plan, fine: Record, coarse: Record) -> FloatArray:
-    """By how much each contact's force may be larger between steps than at any, N.
+    """Largest excess of each contact's force between steps over that at any step, N.
 
     Between steps the indentation rises as the parabola through three of them does, and is off by no
     more than it changes with twice the step. A load displaces a mode by r f / ω², and makes it

@@ -82,7 +82,7 @@ class _Yielding(HertzianLaw):
 
     @property
     def plastic_indentation(self) -> float:
-        """From which on the force is a straight line, m."""
+        """Indentation from which on the force is a straight line, m."""
         return self.yield_indentation
 
     def yield_velocity(self, mass: float) -> float:

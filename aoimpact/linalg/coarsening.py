@@ -1,4 +1,4 @@
-"""From one level of multigrid to the next: the prolongations."""
+"""Prolongations from one level of multigrid to the next."""
 
 from __future__ import annotations
 

@@ -35,18 +35,15 @@ class Inverse:
     precondition : callable or None
         About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates.
     at : callable or None
-        s² ↦ the inverse at another shift, for less than setting up another one. There are factors
-        for one shift at a time: do not alternate.
-    below : callable or None
-        s² ↦ the inverse at a smaller shift, for much less than setting up another one. Both remain
-        usable.
+        s² ↦ the inverse at another shift, for less than setting up another one: at a smaller shift,
+        of a method that iterates, where both remain usable. Factors are for one shift at a time: do
+        not alternate.
     """
 
     solve: Solve
     iterate: Iterate | None = None
     precondition: Solve | None = None
     at: Callable[[float], Inverse] | None = None
-    below: Callable[[float], Inverse] | None = None
 
 
 @dataclass(frozen=True)

@@ -325,7 +325,7 @@ def _inverse(multigrid: Multigrid) -> Inverse:
     def below(s2: float) -> Inverse:
         return _inverse(multigrid.below(s2))
 
-    return Inverse(multigrid.solve, iterate, multigrid.precondition, below=below)
+    return Inverse(multigrid.solve, iterate, multigrid.precondition, at=below)
 
 
 def _entries(A: Any, affordable: float) -> float:

@@ -93,7 +93,7 @@ class Pencil:
 
     @property
     def what(self) -> str:
-        """Its name in messages."""
+        """Name of the matrix in messages."""
         return "K + s²M" if self.s2 else "the stiffness matrix"
 
     def matrix(self) -> Any:

@@ -89,18 +89,8 @@ class LinearSolver:
 
     @property
     def at(self) -> Callable[[float], LinearSolver] | None:
-        """s² ↦ the solver at another shift for less than a factorisation; see `Inverse.at`."""
-        return self._by(self.inverse.at)
-
-    @property
-    def below(self) -> Callable[[float], LinearSolver] | None:
-        """s² ↦ the solver at a smaller shift for much less than this one; see `Inverse.below`."""
-        return self._by(self.inverse.below)
-
-    def _by(
-        self, shift: Callable[[float], Inverse] | None
-    ) -> Callable[[float], LinearSolver] | None:
-        if shift is None:
+        """s² ↦ the solver at another shift for less than this one; see `Inverse.at`."""
+        if (shift := self.inverse.at) is None:
             return None
         return lambda s2: LinearSolver(self.name, self.pencil.at(s2), shift(s2), self.most)
 

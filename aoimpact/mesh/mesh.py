@@ -58,7 +58,7 @@ class Block(Frozen):
 
     @property
     def element(self) -> ReferenceElement:
-        """Its shape functions and quadrature."""
+        """Shape functions and quadrature of its kind."""
         return reference_element(self.kind)
 
     @property

@@ -255,7 +255,7 @@ def impact_table(study: SphereStudy) -> Table:
 
 
 def excesses(hit: Result, base: Result) -> tuple[float, float]:
-    """By how much peak force and duration exceed those of another run, %."""
+    """Excess of peak force and duration over those of another run, %."""
     force = hit.peak_force / base.peak_force
     duration = hit.contact_duration / base.contact_duration
     return 100.0 * (force - 1.0), 100.0 * (duration - 1.0)

@@ -61,7 +61,7 @@ class BodyModel(ABC):
     @property
     @abstractmethod
     def contact_points(self) -> tuple[ContactPoint, ...]:
-        """One for each port; none of a body given by numbers."""
+        """Contact points, one for each port; none of a body given by numbers."""
 
     @property
     @abstractmethod
@@ -393,7 +393,7 @@ class FiniteElementModel(BodyModel):
 
     @property
     def name(self) -> str:
-        """The body's."""
+        """Name of the body."""
         return self.body.name
 
     @property
@@ -403,7 +403,7 @@ class FiniteElementModel(BodyModel):
 
     @property
     def damping(self) -> Damping | None:
-        """The body's."""
+        """Damping of the body."""
         return self.body.damping
 
     @property

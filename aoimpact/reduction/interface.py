@@ -153,7 +153,7 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
 
     @cached_property
     def modal(self) -> ModalBody:
-        """Its modes.
+        """Modes of the body with its ports.
 
         Raises
         ------
@@ -186,7 +186,7 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
 
     @property
     def _rigid(self) -> RigidMotion | None:
-        """Its motion as a whole, where it is touched along tangents as well."""
+        """Rigid motion of the body, where it is touched along tangents as well."""
         if self.tips[0].tangents is None:
             return None
         functionals, momenta = whole_motion(self.body)

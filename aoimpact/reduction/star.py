@@ -733,7 +733,7 @@ class TurningBody(AOModel):
 
     @property
     def places(self) -> int:
-        """One: its contact coordinate is that of all.
+        """Number of places of contact: one, for all ports.
 
         :meta private:
         """

@@ -251,7 +251,7 @@ class Subspace:
             if left <= _REACHED:
                 return list(within)
         anew = partial(self.body.inverse, solver=self._solver)
-        invert = SolverBook(dynamic.below or dynamic.at or anew)
+        invert = SolverBook(dynamic.at or anew)
         found = []
         for place, load in enumerate(loads):
             # A rough solution depends on the shift that it was begun from: it is not shared.

@@ -1,4 +1,4 @@
-"""For how long forces may act on a model that was fitted to a contact time."""
+"""Durations for which forces may act on a model that was fitted to a contact time."""
 
 from __future__ import annotations
 

@@ -368,7 +368,7 @@ _EACH_PERIOD, _SAMPLES, _MOST_SAMPLES = 8, 121, 20_000
 
 
 class Limits(NamedTuple):
-    """Up to where a contact needs no warning.
+    """Limits up to which a contact needs no warning.
 
     Attributes
     ----------
@@ -426,7 +426,7 @@ def _rings(plan: Plan, contact: Contact) -> Iterator[float]:
 
 
 def _thicknesses(plan: Plan, contact: Contact) -> Iterator[float]:
-    """Those of the shells and of beams' walls at a contact, m."""
+    """Thicknesses of the shells and of beams' walls at a contact, m."""
     for body, port in contact.ports:
         tip = plan.bodies[body].touched_at(port)
         if tip is not None and tip.thin is not None:
@@ -435,7 +435,7 @@ def _thicknesses(plan: Plan, contact: Contact) -> Iterator[float]:
 
 @lru_cache
 def _limits_of_numbers(law: ContactLaw) -> Limits:
-    """Those of bodies given by numbers, of which nothing is known but the law."""
+    """Limits of bodies given by numbers, of which nothing is known but the law."""
     surface = round_contact(law, ())
     if surface is None:
         return _UNLIMITED

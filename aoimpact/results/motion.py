@@ -52,7 +52,7 @@ class BodyEnergy(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class Energy(Frozen):
-    """Where the energy is over time [J], (n,) arrays.
+    """Energies over time [J], (n,) arrays.
 
     Attributes
     ----------

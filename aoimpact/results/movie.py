@@ -81,7 +81,7 @@ def moving_bodies(hit: Result, times: FloatArray) -> tuple[list[MovingBody], Flo
 
 
 def _tip(model: BodyModel) -> Any:
-    """Where a body of finite elements is touched; None of one without a mesh."""
+    """Contact point of a body of finite elements; None of one without a mesh."""
     tip = model.touched_at()
     if tip is None or tip.point is None or tip.direction is None or tip.body.mesh is None:
         return None

@@ -318,7 +318,7 @@ def _absolute(run: Run, interest: Quantity, value: float, error: float | None) -
 
 
 def _when(run: Run) -> str:
-    """In which contact the force is off most, where there are several: mostly by when it begins."""
+    """Words for the contact with the largest error of force, where there are several."""
     when = run.error.worst_time
     several = len(run.events) == 1 and len(run.events[0].contacts) > 1
     if when is None or not several or (run.error.quantity or "force") != "force":

@@ -45,7 +45,7 @@ class ContactNetwork:
 
     @cached_property
     def first(self) -> tuple[int, ...]:
-        """Where each body's modes begin; and how many these are."""
+        """Number of the first mode of each body, and the number of all."""
         return tuple(itertools.accumulate((body.n for body in self.bodies), initial=0))
 
     @cached_property

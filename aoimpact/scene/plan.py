@@ -128,12 +128,12 @@ class Plan:
 
     @cached_property
     def first_modes(self) -> tuple[int, ...]:
-        """Where each body's modes begin among those of all; and how many these are."""
+        """Number of the first mode of each body among those of all, and the number of all."""
         return tuple(itertools.accumulate((body.n for body in self.modal), initial=0))
 
     @cached_property
     def layout(self) -> RecordLayout:
-        """Where the rows of a record stand."""
+        """Places of the rows of a record."""
         sliding = tuple(contact.friction is not None for contact in self.contacts)
         return RecordLayout(len(self.contacts), tuple(body.ports for body in self.bodies), sliding)
 

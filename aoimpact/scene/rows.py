@@ -73,7 +73,7 @@ _CONTACT, _BODY, _PORT, _SLIDING = 4, len(BodyRows._fields) - 2, 2, 8
 
 @dataclass(frozen=True)
 class RecordLayout:
-    """Where the rows of a record stand; what it returns are views of the record.
+    """Places of the rows of a record; it returns views of the record.
 
     Attributes
     ----------

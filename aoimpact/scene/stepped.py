@@ -64,7 +64,7 @@ class SteppedBody:
 
     @property
     def equations(self) -> Equations:
-        """Its equations of motion, for any method."""
+        """Equations of motion, for any method."""
         K, M, C = self._matrices
         columns = np.transpose(self.parts["push"])
         gravity = self.parts.get("gravity")
