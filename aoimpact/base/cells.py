@@ -56,6 +56,6 @@ def write_csv(path: Any, heading: Iterable[str], rows: Iterable[Iterable[Any]]) 
         written_file(path) as given,
         open(given, "w", newline="", encoding="utf-8") as file,
     ):
-        writer = csv.writer(file)
+        writer = csv.writer(file, lineterminator="\n")
         writer.writerow(heading)
         writer.writerows(rows)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import os
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..accuracy import keeper
-from ..base import writable_folder
+from ..base import writable_folder, write_csv
 from ..batch import SweepTable
 from ..results import Result, Run
 from ..scenefile import SceneFile
@@ -49,10 +48,7 @@ def _probes(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
         return []
     file = folder / "probes.csv"
     columns = {"time [s]": result.t, **found}
-    with file.open("w", newline="", encoding="utf-8") as text:
-        table = csv.writer(text, lineterminator="\n")
-        table.writerow(columns)
-        table.writerows(np.column_stack(list(columns.values())).tolist())
+    write_csv(file, columns, np.column_stack(list(columns.values())).tolist())
     return [file]
 
 
