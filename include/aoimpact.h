@@ -657,6 +657,18 @@ typedef struct aoi_interval {
 AOI_API size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, double end,
                                    aoi_interval *work, size_t capacity, aoi_interval *interval);
 
+/* From a time on, s, all springs of a contact slip, or some stick: up to the next such of the contact, or its end. */
+typedef struct aoi_slip {
+    size_t contact;
+    double time;
+    int slips;
+} aoi_slip;
+
+/* Slip of the contacts with friction of a track, by time: one at the start of each row, which may say what the one before
+ * has said, and one at each change, as exact as the motion. Writes the first `capacity` of them, and returns how many
+ * there are. */
+AOI_API size_t aoi_track_slips(const aoi_system *system, const aoi_track *track, size_t capacity, aoi_slip *slip);
+
 #ifdef __cplusplus
 }
 #endif

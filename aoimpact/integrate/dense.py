@@ -68,6 +68,11 @@ class Track:
         start, length, contacts = np.frombuffer(_core.track_rows(self._handle)).reshape(-1, 3).T
         return start, length, contacts
 
+    @cached_property
+    def slips(self) -> FloatArray:
+        """Contact, time, s, and 1 where all of it slips from then on, or 0, shape (k, 3)."""
+        return np.frombuffer(_core.track_slips(self._handle)).reshape(-1, 3)
+
     def record(self, times: FloatArray, rows: int, energies: bool) -> FloatArray:
         """Return the record at ascending times, s, shape (rows, times)."""
         record = np.zeros((rows, len(times)))
@@ -268,17 +273,26 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     found = [_Found(*of) for of in intervals]
     if len(found) > 1:
         found = [_pressed(contact) for contact in found]
+    record = Track(bodies, contacts, track)
+    places = range(len(found)) if order is None else np.argsort(order).tolist()
+    slips = [
+        None if contact.friction is None else _slips(record, of, at)
+        for contact, of, at in zip(plan.contacts, found, places, strict=True)
+    ]
     return DenseRecorder(
         plan=plan,
         rtol=rtol,
         order=order,
         events=tuple(
-            [Events(of.peak_force, of.peak_time, tuple(of.intervals), of.impulse) for of in found]
+            [
+                Events(of.peak_force, of.peak_time, tuple(of.intervals), of.impulse, slip)
+                for of, slip in zip(found, slips, strict=True)
+            ]
         ),
         touches=tuple([[Touch(*touch) for touch in of.touches] for of in found]),
         steps=steps,
         rejected=rejected,
-        track=Track(bodies, contacts, track),
+        track=record,
         x=x,
         v=v,
         seconds=perf_counter() - began,
@@ -300,6 +314,20 @@ def _pressed(contact: _Found) -> _Found:
     return contact._replace(
         intervals=[contact.intervals[i] for i in felt], touches=[contact.touches[i] for i in felt]
     )
+
+
+def _slips(track: Track, of: _Found, contact: int) -> tuple[tuple[float, float], ...]:
+    """The intervals in which all of a contact slips, by its number in the core."""
+    _, times, slips = track.slips[track.slips[:, 0] == contact].T
+    ends = np.append(times[1:], np.inf)
+    found: list[tuple[float, float]] = []
+    for start, end in of.intervals:
+        spans = np.clip(np.stack([times, ends], axis=1)[slips > 0.0], start, end)
+        for first, last in spans[spans[:, 1] > spans[:, 0]].tolist():
+            if found and found[-1][1] == first > start:  # from one row to the next
+                first = found.pop()[0]
+            found.append((first, last))
+    return tuple(found)
 
 
 def _order(plan: Plan) -> IntArray | None:

@@ -36,12 +36,16 @@ class Events(NamedTuple):
         the record does.
     impulse : float
         Integral of the force over the record [N s].
+    slips : tuple of (float, float), or None
+        Start and end [s] of every interval in which all of the contact slips; None of a contact
+        without friction, or of coefficient 0.
     """
 
     peak_force: float
     peak_time: float
     contacts: tuple[tuple[float, float], ...]
     impulse: float
+    slips: tuple[tuple[float, float], ...] | None = None
 
     @property
     def contact_duration(self) -> float:
@@ -143,6 +147,55 @@ def find_contacts(
     if closed[-1]:
         ends.append(float(t[-1]))
     return tuple(zip(starts, ends, strict=True))
+
+
+def find_slips(
+    t: FloatArray,
+    contacts: tuple[tuple[float, float], ...],
+    stuck: FloatArray,
+    ahead: FloatArray,
+) -> tuple[tuple[float, float], ...]:
+    """Return start and end of every interval in which all of a contact slips, within `contacts`.
+
+    Where slip of all begins, the share that sticks goes to zero as before, on a straight line.
+    Where it ends, `ahead` goes through zero.
+
+    Parameters
+    ----------
+    t : (n,) array
+        Times, increasing [s].
+    contacts : tuple of (float, float)
+    stuck : (n,) array
+        Share of the contact within which it sticks.
+    ahead : (n,) array
+        Rate of the slide along friction less that of the largest stretch before slip, μ/(G*/E*)
+        times that of the indentation [m/s].
+    """
+    found: list[tuple[float, float]] = []
+    for start, end in contacts:
+        within = np.flatnonzero((t > start) & (t < end))
+        slips = stuck[within] <= 0.0
+        turns = [start] if len(within) and slips[0] else []
+        for i in within[1:][slips[1:] != slips[:-1]].tolist():
+            if stuck[i] <= 0.0:
+                turns.append(_drawn_on(t, stuck, i))
+            else:
+                before, after = float(ahead[i - 1]), float(ahead[i])
+                share = before / (before - after) if after < before else 0.0  # < 0 by the steps
+                step = float(t[i] - t[i - 1])
+                turns.append(float(t[i - 1]) + step * max(-1.0, min(share, 1.0)))
+        turns += [end] if len(turns) % 2 else []
+        found += [(a, b) for a, b in zip(turns[::2], turns[1::2], strict=True) if b > a]
+    return tuple(found)
+
+
+def _drawn_on(t: FloatArray, values: FloatArray, i: int) -> float:
+    """Where in [t_(i-1), t_i] values before it reach zero, on a straight line."""
+    before, last = float(values[i - 2]) if i > 1 else 0.0, float(values[i - 1])
+    if last >= before:
+        return float(t[i])
+    step = float(t[i - 1] - t[i - 2]) * last / (before - last)
+    return float(min(t[i - 1] + step, t[i]))
 
 
 def find_impulse(t: FloatArray, force: FloatArray) -> float:

@@ -13,7 +13,7 @@ from ..base import ConvergenceError, FloatArray, InputError, NotFiniteError, war
 from ..laws import ContactLaw, check_width
 from ..reduction import AOModel
 from ..scene import Plan, coordinates
-from .events import Events, find_events
+from .events import Events, find_events, find_slips
 from .motion import ForcedMotion
 from .newmark import Newmark, Record, Start, newmark_run, steps_of
 from .steperror import StepError, time_error
@@ -104,8 +104,19 @@ class SteppedRecorder:
         found = []
         for number, contact in enumerate(self.plan.contacts):
             of = layout.contact(rows, number)
-            one, other = (layout.body(rows, i).port_velocities[port] for i, port in contact.ports)
-            found.append(find_events(self.times, of.force, of.indentation, one - other))
+            one, other = (
+                layout.body(rows, i).port_velocities[port : port + contact.size]
+                for i, port in contact.ports
+            )
+            rate, *slide = one - other
+            events = find_events(self.times, of.force, of.indentation, rate)
+            if contact.friction is not None and of.stuck is not None and of.tangential is not None:
+                mu, ratio, _ = contact.friction
+                size = np.maximum(np.linalg.norm(of.tangential, axis=0), np.finfo(float).tiny)
+                ahead = (of.tangential * slide).sum(axis=0) / size - mu / ratio * rate
+                slips = find_slips(self.times, events.contacts, of.stuck, ahead)
+                events = events._replace(slips=slips)
+            found.append(events)
         return tuple(found)
 
     def motion(self, body: int) -> ForcedMotion:

@@ -516,7 +516,6 @@ class ContactResult(Frozen, Eventful):
     dissipated: FloatArray | None
     events: Events
     law: ContactLaw
-    _times: FloatArray = field(repr=False)
     _acting: ContactLaw = field(repr=False)
     friction_force: FloatArray | None = None
     stuck: FloatArray | None = None
@@ -526,27 +525,27 @@ class ContactResult(Frozen, Eventful):
     def slip_intervals(self) -> list[tuple[float, float]]:
         """Start and end [s] of every interval in which all of the contact slips.
 
-        With `stick_intervals` they make up `intervals`. From stick to slip and back they are as
-        exact as the times of the record are close.
+        One begins with the contact, or where the last point that sticks begins to slip: its centre,
+        as a rule. It ends with the contact, or where the first point ceases to slip: there the
+        force of friction no longer changes as fast as its bound μF. Both are located to the error
+        of the motion, whatever the times of the record; with fixed steps they are interpolated
+        between these.
         """
-        return self._where(slips=True)
+        if self.stuck is None:
+            return []
+        return list(self.intervals if self.events.slips is None else self.events.slips)
 
     @property
     def stick_intervals(self) -> list[tuple[float, float]]:
-        """Start and end [s] of every interval in which it sticks, at least in its middle."""
-        return self._where(slips=False)
+        """Start and end [s] of every interval in which it sticks, at least in one point.
 
-    def _where(self, *, slips: bool) -> list[tuple[float, float]]:
+        With `slip_intervals` they make up `intervals`.
+        """
         found: list[tuple[float, float]] = []
         for start, end in self.intervals if self.stuck is not None else ():
-            within = np.flatnonzero((self._times > start) & (self._times < end))
-            if not len(within):
-                continue
-            assert self.stuck is not None
-            times = self._times[within]
-            change = np.diff((self.stuck[within] <= 0.0) == slips, prepend=False, append=False)
-            turns = np.concatenate([[start], times[1:], [end]])[change]
-            found += zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True)
+            slips = [span for span in self.slip_intervals if start <= span[0] < end]
+            ends = [start, *(time for span in slips for time in span), end]
+            found += [(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True) if b > a]
         return found
 
     @property

@@ -379,7 +379,7 @@ class Run:
             name = self.contact_names[number]
             law = self.plan.contacts[number].law
             of_law = stored, taken, events, own_law(law)
-            given = name, rows.force, rows.indentation, *of_law, self.t, law
+            given = name, rows.force, rows.indentation, *of_law, law
             if self.plan.oblique is None:
                 found.append(ContactResult(*given))
                 continue

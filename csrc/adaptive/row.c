@@ -108,11 +108,12 @@ double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double
     return stored;
 }
 
-double aoi_row_between(const double *of, int first, double place)
+/* Linear between values before, at the nodes or the points of an edge, and at the end, but from what is given at low and at
+ * high (NaN: as after it and before it). */
+static double interpolated(const double *of, int first, double place, double low, double from, double high, double to)
 {
     const enum aoi_edge edge = (enum aoi_edge)of[AOI_TRACK_EDGE];
     const double *points = edge == AOI_EDGE_NONE ? aoi_radau_node : aoi_radau_edge_point[edge];
-    double low = 0.0, high = 1.0, from = of[first], to = of[first + AOI_NODES + 1];
     for (size_t k = 0; k < AOI_NODES; k++) {
         const double value = of[first + 1 + (int)k];
         if (points[k] <= place && points[k] > low) {
@@ -123,5 +124,30 @@ double aoi_row_between(const double *of, int first, double place)
             to = value;
         }
     }
+    from = isnan(from) ? to : from;
     return high > low ? from + (to - from) * ((place - low) / (high - low)) : to;
+}
+
+double aoi_row_between(const double *of, int first, double place)
+{
+    return interpolated(of, first, place, 0.0, of[first], 1.0, of[first + AOI_NODES + 1]);
+}
+
+double aoi_row_stuck(const double *of, double place)
+{
+    const double *change = of + AOI_TRACK_CHANGES;
+    double low = 0.0, from = of[AOI_TRACK_STUCK];
+    int slips = of[AOI_TRACK_SLIPS] != 0.0;
+    size_t i = 0;
+    for (; i < AOI_SLIP_CHANGES && change[i] <= place; i++) {
+        slips = !slips;
+        low = change[i];
+        from = NAN; /* all that slips sticks at once */
+    }
+    if (slips) {
+        return 0.0;
+    }
+    const int ends = i < AOI_SLIP_CHANGES && change[i] < 1.0;
+    return interpolated(of, AOI_TRACK_STUCK, place, low, from, ends ? change[i] : 1.0,
+                        ends ? 0.0 : of[AOI_TRACK_STUCK + AOI_NODES + 1]);
 }

@@ -2,6 +2,7 @@
 #ifndef AOI_ADAPTIVE_ROW_H
 #define AOI_ADAPTIVE_ROW_H
 
+#include "collocation/sliding.h"
 #include "law/law.h"
 #include "model/system.h"
 
@@ -38,13 +39,16 @@ enum aoi_row_contact {
 
 /* With friction more follows: the work on slides before, less the energy of stretches at the start of a run; of it
  * dissipated, J, and the stuck share of the indentation, before and at the nodes or the points of an edge, and at the end;
- * then for each tangent an aoi_row_tangent: the force at the start and at the nodes, its ratio to the normal force there
+ * 1 if all slips at the start, else 0, and the places where that changes, 2 in place of those that there are not; then
+ * for each tangent an aoi_row_tangent: the force at the start and at the nodes, its ratio to the normal force there
  * (for an edge only), and the Legendre coefficients of the slide. */
 enum aoi_row_friction {
     AOI_TRACK_SLIDE_WORK = AOI_TRACK_CONTACT_SIZE,
     AOI_TRACK_DISSIPATED,
     AOI_TRACK_STUCK = AOI_TRACK_DISSIPATED + AOI_NODES + 2,
-    AOI_TRACK_TANGENTS = AOI_TRACK_STUCK + AOI_NODES + 2,
+    AOI_TRACK_SLIPS = AOI_TRACK_STUCK + AOI_NODES + 2,
+    AOI_TRACK_CHANGES,
+    AOI_TRACK_TANGENTS = AOI_TRACK_CHANGES + AOI_SLIP_CHANGES,
     AOI_TRACK_TANGENT_START = 0,
     AOI_TRACK_TANGENT_FORCE,
     AOI_TRACK_TANGENT_SHARE = AOI_TRACK_TANGENT_FORCE + AOI_NODES,
@@ -73,5 +77,8 @@ double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double
 
 /* A value at a place, linear between those before, at the nodes or the points of an edge, and at the end. */
 double aoi_row_between(const double *of, int first, double place);
+
+/* The stuck share at a place: 0 where all slips, and else linear, to 0 where that begins. */
+double aoi_row_stuck(const double *of, double place);
 
 #endif

@@ -59,6 +59,10 @@ static void write_friction(aoi_sliding *sliding, const aoi_contact *contact, con
         }
         memcpy(tangent + AOI_TRACK_TANGENT_SLIDE, entry[1 + i].legendre, sizeof entry->legendre);
     }
+    of[AOI_TRACK_SLIPS] = sliding->slipped;
+    for (size_t i = 0; i < AOI_SLIP_CHANGES; i++) {
+        of[AOI_TRACK_CHANGES + i] = i < sliding->changes ? sliding->change_at[i] : 2.0;
+    }
     of[AOI_TRACK_DISSIPATED] = sliding->lost;
     of[AOI_TRACK_STUCK] = sliding->stuck;
     for (size_t k = 0; k <= AOI_NODES; k++) {

@@ -7,6 +7,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Of a step: half of the way on which springs that slip are seen to stick; to how much the place of a change is found. */
+static const double SHORT_WAY = 1e-5, CHANGE_WIDTH = 1e-9;
+
 /* Places of a step, ascending, and the number of each: of the points where forces are found below AOI_NODES, then of those
  * where they are compared, or NO_POINT. */
 enum { MOST_POINTS = AOI_NODES + AOI_EDGE_CHECKS, NO_POINT = MOST_POINTS, MOST_STOPS = MOST_POINTS + 4 };
@@ -102,8 +105,8 @@ static void copy_path(const aoi_slide_path *from, aoi_slide_path *to)
     to->springs.spare = spare;
 }
 
-/* Takes a path straight to a place of the bodies. */
-static int go(const aoi_sliding *of, const double place[3], aoi_slide_path *path, aoi_oblique_solution *found)
+/* What a path finds at a place of the bodies that it goes to straight. */
+static int look(const aoi_sliding *of, const double place[3], const aoi_slide_path *path, aoi_oblique_solution *found)
 {
     aoi_oblique_equation equation = {.rate_free = 0.0}; /* the law is elastic */
     for (size_t i = 0; i < 3; i++) {
@@ -113,7 +116,13 @@ static int go(const aoi_sliding *of, const double place[3], aoi_slide_path *path
             equation.compliance[i][j] = -of->compliance[i][j];
         }
     }
-    int status = aoi_oblique_solve(&of->friction, &path->springs, &equation, found);
+    return aoi_oblique_solve(&of->friction, &path->springs, &equation, found);
+}
+
+/* Takes a path there. */
+static int go(const aoi_sliding *of, const double place[3], aoi_slide_path *path, aoi_oblique_solution *found)
+{
+    int status = look(of, place, path, found);
     if (status == AOI_OK) {
         status = aoi_friction_move(&of->exact, &path->springs, found->place[0], found->share, &found->place[1]);
     }
@@ -122,31 +131,91 @@ static int go(const aoi_sliding *of, const double place[3], aoi_slide_path *path
     }
     for (size_t i = 0; i < 3; i++) {
         path->force[i] = found->force[i];
-        path->bent[i] = found->place[i] - equation.free[i];
+        path->bent[i] = found->place[i] - (place[i] - (i > 0 ? path->own[i - 1] : 0.0));
     }
     path->own[0] = place[1] + path->bent[1];
     path->own[1] = place[2] + path->bent[2];
     return AOI_OK;
 }
 
-/* Takes a path along the motion, in so many straight parts from stop to stop. energies: 1 for those of the springs. */
+/* Where the bodies are at a place of the step. */
+static void bodies_at(const motion *along, double at, double place[3])
+{
+    for (size_t k = 0; k < 3; k++) {
+        double slope;
+        place[k] = aoi_legendre_evaluate(AOI_NODES + 1, along->series[k], at, &slope);
+    }
+}
+
+/* 1 if all springs slip at a place of the step, when a path goes there from where it is; it only lends its spare springs.
+ * Springs that stick tell by their stretch. Those that slip stick at once if the slide does not keep up with the bound:
+ * that is seen of a short way about the place. */
+static int slips_at(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double at, int slipped)
+{
+    aoi_slide_path path = *from;
+    aoi_oblique_solution found = {.stuck = 0.0};
+    double place[3];
+    int status = AOI_OK;
+    if (slipped) {
+        bodies_at(along, at - SHORT_WAY, place);
+        status = go(of, place, &path, &found);
+    }
+    bodies_at(along, slipped ? at + SHORT_WAY : at, place);
+    status = status == AOI_OK ? look(of, place, &path, &found) : status;
+    return status == AOI_OK ? !(found.stuck > 0.0) : slipped;
+}
+
+/* Where between two places of the step all springs begin to slip, or cease to: from is the path as it was at the first. */
+static double change_between(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double low,
+                             double high, int slipped)
+{
+    while (high - low > CHANGE_WIDTH) {
+        const double middle = 0.5 * (low + high);
+        if (slips_at(of, along, from, middle, slipped) == slipped) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+/* Takes a path straight to a place of the step, and notes where all springs begin to slip, or cease to. */
+static int go_on(aoi_sliding *of, const motion *along, double before, double at, const double place[3],
+                 aoi_slide_path *path, aoi_oblique_solution *found)
+{
+    const aoi_slide_path from = *path;
+    const int status = go(of, place, path, found), slips = status == AOI_OK && !(found->stuck > 0.0);
+    if (status != AOI_OK || slips == of->slips) {
+        return status;
+    }
+    copy_path(&from, &of->trial); /* its springs are now the spare ones */
+    if (of->changes < AOI_SLIP_CHANGES) {
+        of->change_at[of->changes++] = change_between(of, along, &of->trial, before, at, of->slips);
+        of->slips = slips;
+    }
+    return AOI_OK;
+}
+
+/* Takes a path along the motion, in so many straight parts from stop to stop. energies: 1 for those of the springs.
+ * noted: the friction that takes note of slip, or NULL. */
 static int follow(const aoi_sliding *of, const motion *along, const stops *to, size_t parts, int energies,
-                  aoi_slide_path *path, finds *found)
+                  aoi_sliding *noted, aoi_slide_path *path, finds *found)
 {
     double before = 0.0;
     for (size_t i = 0; i < to->count; before = to->place[i++]) {
         aoi_oblique_solution *here = &found->at[to->at[i]];
+        double last = before;
         for (size_t part = 1; part <= parts; part++) {
             const double share = (double)part / (double)parts;
             const double at = part < parts ? before + (to->place[i] - before) * share : to->place[i];
-            double place[3], slope;
-            for (size_t k = 0; k < 3; k++) {
-                place[k] = aoi_legendre_evaluate(AOI_NODES + 1, along->series[k], at, &slope);
-            }
-            const int status = go(of, place, path, here);
+            double place[3];
+            bodies_at(along, at, place);
+            const int status = noted ? go_on(noted, along, last, at, place, path, here) : go(of, place, path, here);
             if (status != AOI_OK) {
                 return status;
             }
+            last = at;
         }
         if (energies) {
             found->stretched[to->at[i]] = aoi_friction_energy(&of->friction, &path->springs);
@@ -194,6 +263,7 @@ int aoi_sliding_begin(aoi_sliding *of, const double place[3])
     of->slide[0] = place[1];
     of->slide[1] = place[2];
     of->stuck = found.place[0] > 0.0 ? found.stuck / found.place[0] : 0.0;
+    of->slips = !(found.stuck > 0.0);
     for (size_t i = 0; i < 4; i++) {
         bound += 0.5 * found.force[1 + i / 2] * of->compliance[1 + i / 2][1 + i % 2] * found.force[1 + i % 2];
     }
@@ -223,7 +293,7 @@ int aoi_sliding_evaluate(aoi_sliding *of, const aoi_contact_step *entry, int bot
     finds found[AOI_PATHS];
     for (size_t p = 0; p < (both ? AOI_PATHS : 1); p++) {
         copy_path(&of->path[p], &of->trial);
-        const int status = follow(of, &along, &to, p + 1, 0, &of->trial, &found[p]);
+        const int status = follow(of, &along, &to, p + 1, 0, NULL, &of->trial, &found[p]);
         if (status != AOI_OK) {
             return status;
         }
@@ -262,7 +332,7 @@ int aoi_sliding_check(aoi_sliding *of, const aoi_contact_step *entry)
         }
     }
     memcpy(found.at[2 * AOI_NODES - 1].force, of->trial.force, sizeof of->trial.force);
-    const int status = follow(of, &along, &to, 1, 0, &of->trial, &found);
+    const int status = follow(of, &along, &to, 1, 0, NULL, &of->trial, &found);
     for (size_t i = 0; i < 3 && status == AOI_OK; i++) {
         double force[AOI_NODES], there[AOI_NODES];
         for (size_t k = 0; k < AOI_NODES; k++) {
@@ -304,8 +374,13 @@ int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
     for (size_t k = 0; k < AOI_NODES && edge; k++) {
         add_stop(&to, aoi_radau_node[k], AOI_NODES + k);
     }
+    if (of->path[1].springs.count == 0) { /* a touch */
+        of->slips = slips_at(of, &along, &of->path[1], SHORT_WAY, 0);
+    }
+    of->slipped = of->slips;
+    of->changes = 0;
     for (size_t p = 0; p < AOI_PATHS; p++) {
-        const int status = follow(of, &along, &to, p + 1, 1, &of->path[p], &found[p]);
+        const int status = follow(of, &along, &to, p + 1, 1, p == 1 ? of : NULL, &of->path[p], &found[p]);
         if (status != AOI_OK) {
             return status;
         }
@@ -319,6 +394,7 @@ int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
         of->stretched_at[k] = extrapolated(found[0].stretched[at], found[1].stretched[at]);
         of->stuck_at[k] = last->place[0] > 0.0 ? last->stuck / last->place[0] : 0.0;
     }
+    of->slips = !(of->stuck_at[AOI_NODES] > 0.0);
     if (edge) {
         find_shares(of, found);
     }

@@ -14,6 +14,9 @@
 /* Paths, and springs of each. */
 enum { AOI_PATHS = 2, AOI_SPRINGS = 2048 };
 
+/* Within a step all of a contact begins to slip, or ceases to, so often at most: what more there were is not told apart. */
+enum { AOI_SLIP_CHANGES = 4 };
+
 /* Where a path has come to: its springs; the contact's own slides since the touch; by how much these and the own
  * indentation exceed those of the bodies, and the forces, normal and along the tangents. */
 typedef struct aoi_slide_path {
@@ -39,6 +42,9 @@ struct aoi_sliding {
     double largest;                     /* of the friction so far */
     double work, lost, stuck; /* on the slides so far; of this dissipated; stuck share of the indentation */
     double share[2][AOI_NODES], stretched_at[AOI_NODES + 1], stuck_at[AOI_NODES + 1]; /* of the last step */
+    int slipped, slips;                    /* 1 if all springs do, at the start of the last step and at its end */
+    size_t changes;                        /* in between, at these places */
+    double change_at[AOI_SLIP_CHANGES];
 };
 
 /* Where the springs are not stretched: a touch. */

@@ -143,6 +143,31 @@ PyObject *track_rows(PyObject *args)
     return bytes;
 }
 
+/* As aoi_track_slips has it, a contact, a time and 1 or 0 in a row, as bytes of doubles. */
+PyObject *track_slips(PyObject *args)
+{
+    call of = {.status = AOI_OK};
+    PyObject *capsule = NULL;
+    TAKE(&of, args, VALUE('O', capsule));
+    const kept_track *kept = held(&of, capsule);
+    const size_t count = kept ? aoi_track_slips(&kept->made.system, &kept->track, 0, NULL) : 0;
+    aoi_slip *slip = call_room(&of, count, sizeof *slip);
+    double *made = call_room(&of, 3 * count, sizeof *made);
+    PyObject *bytes = NULL;
+    if (slip && made) {
+        (void)aoi_track_slips(&kept->made.system, &kept->track, count, slip);
+        for (size_t i = 0; i < count; i++) {
+            made[3 * i] = (double)slip[i].contact;
+            made[3 * i + 1] = slip[i].time;
+            made[3 * i + 2] = slip[i].slips;
+        }
+        bytes = bytes_of(made, 3 * count * sizeof *made);
+    }
+    free(slip);
+    free(made);
+    return bytes;
+}
+
 /* ------------------------------------------------------------------------------ dense output */
 
 /* The values read at each of many times; for a body, its state. */

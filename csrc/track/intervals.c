@@ -80,6 +80,16 @@ static void follow_contact(search *found, const aoi_system *system, const double
     }
 }
 
+/* The first contact of a row, behind its bodies. */
+static const double *first_contact(const aoi_system *system, const double *row)
+{
+    const double *of = row + AOI_TRACK_FIXED;
+    for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
+        of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[AOI_TRACK_BODY]].n;
+    }
+    return of;
+}
+
 size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, double end,
                            aoi_interval *work, size_t capacity, aoi_interval *interval)
 {
@@ -88,10 +98,7 @@ size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, dou
         work[c] = (aoi_interval){.contact = c};
     }
     for (size_t r = 0; r < track->rows; r++) {
-        const double *row = track->values + track->row[r], *of = row + AOI_TRACK_FIXED;
-        for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
-            of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[AOI_TRACK_BODY]].n;
-        }
+        const double *row = track->values + track->row[r], *of = first_contact(system, row);
         for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++) {
             follow_contact(&found, system, row, of);
             of += aoi_row_contact_size(&system->contact[(size_t)of[AOI_TRACK_CONTACT]]);
@@ -104,4 +111,30 @@ size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, dou
         }
     }
     return found.count;
+}
+
+size_t aoi_track_slips(const aoi_system *system, const aoi_track *track, size_t capacity, aoi_slip *slip)
+{
+    size_t count = 0;
+    for (size_t r = 0; r < track->rows; r++) {
+        const double *row = track->values + track->row[r], *of = first_contact(system, row);
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++) {
+            const aoi_contact *contact = &system->contact[(size_t)of[AOI_TRACK_CONTACT]];
+            aoi_slip here = {(size_t)of[AOI_TRACK_CONTACT], row[AOI_TRACK_START], 0};
+            for (size_t k = 0; contact->friction && k <= AOI_SLIP_CHANGES; k++) {
+                const double place = k > 0 ? of[AOI_TRACK_CHANGES + k - 1] : 0.0;
+                if (!(place <= 1.0)) {
+                    break;
+                }
+                here.slips = k > 0 ? !here.slips : of[AOI_TRACK_SLIPS] != 0.0;
+                here.time = row[AOI_TRACK_START] + place * row[AOI_TRACK_LENGTH];
+                if (count < capacity) {
+                    slip[count] = here;
+                }
+                count++;
+            }
+            of += aoi_row_contact_size(contact);
+        }
+    }
+    return count;
 }

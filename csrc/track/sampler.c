@@ -371,7 +371,7 @@ static double rubbing_contact(const aoi_sampler *sampler, size_t c, double place
     record[AOI_CONTACT_TANGENTIAL * stride] = force[1];
     record[(AOI_CONTACT_TANGENTIAL + 1) * stride] = force[2];
     record[AOI_CONTACT_FRICTION * stride] = lost;
-    record[AOI_CONTACT_STUCK * stride] = aoi_row_between(of, AOI_TRACK_STUCK, place);
+    record[AOI_CONTACT_STUCK * stride] = aoi_row_stuck(of, place);
     if (energies) {
         double taken_out = 0.5 * contact->law->compliance * force[0] * force[0];
         for (size_t i = 0; i < 9 && out; i++) {

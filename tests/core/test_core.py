@@ -251,6 +251,7 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "track_open": (open_arguments, set()),
     "track_bytes": (lambda: [track()], set()),
     "track_rows": (lambda: [track()], set()),
+    "track_slips": (lambda: [track()], set()),
     "track_sample": (sample_arguments, {2}),
     "track_forces": (forces_arguments, {2}),
     "track_states": (states_arguments, {3}),
@@ -519,7 +520,14 @@ def test_a_track_that_was_stored_is_the_same() -> None:
 
 @pytest.mark.parametrize("wrong", [None, b"", 1, star, np.zeros(3)])
 def test_what_is_no_track_is_refused(wrong: Any) -> None:
-    for name in ("track_bytes", "track_rows", "track_sample", "track_forces", "track_states"):
+    for name in (
+        "track_bytes",
+        "track_rows",
+        "track_slips",
+        "track_sample",
+        "track_forces",
+        "track_states",
+    ):
         arguments = [wrong, *CALLS[name][0]()[1:]]
         with pytest.raises(ValueError, match="PyCapsule"):
             function(name)(*arguments)

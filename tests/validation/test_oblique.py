@@ -43,6 +43,71 @@ def test_springs_that_slip_straight_back_until_the_contact_opens_do_so_at_any_an
     assert abs(hit.projectile.final_velocity[1]) < 1e-6
 
 
+# A solid ball of 50 g; its contact point has 2/7 of its mass along the wall.
+SOLID, MASS, MU = ao.rigid(0.05, inertia=2e-6, arm=(0, 0, -0.01)), 0.05, 0.1
+
+
+def half_sine(k, speed=1.0):
+    """When a linear law has so much of the initial speed left, and how long it acts."""
+    omega = math.sqrt(k / MASS)
+    return math.acos(speed) / omega, math.pi / omega
+
+
+def hertz_time(k, speed):
+    """The same of Hertz's law; depth = deepest sin(x)^(4/5), speed = cos(x)."""
+    deepest = (1.25 * MASS / k) ** 0.4
+    spent, _ = scipy.integrate.quad(
+        lambda x: 0.8 * deepest * math.sin(x) ** -0.2, 0.0, math.acos(speed), epsrel=1e-12
+    )
+    half, _ = scipy.integrate.quad(
+        lambda x: 0.8 * deepest * math.sin(x) ** -0.2, 0.0, 0.5 * math.pi, epsrel=1e-12
+    )
+    return spent, 2.0 * half
+
+
+@pytest.mark.parametrize("turned", [0.0, 1.1])
+@pytest.mark.parametrize(
+    ("law", "time"), [(ao.Linear(1e7), half_sine), (ao.Hertz(1e9), hertz_time)]
+)
+@pytest.mark.parametrize("along", [0.3, 0.5])
+def test_gross_slip_ends_where_its_slide_keeps_up_with_the_bound_no_more(law, time, along, turned):
+    # Slip takes 7/2 of the normal impulse over the mass; springs stick where u = mu/ratio d'.
+    left = (along - 3.5 * MU) / (MU / LIKE - 3.5 * MU)
+    ends, _ = time(law.k, left)
+    velocity = (along * math.cos(turned), along * math.sin(turned), -1.0)
+    for rtol in (1e-4, 1e-6):
+        rule = ao.Adaptive(rtol=rtol)
+        hit = ao.simulate(SOLID, ao.wall(STEEL), velocity, law=law, friction=MU, solver=rule)
+        first = hit.slip_intervals[0]
+        assert first[0] == hit.contacts[0][0]
+        assert first[1] == pytest.approx(ends, rel=rtol)
+    # The record's times do not matter, and what sticks is told by the same times.
+    looked = hit.at(ends * np.array([0.2, 0.99999, 1.00001]))
+    assert looked.slip_intervals == hit.slip_intervals
+    assert list(looked.stuck > 0.0) == [False, False, True]
+    steps = ao.Newmark(dt=hit.contact_duration / 200)
+    hit = ao.simulate(SOLID, ao.wall(STEEL), velocity, law=law, friction=MU, solver=steps)
+    assert hit.slip_intervals[0][1] == pytest.approx(ends, rel=1e-4)
+
+
+def test_slip_begins_where_the_stretch_of_the_centre_reaches_its_bound():
+    # A linear law has one spring, at its centre: it swings with 7/2 of the stiffness G*/E* k.
+    k, along = 1e7, 0.08
+    omega, ratio = math.sqrt(k / MASS), math.sqrt(3.5 * LIKE)
+
+    def room(x):  # at x = omega t
+        return MU / LIKE * math.sin(x) - along / ratio * abs(math.sin(ratio * x))
+
+    begins = scipy.optimize.brentq(room, 2.0, 2.9) / omega
+    law, velocity = ao.Linear(k), (0.0, along, -1.0)
+    for rule, close in ((ao.Adaptive(rtol=1e-6), 1e-6), (ao.Newmark(dt=1e-6), 1e-3)):
+        hit = ao.simulate(SOLID, ao.wall(STEEL), velocity, law=law, friction=MU, solver=rule)
+        ((start, end),) = hit.slip_intervals
+        assert start == pytest.approx(begins, rel=close)
+        assert end == hit.contacts[0][1]
+        assert hit.stick_intervals == [(hit.contacts[0][0], start)]
+
+
 @pytest.mark.parametrize("psi", [0.3, 1.0, 2.0, 4.0])
 def test_contact_point_rebounds_as_by_maw_barber_and_fawcett(psi):
     # Rings on a half-space, extrapolated; psi = (G*/E*) v_t/(mu v_n).

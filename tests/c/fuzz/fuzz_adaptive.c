@@ -27,6 +27,14 @@ static void look_at_contacts(input *in, const aoi_system *system, const aoi_adap
         REQUIRE(interval[i].contact < system->contact_count && interval[i].start <= interval[i].end);
         REQUIRE(isfinite(interval[i].impulse) && isfinite(interval[i].pace));
     }
+    const size_t slips = aoi_track_slips(system, track, 0, NULL);
+    aoi_slip *slip = take_bytes(in, slips, sizeof *slip);
+    REQUIRE(aoi_track_slips(system, track, slips, slip) == slips);
+    for (size_t i = 0; i < slips; i++) {
+        REQUIRE(slip[i].contact < system->contact_count && system->contact[slip[i].contact].friction);
+        REQUIRE(slip[i].time >= (i > 0 && system->contact_count == 1 ? slip[i - 1].time : 0.0));
+        REQUIRE(slip[i].slips == 0 || slip[i].slips == 1);
+    }
     for (size_t c = 0; c < system->contact_count; c++) {
         const aoi_peak peak = aoi_adaptive_peak(run, c);
         REQUIRE(isfinite(peak.force) && isfinite(peak.impulse));

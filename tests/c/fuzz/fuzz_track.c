@@ -63,6 +63,7 @@ static void read_track(input *in, const aoi_system *system, const double *track,
     if (aoi_track_check(system, &read) != AOI_OK || aoi_sampler_start(sampler, system, &read) != AOI_OK) {
         return;
     }
+    (void)aoi_track_slips(system, &read, 0, NULL);
     for (int i = 0; i <= 6; i++) {
         const double time = i < 6 ? until * i / 5.0 : take_any(in);
         aoi_sampler_column(sampler, time, take_byte(in) & 1, record, 1);
