@@ -319,7 +319,7 @@ typedef struct aoi_friction {
 /* Makes friction of a law. Its compliance and limit are left out: who has them passes the law's own indentation and
  * slide, which are those of the bodies plus compliance times force.
  *   law        it must neither have a memory nor turn or pull; copied
- *   mu         >= 0
+ *   mu         >= 0, at most 1e140 times the ratio
  *   ratio      > 0
  *   precision  in (0, 0.1]; some 1e-4
  * AOI_ERROR_FRICTION for another law, AOI_ERROR_ARGUMENT for other numbers. */
@@ -334,7 +334,8 @@ typedef struct aoi_stretch {
 
 /* The memory of one contact with friction: the stretches of its springs, by ascending depth from 0 to the indentation,
  * where the stretch is 0. No springs, count = 0, where the bodies are apart. The caller sets room, at least 8, and two
- * arrays of that length; count = 0; and the indentation at which he begins, not above 0. An impact holds some 2 over the
+ * arrays of that length; count = 0; and the indentation at which he begins, not above 0. From then on only the functions
+ * below write to it, which do not check again what they have written. An impact holds some 2 over the
  * root of the precision. */
 typedef struct aoi_friction_state {
     size_t room, count;

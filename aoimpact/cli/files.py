@@ -96,11 +96,17 @@ def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
     """Return what JSON can hold of a result; null where a number is not known."""
     kept: Any = keeper(quantities) if quantities else None
     errors = {name: getattr(result.error, name) for name in _ERRORS}
+    vectors: dict[str, Any] = {}
+    if result.plan.oblique is not None:
+        for name in ("final_velocity", "final_spin"):
+            vectors[name] = [_vector(getattr(body, name)) for body in result.bodies]
+        vectors["slip_intervals"] = _intervals(result, "slip_intervals")
     return {
         "quantities": _finite(kept(result) if quantities else {}),
         "bodies": list(result.names),
+        **vectors,
         "contact_names": list(result.contact_names),
-        "contacts": _contacts(result),
+        "contacts": _intervals(result, "intervals"),
         "in_contact_at_end": result.in_contact_at_end,
         "relative_errors": _finite(errors),
         "solver": result.solver,
@@ -139,11 +145,15 @@ def rows(table: SweepTable) -> dict[str, Any]:
     }
 
 
-def _contacts(result: Run) -> list[Any]:
-    """Start and end of each touch; by contact, where there may be several."""
-    if isinstance(result, Result):
-        return [list(interval) for interval in result.contacts]
-    return [[list(interval) for interval in of.intervals] for of in result.contacts]
+def _intervals(result: Run, name: str) -> list[Any]:
+    """Start and end of each touch, or slip; by contact, where there may be several."""
+    found = [[list(interval) for interval in getattr(of, name)] for of in result.each_contact]
+    return found[0] if isinstance(result, Result) else found
+
+
+def _vector(values: Any) -> list[float | None]:
+    """Components in the axes of the scene; null where they are not known."""
+    return [float(value) if math.isfinite(value) else None for value in values]
 
 
 def as_json(report: dict[str, Any]) -> str:

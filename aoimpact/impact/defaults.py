@@ -8,7 +8,16 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..accuracy import SharedPoint
-from ..base import HUGE, AOImpactError, InputError, nonnegative, plain, positive, real
+from ..base import (
+    HUGE,
+    AOImpactError,
+    ConvergenceError,
+    InputError,
+    nonnegative,
+    plain,
+    positive,
+    real,
+)
 from ..fem import PATCH_OVER_CONTACT, SHIFT_TIMES_DURATION, contact_within
 from ..integrate import rigid_contact_time
 from ..laws import ContactLaw, LawFromSurfaces, law_between, round_contact
@@ -178,7 +187,9 @@ class Meeting(NamedTuple):
     contact_radius: float | None
 
 
-def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Meeting | None:
+def meeting(
+    law: ContactLaw, bodies: Sequence[BodyModel], velocity: float, *, strict: bool = False
+) -> Meeting | None:
     """Estimate an impact by rigid bodies, whose indentation is larger than that of elastic ones.
 
     None where nothing moves, both masses are infinite, or the law never takes the energy.
@@ -189,13 +200,17 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
     bodies : sequence of two models
     velocity : float
         At which they meet, m/s.
+    strict : bool, optional
+        Whether a law that gives no number raises its error.
     """
     mass, speed = _reduced_mass(bodies), abs(velocity)
     if speed == 0.0 or math.isinf(mass):
         return None
     try:
         duration = rigid_contact_time(law, mass, speed)
-    except AOImpactError:
+    except AOImpactError as error:
+        if strict and isinstance(error, ConvergenceError):
+            raise
         return None
     return Meeting(duration, contact_width(law, bodies, velocity))
 

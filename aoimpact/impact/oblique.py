@@ -25,6 +25,9 @@ _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
 # The sides of a body on which it is touched as the first of two, and as the second.
 ROLES = (1.0, -1.0)
 
+# Largest coefficient of friction: the squares of bounds on stretches must be numbers.
+_MOST_FRICTION = 1e100
+
 # Along the outward normal of a body without a mesh.
 _DOWN = np.array([0.0, 0.0, -1.0])
 
@@ -40,7 +43,15 @@ def vector_or_number(name: str, value: Any, unit: str) -> FloatArray | None:
 
 def checked_friction(value: Any) -> float | None:
     """Return a coefficient of friction; None if it was left out."""
-    return None if value is None else nonnegative("friction", value)
+    if value is None:
+        return None
+    friction = nonnegative("friction", value)
+    if friction > _MOST_FRICTION:
+        raise InputError(
+            f"friction={friction:g} is beyond {_MOST_FRICTION:g}, where its square and its bound "
+            "are no numbers any more; surfaces that never slip have friction=1e3"
+        )
+    return friction
 
 
 def checked_spin(value: Any) -> FloatArray | None:

@@ -663,6 +663,8 @@ class Scene:
         meetings = [self._meeting(contact, fastest) for contact in self._contacts]
         times = [met.contact_time for met in meetings if met]
         if not times:
+            for contact in self._contacts:
+                self._meeting(contact, fastest, strict=True)
             raise InputError(
                 "duration was left out, and cannot be foreseen: no velocity, gravity or constant "
                 "force brings bodies that have a contact towards each other; give it"
@@ -698,9 +700,9 @@ class Scene:
         forces = (load.forces[0] for load in self._loads if load.body == body)
         return self.gravity + math.fsum(forces) / mass
 
-    def _meeting(self, contact: Contact, speed: float) -> Meeting | None:
+    def _meeting(self, contact: Contact, speed: float, *, strict: bool = False) -> Meeting | None:
         bodies = [self._bodies[body] for body, _ in contact.ports]
-        return meeting(own_law(contact.law), bodies, speed)
+        return meeting(own_law(contact.law), bodies, speed, strict=strict)
 
     def _fitted(self, factors: dict[Any, LinearSolver], wider: float) -> list[BodyModel]:
         """The bodies with patches fitted to their contacts, where their radius was left out."""

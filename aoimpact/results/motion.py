@@ -132,6 +132,8 @@ class BodyResult(Frozen):
     _follows: Callable[[], bool] = field(repr=False)
     # Velocity of the centre of mass and spin after the last contact, shape (6,).
     _after: Callable[[], FloatArray] = field(repr=False)
+    # The same at any times, shape (6, times).
+    _whole: Callable[[FloatArray], FloatArray] = field(repr=False)
 
     def __repr__(self) -> str:
         mass = "" if self.mass is None else f", {self.mass:.4g} kg"
@@ -180,6 +182,13 @@ class BodyResult(Frozen):
         It has the angular momentum of the body, which deforms.
         """
         return self._at_end[3:]
+
+    @cached_property
+    def spin(self) -> FloatArray:
+        """Angular velocity over time, rad/s, shape (n, 3), as `final_spin` has it at the end."""
+        spin = self._whole(self._times)[3:].T
+        spin.flags.writeable = False
+        return spin
 
     @cached_property
     def _at_end(self) -> FloatArray:

@@ -285,9 +285,10 @@ def look_up(result: Any, name: str, argument: str) -> float:
     if found is None:  # an error that is not known
         return math.nan
     if not isinstance(found, (numbers.Real, np.bool_)):
+        one = f"{name}.0" if isinstance(found, np.ndarray) and found.ndim == 1 else "peak_force"
         raise InputTypeError(
             f"{argument}: {name!r} is no number but {type(found).__name__}; name one, such as "
-            "'peak_force'"
+            f"{one!r}"
         )
     return float(found)
 

@@ -278,10 +278,22 @@ class Run:
             _finer=partial(self._of_finer, index),
             _follows=partial(follows, self, index),
             _after=partial(self._after, index),
+            _whole=partial(self._whole_motion, index),
         )
 
     def _after(self, index: int) -> FloatArray:
         """Velocity of a body's centre of mass and its spin after the last contact, shape (6,)."""
+        model = self.plan.bodies[index]
+        dense = self.recorder.dense or model.constrained or bool(model.damping)
+        if self.plan.oblique is None or dense or isinstance(model, FullModel):
+            return self._whole_motion(index, np.array([self._parted]))[:, 0]
+        modal = model.modal
+        assert modal.rigid is not None
+        rates = modal.rates(self.plan.start(index)) + self._gain(index)
+        return np.asarray(modal.rigid.velocity @ rates)
+
+    def _whole_motion(self, index: int, times: FloatArray) -> FloatArray:
+        """Velocity of a body's centre of mass and its spin at times, s, shape (6, times)."""
         model = self.plan.bodies[index]
         if self.plan.oblique is None:
             raise InputError(
@@ -291,13 +303,10 @@ class Run:
         if isinstance(model, FullModel):
             rows = whole_motion(model.body)[0]
         else:
-            modal = model.modal
-            assert modal.rigid is not None
-            rows = modal.rigid.velocity
-            if not (self.recorder.dense or model.constrained or model.damping):
-                return np.asarray(rows @ (modal.rates(self.plan.start(index)) + self._gain(index)))
-        _, rates = self.recorder.motion(index).observed(rows, np.array([self._parted]))
-        return np.asarray(rates[:, 0])
+            assert model.modal.rigid is not None
+            rows = model.modal.rigid.velocity
+        _, rates = self.recorder.motion(index).observed(rows, times)
+        return np.asarray(rates)
 
     def _gain(self, index: int) -> FloatArray:
         """Rates that forces and gravity add to rigid modes, and to others as if they were rigid."""
@@ -493,7 +502,8 @@ class Run:
             "restitution", or any other quantity of interest that is a number; of the history that
             the models were chosen for, such as "reaction", its largest value; of a scene
             "contacts.0.peak_force" or any other number of a contact, "bodies.0.rebound_velocity":
-            the names of `ErrorEstimate`. Or an attribute, such as "error.time".
+            the names of `ErrorEstimate`. Or an attribute, such as "error.time"; of a vector one
+            component, such as "bodies.0.final_spin.2".
 
         Returns
         -------

@@ -29,6 +29,7 @@ _UNITS = {
     "velocity": ("m/s", "of the contact coordinate"),
     "centre_displacement": ("m", "of the centre of mass"),
     "centre_velocity": ("m/s", "of the centre of mass"),
+    "spin": ("rad/s", "of each body, in three directions"),
     "kinetic_energy": ("J", "of each body"),
     "elastic_energy": ("J", "strain energy of each body"),
     "contact_energy": ("J", "stored in the contact laws"),
@@ -50,8 +51,11 @@ def columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArra
                 table[f"{called}friction force {axis} [N]"] = force
         if contact.stuck is not None:
             table[f"{called}stuck [1]"] = contact.stuck
-    for name, body in zip(body_names(run, names), run.bodies, strict=True):
-        table |= _body_columns(name, body)
+    for number, name in enumerate(body_names(run, names)):
+        table |= _body_columns(name, run.bodies[number])
+        if turns(run, number):
+            for axis, spin in zip("xyz", run.bodies[number].spin.T, strict=True):
+                table[f"{name} spin {axis} [rad/s]"] = spin
     if run.energies:
         table |= {
             "contact energy [J]": run.energy.contact,
@@ -61,6 +65,11 @@ def columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArra
         if run.plan.oblique is not None:
             table["friction energy [J]"] = run.energy.friction
     return table
+
+
+def turns(run: Run, body: int) -> bool:
+    """True of a body that has a spin: in three directions, and not held."""
+    return run.plan.oblique is not None and not run.plan.bodies[body].fixed
 
 
 def _body_columns(name: str, body: BodyResult) -> dict[str, FloatArray]:
@@ -130,6 +139,10 @@ def as_dataset(run: Run, names: Sequence[str]) -> Any:
         add("stuck", ("contact", "time"), [of.stuck for of in run.each_contact])
     for name in ("displacement", "velocity", "centre_displacement", "centre_velocity"):
         add(name, ("body", "time"), [getattr(body, name) for body in run.bodies])
+    if run.plan.oblique is not None:
+        unknown = np.full((len(run.t), 3), np.nan)
+        spins = [of.spin if turns(run, i) else unknown for i, of in enumerate(run.bodies)]
+        add("spin", ("body", "time", "axis"), spins)
     if run.energies:
         for name in ("kinetic", "elastic"):
             rows = [getattr(share, name) for share in run.energy.bodies]

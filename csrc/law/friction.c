@@ -24,6 +24,9 @@ enum { MOST_PARTINGS = 6 };
  * wrong by as much: the root of order three of the rounding. */
 static const double NARROW = 6e-6;
 
+/* Largest mu/ratio, whose square is a number. */
+static const double STEEPEST = 1e140;
+
 /* Tangents beyond this are of an angle of 180 degrees; its square is still a number. */
 static const double STRAIGHT_BACK = 1e150;
 
@@ -48,7 +51,7 @@ typedef struct path {
 int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision)
 {
     if (!friction || aoi_law_check(law) != AOI_OK || !(mu >= 0.0 && mu < HUGE_VAL) ||
-        !(ratio > 0.0 && ratio < HUGE_VAL) || !(precision > 0.0 && precision <= 0.1)) {
+        !(ratio > 0.0 && ratio < HUGE_VAL) || !(mu / ratio <= STEEPEST) || !(precision > 0.0 && precision <= 0.1)) {
         return AOI_ERROR_ARGUMENT;
     }
     if (law->remember || law->turns || law->pulls) {

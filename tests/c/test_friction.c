@@ -484,7 +484,8 @@ static void what_remembers_or_pulls_is_refused(void)
     CHECK(aoi_friction_create(&friction, &law, MU, RATIO, 1e-4) == AOI_ERROR_FRICTION, "a memory of the caller's");
     law.remember = NULL;
     const double wrong[][3] = {{-0.1, RATIO, 1e-4}, {(double)NAN, RATIO, 1e-4}, {MU, 0.0, 1e-4}, {MU, HUGE_VAL, 1e-4},
-                               {MU, RATIO, 0.0}, {MU, RATIO, 0.2}, {MU, RATIO, (double)NAN}};
+                               {MU, RATIO, 0.0}, {MU, RATIO, 0.2}, {MU, RATIO, (double)NAN}, {1e150, RATIO, 1e-4},
+                               {MU, 1e-150, 1e-4}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         const double *w = wrong[i];
         CHECK(aoi_friction_create(&friction, &law, w[0], w[1], w[2]) == AOI_ERROR_ARGUMENT, "%zu", i);

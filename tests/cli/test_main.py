@@ -206,6 +206,41 @@ def test_run_for_machines(scene: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert report["files"] == []
 
 
+OBLIQUE = """
+[materials.steel]
+E = 210e9
+nu = 0.3
+rho = 7800
+
+[bodies]
+ball = { ball = 0.01, material = "steel" }
+floor = { wall = "steel" }
+
+[impact]
+projectile = "ball"
+target = "floor"
+velocity = [0.5, 0.0, -1.0]
+friction = 0.1
+"""
+
+
+def test_vectors_of_an_oblique_impact_for_machines(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "oblique.toml"
+    path.write_text(OBLIQUE)
+    assert main(["run", str(path), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    (x, y, z), held = report["final_velocity"]
+    # About the contact point momentum is kept: the spin takes 5/2 of the change along the wall.
+    spin = 2.5 * (0.5 - x) / 0.01
+    assert report["final_spin"][0] == pytest.approx([0.0, spin, 0.0], abs=1e-6 * spin)
+    assert (y, z) == (pytest.approx(0.0, abs=1e-9), pytest.approx(1.0, abs=1e-6))
+    assert held == [0.0, 0.0, 0.0]
+    ((start, end),) = report["contacts"]
+    assert (report["slip_intervals"][0][0], report["slip_intervals"][-1][1]) == (start, end)
+
+
 SWEEP = """
 [sweep]
 keep = ["impulse"]

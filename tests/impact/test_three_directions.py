@@ -24,6 +24,7 @@ DOWN = (0.0, 0.3, -1.0)
     [
         ({"velocity": DOWN}, "friction=0"),
         ({"velocity": DOWN, "friction": -0.1}, "friction"),
+        ({"velocity": DOWN, "friction": 1e200}, "friction=1e"),
         ({"velocity": (0.0, 1.0), "friction": 0.1}, "velocity"),
         ({"velocity": (0, 0, 0), "friction": 0.1}, "velocity"),
         ({"velocity": (0, 0.3, 1.0), "friction": 0.1}, "does not approach"),
@@ -230,6 +231,12 @@ def test_histories_and_summary_have_friction(tmp_path):
     assert "friction force y [N]" in header
     assert "stuck [1]" in header
     assert "friction energy [J]" in header
+    assert "projectile spin y [rad/s]" in header
+    assert "target spin y [rad/s]" not in header  # it is held
+    np.testing.assert_allclose(hit.projectile.spin[-1], hit.projectile.final_spin, rtol=1e-9)
+    assert hit.value("projectile.final_spin.1") == hit.projectile.final_spin[1]
+    with pytest.raises(ao.InputTypeError, match=r"projectile.final_spin.0"):
+        hit.value("projectile.final_spin")
     assert "final spin" in repr(hit)
     assert hit.value("peak_friction_force") == pytest.approx(
         np.linalg.norm(hit.friction_force, axis=1).max()

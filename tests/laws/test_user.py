@@ -172,6 +172,16 @@ def test_nan_stops_with_the_state_that_gave_it(solver):
         law.force(0.002, -3.0)
 
 
+@pytest.mark.parametrize("more", [{}, {"friction": 0.1}])
+@pytest.mark.parametrize("duration", [None, 1e-3])
+def test_nan_is_told_before_the_length_of_the_record_is_missed(more, duration):
+    law = ao.UserLaw(lambda d, v: math.nan, depends_on_rate=False)
+    ball, wall = ao.rigid(0.1, inertia=1e-5, arm=(0, 0, -0.01)), ao.rigid(math.inf)
+    velocity = (0.1, 0.0, -1.0) if more else 1.0
+    with pytest.raises(ao.ConvergenceError, match=r"gave no (finite )?number"):
+        ao.simulate(ball, wall, velocity, law=law, duration=duration, **more)
+
+
 @pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-7), ao.Adaptive(rtol=1e-8)])
 def test_a_law_that_falls_stops_within_a_patch(solver):
     falling = ao.UserLaw(lambda d, v: 1e7 * d * (1.0 if d < 1e-5 else 0.2), depends_on_rate=False)
