@@ -14,6 +14,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #define NONE {0.0, 0.0, 0.0, 0.0}
 
@@ -24,11 +25,21 @@ enum { MOST_PARTINGS = 6 };
  * wrong by as much: the root of order three of the rounding. */
 static const double NARROW = 6e-6;
 
+/* Squares above it keep their digits. */
+static const double LEAST_SQUARE = 1e-280;
+
 /* Largest mu/ratio, whose square is a number. */
 static const double STEEPEST = 1e140;
 
 /* Tangents beyond this are of an angle of 180 degrees; its square is still a number. */
 static const double STRAIGHT_BACK = 1e150;
+
+/* hypot, without its care where that is not needed. */
+static double length_of(double x, double y)
+{
+    const double square = x * x + y * y;
+    return square > LEAST_SQUARE && square < HUGE_VAL ? sqrt(square) : hypot(x, y);
+}
 
 /* A knot of the curve that a path leads to, and its derivatives by the slide (two), the indentation and the share. */
 typedef struct knot {
@@ -38,13 +49,18 @@ typedef struct knot {
     int slips;
 } knot;
 
+/* Of the knots of a path: the derivatives as well, or only the stretches, or only how long these are, as s[0]. */
+enum wanted { DERIVATIVES, STRETCHES, LENGTHS };
+
 /* A straight path, and the state that it starts from. */
 typedef struct path {
+    enum wanted wanted;
     const aoi_friction *friction;
     const aoi_stretch *spring;
     aoi_stretch touch; /* the first spring, where the path begins apart */
     size_t count;
     double from, to, slide[2];
+    double length, along[2]; /* of the slide: its length, and its direction where it has one */
     double first, slope; /* of the bound at both ends: mu/ratio times the share of the normal force */
 } path;
 
@@ -78,8 +94,8 @@ static path path_of(const aoi_friction *friction, const aoi_friction_state *stat
                     const double slide[2])
 {
     const double slope = friction->mu / friction->ratio;
-    path p = {friction, state->spring, {0.0, {0.0, 0.0}, 0.0, 0.0}, state->count, state->indentation, indentation,
-              {slide[0], slide[1]}, slope * state->share, slope * share};
+    path p = {.friction = friction, .spring = state->spring, .count = state->count, .from = state->indentation,
+              .to = indentation, .slide = {slide[0], slide[1]}, .first = slope * state->share, .slope = slope * share};
     if (state->count == 0) {
         const double left = indentation > 0.0 ? indentation / (indentation - p.from) : 0.0;
         p.count = 1;
@@ -87,6 +103,10 @@ static path path_of(const aoi_friction *friction, const aoi_friction_state *stat
         p.from = 0.0;
         p.slide[0] *= left;
         p.slide[1] *= left;
+    }
+    p.length = length_of(p.slide[0], p.slide[1]);
+    for (int i = 0; i < 2 && p.length > 0.0; i++) {
+        p.along[i] = p.slide[i] / p.length;
     }
     return p;
 }
@@ -126,9 +146,8 @@ static entry entry_of(double x, double y, double u, double r, double r_by)
 static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
 {
     const double r0 = fmax(p->first * (p->from - spring->depth), 0.0);
-    const double u = hypot(p->slide[0], p->slide[1]), size = hypot(spring->along[0], spring->along[1]);
-    const double *axis = u > 0.0 ? p->slide : spring->along;
-    const double e[2] = {axis[0] / (u > 0.0 ? u : size), axis[1] / (u > 0.0 ? u : size)};
+    const double u = p->length, size = u > 0.0 ? 1.0 : length_of(spring->along[0], spring->along[1]);
+    const double *axis = u > 0.0 ? p->along : spring->along, e[2] = {axis[0] / size, axis[1] / size};
     const double along = spring->along[0] * e[0] + spring->along[1] * e[1];
     const double across = spring->along[1] * e[0] - spring->along[0] * e[1];
     const entry in = entry_of(along, across, u, r0, r1 - r0);
@@ -136,12 +155,17 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
     const double grown = r0 > 0.0 ? (r1 - in.radius) / in.radius : 0.0;
     const double mean = fabs(grown) > DBL_EPSILON ? log1p(grown) / grown : 1.0;
     const double rate = r0 > 0.0 ? (1.0 - in.share) / in.radius * mean : 0.0;
-    const double turned = rate * u, left = exp(-turned), length = hypot(in.x, in.y);
+    const double turned = rate * u, left = exp(-turned), length = length_of(in.x, in.y);
     double f0 = in.x >= 0.0 ? (length > 0.0 ? in.y / (length + in.x) : 0.0)
                             : (in.y != 0.0 ? (length - in.x) / in.y : STRAIGHT_BACK);
     f0 = fmax(-STRAIGHT_BACK, fmin(f0, STRAIGHT_BACK));
     const double f = f0 * left, norm = 1.0 + f * f, cosine = (1.0 - f) * (1.0 + f) / norm, sine = 2.0 * f / norm;
     const double n[2] = {cosine * e[0] - sine * e[1], cosine * e[1] + sine * e[0]};
+    k->s[0] = r1 * n[0];
+    k->s[1] = r1 * n[1];
+    if (p->wanted != DERIVATIVES) {
+        return;
+    }
     /* By how much the direction turns with a change of the slide: (I) of the entry, (II) of the slide's own direction,
      * (III) of its length. */
     double by_entry = 0.0, by_direction = u > 0.0 ? 1.0 / u : 0.0, cosine0 = 1.0, sine0 = 0.0;
@@ -156,7 +180,6 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
     const double turning[2] = {by_along * e[0] - by_across * e[1], by_along * e[1] + by_across * e[0]};
     const double t[2] = {-n[1], n[0]};
     for (int i = 0; i < 2; i++) {
-        k->s[i] = r1 * n[i];
         k->s_by[i][0] = r1 * t[i] * turning[0];
         k->s_by[i][1] = r1 * t[i] * turning[1];
         k->s_by[i][2] = p->slope * n[i];
@@ -165,20 +188,27 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
 }
 
 /* A spring at the end of the path. */
-static knot moved(const path *p, const aoi_stretch *spring)
+static void move_to(const path *p, const aoi_stretch *spring, knot *k)
 {
     const double s[2] = {spring->along[0] + p->slide[0], spring->along[1] + p->slide[1]};
-    const double bound = p->slope * (p->to - spring->depth);
-    knot k = {spring->depth, {s[0], s[1]}, spring->force, spring->stiffness, NONE,
-              {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}}, 0};
-    k.slips = hypot(s[0], s[1]) > bound * (1.0 + 2.0 * DBL_EPSILON);
-    if (k.slips && bound > 0.0) {
-        turn(p, spring, bound, &k);
-    } else if (k.slips) {
-        const knot none = {spring->depth, {0.0, 0.0}, spring->force, spring->stiffness, NONE, {NONE, NONE}, 1};
-        k = none;
+    const double bound = p->slope * (p->to - spring->depth), length = length_of(s[0], s[1]);
+    k->depth = spring->depth;
+    k->force = spring->force;
+    k->stiffness = spring->stiffness;
+    k->slips = length > bound * (1.0 + 2.0 * DBL_EPSILON);
+    k->s[0] = k->slips ? 0.0 : s[0];
+    k->s[1] = k->slips ? 0.0 : s[1];
+    if (p->wanted == DERIVATIVES) {
+        memset(k->by, 0, sizeof k->by);
+        memset(k->s_by, 0, sizeof k->s_by);
+        k->s_by[0][0] = k->s_by[1][1] = k->slips ? 0.0 : 1.0;
     }
-    return k;
+    if (p->wanted == LENGTHS) {
+        k->s[0] = k->slips ? fmax(bound, 0.0) : length;
+        k->s[1] = 0.0;
+    } else if (k->slips && bound > 0.0) {
+        turn(p, spring, bound, k);
+    }
 }
 
 /* The curve between two springs, straight before the path: at a distance z inside the rim its stretch is e - z g, and
@@ -214,7 +244,7 @@ static knot front(const path *p, const piece *q, int begins)
     const double first = q->b > 0.0 ? q->c / (q->b + q->root) : q->a < 0.0 ? (q->b - q->root) / q->a : q->least;
     const double last = q->a > 0.0 ? (q->b + q->root) / q->a : q->most;
     const double z = fmax(q->least, fmin(begins ? first : last, q->most));
-    const double at[2] = {e[0] - z * g[0], e[1] - z * g[1]}, size = hypot(at[0], at[1]);
+    const double at[2] = {e[0] - z * g[0], e[1] - z * g[1]}, size = length_of(at[0], at[1]);
     const double n[2] = {size > 0.0 ? at[0] / size : 0.0, size > 0.0 ? at[1] / size : 0.0};
     const double steepness = n[0] * g[0] + n[1] * g[1] + p->slope;
     const double per = steepness != 0.0 && size > 0.0 ? 1.0 / steepness : 0.0;
@@ -269,13 +299,13 @@ static int step(walk *w, knot *k)
     aoi_stretch here = {p->to, {0.0, 0.0}, 0.0, 0.0};
     if (is_spring) {
         here = spring_of(p, w->next);
-        *k = moved(p, &here);
+        move_to(p, &here, k);
     } else {
         w->done = 1;
         *k = rim_of(p, 0);
         if (p->to <= p->from) {
             here = between(p, w->next - 1, p->to);
-            k->slips = hypot(here.along[0] + p->slide[0], here.along[1] + p->slide[1]) > 0.0;
+            k->slips = length_of(here.along[0] + p->slide[0], here.along[1] + p->slide[1]) > 0.0;
         }
     }
     const int slips = k->slips;
@@ -333,21 +363,20 @@ void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *st
     }
     const path p = path_of(friction, state, indentation, share, slide);
     walk w = walk_along(&p);
-    knot a, b;
-    (void)step(&w, &a);
+    knot pair[2], *a = &pair[0], *b = &pair[1];
+    (void)step(&w, a);
     int slips = 0;
-    const double reach = (state->count > 0 ? state->reach : 0.0) + hypot(p.slide[0], p.slide[1]);
-    while (step(&w, &b)) {
-        const int slide_both = a.slips && (b.slips || !(b.depth < indentation));
-        add(friction->ratio, &a, &b, value);
-        value->stuck += slide_both ? 0.0 : b.depth - a.depth;
+    const double reach = (state->count > 0 ? state->reach : 0.0) + p.length;
+    for (knot *before; step(&w, b); before = a, a = b, b = before) {
+        const int slide_both = a->slips && (b->slips || !(b->depth < indentation));
+        add(friction->ratio, a, b, value);
+        value->stuck += slide_both ? 0.0 : b->depth - a->depth;
         slips = slips || slide_both;
-        a = b;
     }
     value->stuck = slips ? value->stuck : indentation;
     /* Bounds are differences of depths, and stretches sums of many slides; a bound beyond all stretches is not reached. */
-    const double stretches = friction->ratio * reach * a.stiffness;
-    value->terms += fmin(friction->mu * share * a.force, stretches) + stretches;
+    const double stretches = friction->ratio * reach * a->stiffness;
+    value->terms += fmin(friction->mu * share * a->force, stretches) + stretches;
 }
 
 static void swap(aoi_friction_state *state, size_t count)
@@ -362,9 +391,12 @@ static void swap(aoi_friction_state *state, size_t count)
 static double reach_after(const aoi_friction_state *state, const path *p)
 {
     double reach = state->count > 0 ? state->reach : 0.0;
-    walk w = walk_along(p);
+    path lengths = *p;
+    lengths.wanted = LENGTHS;
+    walk w = walk_along(&lengths);
     for (knot k; step(&w, &k);) {
-        reach = fmax(reach, hypot(k.s[0], k.s[1]));
+        const double length = k.s[1] == 0.0 ? fabs(k.s[0]) : length_of(k.s[0], k.s[1]); /* of a front both */
+        reach = length > reach ? length : reach;
     }
     return reach;
 }
@@ -382,6 +414,7 @@ static size_t parted(const aoi_friction_state *state, const path *p)
     const double enough = enough_of(p, reach_after(state, p));
     size_t copied = 0, count = 0;
     walk w = walk_along(p);
+    w.p.wanted = STRETCHES;
     knot a, b;
     (void)step(&w, &a);
     for (; step(&w, &b); a = b) {
@@ -390,7 +423,8 @@ static size_t parted(const aoi_friction_state *state, const path *p)
             continue;
         }
         const aoi_stretch middle = between(p, outer - 1, 0.5 * (a.depth + b.depth));
-        const knot k = moved(p, &middle);
+        knot k;
+        move_to(p, &middle, &k);
         if (fabs(k.s[0] - 0.5 * (a.s[0] + b.s[0])) > enough || fabs(k.s[1] - 0.5 * (a.s[1] + b.s[1])) > enough) {
             if (state->count + (count - copied) + 1 > state->room) {
                 return 0;
@@ -445,6 +479,7 @@ static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretc
 static size_t drawn(const path *p, double enough, aoi_stretch *spring, size_t room)
 {
     walk w = walk_along(p);
+    w.p.wanted = STRETCHES;
     size_t count = 0;
     for (knot k; step(&w, &k);) {
         const aoi_stretch here = {k.depth, {k.s[0], k.s[1]}, k.force, k.stiffness};
