@@ -36,7 +36,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base import AOImpactError, held_warnings
+from ..base import AOImpactError, FloatArray, held_warnings
 from ..fem import ContactPoint, Extraction
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..reduction import (
@@ -109,7 +109,8 @@ def errors_left_out(
     if _any_bare(plan):
         mesh.errors.clear()
     if quantity.lasting:
-        softer, stiff = changes.sum((altered.mesh[0], _softer(plan))), mesh.errors.get(name, 0.0)
+        series, _, across = altered.mesh
+        softer, stiff = changes.sum((series, _softer(plan), across)), mesh.errors.get(name, 0.0)
         size = softer.errors[name]
         if quantity.local is not None:
             # Stress also errs as the force does, which softer modes leave as it is. Stiffer springs
@@ -222,6 +223,8 @@ class _End:
         is known.
     lagging : float
         See `ContactCompliance`, m/N.
+    crosswise : ndarray, shape (2,), or None
+        See `Extraction`, m/N; of contacts with friction.
     """
 
     body: int
@@ -230,6 +233,7 @@ class _End:
     softening: float
     held: float
     lagging: float = 0.0
+    crosswise: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -328,7 +332,11 @@ def alterations(
         ratio = varying[0] / beyond[0]
         wider = replace(series, size=ratio * series.size, scale=ratio * series.scale)
     return Alterations(
-        mesh=([series], (_stiffer(plan, slopes, ends, sign) for sign in (-1.0, 1.0))),
+        mesh=(
+            [series],
+            (_stiffer(plan, slopes, ends, sign) for sign in (-1.0, 1.0)),
+            [_across(plan, ends)],
+        ),
         contact=(
             [wider or _in_series(plan, slopes, varying)],
             [_with_law_error(plan, law_errors)],
@@ -364,11 +372,28 @@ def _of_contact(
         stiffness = safety * max(
             model.stiffness_error(_SLOW / contact_time, port, axis) for axis in range(contact.size)
         )
-        error = known.error
+        error, crosswise = known.error, None
         if contact.friction and isinstance(known, Extraction):  # see `Friction.for_core`
             error = max(error, contact.friction.ratio * known.sideways)
-        found.append(_End(body, error, known.varying, stiffness, known.strain, known.lagging))
+            crosswise = known.crosswise
+        own = error, known.varying, stiffness, known.strain, known.lagging
+        found.append(_End(body, *own, crosswise))
     return found
+
+
+def _across(plan: Plan, ends: Sequence[Sequence[_End]]) -> Altered:
+    """The plan with other compliances between the normal force and the slides, by their errors."""
+    contacts = []
+    for contact, of in zip(plan.contacts, ends, strict=True):
+        known = [end.crosswise for end in of if end.crosswise is not None]
+        if known and contact.friction and contact.friction.compliance is not None:
+            changed = contact.friction.compliance.copy()
+            changed[0, 1:] += np.sum(known, axis=0)
+            changed[1:, 0] = changed[0, 1:]
+            contact = contact._replace(friction=contact.friction._replace(compliance=changed))
+        contacts.append(contact)
+    altered = any(new is not old for new, old in zip(contacts, plan.contacts, strict=True))
+    return Altered(_with(plan, contacts) if altered else None, 1.0)
 
 
 def _stiffer(

@@ -371,3 +371,31 @@ def test_a_force_aslant_finds_mindlin_s_share_of_the_half_space() -> None:
     aslant = extraction(body, direction=(0.6, 0.0, -0.8), radius=2.0 * A).removed
     ratio = (2.0 - ALU.nu) / (2.0 - 2.0 * ALU.nu)
     assert aslant / across == pytest.approx(0.64 + 0.36 * ratio, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("kind", "divisions"), [("hexahedron", (6, 6, 4)), ("tetra", (6, 6, 4)), ("tetra10", (4, 4, 3))]
+)
+def test_near_an_edge_meshes_agree_on_how_a_normal_force_moves_the_surface_sideways(
+    kind: str, divisions: tuple[int, int, int]
+) -> None:
+    def beyond(kind: str, divisions: tuple[int, int, int]) -> tuple[FloatArray, Extraction]:
+        mesh = ao.box_mesh((0.03, 0.03, 0.02), divisions, kind=kind)
+        body = ao.FEModel.from_mesh(mesh, ALU)
+        tip = body.contact(point=(0.0155, 0.004, 0.02), radius=0)
+        tip = replace(tip, tangents=np.eye(3)[:2]).at_impact(A, body.inverse(S2))
+        found = tip.extraction
+        assert isinstance(found, Extraction)
+        assert found.oblique is not None
+        inverse, loads = body.inverse(S2), [of.b for of in tip.functionals]
+        moved = np.array([[one @ inverse.solve(load) for load in loads] for one in loads])
+        return UNIT * (moved - found.oblique), found
+
+    right, best = beyond("hexahedron20", (8, 8, 6))
+    coarse, found = beyond(kind, divisions)
+    assert found.crosswise is not None
+    assert best.crosswise is not None
+    apart = float(np.linalg.norm((coarse - right)[0, 1:]))
+    assert apart <= UNIT * float(np.linalg.norm(found.crosswise + best.crosswise))
+    assert apart < 0.01  # of 0.1 that it is
+    assert np.linalg.norm(right[0, 1:]) > 0.1
