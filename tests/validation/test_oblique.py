@@ -581,6 +581,29 @@ def test_a_wall_stays_under_gravity() -> None:
         assert not run.bodies[1].final_spin.any()
 
 
+@pytest.mark.parametrize("damped", [True, False])
+def test_a_body_put_on_a_slope_rests_below_the_angle_of_friction_and_slides_above(damped):
+    # It is put there without force, so that it settles, or, undamped, vibrates on its springs.
+    mass, k, mu, g, end = 0.05, 1e5, 0.3, 9.81, 0.1
+    law = ao.KelvinVoigt(k=k, c=math.sqrt(k * mass)) if damped else ao.Linear(k)
+    for degrees in (10.0, 25.0):  # of 16.7 it is
+        slope = math.radians(degrees)
+        along, down = g * math.sin(slope), g * math.cos(slope)
+        scene = ao.Scene(gravity=(along, 0.0, -down))
+        body = scene.add(ao.rigid(mass, inertia=1e-3))
+        scene.connect(body, scene.add(ao.wall(STEEL)), law, friction=mu)
+        run = scene.simulate(duration=end, solver=ao.Newmark(dt=2e-5) if damped else None)
+        later, speed = run.t > 0.5 * end, run.bodies[0].final_velocity[0]
+        friction = run.each_contact[0].friction_force
+        held = np.trapezoid(friction[later, 0], run.t[later]) / (0.5 * end)
+        if math.tan(slope) < mu:
+            assert abs(speed) < 1.01 * along * math.sqrt(mass / (LIKE * k))  # of its springs
+            assert held == pytest.approx(mass * along, rel=0.05)
+        else:
+            assert speed == pytest.approx((along - mu * down) * end, rel=0.01)
+            assert held == pytest.approx(mass * mu * down, rel=0.05)
+
+
 @pytest.mark.slow
 def test_springs_that_turn_at_once_are_solved_for() -> None:
     """Off the centre of a plate a slide turns; meshes agree within their errors."""
