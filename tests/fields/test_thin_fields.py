@@ -145,7 +145,6 @@ def test_stress_of_a_beam() -> None:
         assert stress[XZ] == pytest.approx(shear, rel=2e-3, abs=1e-9 * extreme)
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_stress_at_a_point_as_the_quantity() -> None:
     """Its error by the mesh, beside that against elements of half the size."""

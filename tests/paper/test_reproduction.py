@@ -266,7 +266,6 @@ def sphere_roots() -> tuple[float, float]:
     return torsional, scipy.optimize.brentq(determinant, 2.0, 3.0)
 
 
-@pytest.mark.slow
 def test_sphere_frequencies(spheres: paper_sphere.SphereStudy) -> None:
     """Table 2, and the exact sphere within the coarse mesh's error."""
     exact = np.array(sphere_roots())

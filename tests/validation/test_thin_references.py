@@ -119,7 +119,6 @@ def backed_plate(skin: bool) -> ao.FEModel:
     return ao.FEModel.from_mesh(mixed, parts, fixed=[(ends, "xyz", "xyz") for ends, _ in fixed])
 
 
-@pytest.mark.slow
 def test_solids_on_a_shell_are_struck() -> None:
     """Force within 1 %, impulse within 0.5 % of solids alone; stress is known everywhere."""
     one, other = (
