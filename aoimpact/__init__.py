@@ -11,7 +11,8 @@ impact then takes milliseconds. Units are SI. Two steel balls at 1 m/s:
 (1001.5, 60.0)
 
 Bodies
-    Material, Orthotropic, FEModel, RigidMass, read_mesh, read_matrices; ball, rigid, wall
+    Material, Orthotropic, FEModel, RigidMass, read_mesh, read_sections, read_matrices
+    ball, rigid, wall
     Shell, Laminate, Ply; Beam, RectangularSection, CircularSection, TubularSection, BeamSection
     Mesh, box_mesh, sheet_mesh, sphere_mesh, paper_sphere_mesh; write_matrices, Audit
     Rayleigh, ModalDamping

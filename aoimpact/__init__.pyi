@@ -78,6 +78,7 @@ from .results import Result as Result
 from .results import Run as Run
 from .scenefile import SceneFile as SceneFile
 from .scenefile import read_scene as read_scene
+from .sectionfiles import read_sections as read_sections
 from .study import Comparison as Comparison
 from .study import LawFit as LawFit
 from .study import compare as compare

@@ -51,7 +51,7 @@ from .layer import bending_length
 from .material import PAIRS, Material
 from .mechanism import refuse_mechanism
 from .model import FEModel
-from .orthotropic import Orthotropic
+from .orthotropic import Orthotropic, Solid
 from .patch import Patch
 from .statics import (
     StaticMode,

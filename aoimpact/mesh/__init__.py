@@ -8,9 +8,11 @@ from .convert import open_edges
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, THIN, ReferenceElement, cofactors, jacobians, reference_element
 from .files import load
-from .files.abaqusdeck import looks_like_inp
-from .files.nastran import nastran_nodes
+from .files.abaqus import AbaqusDeck
+from .files.abaqusdeck import Keyword, key, looks_like_inp
+from .files.nastran import Entries, NastranDeck, nastran_nodes
 from .files.nastrandeck import is_nastran
+from .files.raw import RawMesh, number
 from .files.viameshio import meshio_of_all_kinds
 from .generate import box_mesh, paper_sphere_mesh, sheet_mesh, sphere_mesh
 from .locate import AT_NODE, nearest_line, node_at, weights_at

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -107,8 +108,8 @@ def read_mesh(
     -----
     AOImpactWarning
         If nodes were dropped or elements renumbered, if groups of a file
-        have no elements, if a deck says how thick its shells are or which sections its beams have,
-        which is not read, or if meshio read it and nothing was checked.
+        have no elements, if a deck says how thick its shells are or which sections its beams have
+        (see `read_sections`), or if meshio read it and nothing was checked.
 
     Examples
     --------
@@ -166,7 +167,7 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     given = len(raw.nodes)
     raw = _of_first_order(raw, named)
     solids = _body(raw, named)
-    _warn_of_sections(raw, solids)
+    _warn_of_sections(raw, solids, bool(named))
     used = np.zeros(len(raw.nodes), dtype=bool)
     for _, cells, _ in solids:
         used[cells] = True
@@ -258,16 +259,18 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
     return replace(raw, blocks=tuple(blocks), cell_sets=sets)
 
 
-def _warn_of_sections(raw: RawMesh, body: list[Solids]) -> None:
-    """Warn of what a deck says of shells and beams and the body does not have."""
+def _warn_of_sections(raw: RawMesh, body: list[Solids], named: bool) -> None:
+    """Warn of what a deck says of shells and beams and the body does not have.
+
+    Who names groups, as those of `read_sections`, knows what they are.
+    """
     thin = any(kind in THIN for kind, *_ in body)
-    if raw.sections is None or not thin:
+    if raw.deck is None or not thin:
         return
-    if raw.sections:
+    if raw.deck.sections and not named:
         warn(
-            f"sections of the deck are not read ({', '.join(raw.sections)}): give thickness, "
-            "offsets, plies, materials and beams' axes to FEModel.from_mesh, by group, as "
-            "Shell(thickness, material), Laminate(...) or Beam(section, material, orientation)"
+            f"sections of the deck are not part of a mesh ({raw.deck.sections}): "
+            "read_sections(path) reads them for FEModel.from_mesh"
         )
     lines = np.zeros(raw.first[-1], dtype=bool)
     for block, first in zip(raw.blocks, raw.first[:-1], strict=True):
@@ -346,12 +349,16 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
         listed = ", ".join(
             f"{n} {kind}" for kind, n in sorted(counts.items()) if kind in unknown or not parts
         )
+        if raw.deck is not None and not parts:
+            listed = raw.deck.elements or listed
         what = (
             f"the mesh has cells of an unsupported kind: {listed}"
             if unknown
             else f"the mesh has no elements: it has {listed or 'no cells at all'}"
         )
-        raise MeshError(f"{what}; supported are {', '.join(KINDS + THIN)}{_flat_cure(unknown)}")
+        raise MeshError(
+            f"{what}; supported are {', '.join(KINDS + THIN)}{_flat_cure(unknown, listed)}"
+        )
     return [
         (kind, checked_cells(cells, reference_element(kind), len(raw.nodes)), numbers)
         for kind, cells, numbers in _by_kind(parts)
@@ -366,8 +373,10 @@ def _what(body: list[Solids]) -> str:
     return "line" if kinds == {"line"} else "surface"
 
 
-def _flat_cure(unknown: set[str]) -> str:
-    """Return the cure for surface and line elements of second order, if there are any."""
+def _flat_cure(unknown: set[str], listed: str) -> str:
+    """Return the cure for surface and line elements that are of second order or planar."""
+    if re.search(r"\b(CP[ES]|CAX|M3D|SFM3D)\d", listed):
+        return ". Planar elements and membranes are no shells: write S4 or S3 for shells"
     second = any(kind.startswith(("triangle", "quad", "line")) for kind in unknown)
     return ". Shells and beams are of first order: mesh with these" if second else ""
 

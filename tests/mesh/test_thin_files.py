@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -223,36 +224,31 @@ def test_a_quadrilateral_without_one_edge_is_a_triangle() -> None:
     assert mesh.contents == "1 quad, 2 triangle"
 
 
-OFFSET = "CQUAD4,1,7,1,2,5,4,,.001\n,,,.002,.002,.002,.002"
-
-
 @pytest.mark.parametrize(
-    ("name", "change", "said"),
-    [
-        ("inp", ("", ""), r"1 \*BEAM SECTION, 1 \*SHELL SECTION\)"),
-        ("inp", ("SKIN, MATERIAL", "SKIN, OFFSET=SPOS, MATERIAL"), "SHELL SECTION with OFFSET"),
-        ("inp", ("SKIN, MATERIAL", "SKIN, COMPOSITE, MATERIAL"), "SHELL SECTION with COMPOSITE"),
-        ("bdf", ("", ""), r"1 PBARL, 1 PSHELL\)"),
-        ("bdf", ("PSHELL,7,1,.001,1", "PCOMP,7\n,1,.001,0.,YES"), "1 PCOMP"),
-        ("bdf", ("CQUAD4,1,7,1,2,5,4", OFFSET), "ZOFFS of 1 CQUAD4, T1 to T4 of 1 CQUAD4"),
-        (
-            "bdf",
-            ("CBAR,4,8,1,2,0.,0.,1.", "CBAR,4,8,1,2,0.,0.,1.\n,,,0.,0.,.01,0.,0.,.01"),
-            "offsets of 1 CBAR",
-        ),
-    ],
+    ("name", "said"),
+    [("inp", r"1 \*BEAMSECTION, 1 \*SHELLSECTION\)"), ("bdf", r"1 PBARL, 1 PSHELL\)")],
 )
-def test_sections_of_decks_are_named_since_they_are_not_read(
-    tmp_path: Path, name: str, change: tuple[str, str], said: str
+def test_sections_of_decks_are_named_unless_the_groups_are(
+    tmp_path: Path, name: str, said: str
 ) -> None:
     path, skin, rib = written(tmp_path, name)
-    path.write_text(path.read_text().replace(*change, 1))
     with pytest.warns(ao.AOImpactWarning) as caught:
         ao.FEModel.from_mesh(path, SHEET)
     first, second = (str(each.message) for each in caught)
     assert re.search(said, first)
-    assert "give thickness" in first
+    assert "read_sections(path)" in first
     assert f"2 line elements of {rib!r} beside the shells" in second
-    with pytest.warns(ao.AOImpactWarning) as caught:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
         ao.FEModel.from_mesh(path, {skin: SHEET, rib: RIB})
-    assert len(caught) == 1
+
+
+@pytest.mark.filterwarnings("ignore:.*are not part of the body")
+@pytest.mark.parametrize("kind", ["CPS4", "CPE4R", "M3D4"])
+def test_planar_elements_and_membranes_are_named_and_are_no_shells(
+    tmp_path: Path, kind: str
+) -> None:
+    nodes = "\n".join(f"{i}, {x}, {y}, 0" for i, (x, y) in enumerate(PLACES, 1))
+    (tmp_path / "a.inp").write_text(f"*NODE\n{nodes}\n*ELEMENT, TYPE={kind}\n1, 1, 2, 5, 4\n")
+    with pytest.raises(ao.MeshError, match=f"no elements: it has 1 {kind};.* write S4 or S3"):
+        ao.read_mesh(tmp_path / "a.inp")

@@ -12,11 +12,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
-from ...base import IntArray, MeshError, warn
+from ...base import FloatArray, IntArray, MeshError, warn
 from .abaqusdeck import Keyword, key, read_keywords
 from .abaqusnames import CONNECTIONS, HARMLESS, SECTIONS, SIDES, STRUCTURAL, UNSUPPORTED
-from .abaqusscope import Elements, Scope, Which
+from .abaqusscope import Elements, Scope, Which, moved
 from .raw import RawBlock, RawMesh
 
 _OF_SCOPES = frozenset(("NODE", "NGEN", "ELEMENT", "ELGEN", "NSET", "ELSET", "SYSTEM"))
@@ -44,8 +45,8 @@ class _Model:
     """Keywords of a deck, by what they belong to.
 
     `outside` has those of the assembly, or of a deck without parts. Parts and instances are found
-    by their names in capitals. `connections` counts keywords that connect nodes,
-    `changes` those of steps that remove or add elements, and `sections` those of shells and beams.
+    by their names in capitals. `connections` counts keywords that connect nodes, and `changes`
+    those of steps that remove or add elements. `cards` are all others, with their parts.
     """
 
     outside: list[Keyword] = field(default_factory=list)
@@ -54,7 +55,40 @@ class _Model:
     called: dict[str, str] = field(default_factory=dict)
     connections: Counter[str] = field(default_factory=Counter)
     changes: int = 0
-    sections: Counter[str] = field(default_factory=Counter)
+    cards: list[tuple[str, Keyword]] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class AbaqusDeck:
+    """Keywords of a deck beyond its mesh.
+
+    Attributes
+    ----------
+    cards : list of (str, Keyword)
+        The part to which each belongs, in capitals; "" outside of parts.
+    instances : mapping of str to list of (str, ndarray)
+        By part, the beginning of the names of its sets in the mesh, such as "Bar-1.", and the
+        matrix by which the instance is turned.
+    types : ndarray of str, shape (n_cells,)
+        The elements' types in capitals, through all blocks.
+    towards : ndarray of bool, shape (n_cells,)
+        Beams that name a node towards which their section is turned.
+    """
+
+    cards: list[tuple[str, Keyword]]
+    instances: dict[str, list[tuple[str, FloatArray]]]
+    types: npt.NDArray[np.str_]
+    towards: npt.NDArray[np.bool_]
+
+    @property
+    def sections(self) -> str:
+        """Keywords on shells and beams, as in "2 *SHELLSECTION"."""
+        return _listed(Counter(f"*{c.name}" for _, c in self.cards if SECTIONS.fullmatch(c.name)))
+
+    @property
+    def elements(self) -> str:
+        """The elements by their types, as in "100 CPS4"."""
+        return _listed(Counter(self.types.tolist()))
 
 
 def read(file: Path) -> RawMesh:
@@ -92,15 +126,11 @@ def _sorted(keywords: list[Keyword]) -> _Model:
     model = _Model()
     within: list[tuple[str, list[Keyword]]] = [("", model.outside)]
     loose: Keyword | None = None
+    part = ""
     for keyword in keywords:
         name = keyword.name
         model.connections[name] += CONNECTIONS.fullmatch(name) is not None
         model.changes += name == "MODELCHANGE"
-        if SECTIONS.fullmatch(name):
-            options = [each for each in ("COMPOSITE", "OFFSET") if each in keyword.options]
-            model.sections[
-                " with ".join(["*" + name.replace("SECTION", " SECTION"), *options])
-            ] += 1
         if name in _OF_SCOPES:
             within[-1][1].append(keyword)
             if len(within) == 1 and name in ("NODE", "ELEMENT"):
@@ -114,19 +144,22 @@ def _sorted(keywords: list[Keyword]) -> _Model:
             within.append((name, model.outside))
         elif name == "INSTANCE":
             keyword.check_options("NAME", "PART")
-            instance, part = _new(keyword, model.instances), keyword.options.get("PART", "")
-            if key(part) not in model.parts:
-                raise keyword.error(f"there is no part {part}")
+            instance, of = _new(keyword, model.instances), keyword.options.get("PART", "")
+            if key(of) not in model.parts:
+                raise keyword.error(f"there is no part {of}")
             called = keyword.options["NAME"].strip('"')
-            model.instances[instance] = made = _Instance(called, key(part), keyword)
+            model.instances[instance] = made = _Instance(called, key(of), keyword)
             within.append((name, made.own))
         elif name in ("ENDPART", "ENDASSEMBLY", "ENDINSTANCE"):
             if within.pop()[0] != name[3:]:
                 raise keyword.error(f"it ends no *{name[3:]}")
+            part = ""
         elif UNSUPPORTED.fullmatch(name):
             raise keyword.error("it is not supported; write the mesh out without it")
         elif not HARMLESS.match(name):
             raise keyword.error("it is not known, and may change the mesh; leave it out")
+        else:
+            model.cards.append((part, keyword))
     if len(within) > 1:
         raise keywords[-1].error(f"*END {within[-1][0]} is missing")
     if model.parts and loose is not None:
@@ -189,8 +222,26 @@ def _joined(file: Path, model: _Model) -> RawMesh:
         cell_sets,
         np.concatenate([body.labels for body in bodies]),
         left_out,
-        tuple(_listed(model.sections).split(", ")) if model.sections else (),
+        AbaqusDeck(
+            model.cards,
+            _turned(model),
+            np.array([block.type for block in blocks], dtype=str)[kinds],
+            np.array([block.towards for block in blocks], dtype=bool)[kinds],
+        ),
     )
+
+
+def _turned(model: _Model) -> dict[str, list[tuple[str, FloatArray]]]:
+    """Return the instances of each part, as `AbaqusDeck` has them."""
+    found = {"": [("", np.eye(3))]}
+    for instance in model.instances.values():
+        points = np.vstack([np.zeros(3), np.eye(3)])
+        if instance.keyword is not None:
+            points = moved(instance.keyword, points)
+        found.setdefault(instance.part, []).append(
+            (f"{instance.name}.", (points[1:] - points[0]).T)
+        )
+    return found
 
 
 def _named(whole: Scope, model: _Model) -> tuple[dict[str, IntArray], dict[str, IntArray]]:

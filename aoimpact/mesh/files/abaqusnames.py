@@ -20,7 +20,7 @@ SIDES = re.compile(r"CP[SE]\d|CAX\d|SFM3D")
 _LINE = re.compile(r"T[23]D([23])[A-Z]{0,2}")
 
 # Beams in space, by their order: B33 has the nodes of B31.
-_BEAM = re.compile(r"B3([123])H?(?:OS)?H?")
+_BEAM = re.compile(r"B3([123])R?H?(?:OS)?H?")
 _BEAMS = {1: "line", 2: "line3", 3: "line"}
 
 # Types that may be shells and beams of a body; membranes, rigid and plane elements are not.
@@ -62,8 +62,8 @@ CONNECTIONS = re.compile(
     "|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
 )
 
-# Sections of shells and beams, and what else says how thick they are and how they lie.
-SECTIONS = re.compile("(?:SHELL|BEAM)(?:GENERAL)?SECTION|NODALTHICKNESS|ORIENTATION")
+# Sections of shells and beams.
+SECTIONS = re.compile("(?:SHELL|BEAM)(?:GENERAL)?SECTION")
 
 # Beginnings of the names of all other keywords of Abaqus and CalculiX: materials, sections,
 # interactions, loads, steps, output. They have no influence on nodes, elements and sets; surfaces

@@ -44,6 +44,8 @@ class Elements:
     nodes : ndarray of int, shape (n, nodes per element)
         First their labels, at last rows of the scope's nodes.
     keyword : Keyword
+    towards : bool
+        True of beams that name a node more, towards which their section is turned.
     """
 
     type: str
@@ -51,6 +53,7 @@ class Elements:
     labels: IntArray
     nodes: IntArray
     keyword: Keyword
+    towards: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +112,7 @@ class Scope:
 
     def placed(self, keyword: Keyword | None, first: dict[Which, int]) -> Scope:
         """Return it as an instance, moved by the data lines of *INSTANCE, if there are any."""
-        places = self.places if keyword is None else _moved(keyword, self.places)
+        places = self.places if keyword is None else moved(keyword, self.places)
         return replace(self, part=self, first=first, places=places)
 
     def behind(self) -> dict[Which, int]:
@@ -212,14 +215,14 @@ class Scope:
         if self.inner and name.startswith("C3D"):
             raise keyword.error("solids belong into a part")
         if kind and not self.inner:  # between instances, nodes have names
+            towards = False
             try:
                 table = keyword.connectivity(n_nodes)
             except MeshError:
                 if name[0] != "B":
                     raise
-                # A beam may name a node towards which its section is turned.
-                table = keyword.connectivity(n_nodes + 1)[:, : n_nodes + 1]
-            new = Elements(name, kind, table[:, 0], table[:, 1:], keyword)
+                table, towards = keyword.connectivity(n_nodes + 1)[:, : n_nodes + 1], True
+            new = Elements(name, kind, table[:, 0], table[:, 1:], keyword, towards)
         else:
             labels = keyword.first_numbers()
             none = np.zeros((len(labels), 0), dtype=np.int64)
@@ -253,7 +256,7 @@ class Scope:
                 shifts = (np.arange(count)[:, None, None] * step + shifts).reshape(-1, 2)
             labels = master + shifts[:, 1]
             nodes = block.nodes[i] + shifts[1:, :1]
-            self.elements.append(Elements(block.type, block.kind, labels[1:], nodes, keyword))
+            self.elements.append(replace(block, labels=labels[1:], nodes=nodes, keyword=keyword))
             every.append(labels)
         self._define(keyword, "ELSET", joined(every))
 
@@ -469,7 +472,7 @@ def _arc(
     return places
 
 
-def _moved(keyword: Keyword, places: FloatArray) -> FloatArray:
+def moved(keyword: Keyword, places: FloatArray) -> FloatArray:
     """Return coordinates of an instance by the data lines of *INSTANCE.
 
     The first is a translation. The second, two points and an angle, turns the translated body.

@@ -43,14 +43,6 @@ _SECTIONS = {
     2: re.compile("PSHELL|PCOMP[GLS]?|PSHEAR"),
 }
 
-# Data fields of elements that change thickness, or put the element off its nodes.
-_OF_ELEMENTS: dict[str, dict[str, slice]] = {
-    "CQUAD4": {"ZOFFS": slice(7, 8), "T1 to T4": slice(10, 14)},
-    "CTRIA3": {"ZOFFS": slice(6, 7), "T1 to T3": slice(10, 13)},
-    "CBAR": {"offsets": slice(10, 16)},
-    "CBEAM": {"offsets": slice(10, 16)},
-}
-
 # Largest difference between axes of displacements and the basic ones.
 _TURNED = 1e-9
 
@@ -65,6 +57,26 @@ _SET = re.compile(r"SET\s+(\d+)\s*=(.*)")
 # Members of a set of bulk data by its type; sets of other types are of neither.
 _BOTH = ("nodes", "elements")
 _MEMBERS = {"GRID": _BOTH[:1], "NODE": _BOTH[:1], "ELEM": _BOTH[1:], "ELEMENT": _BOTH[1:]}
+
+
+@dataclass(frozen=True, eq=False)
+class NastranDeck:
+    """Bulk data of a deck, its nodes, and its elements block by block as the mesh has them."""
+
+    bulk: BulkData
+    grids: Grids
+    parts: list[Entries]
+
+    elements = ""  # by types of their own: all are in the mesh
+
+    @property
+    def sections(self) -> str:
+        """Properties of shells and beams, as in "2 PSHELL"."""
+        return ", ".join(
+            f"{len(lines)} {name}"
+            for name, lines in sorted(self.bulk.names.items())
+            if any(pattern.fullmatch(name) for pattern in _SECTIONS.values())
+        )
 
 
 def read(file: Path) -> RawMesh:
@@ -87,7 +99,7 @@ def read(file: Path) -> RawMesh:
     """
     control, lines = read_sections(file)
     deck = read_bulk_data(lines)
-    grids = _Grids.of(deck)
+    grids = Grids.of(deck)
     nodes = grids.coordinates()
     elements = [part for names in _ELEMENTS for part in _elements(deck, names, grids)]
     for part in elements:
@@ -122,21 +134,8 @@ def read(file: Path) -> RawMesh:
     ):
         if listed := ", ".join(f"{n} {name}" for name, n in counts if pattern.fullmatch(name)):
             warn(f"mesh file {str(file)!r}: {what}: {listed}")
-    return RawMesh(
-        nodes, raw.blocks, node_sets, cell_sets, grids.labels, sections=tuple(_section_cards(deck))
-    )
-
-
-def _section_cards(deck: BulkData) -> Iterator[str]:
-    """Name what shells and beams have beyond their nodes: properties, and fields of elements."""
-    for name, lines in sorted(deck.names.items()):
-        if any(pattern.fullmatch(name) for pattern in _SECTIONS.values()):
-            yield f"{len(lines)} {name}"
-    for name, fields in _OF_ELEMENTS.items():
-        for what, own in fields.items():
-            table = deck.table(name, width=16)
-            if count := int((~table.blank[:, own]).any(axis=1).sum()):
-                yield f"{what} of {count} {name}"
+    own = NastranDeck(deck, grids, elements)
+    return RawMesh(nodes, raw.blocks, node_sets, cell_sets, grids.labels, deck=own)
 
 
 def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
@@ -147,7 +146,7 @@ def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
     MeshError
         As for `read`, or if a node has displacements in other axes (CD).
     """
-    grids = _Grids.of(read_bulk_data(read_sections(file)[1]))
+    grids = Grids.of(read_bulk_data(read_sections(file)[1]))
     nodes = grids.coordinates()
     for label in np.unique(grids.output_systems[grids.output_systems > 0]).tolist():
         own = np.flatnonzero(grids.output_systems == label)
@@ -165,19 +164,23 @@ def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
 # ----------------------------------------------------------------------------------- elements
 
 
-class _Elements(NamedTuple):
-    """Elements of one kind: their entries, nodes with labels, and properties (0: none)."""
+class Entries(NamedTuple):
+    """Elements of one kind: their entries, nodes with labels, and properties (0: none).
+
+    `layout` is the kind for all of whose nodes the entries have fields, such as "quad8".
+    """
 
     table: Table
     block: RawBlock
     properties: IntArray
+    layout: str
 
 
-def _elements(deck: BulkData, names: tuple[str, ...], grids: _Grids) -> Iterator[_Elements]:
+def _elements(deck: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[Entries]:
     """Yield the elements of some entries: those of corners, and those with midside nodes."""
     kinds = _ELEMENTS[names]
     corners, most = nodes_in(kinds[0]), nodes_in(kinds[-1])
-    table = deck.table(*names, width=2 + most + 8)
+    table = deck.table(*names, width=2 + most + 14)
     first = 1 if names == ("CONROD",) else 2  # rods without a property
     if names[0] in _SOLIDS:
         surplus = np.any(~table.blank[:, 2 + most :], axis=1)
@@ -199,7 +202,7 @@ def _elements(deck: BulkData, names: tuple[str, ...], grids: _Grids) -> Iterator
         for row, column in np.argwhere(rows < 0)[:1].tolist():
             raise part.refused(row, f"node {numbers[row, column]} is not there")
         cells = rows[:, UPRIGHT_FIRST.get(kind, slice(None))]
-        yield _Elements(part, RawBlock(kind, cells, labels), properties)
+        yield Entries(part, RawBlock(kind, cells, labels), properties, kinds[-1])
 
 
 def _beside(blocks: list[RawBlock], names: set[str], n_nodes: int) -> str:
@@ -245,7 +248,7 @@ def _make_right_handed(nodes: FloatArray, block: RawBlock) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Axes:
+class Axes:
     """A coordinate system in basic coordinates.
 
     Attributes
@@ -305,7 +308,7 @@ class _Definition(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class _Grids:
+class Grids:
     """Nodes by ascending labels, and the coordinate systems.
 
     Systems that refer to others are resolved when they are needed.
@@ -329,13 +332,11 @@ class _Grids:
     output_systems: IntArray
     x: FloatArray
     definitions: dict[int, _Definition]
-    _known: dict[int, _Axes] = field(
-        default_factory=lambda: {0: _Axes("R", np.zeros(3), np.eye(3))}
-    )
+    _known: dict[int, Axes] = field(default_factory=lambda: {0: Axes("R", np.zeros(3), np.eye(3))})
     _open: list[int] = field(default_factory=list)
 
     @classmethod
-    def of(cls, deck: BulkData) -> _Grids:
+    def of(cls, deck: BulkData) -> Grids:
         """Return the nodes of a deck; a node that is repeated as it was counts once."""
         for name, first in deck.names.items():  # unknown entries might belong to the mesh
             known = (CONNECTIONS.fullmatch, OTHER_ELEMENTS.fullmatch, SKIPPED.match)
@@ -368,7 +369,7 @@ class _Grids:
             x[own] = self.axes(label, self.table, int(own[0])).basic(self.x[own])
         return x
 
-    def axes(self, label: int, table: Table, row: int) -> _Axes:
+    def axes(self, label: int, table: Table, row: int) -> Axes:
         """Return a system.
 
         Parameters
@@ -407,7 +408,7 @@ class _Grids:
             raise one.table.refused(one.row, why)
         axes = np.stack([np.cross(y, z), y, z])
         axes /= np.linalg.norm(axes, axis=1)[:, None]
-        self._known[label] = _Axes(one.kind, points[0], axes)
+        self._known[label] = Axes(one.kind, points[0], axes)
         return self._known[label]
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -69,6 +69,18 @@ class RawBlock:
         return _SHAPES.get(self.kind.rstrip("0123456789"), (3, 0))[0]
 
 
+class Deck(Protocol):
+    """Cards of a deck on sections and materials, as its format has them."""
+
+    @property
+    def sections(self) -> str:
+        """Cards on shells and beams beyond nodes and elements, as in "2 PSHELL"; may be empty."""
+
+    @property
+    def elements(self) -> str:
+        """Elements by the deck's own types, as in "100 CPS4"; may be empty."""
+
+
 @dataclass(frozen=True, eq=False)
 class RawMesh:
     """Nodes, cells and named groups of a file.
@@ -87,9 +99,9 @@ class RawMesh:
         occur twice, as in two instances of an Abaqus part.
     left_out : mapping of str to str
         Groups that hold more than solids, and the rest of their contents, as in "3 MASS, 20 S4R".
-    sections : tuple of str, or None
-        Cards of a deck on its shells and beams beyond nodes and elements, as in "2 PSHELL"; None
-        for formats whose cells may be no more than sides and edges.
+    deck : Deck or None
+        Cards of a deck beyond its mesh; None for formats whose cells may be no more than sides and
+        edges.
     """
 
     nodes: FloatArray
@@ -98,7 +110,7 @@ class RawMesh:
     cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
     node_labels: IntArray | None = None
     left_out: Mapping[str, str] = field(default_factory=dict)
-    sections: tuple[str, ...] | None = None
+    deck: Deck | None = None
 
     @property
     def first(self) -> IntArray:

@@ -1,0 +1,118 @@
+"""Sections and materials in decks of Abaqus, CalculiX and Nastran."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping
+
+from ..base import (
+    AOImpactWarning,
+    InputError,
+    InputTypeError,
+    MeshError,
+    nearest,
+    positive,
+    warn,
+)
+from ..fem import OneMaterial
+from ..mesh import AbaqusDeck, NastranDeck, key, load
+from . import abaqus, nastran
+from .common import Source
+
+
+def read_sections(
+    path: str | os.PathLike[str],
+    *,
+    scale: float = 1.0,
+    force: float = 1.0,
+    time: float = 1.0,
+    given: Mapping[str, OneMaterial] | None = None,
+) -> dict[str, OneMaterial]:
+    """Return the sections in a deck, by the groups of elements that they belong to.
+
+    They are what `FEModel.from_mesh` takes as material. A deck in metres is a body by
+    ``FEModel.from_mesh(path, read_sections(path))``.
+
+    Abaqus and CalculiX: \\*SOLID SECTION, \\*SHELL SECTION (also COMPOSITE), \\*SHELL GENERAL
+    SECTION of a material, \\*BEAM SECTION and \\*BEAM GENERAL SECTION of rectangles, circles, pipes
+    and numbers; \\*ELASTIC, \\*DENSITY, rectangular \\*ORIENTATION. Nastran: PSOLID, PSHELL, PCOMP,
+    PCOMPG, PBAR, PBARL, PBEAML; MAT1, MAT8, MAT11; PARAM,WTMASS. Whatever else changes the answer
+    is refused.
+
+    The modulus across plies, which LAMINA and MAT8 do not have, is E3 = E2, with ν13 = ν12 and
+    ν23 = E2/(2 G23) − 1: fibres in a matrix. It matters to contact alone. Axis 1 of a shell without
+    an orientation is the projection of x, as in Abaqus.
+
+    Parameters
+    ----------
+    path : path
+    scale, force, time : float, optional
+        The deck's units of length in m, of force in N, and of time in s. The units of modulus and
+        density follow, ``force/scale**2`` and ``force*time**2/scale**4``, as solvers take them.
+        Of mm, N, t, s: ``scale=1e-3``; of mm, kN, kg, ms: ``scale=1e-3, force=1e3, time=1e-3``; of
+        in, lbf, s: ``scale=0.0254, force=4.44822``.
+    given : mapping of str to Material, Orthotropic, Shell, Laminate or Beam, optional
+        In SI units, in place of cards: sections by their groups, materials by their names; that of
+        Nastran's MAT1 7 is "material 7".
+
+    Returns
+    -------
+    dict of str to Material, Orthotropic, Shell, Laminate or Beam
+        In SI units.
+
+    Raises
+    ------
+    MeshError
+        If the deck cannot be read, or a section is not understood, with file and line.
+    InputError, InputTypeError
+
+    Warns
+    -----
+    AOImpactWarning
+        If materials have plasticity, damping and the like, which is left out, or values that are
+        those of no solid, as in other units.
+
+    Examples
+    --------
+    A frame in millimetres, newtons, tonnes and seconds, of shells and beams:
+
+    >>> sections = ao.read_sections("frame.inp", scale=1e-3)  # doctest: +SKIP
+    >>> mesh = ao.read_mesh("frame.inp", scale=1e-3, part=list(sections))  # doctest: +SKIP
+    >>> body = ao.FEModel.from_mesh(mesh, sections)  # doctest: +SKIP
+    """
+    named = {"scale": scale, "force": force, "time": time}
+    length, newtons, seconds = (positive(name, one) for name, one in named.items())
+    known = {} if given is None else given
+    if not isinstance(known, Mapping):
+        raise InputTypeError(
+            f"given must be a dict of names and sections, got {type(known).__name__}"
+        )
+    for name, one in known.items():
+        if not isinstance(one, OneMaterial):
+            raise InputTypeError(
+                f"given[{name!r}] must be a section or a material, got {type(one).__name__}"
+            )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AOImpactWarning)  # of the mesh: `read_mesh` has them
+        raw = load(path)
+    where = f"mesh file {os.fspath(path)!r}"
+    source = Source(raw, length, newtons, seconds, {key(name): one for name, one in known.items()})
+    if isinstance(raw.deck, AbaqusDeck):
+        found = abaqus.sections(source, raw.deck)
+    elif isinstance(raw.deck, NastranDeck):
+        found = nastran.sections(source, raw.deck)
+    else:
+        raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran, and has no sections")
+    if not found:
+        raise MeshError(
+            f"{where} has no sections of solids, shells or beams; give materials to from_mesh"
+        )
+    if unknown := [name for name in known if key(name) not in source.taken]:
+        raise InputError(
+            f"given: {unknown[0]!r} is no section or material in use{nearest(unknown[0], found)}; "
+            f"the deck's groups are {', '.join(map(repr, found))}"
+        )
+    if source.left_out:
+        warn(f"{where}: {'; '.join(dict.fromkeys(source.left_out))}")
+    return found
