@@ -1,0 +1,64 @@
+"""Decks of this project's own: strips of shells and beams, and their cards."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import aoimpact as ao
+
+ELASTIC = "*MATERIAL, NAME=STEEL\n*ELASTIC\n{E}, 0.3\n*DENSITY\n{rho}\n".format
+STEEL = ELASTIC(E=2.1e11, rho=7800.0)
+PLY = (
+    "*MATERIAL, NAME=PLY\n*ELASTIC, TYPE=LAMINA\n135E9, 9E9, .3, 5E9, 5E9, 3.2E9\n*DENSITY\n1550.\n"
+)
+MAT1 = "MAT1,1,2.1E11,,.3,7800."
+MAT8 = "MAT8,2,135.E9,9.E9,.3,5.E9,5.E9,3.2E9,1550."
+
+# The same as `PLY` and `MAT8`: isotropic across the fibres.
+CARBON = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 9 / 6.4 - 1), rho=1550)
+
+
+def abaqus(
+    path: Path,
+    mesh: Any,
+    cards: Iterable[str],
+    kind: str = "S4",
+    scale: float = 1.0,
+    turn: Any = None,
+) -> Path:
+    """Write a mesh as the ELSET ALL, its nodes as sets, and cards."""
+    nodes = mesh.nodes / scale if turn is None else mesh.nodes @ np.transpose(turn)
+    lines = [
+        "*NODE",
+        *(f"{i + 1}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate(nodes)),
+    ]
+    lines.append(f"*ELEMENT, TYPE={kind}, ELSET=ALL")
+    lines += [", ".join(map(str, [i + 1, *(cell + 1)])) for i, cell in enumerate(mesh.cells)]
+    for name, members in mesh.node_sets.items():
+        lines += [f"*NSET, NSET={name}", *(str(node + 1) for node in members)]
+    path.write_text("\n".join([*lines, *cards]))
+    return path
+
+
+def nastran(path: Path, mesh: Any, cards: Iterable[str], after: str = "") -> Path:
+    """Write a mesh with property 7, `after` the nodes of each element, and cards."""
+    name = {2: "CBAR", 3: "CTRIA3", 4: "CQUAD4", 8: "CHEXA"}[mesh.cells.shape[1]]
+    lines = ["BEGIN BULK"]
+    lines += [f"GRID,{i + 1},,{x:.9g},{y:.9g},{z:.9g}" for i, (x, y, z) in enumerate(mesh.nodes)]
+    for i, cell in enumerate(mesh.cells):
+        numbers = [str(node + 1) for node in cell]
+        numbers[6:7] = ["\n", *numbers[6:7]] if len(cell) > 6 else []
+        lines.append(",".join([name, str(i + 1), "7", *numbers]) + after)
+    path.write_text("\n".join([*lines, *cards, "ENDDATA", ""]))
+    return path
+
+
+def line(length: float = 1.0, n: int = 10) -> ao.Mesh:
+    """A line of elements along x, whose ends are sets of nodes."""
+    nodes = np.column_stack([np.linspace(0, length, n + 1), np.zeros((n + 1, 2))])
+    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+    return ao.Mesh(nodes, cells, "line", {"xmin": np.array([0]), "xmax": np.array([n])})

@@ -1,0 +1,320 @@
+"""Sections of decks: what cards mean, by closed forms and by what is written by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse.linalg
+from decks import CARBON, ELASTIC, MAT1, MAT8, PLY, STEEL, abaqus, line, nastran
+
+import aoimpact as ao
+
+# Warnings name a ply's E3, which is assumed, and nodes that only say how a bar is turned.
+pytestmark = pytest.mark.filterwarnings("ignore:.*has no E3", "ignore:.*nodes belong to no line")
+
+SHEET = ao.sheet_mesh((0.2, 0.1), (4, 2))
+STEEL_SI = ao.Material(2.1e11, 0.3, 7800)
+EULER = 1.8751040687**2 / (2 * np.pi)  # of a cantilever, times √(EI/m)/L²
+
+
+def read(path: Path, **given: Any) -> Any:
+    (section,) = ao.read_sections(path, **given).values()
+    return section
+
+
+# ---------------------------------------------------------------------------------- units
+
+
+@pytest.mark.parametrize(
+    ("E", "rho", "units"),
+    [
+        ("2.1E11", "7800.", {}),
+        ("210000.", "7.8E-9", {"scale": 1e-3}),  # mm, N, t, s
+        ("210.", "7.8E-6", {"scale": 1e-3, "force": 1e3, "time": 1e-3}),  # mm, kN, kg, ms
+        ("3.0457925E7", "7.2986E-4", {"scale": 0.0254, "force": 4.4482216}),  # in, lbf, s
+    ],
+)
+def test_a_sheet_is_the_same_in_every_system_of_units(
+    E: str, rho: str, units: dict[str, float], tmp_path: Path
+) -> None:
+    scale = units.get("scale", 1.0)
+    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL", f"{2e-3 / scale}", ELASTIC(E=E, rho=rho)]
+    path = abaqus(tmp_path / "a.inp", SHEET, cards, scale=scale)
+    sections = ao.read_sections(path, **units)
+    mesh = ao.read_mesh(path, scale=scale, part=list(sections))
+    body = ao.FEModel.from_mesh(mesh, sections)
+    true = ao.FEModel.from_mesh(SHEET, ao.Shell(2e-3, STEEL_SI))
+    assert body.mass == pytest.approx(true.mass, rel=1e-4)
+    assert body.frequencies(8)[6:] == pytest.approx(true.frequencies(8)[6:], rel=1e-4)
+
+
+def test_weights_are_masses_by_wtmass(tmp_path: Path) -> None:
+    weighed = MAT1.replace("7800.", "76492.")
+    cards = ["PSHELL,7,1,.002,1", weighed, "PARAM,WTMASS,.101972"]
+    assert read(nastran(tmp_path / "a.bdf", SHEET, cards)).rho == pytest.approx(7800, rel=1e-5)
+
+
+# ------------------------------------------------------------------------------- laminates
+
+# Bottom to top, degrees: neither symmetric nor balanced, so that every sign matters.
+STACK = (0, 30, 90, -45)
+
+
+def closed_form(t: float, z0: float) -> Any:
+    """A, B and D of the stack by the invariants of Tsai and Pagano, from z0 upwards."""
+    E1, E2, nu, G = 135e9, 9e9, 0.3, 5e9
+    q = 1 - nu**2 * E2 / E1
+    a, b, c = E1 / q, E2 / q, nu * E2 / q
+    U1, U2, U3 = (3 * a + 3 * b + 2 * c + 4 * G) / 8, (a - b) / 2, (a + b - 2 * c - 4 * G) / 8
+    U4, U5 = (a + b + 6 * c - 4 * G) / 8, (a + b - 2 * c + 4 * G) / 8
+    sums = np.zeros((3, 3, 3))
+    for k, degrees in enumerate(STACK):
+        two, four = 2 * np.radians(degrees), 4 * np.radians(degrees)
+        xy = U2 / 2 * np.sin(two) + U3 * np.sin(four), U2 / 2 * np.sin(two) - U3 * np.sin(four)
+        xx, yy = (U1 + s * U2 * np.cos(two) + U3 * np.cos(four) for s in (1, -1))
+        q12, q66 = U4 - U3 * np.cos(four), U5 - U3 * np.cos(four)
+        Q = np.array([[xx, q12, xy[0]], [q12, yy, xy[1]], [xy[0], xy[1], q66]])
+        low, high = z0 + k * t, z0 + (k + 1) * t
+        sums += [Q * (high**n - low**n) / n for n in (1, 2, 3)]
+    A, B, D = sums
+    return np.block([[A, B], [B, D]])
+
+
+PCOMP = "PCOMP,7,{z0}\n,2,.001,0.,,2,.001,30.,\n,2,.001,90.,,,,-45."
+PCOMPG = "PCOMPG,7,{z0}\n,1,2,.001,0.\n,2,2,.001,30.\n,3,2,.001,90.\n,4,2,.001,-45.".format
+COMPOSITE = "\n.001, 3, PLY, 0.\n.001, 3, PLY, 30.\n.001, 3, PLY, 90.\n.001, 3, PLY, -45.".__add__
+AXES = "\n*ORIENTATION, NAME=O{}\n{:.9f}, {:.9f}, 0., {:.9f}, {:.9f}, 0.".format
+NAMED = "".join(  # as CalculiX has it: every ply with axes of its own
+    AXES(k, np.cos(a), np.sin(a), -np.sin(a), np.cos(a)) for k, a in enumerate(np.radians(STACK))
+)
+BY_NAME = "*SHELL SECTION, COMPOSITE, ELSET=ALL" + "".join(f"\n.001,, PLY, O{k}" for k in range(4))
+
+
+@pytest.mark.parametrize(
+    ("program", "cards", "z0"),
+    [
+        ("nastran", PCOMP.format(z0=""), -2e-3),
+        ("nastran", PCOMP.format(z0="0."), 0.0),
+        ("nastran", PCOMPG(z0="-.003"), -3e-3),
+        ("abaqus", "*SHELL SECTION, COMPOSITE, ELSET=ALL" + COMPOSITE(""), -2e-3),
+        ("abaqus", "*SHELL SECTION, COMPOSITE, ELSET=ALL, OFFSET=SPOS" + COMPOSITE(""), -4e-3),
+        (
+            "abaqus",
+            "*SHELL GENERAL SECTION, COMPOSITE, ELSET=ALL, OFFSET=SNEG" + COMPOSITE(""),
+            0.0,
+        ),
+        ("abaqus", "*SHELL SECTION, COMPOSITE, ELSET=ALL, OFFSET=.25" + COMPOSITE(""), -3e-3),
+        ("abaqus", BY_NAME + NAMED, -2e-3),
+    ],
+)
+def test_the_stiffness_of_plies_is_that_of_the_closed_form(
+    program: str, cards: str, z0: float, tmp_path: Path
+) -> None:
+    if program == "nastran":
+        path = nastran(tmp_path / "a.bdf", SHEET, [cards, MAT8])
+    else:
+        path = abaqus(tmp_path / "a.inp", SHEET, [cards, PLY])
+    laminate = read(path)
+    assert laminate.stiffness[:6, :6] == pytest.approx(closed_form(1e-3, z0), rel=1e-6, abs=1e-6)
+    assert laminate.reference == pytest.approx([1, 0, 0])
+    assert laminate.interfaces[0] == pytest.approx(z0)
+
+
+@pytest.mark.parametrize("how", ["PCOMP,7,,,,,,,SYM\n,2,.001,0.,,2,.001,90.", "SYMMETRIC"])
+def test_symmetric_stacks_are_given_by_halves(how: str, tmp_path: Path) -> None:
+    if how[0] == "P":
+        path = nastran(tmp_path / "a.bdf", SHEET, [how, MAT8])
+    else:
+        cards = [
+            "*SHELL SECTION, ELSET=ALL, COMPOSITE, SYMMETRIC",
+            ".001,3,PLY,0",
+            ".001,3,PLY,90",
+            PLY,
+        ]
+        path = abaqus(tmp_path / "a.inp", SHEET, cards)
+    assert [ply.angle_deg for ply in read(path).plies] == [0, 90, 90, 0]
+    assert read(path).plies[0].material == CARBON
+
+
+ORIENTED = "*SHELL SECTION, ELSET=ALL, MATERIAL=PLY, ORIENTATION=O\n.001\n*ORIENTATION, NAME=O\n"
+
+
+@pytest.mark.parametrize(
+    ("program", "text", "degrees"),
+    [
+        ("abaqus", ORIENTED + "1,0,0, 0,1,0", 0),
+        ("abaqus", ORIENTED + "1,0,0, 0,1,0\n3, 20.", 20),
+        ("abaqus", ORIENTED + "0,0,1, 1,0,0\n1, 0.", 0),  # axis 1 is normal; 2, which follows, is x
+        ("abaqus", ORIENTED + "0,0,1, 1,0,0\n1, 35.", 35),
+        ("abaqus", ORIENTED + "0,1,0, 0,0,1\n2, 0.", 0),  # axis 2 is normal; 3 is x
+        ("abaqus", ORIENTED + "2,2,1, 1,3,1, 1,1,1\n3, 0.", 45),  # with an origin
+        ("nastran", "", 0),
+        ("nastran", ",30.", 30),
+        ("nastran", ",5", 60),
+    ],
+)
+def test_fibres_lie_as_the_cards_say(
+    program: str, text: str, degrees: float, tmp_path: Path
+) -> None:
+    """A sheet whose elements' first edges are along x."""
+    if program == "abaqus":
+        path = abaqus(tmp_path / "a.inp", SHEET, [text, PLY])
+    else:
+        c, s = np.cos(np.radians(60)), np.sin(np.radians(60))
+        system = f"CORD2R,5,,0.,0.,0.,0.,0.,1.\n,{c:.8f},{s:.8f},0."
+        path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,2,.001,2", MAT8, system], text)
+    x, y, z = read(path).reference
+    assert np.degrees(np.arctan2(y, x)) == pytest.approx(degrees, abs=1e-5)
+    assert abs(z) < 1e-9
+
+
+# ------------------------------------------------------------------------- beams and solids
+
+
+RECT = "*BEAM SECTION, ELSET=ALL, SECTION=RECT, MATERIAL=STEEL\n.01, .02\n0, 0, 1"
+GENERAL = (
+    "*BEAM GENERAL SECTION, ELSET=ALL, SECTION=GENERAL, DENSITY=7800.\n{}\n{}\n2.1E11, 8.0769231E10"
+)
+AREA, ALONG, OTHER = "2.E-4", "1.6666667E-9", "6.6666667E-9"  # of 10 mm along z, 20 mm along y
+
+
+@pytest.mark.parametrize(
+    ("program", "card", "after"),
+    [
+        ("abaqus", RECT, ""),
+        (
+            "abaqus",
+            RECT.replace("0, 0, 1", "0, 1, 1").replace(".01, .02\n0, 1, 1", ".02, .01\n0, 1, 0"),
+            "",
+        ),
+        ("abaqus", RECT.replace("\n0, 0, 1", ""), ""),  # the default is -z
+        ("abaqus", GENERAL.format(f"{AREA}, {OTHER}, 0., {ALONG}, 4.6E-9", "0, 0, 1"), ""),
+        (
+            "abaqus",
+            GENERAL.format(f"{AREA}, {OTHER}, 0., {ALONG}, 4.6E-9", "\n").replace("\n\n\n", "\n"),
+            "",
+        ),
+        ("nastran", "PBARL,7,1,,BAR\n,.02,.01", ",0.,0.,1."),
+        ("nastran", "PBEAML,7,1,,BAR\n,.01,.02", ",0.,1.,0."),
+        ("nastran", f"PBAR,7,1,{AREA},{ALONG},{OTHER},4.6E-9", ",0.3,0.,1."),
+        ("nastran", f"PBAR,7,1,{AREA},{OTHER},{ALONG},4.6E-9", ",99"),
+        ("nastran", f"PBEAM,7,1,{AREA},{ALONG},{OTHER},,4.6E-9", ",0.,0.,1."),
+    ],
+)
+def test_a_cantilever_rings_across_each_of_its_sides(
+    program: str, card: str, after: str, tmp_path: Path
+) -> None:
+    """Of 10 mm along z and 20 mm along y: Euler's frequencies, and the directions of both modes."""
+    mesh = line()
+    if program == "abaqus":
+        path = abaqus(tmp_path / "a.inp", mesh, [card, STEEL], "B31")
+    else:
+        path = nastran(tmp_path / "a.bdf", mesh, [card, MAT1, "GRID,99,,0.,3.,0."], after)
+        if "PBEAM" in card:
+            path.write_text(path.read_text().replace("CBAR", "CBEAM"))
+    body = ao.FEModel.from_mesh(path, ao.read_sections(path), fixed=[([1], "xyz", "xyz")])
+    for axis, height, width in ((2, 0.01, 0.02), (1, 0.02, 0.01)):
+        tip = np.flatnonzero(body.free == 3 * 10 + axis)
+        unit = np.zeros(body.n_dofs)
+        unit[tip] = 1.0
+        stiffness = 1 / scipy.sparse.linalg.spsolve(body.K.tocsc(), unit)[tip]
+        assert stiffness == pytest.approx(3 * 2.1e11 * width * height**3 / 12, rel=2e-3)
+    root = np.sqrt(2.1e11 / 7800 / 12)
+    assert body.frequencies(2) == pytest.approx(
+        [EULER * root * 0.01, EULER * root * 0.02], rel=2e-3
+    )
+
+
+@pytest.mark.parametrize(
+    ("program", "card", "section"),
+    [
+        ("abaqus", "SECTION=CIRC\n.01\n0,1,0", ao.CircularSection(0.01)),
+        ("abaqus", "SECTION=PIPE\n.01, .002", ao.TubularSection(0.01, 0.002)),
+        ("nastran", "PBARL,7,1,,ROD\n,.01", ao.CircularSection(0.01)),
+        ("nastran", "PBARL,7,1,,TUBE\n,.01,.008,0.", ao.TubularSection(0.01, 0.002)),
+        ("nastran", "PBEAML,7,1,,TUBE2\n,.01,.002", ao.TubularSection(0.01, 0.002)),
+    ],
+)
+def test_round_sections_are_read(program: str, card: str, section: Any, tmp_path: Path) -> None:
+    if program == "abaqus":
+        cards = [f"*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, {card}", STEEL]
+        beam = read(abaqus(tmp_path / "a.inp", line(), cards, "B31"))
+    else:
+        beam = read(nastran(tmp_path / "a.bdf", line(), [card, MAT1], ",0.,1.,0."))
+    assert vars(beam.section) == pytest.approx(vars(section))
+    assert beam.material == STEEL_SI
+
+
+WOOD = ao.Orthotropic((12e9, 1e9, 0.6e9), (0.8e9, 0.7e9, 0.05e9), (0.4, 0.5, 0.3), rho=500)
+NINE = "12E9, 1E9, .6E9, .4, .5, .3, .8E9, .7E9,\n.05E9"
+
+
+@pytest.mark.parametrize("how", ["ENGINEERING CONSTANTS", "ORTHO", "MAT11"])
+def test_solids_have_the_stiffness_of_nine_constants_in_axes_of_their_own(
+    how: str, tmp_path: Path
+) -> None:
+    """Hooke's matrix about z turned by a right angle: x and y, yz and xz change places."""
+    mesh = ao.box_mesh((0.2, 0.1, 0.1), (2, 1, 1))
+    C = WOOD.stiffness
+    if how == "MAT11":
+        card = "MAT11,2,12.E9,1.E9,.6E9,.4,.5,.3,.8E9\n,.7E9,.05E9,500."
+        system = "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,0.,1.,0."
+        path = nastran(tmp_path / "a.bdf", mesh, ["PSOLID,7,2,5", card, system])
+    else:
+        d = [
+            float(C[i, j])
+            for i, j in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2), (3, 3), (5, 5))
+        ]
+        nine = NINE if how[0] == "E" else ", ".join(map(repr, d)) + f",\n{float(C[4, 4])!r}"
+        cards = [
+            f"*MATERIAL, NAME=WOOD\n*ELASTIC, TYPE={how}\n{nine}\n*DENSITY\n500.",
+            "*SOLID SECTION, ELSET=ALL, MATERIAL=WOOD, ORIENTATION=O",
+            "*ORIENTATION, NAME=O\n0,1,0, -1,0,0",
+        ]
+        path = abaqus(tmp_path / "a.inp", mesh, cards, "C3D8")
+    turned = [1, 0, 2, 3, 5, 4]
+    assert read(path).stiffness == pytest.approx(C[np.ix_(turned, turned)], rel=1e-9, abs=1)
+
+
+def test_sections_of_a_part_turn_with_its_instances(tmp_path: Path) -> None:
+    """Two instances, one turned by 90° about z: the fibres of each follow."""
+    strip = abaqus(
+        tmp_path / "part.inp", SHEET, ["*SHELL SECTION, ELSET=ALL, MATERIAL=PLY, ORIENTATION=O"]
+    )
+    part = strip.read_text() + "\n.001\n*ORIENTATION, NAME=O\n1,0,0, 0,1,0\n3, 0.\n"
+    deck = f"*PART, NAME=P\n{part}*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=a, PART=P\n"
+    deck += "*END INSTANCE\n*INSTANCE, NAME=b, PART=P\n5,0,0\n0,0,0, 0,0,1, 90.\n*END INSTANCE\n"
+    (tmp_path / "a.inp").write_text(f"{deck}*END ASSEMBLY\n{PLY}")
+    sections = ao.read_sections(tmp_path / "a.inp")
+    assert list(sections) == ["a.ALL", "b.ALL"]
+    first, second = (np.array(of.reference) for of in sections.values())  # type: ignore[union-attr]
+    assert first == pytest.approx([1, 0, 0])
+    assert second == pytest.approx([0, 1, 0], abs=1e-12)
+    assert len(ao.read_mesh(tmp_path / "a.inp", part="b.ALL").cells) == len(SHEET.cells)
+
+
+def test_what_is_given_takes_the_place_of_cards(tmp_path: Path) -> None:
+    bare = STEEL.replace("*DENSITY\n7800.\n", "")
+    path = abaqus(
+        tmp_path / "a.inp", SHEET, ["*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL", ".001", bare]
+    )
+    assert read(path, given={"Steel": STEEL_SI}) == ao.Shell(1e-3, STEEL_SI)
+    thick = ao.Shell(5e-3, STEEL_SI)
+    assert read(path, given={"all": thick}) == thick
+    with pytest.raises(ao.InputError, match=r"'STEAL' is no section or material.*'ALL'"):
+        ao.read_sections(path, given={"STEEL": STEEL_SI, "STEAL": STEEL_SI})
+
+
+def test_what_is_left_out_is_said(tmp_path: Path) -> None:
+    cards = [
+        "*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL",
+        ".001",
+        f"{STEEL}*PLASTIC\n3E8, 0.\n*DAMPING, BETA=1E-6",
+    ]
+    with pytest.warns(
+        ao.AOImpactWarning, match=r"STEEL is elastic, without its \*PLASTIC, \*DAMPING"
+    ):
+        read(abaqus(tmp_path / "a.inp", SHEET, cards))
