@@ -286,6 +286,8 @@ def _beam(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
     if general and len(rows) == 2:  # without a direction
         rows.insert(1, [0.0, 0.0, -1.0])
     first, n1, *rest = [*rows, [0.0, 0.0, -1.0]] if len(rows) == 1 else rows or [[], []]
+    if shape == "CIRC":
+        first = _radius(reader, card, place, first)
     if len(first) != len(powers) or len(n1) != 3:
         raise card.error(f"give {len(powers)} numbers of the section, then all three of axis 1")
     section = make(*(x * reader.source.length**n for x, n in zip(first, powers, strict=True)))
@@ -305,6 +307,19 @@ def _beam(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
     if common(axis[None, :], reader.source.directions(place.members)) is None:
         raise card.error(f"axis 1, {n1}, is along some of its elements")
     return Beam(section, material, orientation=np.round(axis, 12))
+
+
+def _radius(reader: _Reader, card: Keyword, place: _Place, numbers: list[float]) -> list[float]:
+    """Return the radius of CIRC, which Abaqus writes; CalculiX writes one or two diameters."""
+    if len(numbers) == 2 and numbers[0] != numbers[1]:
+        raise card.error("ellipses are not supported")
+    if len(numbers) == 2 or any(of.endswith("R") for of in reader.deck.types[place.members]):
+        return [0.5 * numbers[0]]  # B31R and B32R are CalculiX' own
+    reader.source.left_out.append(
+        f"CIRC of {card.options['ELSET']} is given by its radius, as in Abaqus (CalculiX takes one "
+        "number for the diameter; write it twice then)"
+    )
+    return numbers
 
 
 def _numbers(area: float, I11: float, I12: float, I22: float, J: float) -> BeamSection:
