@@ -110,9 +110,16 @@ def unit(vectors: FloatArray) -> FloatArray:
 
 
 def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
-    """Return unit vectors along the parts of vectors across unit directions, shape (n, 3)."""
+    """Return unit vectors along the parts of vectors across unit directions, shape (n, 3).
+
+    They are zero where there is no such part.
+    """
     along = np.einsum("ni,ni->n", np.broadcast_to(vectors, directions.shape), directions)
-    return unit(vectors - along[:, None] * directions)
+    part = vectors - along[:, None] * directions
+    length = np.linalg.norm(part, axis=1, keepdims=True)
+    return unit(
+        np.where(length > _SAME * np.linalg.norm(vectors, axis=-1, keepdims=True), part, 0.0)
+    )
 
 
 def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...] | None:
@@ -121,6 +128,8 @@ def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...] | N
     Normals and tangents are such directions, of which `Laminate` and `Beam` take the part across.
     """
     wanted = across(vectors, directions)
+    if not wanted.any(axis=1).all():
+        return None
     for one in (vectors[0], wanted.mean(axis=0)):
         if np.abs(across(one, directions) - wanted).max() < _SAME:
             return tuple(np.round(one, 12).tolist())

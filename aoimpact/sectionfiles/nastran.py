@@ -150,7 +150,7 @@ class _Reader:
             ]
             if card is None:
                 if dim == dims.max():
-                    raise own[0].table.refused(0, f"{name} has no entry that is read")
+                    raise own[0].table.refused(0, f"its {name} is not there")
                 continue  # sides and edges of a mesher
             if card.name not in _PROPERTIES:
                 raise card.error(f"it is not read; give read_sections(given={{{name!r}: ...}})")

@@ -12,8 +12,10 @@ from decks import CARBON, ELASTIC, MAT1, MAT8, PLY, STEEL, abaqus, line, nastran
 
 import aoimpact as ao
 
-# Warnings name a ply's E3, which is assumed, and nodes that only say how a bar is turned.
-pytestmark = pytest.mark.filterwarnings("ignore:.*has no E3", "ignore:.*nodes belong to no line")
+# Warnings name a ply's E3, which is assumed, CIRC, and nodes that only say how a bar is turned.
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.*has no E3", "ignore:.*nodes belong to no line", "ignore:.*by its radius"
+)
 
 SHEET = ao.sheet_mesh((0.2, 0.1), (4, 2))
 STEEL_SI = ao.Material(2.1e11, 0.3, 7800)
@@ -232,6 +234,7 @@ def test_a_cantilever_rings_across_each_of_its_sides(
     ("program", "card", "section"),
     [
         ("abaqus", "SECTION=CIRC\n.01\n0,1,0", ao.CircularSection(0.01)),
+        ("abaqus", "SECTION=CIRC\n.02, .02", ao.CircularSection(0.01)),  # diameters, of CalculiX
         ("abaqus", "SECTION=PIPE\n.01, .002", ao.TubularSection(0.01, 0.002)),
         ("nastran", "PBARL,7,1,,ROD\n,.01", ao.CircularSection(0.01)),
         ("nastran", "PBARL,7,1,,TUBE\n,.01,.008,0.", ao.TubularSection(0.01, 0.002)),
