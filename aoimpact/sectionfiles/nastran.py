@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import IntArray, MeshError
+from ..base import FloatArray, IntArray, MeshError
 from ..fem import (
     Beam,
     BeamSection,
@@ -23,7 +23,7 @@ from ..fem import (
     Solid,
     TubularSection,
 )
-from ..mesh import Entries, NastranDeck, number
+from ..mesh import Entries, NastranDeck, Table, number
 from .common import Source, across, common, layered, refusing
 
 # Fields of surface elements, from their number on, by the kind of all their nodes: angle or system
@@ -174,7 +174,10 @@ class _Reader:
         if isinstance(given := self.source.instead(f"material {label}"), Solid):
             return given
         if not label.isdigit() or int(label) not in self.materials:
-            raise card.error(f"material {label!r} is none of {', '.join(_MATERIALS)}")
+            raise card.error(
+                f"material {label!r} is none of {', '.join(_MATERIALS)}; give it by "
+                "read_sections(given=)"
+            )
         own = self.materials[int(label)]
         if int(label) not in self._made:
             for entry, what in (("MATT1", "temperature"), ("MATT8", "temperature")):
@@ -215,24 +218,27 @@ class _Reader:
 
     def fibres(self, place: _Place, card: _Card) -> tuple[float, ...]:
         """Return the direction whose projection is the material's axis on all elements."""
-        found = []
-        normals = iter(self.source.directions(place.members))
-        first = iter(self.source.directions(place.members, edges=True))
+        normals = self.source.directions(place.members)
+        x = across(self.source.directions(place.members, edges=True), normals)
+        texts: list[tuple[Table, int, str]] = []
         for part in place.parts:
-            at, table = _THETA[part.layout], part.table
-            for row in range(len(table)):
-                normal, edge = next(normals), next(first)
-                text = table.fields[row, at].decode().strip() if at < table.fields.shape[1] else ""
-                if text.isdigit():
-                    axes = self.deck.grids.axes(int(text), table, row)
-                    if axes.kind != "R":
-                        raise table.refused(row, f"system {text} (MCID) is not rectangular")
-                    found.append(axes.axes[0])
-                    continue
-                angle = np.radians(float(table.reals(at, 1)[row, 0]) if text else 0.0)
-                x = across(edge[None, :], normal[None, :])[0]
-                found.append(np.cos(angle) * x + np.sin(angle) * np.cross(normal, x))
-        axis = common(np.array(found), self.source.directions(place.members))
+            own = part.table.fields[:, _THETA[part.layout] :][:, :1].reshape(-1)
+            words = [text.decode().strip() for text in own] or [""] * len(part.table)
+            texts += [(part.table, row, text) for row, text in enumerate(words)]
+        angles = np.zeros(len(texts))
+        systems: dict[str, FloatArray] = {}
+        for i, (table, row, text) in enumerate(texts):
+            if text.isdigit() and text not in systems:
+                axes = self.deck.grids.axes(int(text), table, row)
+                if axes.kind != "R":
+                    raise table.refused(row, f"system {text} (MCID) is not rectangular")
+                systems[text] = axes.axes[0]
+            elif text and not text.isdigit():
+                angles[i] = np.radians(number(text))
+        found = np.cos(angles)[:, None] * x + np.sin(angles)[:, None] * np.cross(normals, x)
+        for i, (_, _, text) in enumerate(texts):
+            found[i] = systems.get(text, found[i])
+        axis = common(found, normals)
         if axis is None:
             raise card.error(
                 "its elements have fibres in several directions by THETA or MCID; give one system "
@@ -264,10 +270,11 @@ class _Reader:
             )
             vectors[by_node] = cells[at] - cells[rows[by_node]]
             vectors[~by_node] = table.select(~by_node).reals(4, 3)
-            for row in np.flatnonzero(~by_node).tolist():
-                label = int(self.deck.grids.output_systems[rows[row]])
-                basis = self.deck.grids.axes(label, table, row).directions(cells[rows[row], None])
-                vectors[row] = vectors[row] @ basis[0]
+            systems = np.where(by_node, 0, self.deck.grids.output_systems[rows])
+            for label in np.unique(systems[systems > 0]).tolist():  # X1 to X3 are in that of GA
+                own = np.flatnonzero(systems == label)
+                axes = self.deck.grids.axes(label, table, int(own[0])).directions(cells[rows[own]])
+                vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
             found.append(vectors)
         axis = common(np.concatenate(found), self.source.directions(place.members))
         if axis is None:

@@ -201,6 +201,7 @@ AREA, ALONG, OTHER = "2.E-4", "1.6666667E-9", "6.6666667E-9"  # of 10 mm along z
         ),
         ("nastran", "PBARL,7,1,,BAR\n,.02,.01", ",0.,0.,1."),
         ("nastran", "PBEAML,7,1,,BAR\n,.01,.02", ",0.,1.,0."),
+        ("nastran", "PBARL,7,1,,BAR $ CD\n,.01,.02", ",0.,0.,1."),  # in axes of node GA
         ("nastran", f"PBAR,7,1,{AREA},{ALONG},{OTHER},4.6E-9", ",0.3,0.,1."),
         ("nastran", f"PBAR,7,1,{AREA},{OTHER},{ALONG},4.6E-9", ",99"),
         ("nastran", f"PBEAM,7,1,{AREA},{ALONG},{OTHER},,4.6E-9", ",0.,0.,1."),
@@ -215,6 +216,9 @@ def test_a_cantilever_rings_across_each_of_its_sides(
         path = abaqus(tmp_path / "a.inp", mesh, [card, STEEL], "B31")
     else:
         path = nastran(tmp_path / "a.bdf", mesh, [card, MAT1, "GRID,99,,0.,3.,0."], after)
+        if "CD" in card:
+            axes = "\nCORD2R,5,,0.,0.,0.,0.,1.,0.\n,1.,0.,0.\nCBAR"
+            path.write_text(path.read_text().replace(",0\n", ",0,5\n").replace("\nCBAR", axes, 1))
         if "PBEAM" in card:
             path.write_text(path.read_text().replace("CBAR", "CBEAM"))
     body = ao.FEModel.from_mesh(path, ao.read_sections(path), fixed=[([1], "xyz", "xyz")])
