@@ -51,6 +51,7 @@ from ..reduction import (
     wall,
 )
 from ..results import SCENE_CHOICES, Handle
+from ..sectionfiles import read_sections
 from .names import LAWS, SENSORS, SOLVERS
 
 # The power of the indentation in Hertz's law.
@@ -264,9 +265,13 @@ class Builder:
         table, place = self.data["bodies"][name], ("bodies", name)
         with self.located(*place, "mesh"):
             parts = {key: table[key] for key in ("part", "order") if key in table}
-            of = table["material"]  # of a body, or by group of elements
-            named = isinstance(of, str)
-            made = self._material(of) if named else {key: self._material(of[key]) for key in of}
+            of = table.get("material")  # of a body, or by group of elements
+            if of is None:
+                made: Any = self._sections(table["mesh"])
+            elif isinstance(of, str):
+                made = self._material(of)
+            else:
+                made = {key: self._material(of[key]) for key in of}
             mesh = self._mesh(table["mesh"], thin_groups(made), **parts)
         with self.located(*place, "material"):
             material = materials_of(mesh, made)
@@ -299,6 +304,13 @@ class Builder:
             given["material"] = self._material(given["material"])
         with self.located("bodies", name, "matrices"):
             return read_matrices(**given, **self._damping(name))
+
+    def _sections(self, mesh: str | Mapping[str, Any]) -> dict[str, OneMaterial]:
+        """The sections of a body whose material is left out."""
+        table = dict(mesh) if isinstance(mesh, Mapping) else {"file": mesh}
+        if table.get("file", _PAPER_SPHERE) == _PAPER_SPHERE:
+            raise InputError("material is missing; only a deck of Abaqus or Nastran has its own")
+        return read_sections(self.folder / table.pop("file"), **table)
 
     def _mesh(self, mesh: str | Mapping[str, Any], thin: Sequence[str], **parts: Any) -> Mesh:
         source: Any

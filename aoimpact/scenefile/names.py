@@ -79,7 +79,7 @@ _MATERIALS = Variants(
 
 _MESH = Variants(
     {
-        "file": {"file": TEXT, "scale?": NUMBER},
+        "file": {"file": TEXT, "scale?": NUMBER, "force?": "N", "time?": "s"},
         "sphere": {"sphere": "m, the radius", "size": "m"},
         "box": {"box": _VECTOR, "divisions": [INTEGER, 3], "kind?": Choice(KINDS)},
         "sheet": {
@@ -147,7 +147,7 @@ _BODIES = Variants(
         "m0": {"m0": "kg", "k0?": "N/m", "m?": ["kg"], "k?": ["N/m"], "damping?": _DAMPING},
         "mesh": {
             "mesh": (TEXT, _MESH),
-            "material": (_MATERIAL, Entries(_MATERIAL)),
+            "material?": (_MATERIAL, Entries(_MATERIAL)),
             "part?": (TEXT, [TEXT]),
             "order?": INTEGER,
             "fixed?": [{"hold": TEXT, "hold_rotations?": TEXT} | _NODES],

@@ -75,11 +75,32 @@ def read_sections(
 
     Examples
     --------
-    A frame in millimetres, newtons, tonnes and seconds, of shells and beams:
+    A triangle in millimetres, newtons, tonnes and seconds:
 
-    >>> sections = ao.read_sections("frame.inp", scale=1e-3)  # doctest: +SKIP
-    >>> mesh = ao.read_mesh("frame.inp", scale=1e-3, part=list(sections))  # doctest: +SKIP
-    >>> body = ao.FEModel.from_mesh(mesh, sections)  # doctest: +SKIP
+    >>> from tempfile import TemporaryDirectory
+    >>> from pathlib import Path
+    >>> deck = '''*NODE
+    ... 1, 0, 0, 0
+    ... 2, 30, 0, 0
+    ... 3, 0, 30, 0
+    ... *ELEMENT, TYPE=S3, ELSET=SKIN
+    ... 1, 1, 2, 3
+    ... *SHELL SECTION, ELSET=SKIN, MATERIAL=ALU
+    ... 2.
+    ... *MATERIAL, NAME=ALU
+    ... *ELASTIC
+    ... 70000., 0.33
+    ... *DENSITY
+    ... 2.7E-9'''
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "skin.inp"
+    ...     _ = file.write_text(deck)
+    ...     sections = ao.read_sections(file, scale=1e-3)
+    ...     mesh = ao.read_mesh(file, scale=1e-3, part=list(sections))
+    >>> sections["SKIN"].thickness, sections["SKIN"].material
+    (0.002, Material(E=70000000000.0, nu=0.33, rho=2700.0))
+    >>> ao.FEModel.from_mesh(mesh, sections)
+    FEModel(18 dofs, 3 nodes, 1 triangle, 0.00243 kg, free)
     """
     named = {"scale": scale, "force": force, "time": time}
     length, newtons, seconds = (positive(name, one) for name, one in named.items())

@@ -215,6 +215,11 @@ CELL = testrig.LoadCell(nose=0.1, carriage=1.0, stiffness=1e8)
 LABELS = np.stack([BAR.free // 3 + 1, BAR.free % 3 + 1], axis=1)
 BARE = ao.FEModel(K=BAR.K, M=BAR.M, nodes=BAR.nodes, free=BAR.free)
 MATRICES = ao.write_matrices(BAR, tempfile.mkdtemp())
+DECK = Path(tempfile.mkdtemp()) / "deck.bdf"
+DECK.write_text(
+    "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nCTRIA3,1,1,1,2,3\nPSHELL,1,1,.01,1\n"
+    "MAT1,1,2.1E11,,.3,7800.\n"
+)
 
 
 def call(
@@ -322,6 +327,14 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "Mesh.part": call(ao.Mesh(BOX.nodes, BOX.cells, BOX.kind, {}, {"all": [0]}).part, names="all"),
     "read_mesh": call(ao.read_mesh, source=BOX, scale=1.0, part=None, order=None),
+    "read_sections": call(
+        ao.read_sections,
+        path=DECK,
+        scale=1.0,
+        force=1.0,
+        time=1.0,
+        given={"property 1": STEEL},
+    ),
     "Material.half_space": call(STEEL.half_space, normal=(0, 0, 1)),
     "Orthotropic": call(
         ao.Orthotropic,
@@ -584,7 +597,7 @@ ALSO = {
     "material_2": ("material",),
     "source": ("mesh",),
     "signal": ("source must",),
-    "path": ("1", "no such file", ".: cannot be read", "cannot read '.'"),
+    "path": ("1", "no such file", ".: cannot be read", "cannot read '.'", "mesh file '.' is"),
     "base": ("1:", "no such file:", ".: cannot be read", "path must"),
     "a": ("handle",),
     "b": ("handle",),

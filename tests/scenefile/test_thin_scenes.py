@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import aoimpact as ao
@@ -125,3 +126,34 @@ def test_refusals(old: str, new: str, words: str, tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text(text)
     with pytest.raises(ao.AOImpactError, match=words):
         ao.read_scene(tmp_path / "a.toml").simulate()
+
+
+CARDS = """*MATERIAL, NAME=ALU
+*ELASTIC
+70000., 0.33
+*DENSITY
+2.7E-9
+*SHELL SECTION, ELSET=SKIN, MATERIAL=ALU, OFFSET=SPOS
+2.
+*BEAM SECTION, ELSET=RIB, MATERIAL=ALU, SECTION=PIPE
+5., 1.
+"""
+
+
+def test_a_deck_has_sections_of_its_own(tmp_path: Path) -> None:
+    deck = DECK.replace("0.1", "100.") + CARDS
+    (tmp_path / "a.inp").write_text(deck)
+    text = MATERIALS + IMPACT.replace('material = "MATERIAL"\n', "")
+    text = text.replace('nodes = "rim"', "nodes = [3, 4]")
+    (tmp_path / "a.toml").write_text(text)
+    with pytest.raises(
+        ao.SceneFileError, match=r"a\.toml:24: bodies.plate.mesh: material is missing"
+    ):
+        ao.read_scene(tmp_path / "a.toml").case()
+    text = text.replace(
+        "{ sheet = [0.1, 0.1], divisions = [20, 20] }", '{ file = "a.inp", scale = 1e-3 }'
+    )
+    (tmp_path / "a.toml").write_text(text)
+    body = ao.read_scene(tmp_path / "a.toml").case()["target"].contact_points[0].body
+    mass = 2700 * (0.1 * 0.1 * 2e-3 + 0.1 * np.pi * (5e-3**2 - 4e-3**2))
+    assert body.mass == pytest.approx(mass, rel=1e-9)
