@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -79,13 +79,11 @@ class _Card:
             raise self.error(f"{what}={value:g} is not supported; only {wanted:g} is")
 
 
-@dataclass(frozen=True, eq=False)
-class _Place:
+class _Place(NamedTuple):
     """The elements of one property: their entries, and the cells of the mesh."""
 
     parts: list[Entries]
     members: IntArray
-    dim: int
 
 
 def sections(source: Source, deck: NastranDeck) -> dict[str, OneMaterial]:
@@ -143,10 +141,10 @@ class _Reader:
                 found[name] = of
                 continue
             card, dim = self.properties.get(label), int(dims[members].max())
-            own = [
+            own = [  # without edges that a mesher gave the same number
                 Entries(p.table.select(rows), p.block, p.properties[rows], p.layout)
                 for p in parts
-                if (rows := p.properties == label).any()
+                if p.block.dim == dim and (rows := p.properties == label).any()
             ]
             if card is None:
                 if dim == dims.max():
@@ -155,13 +153,13 @@ class _Reader:
             if card.name not in _PROPERTIES:
                 raise card.error(f"it is not read; give read_sections(given={{{name!r}: ...}})")
             read, of_dim = _PROPERTIES[card.name]
+            if dim != of_dim:
+                raise card.error("its elements are of another kind")
             if read is None:
                 self.source.left_out.append(f"{card.name}, which carries no bending, is left out")
                 continue
-            if dim != of_dim or dims[members].min() != dim:
-                raise card.error("its elements are of another kind")
             with refusing(card.error):
-                found[name] = read(self, card, _Place(own, members, dim))
+                found[name] = read(self, card, _Place(own, members[dims[members] == dim]))
         for entry in ("NSM", "NSM1", "NSML", "NSML1"):
             if entry in self.deck.bulk.names:
                 self.source.left_out.append(f"mass of {entry} is left out")

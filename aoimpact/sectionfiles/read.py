@@ -126,8 +126,10 @@ def read_sections(
     else:
         raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran, and has no sections")
     if not found:
+        elements = f" (it has {raw.deck.elements})" * bool(raw.deck.elements)
         raise MeshError(
-            f"{where} has no sections of solids, shells or beams; give materials to from_mesh"
+            f"{where} has no sections of solids, shells or beams{elements}; write shells as S3 or "
+            "S4, or give materials to from_mesh"
         )
     if unknown := [name for name in known if key(name) not in source.taken]:
         raise InputError(
