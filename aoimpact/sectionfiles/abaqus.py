@@ -32,7 +32,7 @@ _LEFT_OUT = re.compile(
     "|DAMAGE.*|FAIL.*|HYPER.*|.*PLASTICITY|.*CRACKING|NOCOMPRESSION|NOTENSION|USERMATERIAL"
 )
 
-# What else gives mass or turns sections: by which keyword, and what of it.
+# Other keywords that change mass or stiffness of shells and beams.
 _BESIDE = re.compile("NONSTRUCTURALMASS|NORMAL|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS")
 
 # Least share of an orientation's axis along the normals of the shell that it is for.
@@ -155,13 +155,6 @@ class _Reader:
                 self.source.left_out.append(f"{name} has no E3: that of contact is E2")
         return self._made[at]
 
-    def isotropic(self, name: str, card: Keyword) -> Material:
-        """Return the material of a beam."""
-        found = self.material(name, card)
-        if not isinstance(found, Material):
-            raise card.error(f"a beam needs an isotropic material, and {name} is none")
-        return found
-
     # ---------------------------------------------------------------- orientations
 
     def axes(self, name: str, card: Keyword, place: _Place) -> tuple[FloatArray, int]:
@@ -174,11 +167,8 @@ class _Reader:
         if own is None:
             raise card.error(f"there is no *ORIENTATION {name!r}")
         own.check_options("NAME", "SYSTEM", "DEFINITION")
-        system = key(own.options.get("SYSTEM", "RECTANGULAR"))
-        if (
-            system != "RECTANGULAR"
-            or key(own.options.get("DEFINITION", "COORDINATES")) != "COORDINATES"
-        ):
+        kind = [key(own.options.get(each, "")) for each in ("SYSTEM", "DEFINITION")]
+        if kind[0] not in ("", "RECTANGULAR") or kind[1] not in ("", "COORDINATES"):
             raise own.error("only rectangular axes by coordinates are supported")
         rows = own.real_rows(9, 2, what="points on the axes, and an axis and an angle")
         if not rows:
@@ -189,7 +179,7 @@ class _Reader:
             raise own.error("its points are on one line")
         axes = np.array([x, np.cross(z, x), z])
         axes /= np.linalg.norm(axes, axis=1)[:, None]
-        about, angle = ([*map(float, rows[1]), 0.0][:2]) if len(rows) > 1 else (0.0, 0.0)
+        about, angle = [*rows[1], 0.0, 0.0][:2] if len(rows) > 1 else (0.0, 0.0)
         if about not in (0.0, 1.0, 2.0, 3.0):
             raise own.error(f"the axis of rotation must be 1, 2 or 3, got {about:g}")
         if angle:
@@ -251,18 +241,15 @@ def _shell(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
         rows = [[rows[0][0], "", options["MATERIAL"], ""]]
     if not rows:
         raise card.error("it has no plies")
-    # CalculiX gives plies orientations, Abaqus angles.
-    named = [re.match(r"[^\d+.-]", row[3]) is not None for row in rows]
-    axis = name or (rows[0][3] if named[0] else "")
+    made = [reader.material(row[2], card) for row in rows]
+    fibrous = [row[3] for row, of in zip(rows, made, strict=True) if isinstance(of, Orthotropic)]
+    # CalculiX gives plies orientations, Abaqus angles from that of the section.
+    axis = name or (fibrous[0] if fibrous and all(map(_is_name, fibrous)) else "")
     plies = []
-    for i, (thickness, _, material, turned) in enumerate(rows):
-        own, angle = reader.material(material, card), 0.0
-        if isinstance(own, Orthotropic):
-            if named[i]:
-                angle = reader.angle(turned, reader.along(axis, card, place), card, place)
-            else:
-                (angle,) = card.reals(i, [turned])
-        (length,) = card.reals(i, [thickness])
+    for i, ((thickness, _, _, turned), own) in enumerate(zip(rows, made, strict=True)):
+        length, angle = card.reals(i, [thickness, "" if _is_name(turned) else turned])
+        if isinstance(own, Orthotropic) and _is_name(turned):
+            angle = reader.angle(turned, reader.along(axis, card, place), card, place)
         plies.append(Ply(length * reader.source.length, own, angle))
     if "SYMMETRIC" in options:
         plies += plies[::-1]
@@ -272,6 +259,10 @@ def _shell(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
     return layered(
         plies, lambda: tuple(reader.along(axis, card, place).tolist()), 0.0 - nodes * total
     )
+
+
+def _is_name(text: str) -> bool:
+    return text[:1] not in (*"+-.0123456789", "")
 
 
 def _beam(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
@@ -296,9 +287,11 @@ def _beam(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
         rho = float(card.options.get("DENSITY") or 0.0)
         if not (modulus and shear and rho):
             raise card.error("give E and G in its third line, and DENSITY=")
-        material = reader.source.isotropic(modulus, 0.5 * modulus / shear - 1.0, rho)
+        material: Solid = reader.source.isotropic(modulus, 0.5 * modulus / shear - 1.0, rho)
     else:
-        material = reader.isotropic(card.options.get("MATERIAL", ""), card)
+        material = reader.material(card.options.get("MATERIAL", ""), card)
+    if not isinstance(material, Material):
+        raise card.error("a beam needs an isotropic material")
     if isinstance(section, TubularSection):
         return Beam(section, material)
     if reader.deck.towards[place.members].any():

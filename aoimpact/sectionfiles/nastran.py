@@ -72,9 +72,9 @@ class _Card:
         """Return numbers by their names, none of them blank."""
         return [self.real(first + i, name) for i, name in enumerate(names.split())]
 
-    def must_be(self, at: int, what: str, wanted: float, *, blank: bool = True) -> None:
-        """Refuse another value than the one that leaves the answer as it is."""
-        value = self.real(at, what, wanted if blank else None)
+    def must_be(self, at: int, what: str, wanted: float) -> None:
+        """Refuse another value than the one that a blank field stands for."""
+        value = self.real(at, what, wanted)
         if abs(value - wanted) > _DIGITS * abs(wanted):
             raise self.error(f"{what}={value:g} is not supported; only {wanted:g} is")
 
@@ -160,9 +160,8 @@ class _Reader:
                 continue
             with refusing(card.error):
                 found[name] = read(self, card, _Place(own, members[dims[members] == dim]))
-        for entry in ("NSM", "NSM1", "NSML", "NSML1"):
-            if entry in self.deck.bulk.names:
-                self.source.left_out.append(f"mass of {entry} is left out")
+        for entry in {"NSM", "NSM1", "NSML", "NSML1"}.intersection(self.deck.bulk.names):
+            self.source.left_out.append(f"mass of {entry} is left out")
         return found
 
     # ------------------------------------------------------------------- materials
@@ -178,10 +177,11 @@ class _Reader:
             )
         own = self.materials[int(label)]
         if int(label) not in self._made:
-            for entry, what in (("MATT1", "temperature"), ("MATT8", "temperature")):
-                if any(fields[:1] == [label] for _, fields in self.deck.bulk.long_entries(entry)):
-                    raise own.error(f"it depends on {what} by {entry}, which is not supported")
-            if any(fields[:1] == [label] for _, fields in self.deck.bulk.long_entries("MATS1")):
+            for entry in ("MATT1", "MATT8", "MATT11", "MATS1"):
+                if not any(of[:1] == [label] for _, of in self.deck.bulk.long_entries(entry)):
+                    continue
+                if entry != "MATS1":
+                    raise own.error(f"it depends on temperature by {entry}, which is not supported")
                 self.source.left_out.append(f"material {label} is elastic, without its MATS1")
             make, at = _MATERIALS[own.name]
             rho = own.real(at, "RHO", 0.0) * self.weight
