@@ -38,6 +38,9 @@ _ANY = re.compile(
     "|B[MR]SECT|BEND|ROD|TUBE)"
 )
 
+# Beginnings of OFFT, or the older flag there, with which a bar's vector is in its node's axes.
+_GLOBAL = [b"", b"G", b"1", b"2"]
+
 # Relative difference from a number with few digits, such as 0.833 for 5/6.
 _DIGITS = 1e-3
 
@@ -251,6 +254,9 @@ class _Reader:
             table, cells = part.table, self.source.raw.nodes
             wrong: dict[str, Any] = {
                 "it has no orientation, X1 to X3 or G0": np.all(table.blank[:, 4:7], axis=1),
+                "OFFT must begin with G": ~np.isin(
+                    np.char.strip(table.fields[:, 7]).astype("S1"), _GLOBAL
+                ),
                 "hinges PA, PB are not supported": np.any(~table.blank[:, 8:10], axis=1),
                 "offsets are not supported": np.any(table.reals(10, 6) != 0.0, axis=1),
             }
