@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -13,7 +13,16 @@ import numpy as np
 import numpy.typing as npt
 
 from ..accuracy import Hierarchy, first_guess, model_hierarchy
-from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
+from ..base import (
+    AOImpactError,
+    InputError,
+    boolean,
+    held_warnings,
+    instance,
+    integer,
+    sequence,
+    text,
+)
 from ..impact import Impact, fitted_pair, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw
@@ -45,6 +54,7 @@ def compare(
     oscillators: Iterable[int] = (0, 1, 2, 3, 5, 8, 12),
     modes: Iterable[int] = (10, 40),
     full: bool = True,
+    other_targets: Mapping[str, Any] | None = None,
     linear_solver: Solver = "auto",
 ) -> Comparison:
     """Run an impact with models from rigid to full; return the cost and the error of each.
@@ -66,6 +76,12 @@ def compare(
     full : bool, optional
         True to run the finite-element bodies themselves, by Newmark's rule. Errors are relative
         to that; without it, to the model of the most oscillators.
+    other_targets : mapping of str to ContactPoint or model, optional
+        The same target by other elements, such as shells in place of thin solids, struck at the
+        same place; by the label of its row. Each is run under the same law as `simulate` takes it,
+        reduced by default, with the projectile as it is given. The time to build it includes the
+        choice of its models. Displacements are those of contact points, which on solids contain
+        the indentation.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         Linear solver of the reduced models, as `solver` of `antioscillators`.
 
@@ -81,6 +97,22 @@ def compare(
     ...                    oscillators=(0, 1), modes=(), full=False)
     >>> table.exact, round(table["rigid"].force, 1)
     ('AO(1)', 0.4)
+
+    A plate of 4 mm by solid elements, and by shells:
+
+    >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    >>> box = ao.box_mesh((0.06, 0.06, 0.004), (10, 10, 1), kind="hexahedron20")
+    >>> solid = ao.FEModel.from_mesh(box, steel, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    >>> rims = [("xmin", "xyz", "xyz"), ("xmax", "xyz", "xyz")]
+    >>> sheet = ao.Shell(0.004, steel)
+    >>> shell = ao.FEModel.from_mesh(ao.sheet_mesh((0.06, 0.06), (10, 10)), sheet, fixed=rims)
+    >>> table = ao.compare(
+    ...     ao.ball(0.005, steel), solid.contact(point=(0.03, 0.03, 0.004)), 1.0, duration=5e-5,
+    ...     oscillators=(16,), modes=(), full=False,
+    ...     other_targets={"shell": shell.contact(point=(0.03, 0.03, 0))},
+    ... )
+    >>> table["shell"].impulse < 0.01
+    True
     """
     along = not isinstance(velocity, list | tuple | np.ndarray)
     for name, given in (("velocity", velocity), ("friction", friction), ("spin", spin)):
@@ -98,6 +130,11 @@ def compare(
     velocity = impact.velocity
     run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
     boolean("full", full)
+    others = (
+        {} if other_targets is None else dict(instance("other_targets", other_targets, Mapping))
+    )
+    for label, other in others.items():
+        body_model(f"other_targets[{text('a label of other_targets', label)!r}]", other)
     orders = _ascending("oscillators", oscillators, low=0)
     truncations = _ascending("modes", modes, low=1)
     if not orders and not full:
@@ -124,6 +161,11 @@ def compare(
         solver = Newmark() if meshed else Adaptive(rtol=_IN_TIME)
         exact = _try("full", lambda: bodies, lambda pair: run(*pair, solver=solver))
         tries.append(exact)
+    if taken := {each.label for each in tries} & set(others):
+        raise InputError(f"other_targets: {min(taken)!r} is a row of its own; give another label")
+    for label, other in others.items():
+        chosen = partial(run, projectile=projectile, target=other)
+        tries.append(_try(label, partial(_chosen_models, chosen), quick))
     if exact.result is None:
         raise InputError(f"{exact.label}: {exact.failure}")
     return Comparison(
@@ -133,6 +175,10 @@ def compare(
         tuple(each.compared(exact.result) for each in tries),
         ", ".join(dict.fromkeys(name for each in tries for name in each.solvers)),
     )
+
+
+def _chosen_models(chosen: Callable[[], Result]) -> Models:
+    return tuple(chosen().models)
 
 
 def _ascending(name: str, values: Iterable[int], *, low: int) -> list[int]:

@@ -26,7 +26,7 @@ class Compared:
     Attributes
     ----------
     model : str
-        "rigid", "AO(3)", "modal(40)", "full".
+        "rigid", "AO(3)", "modal(40)", "full", or the label of another target.
     dofs : int
         Degrees of freedom of both bodies.
     build, run : float
@@ -111,7 +111,8 @@ class Comparison:
         >>> ax = table.plot()
         """
         ax = given_axes(ax)
-        for kind, name in _KINDS.items():
+        others = {row.model: row.model for row in self.rows if not row.model.startswith(_MODELS)}
+        for kind, name in (_KINDS | others).items():
             rows = [
                 row
                 for row in self.rows
@@ -159,7 +160,8 @@ class Comparison:
         return f"errors relative to {self.exact}{known}{by}"
 
 
-_KINDS = {"AO": "anti-oscillators", "modal": "natural modes", "rigid": "rigid"}
+_KINDS = {"AO(": "anti-oscillators", "modal(": "natural modes", "rigid": "rigid"}
+_MODELS = (*_KINDS, "full")
 
 _HEADINGS = tuple(field.name.replace("_", " ") for field in fields(Compared))[:-1]
 

@@ -434,6 +434,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         linear_solver="auto",
         friction=None,
         spin=None,
+        other_targets={"ball": ao.rigid(mass=1.0)},
     ),
     "fit_law": call(
         ao.fit_law,

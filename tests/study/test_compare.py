@@ -82,6 +82,64 @@ def test_law_and_duration_may_be_left_out_as_of_simulate():
         assert one.force == pytest.approx(other.force, rel=1e-6, abs=1e-9)
 
 
+def test_shells_take_the_place_of_thin_solids():
+    """Two discretisations of one plate are nearer to each other than a small model is to either."""
+    steel, t = ao.Material(E=210e9, nu=0.3, rho=7800), 0.006
+    box = ao.box_mesh((0.06, 0.06, t), (10, 10, 1), kind="hexahedron20")
+    solid = ao.FEModel.from_mesh(box, steel, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    rims = [("xmin", "xyz", "xyz"), ("xmax", "xyz", "xyz")]
+    shell = ao.FEModel.from_mesh(ao.sheet_mesh((0.06, 0.06), (10, 10)), ao.Shell(t, steel), rims)
+    table = ao.compare(
+        projectile=ao.ball(0.005, steel),
+        target=solid.contact(point=(0.03, 0.03, t)),
+        velocity=1.0,
+        duration=5e-5,
+        oscillators=(2, 16),
+        modes=(),
+        full=False,
+        other_targets={"shell": shell.contact(point=(0.03, 0.03, 0.0))},
+    )
+    assert [row.model for row in table.rows] == ["rigid", "AO(2)", "AO(16)", "shell"]
+    found = table["shell"]
+    assert found.force < 0.01
+    assert found.impulse < 0.005
+    assert found.force < table["AO(2)"].force
+    assert found.dofs < 20
+    assert found.build > found.run > 0.0
+    assert "shell" in [line.get_label() for line in table.plot().lines]
+
+
+def test_models_of_a_shell_converge_to_the_full_shell():
+    steel, rims = ao.Material(E=210e9, nu=0.3, rho=7800), [("xmin", "xyz", "xyz")]
+    mesh = ao.sheet_mesh((0.05, 0.05), (10, 10))
+    shell = ao.FEModel.from_mesh(mesh, ao.Shell(0.002, steel), rims)
+    tip = shell.contact(point=(0.025, 0.025, 0.0))
+    table = ao.compare(
+        ao.ball(0.005, steel), tip, 1.0, duration=1e-4, oscillators=(5, 20), modes=(20,)
+    )
+    assert [row.failure for row in table.rows] == [""] * 5
+    assert table["AO(20)"].force < 0.01 < table["AO(5)"].force
+
+
+@pytest.mark.parametrize(
+    ("others", "words"),
+    [
+        ({"full": ao.rigid(mass=1.0)}, "'full' is a row of its own"),
+        ({"AO(1)": ao.rigid(mass=1.0)}, "is a row of its own"),
+        ({"shell": 1.0}, "other_targets\\['shell'\\]"),
+        ({1: ao.rigid(mass=1.0)}, "label"),
+        ([ao.rigid(mass=1.0)], "other_targets must be"),
+    ],
+)
+def test_other_targets_that_are_none_are_refused(others, words):
+    sphere = ao.AOModel(m0=3e-5, k0=0.0, m=[0.033], k=[2.8e8])
+    with pytest.raises(ao.AOImpactError, match=words):
+        ao.compare(
+            sphere, sphere, 1.0, law=ao.Hertz(k=1e10), duration=1e-4, oscillators=(0, 1),
+            modes=(), other_targets=others,
+        )  # fmt: skip
+
+
 def test_without_the_full_model_the_largest_star_is():
     reduced = ao.antioscillators(beam(ENDS), 2)
     table = ao.compare(

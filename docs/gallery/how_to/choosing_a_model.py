@@ -78,6 +78,39 @@ print(table)
 ax = table.plot()
 
 # %%
+# Solids or shells
+# ----------------
+# Another discretisation of the target is compared as ``other_targets``, by the label of its row. Here a sheet of 2 mm is
+# meshed by bricks of second order, and by shells; the default model of the shells is run beside those of the bricks.
+
+sheet = ao.FEModel.from_mesh(
+    ao.box_mesh((0.06, 0.06, 0.002), (24, 24, 1), kind="hexahedron20"),
+    steel,
+    fixed=[("xmin", "xyz"), ("xmax", "xyz")],
+    name="bricks",
+)
+shell = ao.FEModel.from_mesh(
+    ao.sheet_mesh((0.06, 0.06), (24, 24)),
+    ao.Shell(0.002, steel),
+    fixed=[("xmin", "xyz", "xyz"), ("xmax", "xyz", "xyz")],
+)
+print(
+    ao.compare(
+        projectile=ao.ball(0.005, steel),
+        target=sheet.contact(point=(0.03, 0.03, 0.002)),
+        velocity=1.0,
+        oscillators=(2, 5, 20),
+        modes=(),
+        full=False,
+        other_targets={"shell": shell.contact(point=(0.03, 0.03, 0))},
+    )
+)
+
+# %%
+# They differ by 2 % in the force over the record and by less than 1 % in the impulse, and the shells cost a fraction of the
+# time. A contact point on solids moves by their indentation as well, so that its displacement is not that of the shells.
+
+# %%
 # Give the model yourself
 # -----------------------
 # - ``ao.rigid(mass=...)`` and ``ao.ball(radius, material)``: rigid; a ball also knows its surface;
