@@ -20,6 +20,9 @@ dashpot does, which no spring in series shows. If c goes with c' ln s, a force o
 duration T loses c'/4 ∫|ω||F|²dω = 1.8 c' F², and so a share 1.4 c' F/(v T/2) of the impulse of a
 body that rebounds. Where Hertz's force is largest v T/2 is 1.47 δ, and the share is c' F/δ.
 
+Solid elements longer than bending waves bend no more than their nodes do, and stress that is
+averaged between them does not show it. Nothing bounds the error of such a mesh.
+
 A model that gives the force need not vibrate as its body does afterwards. Its error in any history,
 of a displacement, a velocity, a sensor or what follows from these, is estimated by one more run
 with models that contain it and what it leaves out first (reduction/finer.py). These have an error
@@ -46,7 +49,7 @@ from ..reduction import (
     finer_model,
     softer_model,
 )
-from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
+from ..results import LONGEST_EDGE, LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, Plan, extraction_of
 from .hierarchy import model_hierarchy
 
@@ -222,7 +225,7 @@ class _End:
         By how much its response changes, m/N, for each unit of that, at the frequency at which it
         is known.
     lagging : float
-        See `ContactCompliance`, m/N.
+        See `ContactCompliance`, m/N; infinite where solid elements are too long for bending waves.
     crosswise : ndarray, shape (2,), or None
         See `Extraction`, m/N; of contacts with friction.
     """
@@ -266,17 +269,20 @@ def extrapolated(change: Any, size: Any, scale: Any) -> Any:
 
 
 class Met(NamedTuple):
-    """Duration and depth that a contact reached.
+    """Duration, rise and depth that a contact reached.
 
     Attributes
     ----------
     contact_time : float
         How long the contact of the peak force lasts, s.
+    rise : float
+        How long the force rises in it, s; on thin sheets a small part of that.
     depth : float
         The largest indentation in its own law, m.
     """
 
     contact_time: float
+    rise: float
     depth: float
 
 
@@ -313,7 +319,7 @@ def alterations(
     """
     ends: list[list[_End]] = []
     for number, of in enumerate(met):
-        found = _of_contact(plan, number, of.contact_time, at_nodes=at_nodes)
+        found = _of_contact(plan, number, of, at_nodes=at_nodes)
         if found is None:
             return None
         ends.append(found)
@@ -345,11 +351,9 @@ def alterations(
     )
 
 
-def _of_contact(
-    plan: Plan, number: int, contact_time: float, *, at_nodes: bool
-) -> list[_End] | None:
+def _of_contact(plan: Plan, number: int, met: Met, *, at_nodes: bool) -> list[_End] | None:
     """Errors of the compliances at a contact; none for models given by numbers."""
-    contact = plan.contacts[number]
+    contact, contact_time = plan.contacts[number], met.contact_time
     if contact_time <= 0.0:
         return []
     law = own_law(contact.law)
@@ -372,11 +376,14 @@ def _of_contact(
         stiffness = safety * max(
             model.stiffness_error(_SLOW / contact_time, port, axis) for axis in range(contact.size)
         )
-        error, crosswise = known.error, None
+        error, lagging, crosswise = known.error, known.lagging, None
+        fast = _SLOW / (min(2.0 * met.rise, contact_time) or contact_time)
+        if isinstance(known, Extraction) and tip.edge_over_wave(fast) > LONGEST_EDGE:
+            lagging = math.inf
         if contact.friction and isinstance(known, Extraction):  # see `Friction.for_core`
             error = max(error, contact.friction.ratio * known.sideways)
             crosswise = known.crosswise
-        own = error, known.varying, stiffness, known.strain, known.lagging
+        own = error, known.varying, stiffness, known.strain, lagging
         found.append(_End(body, *own, crosswise))
     return found
 
@@ -469,13 +476,13 @@ def _softer(plan: Plan) -> Iterable[Altered]:
 
 
 def _met(run: Run, number: int) -> Met:
-    """Duration and depth that a contact of a run reached."""
+    """Duration, rise and depth that a contact of a run reached."""
     contact, events = run.plan.contacts[number], run.events[number]
     start, end = events.peak_contact or (0.0, 0.0)
     depth = float(run.each_contact[number].indentation.max())
     if isinstance(contact.law, PatchLaw):
         depth += contact.law.compliance * events.peak_force
-    return Met(end - start, depth)
+    return Met(end - start, events.peak_time - start, depth)
 
 
 def _in_series(plan: Plan, slopes: Sequence[float], compliances: Sequence[float]) -> Altered:

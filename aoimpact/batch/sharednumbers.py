@@ -176,7 +176,8 @@ def _alter(of: _Impact, answer: FloatArray, calls: Briefs) -> bool:
         return False
     assert isinstance(law, Hertz)
     depth = math.pow(force / law.k, 2.0 / 3.0)
-    met = Met(float(answer[Answer.END] - answer[Answer.START]), depth)
+    end, peak = (float(answer[at] - answer[Answer.START]) for at in (Answer.END, Answer.PEAK_TIME))
+    met = Met(end, peak, depth)
     try:
         found = alterations(of.plan, [met], (of.case.impact.law_error,))
     except AOImpactError:

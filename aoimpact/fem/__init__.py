@@ -47,7 +47,6 @@ from .frequencyresponse import FrequencyResponse
 from .grounding import Grounding, VirtualMotion
 from .labels import checked_labels, translations
 from .laminate import Laminate, Layers, Ply, Shell
-from .layer import bending_length
 from .material import PAIRS, Material
 from .mechanism import refuse_mechanism
 from .model import FEModel

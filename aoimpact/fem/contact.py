@@ -43,7 +43,8 @@ from .contactsurface import ContactSurface, contact_surface
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
 from .extraction import Extraction, extracted, pressed
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
-from .laminate import Layers
+from .laminate import Layers, Shell
+from .layer import bending_length
 from .material import Material
 from .patch import Patch
 from .thinextraction import extracted_from_beam, extracted_from_shell, ring_compliance
@@ -444,6 +445,20 @@ class ContactPoint(Frozen):
         if surface is None or self.point is None or self.direction is None:
             return math.inf
         return thickness(surface, self.point, self.direction)
+
+    def edge_over_wave(self, s: float) -> float:
+        """Return the edge of elements at the contact over the length of a bending wave at i s.
+
+        That of a plate, (D/(m s²))^(1/4); 0 of beams, and where the body's thickness is not known.
+
+        :meta private:
+        """
+        surface, layers = self.body.surface, self.thin
+        if layers is None and self.material is not None and math.isfinite(self.depth):
+            layers = Shell(self.depth, self.material)
+        if surface is None or self.point is None or not isinstance(layers, Layers):
+            return 0.0
+        return edge_length(surface, self.point) / bending_length(layers, s)
 
     @property
     def resultant(self) -> FloatArray:

@@ -17,7 +17,6 @@ from .compliance import ContactCompliance
 from .composition import thin_parts
 from .laminate import Layers
 from .layer import (
-    bending_length,
     contact_reach,
     layer_compliance_of,
     longest_edge,
@@ -50,12 +49,9 @@ class ThinExtraction(ContactCompliance):
     near : ndarray of bool, shape (n_cells,)
         Elements about the contact whose errors c makes good: none at a step of thickness, where c
         is not that of the infinite plate.
-    edge_over_wave : float
-        The longest edge of an element at the contact over λ = (D/(m s²))^(1/4); 0 of a beam.
     """
 
     near: npt.NDArray[np.bool_]
-    edge_over_wave: float = 0.0
 
 
 def extracted_from_shell(
@@ -90,7 +86,7 @@ def extracted_from_shell(
         Factors of K + s²M.
     """
     mesh, s = body.mesh, math.sqrt(solver.pencil.s2)
-    groups, near, edge = _around(body, layers, shares, point, normal, min(_SPAN) * s)
+    groups, near = _around(body, layers, shares, point, normal, min(_SPAN) * s)
     several = s * np.array(_SPAN)
     of_mesh = mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, several, couples)
     found = of_mesh - [layer_compliance_of(layers, radius, each, slowly=s) for each in several]
@@ -109,7 +105,6 @@ def extracted_from_shell(
         lagging=share * float(np.abs(steps / np.diff(np.log(_SPAN))).max()),
         radius=radius,
         near=near,
-        edge_over_wave=edge / bending_length(layers, s),
         **_deflected(body, b, solver),
     )
 
@@ -206,8 +201,8 @@ def _deflected(body: Any, b: FloatArray, solver: LinearSolver) -> dict[str, Any]
 
 def _around(
     body: Any, layers: Layers, shares: FloatArray, point: FloatArray, normal: FloatArray, s: float
-) -> tuple[list[IntArray], npt.NDArray[np.bool_], float]:
-    """Elements of the smooth surface about a point, which of all these are, and their edge there.
+) -> tuple[list[IntArray], npt.NDArray[np.bool_]]:
+    """Elements of the smooth surface about a point, and which of all these are.
 
     Elements belong to one surface if they share a node and their normals are alike.
     """
@@ -232,4 +227,4 @@ def _around(
         others = [one.cells.ravel() for one in parts if one.of != part.of]
         step = np.isin(cells, np.concatenate([*others, [-1]])).any(axis=1)
         near[numbers[own[cells[:, 0]] & ~step]] = True
-    return [cells[own[cells[:, 0]]] for cells, _ in found], near, edge
+    return [cells[own[cells[:, 0]]] for cells, _ in found], near

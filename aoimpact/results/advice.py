@@ -23,7 +23,6 @@ from ..fem import (
     Layers,
     Material,
     Rayleigh,
-    bending_length,
     edge_length,
     rim_distance,
 )
@@ -279,7 +278,8 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
         if tip is not None and tip.body.mesh is not None:
             thin |= tip.thin is not None
             meshed[tip.body.mesh.quadratic].append(run.names[body])
-            flat = flat or _as_a_shell(tip)
+            if _as_a_shell(tip):
+                flat = "take ao.Shell"
             if tip.ring_compliance:
                 flat = "its ring yields with inertia: mesh the tube's surface, and take ao.Shell"
     first_order = meshed[False]
@@ -290,7 +290,8 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
             what = "elements of first order make"
             cure = "add midside nodes with FEModel.from_mesh(..., order=2)"
         cure = flat or cure
-        warn(f"{names}: {what} an error of {100.0 * error.mesh:.2g} % in the {quantity}; {cure}")
+        size = f"of {100.0 * error.mesh:.2g} %" if math.isfinite(error.mesh) else "without bound"
+        warn(f"{names}: {what} an error {size} in the {quantity}; {cure}")
     if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
             f"the contact makes an error of {100.0 * error.contact:.2g} % in the {quantity}: it "
@@ -303,8 +304,8 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
 # which a rim is resolved: with 5 and 2.5 mm, a blow on the rim of 2 mm is 5.1 and 0.9 % off.
 _ON_RIM, _FINE = 1e-6, 1.0
 
-# Thickness over width of solid elements that are those of a sheet.
-_FLAT = 0.1
+# Thickness over width of solid elements that are those of a sheet, with room for rounding.
+_FLAT = 0.1 * (1.0 + 1e-6)
 
 
 def _as_a_shell(tip: ContactPoint) -> str:
@@ -315,7 +316,7 @@ def _as_a_shell(tip: ContactPoint) -> str:
     cell = int(surface.cell[surface.nearest(tip.point).face[0]])
     height = float(np.ptp(surface.mesh.nodes[surface.mesh.cells[cell]] @ normal))
     width = edge_length(surface, tip.point)
-    if height >= _FLAT * width or not math.isfinite(tip.depth):
+    if height > _FLAT * width or tip.depth > width:
         return ""
     return (
         f"solid elements there are {with_unit(height, 'm', 3)} thick and "
@@ -348,7 +349,7 @@ SPEED = 0.01
 
 # Longest element over the length of a bending wave, (D/(m s²))^(1/4) at s = 10/T. With elements
 # half as long again a force is 1 % off by quadrilaterals, and 6 % by triangles.
-_WAVES = 2.0
+LONGEST_EDGE = 2.0
 
 # Deflection over thickness of a body constrained on both sides, where the linear one is 12 % off:
 # the load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
@@ -443,11 +444,14 @@ def _limits_of_numbers(law: ContactLaw) -> Limits:
 
 
 def warning_limits(plan: Plan) -> tuple[float, float]:
-    """Return up to which force, N, and velocity, m/s, an impact needs no warning."""
+    """Return up to which force, N, and velocity, m/s, an impact needs no warning; 0 of none."""
     most, mass = limits(plan, plan.contacts[0]), plan.bodies[0].known_mass
     speed = most.speed
     if most.deflection < math.inf:
         speed = min(speed, math.sqrt(2.0 * most.deflection / mass) if mass else 0.0)
+    tips = [plan.bodies[body].touched_at(port) for body, port in plan.contacts[0].ports]
+    if any(tip is not None and _as_a_shell(tip) for tip in tips):
+        return 0.0, 0.0
     return min(most.pressure, most.width, most.thickness, most.ring), speed
 
 
@@ -646,10 +650,15 @@ def _said_of_ring(run: Run, number: int) -> str:
 
 
 def _said_of_shells(run: Run, number: int) -> Iterator[str]:
-    """Say where the mesh of a shell is too coarse at a contact: for bending waves, or at a rim."""
+    """Say where solids should be shells, and where the mesh of a shell is too coarse at a contact.
+
+    For bending waves, or at a rim.
+    """
     contact, events = run.plan.contacts[number], run.events[number]
     for body, port in contact.ports:
         tip = run.plan.bodies[body].touched_at(port)
+        if tip is not None and (shell := _as_a_shell(tip)):
+            yield f"{run.names[body]}: {shell}"
         if tip is None or not isinstance(tip.thin, Layers) or tip.body.surface is None:
             continue
         assert tip.point is not None
@@ -657,11 +666,11 @@ def _said_of_shells(run: Run, number: int) -> Iterator[str]:
         long = f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} long, and"
         rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
         if rise > 0.0:
-            wave = bending_length(tip.thin, 0.5 * SHIFT_TIMES_DURATION / rise)
-            if edge > _WAVES * wave:
+            waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)
+            if waves > LONGEST_EDGE:
                 yield (
                     f"{long} bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
-                    f"{with_unit(_WAVES * wave, 'm', 2)}; refine the mesh there"
+                    f"{with_unit(LONGEST_EDGE * edge / waves, 'm', 2)}; refine the mesh there"
                 )
         away = rim_distance(tip)
         coarse = away < (1.0 - _ON_RIM) * edge and edge > _FINE * tip.thin.total_thickness

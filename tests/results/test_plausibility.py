@@ -17,7 +17,8 @@ STEEL = ao.Material(E=210e9, nu=0.3, rho=7800, yield_strength=1.5e9)
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
 SOFT = ao.Material(E=70e9, nu=0.3, rho=2700, yield_strength=100e6)
 PAIR = ao.Hertz.between(STEEL, R, STEEL, R)
-OTHERS = "ends in contact", "was fitted to", "the patch has a radius"  # said elsewhere
+# Said elsewhere.
+OTHERS = "ends in contact", "was fitted to", "the patch has a radius", "and take ao.Shell"
 
 HEAVY = ao.rigid(mass=0.0327)
 
