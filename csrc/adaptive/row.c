@@ -23,34 +23,32 @@ static double at_place(const double *nodes, double place)
     return aoi_legendre_evaluate(AOI_NODES, legendre, place, &slope);
 }
 
-/* At an edge the forces are no polynomials, but their ratios are: the compliance that is taken out then acts as one of
- * the normal force alone. */
+/* Friction by its ratio to the normal force, which is the law's: at an edge forces are no polynomials, and where all
+ * springs slip the ratio is Coulomb's. What a polynomial of the ratio has beyond that is its error. The compliance that
+ * is taken out acts as one of the normal force alone. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent)
 {
-    const int edge = of[AOI_TRACK_EDGE] != AOI_EDGE_NONE;
     const double *coupled = contact->compliance;
-    double share[2] = {0.0, 0.0}, slope;
-    double indentation = aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
-    const double bodies = indentation;
+    const int at_start = of[AOI_TRACK_EDGE] == AOI_EDGE_NONE && !(place > 0.0) && of[AOI_TRACK_START_FORCE] > 0.0;
+    double share[2], slope;
+    const double bodies = aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
     aoi_law law = *contact->law;
     aoi_law_value value;
     for (size_t i = 0; i < 2; i++) {
-        const double *tangent = tangent_of(of, i), c = coupled ? coupled[1 + i] : 0.0;
-        if (edge) {
-            share[i] = at_place(tangent + AOI_TRACK_TANGENT_SHARE, place);
-            law.compliance += c * share[i];
-        } else {
-            force[1 + i] = place > 0.0 ? at_place(tangent + AOI_TRACK_TANGENT_FORCE, place)
-                                       : tangent[AOI_TRACK_TANGENT_START];
-            indentation += c * force[1 + i];
-        }
+        const double *tangent = tangent_of(of, i);
+        share[i] = at_start ? tangent[AOI_TRACK_TANGENT_START] / of[AOI_TRACK_START_FORCE]
+                            : at_place(tangent + AOI_TRACK_TANGENT_SHARE, place);
     }
-    aoi_law_force(&law, NULL, (int)of[AOI_TRACK_PIECE], indentation, 0.0, &value);
+    const double size = hypot(share[0], share[1]), most = contact->friction->mu;
+    for (size_t i = 0; i < 2; i++) {
+        share[i] *= size > most ? most / size : 1.0;
+        law.compliance += coupled ? coupled[1 + i] * share[i] : 0.0;
+    }
+    aoi_law_force(&law, NULL, (int)of[AOI_TRACK_PIECE], bodies, 0.0, &value);
     force[0] = fmax(value.force, 0.0);
-    for (size_t i = 0; i < 2 && edge; i++) {
-        force[1 + i] = share[i] * force[0];
-    }
-    *bent = indentation - bodies + law.compliance * force[0];
+    force[1] = share[0] * force[0];
+    force[2] = share[1] * force[0];
+    *bent = law.compliance * force[0];
 }
 
 void aoi_row_forces(const aoi_contact *contact, const double *of, double place, double force[3][AOI_NODES])

@@ -40,8 +40,8 @@ enum aoi_row_contact {
 /* With friction more follows: the work on slides before, less the energy of stretches at the start of a run; of it
  * dissipated, J, and the stuck share of the indentation, before and at the nodes or the points of an edge, and at the end;
  * 1 if all slips at the start, else 0, and the places where that changes, 2 in place of those that there are not; then
- * for each tangent an aoi_row_tangent: the force at the start and at the nodes, its ratio to the normal force there
- * (for an edge only), and the Legendre coefficients of the slide. */
+ * for each tangent an aoi_row_tangent: the force at the start and at the nodes, its ratio to the normal force there, and
+ * the Legendre coefficients of the slide. */
 enum aoi_row_friction {
     AOI_TRACK_SLIDE_WORK = AOI_TRACK_CONTACT_SIZE,
     AOI_TRACK_DISSIPATED,

@@ -53,9 +53,9 @@ static void write_friction(aoi_sliding *sliding, const aoi_contact *contact, con
         double *tangent = of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;
         tangent[AOI_TRACK_TANGENT_START] = entry[1 + i].start_force;
         memcpy(tangent + AOI_TRACK_TANGENT_FORCE, entry[1 + i].force, sizeof entry->force);
-        memset(tangent + AOI_TRACK_TANGENT_SHARE, 0, sizeof entry->force);
-        if (edge) {
-            memcpy(tangent + AOI_TRACK_TANGENT_SHARE, sliding->share[i], sizeof sliding->share[i]);
+        for (size_t k = 0; k < AOI_NODES; k++) {
+            const double pressed = entry->force[k], along = pressed > 0.0 ? entry[1 + i].force[k] / pressed : 0.0;
+            tangent[AOI_TRACK_TANGENT_SHARE + k] = edge ? sliding->share[i][k] : along;
         }
         memcpy(tangent + AOI_TRACK_TANGENT_SLIDE, entry[1 + i].legendre, sizeof entry->legendre);
     }

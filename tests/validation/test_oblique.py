@@ -581,6 +581,20 @@ def test_a_wall_stays_under_gravity() -> None:
         assert not run.bodies[1].final_spin.any()
 
 
+@pytest.mark.parametrize("degrees", [5.0, 30.0, 60.0])
+@pytest.mark.parametrize("law", [ao.Hertz(k=1e10), ao.Linear(k=1e8)], ids=repr)
+def test_friction_is_within_coulomb_s_bound_at_any_time_and_at_it_where_all_slips(law, degrees):
+    slope = math.radians(degrees)
+    ball, velocity = ao.ball(0.01, STEEL), (math.sin(slope), 0.1, -math.cos(slope))
+    hit = ao.simulate(ball, ao.wall(STEEL), velocity, law=law, friction=0.3)
+    fine = hit.at(np.linspace(*hit.contacts[0], 2001))
+    size, bound = np.linalg.norm(fine.friction_force, axis=1), 0.3 * fine.force
+    assert (size <= bound * (1.0 + 1e-12)).all()
+    for start, end in hit.slip_intervals:
+        inside = (fine.t > start) & (fine.t < end)
+        assert size[inside] == pytest.approx(bound[inside], abs=1e-3 * bound.max())
+
+
 @pytest.mark.parametrize("damped", [True, False])
 def test_a_body_put_on_a_slope_rests_below_the_angle_of_friction_and_slides_above(damped):
     # It is put there without force, so that it settles, or, undamped, vibrates on its springs.
