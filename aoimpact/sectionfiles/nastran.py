@@ -38,8 +38,8 @@ _ANY = re.compile(
     "|B[MR]SECT|BEND|ROD|TUBE)"
 )
 
-# Beginnings of OFFT, or the older flag there, with which a bar's vector is in its node's axes.
-_GLOBAL = [b"", b"G", b"1", b"2"]
+# Beginnings of OFFT, or the older flag there: a bar's vector is in the axes of its node, or basic.
+_FRAMES = [b"", b"G", b"1", b"2", b"B"]
 
 # Relative difference from a number with few digits, such as 0.833 for 5/6.
 _DIGITS = 1e-3
@@ -252,11 +252,10 @@ class _Reader:
         found = []
         for part in place.parts:
             table, cells = part.table, self.source.raw.nodes
+            frames = np.char.strip(table.fields[:, 7]).astype("S1")
             wrong: dict[str, Any] = {
                 "it has no orientation, X1 to X3 or G0": np.all(table.blank[:, 4:7], axis=1),
-                "OFFT must begin with G": ~np.isin(
-                    np.char.strip(table.fields[:, 7]).astype("S1"), _GLOBAL
-                ),
+                "OFFT must begin with G or B": ~np.isin(frames, _FRAMES),
                 "hinges PA, PB are not supported": np.any(~table.blank[:, 8:10], axis=1),
                 "offsets are not supported": np.any(table.reals(10, 6) != 0.0, axis=1),
             }
@@ -274,7 +273,7 @@ class _Reader:
             )
             vectors[by_node] = cells[at] - cells[rows[by_node]]
             vectors[~by_node] = table.select(~by_node).reals(4, 3)
-            systems = np.where(by_node, 0, self.deck.grids.output_systems[rows])
+            systems = np.where(by_node | (frames == b"B"), 0, self.deck.grids.output_systems[rows])
             for label in np.unique(systems[systems > 0]).tolist():  # X1 to X3 are in that of GA
                 own = np.flatnonzero(systems == label)
                 axes = self.deck.grids.axes(label, table, int(own[0])).directions(cells[rows[own]])

@@ -105,7 +105,7 @@ BAR_ENTRIES = {
 
 AFTER_BARS = {
     ",,,": "CBAR: it has no orientation",
-    ",0.,0.,1.,BGG": "OFFT must begin with G",
+    ",0.,0.,1.,EGG": "OFFT must begin with G or B",
     ",98": "CBAR: its node G0 is not there",
     ",0.,0.,1.\n,5": "hinges PA, PB are not supported",
     ",0.,0.,1.\n,,,0.,0.,.1": "offsets are not supported",

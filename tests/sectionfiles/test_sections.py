@@ -202,6 +202,7 @@ AREA, ALONG, OTHER = "2.E-4", "1.6666667E-9", "6.6666667E-9"  # of 10 mm along z
         ("nastran", "PBARL,7,1,,BAR\n,.02,.01", ",0.,0.,1."),
         ("nastran", "PBEAML,7,1,,BAR\n,.01,.02", ",0.,1.,0."),
         ("nastran", "PBARL,7,1,,BAR $ CD\n,.01,.02", ",0.,0.,1."),  # in axes of node GA
+        ("nastran", "PBARL,7,1,,BAR $ CD\n,.02,.01", ",0.,0.,1.,BGG"),
         ("nastran", f"PBAR,7,1,{AREA},{ALONG},{OTHER},4.6E-9", ",0.3,0.,1."),
         ("nastran", f"PBAR,7,1,{AREA},{OTHER},{ALONG},4.6E-9", ",99"),
         ("nastran", f"PBEAM,7,1,{AREA},{ALONG},{OTHER},,4.6E-9", ",0.,0.,1."),
