@@ -73,11 +73,17 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
     """
     k = _waves(radius, thickness, bending_length(Shell(thickness, material), s))
     mu, h = material.shear_modulus, 0.5 * thickness
-    slow2 = (s / material.shear_speed) ** 2
-    xi, eta = np.sqrt(k**2 + (s / material.pressure_speed) ** 2), np.sqrt(k**2 + slow2)
+    fast2, slow2 = (s / material.pressure_speed) ** 2, (s / material.shear_speed) ** 2
+    xi, eta = np.sqrt(k**2 + fast2), np.sqrt(k**2 + slow2)
     one, other = (k**2 + eta**2) ** 2, 4.0 * k**2 * xi * eta
     by_xi, by_eta = np.tanh(h * xi), np.tanh(h * eta)
-    both = 1.0 / (one * by_xi - other * by_eta) + 1.0 / (one / by_xi - other / by_eta)
+    # one - other and by_eta - by_xi without the digits that both have in common, nearly all of them
+    # where k is far above s over the speed of waves.
+    apart = slow2 - fast2
+    rayleigh = 16.0 * k**6 * apart + (24.0 * slow2 - 16.0 * fast2) * slow2 * k**4
+    rayleigh = (rayleigh + 8.0 * k**2 * slow2**3 + slow2**4) / (one + other)
+    more = other * np.tanh(h * apart / (xi + eta)) * (1.0 - by_xi * by_eta)
+    both = 1.0 / (rayleigh * by_xi - more) + by_xi * by_eta / (rayleigh * by_eta + more)
     half_space = 2.0 / (material.plane_strain_modulus * k)
     return _mean(k, radius, 0.5 * slow2 * xi / mu * both - half_space)
 

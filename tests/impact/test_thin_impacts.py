@@ -367,3 +367,12 @@ def test_the_error_claimed_of_solids_that_carry_bending_waves_is_the_true_one() 
     hit = ao.simulate(BALL, bricks(2e-3, 24, size=0.12), 1.0, duration=50e-6)
     off = abs(hit.peak_force - 215.1) / hit.peak_force
     assert off < hit.error["peak_force"].total < 0.07
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_beside_a_contact_that_hardly_presses_a_sheet_is_rigid() -> None:
+    """Hertz's peak force on a rigid wall is k^(2/5) (5/4 m v²)^(3/5)."""
+    velocity = 1e-12
+    hit = ao.simulate(BALL, sheet(2e-3, n=10).contact(point=(0.075, 0.075, 0)), velocity)
+    rigid = hit.law.k**0.4 * (1.25 * BALL.m0 * velocity**2) ** 0.6
+    assert hit.peak_force == pytest.approx(rigid, rel=0.015)
