@@ -721,7 +721,10 @@ def _missed(run: Run) -> str:
     if at == 0:
         speeds = [run.plan.velocities[body] for body, _ in run.plan.contacts[number].ports]
         cure = (
-            "they do not approach at first, and a load or gravity parts them: change its sign"
+            "their spin parts the points of contact faster than their velocities bring them "
+            "together: change its sign, or take less"
+            if run.plan.oblique is not None and speeds[0] > speeds[1]
+            else "they do not approach at first, and a load or gravity parts them: change its sign"
             if speeds[0] == speeds[1]
             else "the first body of a contact is behind the second along the direction of travel, "
             "and faster: exchange them, or change the signs of velocities"

@@ -246,6 +246,25 @@ def test_histories_and_summary_have_friction(tmp_path):
     assert math.isclose(hit.energy.friction[-1], hit.energy.dissipated[-1])
 
 
+@pytest.mark.parametrize("solver", [None, ao.Newmark()])
+def test_a_spin_that_lifts_the_contact_point_at_once_is_told(solver):
+    # The arm is 1 cm to the side: the point rises at 3 m/s, and the centre falls at 1 m/s.
+    body = ao.rigid(0.02, inertia=1e-6, arm=(0.01, 0, -0.005))
+    with pytest.warns(ao.AOImpactWarning, match="their spin parts the points of contact"):
+        hit = ao.simulate(
+            body,
+            WALL,
+            (0, 0, -1.0),
+            spin=(0, -300.0, 0),
+            law=ao.Hertz(k=1e9),
+            friction=0.1,
+            solver=solver,
+        )
+    assert hit.contact_count == 0
+    assert hit.duration < 1e-2  # not until bodies that have flown away would meet
+    assert hit.projectile.final_velocity == pytest.approx([0.0, 0.0, -1.0])
+
+
 def test_slip_lies_within_contact():
     hit = ao.simulate(BALL, WALL, DOWN, friction=0.2, gap=1e-6)
     ((start, end),) = hit.contacts
