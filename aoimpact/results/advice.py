@@ -22,6 +22,8 @@ from ..fem import (
     ContactPoint,
     Layers,
     Material,
+    Materials,
+    Orthotropic,
     Rayleigh,
     edge_length,
     rim_distance,
@@ -279,7 +281,7 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
             thin |= tip.thin is not None
             meshed[tip.body.mesh.quadratic].append(run.names[body])
             if _as_a_shell(tip):
-                flat = "take ao.Shell"
+                flat = "take ao.Shell or ao.Laminate"
             if tip.ring_compliance:
                 flat = "its ring yields with inertia: mesh the tube's surface, and take ao.Shell"
     first_order = meshed[False]
@@ -318,10 +320,15 @@ def _as_a_shell(tip: ContactPoint) -> str:
     width = edge_length(surface, tip.point)
     if height > _FLAT * width or tip.depth > width:
         return ""
+    of = tip.body.material
+    material = of.of(cell) if isinstance(of, Materials) else of
+    shell = f"ao.Shell(thickness={tip.depth:.4g}, material={material!r})"
+    if isinstance(material, Orthotropic):
+        shell = f"ao.Laminate of its plies, {tip.depth:.4g} m thick in all"
     return (
         f"solid elements there are {with_unit(height, 'm', 3)} thick and "
         f"{with_unit(width, 'm', 3)} wide: mesh the sheet's middle surface with quadrilaterals, "
-        f"and take ao.Shell(thickness={tip.depth:.4g}, material={tip.material!r})"
+        f"and take {shell}"
     )
 
 
