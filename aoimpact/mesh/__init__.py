@@ -12,7 +12,7 @@ from .files.abaqus import AbaqusDeck
 from .files.abaqusdeck import Keyword, key, looks_like_inp
 from .files.nastran import Entries, NastranDeck, nastran_nodes
 from .files.nastrandeck import Table, is_nastran
-from .files.raw import RawMesh, number
+from .files.raw import RawMesh, number, rows_of
 from .files.viameshio import meshio_of_all_kinds
 from .generate import box_mesh, paper_sphere_mesh, sheet_mesh, sphere_mesh
 from .locate import AT_NODE, nearest_line, node_at, weights_at

@@ -9,22 +9,12 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from ..base import FloatArray, InputError, IntArray
-from ..fem import (
-    Beam,
-    BeamSection,
-    CircularSection,
-    Material,
-    OneMaterial,
-    Orthotropic,
-    Ply,
-    RectangularSection,
-    Solid,
-    TubularSection,
-)
+from ..base import FloatArray, IntArray
+from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
 from ..mesh import AbaqusDeck, Keyword, key
-from .common import Source, across, common, layered, refusing
+from .common import Source, across, common, layered, refusing, unit
 
 # Options of a material that change its answer and are left out.
 _LEFT_OUT = re.compile(
@@ -32,8 +22,11 @@ _LEFT_OUT = re.compile(
     "|DAMAGE.*|FAIL.*|HYPER.*|.*PLASTICITY|.*CRACKING|NOCOMPRESSION|NOTENSION|USERMATERIAL"
 )
 
-# Other keywords that change mass or stiffness of shells and beams.
-_BESIDE = re.compile("NONSTRUCTURALMASS|NORMAL|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS")
+# Keywords that add to a section: to that of their ELSET, or to the one before them.
+_ADDING = re.compile(
+    "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
+    "|SHEARCENTER|BEAMADDEDINERTIA"
+)
 
 # Least share of an orientation's axis along the normals of the shell that it is for.
 _ALONG = 1e-3
@@ -55,13 +48,8 @@ class _Place(NamedTuple):
     members: IntArray
 
 
-def sections(source: Source, deck: AbaqusDeck) -> dict[str, OneMaterial]:
-    """Return the sections of a deck by the groups of its mesh."""
-    return _Reader(source, deck).sections()
-
-
 @dataclass(eq=False)
-class _Reader:
+class Reader:
     """The cards of a deck by name, and its materials, each made once."""
 
     source: Source
@@ -69,13 +57,14 @@ class _Reader:
     _made: dict[str, Solid] = field(default_factory=dict)
 
     @cached_property
-    def orientations(self) -> dict[tuple[str, str], Keyword]:
-        """The orientations by their part and name."""
-        return {
-            (part, key(card.options.get("NAME", ""))): card
-            for part, card in self.deck.cards
-            if card.name == "ORIENTATION"
-        }
+    def normals(self) -> Keyword | None:
+        """The first card with normals, which turn beams."""
+        for _, card in self.deck.cards:
+            if card.name == "NORMAL" or (
+                card.name == "NODE" and any(text.rstrip(", ").count(",") > 3 for text in card.data)
+            ):
+                return card
+        return None
 
     @cached_property
     def cards(self) -> dict[str, dict[str, Keyword]]:
@@ -97,9 +86,11 @@ class _Reader:
         """Return the sections by group: those that hold elements of their kind."""
         groups = {key(name): name for name in self.source.raw.cell_sets}
         found: dict[str, OneMaterial] = {}
+        adding: list[tuple[str, Keyword]] = []
+        name: str | None = None
         for part, card in self.deck.cards:
-            if _BESIDE.fullmatch(card.name):
-                self.source.left_out.append(f"*{card.name} is left out")
+            if _ADDING.fullmatch(card.name):
+                adding.append((card.options.get("ELSET", name or ""), card))
             if card.name not in _SECTIONS:
                 continue
             read, types, options = _SECTIONS[card.name]
@@ -119,6 +110,16 @@ class _Reader:
                 card.check_options(*_ALWAYS, *options)
                 with refusing(card.error):
                     found[name] = read(self, card, _Place(part, turn, members[own]))
+        for of_name, card in adding:
+            if self.source.instead(of_name) is None or groups.get(key(of_name)) not in found:
+                raise card.error(
+                    f"it is not supported; take it into the section of {of_name}, and give that by "
+                    "read_sections(given=)"
+                )
+        if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
+            self.source.left_out.append(
+                "normals at nodes are left out: shells have normals of their elements"
+            )
         return found
 
     # ------------------------------------------------------------------- materials
@@ -145,14 +146,10 @@ class _Reader:
             elastic.check_options("TYPE", "MODULI")
             kind = key(elastic.options.get("TYPE", "ISO"))
             if kind not in _ELASTIC:
-                raise elastic.error(
-                    f"TYPE={kind} is not supported; it may be {', '.join(_ELASTIC)}"
-                )
+                raise elastic.error(f"TYPE={kind} is none of {', '.join(_ELASTIC)}")
             count, make = _ELASTIC[kind]
             with refusing(elastic.error):
                 self._made[at] = make(self.source, *_constants(elastic, count), rho)
-            if kind == "LAMINA":
-                self.source.left_out.append(f"{name} has no E3: that of contact is E2")
         return self._made[at]
 
     # ---------------------------------------------------------------- orientations
@@ -160,33 +157,33 @@ class _Reader:
     def axes(self, name: str, card: Keyword, place: _Place) -> tuple[FloatArray, int]:
         """Return an orientation's unit axes in rows, and the number of the one in its second line.
 
-        The number is 0 without such a line. The other axes are turned about this one.
+        The other axes are turned about this one. Without such a line it is the third.
         """
-        found = [self.orientations.get((part, key(name))) for part in (place.part, "")]
-        own = found[0] or found[1]
+        found = {
+            part: one
+            for part, one in self.deck.cards
+            if one.name == "ORIENTATION" and key(one.options.get("NAME", "")) == key(name)
+        }
+        own = found.get(place.part) or found.get("")
         if own is None:
             raise card.error(f"there is no *ORIENTATION {name!r}")
         own.check_options("NAME", "SYSTEM", "DEFINITION")
         kind = [key(own.options.get(each, "")) for each in ("SYSTEM", "DEFINITION")]
         if kind[0] not in ("", "RECTANGULAR") or kind[1] not in ("", "COORDINATES"):
             raise own.error("only rectangular axes by coordinates are supported")
-        rows = own.real_rows(9, 2, what="points on the axes, and an axis and an angle")
-        if not rows:
-            raise own.error("it has no points")
-        a, b, c = np.array([*rows[0], *[0.0] * 9][:9]).reshape(3, 3)
+        first, *rest = own.real_rows(9, 2, what="points on the axes, and an axis and an angle") or [
+            []
+        ]
+        a, b, c = np.array([*first, *[0.0] * 9][:9]).reshape(3, 3)
         x, z = a - c, np.cross(a - c, b - c)
         if not np.linalg.norm(z) > _NORMAL * np.linalg.norm(x) * np.linalg.norm(b - c):
             raise own.error("its points are on one line")
-        axes = np.array([x, np.cross(z, x), z])
-        axes /= np.linalg.norm(axes, axis=1)[:, None]
-        about, angle = [*rows[1], 0.0, 0.0][:2] if len(rows) > 1 else (0.0, 0.0)
-        if about not in (0.0, 1.0, 2.0, 3.0):
+        axes = unit(np.array([x, np.cross(z, x), z]))
+        about, angle = [*rest[0], 0.0, 0.0][:2] if rest else (3.0, 0.0)
+        if about not in (1.0, 2.0, 3.0):
             raise own.error(f"the axis of rotation must be 1, 2 or 3, got {about:g}")
-        if angle:
-            i, j = int(about) % 3, (int(about) + 1) % 3
-            cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-            axes[[i, j]] = [cos * axes[i] + sin * axes[j], cos * axes[j] - sin * axes[i]]
-        return axes @ place.turn.T, int(about)
+        turn = Rotation.from_rotvec(angle * axes[int(about) - 1], degrees=True)
+        return turn.apply(axes) @ place.turn.T, int(about)
 
     def along(self, name: str, card: Keyword, place: _Place) -> FloatArray:
         """Return the direction whose projection is axis 1 of a shell with an orientation.
@@ -203,7 +200,7 @@ class _Reader:
         axes, near = self.axes(name, card, place)
         if np.abs(normals @ axes[near - 1]).min() < _ALONG:
             raise card.error(
-                f"axis {near or 3} of the orientation {name} lies in some elements; name the axis "
+                f"axis {near} of the orientation {name} lies in some elements; name the axis "
                 "along the normal in the second line of *ORIENTATION"
             )
         return np.asarray(axes[near % 3])
@@ -224,7 +221,7 @@ class _Reader:
 # -------------------------------------------------------------------------------- sections
 
 
-def _solid(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
+def _solid(reader: Reader, card: Keyword, place: _Place) -> OneMaterial:
     found = reader.material(card.options.get("MATERIAL", ""), card)
     if isinstance(found, Orthotropic) and (name := card.options.get("ORIENTATION")):
         axes: Any = reader.axes(name, card, place)[0]
@@ -232,7 +229,7 @@ def _solid(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
     return found
 
 
-def _shell(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
+def _shell(reader: Reader, card: Keyword, place: _Place) -> OneMaterial:
     options, name = card.options, card.options.get("ORIENTATION", "")
     rows = [[*texts, "", "", ""][:4] for texts in card.rows]
     if "COMPOSITE" not in options:
@@ -265,69 +262,52 @@ def _is_name(text: str) -> bool:
     return text[:1] not in (*"+-.0123456789", "")
 
 
-def _beam(reader: _Reader, card: Keyword, place: _Place) -> OneMaterial:
+def _beam(reader: Reader, card: Keyword, place: _Place) -> OneMaterial:
     """Return a beam; its z axis is the section's axis 1, and y is against axis 2."""
-    general, shape = card.name == "BEAMGENERALSECTION", key(card.options.get("SECTION", ""))
-    if shape not in _SHAPES or (shape == "GENERAL" and not general):
-        raise card.error(
-            f"SECTION={shape} is not supported; give its Beam by read_sections(given=)"
-        )
-    powers, make = _SHAPES[shape]
+    source, shape = reader.source, key(card.options.get("SECTION", ""))
     rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
-    if general and len(rows) == 2:  # without a direction
-        rows.insert(1, [0.0, 0.0, -1.0])
-    first, n1, *rest = [*rows, [0.0, 0.0, -1.0]] if len(rows) == 1 else rows or [[], []]
-    if shape == "CIRC":
-        first = _radius(reader, card, place, first)
-    if len(first) != len(powers) or len(n1) != 3:
-        raise card.error(f"give {len(powers)} numbers of the section, then all three of axis 1")
-    section = make(*(x * reader.source.length**n for x, n in zip(first, powers, strict=True)))
-    if general:
-        modulus, shear = [*(rest or [[]])[0], 0.0, 0.0][:2]
-        rho = float(card.options.get("DENSITY") or 0.0)
-        if not (modulus and shear and rho):
-            raise card.error("give E and G in its third line, and DENSITY=")
-        material: Solid = reader.source.isotropic(modulus, 0.5 * modulus / shear - 1.0, rho)
+    if "MATERIAL" in card.options:
+        material: Any = reader.material(card.options["MATERIAL"], card)
     else:
-        material = reader.material(card.options.get("MATERIAL", ""), card)
-    if not isinstance(material, Material):
-        raise card.error("a beam needs an isotropic material")
+        E, G = [*rows.pop(), 0.0, 0.0][:2] if rows else (0.0, 0.0)
+        rho = float(card.options.get("DENSITY") or 0.0)
+        if not (E and G and rho):
+            raise card.error("give MATERIAL=; or E and G in its third line, and DENSITY=")
+        material = source.isotropic(E, 0.5 * E / G - 1.0, rho)
+    if shape == "CIRC":
+        rows[:1] = [_radius(reader, card, place, row) for row in rows[:1]]
+    count, make = (5, source.numbers) if shape == "GENERAL" else source.shape(shape)
+    if [len(row) for row in rows[:2]] not in ([count], [count, 3]):
+        raise card.error(f"give {count} numbers of the section, then all three of axis 1")
+    section = make(*rows[0])
     if isinstance(section, TubularSection):
         return Beam(section, material)
     if reader.deck.towards[place.members].any():
         raise card.error("nodes of its elements say how it is turned; write axis 1 instead")
-    axis = place.turn @ n1
-    if common(axis[None, :], reader.source.directions(place.members)) is None:
-        raise card.error(f"axis 1, {n1}, is along some of its elements")
-    return Beam(section, material, orientation=np.round(axis, 12))
+    if reader.normals:
+        raise reader.normals.error(
+            f"normals would turn the beams of {card.options['ELSET']}; write axis 1 in "
+            f"*{card.name} instead"
+        )
+    n1 = [*rows, [0.0, 0.0, -1.0]][1]
+    axis = common((place.turn @ n1)[None, :], source.directions(place.members))
+    return Beam(section, material, orientation=axis)
 
 
-def _radius(reader: _Reader, card: Keyword, place: _Place, numbers: list[float]) -> list[float]:
+def _radius(reader: Reader, card: Keyword, place: _Place, numbers: list[float]) -> list[float]:
     """Return the radius of CIRC, which Abaqus writes; CalculiX writes one or two diameters."""
     if len(numbers) == 2 and numbers[0] != numbers[1]:
         raise card.error("ellipses are not supported")
     if len(numbers) == 2 or any(of.endswith("R") for of in reader.deck.types[place.members]):
         return [0.5 * numbers[0]]  # B31R and B32R are CalculiX' own
-    reader.source.left_out.append(
-        f"CIRC of {card.options['ELSET']} is given by its radius, as in Abaqus (CalculiX takes one "
-        "number for the diameter; write it twice then)"
-    )
+    if len(reader.deck.instances) == 1:  # CalculiX has no parts
+        of = f"{card.options['ELSET']}: SECTION=CIRC, {numbers[0]:g}"
+        reader.source.left_out.append(
+            f"{of} is taken for a radius, as in Abaqus; in CalculiX it is the diameter (write it "
+            "twice then)"
+        )
     return numbers
 
-
-def _numbers(area: float, I11: float, I12: float, I22: float, J: float) -> BeamSection:
-    if I12:
-        raise InputError(f"I12={I12:g} is not supported: give principal axes")
-    return BeamSection(area, Iy=I22, Iz=I11, J=J, shear_factors=(1.0, 1.0))
-
-
-# Shapes of beams: the powers of length in their numbers, and their sections.
-_SHAPES: dict[str, tuple[tuple[int, ...], Callable[..., Any]]] = {
-    "RECT": ((1, 1), lambda a, b: RectangularSection(width=b, height=a)),
-    "CIRC": ((1,), CircularSection),
-    "PIPE": ((1, 1), TubularSection),
-    "GENERAL": ((2, 4, 4, 4, 4), _numbers),
-}
 
 _OF_SHELLS = (
     *("COMPOSITE", "OFFSET", "ORIENTATION", "SYMMETRIC", "LAYUP", "SECTIONINTEGRATION"),
@@ -359,22 +339,9 @@ def _constants(card: Keyword, count: int) -> list[float]:
     return numbers[:count]
 
 
-def _of_engineers(source: Source, *of: float) -> Solid:
-    return source.orthotropic(of[:3], of[3:6], of[6:9], of[9])
-
-
-def _of_stiffness(source: Source, *of: float) -> Solid:
-    """D1111, D1122, D2222, D1133, D2233, D3333, D1212, D1313, D2323."""
-    compliance = np.linalg.inv(np.array(of)[[[0, 1, 3], [1, 2, 4], [3, 4, 5]]])
-    E = 1.0 / np.diag(compliance)
-    nu = [-compliance[i, j] * E[i] for i, j in ((0, 1), (0, 2), (1, 2))]
-    return source.orthotropic(E.tolist(), nu, of[6:9], of[9])
-
-
 # Kinds of *ELASTIC: the number of their constants, and the materials of these and a density.
 _ELASTIC: dict[str, tuple[int, Callable[..., Solid]]] = {
     **dict.fromkeys(("ISO", "ISOTROPIC"), (2, Source.isotropic)),
     "LAMINA": (6, Source.ply),
-    "ENGINEERINGCONSTANTS": (9, _of_engineers),
-    **dict.fromkeys(("ORTHO", "ORTHOTROPIC"), (9, _of_stiffness)),
+    "ENGINEERINGCONSTANTS": (9, Source.orthotropic),
 }

@@ -2,21 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, IntArray, MeshError
-from ..fem import Laminate, Material, OneMaterial, Orthotropic, Ply, Shell
+from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError
+from ..fem import (
+    BeamSection,
+    CircularSection,
+    Laminate,
+    Material,
+    OneMaterial,
+    Orthotropic,
+    Ply,
+    RectangularSection,
+    Shell,
+    TubularSection,
+)
 from ..mesh import RawMesh, key
 
 # Largest difference between directions that are the same: what printed digits leave.
 _SAME = 1e-4
 
 _TINY = float(np.finfo(float).tiny)
+
+# Cross-sections by the names of Abaqus and of Nastran: the number of their lengths, and how these
+# make a section. RECT begins with the length along axis 1, which is z; BAR with that along y.
+_SHAPES: dict[str, tuple[int, Callable[..., Any]]] = {
+    "RECT": (2, lambda height, width: RectangularSection(width, height)),
+    "BAR": (2, RectangularSection),
+    **dict.fromkeys(("CIRC", "ROD"), (1, CircularSection)),
+    **dict.fromkeys(("PIPE", "TUBE2"), (2, TubularSection)),
+    "TUBE": (2, lambda outer, inner: TubularSection(outer, outer - inner)),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +47,8 @@ class Source:
     Attributes
     ----------
     raw : RawMesh
-    length, force, time : float
-        m, N and s.
+    length, stress, density : float
+        m, Pa and kg/m³.
     given : mapping of str to Material, Orthotropic, Shell, Laminate or Beam
         By names in capitals without blanks.
     left_out : list of str
@@ -38,8 +59,8 @@ class Source:
 
     raw: RawMesh
     length: float
-    force: float
-    time: float
+    stress: float
+    density: float
     given: Mapping[str, OneMaterial]
     left_out: list[str] = field(default_factory=list)
     taken: set[str] = field(default_factory=set)
@@ -50,41 +71,47 @@ class Source:
             self.taken.add(at)
         return self.given.get(at)
 
-    @property
-    def stress(self) -> float:
-        """The deck's unit of stress, Pa."""
-        return self.force / self.length**2
-
-    @property
-    def density(self) -> float:
-        """The deck's unit of density, kg/m³."""
-        return self.force * self.time**2 / self.length**4
-
     def isotropic(self, E: float, nu: float, rho: float) -> Material:
         """Return the material of constants in the deck's units."""
         return Material(E * self.stress, nu, rho * self.density)
 
-    def orthotropic(
-        self, E: Sequence[float], nu: Sequence[float], G: Sequence[float], rho: float
-    ) -> Orthotropic:
-        """Return the material of E1, E2, E3, ν12, ν13, ν23, G12, G13, G23 in the deck's units."""
-        moduli = ([one * self.stress for one in three] for three in (E, G))
-        own: dict[str, Any] = dict(zip(("E", "G", "nu"), map(tuple, (*moduli, nu)), strict=True))
-        return Orthotropic(**own, rho=rho * self.density)
+    def orthotropic(self, *of: float) -> Orthotropic:
+        """Return that of E1, E2, E3, ν12, ν13, ν23, G12, G13, G23, rho in the deck's units."""
+        E1, E2, E3, G12, G13, G23 = (self.stress * of[i] for i in (0, 1, 2, 6, 7, 8))
+        return Orthotropic(
+            (E1, E2, E3), (G12, G13, G23), (of[3], of[4], of[5]), of[9] * self.density
+        )
 
-    def ply(
-        self, E1: float, E2: float, nu12: float, G12: float, G13: float, G23: float, rho: float
-    ) -> Orthotropic:
-        """Return a ply that is isotropic across its fibres: E3 = E2, ν23 = E2/(2 G23) - 1."""
-        nu23 = 0.5 * E2 / G23 - 1.0
-        try:
-            return self.orthotropic((E1, E2, E2), (nu12, nu12, nu23), (G12, G13, G23), rho)
-        except InputError:
+    def ply(self, *of: float) -> Orthotropic:
+        """Return that of E1, E2, ν12, G12, G13, G23, rho: fibres in a matrix.
+
+        It is isotropic across the fibres: E3 = E2, ν23 = E2/(2 G23) - 1. Strain energy is positive
+        if 1 - ν23 > 2 ν12² E2/E1.
+        """
+        E1, E2, nu, G12, G13, G23, rho = of
+        if not 4.0 * G23 * (E1 - nu**2 * E2) > E1 * E2:
             raise InputError(
-                f"E3 is not known: E2={E2:g} and G23={G23:g} are not those of fibres in a matrix, "
-                "nu23=E2/(2 G23)-1 being out of reach. Give it as an Orthotropic by "
-                "read_sections(given=)"
-            ) from None
+                f"E3 is not known, and E2={E2:g}, G23={G23:g} are not of fibres in a matrix; give "
+                "an Orthotropic by read_sections(given=)"
+            )
+        self.left_out.append("plies of LAMINA or MAT8 have no E3: that of contact is E2")
+        return self.orthotropic(E1, E2, E2, nu, nu, 0.5 * E2 / G23 - 1.0, G12, G13, G23, rho)
+
+    def shape(self, name: str) -> tuple[int, Callable[..., Any]]:
+        """Return the number of a cross-section's lengths, and its section of these."""
+        if name not in _SHAPES:
+            raise InputError(f"{name} is not supported; give its Beam by read_sections(given=)")
+        count, make = _SHAPES[name]
+        return count, lambda *lengths: make(*(x * self.length for x in lengths))
+
+    def numbers(
+        self, area: float, I11: float, I12: float, I22: float, J: float, *more: Any
+    ) -> BeamSection:
+        """Return a cross-section by numbers in the deck's units; axis 1 is z, 2 against y."""
+        if I12:
+            raise InputError(f"I12={I12:g} is not supported; give principal axes")
+        Iy, Iz, torsion = (of * self.length**4 for of in (I22, I11, J))
+        return BeamSection(area * self.length**2, Iy, Iz, torsion, *(more or [(1.0, 1.0)]))
 
     def directions(self, members: IntArray, *, edges: bool = False) -> FloatArray:
         """Return unit normals of surface cells and tangents of lines, in order, shape (n, 3).
@@ -123,18 +150,21 @@ def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
     )
 
 
-def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...] | None:
-    """Return a vector whose part across each direction is along that of each vector, if there is.
+def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...]:
+    """Return a vector whose part across each direction is along that of each vector.
 
     Normals and tangents are such directions, of which `Laminate` and `Beam` take the part across.
     """
     wanted = across(vectors, directions)
     if not wanted.any(axis=1).all():
-        return None
+        raise InputError("its axis is along some of its elements, or their normals")
     for one in (vectors[0], wanted.mean(axis=0)):
         if np.abs(across(one, directions) - wanted).max() < _SAME:
             return tuple(np.round(one, 12).tolist())
-    return None
+    raise InputError(
+        "its elements have axes in several directions; give them one system, or sections of their "
+        "own"
+    )
 
 
 def layered(
@@ -155,5 +185,5 @@ def refusing(error: Callable[[str], MeshError]) -> Iterator[None]:
         yield
     except MeshError:  # names its own card
         raise
-    except (ValueError, ZeroDivisionError) as wrong:  # InputError and LinAlgError among them
+    except (InputTypeError, ValueError, ArithmeticError) as wrong:
         raise error(str(wrong)) from None

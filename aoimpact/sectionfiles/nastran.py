@@ -11,19 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import FloatArray, IntArray, MeshError
-from ..fem import (
-    Beam,
-    BeamSection,
-    CircularSection,
-    Material,
-    OneMaterial,
-    Orthotropic,
-    Ply,
-    RectangularSection,
-    Solid,
-    TubularSection,
-)
-from ..mesh import Entries, NastranDeck, Table, number
+from ..fem import Beam, Material, OneMaterial, Orthotropic, Ply, Solid
+from ..mesh import Entries, NastranDeck, number, rows_of
 from .common import Source, across, common, layered, refusing
 
 # Fields of surface elements, from their number on, by the kind of all their nodes: angle or system
@@ -89,13 +78,8 @@ class _Place(NamedTuple):
     members: IntArray
 
 
-def sections(source: Source, deck: NastranDeck) -> dict[str, OneMaterial]:
-    """Return the sections of a deck by the groups of its mesh."""
-    return _Reader(source, deck).sections()
-
-
 @dataclass(eq=False)
-class _Reader:
+class Reader:
     """The properties and materials of a deck by number, and its materials, each made once."""
 
     source: Source
@@ -122,15 +106,6 @@ class _Reader:
     def materials(self) -> dict[int, _Card]:
         """The materials that are read."""
         return self.cards(tuple(_MATERIALS))
-
-    @cached_property
-    def weight(self) -> float:
-        """The factor on densities, PARAM,WTMASS."""
-        for line, fields in self.deck.bulk.long_entries("PARAM"):
-            if fields[:1] == ["WTMASS"]:
-                card = _Card("PARAM", fields, partial(self.deck.bulk.lines.refused, line, "PARAM"))
-                return card.real(1, "WTMASS")
-        return 1.0
 
     def sections(self) -> dict[str, OneMaterial]:
         """Return the sections by group."""
@@ -163,8 +138,10 @@ class _Reader:
                 continue
             with refusing(card.error):
                 found[name] = read(self, card, _Place(own, members[dims[members] == dim]))
-        for entry in {"NSM", "NSM1", "NSML", "NSML1"}.intersection(self.deck.bulk.names):
-            self.source.left_out.append(f"mass of {entry} is left out")
+        bulk = self.deck.bulk
+        for entry in bulk.names.keys() & {"NSM", "NSM1", "NSML", "NSML1", "NSMADD"}:
+            why = "its mass is not supported; delete it, and take the mass into densities (given=)"
+            raise bulk.lines.refused(int(bulk.names[entry][0]), entry, why)
         return found
 
     # ------------------------------------------------------------------- materials
@@ -180,78 +157,63 @@ class _Reader:
             )
         own = self.materials[int(label)]
         if int(label) not in self._made:
-            for entry in ("MATT1", "MATT8", "MATT11", "MATS1"):
-                if not any(of[:1] == [label] for _, of in self.deck.bulk.long_entries(entry)):
-                    continue
-                if entry != "MATS1":
+            for entry in ("MATT1", "MATT8", "MATT11"):
+                if int(label) in self.cards((entry,)):
                     raise own.error(f"it depends on temperature by {entry}, which is not supported")
+            if int(label) in self.cards(("MATS1",)):
                 self.source.left_out.append(f"material {label} is elastic, without its MATS1")
             make, at = _MATERIALS[own.name]
-            rho = own.real(at, "RHO", 0.0) * self.weight
-            if not rho:
+            params = (fields for _, fields in self.deck.bulk.long_entries("PARAM"))
+            weight = next((number(of[1]) for of in params if of[:1] == ["WTMASS"]), 1.0)
+            if not (rho := own.real(at, "RHO", 0.0) * weight):
                 raise own.error(
                     "RHO is 0 or blank; write it, or give read_sections(given="
                     f"{{'material {label}': Material(...)}})"
                 )
             with refusing(own.error):
                 self._made[int(label)] = make(self.source, own, rho)
-            if own.name == "MAT8":
-                self.source.left_out.append(f"material {label} has no E3: that of contact is E2")
         return self._made[int(label)]
 
     # ------------------------------------------------------------ fields of elements
 
-    def offset(self, place: _Place) -> float:
+    def offset(self, place: _Place, card: _Card) -> float:
         """Return what ZOFFS of all elements is, in metres; refuse thickness at nodes."""
-        found: list[float] = []
         for part in place.parts:
-            at = _ZOFFS[part.layout]
             part.table.refuse_first(
                 np.any(~part.table.blank[:, _NODAL[part.layout]], axis=1),
                 "thickness at the nodes is not supported; give it in the property",
             )
-            found += part.table.reals(at, 1)[:, 0].tolist()
-            different = part.table.reals(at, 1)[:, 0] != found[0]
-            part.table.refuse_first(
-                different, f"ZOFFS differs from {found[0]:g} of another element"
-            )
+        found = np.concatenate([p.table.reals(_ZOFFS[p.layout], 1)[:, 0] for p in place.parts])
+        if np.any(found != found[0]):
+            raise card.error("ZOFFS of its elements differs; give properties of their own")
         return float(found[0]) * self.source.length
+
+    def axes(self, label: int, place: _Place, card: _Card) -> FloatArray:
+        """Return the unit axes of a rectangular system in rows."""
+        found = self.deck.grids.axes(label, place.parts[0].table, 0)
+        if found.kind != "R":
+            raise card.error(f"system {label} is not rectangular")
+        return found.axes
 
     def fibres(self, place: _Place, card: _Card) -> tuple[float, ...]:
         """Return the direction whose projection is the material's axis on all elements."""
         normals = self.source.directions(place.members)
         x = across(self.source.directions(place.members, edges=True), normals)
-        texts: list[tuple[Table, int, str]] = []
-        for part in place.parts:
-            own = part.table.fields[:, _THETA[part.layout] :][:, :1].reshape(-1)
-            words = [text.decode().strip() for text in own] or [""] * len(part.table)
-            texts += [(part.table, row, text) for row, text in enumerate(words)]
-        angles = np.zeros(len(texts))
-        systems: dict[str, FloatArray] = {}
-        for i, (table, row, text) in enumerate(texts):
-            if text.isdigit() and text not in systems:
-                axes = self.deck.grids.axes(int(text), table, row)
-                if axes.kind != "R":
-                    raise table.refused(row, f"system {text} (MCID) is not rectangular")
-                systems[text] = axes.axes[0]
-            elif text and not text.isdigit():
-                angles[i] = np.radians(number(text))
-        found = np.cos(angles)[:, None] * x + np.sin(angles)[:, None] * np.cross(normals, x)
-        for i, (_, _, text) in enumerate(texts):
-            found[i] = systems.get(text, found[i])
-        axis = common(found, normals)
-        if axis is None:
-            raise card.error(
-                "its elements have fibres in several directions by THETA or MCID; give one system "
-                "(MCID) to all, or properties of their own"
-            )
-        return axis
+        columns = [p.table.fields[:, _THETA[p.layout] :][:, :1] for p in place.parts]
+        texts = [c if c.size else np.full((len(c), 1), b"") for c in columns]
+        words, of = np.unique(np.char.strip(np.concatenate(texts)[:, 0]), return_inverse=True)
+        angles = np.radians([0.0 if w.isdigit() or not w else number(w.decode()) for w in words])
+        along = np.cos(angles)[of, None] * x + np.sin(angles)[of, None] * np.cross(normals, x)
+        for i, word in enumerate(words.tolist()):
+            if word.isdigit():  # MCID
+                along[of == i] = self.axes(int(word), place, card)[0]
+        return common(along, normals)
 
-    def towards(self, place: _Place, card: _Card) -> tuple[float, ...]:
+    def towards(self, place: _Place) -> tuple[float, ...]:
         """Return the direction of the plane 1 of all bars; refuse offsets and hinges."""
         found = []
         for part in place.parts:
-            table, cells = part.table, self.source.raw.nodes
+            table, nodes = part.table, self.source.raw.nodes
             frames = np.char.strip(table.fields[:, 7]).astype("S1")
             wrong: dict[str, Any] = {
                 "it has no orientation, X1 to X3 or G0": np.all(table.blank[:, 4:7], axis=1),
@@ -262,50 +224,38 @@ class _Reader:
             for why, rows in wrong.items():
                 table.refuse_first(rows, why)
             whole = np.array([b"." not in text for text in table.fields[:, 4]])
-            by_node: Any = whole & np.all(table.blank[:, 5:7], axis=1)
-            vectors = np.zeros((len(table), 3))
-            start, _ = table.integers(2, 2).T
-            rows = np.searchsorted(self.deck.grids.labels, start)
-            third = table.select(by_node).integers(4, 1)[:, 0]
-            at = np.searchsorted(self.deck.grids.labels, third).clip(max=len(cells) - 1)
-            table.select(by_node).refuse_first(
-                self.deck.grids.labels[at] != third, "its node G0 is not there"
-            )
-            vectors[by_node] = cells[at] - cells[rows[by_node]]
+            by_node = whole & np.all(table.blank[:, 5:7], axis=1)
+            labels = self.deck.grids.labels
+            rows = rows_of(labels, table.integers(2, 1)[:, 0])
+            third = np.zeros(len(table), int)
+            third[by_node] = table.select(by_node).integers(4, 1)[:, 0]
+            third = rows_of(labels, third)
+            table.refuse_first(by_node & (third < 0), "its node G0 is not there")
+            vectors = nodes[third] - nodes[rows]
             vectors[~by_node] = table.select(~by_node).reals(4, 3)
             systems = np.where(by_node | (frames == b"B"), 0, self.deck.grids.output_systems[rows])
             for label in np.unique(systems[systems > 0]).tolist():  # X1 to X3 are in that of GA
                 own = np.flatnonzero(systems == label)
-                axes = self.deck.grids.axes(label, table, int(own[0])).directions(cells[rows[own]])
+                axes = self.deck.grids.axes(label, table, int(own[0])).directions(nodes[rows[own]])
                 vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
             found.append(vectors)
-        axis = common(np.concatenate(found), self.source.directions(place.members))
-        if axis is None:
-            raise card.error(
-                "its bars have orientations for which no one direction stands; give properties of "
-                "their own"
-            )
-        return axis
+        return common(np.concatenate(found), self.source.directions(place.members))
 
 
 # -------------------------------------------------------------------------------- properties
 
 
-def _solid(reader: _Reader, card: _Card, place: _Place) -> OneMaterial:
+def _solid(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     found = reader.material(card.text(1), card)
     if card.text(6) not in ("", "SMECH"):
         raise card.error(f"FCTN={card.text(6)} is no solid")
     if isinstance(found, Orthotropic) and card.text(2) not in ("", "0"):
-        table = place.parts[0].table
-        axes = reader.deck.grids.axes(int(card.real(2, "CORDM")), table, 0)
-        if axes.kind != "R" or card.text(2).startswith("-"):
-            raise card.error("CORDM must be a rectangular system")
-        own: Any = axes.axes
-        return replace(found, axes=own)
+        axes: Any = reader.axes(int(card.real(2, "CORDM")), place, card)
+        return replace(found, axes=axes)
     return found
 
 
-def _shell(reader: _Reader, card: _Card, place: _Place) -> OneMaterial:
+def _shell(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     own = card.text(1)
     material = reader.material(own, card)
     if card.text(3) != own:
@@ -317,10 +267,10 @@ def _shell(reader: _Reader, card: _Card, place: _Place) -> OneMaterial:
     card.must_be(6, "TS/T", 5.0 / 6.0)
     card.must_be(7, "NSM", 0.0)
     plies = [Ply(card.real(2, "T") * reader.source.length, material)]
-    return layered(plies, lambda: reader.fibres(place, card), reader.offset(place))
+    return layered(plies, lambda: reader.fibres(place, card), reader.offset(place, card))
 
 
-def _laminate(reader: _Reader, card: _Card, place: _Place) -> OneMaterial:
+def _laminate(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     """Return PCOMP, with four fields a ply, or PCOMPG, with a number before these in each line."""
     card.must_be(2, "NSM", 0.0)
     if card.text(7) not in ("", "SYM"):
@@ -338,87 +288,60 @@ def _laminate(reader: _Reader, card: _Card, place: _Place) -> OneMaterial:
     if card.text(7) == "SYM":
         plies += plies[::-1]
     total = sum(ply.thickness for ply in plies)
-    offset = reader.offset(place)
+    offset = reader.offset(place, card)
     if card.text(1):
         offset += card.real(1, "Z0") * reader.source.length + 0.5 * total
     return layered(plies, lambda: reader.fibres(place, card), offset)
 
 
-def _bar(reader: _Reader, card: _Card, place: _Place) -> OneMaterial:
+def _bar(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     """Return PBAR: y of the deck is z of the section, and z of the deck is against y."""
     card.must_be(6, "NSM", 0.0)
-    card.must_be(18, "I12", 0.0)
     area, I1, I2, J = card.reals(2, "A I1 I2 J")
-    places = [card.real(at, "C to F", 0.0) * reader.source.length for at in range(8, 16)]
-    factors = [card.real(at, f"K{at - 15}", 1.0) for at in (17, 16)]
-    unit = reader.source.length
-    section = BeamSection(
-        area * unit**2,
-        Iy=I1 * unit**4,
-        Iz=I2 * unit**4,
-        J=J * unit**4,
-        shear_factors=(factors[0], factors[1]),
-        points=[(-z, y) for y, z in zip(places[::2], places[1::2], strict=True)],
+    C, D, E, F = (
+        (-card.real(at + 1, "C to F", 0.0), card.real(at, "C to F", 0.0)) for at in (8, 10, 12, 14)
+    )
+    points = np.array([C, D, E, F]) * reader.source.length
+    factors = card.real(17, "K2", 1.0), card.real(16, "K1", 1.0)
+    section = reader.source.numbers(
+        area, I2, card.real(18, "I12", 0.0), I1, J, factors, points.tolist()
     )
     return _beam(reader, card, place, section)
 
 
-def _constant(reader: _Reader, card: _Card, place: _Place) -> OneMaterial:
+def _constant(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     """Return PBEAM, of which all cross-sections must be the same, by its PBAR."""
-    names = ("A", "I1", "I2", "I12", "J", "NSM")
-    lines = [card.fields[i : i + 8] for i in range(8, len(card.fields), 8)]
-    places, rest = [""] * 8, [""] * 16
-    if lines and lines[0][0] not in _STATIONS:
-        places, lines = lines[0], lines[1:]
-    while lines and lines[0][0] in _STATIONS:
-        for name, first, other in zip(names, card.fields[2:8], lines[0][2:], strict=False):
-            value = number(first or "0")
-            if other and abs(number(other) - value) > _DIGITS * abs(value):
-                raise card.error(f"{name} changes along the beam, which is not supported")
-        lines = lines[2 if lines[0][0] == "YES" else 1 :]
-    rest = [text for line in lines for text in line] + rest
-    others = ("S1", "S2", "NSI", "NSI", "CW", "CW", *["M, N"] * 8)
-    for name, text in zip(others, rest[2:16], strict=True):
-        if text and number(text):
-            raise card.error(f"{name}={text} is not supported")
-    A, I1, I2, I12, J, NSM = card.fields[2:8]
-    numbers = [card.text(0), card.text(1), A, I1, I2, J, NSM, "", *places]
-    bar = [*numbers, *(text or "1." for text in rest[:2]), I12]
+    of = [*card.fields, *[""] * 16]
+    if of[8] in _STATIONS:  # without C to F
+        of[8:8] = [""] * 8
+    card, at = replace(card, fields=of), 16
+    while of[at] in _STATIONS:
+        for i in range(2, 8):
+            card.must_be(at + i, "A to NSM along the beam", card.real(i, "A to NSM", 0.0))
+        at += 16 if of[at] == "YES" else 8
+    for i in range(at + 2, len(of)):
+        card.must_be(i, "a field after K1 and K2", 0.0)
+    bar = [*of[:5], *of[6:8], "", *of[8:16], *of[at : at + 2], of[5]]
     return _bar(reader, replace(card, fields=bar), place)
 
 
-def _shaped(reader: _Reader, card: _Card, place: _Place) -> OneMaterial:
+def _shaped(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     """Return PBARL or PBEAML: dimensions, and a mass beside the section's that must be 0."""
-    if card.text(3) not in _SHAPES:
-        raise card.error(
-            f"TYPE={card.text(3)} is not supported; give its Beam by read_sections(given=)"
-        )
-    names, make = _SHAPES[card.text(3)]
-    count = len(names.split())
+    count, make = reader.source.shape(card.text(3))
     if any(card.fields[9 + count :]):
         raise card.error("it has fields after its first cross-section, which is not supported")
     card.must_be(8 + count, "NSM", 0.0)
-    section = make(*(x * reader.source.length for x in card.reals(8, names)))
+    section = make(*(card.real(8 + i, f"DIM{i + 1}") for i in range(count)))
     return _beam(reader, card, place, section)
 
 
-def _beam(reader: _Reader, card: _Card, place: _Place, section: Any) -> OneMaterial:
-    material = reader.material(card.text(1), card)
-    if not isinstance(material, Material):
-        raise card.error(f"a beam needs a MAT1, and material {card.text(1)} is none")
-    return Beam(section, material, orientation=reader.towards(place, card))
+def _beam(reader: Reader, card: _Card, place: _Place, section: Any) -> OneMaterial:
+    material: Any = reader.material(card.text(1), card)
+    return Beam(section, material, orientation=reader.towards(place))
 
 
 # What begins a line of PBEAM that has a cross-section.
 _STATIONS = ("YES", "YESA", "NO")
-
-# Shapes of beams: their dimensions, the first along z of the deck, and their sections.
-_SHAPES: dict[str, tuple[str, Callable[..., Any]]] = {
-    "BAR": ("DIM1 DIM2", RectangularSection),
-    "ROD": ("DIM1", CircularSection),
-    "TUBE": ("DIM1 DIM2", lambda outer, inner: TubularSection(outer, outer - inner)),
-    "TUBE2": ("DIM1 DIM2", TubularSection),
-}
 
 # How properties are read, and the dimension of their elements; None for bars without bending.
 _PROPERTIES: dict[str, tuple[Callable[..., OneMaterial] | None, int]] = {
@@ -447,19 +370,12 @@ def _isotropic(source: Source, card: _Card, rho: float) -> Material:
     return source.isotropic(E, nu, rho)
 
 
-def _ply(source: Source, card: _Card, rho: float) -> Orthotropic:
-    E1, E2, nu12, G12, G13, G23 = card.reals(1, "E1 E2 NU12 G12 G1Z G2Z")
-    return source.ply(E1, E2, nu12, G12, G13, G23, rho)
-
-
-def _orthotropic(source: Source, card: _Card, rho: float) -> Orthotropic:
-    of = card.reals(1, "E1 E2 E3 NU12 NU13 NU23 G12 G13 G23")
-    return source.orthotropic(of[:3], of[3:6], of[6:], rho)
-
+_MAT8 = "E1 E2 NU12 G12 G1Z G2Z"
+_MAT11 = "E1 E2 E3 NU12 NU13 NU23 G12 G13 G23"
 
 # Materials, and where their density is.
 _MATERIALS: dict[str, tuple[Callable[..., Solid], int]] = {
     "MAT1": (_isotropic, 4),
-    "MAT8": (_ply, 7),
-    "MAT11": (_orthotropic, 10),
+    "MAT8": (lambda source, card, rho: source.ply(*card.reals(1, _MAT8), rho), 7),
+    "MAT11": (lambda source, card, rho: source.orthotropic(*card.reals(1, _MAT11), rho), 10),
 }

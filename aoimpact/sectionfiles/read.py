@@ -5,16 +5,9 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Mapping
+from typing import get_args
 
-from ..base import (
-    AOImpactWarning,
-    InputError,
-    InputTypeError,
-    MeshError,
-    nearest,
-    positive,
-    warn,
-)
+from ..base import AOImpactWarning, InputError, MeshError, instance, nearest, positive, warn
 from ..fem import OneMaterial
 from ..mesh import AbaqusDeck, NastranDeck, key, load
 from . import abaqus, nastran
@@ -104,25 +97,20 @@ def read_sections(
     """
     named = {"scale": scale, "force": force, "time": time}
     length, newtons, seconds = (positive(name, one) for name, one in named.items())
-    known = {} if given is None else given
-    if not isinstance(known, Mapping):
-        raise InputTypeError(
-            f"given must be a dict of names and sections, got {type(known).__name__}"
-        )
+    known = instance("given", {} if given is None else given, Mapping)
     for name, one in known.items():
-        if not isinstance(one, OneMaterial):
-            raise InputTypeError(
-                f"given[{name!r}] must be a section or a material, got {type(one).__name__}"
-            )
+        instance(f"given[{name!r}]", one, *get_args(OneMaterial))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", AOImpactWarning)  # of the mesh: `read_mesh` has them
         raw = load(path)
     where = f"mesh file {os.fspath(path)!r}"
-    source = Source(raw, length, newtons, seconds, {key(name): one for name, one in known.items()})
+    stress, per_speed = newtons / length / length, seconds / length
+    density = stress * per_speed * per_speed
+    source = Source(raw, length, stress, density, {key(name): one for name, one in known.items()})
     if isinstance(raw.deck, AbaqusDeck):
-        found = abaqus.sections(source, raw.deck)
+        found = abaqus.Reader(source, raw.deck).sections()
     elif isinstance(raw.deck, NastranDeck):
-        found = nastran.sections(source, raw.deck)
+        found = nastran.Reader(source, raw.deck).sections()
     else:
         raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran, and has no sections")
     if not found:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import aoimpact as ao
 
 # Warnings name a ply's E3, which is assumed, CIRC, and nodes that only say how a bar is turned.
 pytestmark = pytest.mark.filterwarnings(
-    "ignore:.*has no E3", "ignore:.*nodes belong to no line", "ignore:.*by its radius"
+    "ignore:.*have no E3", "ignore:.*nodes belong to no line", "ignore:.*taken for a radius"
 )
 
 SHEET = ao.sheet_mesh((0.2, 0.1), (4, 2))
@@ -241,6 +242,7 @@ def test_a_cantilever_rings_across_each_of_its_sides(
         ("abaqus", "SECTION=CIRC\n.01\n0,1,0", ao.CircularSection(0.01)),
         ("abaqus", "SECTION=CIRC\n.02, .02", ao.CircularSection(0.01)),  # diameters, of CalculiX
         ("abaqus", "SECTION=PIPE\n.01, .002", ao.TubularSection(0.01, 0.002)),
+        ("abaqus", "GENERAL SECTION=PIPE\n.01, .002", ao.TubularSection(0.01, 0.002)),
         ("nastran", "PBARL,7,1,,ROD\n,.01", ao.CircularSection(0.01)),
         ("nastran", "PBARL,7,1,,TUBE\n,.01,.008,0.", ao.TubularSection(0.01, 0.002)),
         ("nastran", "PBEAML,7,1,,TUBE2\n,.01,.002", ao.TubularSection(0.01, 0.002)),
@@ -248,7 +250,9 @@ def test_a_cantilever_rings_across_each_of_its_sides(
 )
 def test_round_sections_are_read(program: str, card: str, section: Any, tmp_path: Path) -> None:
     if program == "abaqus":
-        cards = [f"*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, {card}", STEEL]
+        general = "GENERAL " * card.startswith("GENERAL")  # of CalculiX before 2.18
+        card = card.removeprefix(general)
+        cards = [f"*BEAM {general}SECTION, ELSET=ALL, MATERIAL=STEEL, {card}", STEEL]
         beam = read(abaqus(tmp_path / "a.inp", line(), cards, "B31"))
     else:
         beam = read(nastran(tmp_path / "a.bdf", line(), [card, MAT1], ",0.,1.,0."))
@@ -256,29 +260,40 @@ def test_round_sections_are_read(program: str, card: str, section: Any, tmp_path
     assert beam.material == STEEL_SI
 
 
+def test_circles_are_radii_in_abaqus_and_diameters_in_calculix(tmp_path: Path) -> None:
+    """B31R are CalculiX' own, as parts are Abaqus'; a deck without these could be of either."""
+    cards = ["*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION=CIRC", ".01"]
+    of_ccx = abaqus(tmp_path / "a.inp", line(), [*cards, STEEL], "B31R")
+    assert read(of_ccx).section == ao.CircularSection(0.005)
+    either = abaqus(tmp_path / "b.inp", line(), [*cards, STEEL], "B31")
+    with pytest.warns(ao.AOImpactWarning, match=r"ALL: SECTION=CIRC, 0\.01 is taken for a radius"):
+        assert read(either).section == ao.CircularSection(0.01)
+    part = abaqus(tmp_path / "c.inp", line(), cards, "B31").read_text()
+    assembly = "*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n*END INSTANCE\n*END ASSEMBLY\n"
+    (tmp_path / "c.inp").write_text(f"*PART, NAME=P\n{part}\n*END PART\n{assembly}{STEEL}")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert read(tmp_path / "c.inp").section == ao.CircularSection(0.01)
+
+
 WOOD = ao.Orthotropic((12e9, 1e9, 0.6e9), (0.8e9, 0.7e9, 0.05e9), (0.4, 0.5, 0.3), rho=500)
 NINE = "12E9, 1E9, .6E9, .4, .5, .3, .8E9, .7E9,\n.05E9"
 
 
-@pytest.mark.parametrize("how", ["ENGINEERING CONSTANTS", "ORTHO", "MAT11"])
+@pytest.mark.parametrize("program", ["abaqus", "nastran"])
 def test_solids_have_the_stiffness_of_nine_constants_in_axes_of_their_own(
-    how: str, tmp_path: Path
+    program: str, tmp_path: Path
 ) -> None:
     """Hooke's matrix about z turned by a right angle: x and y, yz and xz change places."""
     mesh = ao.box_mesh((0.2, 0.1, 0.1), (2, 1, 1))
     C = WOOD.stiffness
-    if how == "MAT11":
+    if program == "nastran":
         card = "MAT11,2,12.E9,1.E9,.6E9,.4,.5,.3,.8E9\n,.7E9,.05E9,500."
         system = "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,0.,1.,0."
         path = nastran(tmp_path / "a.bdf", mesh, ["PSOLID,7,2,5", card, system])
     else:
-        d = [
-            float(C[i, j])
-            for i, j in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2), (3, 3), (5, 5))
-        ]
-        nine = NINE if how[0] == "E" else ", ".join(map(repr, d)) + f",\n{float(C[4, 4])!r}"
         cards = [
-            f"*MATERIAL, NAME=WOOD\n*ELASTIC, TYPE={how}\n{nine}\n*DENSITY\n500.",
+            f"*MATERIAL, NAME=WOOD\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n{NINE}\n*DENSITY\n500.",
             "*SOLID SECTION, ELSET=ALL, MATERIAL=WOOD, ORIENTATION=O",
             "*ORIENTATION, NAME=O\n0,1,0, -1,0,0",
         ]
@@ -326,3 +341,14 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
         ao.AOImpactWarning, match=r"STEEL is elastic, without its \*PLASTIC, \*DAMPING"
     ):
         read(abaqus(tmp_path / "a.inp", SHEET, cards))
+    turned = ["*NODE\n99, 5., 0., 0., 0., 0., 1.", *cards[:2], STEEL]
+    with pytest.warns(ao.AOImpactWarning, match="shells have normals of their elements"):
+        read(abaqus(tmp_path / "b.inp", SHEET, turned))
+
+
+def test_a_section_that_is_given_holds_what_cards_add(tmp_path: Path) -> None:
+    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL", ".001", STEEL]
+    mass = ["*NONSTRUCTURAL MASS, ELSET=ALL, UNITS=MASS PER AREA", "7.8"]
+    heavy = ao.Shell(1e-3, ao.Material(2.1e11, 0.3, 15600))
+    path = abaqus(tmp_path / "a.inp", SHEET, [*cards, *mass])
+    assert read(path, given={"ALL": heavy}) == heavy

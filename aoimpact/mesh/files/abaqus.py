@@ -46,7 +46,7 @@ class _Model:
 
     `outside` has those of the assembly, or of a deck without parts. Parts and instances are found
     by their names in capitals. `connections` counts keywords that connect nodes, and `changes`
-    those of steps that remove or add elements. `cards` are all others, with their parts.
+    those of steps that remove or add elements. `cards` are all others, and *NODE, with their parts.
     """
 
     outside: list[Keyword] = field(default_factory=list)
@@ -133,6 +133,8 @@ def _sorted(keywords: list[Keyword]) -> _Model:
         model.changes += name == "MODELCHANGE"
         if name in _OF_SCOPES:
             within[-1][1].append(keyword)
+            if name == "NODE":
+                model.cards.append((part, keyword))  # may hold normals
             if len(within) == 1 and name in ("NODE", "ELEMENT"):
                 loose = keyword
         elif name == "PART":
