@@ -55,10 +55,7 @@ class _Card:
             if default is None:
                 raise self.error(f"{what} is blank")
             return default
-        try:
-            return number(self.text(at))
-        except ValueError as wrong:
-            raise self.error(f"{what}: {wrong}") from None
+        return number(self.text(at))
 
     def reals(self, first: int, names: str) -> list[float]:
         """Return numbers by their names, none of them blank."""

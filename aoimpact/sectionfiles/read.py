@@ -30,8 +30,9 @@ def read_sections(
     Abaqus and CalculiX: \\*SOLID SECTION, \\*SHELL SECTION (also COMPOSITE), \\*SHELL GENERAL
     SECTION of a material, \\*BEAM SECTION and \\*BEAM GENERAL SECTION of rectangles, circles, pipes
     and numbers; \\*ELASTIC, \\*DENSITY, rectangular \\*ORIENTATION. Nastran: PSOLID, PSHELL, PCOMP,
-    PCOMPG, PBAR, PBARL, PBEAML; MAT1, MAT8, MAT11; PARAM,WTMASS. Whatever else changes the answer
-    is refused.
+    PCOMPG, PBAR, PBARL, PBEAM, PBEAML; MAT1, MAT8, MAT11; PARAM,WTMASS. Whatever else changes the
+    answer is refused, such as mass and shear stiffness beside the sections. Loads, supports and
+    steps are not read.
 
     The modulus across plies, which LAMINA and MAT8 do not have, is E3 = E2, with ν13 = ν12 and
     ν23 = E2/(2 G23) − 1: fibres in a matrix. It matters to contact alone. Axis 1 of a shell without

@@ -4,7 +4,8 @@ Matrices from Abaqus, Ansys, CalculiX and Nastran, and back
 
 A company's model often exists as matrices of Abaqus, Ansys, CalculiX or Nastran. :func:`aoimpact.read_matrices` makes a
 body of them, whose nodes keep their numbers; :func:`aoimpact.write_matrices` takes a body, a contact point or an AO model
-back. Without files, K and M are given as in :doc:`/how-to/own_matrices`.
+back. Without files, K and M are given as in :doc:`/how-to/own_matrices`. A deck with sections and materials is a body
+without matrices (:doc:`/how-to/decks`).
 """
 
 import tempfile

@@ -9,7 +9,6 @@ are 30 lines.
 """
 
 import tempfile
-from pathlib import Path
 
 import gmsh
 import numpy as np
@@ -82,40 +81,4 @@ ax = field.plot()
 # ``field.to_vtu("panel")`` writes it for ParaView, with the stress of both faces.
 
 # %%
-# Decks of other programs
-# -----------------------
-# A deck of Abaqus, CalculiX or Nastran has its thickness, plies, beams and materials in cards of its own.
-# :func:`aoimpact.read_sections` reads them, by the groups that the mesh has, and refuses by line what it does not understand.
-# Here a plate with a rib, in millimetres, newtons, tonnes and seconds:
-
-deck = """*NODE
-1, 0, 0, 0
-2, 100, 0, 0
-3, 200, 0, 0
-4, 0, 100, 0
-5, 100, 100, 0
-6, 200, 100, 0
-*ELEMENT, TYPE=S4, ELSET=SKIN
-1, 1, 2, 5, 4
-2, 2, 3, 6, 5
-*ELEMENT, TYPE=B31, ELSET=RIB
-3, 4, 5
-4, 5, 6
-*MATERIAL, NAME=ALU
-*ELASTIC
-70000, 0.33
-*DENSITY
-2.7E-9
-*SHELL SECTION, ELSET=SKIN, MATERIAL=ALU, OFFSET=SNEG
-2.
-*BEAM SECTION, ELSET=RIB, MATERIAL=ALU, SECTION=RECT
-20., 4.
-0, 0, 1
-"""
-file = Path(tempfile.mkdtemp()) / "plate.inp"
-_ = file.write_text(deck)
-sections = ao.read_sections(file, scale=1e-3)
-for name, section in sections.items():
-    print(name, section)
-mesh = ao.read_mesh(file, scale=1e-3, part=list(sections))
-print(ao.FEModel.from_mesh(mesh, sections))
+# A deck of Abaqus, CalculiX or Nastran has sections and materials of its own: see :doc:`/how-to/decks`.
