@@ -154,7 +154,12 @@ def test_the_sides_of_an_angle_s_offsets_are_calculix_s(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("card", "within"),
-    [("RECT\n.01, .025", 0.006), ("CIRC\n.01, .01", 0.012), ("PIPE\n.015, .002", 0.022)],
+    [
+        ("RECT\n.01, .025", 0.006),
+        ("CIRC\n.01, .01", 0.012),
+        ("CIRC\n.01", 0.012),
+        ("PIPE\n.015, .002", 0.022),
+    ],
 )
 def test_a_beam_has_calculix_s_frequencies(card: str, within: float, tmp_path: Path) -> None:
     """A cantilever along a skew line: six frequencies of bending about both axes.
