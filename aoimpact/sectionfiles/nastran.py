@@ -159,7 +159,9 @@ class Reader:
                     raise own.error(f"it depends on temperature by {entry}, which is not supported")
             if int(label) in self.cards(("MATS1",)):
                 self.source.left_out.append(f"material {label} is elastic, without its MATS1")
-            make, at = _MATERIALS[own.name]
+            make, at, damping = _MATERIALS[own.name]
+            if own.real(damping, "GE", 0.0):
+                self.source.left_out.append(f"material {label} has no damping, GE is left out")
             params = (fields for _, fields in self.deck.bulk.long_entries("PARAM"))
             weight = next((number(of[1]) for of in params if of[:1] == ["WTMASS"]), 1.0)
             if not (rho := own.real(at, "RHO", 0.0) * weight):
@@ -272,6 +274,8 @@ def _laminate(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     card.must_be(2, "NSM", 0.0)
     if card.text(7) not in ("", "SYM"):
         raise card.error(f"LAM={card.text(7)} is not supported")
+    if card.real(6, "GE", 0.0):
+        reader.source.left_out.append(f"{card.name} {card.text(0)} has no damping, GE is left out")
     step, first = (8, 9) if card.name == "PCOMPG" else (4, 8)
     plies: list[Ply] = []
     label, thickness = "", None
@@ -370,9 +374,9 @@ def _isotropic(source: Source, card: _Card, rho: float) -> Material:
 _MAT8 = "E1 E2 NU12 G12 G1Z G2Z"
 _MAT11 = "E1 E2 E3 NU12 NU13 NU23 G12 G13 G23"
 
-# Materials, and where their density is.
-_MATERIALS: dict[str, tuple[Callable[..., Solid], int]] = {
-    "MAT1": (_isotropic, 4),
-    "MAT8": (lambda source, card, rho: source.ply(*card.reals(1, _MAT8), rho), 7),
-    "MAT11": (lambda source, card, rho: source.orthotropic(*card.reals(1, _MAT11), rho), 10),
+# Materials, and where their density and damping are.
+_MATERIALS: dict[str, tuple[Callable[..., Solid], int, int]] = {
+    "MAT1": (_isotropic, 4, 7),
+    "MAT8": (lambda source, card, rho: source.ply(*card.reals(1, _MAT8), rho), 7, 16),
+    "MAT11": (lambda source, card, rho: source.orthotropic(*card.reals(1, _MAT11), rho), 10, 15),
 }

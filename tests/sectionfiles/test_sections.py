@@ -346,6 +346,21 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
         read(abaqus(tmp_path / "b.inp", SHEET, turned))
 
 
+@pytest.mark.parametrize(
+    ("cards", "said"),
+    [
+        (["PSHELL,7,1,.001,1", f"{MAT1},,,.02"], "material 1 has no damping, GE is left out"),
+        (["PCOMP,7,,,,,,.02\n,1,.001,0.", MAT1], "PCOMP 7 has no damping, GE is left out"),
+        (["PSHELL,7,1,.001,1", f"{MAT1}\nMATS1,1,3"], "material 1 is elastic, without its MATS1"),
+    ],
+)
+def test_damping_and_yielding_of_nastran_are_left_out_aloud(
+    cards: list[str], said: str, tmp_path: Path
+) -> None:
+    with pytest.warns(ao.AOImpactWarning, match=said):
+        read(nastran(tmp_path / "a.bdf", SHEET, cards))
+
+
 def test_a_section_that_is_given_holds_what_cards_add(tmp_path: Path) -> None:
     cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL", ".001", STEEL]
     mass = ["*NONSTRUCTURAL MASS, ELSET=ALL, UNITS=MASS PER AREA", "7.8"]
