@@ -203,7 +203,10 @@ class Subspace:
         there = self._stiffness[: self._count, : self._count]
         omega2, y = scipy.linalg.eigh(elastic @ there @ elastic.T)
         doubtful = omega2 <= _DOUBTFUL * np.abs(omega2).max(initial=0.0)
-        if self._without_stiffness(omega2[doubtful], elastic.T @ y[:, doubtful]):
+        if doubtful.any():
+            omega2[doubtful], turned = self._soft(elastic.T @ y[:, doubtful])
+            y[:, doubtful] = y[:, doubtful] @ turned
+        if (omega2[doubtful] == 0.0).any():
             raise SingularError(
                 "a motion that is no rigid-body motion has no stiffness: part of the body is a "
                 "mechanism (supports missing, a piece joined along one edge or at one point); see "
@@ -213,13 +216,17 @@ class Subspace:
         coordinates = np.column_stack([whole, elastic.T @ y])
         return np.concatenate([np.zeros(min(rigid, size)), omega2]), coordinates
 
-    def _without_stiffness(self, omega2: FloatArray, coordinates: FloatArray) -> bool:
-        """True if any of these Ritz values is no more than rounding of K, in its own motion."""
-        sizes = np.abs(self._basis[: self._count].T @ coordinates)
-        if not sizes.size:
-            return False
+    def _soft(self, coordinates: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the Ritz values of soft motions, shape (m,), and how they turn, shape (m, m).
+
+        By K itself: the rounding of its projection is that of the stiffest motion. A value that is
+        no more than rounding of K in its own motion is 0.
+        """
+        motions = self._basis[: self._count].T @ coordinates
+        omega2, turned = scipy.linalg.eigh(motions.T @ (self.body.K @ motions))
+        sizes = np.abs(motions @ turned)
         rounding = (sizes * (abs(self.body.K) @ sizes)).sum(axis=0)
-        return bool((omega2 <= _NO_STIFFNESS * rounding).any())
+        return np.where(omega2 <= _NO_STIFFNESS * rounding, 0.0, omega2), turned
 
     def _coordinates(self) -> FloatArray:
         padded = np.zeros((len(self._ordered), self._count))
