@@ -453,12 +453,28 @@ class ContactPoint(Frozen):
 
         :meta private:
         """
-        surface, layers = self.body.surface, self.thin
-        if layers is None and self.material is not None and math.isfinite(self.depth):
-            layers = Shell(self.depth, self.material)
-        if surface is None or self.point is None or not isinstance(layers, Layers):
+        surface, layers = self.body.surface, self._layers
+        if surface is None or self.point is None or layers is None:
             return 0.0
         return edge_length(surface, self.point) / bending_length(layers, s)
+
+    def bending_compliance(self, s: float) -> float:
+        """Return 1/(8 s √(D m)), m/N, of an infinite plate as thick as the body; 0 as above.
+
+        :meta private:
+        """
+        layers = self._layers
+        if layers is None:
+            return 0.0
+        return float(0.125 / (layers.inertia[0] * (s * bending_length(layers, s)) ** 2))
+
+    @cached_property
+    def _layers(self) -> Layers | None:
+        """The layers at the point, or of a solid body as thick as it is."""
+        layers = self.thin
+        if layers is None and self.material is not None and math.isfinite(self.depth):
+            layers = Shell(self.depth, self.material)
+        return layers if isinstance(layers, Layers) else None
 
     @property
     def resultant(self) -> FloatArray:

@@ -7,7 +7,6 @@ returns them; `batch`, `cli` and `study` print them.
 """
 
 from .advice import (
-    LONGEST_EDGE,
     MESH_LIMIT,
     warn_of_bodies,
     warn_of_exchange,

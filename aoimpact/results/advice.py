@@ -356,7 +356,7 @@ SPEED = 0.01
 
 # Longest element over the length of a bending wave, (D/(m s²))^(1/4) at s = 10/T. With elements
 # half as long again a force is 1 % off by quadrilaterals, and 6 % by triangles.
-LONGEST_EDGE = 2.0
+_WAVES = 2.0
 
 # Deflection over thickness of a body constrained on both sides, where the linear one is 12 % off:
 # the load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
@@ -674,10 +674,10 @@ def _said_of_shells(run: Run, number: int) -> Iterator[str]:
         rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
         if rise > 0.0:
             waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)
-            if waves > LONGEST_EDGE:
+            if waves > _WAVES:
                 yield (
                     f"{long} bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
-                    f"{with_unit(LONGEST_EDGE * edge / waves, 'm', 2)}; refine the mesh there"
+                    f"{with_unit(_WAVES * edge / waves, 'm', 2)}; refine the mesh there"
                 )
         away = rim_distance(tip)
         coarse = away < (1.0 - _ON_RIM) * edge and edge > _FINE * tip.thin.total_thickness

@@ -34,8 +34,10 @@ def struck(target: Any, duration: float = 2e-3) -> ao.Result:
             duration=duration,
             solver=ao.Adaptive(rtol=1e-6),
         )
-    # Neither what the later contacts are wrong by nor the law of a single node is looked at here.
-    assert all("touched again" in text or "at a single node" in text for text in said)
+    # What the later contacts are wrong by, the law of a single node, and solids that should be
+    # shells are not looked at here.
+    others = "touched again", "at a single node", "and take ao.Shell"
+    assert all(any(other in text for other in others) for text in said)
     return hit
 
 
