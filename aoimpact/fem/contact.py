@@ -198,8 +198,11 @@ class ContactPoint(Frozen):
         """
         if self.thin is not None and self.directed and self.normal is not None:
             other = replace(self, normal=-self.normal)  # a projectile: touched on its other side
-            if "extraction" in vars(self) and not getattr(self.thin, "sided", False):
-                vars(other)["extraction"] = self.extraction  # found for the impact
+            known = vars(self).get("extraction")  # found for the impact
+            if known is not None and isinstance(self.thin, Layers) and self.thin.sided:
+                known = other._extracted(self.body.inverse(known.s**2))
+            if known is not None:
+                vars(other)["extraction"] = known
             return other
         opposite = None if self.direction is None else -self.direction
         tip = replace(self, b=-self.b, direction=opposite)

@@ -269,6 +269,19 @@ def test_a_contact_wider_than_a_shell_is_thick_is_said() -> None:
         ao.simulate(ball, tip, 4.0, quantity="peak_force", rtol=0.05)
 
 
+def test_a_flying_laminate_is_touched_on_the_side_ahead_of_it() -> None:
+    """Along its normal its top is ahead, as where no direction is given; turned over, the other."""
+    plies = [ao.Ply(1e-3, STEEL), ao.Ply(2e-3, ao.Material(E=70e9, nu=0.33, rho=2700))]
+    ball, force = ao.ball(0.01, STEEL), []
+    for stack, z in ((plies, None), (plies, 1), (plies[::-1], -1)):
+        body = ao.FEModel.from_mesh(
+            ao.sheet_mesh((0.1, 0.1), (12, 12)), ao.Laminate(stack, (1, 0, 0))
+        )
+        tip = body.contact(point=(0.05, 0.05, 0), direction=None if z is None else (0, 0, z))
+        force.append(ao.simulate(tip, ball, 1.0, quantity="peak_force").peak_force)
+    assert force[1:] == pytest.approx(force[:1] * 2, rel=1e-5)
+
+
 @pytest.mark.parametrize("place", [(0, 0, 0), (2e-3, 2e-3, 0)])
 def test_a_contact_that_its_edge_leaves_nothing_says_so(place: Any) -> None:
     tip = sheet(1e-3, 10, 0.1).contact(point=place)
