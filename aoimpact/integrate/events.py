@@ -153,12 +153,13 @@ def find_slips(
     t: FloatArray,
     contacts: tuple[tuple[float, float], ...],
     stuck: FloatArray,
+    left: FloatArray,
     ahead: FloatArray,
 ) -> tuple[tuple[float, float], ...]:
     """Return start and end of every interval in which all of a contact slips, within `contacts`.
 
-    Where slip of all begins, the share that sticks goes to zero as before, on a straight line.
-    Where it ends, `ahead` goes through zero.
+    Where slip of all begins, the share that sticks goes to zero as before, on a straight line; or,
+    where all of it has stuck until then, `left` does. Where it ends, `ahead` goes through zero.
 
     Parameters
     ----------
@@ -167,6 +168,8 @@ def find_slips(
     contacts : tuple of (float, float)
     stuck : (n,) array
         Share of the contact within which it sticks.
+    left : (n,) array
+        What friction is less than its bound [N].
     ahead : (n,) array
         Rate of the slide along friction less that of the largest stretch before slip, μ/(G*/E*)
         times that of the indentation [m/s].
@@ -178,7 +181,7 @@ def find_slips(
         turns = [start] if len(within) and slips[0] else []
         for i in within[1:][slips[1:] != slips[:-1]].tolist():
             if stuck[i] <= 0.0:
-                turns.append(_drawn_on(t, stuck, i))
+                turns.append(_drawn_on(t, stuck if stuck[i - 1] < 1.0 else left, i))
             else:
                 before, after = float(ahead[i - 1]), float(ahead[i])
                 share = before / (before - after) if after < before else 0.0  # < 0 by the steps

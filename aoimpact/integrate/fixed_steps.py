@@ -114,7 +114,8 @@ class SteppedRecorder:
                 mu, ratio, _ = contact.friction
                 size = np.maximum(np.linalg.norm(of.tangential, axis=0), np.finfo(float).tiny)
                 ahead = (of.tangential * slide).sum(axis=0) / size - mu / ratio * rate
-                slips = find_slips(self.times, events.contacts, of.stuck, ahead)
+                left = mu * of.force - size
+                slips = find_slips(self.times, events.contacts, of.stuck, left, ahead)
                 events = events._replace(slips=slips)
             found.append(events)
         return tuple(found)

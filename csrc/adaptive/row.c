@@ -8,6 +8,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Nodes as close to a change of slip are left out: their difference from it, over so short a way, is its error. */
+static const double BESIDE = 0.02;
+
 static const double *tangent_of(const double *of, size_t i)
 {
     return of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;
@@ -23,25 +26,70 @@ static double at_place(const double *nodes, double place)
     return aoi_legendre_evaluate(AOI_NODES, legendre, place, &slope);
 }
 
-/* Friction by its ratio to the normal force, which is the law's: at an edge forces are no polynomials, and where all
- * springs slip the ratio is Coulomb's. What a polynomial of the ratio has beyond that is its error. The compliance that
- * is taken out acts as one of the normal force alone. */
+/* Places of a row, and the stretches there. */
+typedef struct stretches {
+    size_t count;
+    double place[AOI_NODES + 2], stretch[2][AOI_NODES + 2];
+} stretches;
+
+static void add_stretch(stretches *to, double place, const double *of, int which)
+{
+    to->place[to->count] = place;
+    to->stretch[0][to->count] = tangent_of(of, 0)[which];
+    to->stretch[1][to->count] = tangent_of(of, 1)[which];
+    to->count++;
+}
+
+/* The stretches of the part of the row that holds a place: at its ends, the start or where slip changes, and at the nodes
+ * in between. Returns 1 if all slips there. */
+static int stretches_about(const double *of, double place, stretches *found)
+{
+    const double *change = of + AOI_TRACK_CHANGES;
+    int i = 0;
+    while (i < AOI_SLIP_CHANGES && change[i] <= place) {
+        i++;
+    }
+    const int ends = i < AOI_SLIP_CHANGES && change[i] <= 1.0;
+    const double low = i > 0 ? change[i - 1] : 0.0, high = ends ? change[i] : 1.0;
+    found->count = 0;
+    add_stretch(found, low, of, i > 0 ? AOI_TRACK_TANGENT_CHANGES + i - 1 : AOI_TRACK_TANGENT_STRETCH);
+    for (int k = 0; k < AOI_NODES; k++) {
+        const double node = aoi_radau_node[k];
+        if (node > low + (i > 0 ? BESIDE : 0.0) && (ends ? node < high - BESIDE : 1)) {
+            add_stretch(found, node, of, AOI_TRACK_TANGENT_STRETCH + 1 + k);
+        }
+    }
+    if (ends) {
+        add_stretch(found, high, of, AOI_TRACK_TANGENT_CHANGES + i);
+    }
+    return (of[AOI_TRACK_SLIPS] != 0.0) != (i % 2 != 0);
+}
+
+/* Friction by its ratio to the normal force, which is the law's: that of the stretch to the indentation, or Coulomb's where
+ * all springs slip. The stretch has corners where they begin to, or cease to, and is a polynomial in between (Lagrange's);
+ * what of it is beyond the bound is its error. The compliance that is taken out acts as one of the normal force alone. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent)
 {
     const double *coupled = contact->compliance;
-    const int at_start = of[AOI_TRACK_EDGE] == AOI_EDGE_NONE && !(place > 0.0) && of[AOI_TRACK_START_FORCE] > 0.0;
-    double share[2], slope;
+    double share[2] = {0.0, 0.0}, slope;
     const double bodies = aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
+    const double bound = contact->friction->mu * fmax(bodies, 0.0);
     aoi_law law = *contact->law;
     aoi_law_value value;
-    for (size_t i = 0; i < 2; i++) {
-        const double *tangent = tangent_of(of, i);
-        share[i] = at_start ? tangent[AOI_TRACK_TANGENT_START] / of[AOI_TRACK_START_FORCE]
-                            : at_place(tangent + AOI_TRACK_TANGENT_SHARE, place);
+    stretches known;
+    const int slips = stretches_about(of, place, &known);
+    for (size_t k = 0; k < known.count; k++) {
+        double above = 1.0, below = 1.0;
+        for (size_t j = 0; j < known.count; j++) {
+            above *= j == k ? 1.0 : place - known.place[j];
+            below *= j == k ? 1.0 : known.place[k] - known.place[j];
+        }
+        share[0] += known.stretch[0][k] * (above / below);
+        share[1] += known.stretch[1][k] * (above / below);
     }
-    const double size = hypot(share[0], share[1]), most = contact->friction->mu;
+    const double size = hypot(share[0], share[1]), most = slips ? size : fmax(size, bound);
     for (size_t i = 0; i < 2; i++) {
-        share[i] *= size > most ? most / size : 1.0;
+        share[i] = most > 0.0 ? contact->friction->mu * (share[i] / most) : 0.0;
         law.compliance += coupled ? coupled[1 + i] * share[i] : 0.0;
     }
     aoi_law_force(&law, NULL, (int)of[AOI_TRACK_PIECE], bodies, 0.0, &value);

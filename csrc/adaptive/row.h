@@ -40,8 +40,8 @@ enum aoi_row_contact {
 /* With friction more follows: the work on slides before, less the energy of stretches at the start of a run; of it
  * dissipated, J, and the stuck share of the indentation, before and at the nodes or the points of an edge, and at the end;
  * 1 if all slips at the start, else 0, and the places where that changes, 2 in place of those that there are not; then
- * for each tangent an aoi_row_tangent: the force at the start and at the nodes, its ratio to the normal force there, and
- * the Legendre coefficients of the slide. */
+ * for each tangent an aoi_row_tangent: the force at the start and at the nodes; there and where slip changes the stretch, its
+ * ratio to the normal force times the indentation of the bodies; and the Legendre coefficients of the slide. */
 enum aoi_row_friction {
     AOI_TRACK_SLIDE_WORK = AOI_TRACK_CONTACT_SIZE,
     AOI_TRACK_DISSIPATED,
@@ -51,8 +51,9 @@ enum aoi_row_friction {
     AOI_TRACK_TANGENTS = AOI_TRACK_CHANGES + AOI_SLIP_CHANGES,
     AOI_TRACK_TANGENT_START = 0,
     AOI_TRACK_TANGENT_FORCE,
-    AOI_TRACK_TANGENT_SHARE = AOI_TRACK_TANGENT_FORCE + AOI_NODES,
-    AOI_TRACK_TANGENT_SLIDE = AOI_TRACK_TANGENT_SHARE + AOI_NODES,
+    AOI_TRACK_TANGENT_STRETCH = AOI_TRACK_TANGENT_FORCE + AOI_NODES,
+    AOI_TRACK_TANGENT_CHANGES = AOI_TRACK_TANGENT_STRETCH + AOI_NODES + 1,
+    AOI_TRACK_TANGENT_SLIDE = AOI_TRACK_TANGENT_CHANGES + AOI_SLIP_CHANGES,
     AOI_TRACK_TANGENT_SIZE = AOI_TRACK_TANGENT_SLIDE + AOI_NODES + 1,
     AOI_TRACK_FRICTION_SIZE = AOI_TRACK_TANGENTS + 2 * AOI_TRACK_TANGENT_SIZE
 };

@@ -53,10 +53,13 @@ static void write_friction(aoi_sliding *sliding, const aoi_contact *contact, con
         double *tangent = of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;
         tangent[AOI_TRACK_TANGENT_START] = entry[1 + i].start_force;
         memcpy(tangent + AOI_TRACK_TANGENT_FORCE, entry[1 + i].force, sizeof entry->force);
+        double *stretch = tangent + AOI_TRACK_TANGENT_STRETCH;
+        stretch[0] = entry->start_force > 0.0 ? entry[1 + i].start_force / entry->start_force * entry->start : 0.0;
         for (size_t k = 0; k < AOI_NODES; k++) {
             const double pressed = entry->force[k], along = pressed > 0.0 ? entry[1 + i].force[k] / pressed : 0.0;
-            tangent[AOI_TRACK_TANGENT_SHARE + k] = edge ? sliding->share[i][k] : along;
+            stretch[1 + k] = (edge ? sliding->share[i][k] : along) * fmax(entry->indentation[k], 0.0);
         }
+        memcpy(tangent + AOI_TRACK_TANGENT_CHANGES, sliding->change_stretch[i], sizeof sliding->change_stretch[i]);
         memcpy(tangent + AOI_TRACK_TANGENT_SLIDE, entry[1 + i].legendre, sizeof entry->legendre);
     }
     of[AOI_TRACK_SLIPS] = sliding->slipped;

@@ -190,10 +190,20 @@ static int go_on(aoi_sliding *of, const motion *along, double before, double at,
         return status;
     }
     copy_path(&from, &of->trial); /* its springs are now the spare ones */
-    if (of->changes < AOI_SLIP_CHANGES) {
-        of->change_at[of->changes++] = change_between(of, along, &of->trial, before, at, of->slips);
-        of->slips = slips;
+    if (of->changes == AOI_SLIP_CHANGES) {
+        return AOI_OK;
     }
+    const double change = change_between(of, along, &of->trial, before, at, of->slips);
+    aoi_oblique_solution there = *found;
+    double bodies[3];
+    bodies_at(along, change, bodies);
+    (void)look(of, bodies, &of->trial, &there);
+    for (size_t i = 0; i < 2; i++) {
+        of->change_stretch[i][of->changes] =
+            there.force[0] > 0.0 ? there.force[1 + i] / there.force[0] * fmax(bodies[0], 0.0) : 0.0;
+    }
+    of->change_at[of->changes++] = change;
+    of->slips = slips;
     return AOI_OK;
 }
 

@@ -44,7 +44,7 @@ struct aoi_sliding {
     double share[2][AOI_NODES], stretched_at[AOI_NODES + 1], stuck_at[AOI_NODES + 1]; /* of the last step */
     int slipped, slips;                    /* 1 if all springs do, at the start of the last step and at its end */
     size_t changes;                        /* in between, at these places */
-    double change_at[AOI_SLIP_CHANGES];
+    double change_at[AOI_SLIP_CHANGES], change_stretch[2][AOI_SLIP_CHANGES]; /* and the row's stretches there */
 };
 
 /* Where the springs are not stretched: a touch. */

@@ -284,7 +284,24 @@ static knot rim_of(const path *p, int slips)
     return rim;
 }
 
-/* Gives the next knot; 0 where there is none. */
+/* 1 if the law is a straight line between two depths, so that no spring in between is touched. */
+static int is_line(const aoi_stretch *a, double depth, double force, double stiffness)
+{
+    const double risen = a->force + stiffness * (depth - a->depth);
+    return a->stiffness == stiffness && fabs(force - risen) <= 4.0 * DBL_EPSILON * force;
+}
+
+/* 1 if the law goes on straight from the spring before one to where the path leads, so that this one is not touched. */
+static int is_untouched(const path *p, const aoi_stretch *before, size_t i)
+{
+    if (!(i < p->count && spring_of(p, i).depth < p->to && spring_of(p, i).stiffness == before->stiffness)) {
+        return 0;
+    }
+    const aoi_law_value rim = normal(p->friction, p->to);
+    return is_line(before, p->to, rim.force, rim.stiffness);
+}
+
+/* Gives the next knot; 0 where there is none. Of springs that are touched together all slip or none. */
 static int step(walk *w, knot *k)
 {
     const path *p = &w->p;
@@ -294,6 +311,9 @@ static int step(walk *w, knot *k)
     }
     if (w->done) {
         return 0;
+    }
+    while (w->next > 0 && is_untouched(p, &w->last, w->next)) {
+        w->next++;
     }
     const int is_spring = w->next < p->count && spring_of(p, w->next).depth < p->to;
     aoi_stretch here = {p->to, {0.0, 0.0}, 0.0, 0.0};
@@ -309,7 +329,8 @@ static int step(walk *w, knot *k)
         }
     }
     const int slips = k->slips;
-    if ((w->sticks && slips) || (w->slips && (slips || is_spring))) {
+    if (((w->sticks && slips) || (w->slips && (slips || is_spring))) &&
+        !is_line(&w->last, k->depth, k->force, k->stiffness)) {
         const piece q = piece_of(p, &w->last, &here);
         const int begins = w->sticks, both = w->slips && slips;
         if (!both || dips(&q)) {
@@ -419,7 +440,8 @@ static size_t parted(const aoi_friction_state *state, const path *p)
     (void)step(&w, &a);
     for (; step(&w, &b); a = b) {
         const size_t outer = w.next - 1;
-        if (!(a.slips && b.slips && b.depth > a.depth) || a.stiffness == b.stiffness) {
+        const aoi_stretch inner = {a.depth, {a.s[0], a.s[1]}, a.force, a.stiffness};
+        if (!(a.slips && b.slips && b.depth > a.depth) || is_line(&inner, b.depth, b.force, b.stiffness)) {
             continue;
         }
         const aoi_stretch middle = between(p, outer - 1, 0.5 * (a.depth + b.depth));
@@ -461,7 +483,7 @@ int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state,
  * bound's. */
 static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough, double slope)
 {
-    if (a->stiffness == b->stiffness && b->stiffness == c->stiffness) {
+    if (is_line(a, b->depth, b->force, b->stiffness) && is_line(b, c->depth, c->force, c->stiffness)) {
         return 1;
     }
     const double rounding = 4.0 * DBL_EPSILON * slope * c->depth;

@@ -106,6 +106,8 @@ def test_slip_begins_where_the_stretch_of_the_centre_reaches_its_bound():
         assert start == pytest.approx(begins, rel=close)
         assert end == hit.contacts[0][1]
         assert hit.stick_intervals == [(hit.contacts[0][0], start)]
+    # One spring sticks or slips as a whole.
+    assert set(hit.stuck[(hit.t > 0.0) & (hit.t < start)]) == {1.0}
 
 
 @pytest.mark.parametrize("psi", [0.3, 1.0, 2.0, 4.0])
@@ -203,7 +205,7 @@ def test_claimed_errors_of_friction_are_those_there_are():
                 assert value == pytest.approx(right, rel=error), (along, steps, name)
 
 
-@pytest.mark.parametrize("rule", [ao.Newmark()], ids=repr)
+@pytest.mark.parametrize("rule", [ao.Newmark(), ao.Adaptive()], ids=repr)
 def test_peak_of_friction_that_breaks_loose_just_before_the_bodies_part_is_known(rule):
     # It is a corner, from which friction falls to nothing within 2e-3 of the contact. On a linear
     # law that sticks the contact point moves as q'' = -W k diag(1, κ, κ) q, W its mobility.
