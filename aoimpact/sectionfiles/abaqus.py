@@ -87,17 +87,19 @@ class Reader:
         groups = {key(name): name for name in self.source.raw.cell_sets}
         found: dict[str, OneMaterial] = {}
         adding: list[tuple[str, Keyword]] = []
-        name: str | None = None
+        elset = ""
         for part, card in self.deck.cards:
-            if _ADDING.fullmatch(card.name):
-                adding.append((card.options.get("ELSET", name or ""), card))
-            if card.name not in _SECTIONS:
+            if card.name not in _SECTIONS and not _ADDING.fullmatch(card.name):
                 continue
-            read, types, options = _SECTIONS[card.name]
+            elset = card.options.get("ELSET", "" if card.name in _SECTIONS else elset)
             for before, turn in self.deck.instances.get(part, []):
-                name = groups.get(key(before + card.options.get("ELSET", "")))
+                if card.name not in _SECTIONS:
+                    adding.append((before + elset, card))
+                    continue
+                read, types, options = _SECTIONS[card.name]
+                name = groups.get(key(before + elset))
                 if name is None:
-                    raise card.error(f"there is no ELSET {card.options.get('ELSET', '')!r}")
+                    raise card.error(f"there is no ELSET {elset!r}")
                 members = self.source.raw.cell_sets[name]
                 own = [re.match(types, of) is not None for of in self.deck.types[members].tolist()]
                 if not any(own):
@@ -113,8 +115,8 @@ class Reader:
         for of_name, card in adding:
             if self.source.instead(of_name) is None or groups.get(key(of_name)) not in found:
                 raise card.error(
-                    f"it is not supported; take it into the section of {of_name}, and give that by "
-                    "read_sections(given=)"
+                    f"it is not supported; take it into the section of {of_name} by "
+                    "read_sections(given=), or delete it"
                 )
         if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
             self.source.left_out.append(

@@ -40,6 +40,7 @@ SHELLS = {
     SHELL.replace("\n", ", NODAL THICKNESS\n", 1): "NODALTHICKNESS is not supported",
     SHELL.replace("\n", ", DENSITY=3.\n", 1): "the option DENSITY is not supported",
     SHELL.replace("ALL", "NONE"): "there is no ELSET 'NONE'",
+    SHELL + SHELL.replace("ELSET=ALL, ", ""): "there is no ELSET ''",
     SHELL.replace(".001\n", ""): "give MATERIAL=, and its thickness in one line",
     SHELL.replace(".001", "-.001"): "thickness must be positive",
     SHELL + SHELL: "ALL has another section",

@@ -367,3 +367,12 @@ def test_a_section_that_is_given_holds_what_cards_add(tmp_path: Path) -> None:
     heavy = ao.Shell(1e-3, ao.Material(2.1e11, 0.3, 15600))
     path = abaqus(tmp_path / "a.inp", SHEET, [*cards, *mass])
     assert read(path, given={"ALL": heavy}) == heavy
+    shear = "\n".join(["", *cards[:2], "*TRANSVERSE SHEAR STIFFNESS", "1E6, 1E6, 0."])
+    part = abaqus(tmp_path / "b.inp", SHEET, []).read_text() + shear
+    deck = f"*PART, NAME=P\n{part}\n*END PART\n*ASSEMBLY, NAME=A\n"
+    deck += "".join(f"*INSTANCE, NAME={of}, PART=P\n*END INSTANCE\n" for of in "ab")
+    (tmp_path / "b.inp").write_text(f"{deck}*END ASSEMBLY\n{STEEL}")
+    both = ao.read_sections(tmp_path / "b.inp", given={"a.ALL": heavy, "b.ALL": heavy})
+    assert list(both.values()) == [heavy, heavy]
+    with pytest.raises(ao.MeshError, match=r"\*TRANSVERSESHEARSTIFFNESS: .*section of b\.ALL"):
+        ao.read_sections(tmp_path / "b.inp", given={"a.ALL": heavy})
