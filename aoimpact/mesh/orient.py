@@ -9,17 +9,22 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import IntArray
+from ..base import FloatArray, IntArray
+from .surface import SHARP
 
 
-def against_neighbours(groups: Sequence[IntArray]) -> list[npt.NDArray[np.bool_]]:
+def against_neighbours(
+    nodes: FloatArray, groups: Sequence[IntArray]
+) -> list[npt.NDArray[np.bool_]]:
     """Return which elements lie the other way round than most of those they are joined with.
 
-    Elements are joined by edges that belong to two of them. At an edge of three, as of a stiffener
-    on a skin, each surface keeps its own side.
+    Elements are joined by edges that belong to two of them. At an edge of more, as of a stiffener
+    on a skin, two are joined that go on straight, by less than 45°; others keep their own side.
 
     Parameters
     ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
     groups : sequence of ndarray of int, shape (n, 3) or (n, 4)
         Nodes of elements in turn.
     """
@@ -35,9 +40,17 @@ def against_neighbours(groups: Sequence[IntArray]) -> list[npt.NDArray[np.bool_]
     _, number, count = np.unique(
         np.sort(edge, axis=1), axis=0, return_inverse=True, return_counts=True
     )
-    order = np.argsort(number.reshape(-1), kind="stable")
-    order = order[count[number.reshape(-1)[order]] == 2]
-    one, other = order[::2], order[1::2]
+    number = number.reshape(-1)
+    order = np.argsort(number, kind="stable")
+    several = order[count[number[order]] > 2]
+    order = order[count[number[order]] == 2]
+    pairs = np.stack([order[::2], order[1::2]])
+    if len(several):
+        middle = np.concatenate([nodes[g].mean(axis=1) for g in groups])[owner[several]]
+        pairs = np.hstack(
+            [pairs, several[_going_on(nodes[edge[several]], middle, number[several])]]
+        )
+    one, other = pairs
     alike = forward[one] != forward[other]
     # Elements are nodes of a graph and every one is there twice, as it is and turned: components of
     # this graph say which agree. A surface with one side only, as of Möbius, has a single one.
@@ -52,3 +65,32 @@ def against_neighbours(groups: Sequence[IntArray]) -> list[npt.NDArray[np.bool_]
     balance = np.bincount(low, np.sign(turned - as_is), minlength=len(part))
     flipped = np.where(balance[low] >= 0.0, as_is > turned, as_is < turned)
     return np.split(flipped, first[1:-1])
+
+
+def _going_on(ends: FloatArray, middle: FloatArray, number: IntArray) -> IntArray:
+    """Return the pairs of elements, shape (2, any), that go on straight at edges of several.
+
+    Parameters
+    ----------
+    ends : ndarray, shape (n, 2, 3)
+        Of the edge of each element, m.
+    middle : ndarray, shape (n, 3)
+        Of the element, m.
+    number : ndarray of int, shape (n,)
+        Of the edge, ascending.
+    """
+    along = ends[:, 1] - ends[:, 0]
+    away = middle - ends[:, 0]
+    with np.errstate(invalid="ignore", divide="ignore"):  # collapsed elements go on nowhere
+        share = np.einsum("ni,ni->n", away, along) / np.einsum("ni,ni->n", along, along)
+        away -= share[:, None] * along
+        away /= np.linalg.norm(away, axis=1, keepdims=True)
+    found = []
+    for apart in range(1, int(np.bincount(np.unique(number, return_inverse=True)[1]).max())):
+        one = np.arange(len(number) - apart)
+        straight = np.einsum("ni,ni->n", away[one], away[one + apart]) < -SHARP
+        one = one[(number[one] == number[one + apart]) & straight]
+        found.append(np.stack([one, one + apart]))
+    pairs = np.hstack(found)
+    alone = np.bincount(pairs.ravel(), minlength=len(number)) == 1
+    return pairs[:, alone[pairs].all(axis=0)]

@@ -384,7 +384,7 @@ def _flat_cure(unknown: set[str], listed: str) -> str:
 def _on_one_side(mesh: Mesh) -> Mesh:
     """Return the mesh with surface elements turned where they lie against their neighbours."""
     surfaces = [block for block in mesh.blocks if block.kind in ("quad", "triangle")]
-    turned = against_neighbours([block.cells for block in surfaces])
+    turned = against_neighbours(mesh.nodes, [block.cells for block in surfaces])
     if not (count := sum(int(each.sum()) for each in turned)):
         return mesh
     warn(

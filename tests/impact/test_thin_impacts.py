@@ -269,6 +269,32 @@ def test_a_contact_wider_than_a_shell_is_thick_is_said() -> None:
         ao.simulate(ball, tip, 4.0, quantity="peak_force", rtol=0.05)
 
 
+def skin_over_a_web(*, turned: bool) -> Any:
+    skin = ao.sheet_mesh((0.1, 0.1), (10, 10))
+    row = np.flatnonzero(np.isclose(skin.nodes[:, 0], 0.05))
+    below = len(skin.nodes) + np.arange(len(row))
+    cells = skin.cells.copy()
+    beyond = skin.nodes[cells, 0].mean(axis=1) > 0.05
+    cells[beyond] = cells[beyond][:, ::-1] if turned else cells[beyond]
+    web = np.c_[row[:-1], row[1:], below[1:], below[:-1]]
+    nodes = np.vstack([skin.nodes, skin.nodes[row] - [0, 0, 0.01]])
+    return ao.FEModel.from_mesh(
+        ao.Mesh(nodes, np.vstack([cells, web]), "quad"), ao.Shell(2e-3, STEEL)
+    )
+
+
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")  # of a coarse mesh
+def test_a_skin_over_a_web_has_one_side() -> None:
+    """However its elements were drawn; the web stands on it as it did, and no skin is turned."""
+    with pytest.warns(ao.AOImpactWarning, match="50 of 110 surface elements have normals against"):
+        mended = skin_over_a_web(turned=True)
+    force = [
+        ao.simulate(BALL, body.contact(point=(0.05, 0.05, 0)), 1.0, duration=50e-6).peak_force
+        for body in (skin_over_a_web(turned=False), mended)
+    ]
+    assert force[1] == pytest.approx(force[0], rel=1e-9)
+
+
 def test_a_flying_laminate_is_touched_on_the_side_ahead_of_it() -> None:
     """Along its normal its top is ahead, as where no direction is given; turned over, the other."""
     plies = [ao.Ply(1e-3, STEEL), ao.Ply(2e-3, ao.Material(E=70e9, nu=0.33, rho=2700))]
