@@ -25,8 +25,11 @@ _LEFT_OUT = re.compile(
 # Keywords that add to a section: to that of their ELSET, or to the one before them.
 _ADDING = re.compile(
     "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
-    "|SHEARCENTER|BEAMADDEDINERTIA"
+    "|SHEARCENTER|BEAM(ADDED|FLUID)INERTIA|BEAMSECTIONOFFSET"
 )
+
+# Keywords that add mass or stiffness between sections and beside them.
+_BESIDE = ("FOUNDATION", "MASSADJUST")
 
 # Least share of an orientation's axis along the normals of the shell that it is for.
 _ALONG = 1e-3
@@ -122,6 +125,13 @@ class Reader:
             self.source.left_out.append(
                 "normals at nodes are left out: shells have normals of their elements"
             )
+        for _, card in self.deck.cards:
+            if card.name == "RELEASE" and any(isinstance(each, Beam) for each in found.values()):
+                raise card.error(
+                    "hinges are not supported; delete it if the beams may be joined rigidly"
+                )
+            if card.name in _BESIDE:
+                self.source.left_out.append(f"*{card.name} is left out")
         return found
 
     # ------------------------------------------------------------------- materials

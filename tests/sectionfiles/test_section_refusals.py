@@ -74,6 +74,9 @@ BEAMS = {
     ),
     BEAM + "RECT\n.01, .02\n*NODE\n99, 0., 5., 0., 0., 0., 1.": r"\*NODE: normals would turn",
     BEAM + "RECT\n.01, .02\n*CENTROID\n.01, 0.": r"\*CENTROID: it is not supported",
+    BEAM + "RECT\n.01, .02\n*RELEASE\n1, S1, ALLM": r"\*RELEASE: hinges are not supported",
+    BEAM + "RECT\n.01, .02\n*BEAM FLUID INERTIA\n1., 1.": r"\*BEAMFLUIDINERTIA: it is not supp",
+    BEAM + "RECT\n.01, .02\n*BEAM SECTION OFFSET\n.01, 0.": r"\*BEAMSECTIONOFFSET: it is not",
     GENERAL + "2E-4, 1E-9, 0., 1E-9, 4E-9\n0,0,1": "or E and G in its third line",
 }
 

@@ -341,6 +341,8 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
         ao.AOImpactWarning, match=r"STEEL is elastic, without its \*PLASTIC, \*DAMPING"
     ):
         read(abaqus(tmp_path / "a.inp", SHEET, cards))
+    with pytest.warns(ao.AOImpactWarning, match=r"\*FOUNDATION is left out"):
+        read(abaqus(tmp_path / "c.inp", SHEET, [*cards[:2], STEEL, "*FOUNDATION\nALL, F1, 1E6"]))
     turned = ["*NODE\n99, 5., 0., 0., 0., 0., 1.", *cards[:2], STEEL]
     with pytest.warns(ao.AOImpactWarning, match="shells have normals of their elements"):
         read(abaqus(tmp_path / "b.inp", SHEET, turned))
