@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, checked, finite_array, positive
+from ..base import FloatArray, InputError, checked, finite_array, positive, sequence
 from .laminate import FAR_OFF
 from .material import Material
 
@@ -49,7 +49,8 @@ class BeamSection:
     J : float
         Torsion constant, m⁴.
     shear_factors : (float, float), optional
-        The shares of the area that carry shear along y and along z.
+        The shares of the area that carry shear along y and along z. Infinity stands for a section
+        that is rigid in shear, as in Euler's beam, here with rotary inertia.
     points : array_like, shape (n, 2), optional
         Places (y, z) at which stress is given, m.
 
@@ -70,10 +71,16 @@ class BeamSection:
 
     def __post_init__(self) -> None:
         checked(self, area=positive, Iy=positive, Iz=positive, J=positive, points=_points)
-        along_y, along_z = finite_array("shear_factors", self.shear_factors, shape=(2,)).tolist()
-        if not (0.0 < along_y <= 1.0 and 0.0 < along_z <= 1.0):
-            raise InputError(f"shear_factors must be in (0, 1], got {along_y:g} and {along_z:g}")
-        object.__setattr__(self, "shear_factors", (along_y, along_z))
+        given = sequence("shear_factors", self.shear_factors)
+        rigid = [isinstance(one, float) and one == math.inf for one in given]
+        shares = [1.0 if no else one for one, no in zip(given, rigid, strict=True)]
+        finite = finite_array("shear_factors", shares, shape=(2,)).tolist()
+        if not all(0.0 < one <= 1.0 for one in finite):
+            raise InputError(
+                f"shear_factors must be in (0, 1], or infinite, got {finite[0]:g} and {finite[1]:g}"
+            )
+        factors = (math.inf if no else one for one, no in zip(finite, rigid, strict=True))
+        object.__setattr__(self, "shear_factors", tuple(factors))
 
     curvature = 0.0  # of the surface across the axis, 1/m: taken as flat
 
@@ -345,7 +352,10 @@ class Beam:
 
     @property
     def stiffness(self) -> FloatArray:
-        """EA, EIy, EIz, GJ and the shear stiffness along y and z: N and N m², shape (6,)."""
+        """EA, EIy, EIz, GJ and the shear stiffness along y and z: N and N m², shape (6,).
+
+        It is infinite along axes in which the section is rigid in shear.
+        """
         of, E, G = self.numbers, self.material.E, self.material.shear_modulus
         y, z = of.shear_factors
         return np.array(
@@ -431,7 +441,7 @@ class Beam:
         y, z = np.moveaxis(points, -1, 0)
         stretch, bent_y, bent_z = (strains[..., i, None] for i in range(3))
         direct = self.material.E * (stretch + bent_y * z - bent_z * y)
-        forces = strains[..., 3:] * [self.material.shear_modulus, *self.stiffness[4:]]
+        forces = strains[..., 3:] * [self.material.shear_modulus, *_finite(self.stiffness[4:])]
         sheared = np.einsum(
             "...ncl,...l->...nc", self.section.shear(points, self.material.nu), forces
         )
@@ -531,11 +541,16 @@ def beam_motion(ends: FloatArray, beam: Beam, place: float) -> FloatArray:
 def _energy(
     rows: FloatArray, density: FloatArray, weights: FloatArray, length: FloatArray
 ) -> FloatArray:
-    scaled = rows * np.sqrt(density)[:, None] * np.sqrt(weights)[:, None, None]
+    scaled = rows * np.sqrt(_finite(density))[:, None] * np.sqrt(weights)[:, None, None]
     scaled = (scaled * np.sqrt(length)[:, None, None, None]).reshape(len(rows), -1, 12)
     matrix = scaled.swapaxes(1, 2) @ scaled
     energy: FloatArray = 0.5 * (matrix + matrix.swapaxes(1, 2))
     return energy
+
+
+def _finite(stiffness: FloatArray) -> FloatArray:
+    """Return stiffness with 0 where it is infinite: strain is 0 there, and does no work."""
+    return np.where(np.isinf(stiffness), 0.0, stiffness)
 
 
 def _rows(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
@@ -295,15 +296,18 @@ def _laminate(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     return layered(plies, lambda: reader.fibres(place, card), offset)
 
 
-def _bar(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
-    """Return PBAR: y of the deck is z of the section, and z of the deck is against y."""
+def _bar(reader: Reader, card: _Card, place: _Place, shear: float = math.inf) -> OneMaterial:
+    """Return PBAR: y of the deck is z of the section, and z of the deck is against y.
+
+    It is rigid in shear where K1 and K2 are blank, or 0.
+    """
     card.must_be(6, "NSM", 0.0)
     area, I1, I2, J = card.reals(2, "A I1 I2 J")
     C, D, E, F = (
         (-card.real(at + 1, "C to F", 0.0), card.real(at, "C to F", 0.0)) for at in (8, 10, 12, 14)
     )
     points = np.array([C, D, E, F]) * reader.source.length
-    factors = card.real(17, "K2", 1.0), card.real(16, "K1", 1.0)
+    factors = tuple(card.real(at, "K1, K2", shear) or math.inf for at in (17, 16))
     section = reader.source.numbers(
         area, I2, card.real(18, "I12", 0.0), I1, J, factors, points.tolist()
     )
@@ -323,7 +327,7 @@ def _constant(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     for i in range(at + 2, len(of)):
         card.must_be(i, "a field after K1 and K2", 0.0)
     bar = [*of[:5], *of[6:8], "", *of[8:16], *of[at : at + 2], of[5]]
-    return _bar(reader, replace(card, fields=bar), place)
+    return _bar(reader, replace(card, fields=bar), place, 1.0)
 
 
 def _shaped(reader: Reader, card: _Card, place: _Place) -> OneMaterial:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.optimize
 from thinmeshes import dofs, frequencies, grid, matrices, rigid_motions, solved
 
 import aoimpact as ao
@@ -240,9 +241,37 @@ def test_an_eccentric_stiffener_makes_one_section_with_its_plate() -> None:
     assert about == pytest.approx(-7800 * web * 0.8 * d)
 
 
+def test_a_section_that_is_rigid_in_shear_is_eulers_with_rotary_inertia() -> None:
+    """A thick cantilever: its deflection is FL³/(3EI), its frequencies Rayleigh's.
+
+    EI w_xxxx + ρI ω² w_xx = ρA ω² w, with w_xx = 0 and EI w_xxx + ρI ω² w_x = 0 at its free end.
+    """
+    h, L, E, rho = 0.2, 0.8, 210e9, 7800
+    second = h**4 / 12
+    section = BeamSection(h * h, second, second, 2.25 * second, (math.inf, math.inf))
+    nodes, cells = line(16, L)
+    K, M = matrices(nodes, (cells, Beam(section, STEEL, orientation=(0, 0, 1))))
+    force = np.zeros(6 * len(nodes))
+    force[dofs(16, (2,))] = 1.0
+    tip = solved(K, force, np.arange(6))[16, 2]
+    assert tip == pytest.approx(L**3 / (3 * E * second), rel=1e-9)
+
+    def unbalanced(f: float) -> float:
+        turning, moving = (rho * (2 * np.pi * f) ** 2 / E * of for of in (1, 12 / h**2))
+        r = np.roots([1, 0, turning, 0, -moving])
+        rows = [r**0, r, r**2 * np.exp(r * L), (r**3 + turning * r) * np.exp(r * L)]
+        return float(np.real(np.linalg.det(rows) / np.linalg.det(np.vander(r))))
+
+    eulers = 1.8751040687**2 / (2 * np.pi * L**2) * math.sqrt(E * second / (rho * h * h))
+    exact = scipy.optimize.brentq(unbalanced, 0.95 * eulers, eulers)
+    assert frequencies(K, M, 1, np.arange(6)) == pytest.approx(exact, rel=1e-5)
+
+
 @pytest.mark.parametrize(
     ("make", "error"),
     [
+        (lambda: BeamSection(1e-4, 1e-9, 1e-9, 1e-9, shear_factors=(0.5, -math.inf)), InputError),
+        (lambda: BeamSection(1e-4, 1e-9, 1e-9, 1e-9, shear_factors=(math.inf,)), InputError),
         (lambda: RectangularSection(0.0, 1.0), InputError),
         (lambda: TubularSection(0.01, 0.02), InputError),
         (lambda: BeamSection(1e-4, 1e-9, -1e-9, 1e-9), InputError),

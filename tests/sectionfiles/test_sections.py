@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from pathlib import Path
 from typing import Any
@@ -234,6 +235,23 @@ def test_a_cantilever_rings_across_each_of_its_sides(
     assert body.frequencies(2) == pytest.approx(
         [EULER * root * 0.01, EULER * root * 0.02], rel=2e-3
     )
+
+
+@pytest.mark.parametrize(
+    ("card", "factors"),
+    [  # K1 is of shear along z, K2 along y
+        ("PBAR,7,1,1.E-2,8.E-6,8.E-6,1.E-5", (math.inf, math.inf)),
+        ("PBAR,7,1,1.E-2,8.E-6,8.E-6,1.E-5\n,\n,0.,.8", (0.8, math.inf)),
+        ("PBAR,7,1,1.E-2,8.E-6,8.E-6,1.E-5\n,\n,.85,.8", (0.8, 0.85)),
+        ("PBEAM,7,1,1.E-2,8.E-6,8.E-6,,1.E-5", (1.0, 1.0)),
+        ("PBEAM,7,1,1.E-2,8.E-6,8.E-6,,1.E-5\n,\n,0.,0.", (math.inf, math.inf)),
+    ],
+)
+def test_bars_are_rigid_in_shear_unless_they_have_factors(
+    card: str, factors: tuple[float, float], tmp_path: Path
+) -> None:
+    beam = read(nastran(tmp_path / "a.bdf", line(), [card, MAT1], ",0.,0.,1."))
+    assert beam.section.shear_factors == pytest.approx(factors)
 
 
 @pytest.mark.parametrize(
