@@ -28,6 +28,8 @@ _ANY = re.compile(
     "|B[MR]SECT|BEND|ROD|TUBE)"
 )
 
+_WTMASS = re.compile(rb"\s*PARAM[\s,*]+WTMASS[\s,]+([^\s,]+)")
+
 # Beginnings of OFFT, or the older flag there: a bar's vector is in the axes of its node, or basic.
 _FRAMES = [b"", b"G", b"1", b"2", b"B"]
 
@@ -105,6 +107,23 @@ class Reader:
         """The materials that are read."""
         return self.cards(tuple(_MATERIALS))
 
+    @cached_property
+    def weight(self) -> float:
+        """The factor on densities: PARAM,WTMASS of bulk data or of case control."""
+        control, bulk = self.deck.control, self.deck.bulk
+        found = [
+            (number(of[1]), bulk.lines, line)
+            for line, of in bulk.long_entries("PARAM")
+            if of[:1] == ["WTMASS"]
+        ]
+        for line, text in enumerate(control.text):
+            if of := _WTMASS.match(text):
+                found.append((number(of[1].decode()), control, line))
+        for value, lines, line in found:
+            if value != found[0][0]:
+                raise lines.refused(line, "PARAM", f"another WTMASS is {found[0][0]:g}; keep one")
+        return found[0][0] if found else 1.0
+
     def sections(self) -> dict[str, OneMaterial]:
         """Return the sections by group."""
         parts = self.deck.parts
@@ -163,9 +182,7 @@ class Reader:
             make, at, damping = _MATERIALS[own.name]
             if own.real(damping, "GE", 0.0):
                 self.source.left_out.append(f"material {label} has no damping, GE is left out")
-            params = (fields for _, fields in self.deck.bulk.long_entries("PARAM"))
-            weight = next((number(of[1]) for of in params if of[:1] == ["WTMASS"]), 1.0)
-            if not (rho := own.real(at, "RHO", 0.0) * weight):
+            if not (rho := own.real(at, "RHO", 0.0) * self.weight):
                 raise own.error(
                     "RHO is 0 or blank; write it, or give read_sections(given="
                     f"{{'material {label}': Material(...)}})"

@@ -55,10 +55,18 @@ def test_a_sheet_is_the_same_in_every_system_of_units(
     assert body.frequencies(8)[6:] == pytest.approx(true.frequencies(8)[6:], rel=1e-4)
 
 
-def test_weights_are_masses_by_wtmass(tmp_path: Path) -> None:
+@pytest.mark.parametrize("text", ["PARAM,WTMASS,.101972", "PARAM   WTMASS  .101972"])
+@pytest.mark.parametrize("before", ["", "SOL 103\nCEND\n"])
+def test_weights_are_masses_by_wtmass(text: str, before: str, tmp_path: Path) -> None:
+    """In bulk data, and in case control."""
     weighed = MAT1.replace("7800.", "76492.")
-    cards = ["PSHELL,7,1,.002,1", weighed, "PARAM,WTMASS,.101972"]
-    assert read(nastran(tmp_path / "a.bdf", SHEET, cards)).rho == pytest.approx(7800, rel=1e-5)
+    path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,1,.002,1", weighed])
+    entry = f"{before}{text}\nBEGIN BULK\n" if before else f"BEGIN BULK\n{text}\n"
+    path.write_text(path.read_text().replace("BEGIN BULK\n", entry))
+    assert read(path).rho == pytest.approx(7800, rel=1e-5)
+    path.write_text(path.read_text().replace("BEGIN BULK\n", "BEGIN BULK\nPARAM,WTMASS,.2\n"))
+    with pytest.raises(ao.MeshError, match=r"line \d+, PARAM: another WTMASS is "):
+        read(path)
 
 
 # ------------------------------------------------------------------------------- laminates

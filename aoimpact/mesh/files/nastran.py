@@ -61,8 +61,9 @@ _MEMBERS = {"GRID": _BOTH[:1], "NODE": _BOTH[:1], "ELEM": _BOTH[1:], "ELEMENT": 
 
 @dataclass(frozen=True, eq=False)
 class NastranDeck:
-    """Bulk data of a deck, its nodes, and its elements block by block as the mesh has them."""
+    """Case control and bulk data, nodes, and elements block by block as the mesh has them."""
 
+    control: Lines
     bulk: BulkData
     grids: Grids
     parts: list[Entries]
@@ -134,7 +135,7 @@ def read(file: Path) -> RawMesh:
     ):
         if listed := ", ".join(f"{n} {name}" for name, n in counts if pattern.fullmatch(name)):
             warn(f"mesh file {str(file)!r}: {what}: {listed}")
-    own = NastranDeck(deck, grids, elements)
+    own = NastranDeck(control, deck, grids, elements)
     return RawMesh(nodes, raw.blocks, node_sets, cell_sets, grids.labels, deck=own)
 
 
