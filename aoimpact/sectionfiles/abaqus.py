@@ -99,7 +99,7 @@ class Reader:
                 if card.name not in _SECTIONS:
                     adding.append((before + elset, card))
                     continue
-                read, types, options = _SECTIONS[card.name]
+                read, dim, types, options = _SECTIONS[card.name]
                 name = groups.get(key(before + elset))
                 if name is None:
                     raise card.error(f"there is no ELSET {elset!r}")
@@ -109,14 +109,15 @@ class Reader:
                     continue  # of trusses, membranes and the like, which no body has
                 if name in found:
                     raise card.error(f"{name} has another section")
-                if (of := self.source.instead(name)) is not None:
+                if (of := self.source.instead(name, dim)) is not None:
                     found[name] = of
                     continue
                 card.check_options(*_ALWAYS, *options)
                 with refusing(card.error):
                     found[name] = read(self, card, _Place(part, turn, members[own]))
         for of_name, card in adding:
-            if self.source.instead(of_name) is None or groups.get(key(of_name)) not in found:
+            name = groups.get(key(of_name), "")
+            if name not in found or found[name] is not self.source.given.get(key(name)):
                 raise card.error(
                     f"it is not supported; take it into the section of {of_name} by "
                     "read_sections(given=), or delete it"
@@ -139,7 +140,7 @@ class Reader:
     def material(self, name: str, card: Keyword) -> Solid:
         """Return a material by its name; the card is the one that names it."""
         at = key(name)
-        if isinstance(given := self.source.instead(name), Solid):
+        if (given := self.source.instead(name)) is not None:
             return given
         if at not in self._made:
             if at not in self.cards:
@@ -327,13 +328,13 @@ _OF_SHELLS = (
 )
 _OF_BEAMS = ("SECTION", "TEMPERATURE", "POISSON", "ROTARYINERTIA", "DENSITY")
 
-# How sections are read, the types of their elements, and the options that they may have.
-_SECTIONS: dict[str, tuple[Callable[..., OneMaterial], str, tuple[str, ...]]] = {
-    "SOLIDSECTION": (_solid, "C3D", ("ORIENTATION",)),
-    "SHELLSECTION": (_shell, r"S\d|STRI|US\d", _OF_SHELLS),
-    "SHELLGENERALSECTION": (_shell, r"S\d|STRI|US\d", _OF_SHELLS),
-    "BEAMSECTION": (_beam, r"B3\d", _OF_BEAMS),
-    "BEAMGENERALSECTION": (_beam, r"B3\d", _OF_BEAMS),
+# How sections are read, their dimension, the types of their elements, and options they may have.
+_SECTIONS: dict[str, tuple[Callable[..., OneMaterial], int, str, tuple[str, ...]]] = {
+    "SOLIDSECTION": (_solid, 3, "C3D", ("ORIENTATION",)),
+    "SHELLSECTION": (_shell, 2, r"S\d|STRI|US\d", _OF_SHELLS),
+    "SHELLGENERALSECTION": (_shell, 2, r"S\d|STRI|US\d", _OF_SHELLS),
+    "BEAMSECTION": (_beam, 1, r"B3\d", _OF_BEAMS),
+    "BEAMGENERALSECTION": (_beam, 1, r"B3\d", _OF_BEAMS),
 }
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError
 from ..fem import (
+    Beam,
     BeamSection,
     CircularSection,
     Laminate,
@@ -20,12 +21,21 @@ from ..fem import (
     Ply,
     RectangularSection,
     Shell,
+    Solid,
     TubularSection,
 )
 from ..mesh import RawMesh, key
 
 # Largest difference between directions that are the same: what printed digits leave.
 _SAME = 1e-4
+
+# Kinds of sections by the dimension of their elements.
+_KINDS: dict[int | None, tuple[type[Any], ...]] = {
+    3: get_args(Solid),
+    2: (Shell, Laminate),
+    1: (Beam,),
+    None: get_args(Solid),
+}  # with None for materials
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -55,6 +65,8 @@ class Source:
         Is said in one warning.
     taken : set of str
         Names of `given` that the deck has.
+    wanted : dict of str to types
+        Of names of `given` that the deck has of another kind.
     """
 
     raw: RawMesh
@@ -64,12 +76,18 @@ class Source:
     given: Mapping[str, OneMaterial]
     left_out: list[str] = field(default_factory=list)
     taken: set[str] = field(default_factory=set)
+    wanted: dict[str, tuple[type[Any], ...]] = field(default_factory=dict)
 
-    def instead(self, name: str) -> OneMaterial | None:
-        """Return what is given in place of a card; `taken` holds such names."""
-        if (at := key(name)) in self.given:
-            self.taken.add(at)
-        return self.given.get(at)
+    def instead(self, name: str, dim: int | None = None) -> Any:
+        """Return what is given in place of a section of 1 to 3 dimensions, or of a material."""
+        kinds = _KINDS[dim]
+        if (given := self.given.get(at := key(name))) is None:
+            return None
+        if not isinstance(given, kinds):
+            self.wanted[at] = kinds
+            return None
+        self.taken.add(at)
+        return given
 
     def isotropic(self, E: float, nu: float, rho: float) -> Material:
         """Return the material of constants in the deck's units."""

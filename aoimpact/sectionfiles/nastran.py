@@ -132,10 +132,10 @@ class Reader:
         found: dict[str, OneMaterial] = {}
         for label in np.unique(numbers[numbers > 0]).tolist():
             name, members = f"property {label}", np.flatnonzero(numbers == label)
-            if (of := self.source.instead(name)) is not None:
+            card, dim = self.properties.get(label), int(dims[members].max())
+            if (of := self.source.instead(name, dim)) is not None:
                 found[name] = of
                 continue
-            card, dim = self.properties.get(label), int(dims[members].max())
             own = [  # without edges that a mesher gave the same number
                 Entries(p.table.select(rows), p.block, p.properties[rows], p.layout)
                 for p in parts
@@ -165,7 +165,7 @@ class Reader:
 
     def material(self, label: str, card: _Card) -> Solid:
         """Return a material by its number; the card is the one that names it."""
-        if isinstance(given := self.source.instead(f"material {label}"), Solid):
+        if (given := self.source.instead(f"material {label}")) is not None:
             return given
         if not label.isdigit() or int(label) not in self.materials:
             raise card.error(

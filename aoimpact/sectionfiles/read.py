@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Mapping
 from typing import get_args
 
-from ..base import AOImpactWarning, InputError, MeshError, instance, nearest, positive, warn
+from ..base import AOImpactWarning, InputError, MeshError, instance, nearest, positive, text, warn
 from ..fem import OneMaterial
 from ..mesh import AbaqusDeck, NastranDeck, key, load
 from . import abaqus, nastran
@@ -100,6 +100,7 @@ def read_sections(
     length, newtons, seconds = (positive(name, one) for name, one in named.items())
     known = instance("given", {} if given is None else given, Mapping)
     for name, one in known.items():
+        text("a name of given", name)
         instance(f"given[{name!r}]", one, *get_args(OneMaterial))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", AOImpactWarning)  # of the mesh: `read_mesh` has them
@@ -120,6 +121,9 @@ def read_sections(
             f"{where} has no sections of solids, shells or beams{elements}; write shells as S3 or "
             "S4, or give materials to from_mesh"
         )
+    for name in known:
+        if key(name) not in source.taken and (kinds := source.wanted.get(key(name))):
+            instance(f"given[{name!r}]", known[name], *kinds)
     if unknown := [name for name in known if key(name) not in source.taken]:
         raise InputError(
             f"given: {unknown[0]!r} is no section or material in use{nearest(unknown[0], found)}; "

@@ -355,6 +355,20 @@ def test_what_is_given_takes_the_place_of_cards(tmp_path: Path) -> None:
     assert read(path, given={"all": thick}) == thick
     with pytest.raises(ao.InputError, match=r"'STEAL' is no section or material.*'ALL'"):
         ao.read_sections(path, given={"STEEL": STEEL_SI, "STEAL": STEEL_SI})
+    for wrong, said in (
+        ({"STEEL": thick}, r"given\['STEEL'\] must be of type Material or Orthotropic, got Shell"),
+        ({"ALL": STEEL_SI}, r"given\['ALL'\] must be of type Shell or Laminate, got Material"),
+        ({1: STEEL_SI}, "a name of given must be"),
+    ):
+        with pytest.raises(ao.InputTypeError, match=said):
+            ao.read_sections(path, given={"STEEL": STEEL_SI} | wrong)  # type: ignore[dict-item]
+
+
+def test_a_group_and_its_material_may_have_one_name(tmp_path: Path) -> None:
+    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=ALL", ".001", STEEL.replace("STEEL", "ALL")]
+    path = abaqus(tmp_path / "a.inp", SHEET, cards)
+    other = ao.Material(7e10, 0.33, 2700)
+    assert read(path, given={"ALL": other}) == ao.Shell(1e-3, other)
 
 
 def test_what_is_left_out_is_said(tmp_path: Path) -> None:
