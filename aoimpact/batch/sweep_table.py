@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 # a plot that a legend names: more would cover it.
 _SHOWN, _MOST_LINES = 10, 12
 
-# Units of parameters of `simulate` that are numbers, for figures.
-_PARAMETERS = {"velocity": "m/s", "gap": "m", "duration": "s"}
+# Units of parameters of `simulate` that are numbers or vectors, for figures.
+_PARAMETERS = {"velocity": "m/s", "spin": "rad/s", "gap": "m", "duration": "s"}
 
 # Stands behind a number in a printed table that no tolerance controlled.
 _MARK = "*"
@@ -312,7 +312,11 @@ def _text(value: Any) -> str:
 def _setting(name: str, value: Any) -> str:
     """A parameter's value as a legend says it."""
     unit = _PARAMETERS.get(name)
-    return f"{name} = {with_unit(float(value), unit) if unit else _text(value)}"
+    if unit is None:
+        return f"{name} = {_text(value)}"
+    if np.ndim(value):
+        return f"{name} = {plain(np.asarray(value, dtype=np.float64))} {unit}"
+    return f"{name} = {with_unit(float(value), unit)}"
 
 
 def _message(error: Exception | None) -> str:

@@ -478,6 +478,12 @@ COLUMNS = tuple(one.name for one in _ALL if one.column)
 
 
 def quantity_unit(name: str) -> str:
-    """Return the unit of a number by its name, dotted or not; "" where none is known."""
-    quantity = QUANTITIES.get(name.rpartition(".")[2])
+    """Return the unit of a number by its name; "" where none is known.
+
+    The name may be dotted, and may end with a component of a vector: "bodies.0.final_spin.1".
+    """
+    *_, last = (part for part in name.split(".") if not part.isdigit())
+    if last == "final_velocity":  # a vector, and its length no quantity
+        return "m/s"
+    quantity = QUANTITIES.get(last)
     return "" if quantity is None or quantity.is_history else quantity.unit

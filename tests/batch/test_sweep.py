@@ -172,6 +172,24 @@ def test_plot_draws_a_line_for_each_of_the_others() -> None:
     assert told == ["gap = 0 m", "gap = 20 µm"]
 
 
+def test_a_sweep_over_vectors(tmp_path: Path) -> None:
+    """Without friction the tangential velocity stays, and so does the spin."""
+    wall = ao.wall(ao.Material(E=70e9, nu=0.33, rho=2700.0))
+    ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800.0))
+    case = {"projectile": ball, "target": wall, "spin": (0.0, 5.0, 3.0), "friction": 0.0}
+    keep = ["peak_force", "bodies.0.final_spin.1", "bodies.0.final_velocity.0"]
+    velocities = [[0.3, 0.0, -1.0], [0.5, 0.0, -1.0]]
+    table = ao.sweep(case, {"gap": [0.0, 1e-4], "velocity": velocities}, keep=keep)
+    np.testing.assert_allclose(table["bodies.0.final_spin.1"], 5.0)
+    np.testing.assert_allclose(table["bodies.0.final_velocity.0"], [0.3, 0.5, 0.3, 0.5])
+    table.to_csv(tmp_path / "sweep.csv")
+    heading = (tmp_path / "sweep.csv").read_text().splitlines()[0]
+    units = "peak_force [N],bodies.0.final_spin.1 [rad/s],bodies.0.final_velocity.0 [m/s]"
+    assert heading == f"gap,velocity,{units}"
+    told = [text.get_text() for text in table.plot(y="peak_force").get_legend().get_texts()]
+    assert told == ["velocity = (0.3, 0, -1) m/s", "velocity = (0.5, 0, -1) m/s"]
+
+
 def test_it_prints_itself() -> None:
     table = ao.sweep(BASE, {"velocity": np.linspace(1.0, 2.0, 12)})
     assert "velocity" in repr(table)
