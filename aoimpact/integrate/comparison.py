@@ -1,11 +1,14 @@
 """Comparison of two adaptive runs of one scene: their difference in what a tolerance bounds.
 
 A touch with a hundredth of the impulse of the largest one of its contact, or less, does not count:
-whether bodies that move on side by side graze each other is rounding.
+whether bodies that move on side by side graze each other is rounding. Nor does a gap that lasts a
+hundredth of the touches beside it, or less: whether a body that is put on another, and swings there
+between no force and twice its weight, leaves it is rounding, too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,9 +50,12 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
     """
     apart = [_lesser_apart(_peaks(one), _peaks(other)), _lesser_apart(_sums(one), _sums(other))]
     least = np.maximum(_least(one), _least(other))
-    for contact, small in enumerate(least):
-        apart.append(_times_apart(_touches(one, contact, small), _touches(other, contact, small)))
-    ours, theirs = _velocities(one, least), _velocities(other, least)
+    touches = [
+        [_touches(run, contact, small) for contact, small in enumerate(least)]
+        for run in (one, other)
+    ]
+    apart += map(_times_apart, *touches)
+    ours, theirs = map(_velocities, (one, other), touches)
     fastest = max(speed, _at_rest(one), float(np.abs(np.append(ours, theirs)).max(initial=0.0)))
     if fastest > 0.0:
         apart.append(float(np.abs(ours - theirs).max(initial=0.0)) / fastest)
@@ -94,6 +100,8 @@ class _Touches(NamedTuple):
         The contact's impulse until then, N s.
     pace : ndarray
         See `Touch.pace`.
+    apart : ndarray
+        Length of the gaps within each that do not count, s.
     """
 
     start: FloatArray
@@ -101,6 +109,7 @@ class _Touches(NamedTuple):
     before: FloatArray
     after: FloatArray
     pace: FloatArray
+    apart: FloatArray
 
     def chosen(self, which: Any) -> _Touches:
         """Return those of an index or a mask."""
@@ -111,7 +120,15 @@ def _touches(run: DenseRecorder, contact: int, least: float) -> _Touches:
     impulses, pace = np.array(run.touches[contact]).reshape(-1, 2).T
     after = np.cumsum(impulses)
     start, end = np.array(run.events[contact].contacts).reshape(-1, 2).T
-    return _Touches(start, end, after - impulses, after, pace).chosen(impulses >= least)
+    large = impulses >= least
+    columns = (start, end, after - impulses, after, pace)
+    start, end, before, after, pace = (column[large] for column in columns)
+    gap, length = start[1:] - end[:-1], end - start
+    parted = gap > LESSER * np.minimum(length[1:], length[:-1])
+    first, last = np.append(True, parted)[: len(start)], np.append(parted, True)[: len(start)]
+    apart = np.zeros(int(first.sum()))
+    np.add.at(apart, np.cumsum(first)[1:][~parted] - 1, gap[~parted])
+    return _Touches(start[first], end[last], before[first], after[last], pace[first], apart)
 
 
 def _times_apart(ones: _Touches, others: _Touches) -> float:
@@ -131,7 +148,8 @@ def _times_apart(ones: _Touches, others: _Touches) -> float:
     starts = np.abs(ones.start - others.start) / latest
     sudden = np.minimum(ones.pace, others.pace) >= SUDDEN
     ends = np.abs(ones.end - others.end) / latest
-    return float(max(starts[sudden].max(initial=0.0), ends.max()))
+    gaps = np.abs(ones.apart - others.apart) / latest
+    return float(max(starts[sudden].max(initial=0.0), ends.max(), gaps.max()))
 
 
 def _at_rest(run: DenseRecorder) -> float:
@@ -140,13 +158,8 @@ def _at_rest(run: DenseRecorder) -> float:
     return AT_REST * float(_sums(run).max(initial=0.0)) / min(known, default=np.inf)
 
 
-def _velocities(run: DenseRecorder, least: FloatArray) -> FloatArray:
+def _velocities(run: DenseRecorder, touches: Sequence[_Touches]) -> FloatArray:
     """Velocities of the centres of mass after the last touch that matters and is over, m/s."""
-    over = [
-        end
-        for of, touches, small in zip(run.events, run.touches, least, strict=True)
-        for (_, end), (impulse, _) in zip(of.contacts, touches, strict=True)
-        if impulse >= small and end < run.duration
-    ]
+    over = [end for of in touches for end in of.end.tolist() if end < run.duration]
     record = run.rows(np.array([max(over, default=run.duration)]), energies=False)
     return run.plan.layout.centre_velocities(record)[:, 0]

@@ -572,6 +572,18 @@ def test_the_peak_of_friction_is_no_sample_of_the_record() -> None:
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-6)
 
 
+def test_the_error_of_a_block_put_on_a_slope_does_not_hang_on_a_graze() -> None:
+    """It swings between no force and 5/2 of its weight: m g δ = 2/5 k δ^(5/2)."""
+    mass, slope, rtol = 1.0, math.radians(30.0), 1e-4
+    along, down = 9.81 * math.sin(slope), 9.81 * math.cos(slope)
+    scene = ao.Scene(gravity=(along, 0.0, -down))
+    block, plane = scene.add(ao.rigid(mass)), scene.add(ao.rigid(math.inf))
+    scene.connect(block, plane, ao.Hertz(k=1e9), friction=0.8)
+    run = scene.simulate(duration=0.01, solver=ao.Adaptive(rtol=rtol))
+    assert run.error.time == rtol
+    assert run.each_contact[0].peak_force == pytest.approx(2.5 * mass * down, rel=rtol)
+
+
 def test_a_wall_stays_under_gravity() -> None:
     for solver in (ao.Newmark(dt=4e-7), ao.Adaptive(rtol=1e-4)):
         scene = ao.Scene(gravity=(0, 0, -9.81))
