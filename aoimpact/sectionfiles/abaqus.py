@@ -140,7 +140,8 @@ class Reader:
     def material(self, name: str, card: Keyword) -> Solid:
         """Return a material by its name; the card is the one that names it."""
         at = key(name)
-        if (given := self.source.instead(name)) is not None:
+        given: Solid | None = self.source.instead(name)
+        if given is not None:
             return given
         if at not in self._made:
             if at not in self.cards:
@@ -170,7 +171,8 @@ class Reader:
     def axes(self, name: str, card: Keyword, place: _Place) -> tuple[FloatArray, int]:
         """Return an orientation's unit axes in rows, and the number of the one in its second line.
 
-        The other axes are turned about this one. Without such a line it is the third.
+        The other axes are turned about this one. Without such a line it is the third; where it is
+        blank there the first, as in Abaqus.
         """
         found = {
             part: one
@@ -193,6 +195,9 @@ class Reader:
             raise own.error("its points are on one line")
         axes = unit(np.array([x, np.cross(z, x), z]))
         about, angle = [*rest[0], 0.0, 0.0][:2] if rest else (3.0, 0.0)
+        if not about and angle:
+            self.differs(f"{name}: its angle is about axis 1, which is blank", "leaves it out")
+        about = about or 1.0
         if about not in (1.0, 2.0, 3.0):
             raise own.error(f"the axis of rotation must be 1, 2 or 3, got {about:g}")
         turn = Rotation.from_rotvec(angle * axes[int(about) - 1], degrees=True)
@@ -216,7 +221,17 @@ class Reader:
                 f"axis {near} of the orientation {name} lies in some elements; name the axis "
                 "along the normal in the second line of *ORIENTATION"
             )
+        if near != 3:
+            self.differs(f"{name}: axis {near} is along the normals", "projects axis 1 on them")
         return np.asarray(axes[near % 3])
+
+    def differs(self, of: str, other: str) -> None:
+        """Name an orientation that CalculiX takes otherwise, if the deck may be for it."""
+        if len(self.deck.instances) == 1:  # CalculiX has no parts
+            self.source.left_out.append(
+                f"*ORIENTATION {of}: taken as in Abaqus; CalculiX {other} (write the fibres as "
+                "axis 1, and 3 in the second line)"
+            )
 
     def angle(self, name: str, reference: FloatArray, card: Keyword, place: _Place) -> float:
         """Return the angle, degrees, from a direction to axis 1 of a ply's own orientation."""

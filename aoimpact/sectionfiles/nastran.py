@@ -165,7 +165,8 @@ class Reader:
 
     def material(self, label: str, card: _Card) -> Solid:
         """Return a material by its number; the card is the one that names it."""
-        if (given := self.source.instead(f"material {label}")) is not None:
+        given: Solid | None = self.source.instead(f"material {label}")
+        if given is not None:
             return given
         if not label.isdigit() or int(label) not in self.materials:
             raise card.error(

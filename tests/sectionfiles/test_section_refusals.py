@@ -56,6 +56,7 @@ SHELLS = {
     PLIED + ", DEFINITION=NODES\n1, 2": r"\*ORIENTATION: only rectangular axes by coordinates",
     PLIED + "\n1,0,0, 2,0,0": r"\*ORIENTATION: its points are on one line",
     PLIED + "\n1,0,0, 0,1,0\n1, 0.": "axis 1 of the orientation O lies in some elements",
+    PLIED + "\n1,0,0, 0,1,0\n, 30.": "axis 1 of the orientation O lies in some elements",
     PLIED + "\n1,0,0, 0,1,0\n4, 0.": "the axis of rotation must be 1, 2 or 3, got 4",
     PLIED.replace("NAME=O", "NAME=P") + "\n1,0,0, 0,1,0": r"there is no \*ORIENTATION 'O'",
 }

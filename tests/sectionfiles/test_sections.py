@@ -16,7 +16,10 @@ import aoimpact as ao
 
 # Warnings name a ply's E3, which is assumed, CIRC, and nodes that only say how a bar is turned.
 pytestmark = pytest.mark.filterwarnings(
-    "ignore:.*have no E3", "ignore:.*nodes belong to no line", "ignore:.*taken for a radius"
+    "ignore:.*have no E3",
+    "ignore:.*taken as in Abaqus",
+    "ignore:.*nodes belong to no line",
+    "ignore:.*taken for a radius",
 )
 
 SHEET = ao.sheet_mesh((0.2, 0.1), (4, 2))
@@ -161,6 +164,7 @@ ORIENTED = "*SHELL SECTION, ELSET=ALL, MATERIAL=PLY, ORIENTATION=O\n.001\n*ORIEN
         ("abaqus", ORIENTED + "1,0,0, 0,1,0\n3, 20.", 20),
         ("abaqus", ORIENTED + "0,0,1, 1,0,0\n1, 0.", 0),  # axis 1 is normal; 2, which follows, is x
         ("abaqus", ORIENTED + "0,0,1, 1,0,0\n1, 35.", 35),
+        ("abaqus", ORIENTED + "0,0,1, 1,0,0\n, 35.", 35),  # blank is 1 in Abaqus
         ("abaqus", ORIENTED + "0,1,0, 0,0,1\n2, 0.", 0),  # axis 2 is normal; 3 is x
         ("abaqus", ORIENTED + "2,2,1, 1,3,1, 1,1,1\n3, 0.", 45),  # with an origin
         ("nastran", "", 0),
@@ -383,6 +387,9 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
         read(abaqus(tmp_path / "a.inp", SHEET, cards))
     with pytest.warns(ao.AOImpactWarning, match=r"\*FOUNDATION is left out"):
         read(abaqus(tmp_path / "c.inp", SHEET, [*cards[:2], STEEL, "*FOUNDATION\nALL, F1, 1E6"]))
+    oriented = [f"{ORIENTED}0,0,1, 1,0,0\n, 35.", PLY]
+    with pytest.warns(ao.AOImpactWarning, match="O: its angle is about .*O: axis 1 is along the n"):
+        read(abaqus(tmp_path / "d.inp", SHEET, oriented))
     turned = ["*NODE\n99, 5., 0., 0., 0., 0., 1.", *cards[:2], STEEL]
     with pytest.warns(ao.AOImpactWarning, match="shells have normals of their elements"):
         read(abaqus(tmp_path / "b.inp", SHEET, turned))
