@@ -8,14 +8,20 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import InputError, plain, warn
+from ..base import FloatArray, InputError, plain, warn
 from ..mesh import Mesh
 from .composition import AnyMaterial, pieces, thin_parts
+from .laminate import Layers
 from .material import Material
 
 # ν above which elements of first order lock in volume. A bar of 16 × 2 × 2 hexahedra bends 10 % too
 # stiffly (in frequency) at 0.3, 19 % at 0.45, 35 % at 0.49, 195 % at 0.4999; quadratic ones 4 %.
 _NEARLY_INCOMPRESSIBLE = 0.45
+
+# Relative difference of mass between the surface of the nodes and the middle surface.
+_CURVED = 0.01
+
+_TINY = float(np.finfo(float).tiny)
 
 # Nodes closer than this fraction of the mesh's size are at the same place.
 _COINCIDENT = 1e-9
@@ -63,6 +69,37 @@ def check_joints(mesh: Mesh, material: AnyMaterial) -> None:
             f"near {place} m; continue the shell by a row of elements on the solid's face, or the "
             "beam by an element into the solid"
         )
+
+
+def warn_of_curved_offsets(mesh: Mesh, material: AnyMaterial) -> None:
+    """Warn of shells with an offset whose middle surface is larger or smaller than the nodes'.
+
+    The middle surface is that of the nodes, moved along the mean normals of their elements.
+    """
+    shells = [part for part in thin_parts(mesh, material) if isinstance(part.of, Layers)]
+    if not any(part.of.offset for part in shells):
+        return
+    normals = np.zeros_like(mesh.nodes)
+    for part in shells:
+        np.add.at(normals, part.cells, _areas(mesh.nodes[part.cells])[:, None])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), _TINY)
+    mass, true = 0.0, 0.0
+    for part in shells:
+        moved = mesh.nodes + part.of.offset * normals
+        own, middle = (np.linalg.norm(_areas(x[part.cells]), axis=1) for x in (mesh.nodes, moved))
+        mass += float(part.of.inertia[0] * own.sum())
+        true += float(part.of.inertia[0] * middle.sum())
+    if abs(true - mass) > _CURVED * mass:
+        warn(
+            f"the shells' offset is on a curved surface: their mass is {mass:.4g} kg by the area "
+            f"at the nodes, and {true:.4g} kg by that of the middle surface, which stiffness "
+            "misses as well; put the nodes on the middle surface"
+        )
+
+
+def _areas(corners: FloatArray) -> FloatArray:
+    """Return the vectors of area, m², of triangles and quadrilaterals, (n, 3 or 4, 3)."""
+    return np.asarray(0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1]))
 
 
 def warn_of_separate_parts(mesh: Mesh, masses: Any) -> None:

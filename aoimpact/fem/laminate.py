@@ -302,7 +302,8 @@ class Shell(Layers):
         taken as the normal.
     offset : float, optional
         Distance of the middle surface from the nodes along the elements' normals, m: +thickness/2
-        where the nodes are on the lower face.
+        where the nodes are on the lower face. Area is that of the nodes' surface also where it is
+        curved, which warns above 1 % of mass.
 
     Examples
     --------
@@ -354,7 +355,8 @@ class Laminate(Layers):
         The direction from which the plies' angles count; its projection on each element is the
         element's x axis. Needed if a ply is orthotropic.
     offset : float, optional
-        Distance of the middle surface from the nodes along the elements' normals, m.
+        Distance of the middle surface from the nodes along the elements' normals, m. Area is that
+        of the nodes' surface also where it is curved, which warns above 1 % of mass.
 
     Examples
     --------

@@ -61,7 +61,12 @@ from .audit import Audit, audited
 from .composition import AnyMaterial, Materials, OneMaterial, materials_of, thin_groups
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
-from .doubts import check_joints, warn_of_locking, warn_of_separate_parts
+from .doubts import (
+    check_joints,
+    warn_of_curved_offsets,
+    warn_of_locking,
+    warn_of_separate_parts,
+)
 from .frequencyresponse import FrequencyResponse, frequency_response
 from .grounding import Grounding, grounding_of
 from .labels import axes_of, checked_labels, labelled_nodes, node_numbers, translations
@@ -288,6 +293,7 @@ class FEModel(Frozen):
         _check_reach(mass, K, M, solid, made_of)
         _warn_of_units(mass, solid.size, own / _density(made_of) / solid.n_cells)
         warn_of_locking(solid, made_of)
+        warn_of_curved_offsets(solid, made_of)
         warn_of_separate_parts(solid, heavier)
         attached = _attached(heavier, stiffer)
         if stiffer is not None:

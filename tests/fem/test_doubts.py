@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 
 import numpy as np
@@ -59,3 +60,28 @@ def test_other_materials_do_not_lock() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ao.FEModel.from_mesh(BAR, ao.Material(E=1e7, nu=0.45, rho=1100))
+
+
+@pytest.mark.parametrize("offset", [0.005, -0.005, 0.0005])
+def test_offsets_of_curved_shells(offset: float) -> None:
+    """An arc of the radius R and the angle φ: the middle surface has the area (R + d) φ b."""
+    sheet, R = ao.sheet_mesh((2.0, 0.1), (80, 2)), 0.1
+    angle, y = sheet.nodes[:, 0], sheet.nodes[:, 1]
+    nodes = np.column_stack([R * np.sin(angle), y, R * np.cos(angle)])
+    arc = ao.Mesh(nodes, sheet.cells, sheet.kind)
+    flat = ao.Mesh(0.1 * sheet.nodes, sheet.cells, sheet.kind)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        for mesh in (arc, flat):
+            ao.FEModel.from_mesh(mesh, ao.Shell(0.01, STEEL, offset))
+    true = 7800 * 0.01 * 0.1 * 2.0 * (R + offset)
+    found = [
+        float(numbers[1])
+        for of in said
+        if (
+            numbers := re.search(
+                r"curved surface.* ([\d.]+) kg by that of the mid", str(of.message)
+            )
+        )
+    ]
+    assert found == pytest.approx([true] if abs(offset) > 0.001 else [], rel=3e-3)
