@@ -270,7 +270,7 @@ def _warn_of_sections(raw: RawMesh, body: list[Solids], named: bool) -> None:
     if raw.deck.sections and not named:
         warn(
             f"sections of the deck are not part of a mesh ({raw.deck.sections}): "
-            "read_sections(path) reads them for FEModel.from_mesh"
+            "FEModel.from_mesh has them only if those of read_sections(path) are given to it"
         )
     lines = np.zeros(raw.first[-1], dtype=bool)
     for block, first in zip(raw.blocks, raw.first[:-1], strict=True):

@@ -382,8 +382,10 @@ _PROPERTIES: dict[str, tuple[Callable[..., OneMaterial] | None, int]] = {
 
 
 def _isotropic(source: Source, card: _Card, rho: float) -> Material:
-    """Return MAT1, of which one of E, G and NU may be blank."""
+    """Return MAT1, of which one of E, G and NU may be blank; of two, solvers make no solid."""
     E, G, nu = (card.real(at, "", 0.0) for at in (1, 2, 3))
+    if sum(bool(card.text(at)) for at in (1, 2, 3)) < 2 or (G == 0.0 and not card.text(3)):
+        raise card.error("write two of E, G and NU")
     if not card.text(3):
         nu = 0.5 * E / G - 1.0
     elif not card.text(1):

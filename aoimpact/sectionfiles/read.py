@@ -116,11 +116,12 @@ def read_sections(
     else:
         raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran, and has no sections")
     if not found:
-        elements = f" (it has {raw.deck.elements})" * bool(raw.deck.elements)
-        raise MeshError(
-            f"{where} has no sections of solids, shells or beams{elements}; write shells as S3 or "
-            "S4, or give materials to from_mesh"
-        )
+        cure = "give materials to from_mesh"
+        if raw.deck.elements:
+            cure = f"it has {raw.deck.elements}. Write shells as S3 or S4, or {cure}"
+        elif source.left_out:
+            cure = f"{'; '.join(dict.fromkeys(source.left_out))}. Write bars, or {cure}"
+        raise MeshError(f"{where} has no sections of solids, shells or beams; {cure}")
     for name in known:
         if key(name) not in source.taken and (kinds := source.wanted.get(key(name))):
             instance(f"given[{name!r}]", known[name], *kinds)

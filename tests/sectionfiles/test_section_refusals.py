@@ -117,7 +117,7 @@ BAR_ENTRIES = {
     "PBARL,7,1,,BAR\n,.1": "DIM2 is blank",
     "PBARL,7,1,,ROD\n,.1,3.": "NSM=3 is not supported",
     "PBEAML,7,1,,ROD\n,.1,0.,YES,1.,.05": "it has fields after its first cross-section",
-    "PROD,7,1,.1": "has no sections of solids, shells or beams",
+    "PROD,7,1,.1": "has no sections of solids, shells or beams; PROD, which carries no bending",
 }
 
 AFTER_BARS = {
@@ -130,6 +130,8 @@ AFTER_BARS = {
 
 MATERIALS = {
     MAT1.replace("7800.", ""): r"MAT1: RHO is 0 or blank.*'material 1'",
+    MAT1.replace(".3", ""): "MAT1: write two of E, G and NU",
+    MAT1.replace(",.3", "0.,"): "MAT1: write two of E, G and NU",
     MAT1.replace(",,", ",2.1E11,"): r"G=2.1e\+11 is not E/",
     MAT1 + "\nMATT1,1,3": "MAT1: it depends on temperature by MATT1",
 }
