@@ -22,6 +22,7 @@ from ..base import (
     integer,
     sequence,
     text,
+    warn,
 )
 from ..impact import Impact, fitted_pair, simulate
 from ..integrate import Adaptive, Newmark
@@ -37,6 +38,14 @@ _COMPARED = tuple(
 
 # Far below the differences between models.
 _IN_TIME = 1e-6
+
+# Relative difference of masses above which another target is hardly the same.
+_SAME_MASS = 0.1
+
+# Distance across the direction of contacts at the same place, relative to the body's size.
+_SAME_PLACE = 0.01
+
+_AO, _MODAL = "AO({})".format, "modal({})".format  # labels
 
 Models = tuple[Any, ...]
 
@@ -90,6 +99,11 @@ def compare(
     InputError
         If there is nothing to compare with.
 
+    Warns
+    -----
+    AOImpactWarning
+        If another target has another mass, or is struck beside the contact point.
+
     Examples
     --------
     >>> sphere = ao.AOModel(m0=3e-5, k0=0.0, m=[0.033], k=[2.8e8])
@@ -121,6 +135,19 @@ def compare(
                 f"{name}={given!r}: models are compared along one direction of travel; give the "
                 "speed alone, and simulate an oblique impact with quantity= and rtol="
             )
+    boolean("full", full)
+    orders = _ascending("oscillators", oscillators, low=0)
+    truncations = _ascending("modes", modes, low=1)
+    if not orders and not full:
+        raise InputError("full=False without oscillators leaves no model to compare with")
+    others = (
+        {} if other_targets is None else dict(instance("other_targets", other_targets, Mapping))
+    )
+    own = ["rigid", *map(_AO, orders), *map(_MODAL, truncations), *["full"] * full]
+    for label, other in others.items():
+        body_model(f"other_targets[{text('a label of other_targets', label)!r}]", other)
+        if label in own:
+            raise InputError(f"other_targets: {label!r} is a row of its own; give another label")
     with held_warnings():  # each run has them again
         impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
         impact.touch(law)
@@ -129,17 +156,9 @@ def compare(
             duration = simulate(projectile, target, velocity, law=law, gap=gap).duration
     velocity = impact.velocity
     run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
-    boolean("full", full)
-    others = (
-        {} if other_targets is None else dict(instance("other_targets", other_targets, Mapping))
-    )
-    for label, other in others.items():
-        body_model(f"other_targets[{text('a label of other_targets', label)!r}]", other)
-    orders = _ascending("oscillators", oscillators, low=0)
-    truncations = _ascending("modes", modes, low=1)
-    if not orders and not full:
-        raise InputError("full=False without oscillators leaves no model to compare with")
     bodies = _body("projectile", projectile), _body("target", target)
+    for label, other in others.items():
+        _warn_of_differences(bodies[1], label, body_model(label, other))
     # Over the same patches: `simulate` would fit those of full models alone.
     bodies = fitted_pair(*bodies, impact.with_bodies(bodies).met)
 
@@ -154,15 +173,13 @@ def compare(
     )
     tries = _of_oscillators(hierarchies, orders, quick)
     for n in truncations:
-        tries.append(_try(f"modal({n})", partial(_with_modes, bodies, n, linear), quick))
+        tries.append(_try(_MODAL(n), partial(_with_modes, bodies, n, linear), quick))
     exact = tries[len(orders)]
     if full:
         meshed = any(isinstance(body, FullModel) for body in bodies)
         solver = Newmark() if meshed else Adaptive(rtol=_IN_TIME)
         exact = _try("full", lambda: bodies, lambda pair: run(*pair, solver=solver))
         tries.append(exact)
-    if taken := {each.label for each in tries} & set(others):
-        raise InputError(f"other_targets: {min(taken)!r} is a row of its own; give another label")
     for label, other in others.items():
         chosen = partial(run, projectile=projectile, target=other)
         tries.append(_try(label, partial(_chosen_models, chosen), quick))
@@ -181,6 +198,24 @@ def _chosen_models(chosen: Callable[[], Result]) -> Models:
     return tuple(chosen().models)
 
 
+def _warn_of_differences(target: BodyModel, label: str, other: BodyModel) -> None:
+    """Warn of another target with another mass, or struck beside the target's contact point."""
+    if not (target.contact_points and other.contact_points):
+        return
+    first, second = target.contact_points[0], other.contact_points[0]
+    mass, weight, nodes, said = first.body.mass, second.body.mass, first.body.nodes, []
+    if mass and weight and abs(weight - mass) > _SAME_MASS * mass:
+        said.append(f"weighs {weight:.4g} kg in place of {mass:.4g} kg")
+    along, one, two = first.direction, first.point, second.point
+    if nodes is not None and along is not None and one is not None and two is not None:
+        away = two - one - ((two - one) @ along) * along  # without the distance by thickness
+        apart = float(np.linalg.norm(away))
+        if apart > _SAME_PLACE * float(np.ptp(nodes, axis=0).max()):
+            said.append(f"is struck {apart:.3g} m beside the target's contact point")
+    if said:
+        warn(f"other_targets[{label!r}] {' and '.join(said)}: its row compares another impact")
+
+
 def _ascending(name: str, values: Iterable[int], *, low: int) -> list[int]:
     return sorted({integer(name, n, low=low) for n in sequence(name, values)})
 
@@ -193,7 +228,7 @@ def _of_oscillators(
     spent = 0.0
     for n in orders:
         make = partial(lambda n: tuple(each.model(n + each.first) for each in hierarchies), n)
-        tries.append(_try(f"AO({n})", make, run))
+        tries.append(_try(_AO(n), make, run))
         if not tries[-1].failure:
             spent += tries[-1].build  # the bases are nested: each model adds to the one before
             tries[-1].build = spent
