@@ -135,7 +135,7 @@ def compare(
                 f"{name}={given!r}: models are compared along one direction of travel; give the "
                 "speed alone, and simulate an oblique impact with quantity= and rtol="
             )
-    boolean("full", full)
+    full = boolean("full", full)
     orders = _ascending("oscillators", oscillators, low=0)
     truncations = _ascending("modes", modes, low=1)
     if not orders and not full:
@@ -143,7 +143,7 @@ def compare(
     others = (
         {} if other_targets is None else dict(instance("other_targets", other_targets, Mapping))
     )
-    own = ["rigid", *map(_AO, orders), *map(_MODAL, truncations), *["full"] * full]
+    own = ["rigid", *map(_AO, orders), *map(_MODAL, truncations), *(["full"] if full else [])]
     for label, other in others.items():
         body_model(f"other_targets[{text('a label of other_targets', label)!r}]", other)
         if label in own:

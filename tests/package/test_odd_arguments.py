@@ -333,7 +333,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         scale=1.0,
         force=1.0,
         time=1.0,
-        given={"property 1": STEEL},
+        given={"property 1": ao.Shell(1e-3, STEEL)},
     ),
     "Material.half_space": call(STEEL.half_space, normal=(0, 0, 1)),
     "Orthotropic": call(
