@@ -130,6 +130,7 @@ def test_a_plate_has_calculix_s_frequencies(cards: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:the shells. offset is on a curved or folded")
 def test_the_sides_of_an_angle_s_offsets_are_calculix_s(tmp_path: Path) -> None:
     """An angle of two strips; with material outside of the nodes it is stiffer than inside."""
     found = {}
