@@ -20,6 +20,7 @@ __all__ = [
     "ConvergenceError",
     "InputError",
     "InputTypeError",
+    "IterationError",
     "LawLimitError",
     "MemoryLimitError",
     "MeshError",
@@ -120,6 +121,10 @@ class NotFiniteError(ConvergenceError):
     """Infinity or NaN came up in a run."""
 
 
+class IterationError(ConvergenceError):
+    """An iteration did not converge, as where a step is far too long."""
+
+
 class WorkerError(AOImpactError, RuntimeError):
     """A worker of a sweep was lost, or could not be given its cases."""
 
@@ -180,7 +185,7 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
         "touch; take Adaptive(), far smaller steps, or a softer law",
     ),
     3: (SingularError, "a mass, stiffness or pivot that must be positive is not"),
-    4: (ConvergenceError, "an iteration did not converge"),
+    4: (IterationError, "an iteration did not converge"),
     5: (InputError, "the contact functional does not move the body (it is zero on all free dofs)"),
     6: (ConvergenceError, "the linear solver failed"),
     7: (

@@ -9,7 +9,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..base import ConvergenceError, FloatArray, InputError, NotFiniteError, warn
+from ..base import (
+    ConvergenceError,
+    FloatArray,
+    InputError,
+    IterationError,
+    NotFiniteError,
+    warn,
+)
 from ..laws import ContactLaw, check_width
 from ..reduction import AOModel
 from ..scene import Plan, coordinates
@@ -235,18 +242,18 @@ class _Stepping:
             return record, None
         return record, self._error(record, self._trial(2.0 * dt), self._trial(4.0 * dt))
 
-    def _trial(self, dt: float, *, energies: bool = False) -> Record | NotFiniteError:
-        """Run with steps that may be too long: they may gain energy at every touch."""
+    def _trial(self, dt: float, *, energies: bool = False) -> Record | ConvergenceError:
+        """Run with steps that may be too long: to be solved, or not to gain energy at a touch."""
         try:
             return self.once(dt, energies=energies)
-        except NotFiniteError as error:
+        except (IterationError, NotFiniteError) as error:
             return error
 
-    def _error(self, *runs: Record | NotFiniteError) -> StepError:
+    def _error(self, *runs: Record | ConvergenceError) -> StepError:
         """The error of the first of runs with dt, 2 dt and 4 dt."""
         records = [run for run in runs if isinstance(run, Record)]
         if len(records) < len(runs):
-            failed = next(run for run in runs if isinstance(run, NotFiniteError))
+            failed = next(run for run in runs if isinstance(run, ConvergenceError))
             return StepError(1.0, f"with such steps, or twice or four times as long ones, {failed}")
         return time_error(self.plan, *records)
 

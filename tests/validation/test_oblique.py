@@ -632,6 +632,18 @@ def test_a_body_put_on_a_slope_rests_below_the_angle_of_friction_and_slides_abov
             assert held == pytest.approx(mass * mu * down, rel=0.05)
 
 
+@pytest.mark.parametrize(("degrees", "damping", "rtol"), [(20.0, 5.0, 0.05), (40.0, 50.0, 0.1)])
+def test_a_damped_ball_put_on_a_slope_rolls_whatever_its_first_trial_steps(degrees, damping, rtol):
+    """It accelerates by 5/7 g sin α; steps of 4 ms, a dozen of its periods, cannot be solved."""
+    slope, end = math.radians(degrees), 0.16
+    scene = ao.Scene(gravity=(9.81 * math.sin(slope), 0.0, -9.81 * math.cos(slope)))
+    ball, plane = scene.add(ao.ball(0.01, STEEL)), scene.add(ao.wall(STEEL))
+    scene.connect(ball, plane, ao.HuntCrossley(k=1e9, damping=damping), friction=0.6)
+    run = scene.simulate(duration=end, solver=ao.Newmark(rtol=rtol))
+    speed = 5.0 / 7.0 * 9.81 * math.sin(slope) * end
+    assert run[ball].final_velocity[0] == pytest.approx(speed, rel=1e-3)
+
+
 @pytest.mark.slow
 def test_springs_that_turn_at_once_are_solved_for() -> None:
     """Off the centre of a plate a slide turns; meshes agree within their errors."""
