@@ -46,6 +46,10 @@ from .recovery import GeneralizedCoordinates
 # Masses, kg, and stiffnesses, N/m, beside each other: their squares and ratios are numbers.
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
+# Largest m a²/I of a body touched at an arm a: that of a ball on a rod of 200 times its radius. The
+# end of the arm has so little mass then that steps follow its vibration alone.
+_MOST_TURNING = 1e5
+
 # Masses of a rigid body, kg, whose weight, momentum and energy are numbers.
 _HEAVIEST, _LIGHTEST = 1e200, 1e-200
 
@@ -135,6 +139,7 @@ class AOModel(Frozen, ReducedModel):
         if self.arm is not None:
             checked(self, arm=partial(finite_array, shape=(3,), unit="m"))
         self._check_reach()
+        self._check_turning()
         super().__post_init__()
 
     def _check_reach(self) -> None:
@@ -156,6 +161,20 @@ class AOModel(Frozen, ReducedModel):
                     f"{name} must be from {_LEAST:g} to {_LARGEST:g} {unit} to be computed with, "
                     f"got {value:g}{cure}"
                 )
+
+    def _check_turning(self) -> None:
+        """Refuse an inertia with which the end of the arm has next to no mass along the surface."""
+        if self.inertia is None or self.arm is None or math.isinf(self.m0):
+            return
+        lever = np.cross(self.arm, np.eye(3))  # what a unit force along each axis turns by
+        turned = np.linalg.eigvalsh(lever @ np.linalg.solve(self.inertia, lever.T))
+        share = self.m0 * float(turned[-1])
+        if share > _MOST_TURNING:
+            raise InputError(
+                f"inertia: m |arm|²/I is {share:.3g} about an axis across the arm, and at most "
+                f"{_MOST_TURNING:g} is computed with; give the tensor of the whole body in kg m² "
+                "and arm in m, or leave both out for a body that does not turn"
+            )
 
     def __repr__(self) -> str:
         return described(self, f"{self.n} oscillators" if self.n else "no oscillators")
