@@ -25,8 +25,9 @@ _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
 # The sides of a body on which it is touched as the first of two, and as the second.
 ROLES = (1.0, -1.0)
 
-# Largest coefficient of friction: the squares of bounds on stretches must be numbers.
-_MOST_FRICTION = 1e100
+# Coefficients of friction: the squares of bounds on stretches must be numbers, and what the least
+# does to a body must be more than the rounding of its normal force.
+_LEAST_FRICTION, _MOST_FRICTION = 1e-10, 1e100
 
 # Along the outward normal of a body without a mesh.
 _DOWN = np.array([0.0, 0.0, -1.0])
@@ -50,6 +51,11 @@ def checked_friction(value: Any) -> float | None:
         raise InputError(
             f"friction={friction:g} is beyond {_MOST_FRICTION:g}, where its square and its bound "
             "are no numbers any more; surfaces that never slip have friction=1e3"
+        )
+    if 0.0 < friction < _LEAST_FRICTION:
+        raise InputError(
+            f"friction={friction:g} is below {_LEAST_FRICTION:g}, where it is lost in the rounding "
+            "of the normal force; smooth surfaces have friction=0"
         )
     return friction
 

@@ -278,17 +278,25 @@ def look_up(result: Any, name: str, argument: str) -> float:
             found = found[int(part)] if part.isdigit() else getattr(found, part)
         except (AttributeError, IndexError, TypeError):
             known = [*numbers_of, *(one for one in dir(found) if not one.startswith("_"))]
+            if isinstance(found, np.ndarray):
+                cure = f"; it has components 0 to {len(found) - 1}"
+            elif found is result and any(hasattr(of, part) for of in getattr(found, "bodies", ())):
+                cure = f": take 'bodies.0.{name}'"
+            else:
+                cure = suggestion(name, known)
             raise InputError(
-                f"{argument}: {name!r}: {type(found).__name__} has no {part!r}"
-                f"{suggestion(name, known)}"
+                f"{argument}: {name!r}: {type(found).__name__} has no {part!r}{cure}"
             ) from None
     if found is None:  # an error that is not known
         return math.nan
     if not isinstance(found, (numbers.Real, np.bool_)):
-        one = f"{name}.0" if isinstance(found, np.ndarray) and found.ndim == 1 else "peak_force"
+        of_times = isinstance(found, np.ndarray) and len(found) == len(getattr(result, "t", ()))
+        vector = isinstance(found, np.ndarray) and found.ndim == 1
+        one = f"{name}.0" if vector else "peak_force"
+        at = ", its value at t = 0" if vector and of_times else ""
         raise InputTypeError(
             f"{argument}: {name!r} is no number but {type(found).__name__}; name one, such as "
-            f"{one!r}"
+            f"{one!r}{at}"
         )
     return float(found)
 

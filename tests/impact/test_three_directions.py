@@ -70,6 +70,7 @@ DOWN = (0.0, 0.3, -1.0)
             },
             "shells",
         ),
+        ({"velocity": DOWN, "friction": 1e-300}, "friction=0"),
         (
             {
                 "velocity": (1.0, 0, 0),
@@ -105,6 +106,8 @@ def test_refusals_name_the_cure(keywords, words):
         {"inertia": np.ones((2, 2))},
         {"arm": (0, 0, 1.0)},
         {"inertia": 1.0, "arm": (0, 1.0)},
+        {"inertia": 1e-12, "arm": (0.0, 0.0, 0.01)},
+        {"inertia": (1e-6, 1e-12, 1e-6), "arm": (0.0, 0.0, 0.01)},
     ],
 )
 def test_bodies_that_cannot_be_are_refused(given):
@@ -237,6 +240,13 @@ def test_histories_and_summary_have_friction(tmp_path):
     assert hit.value("projectile.final_spin.1") == hit.projectile.final_spin[1]
     with pytest.raises(ao.InputTypeError, match=r"projectile.final_spin.0"):
         hit.value("projectile.final_spin")
+    for name, words in {
+        "final_velocity.1": "take 'bodies.0.final_velocity.1'",
+        "projectile.final_velocity.3": "components 0 to 2",
+        "stuck": "'stuck.0', its value at t = 0",
+    }.items():
+        with pytest.raises((ao.InputError, ao.InputTypeError), match=words):
+            hit.value(name)
     assert "final spin" in repr(hit)
     assert hit.value("peak_friction_force") == pytest.approx(
         np.linalg.norm(hit.friction_force, axis=1).max()
