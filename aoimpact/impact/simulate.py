@@ -70,7 +70,8 @@ def simulate(
         smooth surface, for any law.
         Motion is small: contact points stay where they are on each body.
     spin : array_like, shape (3,), optional
-        Angular velocity of the projectile in the same axes, rad/s; with `friction`.
+        Angular velocity of the projectile in the same axes, rad/s; with `friction`. Spin about the
+        normal of the contact meets no friction.
     duration : float, optional
         Length of the record, s. If left out, until the impact is over and as long again.
     solver : Adaptive or Newmark, optional

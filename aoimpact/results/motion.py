@@ -548,7 +548,7 @@ class ContactResult(Frozen, Eventful):
     def stick_intervals(self) -> list[tuple[float, float]]:
         """Start and end [s] of every interval in which it sticks, at least in one point.
 
-        With `slip_intervals` they make up `intervals`.
+        With `slip_intervals` they make up the intervals of contact.
         """
         found: list[tuple[float, float]] = []
         for start, end in self.intervals if self.stuck is not None else ():
