@@ -38,8 +38,9 @@ LINEAR = 0.03
 AROUND_PEAK = 0.8
 
 # The finest precision to which a contact with friction draws its stretches, as a share of the
-# largest: some 700 springs, and the core has room for 1024. An impact's friction errs by 0.01 to
-# 0.14 of the precision along one line, and by up to 0.7 of it where the slide turns.
+# largest: some 700 springs, 1150 of a ball that has rolled for 1800 periods of its tangential
+# vibration, each of which leaves two, and the core has room for 2048. An impact's friction errs by
+# 0.01 to 0.14 of the precision along one line, and by up to 0.7 of it where the slide turns.
 DRAWN = 1e-5
 
 # Safety factor of two adaptive runs. The one with the smaller tolerance errs less, in proportion to

@@ -15,7 +15,7 @@
 enum { BLOCK = 8 };
 
 /* Springs of a contact with friction, some 2 over the root of the precision. */
-enum { SPRINGS = 1024 };
+enum { SPRINGS = 2048 };
 
 struct aoi_newmark {
     const aoi_system *system;

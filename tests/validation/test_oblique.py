@@ -645,6 +645,18 @@ def test_a_damped_ball_put_on_a_slope_rolls_whatever_its_first_trial_steps(degre
 
 
 @pytest.mark.slow
+def test_a_ball_that_rolls_for_long_finds_room_for_its_springs() -> None:
+    """Each swing of its tangential vibration leaves its mark in them; it rolls by 5/7 g sin α."""
+    slope, end = math.radians(5.0), 1.0
+    scene = ao.Scene(gravity=(9.81 * math.sin(slope), 0.0, -9.81 * math.cos(slope)))
+    ball, plane = scene.add(ao.ball(0.01, STEEL)), scene.add(ao.wall(STEEL))
+    scene.connect(ball, plane, ao.HuntCrossley(k=1e9, damping=50.0), friction=0.6)
+    run = scene.simulate(duration=end, solver=ao.Newmark(dt=2e-5, estimate=False))
+    speed = 5.0 / 7.0 * 9.81 * math.sin(slope) * end
+    assert run[ball].final_velocity[0] == pytest.approx(speed, rel=1e-4)
+
+
+@pytest.mark.slow
 def test_springs_that_turn_at_once_are_solved_for() -> None:
     """Off the centre of a plate a slide turns; meshes agree within their errors."""
     found = []
