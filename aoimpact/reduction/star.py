@@ -166,14 +166,21 @@ class AOModel(Frozen, ReducedModel):
         """Refuse an inertia with which the end of the arm has next to no mass along the surface."""
         if self.inertia is None or self.arm is None or math.isinf(self.m0):
             return
-        lever = np.cross(self.arm, np.eye(3))  # what a unit force along each axis turns by
-        turned = np.linalg.eigvalsh(lever @ np.linalg.solve(self.inertia, lever.T))
-        share = self.m0 * float(turned[-1])
+        size = float(np.abs(self.arm).max()) or 1.0
+        scale = float(np.abs(self.inertia).max())
+        moments, axes = np.linalg.eigh(self.inertia / scale)
+        across = np.linalg.norm(
+            np.cross(self.arm / size, axes.T), axis=1
+        )  # of each axis, over size
+        moments = np.maximum(moments, np.finfo(float).tiny)
+        with np.errstate(over="ignore"):
+            roots = across / np.sqrt(moments) * (math.sqrt(self.m0) / math.sqrt(scale) * size)
+            share = float(np.square(roots).max())
         if share > _MOST_TURNING:
             raise InputError(
-                f"inertia: m |arm|²/I is {share:.3g} about an axis across the arm, and at most "
-                f"{_MOST_TURNING:g} is computed with; give the tensor of the whole body in kg m² "
-                "and arm in m, or leave both out for a body that does not turn"
+                f"inertia, mass and arm: m a²/I is {share:.3g} about an axis from which the arm "
+                f"leads a away, and at most {_MOST_TURNING:g} is computed with; give all of the "
+                "body's inertia in kg m², or leave inertia and arm out"
             )
 
     def __repr__(self) -> str:
