@@ -74,8 +74,8 @@ _HERTZ = 2.0 / 3.0
 # Slopes are taken over this share of the indentation.
 _DIFFERENCE = 1e-3
 
-# Peaks on sheets of 1 to 8 mm by bricks and tetrahedra lack up to 1.3 times the compliance that
-# stress does not show, by `unbent`, and by linear bricks 1.7 times.
+# Peaks on sheets of 1 to 4 mm by quadratic bricks and tetrahedra lack up to 1.3 times the
+# compliance that stress does not show, by `unbent`; those by linear bricks 1.7 times.
 _TWICE = 2.0
 
 

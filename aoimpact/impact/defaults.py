@@ -201,7 +201,7 @@ def meeting(
     velocity : float
         At which they meet, m/s.
     strict : bool, optional
-        Whether a law that gives no number raises its error.
+        True to raise the error of a law that gives no number.
     """
     mass, speed = _reduced_mass(bodies), abs(velocity)
     if speed == 0.0 or math.isinf(mass):

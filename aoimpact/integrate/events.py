@@ -169,7 +169,7 @@ def find_slips(
     stuck : (n,) array
         Share of the contact within which it sticks.
     left : (n,) array
-        What friction is less than its bound [N].
+        Bound of friction less friction itself [N].
     ahead : (n,) array
         Rate of the slide along friction less that of the largest stretch before slip, μ/(G*/E*)
         times that of the indentation [m/s].

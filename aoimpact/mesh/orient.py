@@ -73,11 +73,11 @@ def _going_on(ends: FloatArray, middle: FloatArray, number: IntArray) -> IntArra
     Parameters
     ----------
     ends : ndarray, shape (n, 2, 3)
-        Of the edge of each element, m.
+        Ends of the edge of each element, m.
     middle : ndarray, shape (n, 3)
-        Of the element, m.
+        Centre of the element, m.
     number : ndarray of int, shape (n,)
-        Of the edge, ascending.
+        Number of the edge, ascending.
     """
     along = ends[:, 1] - ends[:, 0]
     away = middle - ends[:, 0]

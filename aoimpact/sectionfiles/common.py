@@ -1,4 +1,4 @@
-"""What the readers share: units, plies, and directions that elements have in common."""
+"""Units, plies and common directions of elements, for the readers of both formats."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Source:
     taken : set of str
         Names of `given` that the deck has.
     wanted : dict of str to types
-        Of names of `given` that the deck has of another kind.
+        Kinds that the deck has of names in `given` that are of another.
     """
 
     raw: RawMesh

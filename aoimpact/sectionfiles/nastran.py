@@ -363,7 +363,7 @@ def _beam(reader: Reader, card: _Card, place: _Place, section: Any) -> OneMateri
     return Beam(section, material, orientation=reader.towards(place))
 
 
-# What begins a line of PBEAM that has a cross-section.
+# First field of the lines of PBEAM that have a cross-section.
 _STATIONS = ("YES", "YESA", "NO")
 
 # How properties are read, and the dimension of their elements; None for bars without bending.

@@ -44,7 +44,7 @@ def read_sections(
     scale, force, time : float, optional
         The deck's units of length in m, of force in N, and of time in s. The units of modulus and
         density follow, ``force/scale**2`` and ``force*time**2/scale**4``, as solvers take them.
-        Of mm, N, t, s: ``scale=1e-3``; of mm, kN, kg, ms: ``scale=1e-3, force=1e3, time=1e-3``; of
+        For mm, N, t, s: ``scale=1e-3``; mm, kN, kg, ms: ``scale=1e-3, force=1e3, time=1e-3``;
         in, lbf, s: ``scale=0.0254, force=4.44822``.
     given : mapping of str to Material, Orthotropic, Shell, Laminate or Beam, optional
         In SI units, in place of cards: sections by their groups, materials by their names; that of

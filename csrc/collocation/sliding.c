@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Of a step: half of the way on which springs that slip are seen to stick; to how much the place of a change is found. */
+/* Shares of a step: half of the way on which springs that slip are seen to stick, and the error of a change's place. */
 static const double SHORT_WAY = 1e-5, CHANGE_WIDTH = 1e-9;
 
 /* Places of a step, ascending, and the number of each: of the points where forces are found below AOI_NODES, then of those
@@ -105,7 +105,7 @@ static void copy_path(const aoi_slide_path *from, aoi_slide_path *to)
     to->springs.spare = spare;
 }
 
-/* What a path finds at a place of the bodies that it goes to straight. */
+/* Results of a straight path to a place of the bodies. */
 static int look(const aoi_sliding *of, const double place[3], const aoi_slide_path *path, aoi_oblique_solution *found)
 {
     aoi_oblique_equation equation = {.rate_free = 0.0}; /* the law is elastic */

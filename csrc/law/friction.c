@@ -49,7 +49,7 @@ typedef struct knot {
     int slips;
 } knot;
 
-/* Of the knots of a path: the derivatives as well, or only the stretches, or only how long these are, as s[0]. */
+/* Contents of the knots of a path: the derivatives as well, only the stretches, or only their lengths, as s[0]. */
 enum wanted { DERIVATIVES, STRETCHES, LENGTHS };
 
 /* A straight path, and the state that it starts from. */
