@@ -10,7 +10,7 @@ from .elements import KINDS, THIN, ReferenceElement, cofactors, jacobians, refer
 from .files import load
 from .files.abaqus import AbaqusDeck
 from .files.abaqusdeck import Keyword, key, looks_like_inp
-from .files.nastran import Entries, NastranDeck, nastran_nodes
+from .files.nastran import PROPERTIES, Entries, NastranDeck, nastran_nodes
 from .files.nastrandeck import Table, is_nastran
 from .files.raw import RawMesh, number, rows_of
 from .files.viameshio import meshio_of_all_kinds

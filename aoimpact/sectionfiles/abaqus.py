@@ -19,7 +19,7 @@ from .common import Source, across, common, layered, refusing, unit
 # Options of a material that change its answer and are left out.
 _LEFT_OUT = re.compile(
     "(CYCLIC|RATEDEPENDENT|)PLASTIC|CYCLICHARDENING|RATEDEPENDENT|CREEP|DAMPING|VISCO.*|HYSTERESIS"
-    "|DAMAGE.*|FAIL.*|HYPER.*|.*PLASTICITY|.*CRACKING|NOCOMPRESSION|NOTENSION|USERMATERIAL"
+    "|DAMAGE.*|.*FAIL.*|SUPERELASTIC.*|HYPER.*|.*PLASTICITY|.*CRACKING|NOCOMPRESSION|NOTENSION|USERMATERIAL"
 )
 
 # Keywords that add to a section: to that of their ELSET, or to the one before them.

@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError
+from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError, held_warnings
 from ..fem import (
     Beam,
     BeamSection,
@@ -23,6 +23,7 @@ from ..fem import (
     Shell,
     Solid,
     TubularSection,
+    warn_of_units,
 )
 from ..mesh import RawMesh, key
 
@@ -36,6 +37,21 @@ _KINDS: dict[int | None, tuple[type[Any], ...]] = {
     1: (Beam,),
     None: get_args(Solid),
 }  # with None for materials
+
+# ν13 and ν23 of fabrics: ν23 of all four unidirectional carbon and glass epoxies of P. D. Soden,
+# M. J. Hinton and A. S. Kaddour, Compos. Sci. Technol. 58, 1011 (1998), table 1.
+_NU_ACROSS = 0.4
+
+# Consistent systems of units: those of length, force and time in SI, and as arguments.
+_UNITS = {
+    "m, N, kg, s": (1.0, 1.0, 1.0, "scale=1"),
+    "mm, N, t, s": (1e-3, 1.0, 1.0, "scale=1e-3"),
+    "mm, kN, kg, ms": (1e-3, 1e3, 1e-3, "scale=1e-3, force=1e3, time=1e-3"),
+    "mm, mN, kg, s": (1e-3, 1e-3, 1.0, "scale=1e-3, force=1e-3"),
+    "in, lbf, s": (0.0254, 4.44822, 1.0, "scale=0.0254, force=4.44822"),
+    "ft, lbf, slug, s": (0.3048, 4.44822, 1.0, "scale=0.3048, force=4.44822"),
+    "cm, g, µs": (1e-2, 1e7, 1e-6, "scale=1e-2, force=1e7, time=1e-6"),
+}
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -67,6 +83,8 @@ class Source:
         Names of `given` that the deck has.
     wanted : dict of str to types
         Kinds that the deck has of names in `given` that are of another.
+    solids : list of (float, float)
+        E and rho of the materials in the deck's units.
     """
 
     raw: RawMesh
@@ -77,6 +95,7 @@ class Source:
     left_out: list[str] = field(default_factory=list)
     taken: set[str] = field(default_factory=set)
     wanted: dict[str, tuple[type[Any], ...]] = field(default_factory=dict)
+    solids: list[tuple[float, float]] = field(default_factory=list)
 
     def instead(self, name: str, dim: int | None = None) -> Any:
         """Return what is given in place of a section of 1 to 3 dimensions, or of a material."""
@@ -89,31 +108,47 @@ class Source:
         self.taken.add(at)
         return given
 
+    def likely_units(self) -> str:
+        """Return the systems of units in which all materials are solids, as a cure."""
+        found = []
+        for name, (length, force, time, arguments) in _UNITS.items():
+            stress = force / length**2
+            with held_warnings() as odd:
+                for E, rho in self.solids:
+                    warn_of_units("E", E * stress)
+                    warn_of_units("rho", rho * stress * (time / length) ** 2)
+            if not odd:
+                found.append(f"{arguments} for {name}")
+        return f"give {' or '.join(found)}" if found else "give scale=, force= and time="
+
     def isotropic(self, E: float, nu: float, rho: float) -> Material:
         """Return the material of constants in the deck's units."""
+        self.solids.append((E, rho))
         return Material(E * self.stress, nu, rho * self.density)
 
     def orthotropic(self, *of: float) -> Orthotropic:
         """Return that of E1, E2, E3, ν12, ν13, ν23, G12, G13, G23, rho in the deck's units."""
+        self.solids.append((of[0], of[9]))
         E1, E2, E3, G12, G13, G23 = (self.stress * of[i] for i in (0, 1, 2, 6, 7, 8))
         return Orthotropic(
             (E1, E2, E3), (G12, G13, G23), (of[3], of[4], of[5]), of[9] * self.density
         )
 
     def ply(self, *of: float) -> Orthotropic:
-        """Return that of E1, E2, ν12, G12, G13, G23, rho: fibres in a matrix.
+        """Return that of E1, E2, ν12, G12, G13, G23, rho, with a rule for E3.
 
-        It is isotropic across the fibres: E3 = E2, ν23 = E2/(2 G23) - 1. Strain energy is positive
-        if 1 - ν23 > 2 ν12² E2/E1.
+        Fibres along 1 in a matrix are isotropic across the fibres: E3 = E2, ν23 = E2/(2 G23) - 1.
+        Strain energy is then positive if 1 - ν23 > 2 ν12² E2/E1. A ply for which it is not has
+        fibres along 2 as well, as a fabric. Its matrix carries both G23 and E3, and the rule is
+        that of an isotropic solid, E3 = 2 (1 + ν) G, with the smaller of G13 and G23.
         """
         E1, E2, nu, G12, G13, G23, rho = of
+        E3, nu13, nu23, rule = E2, nu, 0.5 * E2 / G23 - 1.0, "E2"
         if not 4.0 * G23 * (E1 - nu**2 * E2) > E1 * E2:
-            raise InputError(
-                f"E3 is not known, and E2={E2:g}, G23={G23:g} are not of fibres in a matrix; give "
-                "an Orthotropic by read_sections(given=)"
-            )
-        self.left_out.append("plies of LAMINA or MAT8 have no E3: that of contact is E2")
-        return self.orthotropic(E1, E2, E2, nu, nu, 0.5 * E2 / G23 - 1.0, G12, G13, G23, rho)
+            factor, nu13, nu23 = 2.0 * (1.0 + _NU_ACROSS), _NU_ACROSS, _NU_ACROSS
+            E3, rule = factor * min(G13, G23), f"{factor:g} times G13 or G23, as of a fabric"
+        self.left_out.append(f"plies of LAMINA or MAT8 have no E3: that of contact is {rule}")
+        return self.orthotropic(E1, E2, E3, nu, nu13, nu23, G12, G13, G23, rho)
 
     def shape(self, name: str) -> tuple[int, Callable[..., Any]]:
         """Return the number of a cross-section's lengths, and its section of these."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base import FloatArray, IntArray, MeshError
 from ..fem import Beam, Material, OneMaterial, Orthotropic, Ply, Solid
-from ..mesh import Entries, NastranDeck, number, rows_of
+from ..mesh import PROPERTIES, Entries, NastranDeck, number, rows_of
 from .common import Source, across, common, layered, refusing
 
 # Fields of surface elements, from their number on, by the kind of all their nodes: angle or system
@@ -21,12 +21,6 @@ from .common import Source, across, common, layered, refusing
 _THETA = {"quad": 6, "triangle": 5, "triangle6": 8, "quad8": 14}
 _ZOFFS = {kind: at + 1 for kind, at in _THETA.items()}
 _NODAL = {kind: slice(10, 14 if kind.startswith("quad") else 13) for kind in _THETA}
-
-# Properties of solids, shells and beams, also those that are not read.
-_ANY = re.compile(
-    "P(SOLID|LSOLID|COMPL?S|SHELL|COMPG?|SHEAR|L?PLANE|SHLN[12]|BAR|BARL|BEAM|BEAML|BEAM3|BCOMP"
-    "|B[MR]SECT|BEND|ROD|TUBE)"
-)
 
 _WTMASS = re.compile(rb"\s*PARAM[\s,*]+WTMASS[\s,]+([^\s,]+)")
 
@@ -98,9 +92,10 @@ class Reader:
         return found
 
     @cached_property
-    def properties(self) -> dict[int, _Card]:
-        """All properties of elements, also those that are not read."""
-        return self.cards(filter(_ANY.fullmatch, self.deck.bulk.names))
+    def properties(self) -> dict[int, dict[int, _Card]]:
+        """All properties by the dimension of their elements, also those that are not read."""
+        names = self.deck.bulk.names
+        return {dim: self.cards(filter(of.fullmatch, names)) for dim, of in PROPERTIES.items()}
 
     @cached_property
     def materials(self) -> dict[int, _Card]:
@@ -127,12 +122,12 @@ class Reader:
     def sections(self) -> dict[str, OneMaterial]:
         """Return the sections by group."""
         parts = self.deck.parts
-        numbers = np.concatenate([np.zeros(0, int), *(part.properties for part in parts)])
         dims = np.repeat([part.block.dim for part in parts], [len(p.properties) for p in parts])
         found: dict[str, OneMaterial] = {}
-        for label in np.unique(numbers[numbers > 0]).tolist():
-            name, members = f"property {label}", np.flatnonzero(numbers == label)
-            card, dim = self.properties.get(label), int(dims[members].max())
+        for name, members in self.source.raw.cell_sets.items():
+            if not name.startswith("property "):
+                continue
+            label, dim = int(name.split()[1]), int(dims[members].max())
             if (of := self.source.instead(name, dim)) is not None:
                 found[name] = of
                 continue
@@ -141,16 +136,17 @@ class Reader:
                 for p in parts
                 if p.block.dim == dim and (rows := p.properties == label).any()
             ]
+            card = self.properties[dim].get(label)
             if card is None:
+                for others in self.properties.values():
+                    if label in others:
+                        raise others[label].error("its elements are of another kind")
                 if dim == dims.max():
                     raise own[0].table.refused(0, f"its {name} is not there")
                 continue  # sides and edges of a mesher
             if card.name not in _PROPERTIES:
                 raise card.error(f"it is not read; give read_sections(given={{{name!r}: ...}})")
-            read, of_dim = _PROPERTIES[card.name]
-            if dim != of_dim:
-                raise card.error("its elements are of another kind")
-            if read is None:
+            if (read := _PROPERTIES[card.name]) is None:
                 self.source.left_out.append(f"{card.name}, which carries no bending, is left out")
                 continue
             with refusing(card.error):
@@ -366,15 +362,15 @@ def _beam(reader: Reader, card: _Card, place: _Place, section: Any) -> OneMateri
 # First field of the lines of PBEAM that have a cross-section.
 _STATIONS = ("YES", "YESA", "NO")
 
-# How properties are read, and the dimension of their elements; None for bars without bending.
-_PROPERTIES: dict[str, tuple[Callable[..., OneMaterial] | None, int]] = {
-    "PSOLID": (_solid, 3),
-    "PSHELL": (_shell, 2),
-    **dict.fromkeys(("PCOMP", "PCOMPG"), (_laminate, 2)),
-    "PBAR": (_bar, 1),
-    "PBEAM": (_constant, 1),
-    **dict.fromkeys(("PBARL", "PBEAML"), (_shaped, 1)),
-    **dict.fromkeys(("PROD", "PTUBE"), (None, 1)),
+# How properties are read; None for bars without bending.
+_PROPERTIES: dict[str, Callable[..., OneMaterial] | None] = {
+    "PSOLID": _solid,
+    "PSHELL": _shell,
+    **dict.fromkeys(("PCOMP", "PCOMPG"), _laminate),
+    "PBAR": _bar,
+    "PBEAM": _constant,
+    **dict.fromkeys(("PBARL", "PBEAML"), _shaped),
+    **dict.fromkeys(("PROD", "PTUBE"), None),
 }
 
 
@@ -391,7 +387,10 @@ def _isotropic(source: Source, card: _Card, rho: float) -> Material:
     elif not card.text(1):
         E = 2.0 * G * (1.0 + nu)
     elif G and abs(G - 0.5 * E / (1.0 + nu)) > _ISOTROPIC * G:
-        raise card.error(f"G={G:g} is not E/(2 (1 + NU)); leave it blank, or take MAT8")
+        raise card.error(
+            f"G={G:g} is not E/(2 (1 + NU)) = {0.5 * E / (1.0 + nu):g}; leave NU blank for bars, "
+            "and G for shells and solids"
+        )
     return source.isotropic(E, nu, rho)
 
 

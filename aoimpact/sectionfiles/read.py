@@ -7,7 +7,17 @@ import warnings
 from collections.abc import Mapping
 from typing import get_args
 
-from ..base import AOImpactWarning, InputError, MeshError, instance, nearest, positive, text, warn
+from ..base import (
+    AOImpactWarning,
+    InputError,
+    MeshError,
+    held_warnings,
+    instance,
+    nearest,
+    positive,
+    text,
+    warn,
+)
 from ..fem import OneMaterial
 from ..mesh import AbaqusDeck, NastranDeck, key, load
 from . import abaqus, nastran
@@ -35,7 +45,9 @@ def read_sections(
     steps are not read.
 
     The modulus across plies, which LAMINA and MAT8 do not have, is E3 = E2, with ν13 = ν12 and
-    ν23 = E2/(2 G23) − 1: fibres in a matrix. It matters to contact alone. Axis 1 of a shell without
+    ν23 = E2/(2 G23) − 1: fibres in a matrix. Where G23 is too small for that, as of a fabric,
+    E3 = 2 (1 + ν) G with ν = ν13 = ν23 = 0.4 and the smaller of G13 and G23. E3 matters to contact
+    alone. Axis 1 of a shell without
     an orientation is the projection of x, as in Abaqus.
 
     Parameters
@@ -109,16 +121,23 @@ def read_sections(
     stress, per_speed = newtons / length / length, seconds / length
     density = stress * per_speed * per_speed
     source = Source(raw, length, stress, density, {key(name): one for name, one in known.items()})
-    if isinstance(raw.deck, AbaqusDeck):
-        found = abaqus.Reader(source, raw.deck).sections()
-    elif isinstance(raw.deck, NastranDeck):
-        found = nastran.Reader(source, raw.deck).sections()
-    else:
-        raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran, and has no sections")
+    with held_warnings() as of_no_solid:
+        if isinstance(raw.deck, AbaqusDeck):
+            found = abaqus.Reader(source, raw.deck).sections()
+        elif isinstance(raw.deck, NastranDeck):
+            found = nastran.Reader(source, raw.deck).sections()
+        else:
+            raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran")
+    if of_no_solid:
+        said = of_no_solid[0].partition(":")[0]
+        source.left_out.append(f"{said}; {source.likely_units()}")
     if not found:
         cure = "give materials to from_mesh"
         if raw.deck.elements:
-            cure = f"it has {raw.deck.elements}. Write shells as S3 or S4, or {cure}"
+            other = "Write shells as S3 or S4"
+            if any(block.dim == 3 for block in raw.blocks):
+                other = "Write a *SOLID SECTION for the solids' ELSET"
+            cure = f"it has {raw.deck.elements}. {other}, or {cure}"
         elif source.left_out:
             cure = f"{'; '.join(dict.fromkeys(source.left_out))}. Write bars, or {cure}"
         raise MeshError(f"{where} has no sections of solids, shells or beams; {cure}")

@@ -187,7 +187,55 @@ def test_fibres_lie_as_the_cards_say(
     assert abs(z) < 1e-9
 
 
+@pytest.mark.parametrize("program", ["abaqus", "nastran"])
+def test_a_fabric_is_stiff_along_both_fibres_and_soft_across(program: str, tmp_path: Path) -> None:
+    """A, B, D do not depend on E3. It is 2 (1 + ν) G of the resin that carries both."""
+    if program == "abaqus":
+        lamina = "*ELASTIC, TYPE=LAMINA\n60E9, 58E9, .05, 4.5E9, 4E9, 4E9\n*DENSITY\n1550."
+        cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=F\n.001\n*MATERIAL, NAME=F", lamina]
+        path = abaqus(tmp_path / "a.inp", SHEET, cards)
+    else:
+        mat8 = "MAT8,2,60.E9,58.E9,.05,4.5E9,4.E9,4.E9,1550."
+        path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,2,.001,2", mat8])
+    with pytest.warns(ao.AOImpactWarning, match="E3"):
+        ply = read(path)
+    material = ply.plies[0].material
+    assert list(material.E) == pytest.approx([60e9, 58e9, 2 * 1.4 * 4e9])
+    q = 1 - 0.05**2 * 58 / 60
+    assert np.diag(ply.stiffness)[:3] == pytest.approx([60e6 / q, 58e6 / q, 4.5e6], rel=1e-9)
+
+
+@pytest.mark.parametrize("card", ["*FAIL STRESS", "*FAIL STRAIN", "*TENSILE FAILURE"])
+def test_data_of_strength_are_left_out_aloud(card: str, tmp_path: Path) -> None:
+    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=PLY", ".002", PLY + card, "1, -1, 1, -1, 1"]
+    path = abaqus(tmp_path / "a.inp", SHEET, cards)
+    with pytest.warns(ao.AOImpactWarning, match=card.replace(" ", "").replace("*", r"\*")):
+        body = ao.FEModel.from_mesh(path, ao.read_sections(path))
+    assert body.mass == pytest.approx(0.2 * 0.1 * 2e-3 * 1550)
+
+
 # ------------------------------------------------------------------------- beams and solids
+
+
+def test_a_shell_and_a_bar_may_have_one_number(tmp_path: Path) -> None:
+    bars = "CBAR,99,7,1,2,0.,0.,1.\nPBARL,7,1,,BAR\n,.02,.01"
+    path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,1,.001,1", MAT1, bars])
+    body = ao.FEModel.from_mesh(path, ao.read_sections(path))
+    assert body.mass == pytest.approx(7800 * (0.2 * 0.1 * 1e-3 + 0.05 * 0.02 * 0.01))
+
+
+@pytest.mark.parametrize(
+    ("E", "rho", "argument"),
+    [
+        ("10.3E6", "2.59E-4", "force=4.44822"),  # in, lbf, s
+        ("70000.", "2.7E-9", "scale=1e-3"),  # mm, N, t, s
+        ("70.", "2.7E-6", "time=1e-3"),  # mm, kN, kg, ms
+    ],
+)
+def test_the_likely_units_are_said(E: str, rho: str, argument: str, tmp_path: Path) -> None:
+    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL", ".1", ELASTIC(E=E, rho=rho)]
+    with pytest.warns(ao.AOImpactWarning, match=argument):
+        read(abaqus(tmp_path / "a.inp", SHEET, cards))
 
 
 RECT = "*BEAM SECTION, ELSET=ALL, SECTION=RECT, MATERIAL=STEEL\n.01, .02\n0, 0, 1"

@@ -37,10 +37,11 @@ _READ = {name for names in _ELEMENTS for name in names} | {
     *(f"CORD{i}{kind}" for i in "12" for kind in "RCS"),
 }
 
-# Sections of line and of surface elements.
-_SECTIONS = {
-    1: re.compile("P(BAR|BARL|BEAM|BEAML|BCOMP|BEND|ROD|TUBE)"),
-    2: re.compile("PSHELL|PCOMP[GLS]?|PSHEAR"),
+# Properties by the dimension of their elements.
+PROPERTIES = {
+    1: re.compile("P(BAR|BARL|BEAM|BEAML|BEAM3|BCOMP|B[MR]SECT|BEND|ROD|TUBE)"),
+    2: re.compile("P(SHELL|COMPG?|SHEAR|L?PLANE|SHLN[12])"),
+    3: re.compile("P(SOLID|LSOLID|COMPL?S)"),
 }
 
 # Largest difference between axes of displacements and the basic ones.
@@ -76,15 +77,16 @@ class NastranDeck:
         return ", ".join(
             f"{len(lines)} {name}"
             for name, lines in sorted(self.bulk.names.items())
-            if any(pattern.fullmatch(name) for pattern in _SECTIONS.values())
+            if any(pattern.fullmatch(name) for pattern in (PROPERTIES[1], PROPERTIES[2]))
         )
 
 
 def read(file: Path) -> RawMesh:
     """Return the mesh of a Nastran deck.
 
-    Elements with the same property make a group such as "property 3". A set (SET of the case
-    control; SET1, SET3, SET of bulk data) becomes "SET 5 nodes" where all its numbers are those of
+    Elements with the same property make a group such as "property 3". Where a shell's and a bar's
+    property have one number, the bars are "property 3 lines". A set (SET of the case control; SET1,
+    SET3, SET of bulk data) becomes "SET 5 nodes" where all its numbers are those of
     nodes and "SET 5 elements" where they are those of elements; often both are possible.
 
     Raises
@@ -112,11 +114,7 @@ def read(file: Path) -> RawMesh:
         at = int(np.searchsorted(raw.first, number, side="right")) - 1
         why = f"element {labels[number]} is there twice"
         raise elements[at].table.refused(number - raw.first[at], why)
-    properties = joined(part.properties for part in elements)
-    cell_sets = {
-        f"property {number}": np.flatnonzero(properties == number)
-        for number in np.unique(properties[properties > 0])
-    }
+    cell_sets = _by_property(deck, elements)
     node_sets = {}
     for name, one in _sets(control, deck).items():
         if "nodes" in one.kinds:
@@ -206,6 +204,34 @@ def _elements(deck: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
         yield Entries(part, RawBlock(kind, cells, labels), properties, kinds[-1])
 
 
+def _by_property(deck: BulkData, parts: list[Entries]) -> dict[str, IntArray]:
+    """Return the groups of elements by property.
+
+    Elements of a lower dimension have a group of their own if the deck has a property of that
+    number for them. Without one they are sides and edges to which a mesher gave the number.
+    """
+    properties = joined(part.properties for part in parts)
+    dims = np.repeat([part.block.dim for part in parts], [len(p.properties) for p in parts])
+    entries = {
+        dim: {
+            fields[0]
+            for name in filter(PROPERTIES[dim].fullmatch, deck.names)
+            for _, fields in deck.long_entries(name)
+        }
+        for dim in (1, 2)
+    }
+    found = {}
+    for number in np.unique(properties[properties > 0]).tolist():
+        own = properties == number
+        for dim, what in ((1, "lines"), (2, "surfaces")):
+            lower = own & (dims == dim)
+            if dim < dims[own].max() and lower.any() and str(number) in entries[dim]:
+                found[f"property {number} {what}"] = np.flatnonzero(lower)
+                own &= ~lower
+        found[f"property {number}"] = np.flatnonzero(own)
+    return found
+
+
 def _beside(blocks: list[RawBlock], names: set[str], n_nodes: int) -> str:
     """Count the shells and beams: those with a section, or that are no side or edge of a solid.
 
@@ -226,7 +252,7 @@ def _beside(blocks: list[RawBlock], names: set[str], n_nodes: int) -> str:
         for block in others:
             own = corners(block)
             most = (own @ of_node).max(axis=1).toarray().ravel()
-            section = any(map(_SECTIONS[block.dim].fullmatch, names))
+            section = any(map(PROPERTIES[block.dim].fullmatch, names))
             counts[block.dim] += int(np.count_nonzero(section | (most < own.sum(axis=1))))
     said = ((counts[2], "surface elements"), (counts[1], "line elements"))
     return " and ".join(f"{count} {what}" for count, what in said if count)
