@@ -29,6 +29,18 @@ debian() {
     DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $missing > /dev/null
 }
 
+# kernels COMMAND...: run a command with OpenBLAS's kernels for AVX2 and, where the processor has
+# AVX-512, with those too: their sums differ in the last bit. NumPy and SciPy bring a copy of
+# OpenBLAS each, and both heed the variable.
+kernels() {
+    if ! grep -qsw avx2 /proc/cpuinfo; then
+        "$@"
+        return
+    fi
+    OPENBLAS_CORETYPE=Haswell "$@"
+    if grep -qsw avx512f /proc/cpuinfo; then OPENBLAS_CORETYPE=SkylakeX "$@"; fi
+}
+
 # What gmsh's wheel is linked with.
 gmsh=(libglu1-mesa libgl1 libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1)
 

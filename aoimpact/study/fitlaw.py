@@ -54,6 +54,9 @@ _OF_THE_TEST = ("relative_radius", "mass", "velocity")
 _NAMED = {"n": 1.5, "restitution": 0.7, "alpha": 0.1, "beta": 0.1}
 _BOUNDS = {"n": (1.0, math.inf), "restitution": (0.0, 1.0), "beta": (0.0, 1.0)}
 
+# Largest factor between a parameter and its first guess: beyond it, one is rounding to the other.
+_RANGE = 1.0 / np.finfo(float).eps
+
 # The share of the peak up to which a force has hardly begun, as Hertz's at that share of the
 # indentation has not; and the time from start to peak by Hertz's law, in δ/v.
 _FOOT, _EARLY, _RISE = 0.05, 0.01, 1.47
@@ -159,8 +162,8 @@ class _Problem:
         self.law, self.names, self.data = law, names, data
         self.first = np.array([getattr(law, name) for name in names])
         bounds = np.array([_BOUNDS.get(name, (0.0, math.inf)) for name in names])
-        with np.errstate(divide="ignore"):
-            low, high = np.log(bounds / self.first[:, None]).T + _ORIGIN
+        bounds = np.clip(bounds / self.first[:, None], 1.0 / _RANGE, _RANGE)
+        low, high = np.log(bounds).T + _ORIGIN
         timed = [math.inf] * (data.start is not None)
         self.low, self.high = np.append(low, np.negative(timed)), np.append(high, timed)
         if len(data.measured) <= len(self.low):
@@ -340,7 +343,7 @@ def fit_law(
             for name, error in poor.items()
         )
         warn(f"the data do not determine {shares}: keep them, or measure where they matter")
-    _warn_of_a_poor_fit(problem, found.x, math.sqrt(variance))
+    _warn_of_a_poor_fit(problem, found.x, math.sqrt(variance), poor)
     sizes = np.append(values[: len(names)], [data.time] * (len(values) - len(names)))
     return LawFit(
         problem.law_at(found.x),
@@ -352,7 +355,9 @@ def fit_law(
     )
 
 
-def _warn_of_a_poor_fit(problem: _Problem, x: FloatArray, residual: float) -> None:
+def _warn_of_a_poor_fit(
+    problem: _Problem, x: FloatArray, residual: float, poor: Mapping[str, float]
+) -> None:
     """Warn where the law does not describe the measurement, with by how much."""
     data = problem.data
     largest = float(np.abs(data.measured).max())
@@ -374,7 +379,8 @@ def _warn_of_a_poor_fit(problem: _Problem, x: FloatArray, residual: float) -> No
             "value: the fit means nothing; measure with more gain, or check start and units"
         )
     ends = zip(problem.names, x, problem.low, problem.high, strict=False)
-    bound = [name for name, at, low, high in ends if min(at - low, high - at) < _AT_BOUND]
+    at_bound = [name for name, at, low, high in ends if min(at - low, high - at) < _AT_BOUND]
+    bound = [name for name in at_bound if name not in poor]
     if bound:
         warn(f"{', '.join(bound)}: the best fit is at the bound of the range; take another law")
 
@@ -389,7 +395,7 @@ def _uncertainty(jacobian: FloatArray, variance: float) -> tuple[FloatArray, Flo
     covariance = spread @ spread.T
     errors = np.sqrt(np.diag(covariance))
     share = errors * math.sqrt(variance) / size
-    share[errors > 0.1 / _SINGULAR] = math.inf
+    share[~(errors <= 0.1 / _SINGULAR)] = math.inf  # NaN, too, where nothing has an influence
     return share, covariance / np.outer(errors, errors)
 
 
