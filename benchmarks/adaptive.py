@@ -42,7 +42,7 @@ from scipy_solvers import Outcome
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.base.units import with_unit
+from aoimpact.base import with_unit
 from aoimpact.integrate.dense import adaptive_run
 from aoimpact.integrate.newmark import newmark_run
 from aoimpact.reduction import body_model

@@ -13,7 +13,7 @@ from impacts import SCENES
 from scipy_solvers import OdeScene, Outcome, ode_scene
 
 import aoimpact as ao
-from aoimpact.integrate.fixed_steps import rigid_contact_time
+from aoimpact.integrate import rigid_contact_time
 
 
 @dataclass(frozen=True)

@@ -31,11 +31,10 @@ os.environ.setdefault("MKL_NUM_THREADS", "1")
 import numpy as np
 
 import aoimpact as ao
-from aoimpact.base import choice
-from aoimpact.base.errors import held_warnings
+from aoimpact import KrylovSpace
+from aoimpact.base import choice, held_warnings
 from aoimpact.linalg import Pencil
 from aoimpact.linalg.solvers import METHODS
-from aoimpact.reduction import KrylovSpace
 from aoimpact.results import QUANTITIES
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)

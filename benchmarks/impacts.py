@@ -7,9 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from aoimpact.fem import Material
-from aoimpact.laws import Hertz
-from aoimpact.reduction import AOModel, rigid
+from aoimpact import AOModel, Hertz, Material, rigid
 
 
 def pair() -> dict[str, Any]:

@@ -24,11 +24,9 @@ from collections.abc import Callable
 import numpy as np
 
 import aoimpact as ao
-from aoimpact.linalg import pardiso
+from aoimpact.linalg import Pencil, factorize, pardiso
 from aoimpact.linalg.multigrid import Multigrid
-from aoimpact.linalg.pencil import Pencil
 from aoimpact.linalg.solvers import METHODS
-from aoimpact.linalg.superlu import factorize
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from aoimpact.base.units import with_unit
+from aoimpact.base import with_unit
 
 
 def best_times(

@@ -28,7 +28,7 @@ from measuring import Line, best_times, print_table
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.fem.assembly import stiffness_mass
+from aoimpact.fem import stiffness_mass
 from aoimpact.linalg import factorize
 from aoimpact.paper.beam import ALUMINIUM, beam_model
 from aoimpact.scene import stepped

@@ -32,9 +32,8 @@ import numpy as np
 from measuring import Line, best_times, print_table
 
 import aoimpact as ao
-from aoimpact.base.errors import held_warnings
-from aoimpact.linalg import Pencil, pardiso
-from aoimpact.linalg.superlu import factorize
+from aoimpact.base import held_warnings
+from aoimpact.linalg import Pencil, factorize, pardiso
 from aoimpact.paper.beam import ALUMINIUM
 from aoimpact.paper.sphere import BALL_MASS, LAW, RADIUS, STEEL
 from aoimpact.results import QUANTITIES

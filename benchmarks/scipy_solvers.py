@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import scipy.integrate
 
-from aoimpact.base import ConvergenceError, FloatArray, InputError
-from aoimpact.laws import ContactLaw, Hertz, Linear, PatchLaw, PowerLaw, own_law
-from aoimpact.reduction import AOModel
+from aoimpact import AOModel, ContactLaw, ConvergenceError, Hertz, InputError, Linear, PowerLaw
+from aoimpact.base import FloatArray
+from aoimpact.laws import PatchLaw, own_law
 
 Slope = Callable[[float, FloatArray], FloatArray]
 Event = Callable[[float, FloatArray], float]

@@ -21,23 +21,22 @@ from impacts import SCENES
 from precision_table import Measurement, Reference, WorkPrecision
 from scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
 
-from aoimpact.base import (
+from aoimpact import (
+    Adaptive,
     AOImpactError,
     AOImpactWarning,
+    AOModel,
+    ContactLaw,
     InputError,
     InputTypeError,
-    choice,
-    instance,
-    integer,
-    positive,
-    sequence,
-    with_unit,
+    Newmark,
+    Result,
+    simulate,
 )
-from aoimpact.impact import checked_duration, checked_numbers, contact_width, simulate
-from aoimpact.integrate import Adaptive, Newmark, rigid_contact_time
-from aoimpact.laws import ContactLaw
-from aoimpact.reduction import AOModel, body_model
-from aoimpact.results import Result
+from aoimpact.base import choice, instance, integer, positive, sequence, with_unit
+from aoimpact.impact import checked_duration, checked_numbers, contact_width
+from aoimpact.integrate import rigid_contact_time
+from aoimpact.reduction import body_model
 from aoimpact.scene import law_of_models, reduced_mass
 
 # Steps of Newmark's rule by scene: the longest of these runs takes a second or two.

@@ -8,11 +8,8 @@ from itertools import permutations, product
 import numpy as np
 import numpy.typing as npt
 
-from aoimpact.base.errors import AOImpactWarning
-from aoimpact.fem.material import Material
-from aoimpact.mesh.elements import reference_element
-from aoimpact.mesh.generate import box_mesh
-from aoimpact.mesh.mesh import Mesh
+from aoimpact import AOImpactWarning, Material, Mesh, box_mesh
+from aoimpact.mesh import reference_element
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import aoimpact as ao
-from aoimpact.impact.simulate import plan_impact
+from aoimpact import Result
+from aoimpact.impact import plan_impact
 from aoimpact.integrate.fixed_steps import SteppedRecorder
 from aoimpact.integrate.newmark import Record
-from aoimpact.results import Result
 
 FloatArray = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import aoimpact as ao
-from aoimpact.mesh.generate import box_mesh
+from aoimpact import box_mesh
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALUMINIUM = ao.Material(E=70e9, nu=0.3, rho=2400)

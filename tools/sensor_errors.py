@@ -17,7 +17,7 @@ import scipy.linalg
 from scipy.signal import butter, sosfilt
 
 import aoimpact as ao
-from aoimpact.fem.assembly import stiffness_mass
+from aoimpact.fem import stiffness_mass
 from aoimpact.fields import motion_rows, place_rows
 
 STEEL, ALUMINIUM = ao.Material(210e9, 0.3, 7800), ao.Material(70e9, 0.33, 2700)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.base.errors import held_warnings
+from aoimpact.base import held_warnings
 
 from twelve import IMPACTS
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.accuracy.hierarchy import AOHierarchy, KrylovHierarchy
-from aoimpact.base.errors import held_warnings
+from aoimpact.accuracy import KrylovHierarchy
+from aoimpact.accuracy.hierarchy import AOHierarchy
+from aoimpact.base import held_warnings
 
 from slender import rod
 

@@ -11,7 +11,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.cli.files import as_json, numbers, rows
-from aoimpact.impact.scene import SceneCase
+from aoimpact.impact import SceneCase
 from aoimpact.results import COLUMNS, QUANTITIES
 
 from twelve import IMPACTS

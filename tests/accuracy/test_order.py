@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact.accuracy import Hierarchy
 from aoimpact.accuracy import order as orders_of
-from aoimpact.accuracy.hierarchy import Hierarchy
 from aoimpact.accuracy.order import Search
 
 ROUNDING = 1e-12

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.mesh.generate import box_mesh
+from aoimpact import box_mesh
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 HERTZ = ao.Hertz(k=1e10)

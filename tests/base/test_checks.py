@@ -7,7 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from aoimpact.base.checks import (
+from aoimpact import InputError, InputTypeError
+from aoimpact.base import (
     boolean,
     choice,
     finite_array,
@@ -18,7 +19,6 @@ from aoimpact.base.checks import (
     real,
     unit_vector,
 )
-from aoimpact.base.errors import InputError, InputTypeError
 
 PLAIN = np.arange(6.0).reshape(2, 3)
 

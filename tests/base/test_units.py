@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from aoimpact.base.units import scale_for, scale_of, with_unit
+from aoimpact.base import scale_for, scale_of, with_unit
 
 
 @pytest.mark.parametrize(

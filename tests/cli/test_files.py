@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 import aoimpact as ao
+from aoimpact.cli import main
 from aoimpact.cli.files import FORMATS, write_files
-from aoimpact.cli.main import main
 
 from scenes import BAR, ROW
 

@@ -15,7 +15,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact import paper
-from aoimpact.cli.main import main
+from aoimpact.cli import main
 from aoimpact.paper.reproduction import Reproduction
 from aoimpact.paper.table import Row, Table
 

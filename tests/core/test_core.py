@@ -26,7 +26,7 @@ import scipy.sparse as sp
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.base import errors
-from aoimpact.linalg.superlu import factorize
+from aoimpact.linalg import factorize
 
 HEADER = Path(__file__).parents[2] / "include" / "aoimpact.h"
 REFUSALS = (TypeError, ValueError, BufferError)

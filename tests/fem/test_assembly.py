@@ -18,12 +18,9 @@ import skfem
 from bodies import distorted_box, interior, no_solid, rigid_motions
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
-from aoimpact.fem.assembly import stiffness_mass
-from aoimpact.fem.material import Material
-from aoimpact.mesh import meshio_of_all_kinds, read_mesh
-from aoimpact.mesh.elements import KINDS, reference_element
-from aoimpact.mesh.generate import box_mesh, sphere_mesh
-from aoimpact.mesh.mesh import Mesh
+from aoimpact import Material, Mesh, box_mesh, read_mesh, sphere_mesh
+from aoimpact.fem import stiffness_mass
+from aoimpact.mesh import KINDS, meshio_of_all_kinds, reference_element
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from bodies import rigid_motions
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 import aoimpact as ao
-from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError
+from aoimpact import AOImpactWarning, InputError, InputTypeError
 from aoimpact.fem import static_mode
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)

@@ -11,18 +11,17 @@ import scipy.optimize
 from thinmeshes import dofs, frequencies, grid, matrices, rigid_motions, solved
 
 import aoimpact as ao
-from aoimpact.base.errors import InputError, InputTypeError
-from aoimpact.fem.beams import (
+from aoimpact import (
     Beam,
     BeamSection,
     CircularSection,
+    InputError,
+    InputTypeError,
     RectangularSection,
+    Shell,
     TubularSection,
-    beam_mass,
-    beam_rows,
-    beam_stiffness,
 )
-from aoimpact.fem.laminate import Shell
+from aoimpact.fem.beams import beam_mass, beam_rows, beam_stiffness
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 BAR = Beam(RectangularSection(width=0.02, height=0.05), STEEL, orientation=(0, 0, 1))

@@ -12,11 +12,9 @@ import scipy.optimize
 from bodies import mixed_box, no_solid
 
 import aoimpact as ao
-from aoimpact.base.errors import InputError, InputTypeError
-from aoimpact.fem import Materials, energy_error
-from aoimpact.fem.stress import gauss_stress, nodal_stress, stress_rows
+from aoimpact import InputError, InputTypeError, read_mesh
+from aoimpact.fem import Materials, energy_error, gauss_stress, nodal_stress, stress_rows
 from aoimpact.laws import own_law
-from aoimpact.mesh import read_mesh
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALU = ao.Material(E=70e9, nu=0.33, rho=2700)

@@ -10,12 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError
-from aoimpact.fem.material import Material
-from aoimpact.fem.model import FEModel
-from aoimpact.fem.statics import centre_of, static_mode
-from aoimpact.mesh.elements import KINDS
-from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh
+from aoimpact import (
+    AOImpactWarning,
+    FEModel,
+    InputError,
+    InputTypeError,
+    Material,
+    box_mesh,
+    paper_sphere_mesh,
+)
+from aoimpact.fem import centre_of, static_mode
+from aoimpact.mesh import KINDS
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 BLOCK = box_mesh((0.04, 0.02, 0.02), (4, 2, 2))  # nodes 10 mm apart

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.integrate.newmark import Newmark, newmark_run
+from aoimpact import Newmark
+from aoimpact.integrate.newmark import newmark_run
 from aoimpact.scene import stepped
 
 from slender import beam

@@ -17,7 +17,8 @@ import pytest
 from bodies import mixed_box
 
 import aoimpact as ao
-from aoimpact.fem import ContactPoint, Extraction
+from aoimpact import ContactPoint
+from aoimpact.fem import Extraction
 from aoimpact.mesh import KINDS
 
 FloatArray = npt.NDArray[np.float64]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from aoimpact.fem import Material, Orthotropic
+from aoimpact import Material, Orthotropic
 from aoimpact.fem.halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
 
 FloatArray = npt.NDArray[np.float64]

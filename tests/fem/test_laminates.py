@@ -10,8 +10,7 @@ import pytest
 from thinmeshes import dofs, frequencies, grid, matrices, pressed, solved
 
 import aoimpact as ao
-from aoimpact.base.errors import InputError, InputTypeError
-from aoimpact.fem.laminate import Laminate, Ply, Shell
+from aoimpact import InputError, InputTypeError, Laminate, Ply, Shell
 from aoimpact.fem.shells import strain_rows
 
 CARBON = ao.Orthotropic(E=(135e9, 9e9, 9e9), G=(5e9, 5e9, 3.2e9), nu=(0.3, 0.3, 0.4), rho=1550)

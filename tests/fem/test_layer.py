@@ -13,7 +13,7 @@ from scipy.special import kei
 from thinmeshes import dofs, grid, turned
 
 import aoimpact as ao
-from aoimpact.fem.laminate import Laminate, Ply, Shell
+from aoimpact import Laminate, Ply, Shell
 from aoimpact.fem.layer import (
     layer_compliance,
     layer_compliance_of,

@@ -11,8 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aoimpact.base.errors import AOImpactError, AOImpactWarning, InputError
-from aoimpact.fem.material import Material
+from aoimpact import AOImpactError, AOImpactWarning, InputError, Material
 
 moduli = st.floats(1e6, 1.2e12)
 ratios = st.floats(-0.99, 0.499)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact import box_mesh
 from aoimpact.fem import mechanism
-from aoimpact.mesh.elements import KINDS
-from aoimpact.mesh.generate import box_mesh
+from aoimpact.mesh import KINDS
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 D = 0.02

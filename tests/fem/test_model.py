@@ -17,12 +17,19 @@ from bodies import no_solid, sparse_random
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError, MeshError
+from aoimpact import (
+    AOImpactWarning,
+    FEModel,
+    InputError,
+    InputTypeError,
+    Material,
+    Mesh,
+    MeshError,
+    box_mesh,
+    paper_sphere_mesh,
+    sphere_mesh,
+)
 from aoimpact.fem import model as model_module
-from aoimpact.fem.material import Material
-from aoimpact.fem.model import FEModel
-from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from aoimpact.mesh.mesh import Mesh
 
 FloatArray = npt.NDArray[np.float64]
 

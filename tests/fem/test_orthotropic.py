@@ -11,9 +11,8 @@ import pytest
 import scipy.sparse.linalg as sla
 
 import aoimpact as ao
-from aoimpact.base.errors import AOImpactWarning, InputError
-from aoimpact.fem import energy_error, stiffness_mass
-from aoimpact.fem.stress import nodal_stress
+from aoimpact import AOImpactWarning, InputError
+from aoimpact.fem import energy_error, nodal_stress, stiffness_mass
 from aoimpact.mesh import boundary
 
 FloatArray = npt.NDArray[np.float64]

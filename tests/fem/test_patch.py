@@ -11,12 +11,9 @@ import pytest
 import scipy.integrate
 from bodies import distorted_box
 
-from aoimpact.base.errors import InputError
-from aoimpact.fem.material import Material
+from aoimpact import InputError, Material, box_mesh, sphere_mesh
 from aoimpact.fem.patch import spread
-from aoimpact.mesh.elements import KINDS
-from aoimpact.mesh.generate import box_mesh, sphere_mesh
-from aoimpact.mesh.surface import Surface, boundary
+from aoimpact.mesh import KINDS, Surface, boundary
 
 FloatArray = npt.NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])

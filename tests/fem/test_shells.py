@@ -11,8 +11,7 @@ import pytest
 from thinmeshes import dofs, frequencies, grid, matrices, pressed, rigid_motions, solved, turned
 
 import aoimpact as ao
-from aoimpact import Shell
-from aoimpact.base.errors import InputError
+from aoimpact import InputError, Shell
 from aoimpact.fem.shells import (
     element_mass,
     element_stiffness,

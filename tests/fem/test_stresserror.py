@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from aoimpact.fem import FEModel, Material, energy_error, missing_energy
-from aoimpact.mesh import KINDS, box_mesh
+from aoimpact import FEModel, Material, box_mesh
+from aoimpact.fem import energy_error, missing_energy
+from aoimpact.mesh import KINDS
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 

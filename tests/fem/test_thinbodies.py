@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.base.errors import InputError, InputTypeError, MeshError
+from aoimpact import InputError, InputTypeError, MeshError
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 SHEET = ao.Shell(thickness=2e-3, material=STEEL)

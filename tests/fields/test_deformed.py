@@ -11,9 +11,9 @@ import pytest
 from bodies import distorted_box
 
 import aoimpact as ao
+from aoimpact.fields import Field
 from aoimpact.fields.deformed import outlines, plot_deformed
-from aoimpact.fields.fields import Field
-from aoimpact.mesh.elements import KINDS
+from aoimpact.mesh import KINDS
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import aoimpact as ao
-from aoimpact.base.errors import held_warnings
+from aoimpact.base import held_warnings
 
 FloatArray = npt.NDArray[np.float64]
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.fields.fields import Field
+from aoimpact.fields import Field
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

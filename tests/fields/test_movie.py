@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.fields.movie import MovingBody, can_draw, enlargement
+from aoimpact.fields import MovingBody
+from aoimpact.fields.movie import can_draw, enlargement
 from aoimpact.results.movie import moving_bodies
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)

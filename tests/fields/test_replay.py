@@ -10,8 +10,8 @@ import numpy.typing as npt
 import pytest
 
 import aoimpact as ao
-from aoimpact.fem.damping import ModalDamping, Rayleigh
-from aoimpact.fem.stress import nodal_stress
+from aoimpact import ModalDamping, Rayleigh
+from aoimpact.fem import nodal_stress
 from aoimpact.fields import response_of
 from aoimpact.paper.beam import LAW, beam_model
 

@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import aoimpact as ao
-from aoimpact.fem.stress import COMPONENTS, Stress, gauss_stress, nodal_stress, stress_rows
-from aoimpact.linalg.superlu import factorize
-from aoimpact.mesh.elements import KINDS
+from aoimpact.fem import Stress, gauss_stress, nodal_stress, stress_rows
+from aoimpact.fem.stress import COMPONENTS
+from aoimpact.linalg import factorize
+from aoimpact.mesh import KINDS
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from bodies import distorted_box
 
 import aoimpact as ao
 from aoimpact.fields.vtu import write_series
-from aoimpact.mesh.elements import KINDS
+from aoimpact.mesh import KINDS
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -14,7 +14,7 @@ import scipy.sparse.linalg
 import starmotion
 
 import aoimpact as ao
-from aoimpact.mesh.generate import box_mesh
+from aoimpact import box_mesh
 
 MASS, K = 0.0327, 1e10
 BALL, WALL = ao.rigid(mass=MASS), ao.rigid(mass=math.inf)

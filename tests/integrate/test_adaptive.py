@@ -13,7 +13,7 @@ from rigid_pair import on_a_wall
 from scipy.special import gamma
 
 import aoimpact as ao
-from aoimpact.base.errors import held_warnings
+from aoimpact.base import held_warnings
 
 from slender import beam
 

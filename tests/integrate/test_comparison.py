@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.integrate import to_tolerance
+from aoimpact.integrate import TIGHTEST, to_tolerance
 from aoimpact.integrate.comparison import difference, most_touches
 from aoimpact.integrate.dense import DenseRecorder, Touch
-from aoimpact.integrate.tolerances import ROUNDING, TIGHTEST
+from aoimpact.integrate.tolerances import ROUNDING
 
 MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
 WALL = ao.rigid(mass=math.inf)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from records import FloatArray, HalfSine
 
-from aoimpact.integrate.events import find_contacts, find_events, find_impulse, find_peak
+from aoimpact.integrate import find_impulse
+from aoimpact.integrate.events import find_contacts, find_events, find_peak
 
 
 def observed_order(errors: list[float], refinement: float) -> float:

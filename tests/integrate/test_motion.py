@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from scipy.integrate import solve_ivp
 
 import aoimpact as ao
-from aoimpact.fem.damping import ModalDamping, Rayleigh
+from aoimpact import ModalDamping, Rayleigh
 from aoimpact.integrate import solve_adaptive
 from aoimpact.integrate.motion import DenseMotion, ForcedMotion
 from aoimpact.scene import Contact, Equations, Load, Plan, coordinates, stepped

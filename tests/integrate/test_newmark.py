@@ -12,11 +12,11 @@ import scipy.optimize
 from scipy.special import gamma
 
 import aoimpact as ao
+from aoimpact import Newmark
 from aoimpact.base import NotFiniteError
 from aoimpact.integrate import fixed_steps
-from aoimpact.integrate.newmark import Newmark, newmark_run
-from aoimpact.scene import Contact, stepped
-from aoimpact.scene.stepped import SteppedBody
+from aoimpact.integrate.newmark import newmark_run
+from aoimpact.scene import Contact, SteppedBody, stepped
 
 from slender import beam, rod
 

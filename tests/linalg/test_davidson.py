@@ -10,9 +10,9 @@ import scipy.sparse.linalg as spla
 from bodies import ball_of_octants
 
 import aoimpact as ao
+from aoimpact import box_mesh
+from aoimpact.linalg import lowest
 from aoimpact.linalg.davidson import davidson
-from aoimpact.linalg.spectra import lowest
-from aoimpact.mesh.generate import box_mesh
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 

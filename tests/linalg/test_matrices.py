@@ -11,8 +11,7 @@ import pytest
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.linalg import matrices
-from aoimpact.linalg.matrices import core_rows
+from aoimpact.linalg import core_rows, matrices
 
 
 def test_rows_for_the_core_are_the_matrix() -> None:

@@ -14,16 +14,16 @@ import scipy.sparse as sp
 from bodies import ball_of_octants, distorted_box, mixed_box, sparse_random
 
 import aoimpact as ao
+from aoimpact import box_mesh, sphere_mesh
 from aoimpact.base import threads
+from aoimpact.linalg import Pencil
 from aoimpact.linalg import blocks as blocks_module
 from aoimpact.linalg import finest as finest_module
 from aoimpact.linalg.blocks import Blocks, diagonal_blocks, slabs
 from aoimpact.linalg.coarsening import aggregated, corner_interpolation
 from aoimpact.linalg.multigrid import Multigrid
-from aoimpact.linalg.pencil import Pencil
 from aoimpact.linalg.smoother import Smoother
-from aoimpact.mesh.generate import box_mesh, sphere_mesh
-from aoimpact.mesh.rigidity import rigid_motions
+from aoimpact.mesh import rigid_motions
 
 from slender import rod
 

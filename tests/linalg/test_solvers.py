@@ -10,13 +10,19 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 import aoimpact as ao
+from aoimpact import box_mesh, sphere_mesh
 from aoimpact.base import memory
-from aoimpact.linalg import pardiso, solvers
+from aoimpact.linalg import (
+    SOLVERS,
+    LinearSolver,
+    Pencil,
+    factorize,
+    linear_solver,
+    pardiso,
+    solvers,
+)
 from aoimpact.linalg.dissection import first_cut, nested_dissection
-from aoimpact.linalg.pencil import Pencil
-from aoimpact.linalg.solvers import METHODS, SOLVERS, LinearSolver, linear_solver
-from aoimpact.linalg.superlu import factorize
-from aoimpact.mesh.generate import box_mesh, sphere_mesh
+from aoimpact.linalg.solvers import METHODS
 
 from slender import rod
 

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from thinmeshes import grid
 
 import aoimpact as ao
-from aoimpact.linalg.spectra import lowest, null_space
+from aoimpact.linalg import lowest, null_space
 
 from slender import beam, in_a_row, rod
 

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.linalg.superlu import factorize
+from aoimpact.linalg import factorize
 
 from slender import beam, rod
 

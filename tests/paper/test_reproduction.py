@@ -14,7 +14,7 @@ import scipy.integrate
 import scipy.optimize
 
 import aoimpact as ao
-from aoimpact.base.checks import writable_folder
+from aoimpact.base import writable_folder
 from aoimpact.paper import beam as paper_beam
 from aoimpact.paper import reproduction as paper
 from aoimpact.paper import sphere as paper_sphere

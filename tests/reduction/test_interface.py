@@ -7,8 +7,7 @@ import pytest
 import scipy.linalg as la
 
 import aoimpact as ao
-from aoimpact.fem.damping import Rayleigh
-from aoimpact.mesh.generate import box_mesh
+from aoimpact import Rayleigh, box_mesh
 
 from slender import beam, rod
 

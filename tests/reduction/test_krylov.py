@@ -11,11 +11,10 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 import aoimpact as ao
+from aoimpact import box_mesh
 from aoimpact.base import memory
-from aoimpact.linalg import pardiso, solvers
-from aoimpact.linalg.method import ROUGH
+from aoimpact.linalg import ROUGH, pardiso, solvers
 from aoimpact.linalg.solvers import METHODS
-from aoimpact.mesh.generate import box_mesh
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper.sphere import BALL_MASS
 from aoimpact.reduction.subspace import Subspace

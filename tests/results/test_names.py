@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.cli.main import main
+from aoimpact.cli import main
 
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
 LAW = ao.Hertz(k=1e9)

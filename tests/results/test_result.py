@@ -13,7 +13,7 @@ import pytest
 from records import HalfSine
 
 import aoimpact as ao
-from aoimpact.results import Result
+from aoimpact import Result
 
 
 def arrays_of(thing: object) -> list[np.ndarray]:

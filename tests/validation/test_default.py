@@ -15,7 +15,7 @@ import resolved
 from resolved import Impact, Solid
 
 import aoimpact as ao
-from aoimpact.mesh import Mesh
+from aoimpact import Mesh
 from aoimpact.paper.sphere import RESOLVED_FORCE
 
 pytestmark = pytest.mark.slow

@@ -10,17 +10,22 @@ import numpy.typing as npt
 import pytest
 from bodies import ball_of_octants
 
-from aoimpact.base.errors import AOImpactError
-from aoimpact.fem.contact import ContactPoint
-from aoimpact.fem.material import Material
-from aoimpact.fem.model import FEModel
-from aoimpact.impact.simulate import simulate
-from aoimpact.laws import Hertz
-from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from aoimpact.mesh.mesh import Mesh
-from aoimpact.reduction.reduction import antioscillators
-from aoimpact.reduction.star import AOModel, rigid
-from aoimpact.results import Result
+from aoimpact import (
+    AOImpactError,
+    AOModel,
+    ContactPoint,
+    FEModel,
+    Hertz,
+    Material,
+    Mesh,
+    Result,
+    antioscillators,
+    box_mesh,
+    paper_sphere_mesh,
+    rigid,
+    simulate,
+    sphere_mesh,
+)
 
 pytestmark = pytest.mark.slow
 

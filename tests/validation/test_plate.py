@@ -17,7 +17,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import aoimpact as ao
-from aoimpact.mesh import Mesh
+from aoimpact import Mesh
 
 pytestmark = pytest.mark.slow
 

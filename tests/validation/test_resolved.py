@@ -10,14 +10,17 @@ import pytest
 import resolved
 from resolved import Impact, Solid
 
-from aoimpact.fem.material import Material
-from aoimpact.fem.model import FEModel
-from aoimpact.impact.simulate import simulate
-from aoimpact.laws import Hertz
-from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh
-from aoimpact.mesh.mesh import Mesh
+from aoimpact import (
+    FEModel,
+    Hertz,
+    Material,
+    Mesh,
+    antioscillators,
+    box_mesh,
+    paper_sphere_mesh,
+    simulate,
+)
 from aoimpact.paper.sphere import RESOLVED_DURATION, RESOLVED_FORCE
-from aoimpact.reduction.reduction import antioscillators
 
 pytestmark = pytest.mark.slow
 

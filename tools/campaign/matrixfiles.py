@@ -6,6 +6,8 @@ import random
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from runpy import run_path
+from types import SimpleNamespace
 from typing import Any
 
 import meshio
@@ -14,7 +16,6 @@ import numpy as np
 import aoimpact as ao
 
 from .mutate import damaged
-from .outside import module_of
 
 _WRITERS = Path(__file__).parents[2] / "tests" / "matrixfiles" / "writers.py"
 
@@ -68,7 +69,7 @@ class Given:
 
 def seeds(folder: Path) -> list[Seed]:
     """Return sound files of every format: a free block, and one that is held."""
-    writers, rng = module_of(_WRITERS), random.Random(1)
+    writers, rng = SimpleNamespace(**run_path(str(_WRITERS))), random.Random(1)
     found = []
     for fixed in (None, [("xmin", "xyz")]):
         mesh = ao.box_mesh((0.1, 0.02, 0.01), (2, 1, 1))

@@ -9,6 +9,7 @@ import re
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from runpy import run_path
 from typing import Any
 
 import meshio
@@ -18,7 +19,6 @@ import aoimpact as ao
 from aoimpact.mesh import KINDS, meshio_of_all_kinds
 
 from .mutate import damaged
-from .outside import module_of
 
 _TESTS = Path(__file__).parents[2] / "tests"
 
@@ -115,7 +115,7 @@ class Given:
 
 def _boxes() -> list[meshio.Mesh]:
     meshio_of_all_kinds()
-    mixed = module_of(_TESTS / "bodies.py").mixed_box
+    mixed = run_path(str(_TESTS / "bodies.py"))["mixed_box"]
     boxes = [ao.box_mesh((1.0, 0.5, 0.5), (2, 1, 1), kind=kind) for kind in KINDS]
     boxes += [mixed((1.0, 0.5, 0.5), (2, 1, 3), order=order) for order in (1, 2)]
     return [made for box in boxes for made in (_with_sets(box), _with_tags(box))] + [_skin()]
@@ -164,7 +164,7 @@ def _skin() -> meshio.Mesh:
 
 def grouped(name: str, end: str) -> bytes:
     """Return a file in a format of meshio's, of several kinds of elements in groups."""
-    mixed = module_of(_TESTS / "bodies.py").mixed_box
+    mixed = run_path(str(_TESTS / "bodies.py"))["mixed_box"]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / f"a{end}"
         _with_tags(mixed((1.0, 0.5, 0.5), (2, 1, 3))).write(file, file_format=name, binary=False)

@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Count lines of code by folder and hold them to the limits of `tools/lines.toml`.
+
+    python tools/lines.py      # a table; fails where a limit is exceeded, missing, stale or raised
+
+Not counted are blank lines, comments and docstrings. `tokens` are those of Python without layout,
+`marks` the semicolons and opening braces of C: where lines fall and these do not, code was packed.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import subprocess
+import tokenize
+import tomllib
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+LIMITS = "tools/lines.toml"
+LAYOUT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
+DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+def python(text: str) -> tuple[int, int, int]:
+    """Return lines of code, tokens and 0."""
+    docs, code, tokens = set[int](), set[int](), 0
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
+            docs.update(range(node.body[0].lineno, (node.body[0].end_lineno or 0) + 1))
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in LAYOUT | {tokenize.ENDMARKER}:
+            tokens += 1
+            code.update(range(token.start[0], token.end[0] + 1))
+    return len(code - docs), tokens, 0
+
+
+def c(text: str) -> tuple[int, int, int]:
+    """Return lines of code, 0 and marks."""
+    comment = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+    text = comment.sub(lambda found: "\n" * found[0].count("\n"), text)
+    return sum(map(bool, map(str.strip, text.splitlines()))), 0, len(re.findall("[;{]", text))
+
+
+def git(*words: str) -> list[str]:
+    return subprocess.check_output(["git", "-C", ROOT, *words], text=True).splitlines()
+
+
+def counted() -> dict[str, list[int]]:
+    """Return lines, tokens and marks of each folder at the top, and of those just below."""
+    found: dict[str, list[int]] = {}
+    for name in git("ls-files", "--cached", "--others", "--exclude-standard"):
+        path = ROOT / name
+        if path.suffix not in {".py", ".c", ".h", ".inc"} or not path.exists():
+            continue
+        numbers = (python if path.suffix == ".py" else c)(path.read_text(encoding="utf-8"))
+        for folder in {name.split("/")[0], "/".join(name.split("/")[:-1][:2])} - {""}:
+            row = found.setdefault(folder, [0, 0, 0])
+            found[folder] = [a + b for a, b in zip(row, numbers, strict=True)]
+    return found
+
+
+def faults(found: dict[str, list[int]], limits: dict[str, Any]) -> list[str]:
+    """Return a sentence for each limit that does not hold."""
+    sums, rooms, start = limits["sums"], limits["rooms"], limits["start"]
+    wanted = {key for key in found if "/" not in key or key.startswith(("aoimpact/", "csrc/"))}
+    given = sums | rooms
+    said = [f"{key} has no limit" for key in sorted(wanted - set(given))]
+    said += [f"{key} has a limit, and no code" for key in sorted(set(given) - set(found))]
+    for key, limit in given.items():
+        if key in found and found[key][0] > limit:
+            said.append(f"{key} has {found[key][0]} lines of code, above its limit {limit}")
+    for key, before in start.items():
+        lines, *signs = (now / max(was, 1) for now, was in zip(found[key], before, strict=True))
+        if max(signs) > lines + 0.05:
+            said.append(f"{key} has more tokens or marks than its lines explain: they are packed")
+    for key in sums:
+        within = sum(limit for room, limit in rooms.items() if room.startswith(f"{key}/"))
+        if within > sums[key]:
+            said.append(f"rooms of {key} have limits of {within} lines, above its own {sums[key]}")
+    for commit in git("log", "--format=%H", "--", LIMITS):
+        past = tomllib.loads("\n".join(git("show", f"{commit}:{LIMITS}")))["sums"]
+        raised = [key for key in sums if sums[key] > past.get(key, sums[key])]
+        said += [f"{key} had a lower limit, {past[key]}, in {commit:.8}" for key in raised]
+    return said
+
+
+def main() -> None:
+    found = counted()
+    limits = tomllib.loads((ROOT / LIMITS).read_text(encoding="utf-8"))
+    given = limits["sums"] | limits["rooms"]
+    print(f"{'folder':24}{'code':>8}{'limit':>8}{'tokens':>9}{'marks':>8}")
+    for key, (lines, tokens, marks) in sorted(found.items()):
+        print(f"{key:24}{lines:8}{given.get(key, ''):>8}{tokens or '':>9}{marks or '':>8}")
+    if said := faults(found, limits):
+        raise SystemExit("\n".join(["", *said, f"Limits are those of {LIMITS}."]))
+
+
+if __name__ == "__main__":
+    main()
