@@ -39,6 +39,8 @@ from .impact import Scene as Scene
 from .impact import simulate as simulate
 from .integrate import Adaptive as Adaptive
 from .integrate import Newmark as Newmark
+from .io import read_matrices as read_matrices
+from .io import write_matrices as write_matrices
 from .laws import ContactLaw as ContactLaw
 from .laws import ElasticPlastic as ElasticPlastic
 from .laws import Hertz as Hertz
@@ -53,8 +55,6 @@ from .laws import Tsuji as Tsuji
 from .laws import UserLaw as UserLaw
 from .laws import YangSun as YangSun
 from .laws import restitution as restitution
-from .matrixfiles import read_matrices as read_matrices
-from .matrixfiles import write_matrices as write_matrices
 from .mesh import Mesh as Mesh
 from .mesh import box_mesh as box_mesh
 from .mesh import paper_sphere_mesh as paper_sphere_mesh

@@ -7,11 +7,12 @@ their nodes and corners for multigrid, `fields` their elements for stresses and 
 from .convert import open_edges
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, THIN, ReferenceElement, cofactors, jacobians, reference_element
-from .files import load
+from .files import existing, load
 from .files.abaqus import AbaqusDeck
 from .files.abaqusdeck import Keyword, key, looks_like_inp
-from .files.nastran import PROPERTIES, Entries, NastranDeck, nastran_nodes
-from .files.nastrandeck import Table, is_nastran
+from .files.nastran import Entries, NastranDeck, nastran_nodes
+from .files.nastrandeck import Table, is_nastran, read_bulk_data
+from .files.nastrandeck import read_sections as read_deck
 from .files.raw import RawMesh, number, rows_of
 from .files.viameshio import meshio_of_all_kinds
 from .generate import box_mesh, paper_sphere_mesh, sheet_mesh, sphere_mesh

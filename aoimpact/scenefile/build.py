@@ -35,8 +35,8 @@ from ..fem import (
     thin_groups,
 )
 from ..impact import Scene, SceneCase
+from ..io import read_matrices
 from ..laws import ContactLaw, ElasticPlastic, Hertz, Thornton
-from ..matrixfiles import read_matrices
 from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_for, sheet_mesh, sphere_mesh
 from ..reduction import (
     AOModel,

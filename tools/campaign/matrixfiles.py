@@ -17,7 +17,7 @@ import aoimpact as ao
 
 from .mutate import damaged
 
-_WRITERS = Path(__file__).parents[2] / "tests" / "matrixfiles" / "writers.py"
+_WRITERS = Path(__file__).parents[2] / "tests" / "io" / "writers.py"
 
 _NAMED = re.compile(
     r"\b(K|M|dofs|nodes|labels|stiffness|inertia|mesh|material)\b|matrix file|mesh file"

@@ -17,7 +17,7 @@ from .abaqusdeck import looks_like_inp
 from .nastrandeck import is_nastran
 from .raw import RawMesh
 
-__all__ = ["load"]
+__all__ = ["existing", "load"]
 
 _Reader = Callable[[Path], RawMesh]
 
@@ -47,6 +47,33 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
     """
     file = file_path("mesh", path)
     where = f"mesh file {str(file)!r}"
+    size = existing("mesh file", file)
+    try:
+        return _reader(file)(file)
+    except MeshError:
+        raise
+    except MemoryError:
+        raise MemoryLimitError(
+            f"{where} ({size} bytes) needs more memory than there is: coarsen the mesh, "
+            "or look for a count in the file that is wrong"
+        ) from None
+    except (ValueError, OverflowError) as error:
+        raise MeshError(
+            f"{where} cannot be read: {error}. Save it again, or as .msh or .vtu"
+        ) from None
+
+
+def existing(what: str, file: Path) -> int:
+    """Return the size of a file that is to be read, bytes.
+
+    Raises
+    ------
+    MissingFileError
+        If there is no such file.
+    MeshError
+        If it cannot be opened, is none, or is empty.
+    """
+    where = f"{what} {str(file)!r}"
     try:
         state = file.stat()
     except FileNotFoundError:
@@ -57,20 +84,8 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
         kind = "a directory" if stat.S_ISDIR(state.st_mode) else "no regular file"
         raise MeshError(f"{where} is {kind}")
     if state.st_size == 0:
-        raise MeshError(f"{where} is empty")
-    try:
-        return _reader(file)(file)
-    except MeshError:
-        raise
-    except MemoryError:
-        raise MemoryLimitError(
-            f"{where} ({state.st_size} bytes) needs more memory than there is: coarsen the mesh, "
-            "or look for a count in the file that is wrong"
-        ) from None
-    except (ValueError, OverflowError) as error:
-        raise MeshError(
-            f"{where} cannot be read: {error}. Save it again, or as .msh or .vtu"
-        ) from None
+        raise MeshError(f"{where}: it is empty")
+    return state.st_size
 
 
 def _reader(file: Path) -> _Reader:

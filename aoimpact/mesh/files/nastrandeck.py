@@ -347,6 +347,16 @@ class BulkData:
             pairs = zip(self._fields(own), self._counts[own], strict=True)
             yield int(line), [one.decode().strip() for data, n in pairs for one in data[:n]]
 
+    def quads(self, name: str) -> tuple[Table, IntArray]:
+        """Return the data fields of entries of any length by fours, and the entry of each four."""
+        order = self._order
+        starts = np.isin(order[self._begins[order]], self.names.get(name, ()))
+        lines = order[starts]
+        data, counts = self._fields(lines), self._counts[lines]
+        entry = np.repeat(np.cumsum(self._offset[lines] == 0) - 1, counts)[::4]
+        fields = data[np.arange(8) < counts[:, None]].reshape(-1, 4)
+        return Table(self.lines, np.repeat(lines, counts)[::4], fields, 4), entry
+
     def _fields(self, lines: IntArray) -> npt.NDArray[Any]:
         """Fields 2 to 9 of some lines, shape (n, 8); in lines of fewer fields the first ones."""
         for line in lines[np.isin(lines, self._odd)][:1].tolist():

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base import FloatArray, InputError
-from .found import Found, spoilt, unfit
+from .matrix import RawMatrix, passed_over, spoilt
 
 # The length of a binary header, bytes, with words of 4 and of 8 bytes.
 _HEADERS = {24: 4, 48: 8}
@@ -40,7 +40,7 @@ def is_op4(head: bytes) -> bool:
     return _binary(head) is not None or (text is not None and bool(_NAMED.match(text[5])))
 
 
-def read_op4(file: Path, size: int) -> list[Found]:
+def read_op4(file: Path, size: int) -> list[RawMatrix]:
     """Read all matrices of a file."""
     content = file.read_bytes()
     kind = _binary(content)
@@ -66,7 +66,7 @@ def _binary(head: bytes) -> tuple[str, int] | None:
     return None
 
 
-def _matrix(file: Path, source: _Binary | _Text) -> Found:
+def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
     """Read the next matrix: where the numbers of each string begin, and then all of them."""
     n_cols, n_rows, kind, name = source.header()
     if kind not in (1, 2, 3, 4):
@@ -99,14 +99,14 @@ def _matrix(file: Path, source: _Binary | _Text) -> Found:
     if last.max(initial=0) > abs(n_rows):
         raise source.wrong(f"{name}: a column goes to row {last.max()}, of {abs(n_rows)}")
     if kind > 2:
-        return unfit(file, name, "complex")
+        return passed_over(file, name, "complex")
     if abs(n_rows) != n_cols:
-        return unfit(file, name, f"{abs(n_rows)} by {n_cols}")
+        return passed_over(file, name, f"{abs(n_rows)} by {n_cols}")
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     values = source.numbers(np.repeat(starts, counts), within)
     keep = values != 0.0
     rows = np.repeat(firsts, counts) + within
-    return Found(file, name, n_cols, rows[keep], np.repeat(cols, counts)[keep], values[keep])
+    return RawMatrix(file, name, n_cols, rows[keep], np.repeat(cols, counts)[keep], values[keep])
 
 
 class _Binary:

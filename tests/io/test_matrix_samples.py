@@ -10,13 +10,12 @@ import pytest
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.matrixfiles.formats import read_file
-from aoimpact.matrixfiles.found import Found
+from aoimpact.io import RawMatrix, load_matrices
 
 SAMPLES = Path(__file__).parent / "samples"
 
 
-def dense(found: Found) -> Any:
+def dense(found: RawMatrix) -> Any:
     assert found.size is not None
     return sp.coo_array(
         (found.values, (found.rows, found.cols)), shape=(found.size, found.size)
@@ -51,7 +50,7 @@ def test_all_of_pyyeti_s_files_are_read_as_it_reads_them(file: Path | None) -> N
         from pyyeti.nastran import op4
 
     names, theirs, _, _ = op4.OP4().listload(str(file), sparse=True)
-    ours = read_file(file)
+    ours = load_matrices(file)
     assert len(names) == len(ours)
     for name, one, matrix in zip(names, ours, theirs, strict=True):
         if one.name.isidentifier():
@@ -68,7 +67,7 @@ def test_pyyeti_s_punched_matrices_are_read_as_it_reads_them() -> None:
 
     file = Path(pyyeti.__file__).parent / "tests" / "nastran_dmig_data" / "matrix_factory.pch"
     theirs = bulk.rddmig(str(file))
-    ours = {one.name.lower(): one for one in read_file(file)}
+    ours = {one.name.lower(): one for one in load_matrices(file)}
     assert ours.keys() == theirs.keys()
     for name in ("patrn", "ident", "randm"):
         assert ours[name].labels is not None

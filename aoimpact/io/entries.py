@@ -1,0 +1,213 @@
+"""Matrices in text, one entry a line.
+
+Matrix Market; row, column and value, as CalculiX' ``.sti`` and ``.mas`` and Abaqus' COORDINATE;
+node, component, node, component and value, as Abaqus' MATRIX INPUT. Internal nodes of Abaqus have
+negative numbers.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from ..base import FloatArray, IntArray, warn
+from .matrix import RawMatrix, entry_line, labelled, spoilt
+
+_NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+
+_FORTRAN = re.compile(rb"(\d\.?)[dD](?=[-+]?\d)")
+
+# Contents of a line, by the number of integers before its value.
+_CONTENTS = {
+    0: "a number",
+    2: "row, column and value",
+    4: "node, component, node, component and value",
+}
+
+# Bytes of an entry at least: two digits, their spaces and the end of the line; of a dense matrix a
+# number and a space.
+_LEAST_BYTES, _LEAST_DENSE = 6, 2
+
+
+def _entry(integers: int, between: bytes) -> re.Pattern[bytes]:
+    numbers = between.join([*integers * [rb"[-+]?\d{1,15}"], _NUMBER])
+    return re.compile(rb"\s*" + numbers + rb"\s*,?\s*$")
+
+
+_TRIPLE, _NODAL = _entry(2, rb"\s+"), _entry(4, rb"[\s,]+")
+
+
+def is_market(head: bytes) -> bool:
+    """Return whether a file begins as Matrix Market's do."""
+    return head[:14].lower() == b"%%matrixmarket"
+
+
+def is_triples(head: bytes) -> bool:
+    """Return whether a file begins with row, column and value."""
+    return _TRIPLE.match(head.split(b"\n", 1)[0]) is not None
+
+
+def is_nodal(head: bytes) -> bool:
+    """Return whether a file begins with entries by labels, after comments and a keyword."""
+    lines = (line for line in head.split(b"\n") if line.strip() and not line.startswith(b"*"))
+    return _NODAL.match(next(lines, b"")) is not None
+
+
+def read_triples(file: Path, size: int) -> list[RawMatrix]:
+    """Read lines of row, column and value, rows and columns from 1."""
+    with file.open("rb") as stream:
+        rows, cols, values = _coordinates(file, stream, 0)
+    largest = int(max(rows.max(), cols.max())) + 1
+    return [RawMatrix(file, "", largest, rows, cols, values, before=0)]
+
+
+def read_nodal(file: Path, size: int) -> list[RawMatrix]:
+    """Read entries by labels."""
+    with file.open("rb") as stream:
+        first = next(line for line in stream if line.strip() and not line.startswith(b"*"))
+        stream.seek(0)
+        *labels, values = _columns(file, stream, 4, comma=b"," in first, comments="*")
+    return [labelled(file, "", labels[:2], labels[2:], values)]
+
+
+def read_market(file: Path, size: int) -> list[RawMatrix]:
+    """Read a file of Matrix Market, of coordinates or dense."""
+    with file.open("rb") as stream:
+        words = stream.readline(1024).decode("latin-1").lower().split()
+        known = (
+            ("matrix",),
+            ("coordinate", "array"),
+            ("real", "integer"),
+            ("general", "symmetric"),
+        )
+        for word, wanted in zip((words[1:] + 4 * [""])[:4], known, strict=True):
+            if word not in wanted:
+                raise spoilt(
+                    file, f"the header says {word!r}, but {' or '.join(wanted)} can be read", 1
+                )
+        dense, triangle = words[2] == "array", words[4] == "symmetric"
+        before, line = 2, stream.readline(2**16)
+        while line.startswith(b"%") or (line and not line.strip()):
+            before, line = before + 1, stream.readline(2**16)
+        counts = line.split()
+        n_counts = 2 if dense else 3
+        if len(counts) != n_counts or not all(one.isdigit() and len(one) < 19 for one in counts):
+            raise spoilt(file, f"{n_counts} counts should stand here, got {_shown(line)}", before)
+        n, n_cols, *entries = map(int, counts)
+        if n != n_cols:
+            raise spoilt(file, f"the matrix is {n} by {n_cols}, not square", before)
+        announced = entries[0] if entries else n * (n + 1) // 2 if triangle else n * n
+        if (_LEAST_DENSE * announced if dense else max(_LEAST_BYTES * announced, n)) > size:
+            raise spoilt(
+                file,
+                f"it announces {n} rows and {announced} entries in {size} bytes: it is cut short",
+                before,
+            )
+        if dense:
+            (values,) = _columns(file, stream, 0, before=before)
+        else:
+            rows, cols, values = _coordinates(file, stream, before, n)
+    if len(values) != announced:
+        raise spoilt(
+            file,
+            f"it announces {announced} entries, but has {len(values)}: it is cut short",
+            entry_line(file, before, max(1, len(values))),
+        )
+    if not dense:
+        return [RawMatrix(file, "", n, rows, cols, values, triangle=triangle, before=before)]
+    # Column by column, of a triangle from the diagonal down.
+    cols, rows = np.triu_indices(n) if triangle else np.divmod(np.arange(n * n), n)
+    keep = values != 0.0
+    return [RawMatrix(file, "", n, rows[keep], cols[keep], values[keep], triangle=triangle)]
+
+
+def _coordinates(
+    file: Path, stream: BinaryIO, before: int, most: int | None = None
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return rows and columns from 0, and values, of lines that have them from 1."""
+    rows, cols, values = _columns(file, stream, 2, before=before)
+    if not len(values):
+        raise spoilt(file, "it has no entries: it is cut short")
+    limit = most or 2**31
+    for first in np.flatnonzero((np.minimum(rows, cols) < 1) | (np.maximum(rows, cols) > limit))[
+        :1
+    ]:
+        cure = "" if most else "; internal dofs of Abaqus need FORMAT=MATRIX INPUT"
+        raise spoilt(
+            file,
+            f"row {rows[first]}, column {cols[first]} should be from 1 to "
+            f"{most or 'the number of dofs'}{cure}",
+            entry_line(file, before, int(first) + 1),
+        )
+    return rows - 1, cols - 1, values
+
+
+def _columns(
+    file: Path,
+    stream: BinaryIO,
+    integers: int,
+    *,
+    before: int = 0,
+    comma: bool = False,
+    comments: str | None = None,
+) -> list[np.ndarray]:
+    """Return the columns of the lines that follow: some integers and the value.
+
+    `before` is the number of lines that have been read.
+
+    Raises
+    ------
+    InputError
+        At the first line that is something else.
+    """
+    # Integers are parsed as such: that is twice as fast, and refuses other numbers.
+    kind = np.dtype([*((f"i{i}", np.int64) for i in range(integers)), ("value", np.float64)])
+    between, why = "," if comma else None, "one is not finite"
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of no data
+            table = np.loadtxt(
+                stream, kind, comments=comments, delimiter=between, ndmin=1, encoding="latin-1"
+            )
+    except (ValueError, OverflowError, RuntimeError) as error:
+        table, why = None, str(error)
+    if table is not None and np.isfinite(table["value"]).all():
+        with file.open("rb") as stream:
+            stream.seek(-1, os.SEEK_END)
+            if stream.read(1) not in b"\n\r":
+                warn(
+                    f"matrix file {str(file)!r} ends within a line: its last number may be cut "
+                    "short"
+                )
+        return [np.ascontiguousarray(table[name]) for name in kind.names or ()]
+    # Slow, but of a file that is refused.
+    entry = _entry(integers, rb"\s*,\s*" if comma else rb"\s+")
+    with file.open("rb") as stream:
+        for number, line in enumerate(stream, 1):
+            if number <= before or not line.strip():
+                continue
+            if comments and line.lstrip().startswith(comments.encode()):
+                continue
+            if not entry.match(line) or not np.isfinite(
+                float(line.replace(b",", b" ").split()[-1])
+            ):
+                cause = "is the file cut short, or of another format?"
+                if entry.match(_FORTRAN.sub(rb"\1E", line)):
+                    cause = "write exponents with E, not Fortran's D"
+                raise spoilt(
+                    file,
+                    f"{_CONTENTS[integers]} should stand here, got {_shown(line)}: {cause}",
+                    number,
+                )
+    raise spoilt(file, f"{_CONTENTS[integers]} should stand on each line: {why}")
+
+
+def _shown(line: bytes) -> str:
+    """Return a line as messages quote it."""
+    text = line.decode("latin-1").strip()
+    return repr(text if len(text) < 60 else text[:57] + "...") if text else "an empty line"

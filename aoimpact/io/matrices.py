@@ -1,0 +1,524 @@
+"""A body from the stiffness and mass matrices that another program has written."""
+
+from __future__ import annotations
+
+import os
+import re
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..base import (
+    InputError,
+    InputTypeError,
+    IntArray,
+    MeshError,
+    SingularError,
+    file_path,
+    positive,
+    require,
+    warn,
+)
+from ..fem import AnyMaterial, Damping, FEModel, OneMaterial, audited, checked_labels
+from ..linalg import factorize
+from ..mesh import existing, read_mesh
+from .dmig import is_dmig, read_dmig
+from .entries import is_market, is_nodal, is_triples, read_market, read_nodal, read_triples
+from .matrix import RawMatrix, spoilt
+from .op4 import is_op4, read_op4
+from .rows import Places, read_dofs, read_places
+
+# Units of length and mass, in m and kg: from nanometres and -grams to beyond any.
+_UNITS = 1e-12, 1e12
+
+# Names of matrices: K, KAA, KAAX, KGG, STIFFNESS; M, MAA, MASS.
+_NAMES = {
+    role: re.compile(rf"(?:{role}(?:([A-Z])\1)?X?|{word}.*)$")
+    for role, word in (("K", "STIF"), ("M", "MASS"))
+}
+
+# Bytes of memory that a byte of a file becomes at most: of text, entries of three numbers each, of
+# which both triangles and their sum are held at once.
+_PER_BYTE = 12
+
+# Bytes that are searched to recognise a format; punched files begin with other entries.
+_HEAD = 2**20
+
+# Abaqus holds a dof by a stiffness of 1e36 on its diagonal.
+_HOLDING = 1e30
+
+# Up to so many dofs with mass, those without are condensed, so that all rows are displacements of
+# nodes: K becomes a full matrix.
+_CONDENSED = 6000
+
+# Errors of NumPy and SciPy for archives that hold no matrix.
+_NO_ARCHIVE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, LookupError, ValueError)
+_NO_ARRAYS = (
+    NotImplementedError,
+    TypeError,
+    SyntaxError,
+    AttributeError,
+    OverflowError,
+    MemoryError,
+)
+
+File = str | os.PathLike[str] | tuple[str | os.PathLike[str], str]
+
+
+def read_matrices(
+    K: File,
+    M: File | None = None,
+    *,
+    dofs: Any = None,
+    nodes: Any = None,
+    length: float = 1.0,
+    mass: float = 1.0,
+    mesh: Any = None,
+    material: AnyMaterial | Mapping[str, OneMaterial] | None = None,
+    damping: Damping | None = None,
+    name: str = "",
+) -> FEModel:
+    """Return the body of stiffness and mass matrices that another program has written.
+
+    The format is found from the content: Matrix Market (so Ansys' ``*EXPORT, , MMF``), Abaqus'
+    ``*MATRIX GENERATE`` (MATRIX INPUT or COORDINATE), CalculiX' ``.sti`` and ``.mas`` with the
+    ``.dof`` beside them, Nastran's OP4 (text and binary) and punched DMIG, SciPy's ``.npz``. One
+    triangle or both may be there. Dofs that are constrained (Abaqus' 1e36), and those with neither
+    stiffness nor mass, are left out; internal dofs without mass are condensed, and rotations
+    without mass where there are no coordinates.
+
+    Parameters
+    ----------
+    K, M : path, or (path, name)
+        Stiffness and mass; with a name where the file has several matrices. M is left out where
+        the file of K has both. Of several matrices without a name given, the one is taken that
+        begins with K (or STIF), or with M.
+    dofs : path or array_like of int, shape (rows of K, 2), optional
+        Node and component (1 … 6) of each row, where the matrices do not have it: CalculiX'
+        ``.dof``, the mapping file of Ansys' ``HBMAT`` (equation, node, UX), or lines of node and
+        component.
+    nodes : path or array_like, optional
+        Coordinates in the file's unit: a deck of the same model (``*NODE`` or GRID), a mesh file,
+        lines of label, x, y, z; or an array: (n, 4) with labels, (n, 3) without, in
+        ascending order of the labels. Used where every row is a displacement or rotation.
+    length, mass : float, optional
+        The files' units, in m and kg: millimetres and tonnes (with N and s) are ``length=1e-3,
+        mass=1e3``. The unit of time is the second.
+    mesh : path, meshio.Mesh or Mesh, optional
+        A mesh file in the files' unit (or a mesh in metres) whose nodes are those of the matrices,
+        by their places; with its `material`. Then the contact is a patch of the surface, of a
+        shell a place on it, the law may be left out, and there are stresses, as of
+        `FEModel.from_mesh`. Where `nodes` is left out they are this file's.
+    material : Material, Orthotropic, Shell, Laminate, Beam, or mapping of str to these, optional
+        As for `FEModel.from_mesh`, for contact and stress.
+    damping : Rayleigh or ModalDamping, optional
+    name : str, optional
+
+    Returns
+    -------
+    FEModel
+        With `labels`, so that ``body.contact(node=123, direction=(0, 0, -1))`` works, and, of
+        known coordinates, `nodes`. ``body.audit()`` shows mass, centre, what is constrained,
+        and whether the units are those of a body.
+
+    Raises
+    ------
+    InputError
+        If a file is spoilt, cut short, of an unknown format, or not of the same model as the
+        other; the message names file and line.
+    MissingFileError, MemoryLimitError
+        If a file is not there, or too large for the memory.
+
+    Warns
+    -----
+    AOImpactWarning
+        If density or speed of sound are not those of a body: wrong units; if rows of K, M and
+        `nodes` are not in one order; if K has so few digits that a free body is not free.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> mesh = ao.box_mesh((1, 0.1, 0.1), (8, 1, 1))
+    >>> body = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     files = ao.write_matrices(body, folder)
+    ...     read_matrices(files["K"], files["M"], nodes=body.nodes)
+    FEModel(108 dofs, 36 nodes, 27 kg, free)
+    """
+    units = []
+    for unit, value, of in (("length", length, "m"), ("mass", mass, "kg")):
+        units.append(positive(unit, value, unit=of))
+        if not _UNITS[0] <= units[-1] <= _UNITS[1]:
+            raise InputError(f"{unit} must be a unit, from {_UNITS[0]:g} to {_UNITS[1]:g} {of}")
+    metres = units[0]
+    if (mesh is None) != (material is None):
+        raise InputTypeError("mesh and material, of the surface: give both or none")
+    stiffness, inertia = _chosen(K, M)
+    called = f"{stiffness.called}, {inertia.called}"
+    with _naming("dofs"):
+        labels = _given_labels(dofs, stiffness, inertia)
+    pair = _without_held(called, _joined(called, stiffness, inertia, labels))
+    stiff, heavy, labels = _condensed(
+        called, _scaled(pair, *units), rotations=nodes is None and mesh is None
+    )
+    places: Places | None = None
+    from_file = isinstance(mesh, (str, os.PathLike))
+    with _naming("nodes"):
+        if nodes is not None or from_file:
+            places = read_places(mesh if nodes is None else nodes)
+        elif mesh is not None:
+            solid = read_mesh(mesh)
+            places = np.arange(1, solid.n_nodes + 1), solid.nodes / metres
+    given: dict[str, Any] = {"K": stiff, "M": heavy}
+    if labels is not None:
+        given["labels"] = labels
+    try:
+        if places is not None:
+            given |= _coordinates(called, given, places, metres)
+        body = FEModel(**given, damping=damping, name=name)
+    except InputError as error:
+        if called in str(error):
+            raise
+        cause = "is one of the files cut short, printed with few digits, or of another model?"
+        raise type(error)(f"{called}: {error}; {cause}") from error
+    if mesh is not None and material is not None:
+        with _naming("mesh"):
+            solid = read_mesh(mesh, scale=metres) if from_file else read_mesh(mesh)
+            try:
+                body = body.with_mesh(solid, material)
+            except InputError as error:
+                raise InputError(f"{error} It lies there by nodes and length={metres:g}") from error
+    for doubt in audited(body, frequencies=0).doubts:
+        warn(f"{called}: {doubt}")
+    return body
+
+
+@contextmanager
+def _naming(argument: str) -> Iterator[None]:
+    """Begin errors of a file with the argument that it was given for."""
+    try:
+        yield
+    except (InputError, MeshError) as error:
+        if str(error).startswith(argument):
+            raise
+        raise type(error)(f"{argument}: {error}") from error
+
+
+# --------------------------------------------------------------------------------- the files
+
+
+def _read_npz(file: Path, size: int) -> list[RawMatrix]:
+    """Read a sparse matrix, or all square arrays of an archive by their names."""
+    try:
+        with zipfile.ZipFile(file) as archive:
+            whole = sum(one.file_size for one in archive.infolist())
+        require(3 * whole, f"matrix file {str(file)!r}", "take a coarser mesh")
+        with np.load(file, allow_pickle=False) as arrays:
+            sparse = "format" in arrays.files
+            named = {} if sparse else {each.upper(): arrays[each] for each in arrays.files}
+        if sparse:
+            named[""] = sp.load_npz(file)
+            if hasattr(named[""], "check_format"):
+                named[""].check_format(full_check=True)
+    except (*_NO_ARCHIVE, *_NO_ARRAYS) as error:
+        raise spoilt(file, f"it is no archive of NumPy, or cut short: {error}") from None
+    found = []
+    for name, array in named.items():
+        if array.ndim == 2 and array.shape[0] == array.shape[1] and array.dtype.kind in "iuf":
+            one = sp.coo_array(array)
+            rows, cols = one.row.astype(np.int64), one.col.astype(np.int64)
+            values = one.data.astype(float)
+            found.append(RawMatrix(file, name, array.shape[0], rows, cols, values, unique=False))
+    if not found:
+        raise spoilt(file, f"it has no square matrix of real numbers, but {', '.join(named)}")
+    return found
+
+
+# Formats: their names, the tests of a file's first bytes, and the readers.
+FORMATS: dict[str, tuple[Callable[[bytes], bool], Callable[[Path, int], list[RawMatrix]]]] = {
+    "Matrix Market": (is_market, read_market),
+    "SciPy .npz": (lambda head: head.startswith(b"PK\x03\x04"), _read_npz),
+    "Nastran OP4": (is_op4, read_op4),
+    "Nastran DMIG": (is_dmig, read_dmig),
+    "CalculiX .sti and .mas, Abaqus COORDINATE": (is_triples, read_triples),
+    "Abaqus MATRIX INPUT": (is_nodal, read_nodal),
+}
+
+# Marks at the beginning of other programs' files, and the alternative.
+_OTHERS = {
+    b"MATLAB 5.0": "of MATLAB; load it with scipy.io.loadmat and make FEModel(K=, M=)",
+    b"\x89HDF": "of HDF5; read it with h5py and make FEModel(K=, M=)",
+    b"\x93NUMPY": "of NumPy; load it with numpy.load and make FEModel(K=, M=)",
+    b"*MATRIX,TYPE=": "of *ELEMENT MATRIX OUTPUT; write *MATRIX GENERATE and *MATRIX OUTPUT",
+    b"NASTRAN FORT TAPE": "of OUTPUT2; write OUTPUT4",
+}
+
+
+def load_matrices(file: Path) -> list[RawMatrix]:
+    """Return the matrices of a file, whose format is found from its content.
+
+    Raises
+    ------
+    MissingFileError, InputError, MemoryLimitError
+    """
+    size = existing("matrix file", file)
+    require(
+        _PER_BYTE * size,
+        f"matrix file {str(file)!r} of {size} bytes",
+        "take a coarser mesh, or a reduced model of the other program",
+    )
+    with file.open("rb") as stream:
+        head = stream.read(_HEAD)
+    for matches, read in FORMATS.values():
+        if matches(head):
+            return read(file, size)
+    for mark, cure in _OTHERS.items():
+        if mark in head[:4096]:
+            raise spoilt(file, f"it is a file {cure}")
+    raise spoilt(file, f"its beginning is of no format that can be read ({'; '.join(FORMATS)})")
+
+
+def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
+    """Return the matrices that are meant, of the files' ones."""
+    files: list[Path] = []
+    wanted = []
+    for role, given in (("K", K), ("M", M)):
+        if isinstance(given, tuple):
+            if len(given) != 2 or not isinstance(given[1], str):
+                raise InputTypeError(f"{role} must be a path, or (path, name of the matrix)")
+            given, name = given
+        else:
+            name = ""
+        files.append(files[0] if given is None and files else file_path(role, given))
+        wanted.append(name.strip().upper())
+    read = {}
+    for role, file in zip("KM", files, strict=True):
+        if file not in read:
+            with _naming(role):
+                read[file] = load_matrices(file)
+    if files[0] == files[1] and len(read[files[0]]) == 1:
+        raise InputError(
+            f"K and M are the same file {str(files[0])!r}, which has one matrix; give M its own"
+        )
+    first, second = (
+        _named(role, file, read[file], name)
+        for role, file, name in zip("KM", files, wanted, strict=True)
+    )
+    if first is second:
+        raise InputError(f"K and M are the same matrix {first.called}")
+    return first, second
+
+
+def _named(role: str, file: Path, matrices: list[RawMatrix], wanted: str) -> RawMatrix:
+    """Return the matrix of a file by its given name, or the only one with a fitting name."""
+    if wanted:
+        fit = [one for one in matrices if one.name == wanted]
+    elif len(matrices) == 1:
+        fit = matrices
+        if _NAMES["M" if role == "K" else "K"].match(fit[0].name):
+            raise spoilt(file, f"it holds {fit[0].name}, given for {role}: are K and M exchanged?")
+    else:
+        real = [one for one in matrices if not one.unfit]
+        fit = [one for one in real if one.name == role]
+        fit = fit or [one for one in real if _NAMES[role].match(one.name)]
+    if len(fit) != 1:
+        names = ", ".join(one.name or "one without a name" for one in matrices) or "none"
+        several = f"{len(fit)} of them may be {role}" if fit else f"none of them is {role}"
+        raise spoilt(file, f"its matrices are {names}: {several}; give {role}=(file, name)")
+    (found,) = fit
+    if found.unfit:
+        raise spoilt(file, f"{found.name or 'its matrix'} is {found.unfit}; {role} is real, square")
+    if found.size > len(found.values):
+        raise spoilt(
+            file,
+            f"{found.size} rows have only {len(found.values)} entries: is the file cut short?",
+        )
+    return found
+
+
+def _given_labels(dofs: Any, stiffness: RawMatrix, inertia: RawMatrix) -> IntArray | None:
+    """Return the labels that were given, or that stand beside CalculiX' files."""
+    if dofs is None:
+        dofs = stiffness.file.with_suffix(".dof")
+        if stiffness.file.suffix.lower() != ".sti" or not dofs.exists():
+            return None
+    if stiffness.labels is not None or inertia.labels is not None:
+        raise InputError(
+            f"dofs: {stiffness.called} itself lists which dofs its rows are; leave it out"
+        )
+    found = read_dofs(dofs)
+    if len(found) != stiffness.size:
+        source = repr(str(dofs)) if isinstance(dofs, (str, os.PathLike)) else "the array"
+        short = source
+        if stiffness.size < len(found):
+            end = stiffness.line(len(stiffness.values) - 1)
+            short = repr(str(stiffness.file)) + (f", which ends with line {end}," if end else "")
+        raise InputError(
+            f"dofs: {source} has {len(found)} dofs, but {stiffness.called} {stiffness.size} rows: "
+            f"is {short} cut short?"
+        )
+    return checked_labels(found, len(found))
+
+
+# ------------------------------------------------------------------------------ K and M alike
+
+_Pair = tuple[Any, Any, IntArray | None]  # K, M, and node and component of each row
+
+
+def _joined(
+    called: str, stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None
+) -> _Pair:
+    """Return both matrices in the same rows; refuse one given twice or in the other's place."""
+    if (stiffness.labels is None) != (inertia.labels is None):
+        raise InputError(f"{called}: only one of them lists which dofs its rows are")
+    if stiffness.labels is not None and inertia.labels is not None:
+        both = np.concatenate([stiffness.labels, inertia.labels])
+        labels, places = np.unique(both, axis=0, return_inverse=True)
+        first, second = np.split(places.ravel(), [stiffness.size])
+        for without in np.setdiff1d(second, first)[:1]:
+            raise InputError(
+                f"{called}: K lacks dofs of M, as {_at(labels, without)}: is it cut short?"
+            )
+        stiffness, inertia = (
+            replace(one, size=len(labels), rows=to[one.rows], cols=to[one.cols], labels=labels)
+            for one, to in ((stiffness, first), (inertia, second))
+        )
+    elif stiffness.size != inertia.size:
+        raise InputError(
+            f"{called}: K has {stiffness.size} rows and M {inertia.size}: is one cut short?"
+        )
+    K, M = stiffness.symmetric(), inertia.symmetric()
+    for name, matrix in (("K", K), ("M", M)):
+        without = np.flatnonzero((matrix.diagonal() == 0.0) & (abs(matrix).sum(axis=1) > 0.0))
+        if name == "K" and labels is not None:  # internal rows of Abaqus may have none
+            without = without[labels[without, 0] > 0]
+        if len(without):
+            raise InputError(
+                f"{called}: {name} lacks the diagonal of {_at(labels, without[0])} and of "
+                f"{len(without) - 1} more rows: is the file cut short?"
+            )
+    if K.nnz == M.nnz and not (K - M).data.any():
+        raise InputError(f"{called}: K and M have the same entries; give M its own file")
+    largest, heaviest = (float(abs(one.diagonal()).max(initial=0.0)) for one in (K, M))
+    if 0.0 < largest < heaviest:  # a body that is struck has some frequency above 1 rad/s
+        raise InputError(
+            f"{called}: K is up to {largest:.3g} and M up to {heaviest:.3g}, so that no "
+            "frequency reaches 1 rad/s: are K and M exchanged?"
+        )
+    return K, M, labels
+
+
+def _at(labels: IntArray | None, row: int) -> str:
+    """Return a row as its program calls it."""
+    return f"row {row + 1}" if labels is None else "dof {}.{}".format(*labels[row])
+
+
+def _kept(pair: _Pair, rows: Any) -> _Pair:
+    K, M, labels = pair
+    if rows.all():
+        return pair
+    return K[rows][:, rows], M[rows][:, rows], None if labels is None else labels[rows]
+
+
+def _without_held(called: str, pair: _Pair) -> _Pair:
+    """Leave out dofs that are constrained, and those with neither stiffness nor mass."""
+    K, M, _ = pair
+    keep = (K.diagonal() < _HOLDING) & ((abs(K) + abs(M)).sum(axis=1) > 0.0)
+    if not keep.any():
+        raise InputError(f"{called}: no dof has stiffness or mass and is free to move")
+    return _kept(pair, keep)
+
+
+def _scaled(pair: _Pair, length: float, mass: float) -> _Pair:
+    """Return K and M in SI units: rotations belong to moments, of one length more."""
+    K, M, labels = pair
+    if labels is not None and (labels[:, 1] > 3).any():
+        D = sp.diags_array(np.where(labels[:, 1] > 3, length, 1.0))
+        K, M = D @ K @ D, D @ M @ D
+    return sp.csr_array(mass * K), sp.csr_array(mass * M), labels
+
+
+def _condensed(called: str, pair: _Pair, *, rotations: bool) -> _Pair:
+    """Condense inner dofs without mass: K_aa - K_ai K_ii⁻¹ K_ia, which is exact.
+
+    Larger models keep these dofs; then no coordinates are known of their rows. Rotations are inner
+    dofs if `rotations`, and else kept.
+    """
+    K, M, labels = pair
+    light = abs(M).sum(axis=1) == 0.0
+    inner = np.zeros_like(light)
+    if labels is not None:
+        inner = (labels[:, 0] <= 0) | (labels[:, 1] > 3)
+        light &= rotations | (labels[:, 1] <= 3)
+    if not light.any() or (~light).sum() > _CONDENSED:
+        return pair
+    if (light & ~inner).any():
+        raise InputError(
+            f"{called}: {light.sum()} of {len(light)} dofs have no mass, the first is "
+            f"{_at(labels, int(np.flatnonzero(light)[0]))}: is M cut short, or lumped? Write a "
+            "consistent mass matrix"
+        )
+    across = K[light][:, ~light].toarray()
+    try:
+        solved = factorize(K[light][:, light], what="K of the dofs without mass").solve(across)
+    except SingularError as error:
+        raise InputError(
+            f"{called}: {light.sum()} dofs without mass cannot be condensed ({error}); model "
+            "without multipliers, as of hybrid elements and couplings"
+        ) from None
+    K, M, labels = _kept(pair, ~light)
+    full = K.toarray() - across.T @ solved
+    return sp.csr_array(0.5 * (full + full.T)), M, labels
+
+
+def _coordinates(
+    called: str, given: dict[str, Any], places: Places, length: float
+) -> dict[str, Any]:
+    """Return `nodes` and `free` of a body whose rows are displacements and rotations."""
+    numbers, where = places
+    labels, size = given.get("labels"), given["K"].shape[0]
+    if labels is None:
+        if size != 3 * len(where):
+            raise InputError(
+                f"nodes: {len(where)} nodes do not have the {size} rows of {called}; give dofs"
+            )
+        return {"nodes": length * where}
+    if (labels[:, 1] < 1).any():
+        return {}
+    used = np.unique(labels[:, 0])
+    if numbers is None:
+        if len(where) != len(used):
+            raise InputError(
+                f"nodes has {len(where)} rows for {len(used)} nodes of {called}; give labels, "
+                "shape (n, 4)"
+            )
+        numbers = used
+    missing = np.setdiff1d(used, numbers)
+    if len(missing):
+        cause = "is it another model's file?"
+        if missing[0] > numbers.max():
+            cause = (
+                "are they inner nodes of elements, as of CalculiX' C3D8I? Take other elements, or "
+                "leave nodes out"
+            )
+        raise InputError(
+            f"nodes: {len(missing)} nodes of {called} are not there, the first is {missing[0]}: "
+            f"{cause}"
+        )
+    # Nodes without rows are no supports if the body is free without them.
+    if len(numbers) > len(used) and FEModel(**given).mass is not None:
+        keep = np.isin(numbers, used)
+        numbers, where = numbers[keep], where[keep]
+    rotation, component = np.divmod(labels[:, 1] - 1, 3)
+    node = np.searchsorted(numbers, labels[:, 0])
+    return {
+        "nodes": length * where,
+        "free": 3 * (node + len(numbers) * rotation) + component,
+    }

@@ -1,0 +1,139 @@
+"""Dofs of the rows of matrices, and places of their nodes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..base import (
+    HUGE,
+    FloatArray,
+    InputError,
+    IntArray,
+    file_path,
+    finite_array,
+    held_warnings,
+    integers,
+)
+from ..mesh import existing, is_nastran, load, looks_like_inp, nastran_nodes, number, read_mesh
+from .matrix import spoilt
+
+# Ansys' words for components; others have no direction.
+_COMPONENTS = {"UX": 1, "UY": 2, "UZ": 3, "ROTX": 4, "ROTY": 5, "ROTZ": 6}
+
+# A row of a mapping file: the equation, the node, and the component's word or number.
+_MAPPED = re.compile(r"^\s*(\d{1,15})\s+(-?\d{1,15})\s+([A-Z]+|\d{1,2})\s*$", re.MULTILINE)
+
+# A line of a .dof file, or of one of pairs.
+_PAIR = re.compile(r"^\s*(-?\d{1,15})(?:\.|[\s,]+)(\d{1,2})\s*$")
+
+# Labels, or None where nodes have none but their order; and coordinates in the file's unit.
+Places = tuple[IntArray | None, FloatArray]
+
+
+def read_dofs(dofs: Any) -> IntArray:
+    """Return node and component of each row, shape (n, 2), from a file or an array.
+
+    A file is CalculiX' ``.dof``, the mapping file of Ansys, or lines of node and component.
+
+    Raises
+    ------
+    InputTypeError, InputError, MissingFileError
+    """
+    if not isinstance(dofs, str) and not hasattr(dofs, "__fspath__"):
+        what = "a file, or pairs of integers, node and component"
+        return integers("dofs", dofs, what, shape=(None, 2))
+    file = file_path("dofs", dofs)
+    existing("matrix file", file)
+    text = file.read_text(encoding="latin-1")
+    if mapped := _MAPPED.findall(text):
+        words = [int(word) if word.isdigit() else _COMPONENTS.get(word, 0) for *_, word in mapped]
+        equations = np.array([int(equation) for equation, *_ in mapped])
+        for wrong in np.flatnonzero(np.sort(equations) != np.arange(1, len(mapped) + 1))[:1]:
+            raise spoilt(
+                file,
+                f"equation {wrong + 1} of {len(mapped)} is not there once: is it cut short?",
+            )
+        nodes = [int(node) for _, node, _ in mapped]
+        return np.stack([nodes, words], axis=1)[np.argsort(equations)]
+    pairs: list[tuple[str, ...]] = []
+    for line, content in enumerate(text.splitlines(), 1):
+        if pair := _PAIR.match(content):
+            pairs.append(pair.groups())
+        elif content.strip() and pairs:
+            raise spoilt(
+                file,
+                f"a dof such as 123.1 should stand here, got {content[:60]!r}: is it cut short?",
+                line,
+            )
+    if not pairs:
+        raise spoilt(file, "it has no lines such as 123.1, nor such as 1 123 UX")
+    return np.array(pairs).astype(np.int64)
+
+
+def read_places(nodes: Any) -> Places:
+    """Return labels and coordinates of nodes, from a file or an array.
+
+    Parameters
+    ----------
+    nodes : path or array_like
+        A deck of Abaqus or CalculiX, or Nastran (GRID), lines of label, x, y, z, or any mesh file
+        (labels 1, 2, …); an array (n, 4) of labels and coordinates, or (n, 3).
+
+    Raises
+    ------
+    InputError, InputTypeError, MeshError
+    """
+    if not isinstance(nodes, str) and not hasattr(nodes, "__fspath__"):
+        array = finite_array("nodes", nodes, ndim=2, most=HUGE)
+        if array.shape[1] == 3:
+            return None, array
+        if array.shape[1] != 4:
+            raise InputError(f"nodes must have 3 or 4 columns, got shape {array.shape}")
+        return _labelled("nodes", array)
+    file = file_path("nodes", nodes)
+    existing("mesh file", file)
+    with file.open("rb") as stream:
+        head = stream.read(4096)
+    if looks_like_inp(head) or (file.suffix.lower() == ".inp" and head.lstrip()[:1] == b"*"):
+        with held_warnings():  # of elements, which do not matter here
+            raw = load(file)
+        if not len(raw.nodes):
+            raise spoilt(file, "it has no nodes")
+        return _labelled(f"nodes {str(file)!r}", np.column_stack([raw.node_labels, raw.nodes]))  # type: ignore[list-item]
+    if b"\0" not in head:
+        if is_nastran(file):
+            return nastran_nodes(file)
+        if (table := _lines(file)) is not None:
+            return _labelled(f"nodes {str(file)!r}", table)
+    mesh = read_mesh(file)
+    return np.arange(1, mesh.n_nodes + 1), mesh.nodes
+
+
+def _labelled(where: str, table: FloatArray) -> Places:
+    labels, order = table[:, 0].astype(np.int64), np.argsort(table[:, 0], kind="stable")
+    if (labels != table[:, 0]).any():
+        raise InputError("nodes: the first of four columns must be labels, integers")
+    for twice in np.flatnonzero(np.diff(labels[order]) == 0)[:1]:
+        raise InputError(
+            f"{where}: node {labels[order][twice]} is there twice; give those of one part"
+        )
+    return labels[order], table[order, 1:]
+
+
+def _lines(file: Path) -> FloatArray | None:
+    """Return lines of label, x, y, z and perhaps more, as Ansys' NWRITE has them."""
+    text = file.read_text(encoding="latin-1")
+    rows = [line.replace(",", " ").split()[:4] for line in text.splitlines() if line.strip()]
+    if not rows or any(len(row) < 4 or not row[0].isdigit() for row in rows):
+        return None
+    try:
+        table = np.array([[number(one) for one in row] for row in rows])
+    except ValueError as error:
+        raise spoilt(file, f"label, x, y and z of nodes cannot be read: {error}") from None
+    if not (np.abs(table) <= min(HUGE, 2.0**53)).all():
+        raise spoilt(file, "a node has a label or coordinate that is too large")
+    return table
