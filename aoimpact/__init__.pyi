@@ -39,7 +39,10 @@ from .impact import Scene as Scene
 from .impact import simulate as simulate
 from .integrate import Adaptive as Adaptive
 from .integrate import Newmark as Newmark
+from .io import paper_sphere_mesh as paper_sphere_mesh
 from .io import read_matrices as read_matrices
+from .io import read_mesh as read_mesh
+from .io import read_sections as read_sections
 from .io import write_matrices as write_matrices
 from .laws import ContactLaw as ContactLaw
 from .laws import ElasticPlastic as ElasticPlastic
@@ -57,8 +60,6 @@ from .laws import YangSun as YangSun
 from .laws import restitution as restitution
 from .mesh import Mesh as Mesh
 from .mesh import box_mesh as box_mesh
-from .mesh import paper_sphere_mesh as paper_sphere_mesh
-from .mesh import read_mesh as read_mesh
 from .mesh import sheet_mesh as sheet_mesh
 from .mesh import sphere_mesh as sphere_mesh
 from .reduction import AOModel as AOModel
@@ -78,7 +79,6 @@ from .results import Result as Result
 from .results import Run as Run
 from .scenefile import SceneFile as SceneFile
 from .scenefile import read_scene as read_scene
-from .sectionfiles import read_sections as read_sections
 from .study import Comparison as Comparison
 from .study import LawFit as LawFit
 from .study import compare as compare

@@ -50,8 +50,6 @@ from ..mesh import (
     Surface,
     boundary,
     every_motion,
-    read_for,
-    read_mesh,
     rigid_motions,
     unresisted_motions,
 )
@@ -272,6 +270,8 @@ class FEModel(Frozen):
         FEModel(132 dofs, 44 nodes, 10 hexahedron, 2.027 kg, 66 springs to the ground, free)
         """
         damped, called = damping_or_none(damping), text("name", name)
+        from ..io import read_for  # a leaf, which itself imports this folder
+
         solid = read_for(mesh, thin_groups(material), part=part, order=order)
         made_of = materials_of(solid, material)
         solids = sum(not block.element.thin for block in solid.blocks)
@@ -343,7 +343,9 @@ class FEModel(Frozen):
         """
         if self.nodes is None or self.free is None:
             raise InputError("with_mesh: this body has no nodes; give FEModel(nodes=)")
-        solid = read_mesh(mesh)
+        from ..io import read_for  # a leaf, which itself imports this folder
+
+        solid = read_for(mesh, ())
         made_of = materials_of(solid, material)
         n = len(self.nodes)
         node, rotation = self.free // 3 % n, self.free // (3 * n)

@@ -1,8 +1,14 @@
-"""Files of other programs: stiffness and mass matrices, read and written.
+"""Files of other programs: meshes, sections and matrices, a format a file.
 
-A format a file. Within the package only `scenefile` uses it.
+`read_mesh` makes a mesh of the nodes, cells and groups that a reader finds (`RawMesh`), and
+`read_sections` and `read_matrices` take the rest of the same files. Nothing in the core imports
+this folder, but for `FEModel.from_mesh`, which takes the path of a mesh.
 """
 
+from .load import load
 from .matrices import load_matrices, read_matrices
 from .matrix import RawMatrix
+from .raw import RawMesh
+from .read import paper_sphere_mesh, read_for, read_mesh
+from .readsections import read_sections
 from .write import write_matrices

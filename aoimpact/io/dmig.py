@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..mesh import read_bulk_data, read_deck
 from .matrix import RawMatrix, labelled, passed_over
+from .nastrandeck import read_bulk_data, read_sections
 
 # IFO, the form of a matrix: of a symmetric one a single triangle is there.
 _SQUARE, _SYMMETRIC = 1, 6
@@ -28,7 +28,7 @@ def read_dmig(file: Path, size: int) -> list[RawMatrix]:
     An entry is a header (name, 0, IFO, TIN), or a column: its name, node and component, then node,
     component and value of each row.
     """
-    quads, entry = read_bulk_data(read_deck(file)[1]).quads("DMIG")
+    quads, entry = read_bulk_data(read_sections(file)[1]).quads("DMIG")
     starts = np.diff(entry, prepend=-1) > 0
     heads = quads.select(starts)
     names = [name.decode().strip() for name in heads.fields[:, 0].tolist()]

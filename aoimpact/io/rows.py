@@ -18,8 +18,13 @@ from ..base import (
     held_warnings,
     integers,
 )
-from ..mesh import existing, is_nastran, load, looks_like_inp, nastran_nodes, number, read_mesh
+from .abaqusdeck import looks_like_inp
+from .load import existing, load
 from .matrix import spoilt
+from .nastran import nastran_nodes
+from .nastrandeck import is_nastran
+from .raw import number
+from .read import read_mesh
 
 # Ansys' words for components; others have no direction.
 _COMPONENTS = {"UX": 1, "UY": 2, "UZ": 3, "ROTX": 4, "ROTY": 5, "ROTZ": 6}

@@ -480,3 +480,13 @@ def cofactors(j: FloatArray) -> tuple[FloatArray, FloatArray]:
             cof[i, a] = j[i1, a1] * j[i2, a2] - j[i1, a2] * j[i2, a1]
     det = j[0, 0] * cof[0, 0] + j[0, 1] * cof[0, 1] + j[0, 2] * cof[0, 2]
     return det, cof
+
+
+def meshio_of_all_kinds() -> Any:
+    """Return meshio, taught the kinds of cells that its readers know and its meshes do not."""
+    import meshio  # slow to import
+    from meshio._mesh import topological_dimension
+
+    for kind in KINDS:
+        topological_dimension.setdefault(kind, 3)
+    return meshio

@@ -1,10 +1,9 @@
-"""Meshes of simple bodies, made here: balls, boxes, sheets, and the paper's sphere."""
+"""Meshes of simple bodies, made here: balls, boxes and sheets."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from importlib import resources
 from itertools import combinations, permutations, product
 from typing import Any
 
@@ -24,7 +23,6 @@ from ..base import (
 from .convert import of_second_order
 from .elements import KINDS, reference_element
 from .mesh import Mesh
-from .read import read_mesh
 
 _GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
@@ -247,22 +245,6 @@ def sheet_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = 
     edges["rim"] = np.logical_or.reduce(list(edges.values()))
     nodes = np.stack([row * (sides[0] / n), column * (sides[1] / m), 0.0 * row], axis=1)
     return Mesh(nodes, cells, kind, {name: np.flatnonzero(on) for name, on in edges.items()})
-
-
-def paper_sphere_mesh() -> Mesh:
-    """Return the paper's sphere: radius 10 mm, 1053 nodes, 602 tetra10 (section 3, Table 1).
-
-    The paper prints the numbers of nodes and elements, not the mesh; this one has the same. Corner
-    nodes lie at (±R, 0, 0); the node set "surface" holds the nodes on the sphere.
-
-    Examples
-    --------
-    >>> mesh = ao.paper_sphere_mesh()
-    >>> mesh.n_nodes, len(mesh.cells), mesh.kind
-    (1053, 602, 'tetra10')
-    """
-    with resources.as_file(resources.files("aoimpact") / "data" / "sphere.msh") as path:
-        return read_mesh(path)
 
 
 def _refuse_monster(n_nodes: float, name: str, value: object) -> None:

@@ -15,8 +15,9 @@ from ..base import FloatArray
 from ..fem import ContactPoint, FEModel, Material
 from ..impact import simulate
 from ..integrate import Newmark
+from ..io import paper_sphere_mesh
 from ..laws import Hertz
-from ..mesh import paper_sphere_mesh, sphere_mesh
+from ..mesh import sphere_mesh
 from ..reduction import AOModel, FullModel, ModalModel, antioscillators, full, modal, rigid
 from ..results import Result
 from .table import Row, Table, printed

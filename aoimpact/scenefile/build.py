@@ -35,9 +35,9 @@ from ..fem import (
     thin_groups,
 )
 from ..impact import Scene, SceneCase
-from ..io import read_matrices
+from ..io import paper_sphere_mesh, read_for, read_matrices, read_sections
 from ..laws import ContactLaw, ElasticPlastic, Hertz, Thornton
-from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_for, sheet_mesh, sphere_mesh
+from ..mesh import Mesh, box_mesh, sheet_mesh, sphere_mesh
 from ..reduction import (
     AOModel,
     FullModel,
@@ -51,7 +51,6 @@ from ..reduction import (
     wall,
 )
 from ..results import SCENE_CHOICES, Handle
-from ..sectionfiles import read_sections
 from .names import LAWS, SENSORS, SOLVERS
 
 # The power of the indentation in Hertz's law.

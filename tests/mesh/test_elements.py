@@ -10,7 +10,7 @@ import skfem
 from skfem import refdom
 from skfem.quadrature import get_quadrature
 
-from aoimpact.mesh.elements import KINDS, Rule, reference_element
+from aoimpact.mesh import KINDS, Rule, reference_element
 
 THEIRS = {
     "tetra": skfem.ElementTetP1(),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from aoimpact.mesh.elements import KINDS, reference_element, reference_faces
+from aoimpact.mesh import KINDS, reference_element, reference_faces
 
 # Nodes on each side and corners of it, as the kind's figure in meshio's documentation shows.
 COUNTS = {

@@ -9,9 +9,16 @@ import numpy.typing as npt
 import pytest
 
 from aoimpact.base.errors import InputError, InputTypeError
-from aoimpact.mesh.elements import KINDS, cofactors, jacobians, reference_element
-from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from aoimpact.mesh.mesh import Mesh
+from aoimpact.io import paper_sphere_mesh
+from aoimpact.mesh import (
+    KINDS,
+    Mesh,
+    box_mesh,
+    cofactors,
+    jacobians,
+    reference_element,
+    sphere_mesh,
+)
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -7,8 +7,7 @@ import pytest
 from bodies import distorted_box
 
 import aoimpact as ao
-from aoimpact.mesh.elements import KINDS
-from aoimpact.mesh.locate import weights_at
+from aoimpact.mesh import KINDS, weights_at
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -15,7 +15,8 @@ import aoimpact as ao
 from aoimpact.base.errors import InputError, InputTypeError, MeshError
 from aoimpact.fem import energy_error, stiffness_mass
 from aoimpact.fem.stress import gauss_stress, nodal_stress
-from aoimpact.mesh import boundary, meshio_of_all_kinds, read_mesh, weights_at
+from aoimpact.io import read_mesh
+from aoimpact.mesh import boundary, meshio_of_all_kinds, weights_at
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 LENGTHS = (2.0, 1.5, 1.0)

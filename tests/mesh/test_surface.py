@@ -13,10 +13,7 @@ from skfem.refdom import RefQuad, RefTri
 
 from aoimpact.base.errors import MeshError
 from aoimpact.fem.model import FEModel
-from aoimpact.mesh.elements import KINDS, reference_element
-from aoimpact.mesh.generate import box_mesh, sphere_mesh
-from aoimpact.mesh.mesh import Mesh
-from aoimpact.mesh.surface import Surface, boundary
+from aoimpact.mesh import KINDS, Mesh, Surface, boundary, box_mesh, reference_element, sphere_mesh
 
 FloatArray = npt.NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])

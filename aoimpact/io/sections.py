@@ -25,7 +25,8 @@ from ..fem import (
     TubularSection,
     warn_of_units,
 )
-from ..mesh import RawMesh, key
+from .abaqusdeck import key
+from .raw import RawMesh
 
 # Largest difference between directions that are the same: what printed digits leave.
 _SAME = 1e-4

@@ -11,8 +11,8 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from ...base import MemoryLimitError, MeshError, MissingFileError, file_path
-from . import abaqus, exodus, gmsh, kratos, med, nastran, viameshio, vtk
+from ..base import MemoryLimitError, MeshError, MissingFileError, file_path
+from . import abaqus, exodus, gmsh, med, nastran, viameshio, vtk
 from .abaqusdeck import looks_like_inp
 from .nastrandeck import is_nastran
 from .raw import RawMesh
@@ -26,7 +26,6 @@ _READERS: dict[str, _Reader] = {
     **dict.fromkeys((".bdf", ".nas"), nastran.read),
     **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), exodus.read),
     ".inp": abaqus.read,
-    ".mdpa": kratos.read,
     ".med": med.read,
     ".vtk": vtk.read_legacy,
     ".vtu": vtk.read_xml,
@@ -92,10 +91,10 @@ def _reader(file: Path) -> _Reader:
     suffix = file.suffix.lower()
     with file.open("rb") as stream:
         head = stream.read(4096)
-    if suffix.startswith(".msh") and head.lstrip().startswith(b"$"):  # else Fluent's, or CalculiX'
-        return gmsh.read
-    if looks_like_inp(head):
+    if looks_like_inp(head):  # CalculiX writes .msh
         return abaqus.read
+    if suffix.startswith(".msh"):
+        return gmsh.read
     if suffix not in _READERS and is_nastran(file):
         return nastran.read
     return _READERS.get(suffix, viameshio.read)

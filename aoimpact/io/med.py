@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import IntArray
+from ..base import IntArray
 from ..mesh import right_handed
 from .raw import RawBlock, RawMesh, check_count, grouped, nodes_in, opened_hdf5
 

@@ -13,8 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, IntArray
 from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
-from ..mesh import AbaqusDeck, Keyword, key
-from .common import Source, across, common, layered, refusing, unit
+from .abaqus import AbaqusDeck
+from .abaqusdeck import Keyword, key
+from .sections import Source, across, common, layered, refusing, unit
 
 # Options of a material that change its answer and are left out.
 _LEFT_OUT = re.compile(

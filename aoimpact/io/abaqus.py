@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ...base import FloatArray, IntArray, MeshError, warn
+from ..base import FloatArray, IntArray, MeshError, warn
 from .abaqusdeck import Keyword, key, read_keywords
 from .abaqusnames import CONNECTIONS, HARMLESS, SECTIONS, SIDES, STRUCTURAL, UNSUPPORTED
 from .abaqusscope import Elements, Scope, Which, moved

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ...base import FloatArray, IntArray, MeshError, require
+from ..base import FloatArray, IntArray, MeshError, require
 from .raw import joined, number, read_lines, refused, repeats
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.

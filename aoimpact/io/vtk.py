@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 import numpy as np
 import numpy.typing as npt
 
-from ...base import FloatArray, IntArray
+from ..base import FloatArray, IntArray
 from ..mesh import right_handed
 from .raw import RawBlock, RawMesh, check_count, firsts, integers, nodes_in, numbers_of
 

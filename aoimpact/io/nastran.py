@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from ...base import FloatArray, IntArray, warn
-from ..elements import reference_element
+from ..base import FloatArray, IntArray, warn
+from ..mesh import reference_element
 from .nastrandeck import BulkData, Lines, Table, read_bulk_data, read_sections
 from .nastrannames import CONNECTIONS, OTHER_ELEMENTS, SKIPPED
 from .raw import UPRIGHT_FIRST, RawBlock, RawMesh, cylindrical, joined, nodes_in, repeats, rows_of

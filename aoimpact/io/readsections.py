@@ -19,9 +19,12 @@ from ..base import (
     warn,
 )
 from ..fem import OneMaterial
-from ..mesh import AbaqusDeck, NastranDeck, key, load
-from . import abaqus, nastran
-from .common import Source
+from . import abaqussections, nastransections
+from .abaqus import AbaqusDeck
+from .abaqusdeck import key
+from .load import load
+from .nastran import NastranDeck
+from .sections import Source
 
 
 def read_sections(
@@ -123,9 +126,9 @@ def read_sections(
     source = Source(raw, length, stress, density, {key(name): one for name, one in known.items()})
     with held_warnings() as of_no_solid:
         if isinstance(raw.deck, AbaqusDeck):
-            found = abaqus.Reader(source, raw.deck).sections()
+            found = abaqussections.Reader(source, raw.deck).sections()
         elif isinstance(raw.deck, NastranDeck):
-            found = nastran.Reader(source, raw.deck).sections()
+            found = nastransections.Reader(source, raw.deck).sections()
         else:
             raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran")
     if of_no_solid:

@@ -14,8 +14,8 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from ...base import FloatArray, IntArray, MeshError, decoded
-from ..elements import KINDS, reference_element
+from ..base import FloatArray, IntArray, MeshError, decoded
+from ..mesh import KINDS, reference_element
 
 # Kinds of cells by their numbers of nodes.
 SOLIDS = {reference_element(kind).n_nodes: kind for kind in KINDS}

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import FloatArray, IntArray, MeshError, MissingFileError, decoded
+from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
 from .raw import number, read_lines, refused
 
 # Numbers of a data line that has no room for more.

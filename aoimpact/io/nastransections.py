@@ -13,8 +13,9 @@ import numpy as np
 
 from ..base import FloatArray, IntArray, MeshError
 from ..fem import Beam, Material, OneMaterial, Orthotropic, Ply, Solid
-from ..mesh import PROPERTIES, Entries, NastranDeck, number, rows_of
-from .common import Source, across, common, layered, refusing
+from .nastran import PROPERTIES, Entries, NastranDeck
+from .raw import number, rows_of
+from .sections import Source, across, common, layered, refusing
 
 # Fields of surface elements, from their number on, by the kind of all their nodes: angle or system
 # of the material, offset, and thickness at the nodes.

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import scipy.io
 
-from ...base import IntArray
-from ..elements import KINDS, reference_faces
+from ..base import IntArray
+from ..mesh import KINDS, reference_faces
 from . import raw
 from .raw import RawBlock, RawMesh
 

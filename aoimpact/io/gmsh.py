@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import FloatArray, IntArray, decoded, warn
+from ..base import FloatArray, IntArray, decoded, warn
 from ..mesh import right_handed
 from . import raw
 from .raw import RawBlock, RawMesh
@@ -158,6 +158,8 @@ def _sections(content: bytes) -> dict[str, bytes]:
     at = 0
     while content[at:].strip():
         match = header.match(content, at)
+        if match is None and not found:
+            raise ValueError("it is no file of Gmsh")
         if match is None:
             raise ValueError(f"a section is expected at byte {at}, got {content[at : at + 20]!r}")
         name = match[1].decode()

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 import scipy
 
-from ...base import FloatArray, IntArray, MeshError, require
+from ..base import FloatArray, IntArray, MeshError, require
 from .abaqusdeck import MOST, Keyword, key
 from .abaqusnames import element_type
 from .raw import cylindrical, joined, repeats, rows_of

@@ -1,0 +1,183 @@
+"""Meshes of meshio: its files, and the names that they give to groups of nodes and cells."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import IntArray, MeshError, warn
+from ..mesh import meshio_of_all_kinds
+from .raw import DIMENSIONS, RawBlock, RawMesh, check_count, grouped
+
+# meshio's formats by the end of a file's name.
+_FORMATS = {
+    ".avs": "avsucd",
+    ".dato": "permas",
+    ".mesh": "medit",
+    ".meshb": "medit",
+    ".post": "permas",
+    ".su2": "su2",
+    ".ugrid": "ugrid",
+    ".xdmf": "xdmf",
+    ".xmf": "xdmf",
+    ".xml": "dolfin-xml",
+}
+
+# The numbers of nodes and of cells that a text of a format announces; several add up.
+_ANNOUNCED = {
+    "avsucd": (r"\A(?:#.*\n)*\s*(\d+)", r"\A(?:#.*\n)*\s*\d+\s+(\d+)"),
+    "dolfin-xml": (r'<vertices\s+size="(\d+)"', r'<cells\s+size="(\d+)"'),
+    "medit": (
+        r"\bVertices\s+(\d+)",
+        r"\b(?:Edges|Triangles|Quadrilaterals|Tetrahedra|Hexah?edra|Prisms|Pyramids)\s+(\d+)",
+    ),
+    "su2": (r"\bNPOIN\s*=\s*(\d+)", r"\b(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)"),
+    "ugrid": (r"\A\s*(\d+)", r"\A\s*\d+" + 6 * r"\s+(\d+)"),
+    "xdmf": (
+        r'<Geometry[^>]*>\s*<DataItem[^>]*Dimensions="(\d+)',
+        r'<Topology[^>]*NumberOfElements="(\d+)"',
+    ),
+}
+
+# Integers of cells that are groups, and how these are called.
+_TAGS = {"avsucd:material": "material", "medit:ref": "ref", "su2:tag": "tag"}
+
+
+def read(file: Path) -> RawMesh:
+    """Return the mesh that meshio reads, if it has as many nodes and cells as the file announces.
+
+    Raises
+    ------
+    MeshError
+        If its format is not read, or needs a package that is missing.
+    ValueError
+        If meshio cannot read the file, or nodes or cells are missing.
+
+    Warns
+    -----
+    AOImpactWarning
+        If meshio warns, or if the file announces no numbers.
+    """
+    where, name = f"mesh file {str(file)!r}", _FORMATS.get(file.suffix.lower())
+    if name is None:
+        kind = f"files {file.suffix}" if file.suffix else "files without a suffix"
+        raise MeshError(f"{where}: {kind} are not read; write .msh or .vtu")
+    content = file.read_bytes()
+    text = "" if b"\0" in content else content.decode("latin-1")
+    announced = []
+    for pattern in _ANNOUNCED.get(name, ()) if text else ():
+        found = [match.groups() for match in re.finditer(pattern, text)]
+        announced.append(sum(int(count[:19]) for counts in found for count in counts))
+        if not found or announced[-1] > len(content):
+            raise ValueError(f"the numbers of nodes and cells do not fit its {len(content)} bytes")
+    said = io.StringIO()
+    try:
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+            warnings.catch_warnings(),
+        ):
+            warnings.simplefilter("ignore")  # NumPy's, about arithmetic on rubbish
+            mesh = meshio_of_all_kinds().read(file, name)
+    except MemoryError:
+        raise
+    except ModuleNotFoundError as error:
+        raise MeshError(f"{where} needs the package {error.name}: pip install it") from None
+    except (Exception, SystemExit) as error:  # readers raise anything on malformed files
+        why = " ".join([type(error).__name__, str(error), *said.getvalue().split()])
+        raise ValueError(f"as {name}, {why}") from None
+    if said.getvalue().strip():
+        warn(f"mesh file {file.name!r}: meshio says: {' '.join(said.getvalue().split())}")
+    if np.ndim(mesh.points) != 2:
+        raise ValueError("it has no table of coordinates")
+    there = len(mesh.points), sum(len(block.data) for block in mesh.cells)
+    for what, count, wanted in zip(("nodes", "cells"), there, announced, strict=False):
+        check_count(what, wanted, count)
+    if not announced:
+        warn(
+            f"mesh file {file.name!r} announces no numbers of nodes and elements. Check those that "
+            f"meshio has read: {there[0]} nodes, {there[1]} cells"
+        )
+    return from_meshio(mesh)
+
+
+def is_meshio(source: Any) -> bool:
+    """Return whether `source` is a `meshio.Mesh`, or looks like one."""
+    return all(hasattr(source, name) for name in ("points", "cells", "point_sets", "cell_sets"))
+
+
+def from_meshio(mesh: Any) -> RawMesh:
+    """Return a `meshio.Mesh` as a `RawMesh`.
+
+    Its groups are node sets, cell sets, Gmsh's physical groups, MED's groups, of any dimension, and
+    tags of other formats, such as "ref 3". A physical group without a name is called after its
+    dimension and tag, as in "surface 3". Groups of the same name are joined.
+
+    Raises
+    ------
+    MeshError
+        If groups name what is not there, or not by numbers.
+    """
+    blocks = tuple(RawBlock(str(block.type), np.asarray(block.data)) for block in mesh.cells)
+    first = RawMesh(mesh.points, blocks).first
+    try:
+        node_sets = grouped((str(name), _indices(of)) for name, of in _point_groups(mesh))
+        cell_sets = grouped(
+            (str(name), first[i] + np.arange(len(blocks[i].cells))[_indices(members)])
+            for name, i, members in _cell_groups(mesh, blocks)
+        )
+    except (ValueError, TypeError, LookupError, OverflowError, AttributeError) as error:
+        raise MeshError(f"the named groups of the mesh are wrong: {error}") from None
+    return RawMesh(mesh.points, blocks, node_sets, cell_sets)
+
+
+def _point_groups(mesh: Any) -> Iterator[tuple[str, npt.NDArray[Any]]]:
+    yield from mesh.point_sets.items()
+    if (tags := mesh.point_data.get("point_tags")) is not None:
+        for tag, names in getattr(mesh, "point_tags", {}).items():  # MED's
+            for name in names:
+                yield name, tags == tag
+
+
+def _cell_groups(
+    mesh: Any, blocks: tuple[RawBlock, ...]
+) -> Iterator[tuple[str, int, npt.NDArray[Any]]]:
+    """Yield names of groups, numbers of blocks, and members in these by number or mask."""
+    for name, parts in mesh.cell_sets.items():
+        if name.startswith("gmsh:"):  # a table of meshio's own, not a group
+            continue
+        for i, members in enumerate(parts[: len(blocks)]):
+            if members is not None and len(members):
+                yield name, i, members
+    for key in filter(mesh.cell_data.__contains__, _TAGS):
+        for i, tags in enumerate(mesh.cell_data[key]):
+            for tag in np.unique(tags).astype(int).tolist():
+                yield f"{_TAGS[key]} {tag}", i, np.asarray(tags) == tag
+    names = {
+        (int(value[1]), int(value[0])): name
+        for name, value in mesh.field_data.items()
+        if np.size(value) == 2
+    }
+    physical = mesh.cell_data.get("gmsh:physical", ())
+    for i, (block, tags) in enumerate(zip(blocks, physical, strict=False)):
+        for tag in np.unique(tags).astype(int).tolist():
+            if tag != 0:
+                unnamed = f"{DIMENSIONS[block.dim]} {tag}"
+                yield names.get((block.dim, tag), unnamed), i, np.asarray(tags) == tag
+    for i, (_, tags) in enumerate(zip(blocks, mesh.cell_data.get("cell_tags", ()), strict=False)):
+        for tag, called in getattr(mesh, "cell_tags", {}).items():  # MED's
+            for name in called:
+                yield name, i, tags == tag
+
+
+def _indices(members: Any) -> IntArray:
+    array = np.asarray(members)
+    return np.flatnonzero(array) if array.dtype == bool else array.astype(np.int64).reshape(-1)
