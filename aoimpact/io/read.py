@@ -66,9 +66,10 @@ def read_mesh(
 ) -> Mesh:
     """Return the mesh in a file, complete or not at all.
 
-    Files of Abaqus and CalculiX (.inp), Exodus, Gmsh (2.2 and 4.1), Kratos, MED, Nastran, Tecplot
-    (one zone) and VTK (.vtk, .vtu) are checked for what they announce. Other formats that meshio
-    knows are read with a warning that nothing was checked; some are refused by name.
+    Files of Abaqus and CalculiX (.inp), Exodus, Gmsh (2.2 and 4.1), MED, Nastran and VTK (.vtk,
+    .vtu) are read completely, or refused. Meshes of AVS, DOLFIN, Medit, PERMAS, SU2, UGRID and XDMF
+    are read by meshio, and refused if it finds other numbers of nodes and cells than the file
+    announces. Other formats are refused by name.
 
     The body is made of the cells of the highest dimension, solids if there are any, else surfaces
     for shells, else lines for beams; with `part` of those in the groups named, of any dimension.
