@@ -15,7 +15,8 @@ from ..base import FloatArray, IntArray
 from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
 from .abaqus import AbaqusDeck
 from .abaqusdeck import Keyword, key
-from .sections import Source, across, common, layered, refusing, unit
+from .profiles import ABAQUS, named
+from .sections import Source, across, layered, refusing, unit
 
 # Options of a material that change its answer and are left out.
 _LEFT_OUT = re.compile(
@@ -37,6 +38,9 @@ _ALONG = 1e-3
 
 # Sine of the angle to the normal below which x is no direction on a shell: 0.1 degrees.
 _NORMAL = 1.745e-3
+
+# A beam's y and z in axes 1 and 2 of its section.
+_AXES = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 # Largest difference of an angle between two orientations over a shell, rad.
 _ANGLE = 1e-4
@@ -305,10 +309,17 @@ def _beam(reader: Reader, card: Keyword, place: _Place) -> OneMaterial:
         material = source.isotropic(E, 0.5 * E / G - 1.0, rho)
     if shape == "CIRC":
         rows[:1] = [_radius(reader, card, place, row) for row in rows[:1]]
-    count, make = (5, source.numbers) if shape == "GENERAL" else source.shape(shape)
+    count, make = (5, None) if shape == "GENERAL" else named(ABAQUS, shape)
+    if shape == "ARBITRARY" and rows and rows[0]:  # a line for each wall
+        last = int(rows[0][0])
+        count, rows = 3 + 3 * last, [[x for row in rows[:last] for x in row], *rows[last:]]
     if [len(row) for row in rows[:2]] not in ([count], [count, 3]):
         raise card.error(f"give {count} numbers of the section, then all three of axis 1")
-    section = make(*rows[0])
+    if make is None:
+        area, I11, I12, I22, J = rows[0]
+        section: Any = source.numbers(area, (I22, I12, I11), J)
+    else:
+        section = make(*(x * source.length for x in rows[0]))
     if isinstance(section, TubularSection):
         return Beam(section, material)
     if reader.deck.towards[place.members].any():
@@ -319,8 +330,8 @@ def _beam(reader: Reader, card: Keyword, place: _Place) -> OneMaterial:
             f"*{card.name} instead"
         )
     n1 = [*rows, [0.0, 0.0, -1.0]][1]
-    axis = common((place.turn @ n1)[None, :], source.directions(place.members))
-    return Beam(section, material, orientation=axis)
+    z = (place.turn @ n1)[None, :]
+    return source.beam(section, material, z, place.members, _AXES)
 
 
 def _radius(reader: Reader, card: Keyword, place: _Place, numbers: list[float]) -> list[float]:

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import FloatArray, IntArray, MeshError
-from ..fem import Beam, Material, OneMaterial, Orthotropic, Ply, Solid
+from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
 from .nastran import PROPERTIES, Entries, NastranDeck
+from .profiles import NASTRAN, Profile, named
 from .raw import number, rows_of
 from .sections import Source, across, common, layered, refusing
 
@@ -27,6 +28,9 @@ _WTMASS = re.compile(rb"\s*PARAM[\s,*]+WTMASS[\s,]+([^\s,]+)")
 
 # Beginnings of OFFT, or the older flag there: a bar's vector is in the axes of its node, or basic.
 _FRAMES = [b"", b"G", b"1", b"2", b"B"]
+
+# A beam's y and z in the axes z and y of its section.
+_AXES = np.array([[-1.0, 0.0], [0.0, 1.0]])
 
 # Relative difference from a number with few digits, such as 0.833 for 5/6.
 _DIGITS = 1e-3
@@ -224,8 +228,8 @@ class Reader:
                 along[of == i] = self.axes(int(word), place, card)[0]
         return common(along, normals)
 
-    def towards(self, place: _Place) -> tuple[float, ...]:
-        """Return the direction of the plane 1 of all bars; refuse offsets and hinges."""
+    def towards(self, place: _Place) -> FloatArray:
+        """Return the direction of plane 1 of each bar; refuse offsets and hinges."""
         found = []
         for part in place.parts:
             table, nodes = part.table, self.source.raw.nodes
@@ -254,7 +258,7 @@ class Reader:
                 axes = self.deck.grids.axes(label, table, int(own[0])).directions(nodes[rows[own]])
                 vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
             found.append(vectors)
-        return common(np.concatenate(found), self.source.directions(place.members))
+        return np.concatenate(found)
 
 
 # -------------------------------------------------------------------------------- properties
@@ -318,13 +322,11 @@ def _bar(reader: Reader, card: _Card, place: _Place, shear: float = math.inf) ->
     """
     card.must_be(6, "NSM", 0.0)
     area, I1, I2, J = card.reals(2, "A I1 I2 J")
-    C, D, E, F = (
-        (-card.real(at + 1, "C to F", 0.0), card.real(at, "C to F", 0.0)) for at in (8, 10, 12, 14)
-    )
-    points = np.array([C, D, E, F]) * reader.source.length
-    factors = tuple(card.real(at, "K1, K2", shear) or math.inf for at in (17, 16))
+    points = [[card.real(at + i, "C to F", 0.0) for i in (1, 0)] for at in (8, 10, 12, 14)]
+    factors = [card.real(at, "K1, K2", shear) or math.inf for at in (17, 16)]
+    second = I2, card.real(18, "I12", 0.0), I1
     section = reader.source.numbers(
-        area, I2, card.real(18, "I12", 0.0), I1, J, factors, points.tolist()
+        area, second, J, np.diag(np.divide(1.0, factors)), np.array(points)
     )
     return _beam(reader, card, place, section)
 
@@ -347,17 +349,20 @@ def _constant(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
 
 def _shaped(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
     """Return PBARL or PBEAML: dimensions, and a mass beside the section's that must be 0."""
-    count, make = reader.source.shape(card.text(3))
+    count, make = named(NASTRAN, card.text(3))
     if any(card.fields[9 + count :]):
         raise card.error("it has fields after its first cross-section, which is not supported")
     card.must_be(8 + count, "NSM", 0.0)
-    section = make(*(card.real(8 + i, f"DIM{i + 1}") for i in range(count)))
+    lengths = np.array([card.real(8 + i, f"DIM{i + 1}") for i in range(count)])
+    section = make(*(lengths * reader.source.length).tolist())
+    if isinstance(section, Profile):  # nodes are at the centroid
+        section = section.at(*section.centre)
     return _beam(reader, card, place, section)
 
 
 def _beam(reader: Reader, card: _Card, place: _Place, section: Any) -> OneMaterial:
     material: Any = reader.material(card.text(1), card)
-    return Beam(section, material, orientation=reader.towards(place))
+    return reader.source.beam(section, material, reader.towards(place), place.members, _AXES)
 
 
 # First field of the lines of PBEAM that have a cross-section.

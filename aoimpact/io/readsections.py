@@ -41,17 +41,20 @@ def read_sections(
     ``FEModel.from_mesh(path, read_sections(path))``.
 
     Abaqus and CalculiX: \\*SOLID SECTION, \\*SHELL SECTION (also COMPOSITE), \\*SHELL GENERAL
-    SECTION of a material, \\*BEAM SECTION and \\*BEAM GENERAL SECTION of rectangles, circles, pipes
-    and numbers; \\*ELASTIC, \\*DENSITY, rectangular \\*ORIENTATION. Nastran: PSOLID, PSHELL, PCOMP,
-    PCOMPG, PBAR, PBARL, PBEAM, PBEAML; MAT1, MAT8, MAT11; PARAM,WTMASS. Whatever else changes the
-    answer is refused, such as mass and shear stiffness beside the sections. Loads, supports and
-    steps are not read.
+    SECTION of a material, \\*BEAM SECTION and \\*BEAM GENERAL SECTION; \\*ELASTIC, \\*DENSITY,
+    rectangular \\*ORIENTATION. Nastran: PSOLID, PSHELL, PCOMP, PCOMPG, PBAR, PBARL, PBEAM, PBEAML;
+    MAT1, MAT8, MAT11; PARAM,WTMASS. Whatever else changes the answer is refused, such as mass and
+    shear stiffness beside the sections. Loads, supports and steps are not read.
+
+    Beams are of all shapes in Abaqus' library and in Nastran's PBARL but DBOX, or of numbers. They
+    carry shear at the centroid. The centroid is where Abaqus has it from the nodes; the bars of
+    Nastran have it at the nodes. Walls are thin: shear factors are the shares of the walls along
+    each axis, and J = Σ b t³/3, with 4 A²/∮ds/t of a closed section.
 
     The modulus across plies, which LAMINA and MAT8 do not have, is E3 = E2, with ν13 = ν12 and
     ν23 = E2/(2 G23) − 1: fibres in a matrix. Where G23 is too small for that, as of a fabric,
     E3 = 2 (1 + ν) G with ν = ν13 = ν23 = 0.4 and the smaller of G13 and G23. E3 matters to contact
-    alone. Axis 1 of a shell without
-    an orientation is the projection of x, as in Abaqus.
+    alone. Axis 1 of a shell without an orientation is the projection of x, as in Abaqus.
 
     Parameters
     ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -13,23 +14,24 @@ from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError, 
 from ..fem import (
     Beam,
     BeamSection,
-    CircularSection,
     Laminate,
     Material,
     OneMaterial,
     Orthotropic,
     Ply,
-    RectangularSection,
     Shell,
     Solid,
-    TubularSection,
     warn_of_units,
 )
 from .abaqusdeck import key
+from .profiles import Profile
 from .raw import RawMesh
 
 # Largest difference between directions that are the same: what printed digits leave.
 _SAME = 1e-4
+
+# Product of inertia over the polar moment that is rounding.
+_ROUND = 1e-12
 
 # Kinds of sections by the dimension of their elements.
 _KINDS: dict[int | None, tuple[type[Any], ...]] = {
@@ -55,16 +57,6 @@ _UNITS = {
 }
 
 _TINY = float(np.finfo(float).tiny)
-
-# Cross-sections by the names of Abaqus and of Nastran: the number of their lengths, and how these
-# make a section. RECT begins with the length along axis 1, which is z; BAR with that along y.
-_SHAPES: dict[str, tuple[int, Callable[..., Any]]] = {
-    "RECT": (2, lambda height, width: RectangularSection(width, height)),
-    "BAR": (2, RectangularSection),
-    **dict.fromkeys(("CIRC", "ROD"), (1, CircularSection)),
-    **dict.fromkeys(("PIPE", "TUBE2"), (2, TubularSection)),
-    "TUBE": (2, lambda outer, inner: TubularSection(outer, outer - inner)),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,21 +143,36 @@ class Source:
         self.left_out.append(f"plies of LAMINA or MAT8 have no E3: that of contact is {rule}")
         return self.orthotropic(E1, E2, E3, nu, nu13, nu23, G12, G13, G23, rho)
 
-    def shape(self, name: str) -> tuple[int, Callable[..., Any]]:
-        """Return the number of a cross-section's lengths, and its section of these."""
-        if name not in _SHAPES:
-            raise InputError(f"{name} is not supported; give its Beam by read_sections(given=)")
-        count, make = _SHAPES[name]
-        return count, lambda *lengths: make(*(x * self.length for x in lengths))
+    def numbers(self, area: float, second: Any, J: float, *more: Any) -> Profile:
+        """Return a cross-section by its figure's ∫h² dA, ∫hv dA, ∫v² dA in the deck's units.
 
-    def numbers(
-        self, area: float, I11: float, I12: float, I22: float, J: float, *more: Any
-    ) -> BeamSection:
-        """Return a cross-section by numbers in the deck's units; axis 1 is z, 2 against y."""
-        if I12:
-            raise InputError(f"I12={I12:g} is not supported; give principal axes")
-        Iy, Iz, torsion = (of * self.length**4 for of in (I22, I11, J))
-        return BeamSection(area * self.length**2, Iy, Iz, torsion, *(more or [(1.0, 1.0)]))
+        `more` are the inverse of its shear factors, and points.
+        """
+        hh, hv, vv = (of * self.length**4 for of in second)
+        tensor, none = np.array([[hh, hv], [hv, vv]]), np.zeros((1, 2))
+        compliance, points = more or (np.eye(2), none)
+        J *= self.length**4
+        return Profile(area * self.length**2, tensor, J, compliance, self.length * points, none[0])
+
+    def beam(self, of: Any, material: Any, z: FloatArray, members: IntArray, axes: Any) -> Beam:
+        """Return the beam of a section whose z axis is along z; of a profile in principal axes.
+
+        `axes` has our y and z in rows in the axes of the profile's figure.
+        """
+        x = self.directions(members)
+        if not isinstance(of, Profile):
+            return Beam(of, material, common(z, x))
+        if of.skewed:
+            self.left_out.append("L, T and the like carry shear at the centroid, not beside it")
+        (yy, yz), (_, zz) = axes @ of.second @ axes.T
+        if abs(yz) > _ROUND * (yy + zz):  # turned by up to 45 degrees
+            angle = 0.5 * math.atan2(math.copysign(2.0, yy - zz) * yz, abs(yy - zz))
+            c, s, z = math.cos(angle), math.sin(angle), across(z, x)
+            z, axes = c * z - s * np.cross(z, x), np.array([[c, s], [-s, c]]) @ axes
+        Iz, Iy = np.diag(axes @ of.second @ axes.T).tolist()
+        y, z_ = (1.0 / k if k else math.inf for k in np.diag(axes @ of.compliance @ axes.T))
+        numbers = BeamSection(of.area, Iy, Iz, of.J, (y, z_), (of.points @ axes.T).tolist())
+        return Beam(numbers, material, common(z, x), (axes @ of.centre).tolist())
 
     def directions(self, members: IntArray, *, edges: bool = False) -> FloatArray:
         """Return unit normals of surface cells and tangents of lines, in order, shape (n, 3).

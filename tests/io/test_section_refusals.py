@@ -60,14 +60,16 @@ SHELLS = {
 }
 
 BEAMS = {
-    BEAM + "BOX\n.1, .1, .01, .01, .01, .01": "BOX is not supported; give its Beam",
+    BEAM + "ELBOW\n.1, .01, 1": "'ELBOW' is none of .*; give its Beam",
+    BEAM + "BOX\n.1, .1, .06, .01, .06, .01": "walls are thicker",
+    BEAM + "ARBITRARY\n2, 0, 0, 1, 0, .1": "give 9 numbers",
     BEAM + "RECT\n.01": "give 2 numbers of the section",
     BEAM + "RECT\n.01, .02\n5": "all three of axis 1",
     BEAM + "RECT\n.01, .02\n1,0,0": "is along some of its elements",
     BEAM + "RECT, OFFSET1=.5\n.01, .02": "OFFSET1 is not supported",
     BEAM + "CIRC\n.01, .02": "ellipses are not supported",
     BEAM.replace("STEEL", "PLY") + "CIRC\n.01": "material must be of type Material, got Orth",
-    GENERAL + "2E-4, 1E-9, 1E-9, 1E-9, 4E-9\n0,0,1\n2E11, 8E10": "I12=1e-09 is not supported",
+    GENERAL + "2E-4, 1E-9, 2E-9, 1E-9, 4E-9\n0,0,1\n2E11, 8E10": "must be positive",
     BEAM + "RECT\n.01, .02\n*NORMAL, TYPE=ELEMENT\n1, 1, 0., 1., 0.": (
         r"\*NORMAL: normals would turn the beams of ALL; write axis 1 in \*BEAMSECTION"
     ),
@@ -108,10 +110,11 @@ FIELDS = {  # after the nodes of a quadrilateral
 BAR_ENTRIES = {
     "PBAR,7,1,1.E-4,1.E-9,1.E-9": "PBAR: J is blank",
     "PBAR,7,1,1.E-4,1.E-9,1.E-9,1.E-9,2.": "NSM=2 is not supported",
-    "PBAR,7,1,1.E-4,1.E-9,1.E-9,1.E-9\n,\n,,,1.E-10": "I12=1e-10 is not supported",
+    "PBAR,7,1,1.E-4,1.E-9,1.E-9,1.E-9\n,\n,,,1.E-8": "must be positive",
     "PBAR,7,2,1.E-4,1.E-9,1.E-9,1.E-9": "material must be of type Material, got Orthotropic",
     "PBEAM,7,1,1.E-4,1.E-9,1.E-9,,1.E-9\n,\n,YES,1.,2.E-4": "along the beam=0.0002 is not supp",
-    "PBARL,7,1,,HAT\n,.1,.1,.1,.1": "HAT is not supported",
+    "PBARL,7,1,,DBOX\n,.1,.1,.1,.1": "'DBOX' is none of",
+    "PBARL,7,1,,HAT\n,.1,.1,.1,.1": "walls are thicker",
     "PBARL,7,1,,BAR\n,.1": "DIM2 is blank",
     "PBARL,7,1,,ROD\n,.1,3.": "NSM=3 is not supported",
     "PBEAML,7,1,,ROD\n,.1,0.,YES,1.,.05": "it has fields after its first cross-section",
