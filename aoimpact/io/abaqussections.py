@@ -317,7 +317,7 @@ def _beam(reader: Reader, card: Keyword, place: _Place) -> OneMaterial:
         raise card.error(f"give {count} numbers of the section, then all three of axis 1")
     if make is None:
         area, I11, I12, I22, J = rows[0]
-        section: Any = source.numbers(area, (I22, I12, I11), J)
+        section: Any = source.numbers(area, (I22, I12, I11), J, np.eye(2), np.zeros((1, 2)))
     else:
         section = make(*(x * source.length for x in rows[0]))
     if isinstance(section, TubularSection):
@@ -331,7 +331,8 @@ def _beam(reader: Reader, card: Keyword, place: _Place) -> OneMaterial:
         )
     n1 = [*rows, [0.0, 0.0, -1.0]][1]
     z = (place.turn @ n1)[None, :]
-    return source.beam(section, material, z, place.members, _AXES)
+    none = np.zeros((len(place.members), 3))
+    return source.beam(section, material, z, place.members, _AXES, none)
 
 
 def _radius(reader: Reader, card: Keyword, place: _Place, numbers: list[float]) -> list[float]:

@@ -143,11 +143,9 @@ class Reader:
             ]
             card = self.properties[dim].get(label)
             if card is None:
-                for others in self.properties.values():
-                    if label in others:
-                        raise others[label].error("its elements are of another kind")
                 if dim == dims.max():
-                    raise own[0].table.refused(0, f"its {name} is not there")
+                    why = f"its {name} is not there, or is of elements of another kind"
+                    raise own[0].table.refused(0, why)
                 continue  # sides and edges of a mesher
             if card.name not in _PROPERTIES:
                 raise card.error(f"it is not read; give read_sections(given={{{name!r}: ...}})")
@@ -228,37 +226,39 @@ class Reader:
                 along[of == i] = self.axes(int(word), place, card)[0]
         return common(along, normals)
 
-    def towards(self, place: _Place) -> FloatArray:
-        """Return the direction of plane 1 of each bar; refuse offsets and hinges."""
-        found = []
+    def towards(self, place: _Place) -> tuple[FloatArray, FloatArray]:
+        """Return the direction of plane 1 of each bar, and its offset; refuse hinges."""
+        found, moved = [], []
         for part in place.parts:
-            table, nodes = part.table, self.source.raw.nodes
-            frames = np.char.strip(table.fields[:, 7]).astype("S1")
+            table, nodes, grids = part.table, self.source.raw.nodes, self.deck.grids
+            offt, ends = np.char.strip(table.fields[:, 7]), table.reals(10, 6)
+            frames, rows = offt.astype("S1"), rows_of(grids.labels, table.integers(2, 1)[:, 0])
+            turned = (np.char.count(offt, b"O") > 0) | (grids.output_systems[rows] > 0)
             wrong: dict[str, Any] = {
                 "it has no orientation, X1 to X3 or G0": np.all(table.blank[:, 4:7], axis=1),
                 "OFFT must begin with G or B": ~np.isin(frames, _FRAMES),
                 "hinges PA, PB are not supported": np.any(~table.blank[:, 8:10], axis=1),
-                "offsets are not supported": np.any(table.reals(10, 6) != 0.0, axis=1),
+                "its offsets WA and WB differ": np.any(ends[:, :3] != ends[:, 3:], axis=1),
+                "its offsets need CD = 0, and OFFT without O": ends.any(axis=1) & turned,
             }
-            for why, rows in wrong.items():
-                table.refuse_first(rows, why)
+            for why, which in wrong.items():
+                table.refuse_first(which, why)
             whole = np.array([b"." not in text for text in table.fields[:, 4]])
             by_node = whole & np.all(table.blank[:, 5:7], axis=1)
-            labels = self.deck.grids.labels
-            rows = rows_of(labels, table.integers(2, 1)[:, 0])
             third = np.zeros(len(table), int)
             third[by_node] = table.select(by_node).integers(4, 1)[:, 0]
-            third = rows_of(labels, third)
+            third = rows_of(grids.labels, third)
             table.refuse_first(by_node & (third < 0), "its node G0 is not there")
             vectors = nodes[third] - nodes[rows]
             vectors[~by_node] = table.select(~by_node).reals(4, 3)
-            systems = np.where(by_node | (frames == b"B"), 0, self.deck.grids.output_systems[rows])
+            systems = np.where(by_node | (frames == b"B"), 0, grids.output_systems[rows])
             for label in np.unique(systems[systems > 0]).tolist():  # X1 to X3 are in that of GA
                 own = np.flatnonzero(systems == label)
-                axes = self.deck.grids.axes(label, table, int(own[0])).directions(nodes[rows[own]])
+                axes = grids.axes(label, table, int(own[0])).directions(nodes[rows[own]])
                 vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
             found.append(vectors)
-        return np.concatenate(found)
+            moved.append(ends[:, :3] * self.source.length)
+        return np.concatenate(found), np.concatenate(moved)
 
 
 # -------------------------------------------------------------------------------- properties
@@ -362,7 +362,8 @@ def _shaped(reader: Reader, card: _Card, place: _Place) -> OneMaterial:
 
 def _beam(reader: Reader, card: _Card, place: _Place, section: Any) -> OneMaterial:
     material: Any = reader.material(card.text(1), card)
-    return reader.source.beam(section, material, reader.towards(place), place.members, _AXES)
+    z, moved = reader.towards(place)
+    return reader.source.beam(section, material, z, place.members, _AXES, moved)
 
 
 # First field of the lines of PBEAM that have a cross-section.

@@ -176,7 +176,7 @@ ABAQUS: dict[str, Callable[..., Any]] = {
     "I": lambda node, h, b1, b2, t1, t2, t: flanged(h, b1, b2, t, t1, t2).at(0.0, node),
     "L": lambda a, b, t, s: rows((t, 0.0, a), (b - t, 0.0, s)).at(0.5 * s, 0.5 * t),
     **dict.fromkeys(("PIPE", "THICKPIPE"), TubularSection),
-    "RECT": lambda height, width: RectangularSection(width, height),
+    **dict.fromkeys(("RECT", "RECTANGULAR"), lambda z, y: RectangularSection(y, z)),
     "TRAPEZOID": lambda a, b, c, node: filled(
         [[(-0.5 * a, 0.0), (0.5 * a, 0.0), (0.5 * c, b), (-0.5 * c, b)]]
     ).at(0.0, node),

@@ -48,8 +48,8 @@ def read_sections(
 
     Beams are of all shapes in Abaqus' library and in Nastran's PBARL but DBOX, or of numbers. They
     carry shear at the centroid. The centroid is where Abaqus has it from the nodes; the bars of
-    Nastran have it at the nodes. Walls are thin: shear factors are the shares of the walls along
-    each axis, and J = Σ b t³/3, with 4 A²/∮ds/t of a closed section.
+    Nastran have it at the nodes, or as WA = WB says. Walls are thin: shear factors are the shares
+    of the walls along each axis, and J = Σ b t³/3, with 4 A²/∮ds/t of a closed section.
 
     The modulus across plies, which LAMINA and MAT8 do not have, is E3 = E2, with ν13 = ν12 and
     ν23 = E2/(2 G23) − 1: fibres in a matrix. Where G23 is too small for that, as of a fabric,
@@ -140,10 +140,9 @@ def read_sections(
     if not found:
         cure = "give materials to from_mesh"
         if raw.deck.elements:
-            other = "Write shells as S3 or S4"
-            if any(block.dim == 3 for block in raw.blocks):
-                other = "Write a *SOLID SECTION for the solids' ELSET"
-            cure = f"it has {raw.deck.elements}. {other}, or {cure}"
+            solids = any(block.dim == 3 for block in raw.blocks)
+            other = "*SOLID SECTION for the solids' ELSET" if solids else "shells as S3 or S4"
+            cure = f"it has {raw.deck.elements}. Write {other}, or {cure}"
         elif source.left_out:
             cure = f"{'; '.join(dict.fromkeys(source.left_out))}. Write bars, or {cure}"
         raise MeshError(f"{where} has no sections of solids, shells or beams; {cure}")

@@ -50,9 +50,7 @@ _UNITS = {
     "m, N, kg, s": (1.0, 1.0, 1.0, "scale=1"),
     "mm, N, t, s": (1e-3, 1.0, 1.0, "scale=1e-3"),
     "mm, kN, kg, ms": (1e-3, 1e3, 1e-3, "scale=1e-3, force=1e3, time=1e-3"),
-    "mm, mN, kg, s": (1e-3, 1e-3, 1.0, "scale=1e-3, force=1e-3"),
     "in, lbf, s": (0.0254, 4.44822, 1.0, "scale=0.0254, force=4.44822"),
-    "ft, lbf, slug, s": (0.3048, 4.44822, 1.0, "scale=0.3048, force=4.44822"),
     "cm, g, µs": (1e-2, 1e7, 1e-6, "scale=1e-2, force=1e7, time=1e-6"),
 }
 
@@ -143,36 +141,40 @@ class Source:
         self.left_out.append(f"plies of LAMINA or MAT8 have no E3: that of contact is {rule}")
         return self.orthotropic(E1, E2, E3, nu, nu13, nu23, G12, G13, G23, rho)
 
-    def numbers(self, area: float, second: Any, J: float, *more: Any) -> Profile:
+    def numbers(self, area: float, second: Any, J: float, *more: FloatArray) -> Profile:
         """Return a cross-section by its figure's ∫h² dA, ∫hv dA, ∫v² dA in the deck's units.
 
         `more` are the inverse of its shear factors, and points.
         """
-        hh, hv, vv = (of * self.length**4 for of in second)
-        tensor, none = np.array([[hh, hv], [hv, vv]]), np.zeros((1, 2))
-        compliance, points = more or (np.eye(2), none)
-        J *= self.length**4
-        return Profile(area * self.length**2, tensor, J, compliance, self.length * points, none[0])
+        unit, (hh, hv, vv), (compliance, points) = self.length, second, more
+        tensor = unit**4 * np.array([[hh, hv], [hv, vv]])
+        return Profile(area * unit**2, tensor, J * unit**4, compliance, unit * points, np.zeros(2))
 
-    def beam(self, of: Any, material: Any, z: FloatArray, members: IntArray, axes: Any) -> Beam:
+    def beam(self, of: Any, material: Any, z: Any, members: IntArray, axes: Any, to: Any) -> Beam:
         """Return the beam of a section whose z axis is along z; of a profile in principal axes.
 
-        `axes` has our y and z in rows in the axes of the profile's figure.
+        `axes` has our y and z in rows in the axes of the profile's figure. `to` leads from each
+        element's nodes to the line that the figure has for these.
         """
-        x = self.directions(members)
-        if not isinstance(of, Profile):
-            return Beam(of, material, common(z, x))
-        if of.skewed:
-            self.left_out.append("L, T and the like carry shear at the centroid, not beside it")
-        (yy, yz), (_, zz) = axes @ of.second @ axes.T
-        if abs(yz) > _ROUND * (yy + zz):  # turned by up to 45 degrees
-            angle = 0.5 * math.atan2(math.copysign(2.0, yy - zz) * yz, abs(yy - zz))
-            c, s, z = math.cos(angle), math.sin(angle), across(z, x)
-            z, axes = c * z - s * np.cross(z, x), np.array([[c, s], [-s, c]]) @ axes
-        Iz, Iy = np.diag(axes @ of.second @ axes.T).tolist()
-        y, z_ = (1.0 / k if k else math.inf for k in np.diag(axes @ of.compliance @ axes.T))
-        numbers = BeamSection(of.area, Iy, Iz, of.J, (y, z_), (of.points @ axes.T).tolist())
-        return Beam(numbers, material, common(z, x), (axes @ of.centre).tolist())
+        x, centre = self.directions(members), np.zeros(2)
+        if isinstance(of, Profile):
+            if of.skewed:
+                self.left_out.append("L, T and the like carry shear at the centroid, not beside it")
+            (yy, yz), (_, zz) = axes @ of.second @ axes.T
+            if abs(yz) > _ROUND * (yy + zz):  # turned by up to 45 degrees
+                angle = 0.5 * math.atan2(math.copysign(2.0, yy - zz) * yz, abs(yy - zz))
+                c, s, z = math.cos(angle), math.sin(angle), across(z, x)
+                z, axes = c * z - s * np.cross(z, x), np.array([[c, s], [-s, c]]) @ axes
+            Iz, Iy = np.diag(axes @ of.second @ axes.T).tolist()
+            ky, kz = (1.0 / k if k else math.inf for k in np.diag(axes @ of.compliance @ axes.T))
+            centre, points = axes @ of.centre, (of.points @ axes.T).tolist()
+            of = BeamSection(of.area, Iy, Iz, of.J, (ky, kz), points)
+        orientation = common(z, x)
+        z = across(np.array(orientation), x)
+        places = np.einsum("ani,ni->na", [x, np.cross(z, x), z], to)
+        if np.abs(places - [0.0, *places[0, 1:]]).max() > _SAME * np.abs(to).max():
+            raise InputError("its elements are moved along themselves, or unlike each other")
+        return Beam(of, material, orientation, (centre + places[0, 1:]).tolist())
 
     def directions(self, members: IntArray, *, edges: bool = False) -> FloatArray:
         """Return unit normals of surface cells and tangents of lines, in order, shape (n, 3).

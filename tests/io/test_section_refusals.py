@@ -95,7 +95,7 @@ SHELL_ENTRIES = {
     "PCOMP,7,,2.\n,2,.001,0.": "NSM=2 is not supported",
     "PCOMP,7\n,2,,0.": "T1 is blank",
     "PSHEAR,7,1,.001": "PSHEAR: it is not read; give read_sections",
-    "PBAR,7,1,1.,1.,1.,1.": "its elements are of another kind",
+    "PBAR,7,1,1.,1.,1.,1.": "of elements of another kind",
     "PSHELL,7,1,.001,1\nNSM1,3,PSHELL,2.,7": "NSM1: its mass is not supported; delete it",
     "PSHELL,8,1,.001,1": "CQUAD4: its property 7 is not there",
     "PSHELL,7,1,.001,1\nPSHELL,7,1,.002,1": "another entry has it",
@@ -126,7 +126,9 @@ AFTER_BARS = {
     ",0.,0.,1.,EGG": "OFFT must begin with G or B",
     ",98": "CBAR: its node G0 is not there",
     ",0.,0.,1.\n,5": "hinges PA, PB are not supported",
-    ",0.,0.,1.\n,,,0.,0.,.1": "offsets are not supported",
+    ",0.,0.,1.\n,,,0.,0.,.1": "CBAR: its offsets WA and WB differ",
+    ",0.,0.,1.,GOO\n,,,0.,0.,.1,0.,0.,.1": "CBAR: its offsets need CD = 0",
+    ",0.,0.,1.\n,,,.1,0.,0.,.1,0.,0.": "PBARL: its elements are moved along themselves",
 }
 
 MATERIALS = {

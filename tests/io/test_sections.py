@@ -20,6 +20,7 @@ pytestmark = pytest.mark.filterwarnings(
     "ignore:.*taken as in Abaqus",
     "ignore:.*nodes belong to no line",
     "ignore:.*taken for a radius",
+    "ignore:.*at the centroid",
 )
 
 SHEET = ao.sheet_mesh((0.2, 0.1), (4, 2))
@@ -215,6 +216,15 @@ def test_data_of_strength_are_left_out_aloud(card: str, tmp_path: Path) -> None:
 
 
 # ------------------------------------------------------------------------- beams and solids
+
+
+@pytest.mark.parametrize("shape", ["BAR\n,.02,.01", "T\n,.02,.01,.002,.002"])
+def test_offsets_of_bars_lead_from_their_nodes_to_the_centroid(shape: str, tmp_path: Path) -> None:
+    card, after = f"PBARL,7,1,,{shape}", ",0.,1.,0.\n,,,0.,.03,.05,0.,.03,.05"
+    beam = read(nastran(tmp_path / "a.bdf", line(), [card, MAT1], after))
+    z = np.array(beam.orientation)
+    y = np.cross(z, [1, 0, 0])
+    assert beam.offset[0] * y + beam.offset[1] * z == pytest.approx([0, 0.03, 0.05])
 
 
 def test_a_shell_and_a_bar_may_have_one_number(tmp_path: Path) -> None:
