@@ -37,7 +37,7 @@ from aoimpact.base import choice, instance, integer, positive, sequence, with_un
 from aoimpact.impact import checked_duration, checked_numbers, contact_width
 from aoimpact.integrate import rigid_contact_time
 from aoimpact.reduction import body_model
-from aoimpact.scene import law_of_models, reduced_mass
+from aoimpact.scene import Contact, reduced_mass
 
 # Steps of Newmark's rule by scene: the longest of these runs takes a second or two.
 _STEPS = {
@@ -127,7 +127,7 @@ def work_precision(
     }
     exact = _given(reference) if reference is not None else _reference(scene)
     width = contact_width(law, bodies, velocity)
-    between = law_of_models(law, [(body, 0) for body in bodies], width)
+    between = Contact(0, 0, 1, 0, law, 0.0).of_models(bodies, width).law
     contact_time = _contact_time(bodies, between, velocity)
     ode = None
     if names:

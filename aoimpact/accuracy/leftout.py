@@ -499,11 +499,9 @@ def _softer(plan: Plan) -> Iterable[Altered]:
 
 def _met(run: Run, number: int) -> Met:
     """Duration, rise and depth that a contact of a run reached."""
-    contact, events = run.plan.contacts[number], run.events[number]
+    events = run.events[number]
     start, end = events.peak_contact or (0.0, 0.0)
     depth = float(run.each_contact[number].indentation.max())
-    if isinstance(contact.law, PatchLaw):
-        depth += contact.law.compliance * events.peak_force
     return Met(end - start, events.peak_time - start, depth)
 
 

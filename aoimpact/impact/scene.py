@@ -56,7 +56,6 @@ from ..scene import (
     Oblique,
     Plan,
     Port,
-    law_of_models,
     normal_gap,
     oblique_compliance,
     stiffness_ratio,
@@ -743,7 +742,7 @@ class Scene:
         return around
 
     def _widths(self) -> list[float | None]:
-        """Radius of each contact, m, where a body is known by its mesh; see `law_of_models`."""
+        """Radius of each contact, m, where a body is known by its mesh; see `Contact.of_models`."""
         widths: list[float | None] = []
         for contact in self._contacts:
             bodies = [self._bodies[body] for body, _ in contact.ports]
@@ -780,12 +779,7 @@ class Scene:
         if around:
             bodies = tuple(of.turned(ports) for of, ports in zip(models, around, strict=True))
             contacts = [
-                of._replace(
-                    law=law_of_models(
-                        of.law, [(bodies[body], port) for body, port in of.ports], width
-                    )
-                )
-                for of, width in zip(contacts, widths, strict=True)
+                of.of_models(bodies, width) for of, width in zip(contacts, widths, strict=True)
             ]
         if bodies != tuple(self._bodies):
             for contact in contacts:

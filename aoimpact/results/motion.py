@@ -39,7 +39,9 @@ class BodyEnergy(Frozen):
     Attributes
     ----------
     kinetic, elastic : (n,) arrays
-        Kinetic energy, and strain energy of the body itself: the paper's nonlocal energy.
+        Kinetic energy, and strain energy of the body itself, without that of the indentation,
+        which the contact law has: the paper's nonlocal energy. Slightly negative where the law's
+        half-space yields more than the body, as of a ball.
     dissipated, work : (n,) arrays
         Lost in its damping, and work of gravity and applied forces on it, since t = 0.
     """
@@ -502,8 +504,8 @@ class ContactResult(Frozen, Eventful):
     name : str
         As its user called it; "contact 0" without a name.
     force, indentation : (n,) arrays
-        Contact force, ≥ 0 in compression [N]; first body's minus second body's contact coordinate
-        minus the gap [m].
+        Contact force, ≥ 0 in compression [N], and the law's own indentation [m]; see
+        `Result.indentation`.
     elastic, dissipated : (n,) arrays or None
         Energy stored in its law, and lost in it since t = 0 [J]; None without energies.
     events : Events
@@ -525,7 +527,6 @@ class ContactResult(Frozen, Eventful):
     dissipated: FloatArray | None
     events: Events
     law: ContactLaw
-    _acting: ContactLaw = field(repr=False)
     friction_force: FloatArray | None = None
     stuck: FloatArray | None = None
     friction_energy: FloatArray | None = None
@@ -570,7 +571,7 @@ class ContactResult(Frozen, Eventful):
     def dent(self) -> Dent:
         """Residual dent, ``depth`` and ``diameter`` [m]; see `ContactLaw.dent`."""
         deepest = float(self.indentation.max(initial=0.0))
-        return self._acting.dent(deepest) if deepest > 0.0 else Dent(0.0, 0.0)
+        return self.law.dent(deepest) if deepest > 0.0 else Dent(0.0, 0.0)
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from ..base import (
 from ..fem import whole_motion
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
-from ..laws import Dent, PatchLaw, own_law
+from ..laws import Dent, own_law
 from ..reduction import FullModel
 from ..scene import Plan, RecordLayout
 from . import plot
@@ -385,10 +385,12 @@ class Run:
         for number, events in enumerate(self.events):
             rows = self._layout.contact(self._rows, number)
             stored, taken = (rows.elastic, rows.dissipated) if self.energies else (None, None)
+            contact = self.plan.contacts[number]
+            if stored is not None:
+                stored = stored + 0.5 * math.fsum(contact.removed) * rows.force**2
             name = self.contact_names[number]
-            law = self.plan.contacts[number].law
-            of_law = stored, taken, events, own_law(law)
-            given = name, rows.force, rows.indentation, *of_law, law
+            depth = contact.own_indentation(rows)
+            given = name, rows.force, depth, stored, taken, events, own_law(contact.law)
             if self.plan.oblique is None:
                 found.append(ContactResult(*given))
                 continue
@@ -424,7 +426,7 @@ class Run:
                 "this run has no energies: it was made with energies=False; "
                 "call simulate(..., energies=True)"
             )
-        return _energy(self._rows, self._layout)
+        return _energy(self._rows, self.plan)
 
     def at(self, times: npt.ArrayLike) -> Self:
         """Return the same run at other times: dense output, as exact as the run itself.
@@ -759,7 +761,11 @@ class Result(Eventful, Run):
 
     @property
     def indentation(self) -> FloatArray:
-        """Projectile's minus target's contact coordinate minus the initial gap [m], shape (n,)."""
+        """Indentation of the contact law [m], shape (n,): (F/k)^(2/3) under Hertz's on any mesh.
+
+        Projectile's minus target's contact coordinate minus the initial gap, plus c F: the meshes
+        have the compliance c in place of the half-space's. Negative while the bodies are apart.
+        """
         return self.each_contact[0].indentation
 
     @property
@@ -841,15 +847,12 @@ class Result(Eventful, Run):
 
         √(a b) of an elliptic contact of semi-axes a and b.
         """
-        contact = self.plan.contacts[0]
-        found = self.plan.round_contact(contact)
+        found = self.plan.round_contact(self.plan.contacts[0])
         if found is None:
             return math.nan
         if (diameter := self.dent.diameter) > 0.0:
             return 0.5 * diameter
         depth = float(self.indentation.max(initial=0.0))
-        if isinstance(contact.law, PatchLaw):
-            depth += contact.law.compliance * self.peak_force
         return found.narrowing * math.sqrt(found.radius * max(depth, 0.0))
 
     @property
@@ -1000,15 +1003,24 @@ class Result(Eventful, Run):
         return summary_html(self)
 
 
-def _energy(rows: FloatArray, layout: RecordLayout) -> Energy:
+def _energy(rows: FloatArray, plan: Plan) -> Energy:
+    layout = plan.layout
     recorded = [layout.body(rows, number) for number in range(len(layout.ports))]
-    bodies = tuple(BodyEnergy(of.kinetic, of.elastic, of.dissipated, of.work) for of in recorded)
     contacts = [layout.contact(rows, number) for number in range(layout.contacts)]
     nothing = np.zeros(rows.shape[1])
+    contact = sum((of.elastic for of in contacts), nothing)
+    strain = [of.elastic.copy() for of in recorded]
+    for between, touch in zip(plan.contacts, contacts, strict=True):
+        for port, c in zip(between.ports, between.removed, strict=True):  # c F²/2 is the law's
+            strain[port.body] -= 0.5 * c * touch.force**2
+            contact = contact + 0.5 * c * touch.force**2
+    bodies = tuple(
+        BodyEnergy(of.kinetic, elastic, of.dissipated, of.work)
+        for of, elastic in zip(recorded, strain, strict=True)
+    )
     kinetic = sum((body.kinetic for body in bodies), nothing)
     elastic = sum((body.elastic for body in bodies), nothing)
     work = sum((body.work for body in bodies), nothing)
-    contact = sum((of.elastic for of in contacts), nothing)
     dissipated = sum((of.dissipated for of in contacts), nothing)
     dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
     friction = sum((of.friction for of in contacts if of.friction is not None), nothing)

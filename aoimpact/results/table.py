@@ -24,7 +24,7 @@ _UNITS = {
     "force": ("N", "contact force, positive in compression"),
     "friction_force": ("N", "on the second body, in three directions"),
     "stuck": ("1", "share of the contact's radius within which it sticks"),
-    "indentation": ("m", "first body's minus second body's contact coordinate minus the gap"),
+    "indentation": ("m", "of the contact law; negative while the bodies are apart"),
     "displacement": ("m", "of the contact coordinate"),
     "velocity": ("m/s", "of the contact coordinate"),
     "centre_displacement": ("m", "of the centre of mass"),

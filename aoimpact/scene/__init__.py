@@ -12,7 +12,6 @@ from .contact import (
     Load,
     Port,
     extraction_of,
-    law_of_models,
     normal_gap,
     oblique_compliance,
     stiffness_ratio,

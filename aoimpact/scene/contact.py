@@ -14,7 +14,7 @@ from ..base import HUGE, FloatArray, InputError
 from ..fem import ContactCompliance, Extraction, Material
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, effective_law, own_law
 from ..reduction import BodyModel
-from .rows import BodyRows
+from .rows import BodyRows, ContactRows
 
 
 def normal_gap(gap: float) -> float:
@@ -30,32 +30,6 @@ def normal_gap(gap: float) -> float:
             f"gap={gap:g} m is beyond what can be computed with: give up to {HUGE:g} m"
         )
     return gap if abs(gap) >= sys.float_info.min else 0.0
-
-
-def law_of_models(
-    law: ContactLaw, ends: Sequence[tuple[BodyModel, int]], width: float | None = None
-) -> ContactLaw:
-    """Return the law that acts between models, given the law between the bodies themselves.
-
-    The compliance that their meshes have in place of a half-space is taken out of it.
-
-    Parameters
-    ----------
-    law : ContactLaw
-    ends : sequence of (model, int)
-        The bodies, and at which of their places they touch.
-    width : float, optional
-        Radius of the contact at its largest force, m, on which that of curved bodies depends.
-
-    Raises
-    ------
-    InputError
-        If the law is more compliant than the meshes from the first touch on.
-    """
-    known = (extraction_of(law, model, port) for model, port in ends)
-    return effective_law(
-        law, math.fsum(found.removed_for(width) for found in known if found is not None)
-    )
 
 
 def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> ContactCompliance | None:
@@ -159,6 +133,8 @@ class Contact(NamedTuple):
         As its user called it.
     friction : Friction or None
         With it, ports are three each: along the normal and along two tangents.
+    removed : (float, float)
+        Compliances of the two bodies' meshes that were taken out of the law, m/N.
     """
 
     first: int
@@ -169,6 +145,41 @@ class Contact(NamedTuple):
     gap: float
     name: str = ""
     friction: Friction | None = None
+    removed: tuple[float, ...] = (0.0, 0.0)
+
+    def of_models(self, bodies: Sequence[BodyModel], width: float | None = None) -> Contact:
+        """Return the contact of models, given that of the bodies themselves.
+
+        The compliance that their meshes have in place of a half-space is taken out of the law.
+
+        Parameters
+        ----------
+        bodies : sequence of BodyModel
+            Those of the scene.
+        width : float, optional
+            Radius of the contact at its largest force, m, on which that of curved bodies depends.
+
+        Raises
+        ------
+        InputError
+            If the law is more compliant than the meshes from the first touch on.
+        """
+        if isinstance(self.law, PatchLaw):  # the caller has done so
+            return self
+        known = [extraction_of(self.law, bodies[body], port) for body, port in self.ports]
+        removed = tuple(0.0 if of is None else of.removed_for(width) for of in known)
+        return self._replace(law=effective_law(self.law, math.fsum(removed)), removed=removed)
+
+    def own_indentation(self, rows: ContactRows) -> FloatArray:
+        """Return the law's own indentation, m: δ + c F with the compliance c taken out of it.
+
+        c couples the normal to the tangents where there is friction.
+        """
+        c = self.law.compliance if isinstance(self.law, PatchLaw) else 0.0
+        depth = rows.indentation + c * rows.force
+        if self.friction and self.friction.compliance is not None and rows.tangential is not None:
+            depth += self.friction.compliance[0, 1:] @ rows.tangential
+        return depth
 
     @property
     def size(self) -> int:

@@ -15,7 +15,7 @@ from aoimpact.base import LawLimitError, units
 from aoimpact.batch.digest import Digests
 from aoimpact.laws import PatchLaw, effective_law, own_law
 from aoimpact.results import QUANTITIES
-from aoimpact.scene import law_of_models
+from aoimpact.scene import Contact
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800.0)
 LAW = ao.Hertz.between(STEEL, 0.01, STEEL, 0.01)
@@ -45,7 +45,7 @@ def sphere(mesh: str, radius: float) -> ao.AOModel:
 
 
 def between(law: ao.ContactLaw, *models: Any) -> ao.ContactLaw:
-    return law_of_models(law, [(model, 0) for model in models])
+    return Contact(0, 0, 1, 0, law, 0.0).of_models(models).law
 
 
 def test_bodies_without_meshes_leave_the_law_as_it_is() -> None:

@@ -131,8 +131,10 @@ def test_an_elastic_impact_on_a_patch_keeps_its_energy(solver):
     hit = on_a_wall(law, mass, speed, solver)
     assert hit.restitution == pytest.approx(1.0, abs=1e-6)
     deepest = hit.indentation.max()
-    assert law.potential(deepest) == pytest.approx(mass * speed**2 / 2, rel=1e-3)
-    assert hit.peak_force > ao.Hertz(K).force(deepest)
+    assert law.potential(deepest - C * hit.peak_force) == pytest.approx(
+        mass * speed**2 / 2, rel=1e-3
+    )
+    assert hit.peak_force == pytest.approx(ao.Hertz(K).force(deepest), rel=1e-3)
 
 
 def test_a_thornton_contact_on_a_patch_loses_what_its_law_does():
@@ -156,7 +158,8 @@ def test_a_spring_in_series_is_a_compliance_below_zero(solver):
     assert force == pytest.approx(ao.Hertz(K).force(2e-5 - 5e-9 * force), rel=1e-12)
     hit = on_a_wall(law, 0.016, 1.0, solver)
     assert hit.restitution == pytest.approx(1.0, abs=1e-6)
-    assert law.potential(hit.indentation.max()) == pytest.approx(0.008, rel=1e-3)
+    moved = hit.indentation.max() + 5e-9 * hit.peak_force
+    assert law.potential(moved) == pytest.approx(0.008, rel=1e-3)
     assert "compliance of the mesh added: 5 nm/N" in str(law)
 
 
