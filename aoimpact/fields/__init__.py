@@ -8,7 +8,7 @@ from .channel import Channel, filtered_acceleration, zero_phase
 from .fields import Field, Filtered, Probe
 from .gauge import Gauge, gauge_ends
 from .historyerror import relative_error, rest, warn_if_wrong
-from .movie import MovingBody, movie_path, write_movie
+from .picture import Picture, Shown, enlargement, movie_path
 from .reaction import Reaction
 from .replay import response_of
 from .response import (

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -26,16 +26,10 @@ from ..fem import (
     thickness_of_cells,
 )
 from ..mesh import Mesh
-from . import deformed, movie, vtu
+from . import vtu
 from .channel import Channel
 from .historyerror import warn_if_wrong
-
-if TYPE_CHECKING:
-    from mpl_toolkits.mplot3d import Axes3D
-
-
-# Share of the largest displacement of all times below which a body is drawn at rest.
-_AT_REST = 1e-6
+from .picture import Picture, Shown, movie_path
 
 
 @dataclass(frozen=True, eq=False)
@@ -395,29 +389,39 @@ class Field:
         n = self.displacement[0].size
         return bool(np.count_nonzero(free < n) == n)
 
-    def plot(
-        self, ax: Axes3D | None = None, *, which: int = 0, scale: float | None = None, **kwargs: Any
-    ) -> Axes3D:
-        """Draw the deformed body, its surface coloured by von Mises' stress.
+    def _shown(self) -> Shown:
+        """Return the body as it is drawn: without its mean displacement where it has no support."""
+        mesh, _ = solid(self.body, "a picture")
+        moved = self.displacement
+        if self._free:
+            moved = moved - moved.mean(axis=1, keepdims=True)
+        return Shown(mesh, mesh.nodes, moved, self.stress().von_mises)
 
-        Colours mean the same at all times of the field.
-        The mean displacement of a body without supports is left out: it would fly out of the
-        picture.
+    def plot(self, *, which: int = 0, scale: float | None = None) -> Any:
+        """Draw the deformed body, coloured by von Mises' stress.
+
+        Enlargement and colours are the same at all times of the field. The mean displacement of a
+        body without supports is left out: it would fly out of the picture.
 
         Parameters
         ----------
-        ax : Axes3D, optional
         which : int, optional
             Which of the times.
         scale : float, optional
-            How many times the deformation is enlarged; by itself a tenth of the body's size. What
-            is less than a millionth of the largest over all the times is drawn as rest.
-        **kwargs
-            For matplotlib's Poly3DCollection.
+            Factor on displacements; by default 1, 2 or 5 times a power of ten that shows the
+            largest of all times.
 
         Returns
         -------
-        Axes3D
+        pyvista.Plotter
+            Without a window: ``.screenshot("bar.png")`` writes the picture.
+
+        Raises
+        ------
+        MissingPackageError
+            If PyVista is not installed.
+        InputError
+            If the body has no elements.
 
         Examples
         --------
@@ -425,37 +429,24 @@ class Field:
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
         >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
-        >>> ax = hit.target.field([1e-4]).plot()
+        >>> hit.target.field([1e-4]).plot().screenshot("bar.png")  # doctest: +SKIP
         """
-        mesh, _ = solid(self.body, "plot")
         number = integer("which", which, low=0, high=len(self.times) - 1)
-        moved = self.displacement[number]
-        largest = np.abs(self.displacement).max()
-        if np.abs(moved).max() <= max(_AT_REST * largest, np.finfo(float).eps * mesh.size):
-            moved = np.zeros_like(moved)
-        every = self.stress().von_mises
-        colour = every[number] if moved.any() else np.zeros(mesh.n_nodes)
-        if self._free:
-            moved = moved - moved.mean(axis=0)
-        time = float(self.times[number])
-        return deformed.plot_deformed(
-            mesh, moved, colour, time, ax, scale=scale, all_times=every, **kwargs
-        )
+        return Picture([self._shown()], self.times, scale=scale).draw(number)
 
     def movie(
         self, path: str | os.PathLike[str], *, scale: float | None = None, fps: float = 15.0
     ) -> Path:
-        """Write a movie of the body, a frame a time, coloured by von Mises' stress.
+        """Write a movie of the body, a frame a time, as `plot` draws it.
 
-        The mean displacement of a body without supports is left out, as in `plot`. `Result.movie`
-        shows both bodies of an impact.
+        `Result.movie` shows both bodies of an impact.
 
         Parameters
         ----------
         path : path
             Ending in .gif or .mp4.
         scale : float, optional
-            How many times displacements are enlarged; by itself so that they are visible.
+            As for `plot`.
         fps : float, optional
             Frames a second.
 
@@ -466,7 +457,7 @@ class Field:
         Raises
         ------
         MissingPackageError
-            If PyVista or, for .mp4, imageio and imageio-ffmpeg are not installed.
+            If PyVista, imageio or, for .mp4, imageio-ffmpeg are not installed.
         InputError
             If the body has no elements, or the path is no place for a movie.
 
@@ -479,13 +470,8 @@ class Field:
         >>> field = hit.target.field([1e-4, 2e-4])
         >>> path = field.movie("bar.gif")  # doctest: +SKIP
         """
-        mesh, _ = solid(self.body, "movie")
-        moved = self.displacement
-        if self._free:
-            moved = moved - moved.mean(axis=1, keepdims=True)
-        drawn = movie.MovingBody.of_mesh(mesh, moved, self.stress().von_mises)
-        down = np.array([0.0, 0.0, -1.0])
-        return movie.write_movie(path, [drawn], self.times, down=down, scale=scale, fps=fps)
+        file, speed = movie_path(path, fps)
+        return Picture([self._shown()], self.times, scale=scale).write(file, speed)
 
 
 def solid(body: FEModel, what: str) -> tuple[Mesh, AnyMaterial]:

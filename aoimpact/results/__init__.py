@@ -17,6 +17,7 @@ from .advice import (
 )
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy
+from .picture import shown_bodies
 from .quantities import (
     COLUMNS,
     IMPACT_CHOICES,

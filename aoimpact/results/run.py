@@ -29,7 +29,7 @@ from ..base import (
     write_csv,
 )
 from ..fem import whole_motion
-from ..fields import Response, response_of
+from ..fields import Picture, Response, movie_path, response_of
 from ..integrate import Events, Recorder
 from ..laws import Dent, own_law
 from ..reduction import FullModel
@@ -38,7 +38,7 @@ from . import plot
 from .advice import follows, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
-from .movie import write_impact_movie
+from .picture import shown_bodies, times_of_contact
 from .plot import During
 from .quantities import all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
@@ -959,10 +959,10 @@ class Result(Eventful, Run):
     ) -> Path:
         """Write a movie of the two bodies as they meet, coloured by von Mises' stress.
 
-        Displacements are enlarged, by a factor that stands in the picture, those of the approach as
-        well. The target stands where its mesh is; the projectile is turned and moved to where it
-        touches it. Nothing but a rigid ball is drawn of what has no elements. Colours are shared;
-        the highest 2 % of the stresses, mostly under the contact, keep the last one.
+        Displacements, also those of the approach, are enlarged by a factor that the picture names.
+        The target stands where its mesh is; the projectile is turned and moved to where it touches
+        it. A body without elements is drawn if it is a ball. The highest 2 % of the stresses,
+        mostly under the contact, share the last colour.
 
         Parameters
         ----------
@@ -994,7 +994,12 @@ class Result(Eventful, Run):
         --------
         >>> hit.movie("impact.gif", frames=40)  # doctest: +SKIP
         """
-        return write_impact_movie(self, path, times=times, frames=frames, scale=scale, fps=fps)
+        file, speed = movie_path(path, fps)
+        wanted = times_of_contact(self, integer("frames", frames, low=2, high=10_000))
+        if times is not None:
+            wanted = np.atleast_1d(finite_array("times", times, unit="s"))
+        bodies, down = shown_bodies(self, wanted)
+        return Picture(bodies, wanted, down=down, scale=scale).write(file, speed)
 
     def __repr__(self) -> str:
         return summary_text("Impact", impact_rows(self), 18)

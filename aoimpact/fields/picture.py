@@ -1,0 +1,172 @@
+"""Pictures of deformed bodies, still and moving, by PyVista."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..base import (
+    FloatArray,
+    InputError,
+    file_path,
+    nonnegative,
+    optional_package,
+    positive,
+    scale_for,
+    with_unit,
+)
+from ..mesh import Mesh, meshio_of_all_kinds
+
+# Largest displacement by default, as a share of the bodies' size: it shows the motion and leaves
+# the shape. It is rounded down to a round factor, so that 3 to 8 % are seen.
+_SHOWN = 0.08
+
+# Percentile of the stresses with the last colour: those under a contact would leave the rest of the
+# body in one colour.
+_COLOURED = 98.0
+
+# Pixels; videos need multiples of 16.
+_WINDOW = 960, 720
+
+# Direction to the camera: along two axes across the direction of travel, and against it.
+_VIEW = (0.55, -0.75, 0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A body in a picture.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    points : ndarray, shape (n_nodes, 3)
+        Places of its nodes, undeformed, m.
+    displacement : ndarray, shape (k, n_nodes, 3)
+        m.
+    von_mises : ndarray, shape (k, n_nodes), or None
+        Pa; None for a rigid body.
+    """
+
+    mesh: Mesh
+    points: FloatArray
+    displacement: FloatArray
+    von_mises: FloatArray | None
+
+
+class Picture:
+    """Bodies at some times.
+
+    Parameters
+    ----------
+    bodies : sequence of Shown
+    times : ndarray, shape (k,)
+        s.
+    down : sequence of float
+        Direction that points down.
+    scale : float, optional
+        Factor on displacements; by default 1, 2 or 5 times a power of ten that shows them.
+
+    Raises
+    ------
+    MissingPackageError
+        If PyVista is not installed.
+    """
+
+    def __init__(
+        self,
+        bodies: Sequence[Shown],
+        times: FloatArray,
+        *,
+        down: Sequence[float] | FloatArray = (0.0, 0.0, -1.0),
+        scale: float | None = None,
+    ) -> None:
+        self.factor = enlargement(bodies) if scale is None else nonnegative("scale", scale)
+        pyvista = optional_package("pyvista", "a picture", "write files for ParaView: to_vtu(path)")
+        self.plotter = pyvista.Plotter(off_screen=True, window_size=_WINDOW)
+        self._bodies, self._times, self._grids = bodies, times, []
+        largest = [body.von_mises.max(axis=0) for body in bodies if body.von_mises is not None]
+        most = float(np.percentile(np.concatenate(largest), _COLOURED)) if largest else 0.0
+        self._pressure = scale_for(most, "Pa")
+        for body in bodies:
+            cells = [(block.kind, block.cells) for block in body.mesh.blocks]
+            grid = pyvista.from_meshio(meshio_of_all_kinds().Mesh(body.points, cells))
+            colours: dict[str, Any] = {"color": "lightgray"}
+            if body.von_mises is not None:
+                grid.point_data["stress"] = self._pressure.factor * body.von_mises[0]
+                colours = {
+                    "scalars": "stress",
+                    "clim": (0.0, self._pressure.factor * most or 1.0),
+                    "scalar_bar_args": {"title": f"von Mises ({self._pressure.unit})"},
+                    "show_edges": True,
+                    "edge_opacity": 0.35,
+                }
+            self.plotter.add_mesh(grid, **colours)
+            self._grids.append(grid)
+        up = -np.asarray(down) / np.linalg.norm(down)
+        across = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+        across /= np.linalg.norm(across)
+        towards = _VIEW @ np.array([across, np.cross(up, across), up])
+        passed = [body.points + self.factor * body.displacement for body in bodies]
+        low = np.min([places.min(axis=(0, 1)) for places in passed], axis=0)
+        high = np.max([places.max(axis=(0, 1)) for places in passed], axis=0)
+        self.plotter.set_background("white")
+        self.plotter.camera_position = [tuple(towards), (0.0, 0.0, 0.0), tuple(up)]
+        self.plotter.reset_camera(bounds=np.column_stack([low, high]).ravel())
+
+    def draw(self, which: int) -> Any:
+        """Move the bodies to where they are at one of the times, and return the plotter."""
+        for body, grid in zip(self._bodies, self._grids, strict=True):
+            grid.points = body.points + self.factor * body.displacement[which]
+            if body.von_mises is not None:
+                grid.point_data["stress"] = self._pressure.factor * body.von_mises[which]
+        time = with_unit(float(self._times[which]), "s", 3)
+        caption = f"t = {time}     displacement × {self.factor:g}"
+        self.plotter.add_text(caption, font_size=12, color="black", name="caption")
+        return self.plotter
+
+    def write(self, path: Path, fps: float) -> Path:
+        """Write a movie, a frame a time, and close the picture."""
+        optional_package("imageio", "a movie", "draw single pictures: field.plot(which=)")
+        if path.suffix.lower() == ".gif":
+            self.plotter.open_gif(path, fps=fps)
+        else:
+            optional_package("imageio_ffmpeg", "a movie of type .mp4", "take .gif")
+            self.plotter.open_movie(path, framerate=fps)
+        for which in range(len(self._times)):
+            self.draw(which)
+            self.plotter.write_frame()
+        self.plotter.close()
+        return path
+
+
+def movie_path(path: str | os.PathLike[str], fps: float) -> tuple[Path, float]:
+    """Return the path and the frames a second of a movie.
+
+    Raises
+    ------
+    InputError
+        If the path does not end in .gif or .mp4, or its folder is not there.
+    """
+    file, speed = file_path("path", path), positive("fps", fps, unit="Hz")
+    if file.suffix.lower() not in (".gif", ".mp4"):
+        raise InputError(f"path must end in .gif or .mp4, got {str(file)!r}")
+    if not file.parent.is_dir():
+        raise InputError(f"path={str(file)!r}: there is no folder {str(file.parent)!r}")
+    return file, speed
+
+
+def enlargement(bodies: Sequence[Shown]) -> float:
+    """Return 1, 2 or 5 times a power of ten that makes displacements visible."""
+    size = float(np.linalg.norm(np.ptp(np.concatenate([body.points for body in bodies]), axis=0)))
+    largest = max(float(np.linalg.norm(body.displacement, axis=-1).max()) for body in bodies)
+    if largest == 0.0:
+        return 1.0
+    exact = _SHOWN * size / largest
+    power = 10.0 ** math.floor(math.log10(exact))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= exact * (1.0 + 1e-9))
