@@ -174,7 +174,7 @@ class Source:
         places = np.einsum("ani,ni->na", [x, np.cross(z, x), z], to)
         if np.abs(places - [0.0, *places[0, 1:]]).max() > _SAME * np.abs(to).max():
             raise InputError("its elements are moved along themselves, or unlike each other")
-        return Beam(of, material, orientation, (centre + places[0, 1:]).tolist())
+        return Beam(of, material, orientation, (centre + places[0, 1:]).round(12).tolist())
 
     def directions(self, members: IntArray, *, edges: bool = False) -> FloatArray:
         """Return unit normals of surface cells and tangents of lines, in order, shape (n, 3).

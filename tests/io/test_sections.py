@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import warnings
 from pathlib import Path
@@ -225,6 +226,36 @@ def test_offsets_of_bars_lead_from_their_nodes_to_the_centroid(shape: str, tmp_p
     z = np.array(beam.orientation)
     y = np.cross(z, [1, 0, 0])
     assert beam.offset[0] * y + beam.offset[1] * z == pytest.approx([0, 0.03, 0.05])
+
+
+def test_a_strip_with_a_stringer_rings_as_steiner_says(tmp_path: Path) -> None:
+    """A cantilever of a plate and a bar below it, which share a property's number."""
+    strip = ao.sheet_mesh((1.0, 0.1), (20, 2))
+    at = [np.flatnonzero(np.isclose(strip.nodes[:, 1], y)) for y in (0, 0.05, 0.1)]
+    middle = at[1][np.argsort(strip.nodes[at[1], 0])] + 1
+    bars = [
+        f"CBAR,{100 + i},7,{a},{b},0.,0.,1.\n,,,0.,0.,-.021,0.,0.,-.021"
+        for i, (a, b) in enumerate(itertools.pairwise(middle))
+    ]
+    cards = ["PSHELL,7,1,.002,1", "PBARL,7,1,,BAR\n,.002,.04", "MAT1,1,7.E10,,0.,2700.", *bars]
+    path = nastran(tmp_path / "a.bdf", strip, cards)
+    root = [int(one[np.argmin(strip.nodes[one, 0])]) + 1 for one in at]
+    body = ao.FEModel.from_mesh(path, ao.read_sections(path), fixed=[(root, "xyz", "xyz")])
+    areas, places = np.array([0.1 * 0.002, 0.002 * 0.04]), np.array([0.0, -0.021])
+    centre = areas @ places / areas.sum()
+    second = areas @ (np.array([0.002, 0.04]) ** 2 / 12 + (places - centre) ** 2)
+    assert body.mass == pytest.approx(2700 * areas.sum())
+    euler = EULER * np.sqrt(7e10 * second / (2700 * areas.sum()))
+    assert body.frequencies(1)[0] == pytest.approx(euler, rel=0.01)
+
+
+def test_a_box_of_calculix_has_its_mass(tmp_path: Path) -> None:
+    """Of 70 x 50 - 64 x 44 = 684 mm²."""
+    box = "*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION=BOX\n.07, .05, .003, .003, .003, .003"
+    cards = [box, "0, 1, 0", STEEL]
+    path = abaqus(tmp_path / "a.inp", line(), cards, "B31R")
+    body = ao.FEModel.from_mesh(path, ao.read_sections(path))
+    assert body.mass == pytest.approx(684e-6 * 7800)
 
 
 def test_a_shell_and_a_bar_may_have_one_number(tmp_path: Path) -> None:
