@@ -62,8 +62,8 @@ def _figures(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
 def _fields(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
     """Each body with a mesh: PNG at the peak force; .pvd, which names VTU files, for ParaView."""
     files = []
-    for (name, member), body in zip(scene.members, result.bodies, strict=True):
-        if scene.has_mesh(member):
+    for name, model, body in zip(result.names, result.plan.bodies, result.bodies, strict=True):
+        if any(tip.body.mesh is not None for tip in model.contact_points):
             peak = body.field()
             times = np.union1d(np.linspace(0.0, result.t[-1], _FRAMES), peak.times)
             files.append(_saved(peak.plot(), folder / f"{name}.png"))

@@ -1,7 +1,8 @@
 """Scene files: impacts, scenes and sweeps in TOML.
 
-schema.py has the kinds of values, names.py what a file may contain, build.py makes bodies and cases
-of it, toml_lines.py finds lines for errors. For `batch` and `cli`.
+binding.py binds tables to signatures, tables.py has the function that each table calls, by its
+public name, sweeping.py the values of a sweep and their places, lines.py the lines for errors.
+For `batch` and `cli`.
 """
 
 from .file import SceneFile, read_scene

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import os
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import keeper
+from ..accuracy import AccelerationAt, keeper
 from ..base import (
     AOImpactError,
     FloatArray,
@@ -22,20 +23,22 @@ from ..base import (
     InputTypeError,
     SceneFileError,
     checked,
-    choice,
     file_path,
     texts,
 )
+from ..fem import ContactPoint
 from ..impact import simulate
 from ..results import COLUMNS, Result, Run
-from .build import Builder, Kept, member_name
-from .names import SCENE_FILE
-from .probes import read_probe
-from .ranges import at_place, check_apart, grid_of, sweep_problems
-from .toml_lines import Place, holds, line_of
+from .binding import Maker
+from .lines import Place, holds, line_of
+from .sweeping import place_of
+from .tables import SceneBinder
 
 # Message of tomllib for a text that is not TOML.
 _UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
+
+# The argument that a message begins with: "n must be ...", "fixed[0]: ...".
+_ARGUMENT = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
 # Problems of a file that are shown: as many as fit on a screen.
 _SHOWN = 20
@@ -136,11 +139,20 @@ class SceneFile:
     path: Path
     data: Mapping[str, Any]
     text: str
-    _kept: Kept = field(default_factory=Kept)
+    _kept: dict[str, Any] = field(default_factory=dict)
+    _bound: SceneBinder = field(init=False)
 
     def __post_init__(self) -> None:
         checked(self, path=file_path, data=(Mapping,), text=(str,))
-        self.check()
+        bound = SceneBinder(self.data, self.path.parent)
+        object.__setattr__(self, "_bound", bound)
+        self._refuse(bound.problems)
+        with self._located(self.kind, "report"):
+            keeper(self.reported or None)
+        with self._located("sweep", "keep"):
+            keeper(self.swept or self.reported or None)
+        with self._located("sweep"):
+            self._refuse(list(self._sweep_problems()))
 
     def __repr__(self) -> str:
         return f"SceneFile({str(self.path)!r})"
@@ -171,7 +183,8 @@ class SceneFile:
     @property
     def grid(self) -> dict[str, list[Any]]:
         """The grid of [sweep] as `sweep` takes it: values by place; empty without such a table."""
-        return grid_of(self.data["sweep"]["over"]) if "sweep" in self.data else {}
+        sweep = self._bound.bound.get("sweep")
+        return {} if sweep is None else dict(self._maker.make(sweep.arguments["over"]))
 
     @property
     def swept(self) -> tuple[str, ...]:
@@ -179,49 +192,40 @@ class SceneFile:
         return tuple(self.data.get("sweep", {}).get("keep", self.reported))
 
     @property
-    def members(self) -> tuple[tuple[str, str], ...]:
-        """Name of the output files of each body, and its name in [bodies].
+    def members(self) -> tuple[str, ...]:
+        """Names of the bodies: in their scene, in an impact in [bodies]."""
+        return tuple(self._bound.members)
 
-        Its name in its scene; in an impact that in [bodies], or its role if both bodies are one.
-        """
-        table = self.data[self.kind]
-        if self.kind == "impact":
-            roles = ("projectile", "target")
-            alike = table["projectile"] == table["target"]
-            return tuple((role if alike else table[role], table[role]) for role in roles)
-        return tuple((member_name(member), member["body"]) for member in table["bodies"])
-
-    def has_mesh(self, body: str) -> bool:
-        """True if a body of [bodies] is made of finite elements.
-
-        :meta private:
-        """
-        return "mesh" in self.data["bodies"][choice("body", body, tuple(self.data["bodies"]))]
-
-    def check(self) -> None:
-        """Refuse unknown names, missing keys and wrong types.
-
-        Raises
-        ------
-        SceneFileError
-            With the line of each.
-
-        :meta private:
-        """
-        found = list(SCENE_FILE.problems(self.data, (), self.data))
-        if not found and "sweep" in self.data:
-            found = list(sweep_problems(self.data, self.kind))
-        if found:
-            lines = [self._at(*problem) for problem in found[:_SHOWN]]
-            if len(found) > _SHOWN:
-                lines.append(f"{self.path}: and {len(found) - _SHOWN} more")
+    def _refuse(self, problems: Sequence[tuple[Place, str]]) -> None:
+        """Raise an error that has all problems, each with its line."""
+        if problems:
+            lines = [self._at(*problem) for problem in problems[:_SHOWN]]
+            if len(problems) > _SHOWN:
+                lines.append(f"{self.path}: and {len(problems) - _SHOWN} more")
             raise SceneFileError("\n".join(lines))
-        with self._located(self.kind, "report"):
-            if self.reported:
-                keeper(self.reported)
-        with self._located("sweep", "keep"):
-            if self.swept:
-                keeper(self.swept)
+
+    def _sweep_problems(self) -> Iterator[tuple[Place, str]]:
+        """Yield what is wrong with the sweep of a file that is otherwise right."""
+        settings = self.data.get("sweep", {})
+        if settings.get("workers", 1) < 1:
+            yield ("sweep", "workers"), f"must be at least 1, got {settings['workers']}"
+        if settings.get("keep") == []:
+            yield ("sweep", "keep"), "names nothing: leave it out to keep what the file reports"
+        grid = self.grid
+        before: dict[str, Any] = {}
+        for name, values in grid.items():
+            at = ("sweep", "over", *name.split("."))
+            told: list[str] = []
+            kinds = {type(of) if isinstance(of, int | float) else repr(of): of for of in values}
+            for value in kinds.values():
+                try:
+                    data = self._with(before | {name: value})
+                    told += [text for _, text in SceneBinder(data, self.path.parent).problems]
+                except InputError as error:
+                    told.append(str(error))
+            before[name] = values[0]
+            for text in dict.fromkeys(told):
+                yield at, text
 
     def replaced(self, values: Mapping[str, Any]) -> SceneFile:
         """Return the file with other values at dotted places, and without its sweep.
@@ -257,16 +261,26 @@ class SceneFile:
         if not isinstance(values, Mapping):
             raise InputTypeError(f"values must be a dict of places and values, got {values!r}")
         texts("values", values.keys())
-        data = copy.deepcopy({name: of for name, of in self.data.items() if name != "sweep"})
-        places = [name.split(".") for name in values]
-        for number, (name, value) in enumerate(values.items()):
-            try:
-                check_apart(self.data, self.kind, places[: number + 1])
-                table, last = at_place(data, self.kind, places[number])
-            except InputError as error:
-                raise SceneFileError(f"{self.path}: {name}: {error}") from None
-            table[last] = np.asarray(value).tolist() if hasattr(value, "dtype") else value
+        try:
+            data = self._with(values)
+        except InputError as error:
+            raise SceneFileError(f"{self.path}: {error}") from None
         return SceneFile(self.path, data, self.text, self._kept)
+
+    def _with(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The data with other values at some places, and without the sweep."""
+        data = copy.deepcopy({name: of for name, of in self.data.items() if name != "sweep"})
+        places = {name: place_of(self.data, self.kind, name) for name in values}
+        for (name, place), (other, longer) in itertools.permutations(places.items(), 2):
+            if place == longer[: len(place)]:
+                raise InputError(f"{other} is in the same place as {name!r}: keep one of them")
+        for name, place in places.items():
+            inside: Any = data
+            for part in place[:-1]:
+                inside = inside[part]
+            value = values[name]
+            inside[place[-1]] = np.asarray(value).tolist() if hasattr(value, "dtype") else value
+        return data
 
     def case(self) -> Any:
         """Build the bodies, and return a case of `simulate_many`.
@@ -293,8 +307,11 @@ class SceneFile:
         >>> file = ao.read_scene(path)
         >>> results = ao.simulate_many([file.case()])
         """
-        builder = Builder(self.data, self.path.parent, self._kept, self._located)
-        return builder.impact() if self.kind == "impact" else builder.scene()
+        return self._maker.make(self._bound.bound[self.kind])
+
+    @property
+    def _maker(self) -> Maker:
+        return Maker(self._located, self._kept)
 
     def simulate(self) -> Result | Run:
         """Build the scene and run it; a Result of an impact, a Run of a scene.
@@ -360,16 +377,25 @@ class SceneFile:
         >>> file.probes(file.simulate())
         {}
         """
-        names = [member[1 if self.kind == "impact" else 0] for member in self.members]
         if not isinstance(result, Run):
             raise InputTypeError(f"result must come from simulate(), got {result!r}")
-        if len(result.bodies) != len(names):
-            raise InputError(f"result has {len(result.bodies)} bodies, and the file {len(names)}")
+        if len(result.bodies) != len(self.members):
+            raise InputError(
+                f"result has {len(result.bodies)} bodies, and the file {len(self.members)}"
+            )
+        probes = self._bound.bound[self.kind].arguments.get("probes") or {}
         found = {}
-        for name, wanted in self.data[self.kind].get("probes", {}).items():
-            with self._located(self.kind, "probes", name):
-                body = result.bodies[names.index(wanted["body"])]
-                found[name] = read_probe(body, wanted, result.t)
+        for name, sensor in self._maker.make(probes).items():
+            number = self.members.index(self.data[self.kind]["probes"][name]["body"])
+            if not isinstance(sensor, ContactPoint | AccelerationAt):
+                quantity = sensor.quantity(sensor.body, number)
+                found[name] = quantity.history(result, result.t)[0]
+                continue
+            probe = result.bodies[number].probe(sensor.point, sensor.direction, times=result.t)
+            if isinstance(sensor, ContactPoint):
+                found[name] = probe.displacement
+            else:
+                found[name] = probe.filtered(cfc=sensor.cfc, corner=sensor.corner).acceleration
         return found
 
     # ------------------------------------------------------------------------- messages
@@ -389,8 +415,10 @@ class SceneFile:
             raise
         except (InputError, InputTypeError) as error:
             # The argument that a message begins with is a key of the table more often than not.
-            word = str(error).partition(" ")[0].partition("=")[0].rstrip(":")
-            finer = (*place, word) if holds(self.data, (*place, word)) else place
-            raise SceneFileError(self._at(finer, str(error))) from error
+            named = _ARGUMENT.match(str(error))
+            word, number = named.groups() if named else ("", None)
+            finer: list[Place] = [(*place, word, int(number or 0)), (*place, word), place]
+            at = next(one for one in finer[number is None :] if holds(self.data, one))
+            raise SceneFileError(self._at(at, str(error))) from error
         except AOImpactError as error:
             raise type(error)(self._at(place, str(error))) from error

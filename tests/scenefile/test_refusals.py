@@ -1,0 +1,255 @@
+"""Wrong scene files are refused by line, by the name of the key, and before any work."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import aoimpact as ao
+
+from scenes import BAR, ROW, STARS
+
+SWEPT = """
+[sweep]
+keep = ["peak_force"]
+
+[sweep.over]
+velocity = [1.0, 2.0]
+law.k = { from = 1e8, to = 1e10, count = 3, spacing = "log" }
+bodies.beam.m0 = { from = 0.1, to = 0.3, count = 3 }
+"""
+SHEET = """
+[materials]
+steel = { E = 210e9, nu = 0.3, rho = 7800 }
+sheet = { shell = "steel", thickness = 1e-3 }
+carbon = { orthotropic = { E = [1e11, 1e10, 1e10], G = [5e9, 5e9, 3e9], nu = [0.3, 0.3, 0.4] }, rho = 1550 }
+[bodies.ball]
+ball = 0.005
+material = "steel"
+[bodies.plate]
+mesh = { sheet = [0.1, 0.1], divisions = [2, 2] }
+material = "sheet"
+fixed = [{ nodes = "rim", hold = "xyz", hold_rotations = "xyz" }]
+contact = { point = [0.05, 0.05, 0.0] }
+[impact]
+projectile = "ball"
+target = "plate"
+velocity = 1.0
+[impact.probes]
+moved = { body = "plate", point = [0.05, 0.05, 0.0], direction = [0, 0, 1] }
+strain = { type = "StrainAt", body = "plate", point = [0.05, 0.05, 0.0] }
+"""  # noqa: E501
+
+# Refused when the file is read: what is put for what, the start of the line, the name that is said.
+READ = {
+    STARS: [
+        ("velocity = 2.0", "velocty = 2.0", "velocty", "did you mean 'velocity'"),
+        ("velocity = 2.0", 'velocity = "2"', "velocity", "impact.velocity"),
+        ("velocity = 2.0", "velocity = true", "velocity", "impact.velocity"),
+        ("velocity = 2.0\n", "", "[impact]", "'velocity'"),
+        ("velocity = 2.0", f"velocity = 1{400 * '0'}", "velocity", "impact.velocity"),
+        ('"beam"', '"baem"', "target", "did you mean 'beam'"),
+        ('"beam"', "7", "target", "impact.target"),
+        ("Hertz", "Herz", "law", "did you mean 'Hertz'"),
+        ('"Hertz"', "[]", "law", "impact.law.type"),
+        ("k = 1e9", "n = 1e9", "law", "'n'"),
+        ("mass = 0.03", "weight = 0.03", "weight", "'weight'"),
+        ("mass = 0.03", "mass = 0.03\nm0 = 1.0", "m0", "'m0'"),
+        ("m = [0.2]", "m = [0.2, true]", "m = [", "bodies.beam.m.1"),
+        ("dt = 1e-6", 'estimate = "no"', "solver", "impact.solver.estimate"),
+        ("[bodies.ball]", "[bodies]\nball = 3\n[x]", "ball", "bodies.ball"),
+        ("[impact]", "report = 1\n[impact]", "report", "'report'"),
+        ("gap = 1e-5", 'report = ["peak_forc"]', "report", "did you mean 'peak_force'"),
+    ],
+    BAR: [
+        ("nu = 0.3\n", "", "[materials.alu]", "'nu'"),
+        ('material = "alu"', 'material = "al"', "material =", "did you mean 'alu'"),
+        ("divisions = [4, 1, 1]", "divisions = [4, 1, 1.5]", "mesh", "bodies.bar.mesh.divisions.2"),
+        ("{ box = [0.1", '{ file = "no.msh", size = [0.1', "mesh", "'size'"),
+        ("n = 2", "m = 2", "model", "'m'"),
+        ('type = "Linear"', 'type = "Tsuji"', "law", "'alpha'"),
+        ('hold = "xyz"', 'helt = "xyz"', "    { nodes", "did you mean 'hold'"),
+        ("contact = {", "contakt = {", "contakt", "did you mean 'contact'"),
+    ],
+    ROW: [
+        ('["first", "second"]', '["first", "secnd"]', "between", "did you mean 'second'"),
+        ('["first", "second"]', '["first"]', "between", "scene.contacts.0.between"),
+        ('name = "second"', 'name = "first"', 'name = "first"\nbody = "ball"\n\n', "name"),
+        ('body = "wall"', 'body = "wal"', 'body = "wal"', "'wal'"),
+        ("forces = [0.0, 2.0]", "force = 1.0", "times", "'times'|'force'"),
+    ],
+    SHEET: [
+        ('shell = "steel"', 'shell = "carbn"', "sheet", "did you mean 'carbon'"),
+        ('shell = "steel"', 'shell = "sheet"', "sheet", "'sheet'"),
+        ('material = "steel"', 'material = "carbon"', 'material = "carbon"', "'carbon'"),
+        ("hold_rotations", "hold_turns", "fixed", "'hold_turns'"),
+        ("nu = [0.3, 0.3, 0.4]", "nu = [0.3, 0.4]", "carbon", "nu"),
+        ('"StrainAt"', '"StrainOf"', "strain", "did you mean 'StrainAt'"),
+        ('body = "plate", point', 'body = "plat", point', "moved", "did you mean 'plate'"),
+        ('body = "plate", ', "", "moved", "'body'"),
+    ],
+    STARS + SWEPT: [
+        ("velocity = [1.0", "velocty = [1.0", "velocty", "did you mean 'velocity'"),
+        ("bodies.beam.m0", "bodies.bea.m0", "bodies.bea.", "did you mean 'beam'"),
+        ("[1.0, 2.0]", "[]", "velocity = []", "sweep.over.velocity"),
+        ("[1.0, 2.0]", '[1.0, "fast"]', 'velocity = [1.0, "', "sweep.over.velocity"),
+        ("[1.0, 2.0]", "1.0", "velocity = 1.0", "sweep.over.velocity"),
+        ("to = 1e10, ", "", "law.k", "'to'"),
+        ("count = 3, s", "count = 0, s", "law.k", "count"),
+        ("from = 1e8", "from = 0", "law.k", "from"),
+        ('"log"', '"lag"', "law.k", "spacing"),
+        ('["peak_force"]', '["peak_forc"]', "keep", "did you mean 'peak_force'"),
+        ('["peak_force"]', "[]", "keep", "sweep.keep"),
+        ("[sweep]", "[sweep]\nworkers = 0", "workers", "sweep.workers"),
+        (SWEPT, "\n[sweep]\nover = {}\n", "over = {}", "sweep.over"),
+        ("1e8, to", f"{10**400}, to", "law.k", "sweep.over.law.k.from"),
+        ("law.k", "impact.velocity", "impact.velocity", "'velocity'"),
+        ("bodies.beam.m0", "impact.law", "impact.law", "'impact.law'"),
+    ],
+}
+
+# Refused by the functions that are called, with the line of the table or of the argument.
+MADE = {
+    STARS: [
+        ("velocity = 2.0", "velocity = 0.0", "velocity", "velocity"),
+        ("duration = 1e-3", "duration = -1e-3", "duration", "duration"),
+        ("k = 1e9", "k = -1e9", "law", "k"),
+        ("mass = 0.03", "mass = -0.03", "mass", "mass"),
+        ("m = [0.2]", "m = [0.2, 0.3]", "m = [", "m"),
+        ("dt = 1e-6", "dt = 0", "solver", "dt"),
+        ("gap = 1e-5", 'quantity = "peak_forc"', "quantity", "did you mean 'peak_force'"),
+        ("gap = 1e-5", "rtol = 2.0", "rtol", "rtol"),
+    ],
+    BAR: [
+        ("nu = 0.3", "nu = 0.5", "nu", "nu"),
+        ("box = [0.1, 0.01, 0.01]", "box = [0.1, 0.01]", "mesh", "lengths"),
+        ("divisions = [4, 1, 1]", "divisions = [4, 1, 0]", "mesh", "divisions"),
+        ('"xmin"', '"xmim"', "    { nodes", "did you mean 'xmin'"),
+        ('nodes = "xmin"', "x = 0.2", "    { x", "fixed"),
+        ('nodes = "xmin", ', "", "    { hold", "nodes"),
+        ("[0.1, 0.0, 0.0]", "[0.2, 0.0, 0.0]", "contact", "point"),
+        ("[0, 0, 1]", "[0, 0, 0]", "contact", "direction"),
+        ("direction = [0, 0, 1]", "dof = 1", "contact", "dof"),
+        ("n = 2", "n = -2", "model", "n"),
+        ("n = 2", 'n = 2, solver = "pardso"', "model", "did you mean 'pardiso'"),
+        ("fixed = [", "damping = { ratio = -1.0 }\nfixed = [", "damping", "ratio"),
+        ("radius = 0 }", 'radius = "aut" }', "contact", "did you mean 'auto'"),
+        ("mesh = {", 'mesh = "no.msh" #', "mesh", "no.msh"),
+    ],
+    ROW: [
+        ('["first", "second"]', '["first", "first"]', "[[scene.contacts]]", "itself"),
+        ("gap = 1e-3", "gap = -1.0", "[scene]", "overlap"),
+        ("forces = [0.0, 2.0]", "forces = [0.0]", "[[scene.loads]]", "force"),
+        ("gravity = 9.81", "gravity = nan", "gravity", "gravity"),
+    ],
+    SHEET: [
+        ("thickness = 1e-3", "thickness = -1e-3", "sheet", "thickness"),
+        ('material = "sheet"', 'material = "steel" #', 'material = "steel" #', "material"),
+        ('body = "plate", point', 'body = "ball", point', "moved", "body"),
+        ("StrainAt", 'StressAt", component = "aa', "strain", "component"),
+    ],
+}
+
+
+def rows(table: dict[str, list[Any]]) -> list[Any]:
+    return [
+        pytest.param(right, *row, id=f"{row[0][:20]} -> {row[1][:40]}")
+        for right, cases in table.items()
+        for row in cases
+    ]
+
+
+def refused(folder: Path, text: str, at: str, name: str, *, run: bool) -> None:
+    """Check that a file is refused with the line that starts so, and that name."""
+    path = folder / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    number = text[: text.index(at)].count("\n") + 1
+    if run:
+        file = ao.read_scene(path)
+    with pytest.raises(ao.SceneFileError) as error:
+        file.simulate() if run else ao.read_scene(path)
+    assert f"{path}:{number}: " in str(error.value), str(error.value)
+    assert re.search(rf"(?<!\w)({name})(?!\w)" if name.isidentifier() else name, str(error.value))
+
+
+@pytest.mark.parametrize(("right", "old", "new", "at", "name"), rows(READ))
+def test_when_it_is_read(
+    right: str, old: str, new: str, at: str, name: str, tmp_path: Path
+) -> None:
+    assert old in right
+    name = name.replace("[", r"\[")
+    refused(tmp_path, right.replace(old, new, 1), at, name, run=False)
+
+
+@pytest.mark.parametrize(("right", "old", "new", "at", "name"), rows(MADE))
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+def test_when_it_is_run(right: str, old: str, new: str, at: str, name: str, tmp_path: Path) -> None:
+    assert old in right
+    refused(tmp_path, right.replace(old, new, 1), at, name, run=True)
+
+
+def test_all_problems_at_once(tmp_path: Path) -> None:
+    wrong = STARS.replace("mass", "mas").replace("gap", "gab").replace("m0 = 0.1", 'm0 = "x"')
+    (tmp_path / "a.toml").write_text(wrong)
+    with pytest.raises(ao.SceneFileError) as error:
+        ao.read_scene(tmp_path / "a.toml")
+    assert {2, 5, 15} <= {int(text.split(":")[1]) for text in str(error.value).splitlines()}
+
+
+@pytest.mark.parametrize("count", [3000, 30_000])
+def test_the_first_of_thousands_of_problems_are_shown(count: int, tmp_path: Path) -> None:
+    """Where the text is long as well, without lines, which would take minutes to find."""
+    unknown = "\n".join(f"x{i} = {i}" for i in range(count))
+    (tmp_path / "a.toml").write_text(STARS.replace("[bodies.ball]", f"[bodies.ball]\n{unknown}"))
+    with pytest.raises(ao.SceneFileError) as raised:
+        ao.read_scene(tmp_path / "a.toml")
+    *shown, more = str(raised.value).splitlines()
+    assert len(shown) == 20
+    assert str(count - 20) in more
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"",
+        b"a = \n",
+        b"[impact]",
+        b"bodies = 3\nimpact = {}",
+        b"materials = []\nbodies = {}\nimpact = {}",
+        b"bodies = {}\nimpact = {}\nscene = {}",
+        b"title = '\xff'",
+        b"a = " + 3000 * b"[" + 3000 * b"]",
+        b"a = 1" + 5000 * b"0",
+        b"a = '\0'",
+    ],
+    ids=range(10),
+)
+def test_files_that_are_no_scenes(text: bytes, tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_bytes(text)
+    with pytest.raises(ao.SceneFileError, match=r"a\.toml"):
+        ao.read_scene(tmp_path / "a.toml")
+
+
+@pytest.mark.parametrize("path", [None, 3, b"a.toml", ["a.toml"]])
+def test_what_is_no_path_is_refused(path: Any) -> None:
+    with pytest.raises(ao.InputTypeError, match="path"):
+        ao.read_scene(path)
+
+
+def test_a_file_that_does_not_exist_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ao.SceneFileError, match=r"none\.toml"):
+        ao.read_scene(tmp_path / "none.toml")
+
+
+def test_errors_of_a_computation_keep_their_class_and_have_the_line(tmp_path: Path) -> None:
+    text = BAR.replace("[0.1, 0.01, 0.01]", "[0.1, 0.02, 1e-6]").replace(
+        "point = [0.1, 0.0, 0.0], direction = [0, 0, 1], radius = 0", "dof = 5"
+    )
+    text = re.sub(r"fixed = \[.*?\n\]", "", text, flags=re.S)
+    (tmp_path / "a.toml").write_text(text)
+    number = text[: text.index("model")].count("\n") + 1
+    with pytest.raises(ao.SingularError, match=rf"a\.toml:{number}: bodies\.bar"):
+        ao.read_scene(tmp_path / "a.toml").case()
