@@ -178,7 +178,7 @@ def test_a_patch_wider_than_a_plate_is_thick_is_refused() -> None:
     """Its mean displacement is that of a softer place than the contact's."""
     mesh = ao.box_mesh((0.2, 0.15, 0.006), (16, 12, 1), kind="hexahedron20")
     thin = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
-    with pytest.raises(ao.InputError, match=r"radius=0\.02: .*smaller radius"):
+    with pytest.raises(ao.InputError, match=r"^radius"):
         ao.simulate(BALL, thin.contact(point=(0.12, 0.06, 0.006), radius=0.02), 1.0)
     wide = ao.simulate(BALL, thin.contact(point=(0.12, 0.06, 0.006), radius=0.006), 1.0)
     assert abs(wide.peak_force / 656.3 - 1.0) < wide.error["peak_force"].total  # of fine meshes

@@ -104,27 +104,27 @@ BAR = ao.FEModel.from_mesh(
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ao.StrainAt(BAR, (1.0, 0.0, 0.0)), "off the body"),
+        (lambda: ao.StrainAt(BAR, (1.0, 0.0, 0.0)), r"^point"),
         (lambda: ao.StrainAt(BAR, (0.05, 0.0, 0.0), "xX"), "component"),
-        (lambda: ao.StrainAt(BAR, (0.05, 0.005, 0.0), "xy", length=1e-3), "a gauge measures"),
+        (lambda: ao.StrainAt(BAR, (0.05, 0.005, 0.0), "xy", length=1e-3), r"^component"),
         (
             lambda: ao.StrainAt(BAR, (0.05, 0.005, 0.0), (0, 0, 1), length=1e-3),
-            "lie in the surface",
+            r"^component",
         ),
-        (lambda: ao.AccelerationAt((1.0, 0.0, 0.0), DOWN, cfc=60, body=BAR), "off the body"),
+        (lambda: ao.AccelerationAt((1.0, 0.0, 0.0), DOWN, cfc=60, body=BAR), r"^point"),
         (lambda: ao.AccelerationAt((0.05, 0.0, 0.0), DOWN, cfc=60, corner=60), "either cfc or"),
         (
             lambda: ao.AccelerationAt((0.05, 0.0, 0.0), DOWN, cfc=1e6, body=BAR),
-            "take a class of .* or less, or smaller elements",
+            r"^cfc",
         ),
         (
             lambda: strike(
                 BAR.contact(dof=2), quantity=ao.AccelerationAt((0.05, 0, 0), DOWN, cfc=1e6)
             ),
-            "take a class of .* or less, or smaller elements",
+            r"^cfc",
         ),
         (lambda: ao.ReactionAt("xmax", DOWN, body=BAR), "is held"),
-        (lambda: ao.ReactionAt("edge", DOWN, body=BAR), "no node set"),
+        (lambda: ao.ReactionAt("edge", DOWN, body=BAR), r"^nodes"),
         (lambda: strike(BAR.contact(dof=2), quantity=ao.ReactionAt("xmax", DOWN)), "is held"),
     ],
 )

@@ -68,16 +68,16 @@ def test_in_a_scene(plate: Any) -> None:
 
 
 def test_what_makes_no_sense_is_named(plate: Any) -> None:
-    with pytest.raises(ao.InputError, match="component must be"):
+    with pytest.raises(ao.InputError, match=r"^component"):
         ao.StressAt(plate, POINT, "xX")
     with pytest.raises(ao.InputError, match="point"):
         ao.StressAt(plate, (1.0, 0.0, 0.0))
-    with pytest.raises(ao.InputTypeError, match="body must be an FEModel"):
+    with pytest.raises(ao.InputTypeError, match=r"^body"):
         ao.StressAt(ao.rigid(mass=1.0), POINT)
-    with pytest.raises(ao.InputError, match="no mesh"):
+    with pytest.raises(ao.InputError, match=r"^body"):
         ao.StressAt(ao.FEModel(K=np.eye(3), M=np.eye(3), nodes=np.zeros((1, 3))), POINT)
     other = copy.copy(plate.body)
-    with pytest.raises(ao.InputError, match="neither projectile nor target"):
+    with pytest.raises(ao.InputError, match=r"^quantity"):
         strike(plate, quantity=ao.StressAt(other, POINT))
 
 

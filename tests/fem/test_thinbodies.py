@@ -144,7 +144,7 @@ def test_a_shell_continued_on_a_solid_is_clamped_there() -> None:
     found = tip.b @ body.inverse().solve(tip.b)
     strip = 0.2**3 / (3 * 210e9 * 0.04 * 1e-9 / 12)
     assert found == pytest.approx(strip, rel=0.05)
-    with pytest.raises(InputError, match="3 nodes where shells or beams meet solids are hinges"):
+    with pytest.raises(InputError, match=r"^mesh"):
         ao.FEModel.from_mesh(mesh(2), parts)
 
 
@@ -194,52 +194,52 @@ def test_sheets_of_the_generator() -> None:
 @pytest.mark.parametrize(
     ("make", "error", "words"),
     [
-        (lambda m: ao.FEModel.from_mesh(m, STEEL), InputError, "quad, which needs ao.Shell"),
-        (lambda m: ao.FEModel.from_mesh(m, ROUND), InputError, "needs ao.Shell.* got Beam"),
-        (lambda m: ao.FEModel.from_mesh(m, "steel"), InputTypeError, "must be a Material"),
+        (lambda m: ao.FEModel.from_mesh(m, STEEL), InputError, r"^material"),
+        (lambda m: ao.FEModel.from_mesh(m, ROUND), InputError, r"^material"),
+        (lambda m: ao.FEModel.from_mesh(m, "steel"), InputTypeError, r"^material"),
         (
             lambda m: ao.FEModel.from_mesh(ao.box_mesh((1, 1, 1), (1, 1, 1)), SHEET),
             InputError,
-            "hexahedron, which needs a Material",
+            r"^material",
         ),
         (
             lambda m: ao.FEModel.from_mesh(line((0, 0, 0), (1, 0, 0)), SHEET),
             InputError,
-            "line, which needs ao.Beam",
+            r"^material",
         ),
-        (lambda m: ao.read_mesh(m, order=2), MeshError, "of first order"),
+        (lambda m: ao.read_mesh(m, order=2), MeshError, r"^order"),
         (
             lambda m: ao.FEModel.from_mesh(m, SHEET, fixed=[("rim", "xyz", "q")]),
             InputError,
-            'letters must be of "x", "y" and "z"',
+            r"^fixed\[0\]",
         ),
         (
             lambda m: ao.FEModel.from_mesh(m, SHEET, fixed=[("rim", "")]),
             InputError,
-            'to hold rotations alone give .*"rim", "", "xyz"',
+            r"^fixed\[0\]",
         ),
         (
             lambda m: ao.FEModel.from_mesh(m, SHEET, fixed=[("rim", "", "")]),
             InputError,
-            'letters must be of "x", "y" and "z"',
+            r"^fixed\[0\]",
         ),
-        (lambda m: ao.Shell(2e-3, STEEL, offset=2.0), InputError, "offset .* give it in metres"),
+        (lambda m: ao.Shell(2e-3, STEEL, offset=2.0), InputError, r"^offset"),
         (
             lambda m: ao.Beam(ao.CircularSection(0.01), STEEL, (0, 0, 1), offset=(0, 5)),
             InputError,
-            "offset .* give it in metres",
+            r"^offset",
         ),
         (
             lambda m: ao.FEModel.from_mesh(
                 ao.box_mesh((1, 1, 1), (1, 1, 1)), STEEL, fixed=[("xmin", "xyz", "x")]
             ),
             InputError,
-            "letters of rotations are for shells and beams",
+            r"^fixed\[0\]",
         ),
         (
             lambda m: ao.FEModel.from_mesh(m, SHEET).inverse(1.0, solver="multigrid"),
             InputError,
-            "is for solids",
+            r"^solver",
         ),
         (
             lambda m: ao.Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], "triangle"),

@@ -33,7 +33,7 @@ def bar(section: Any, n: int = 20) -> Any:
     ],
 )
 def test_a_thickness_above_the_size_of_the_body_is_refused(mesh: Any, material: Any) -> None:
-    with pytest.raises(ao.InputError, match=r"thicker than the body is long.* in metres"):
+    with pytest.raises(ao.InputError, match=r"^material"):
         ao.FEModel.from_mesh(mesh, material)
 
 
@@ -164,7 +164,7 @@ def test_a_point_on_the_face_of_a_shell_is_that_of_its_nodes(z: float) -> None:
     assert body.contact(point=(0.05, 0.05, z)).point == pytest.approx([0.05, 0.05, 0.0])
     quantity = ao.StrainAt(body, (0.03, 0.05, z), "xx", layer="bottom")
     assert quantity.layer == "bottom"
-    with pytest.raises(ao.InputError, match=r"off the|from the"):
+    with pytest.raises(ao.InputError, match=r"^point"):
         body.contact(point=(0.05, 0.05, 0.01))
 
 

@@ -352,15 +352,15 @@ def test_filters_that_make_no_sense_are_refused(given: dict[str, float], message
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda of: of.gauge((0.05, 0.04, 0.0), (0, 0, 1), 1e-3), "does not lie in the surface"),
+        (lambda of: of.gauge((0.05, 0.04, 0.0), (0, 0, 1), 1e-3), r"^direction"),
         (lambda of: of.gauge((0.09, 0.04, 0.0), (1, 0, 0), 0.06), "beyond the surface"),
         (lambda of: of.gauge((0.05, 9e-4, 0.0), (0, 1, 0), 3e-3), "600 µm beyond the surface"),
         (lambda of: of.gauge((0.05, 0.04, 0.002), (1, 0, 0), 6e-3), "2 mm off the surface"),
         (lambda of: of.gauge((0.05, 0.04, 0.0), (1, 0, 0), 0.0), "length"),
         (lambda of: of.reaction("ymin"), "no node of nodes='ymin' is held"),
-        (lambda of: of.reaction("edge"), "no node set 'edge'"),
+        (lambda of: of.reaction("edge"), r"^nodes"),
         (lambda of: of.probe((0.05, 0.04, 0.0), times=[0.0], dt=1e-6), "either times or dt"),
-        (lambda of: of.probe((0.05, 0.04, 0.0), dt=1.0), "to the record"),
+        (lambda of: of.probe((0.05, 0.04, 0.0), dt=1.0), r"^dt"),
     ],
 )
 def test_what_makes_no_sense_is_named(call: Any, message: str) -> None:

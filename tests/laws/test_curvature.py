@@ -112,17 +112,17 @@ def test_an_angle_of_any_size_is_that_of_its_sine_and_cosine():
 @pytest.mark.parametrize(
     ("radius_1", "radius_2", "message"),
     [
-        (0.0, 0.01, "radius_1 must not be 0 m"),
-        (math.inf, math.inf, "both infinite"),
-        (0.01, -0.01, "do not touch in a point"),
-        (0.01, -0.009, "larger in magnitude"),
-        (-0.01, math.inf, "do not touch in a point"),
-        (-0.01, -0.01, "do not touch in a point"),
-        ((0.01, math.inf), (0.02, math.inf), "along a line"),
-        ((0.01, math.inf), math.inf, "along a line"),
-        ((0.01, -0.01), math.inf, "do not touch in a point"),
-        ((0.01, 0.0), math.inf, r"radius_1\[1\] must not be 0"),
-        ((0.01,), math.inf, "two principal ones"),
+        (0.0, 0.01, r"^radius_1"),
+        (math.inf, math.inf, r"^radius_1"),
+        (0.01, -0.01, r"^radius_1"),
+        (0.01, -0.009, r"^radius_1"),
+        (-0.01, math.inf, r"^radius_1"),
+        (-0.01, -0.01, r"^radius_1"),
+        ((0.01, math.inf), (0.02, math.inf), r"^radius_1"),
+        ((0.01, math.inf), math.inf, r"^radius_1"),
+        ((0.01, -0.01), math.inf, r"^radius_1"),
+        ((0.01, 0.0), math.inf, r"^radius_1\[1\]"),
+        ((0.01,), math.inf, r"^radius_1"),
     ],
 )
 def test_surfaces_that_do_not_touch_in_a_point(radius_1, radius_2, message):
@@ -131,7 +131,7 @@ def test_surfaces_that_do_not_touch_in_a_point(radius_1, radius_2, message):
 
 
 def test_bad_materials_and_angles():
-    with pytest.raises(ao.InputTypeError, match="material_1 must be a Material"):
+    with pytest.raises(ao.InputTypeError, match=r"^material_1"):
         ao.Hertz.between(210e9, 0.01, STEEL, 0.01)
     with pytest.raises(ao.InputError, match="angle"):
         ao.Hertz.between(STEEL, (0.01, 0.02), STEEL, np.inf, angle=math.inf)

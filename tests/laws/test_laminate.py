@@ -75,5 +75,5 @@ def test_both_solvers_agree_on_blows_into_a_dent():
 
 
 def test_beta_is_a_share():
-    with pytest.raises(ao.InputError, match=r"beta must be from above 0 to 1, got 1\.5"):
+    with pytest.raises(ao.InputError, match=r"^beta"):
         ao.YangSun(K, CRITICAL, 1.5)

@@ -180,9 +180,9 @@ def test_a_plastic_contact_in_series_with_a_spring_loses_as_much(compliance):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ao.Linear(1e9).within_patch(2e-9), "more than Linear"),
-        (lambda: ao.Hertz(K).within_patch(0.0), "compliance must not be 0 m/N"),
-        (lambda: ao.Hertz(K).within_patch(C).within_patch(C), "law with nothing taken out"),
+        (lambda: ao.Linear(1e9).within_patch(2e-9), r"^compliance"),
+        (lambda: ao.Hertz(K).within_patch(0.0), r"^compliance"),
+        (lambda: ao.Hertz(K).within_patch(C).within_patch(C), r"^law"),
     ],
 )
 def test_bad_input_is_named(make, message):

@@ -174,18 +174,18 @@ def test_numbers_that_end_on_the_way_are_named(name, velocity):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: ao.HuntCrossley.from_restitution(K, 1e-13, 1.0), "restitution=1e-13 is nothing"),
-        (lambda: ao.KuwabaraKono.from_restitution(K, 1e-99, 1.0, 1.0), "give 1e-12 or more"),
-        (lambda: ao.Thornton(1e-300, 1e300), "indentation of yield.*beyond the range of numbers"),
-        (lambda: ao.Thornton(1e300, 1e-300), "indentation of yield.*beyond the range of numbers"),
-        (lambda: ao.restitution(1e10, 1.0, 1.0), "law must be a contact law"),
-        (lambda: ao.HuntCrossley.from_restitution(K, 1.01, 1.0), "restitution must be from above"),
-        (lambda: ao.KelvinVoigt.from_restitution(K, 2.0, 1.0), "restitution must be from above"),
-        (lambda: ao.KelvinVoigt.from_restitution(K, 0.5, 1.0, "never"), "end must be one of"),
-        (lambda: ao.HuntCrossley.from_restitution(K, 0.5, 1.0, 0.9), "n must be at least 1"),
+        (lambda: ao.HuntCrossley.from_restitution(K, 1e-13, 1.0), r"^restitution"),
+        (lambda: ao.KuwabaraKono.from_restitution(K, 1e-99, 1.0, 1.0), r"^restitution"),
+        (lambda: ao.Thornton(1e-300, 1e300), r"^k"),
+        (lambda: ao.Thornton(1e300, 1e-300), r"^k"),
+        (lambda: ao.restitution(1e10, 1.0, 1.0), r"^law"),
+        (lambda: ao.HuntCrossley.from_restitution(K, 1.01, 1.0), r"^restitution"),
+        (lambda: ao.KelvinVoigt.from_restitution(K, 2.0, 1.0), r"^restitution"),
+        (lambda: ao.KelvinVoigt.from_restitution(K, 0.5, 1.0, "never"), r"^end"),
+        (lambda: ao.HuntCrossley.from_restitution(K, 0.5, 1.0, 0.9), r"^n"),
         (
             lambda: ao.HuntCrossley.from_restitution(K, 0.5, 1.0, formula="florence"),
-            "formula must be one of .*did you mean 'flores'",
+            r"^formula",
         ),
     ],
 )

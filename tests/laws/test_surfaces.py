@@ -58,7 +58,7 @@ def test_flat_on_flat() -> None:
     plate = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.1, 0.01), (8, 8, 2)), ALUMINIUM)
     surface = plate.contact(point=(0.05, 0.05, 0.01)).contact_surface
     assert surface is not None
-    with pytest.raises(ao.InputError, match=r"radii inf and inf m .* give law="):
+    with pytest.raises(ao.InputError, match=r"^surfaces"):
         law_between(surface, surface)
 
 
@@ -123,7 +123,7 @@ def test_crossed_cylinders_are_a_ball_on_a_flat() -> None:
 def test_an_angle_that_is_needed_and_not_known(
     one: ContactSurface, two: ContactSurface, directions: tuple[Any, Any]
 ) -> None:
-    with pytest.raises(ao.InputError, match=r"0\.01 and 0\.02 m.*neither is round.*give law="):
+    with pytest.raises(ao.InputError, match=r"^surfaces"):
         law_between(one, two, projectile_direction=directions[0], target_direction=directions[1])
 
 
@@ -145,13 +145,13 @@ def test_nearly_round_surfaces_need_no_angle() -> None:
     ],
 )
 def test_what_does_not_touch_in_a_point(two: ContactSurface) -> None:
-    with pytest.raises(ao.InputError, match=r"0\.01 and 0\.01 m .*not touch in a point: give law="):
+    with pytest.raises(ao.InputError, match=r"^surfaces"):
         law_between(curved(0.01, 0.01), two)
 
 
 def test_parallel_cylinders_touch_along_a_line() -> None:
     one = curved(0.01, math.inf)
-    with pytest.raises(ao.InputError, match="not touch in a point"):
+    with pytest.raises(ao.InputError, match=r"^surfaces"):
         law_between(one, one, projectile_direction=DOWN, target_direction=DOWN)
 
 
@@ -174,15 +174,13 @@ def test_a_curvature_less_than_its_error_is_flat() -> None:
 
 
 def test_surfaces_are_checked() -> None:
-    with pytest.raises(
-        ao.InputTypeError, match="projectile_surface must be of type ContactSurface"
-    ):
+    with pytest.raises(ao.InputTypeError, match=r"^projectile_surface"):
         law_between(STEEL, curved(0.01, 0.01))  # type: ignore[arg-type]
-    with pytest.raises(ao.InputError, match="directions must be two unit vectors"):
+    with pytest.raises(ao.InputError, match=r"^directions"):
         ContactSurface(STEEL, (1.0, 1.0), ((1.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
-    with pytest.raises(ao.InputError, match="error must not be negative"):
+    with pytest.raises(ao.InputError, match=r"^error"):
         ContactSurface(STEEL, (1.0, 1.0), None, -1.0)
-    with pytest.raises(ao.InputError, match="in metres"):
+    with pytest.raises(ao.InputError, match=r"^radius"):
         ao.ball(1e90, STEEL)
     assert ao.rigid(1.0).contact_surface is None
 
@@ -201,10 +199,10 @@ def test_models_of_a_contact_point_know_its_surface() -> None:
 def test_curvatures_that_a_mesh_does_not_show_are_the_first_to_mend() -> None:
     """A ball on a torus of few elements: each touches the other in a point, if it is round."""
     ball = ContactSurface(STEEL, (125.0, 125.0))
-    with pytest.raises(ao.InputError, match=r"flat.* refine the mesh about it, or give law=") as no:
+    with pytest.raises(ao.InputError, match=r"^surfaces") as no:
         law_between(ball, ContactSurface(STEEL, (165.0, 23.0), error=190.0))
     assert "do not touch" not in str(no.value)
-    with pytest.raises(ao.InputError, match="do not touch in a point") as no:
+    with pytest.raises(ao.InputError, match=r"^surfaces") as no:
         law_between(ball, ContactSurface(STEEL, (-150.0, -150.0)))
     assert "refine" not in str(no.value)
 

@@ -70,8 +70,8 @@ def test_a_body_in_modes_with_one_port_is_hit_as_its_AO_model() -> None:
 
 
 def test_participations_that_are_not_those_of_the_modes_are_refused() -> None:
-    with pytest.raises(ao.InputError, match="participation must be"):
+    with pytest.raises(ao.InputError, match=r"^participation"):
         replace(PORTS, participation=2.0 * PORTS.participation)
     nothing = np.zeros_like(PORTS.participation)
-    with pytest.raises(ao.InputError, match="move every contact point"):
+    with pytest.raises(ao.InputError, match=r"^modes"):
         replace(PORTS, participation=nothing, modes=np.zeros_like(PORTS.modes))

@@ -419,7 +419,7 @@ def test_rounding_in_the_symmetry_of_k():
 
 
 def test_a_contact_time_far_off_is_refused_or_harmless(block):
-    with pytest.raises(ao.InputError, match="shorter than what the mesh resolves"):
+    with pytest.raises(ao.InputError, match=r"^contact_time"):
         ao.antioscillators(block, 3, method="krylov", contact_time=1e-8)
     # Much longer ones give the same first oscillators: those of the slow motion.
     mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
@@ -430,7 +430,7 @@ def test_a_contact_time_far_off_is_refused_or_harmless(block):
         for contact_time in (1e-2, 1.0):
             slow = ao.antioscillators(body, 8, method="krylov", contact_time=contact_time)
             np.testing.assert_allclose(slow.frequencies[:2], exact.frequencies[:2], rtol=1e-4)
-    with pytest.raises(ao.SingularError, match="give the durations of the contact"):
+    with pytest.raises(ao.SingularError, match=r"^K"):
         ao.antioscillators(block, 8, method="krylov", contact_time=1e6)
 
 
@@ -449,10 +449,10 @@ def test_two_functionals_share_one_subspace(block):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"n": None}, "give n"),
-        ({"n": -1}, "n must be from 0"),
-        ({"n": 3, "order": "mass"}, "order must be"),
-        ({"n": 3, "contact_time": 1e-4, "duration": -1.0}, "duration must be positive"),
+        ({"n": None}, r"^n"),
+        ({"n": -1}, r"^n"),
+        ({"n": 3, "order": "mass"}, r"^order"),
+        ({"n": 3, "contact_time": 1e-4, "duration": -1.0}, r"^duration"),
         ({"n": 3, "method": "eigen", "contact_time": 1e-4}, "method='krylov'"),
     ],
 )
@@ -462,7 +462,7 @@ def test_bad_arguments_are_named(block, options, message):
 
 
 def test_a_body_without_contact_is_refused(block):
-    with pytest.raises(ao.InputTypeError, match="tip must come from"):
+    with pytest.raises(ao.InputTypeError, match=r"^tip"):
         ao.antioscillators(block.body, 3, method="krylov")
 
 

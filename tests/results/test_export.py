@@ -64,7 +64,7 @@ def test_a_scene_has_contacts_and_bodies_by_name() -> None:
     for contact in run.contacts:
         np.testing.assert_array_equal(data.force.sel(contact=contact.name), contact.force)
     np.testing.assert_array_equal(data.displacement.sel(body="c"), run.bodies[2].displacement)
-    with pytest.raises(ao.InputError, match="names must be 3 different ones"):
+    with pytest.raises(ao.InputError, match=r"^names"):
         run.to_xarray(names=["a", "b"])
 
 

@@ -135,12 +135,12 @@ def test_warnings_call_bodies_and_contacts_by_name() -> None:
 
 
 def test_names_are_text() -> None:
-    with pytest.raises(ao.InputTypeError, match="name must be of type str"):
+    with pytest.raises(ao.InputTypeError, match=r"^name"):
         ao.rigid(mass=1.0, name=3)  # type: ignore[arg-type]
-    with pytest.raises(ao.InputTypeError, match="name must be of type str"):
+    with pytest.raises(ao.InputTypeError, match=r"^name"):
         bar(name=None)  # type: ignore[arg-type]
     scene = ao.Scene()
-    with pytest.raises(ao.InputTypeError, match="name must be of type str"):
+    with pytest.raises(ao.InputTypeError, match=r"^name"):
         scene.connect(scene.add(BALL), scene.add(BALL), LAW, name=b"x")  # type: ignore[arg-type]
 
 

