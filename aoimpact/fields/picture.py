@@ -88,7 +88,9 @@ class Picture:
     ) -> None:
         self.factor = enlargement(bodies) if scale is None else nonnegative("scale", scale)
         pyvista = optional_package("pyvista", "a picture", "write files for ParaView: to_vtu(path)")
-        self.plotter = pyvista.Plotter(off_screen=True, window_size=_WINDOW)
+        with pyvista.vtk_verbosity("off"):  # it warns where there is no screen
+            self.plotter = pyvista.Plotter(off_screen=True, window_size=_WINDOW)
+            self.plotter.render()
         self._bodies, self._times, self._grids = bodies, times, []
         largest = [body.von_mises.max(axis=0) for body in bodies if body.von_mises is not None]
         most = float(np.percentile(np.concatenate(largest), _COLOURED)) if largest else 0.0

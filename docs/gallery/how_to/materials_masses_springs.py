@@ -6,6 +6,7 @@ A body may consist of several materials, isotropic or orthotropic as the plies o
 stand on springs. All of these are arguments of :meth:`aoimpact.FEModel.from_mesh`.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import aoimpact as ao
@@ -72,7 +73,9 @@ hit = ao.simulate(
     velocity=1.0,
 )
 print(hit)
-ax = hit.target.field().plot()
+fig, ax = plt.subplots()
+ax.set_axis_off()
+image = ax.imshow(hit.target.field().plot().screenshot())
 
 # %%
 # Hertz's law takes for E* what the deflection of an orthotropic half-space gives under a round contact. There is no

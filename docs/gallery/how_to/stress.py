@@ -98,7 +98,9 @@ print("at", np.round(1e3 * plate.nodes[where], 1), "mm; error of the field", fie
 
 # %%
 
-ax = field.plot()
+fig, ax = plt.subplots()
+ax.set_axis_off()
+image = ax.imshow(field.plot().screenshot())
 
 # %%
 # ``stress("gauss")`` gives the stress at the Gauss points instead of averages at the nodes. The two differ most where

@@ -11,6 +11,7 @@ are 30 lines.
 import tempfile
 
 import gmsh
+import matplotlib.pyplot as plt
 import numpy as np
 
 import aoimpact as ao
@@ -75,7 +76,9 @@ fibres = [np.nanmax(abs(field.stress(layer=(ply, "bottom"))["xx"])) for ply in r
 worst = max(range(16), key=fibres.__getitem__)
 angle = stack[worst].angle_deg
 print(f"largest stress along fibres: {fibres[worst] / 1e6:.0f} MPa in ply {worst}, {angle:g}°")
-ax = field.plot()
+fig, ax = plt.subplots()
+ax.set_axis_off()
+image = ax.imshow(field.plot().screenshot())
 
 # %%
 # ``field.to_vtu("panel")`` writes it for ParaView, with the stress of both faces.
