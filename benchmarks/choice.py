@@ -33,8 +33,7 @@ import numpy as np
 import aoimpact as ao
 from aoimpact import KrylovSpace
 from aoimpact.base import choice, held_warnings
-from aoimpact.linalg import Pencil
-from aoimpact.linalg.solvers import METHODS
+from aoimpact.linalg import METHODS, Pencil
 from aoimpact.results import QUANTITIES
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)

@@ -24,9 +24,8 @@ from collections.abc import Callable
 import numpy as np
 
 import aoimpact as ao
-from aoimpact.linalg import Pencil, factorize, pardiso
+from aoimpact.linalg import METHODS, Pencil, factorize, pardiso
 from aoimpact.linalg.multigrid import Multigrid
-from aoimpact.linalg.solvers import METHODS
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 

@@ -20,6 +20,7 @@ from .pencil import Pencil
 from .rows import ENTRIES_AT_ONCE
 from .solvers import (
     FEW_SOLUTIONS,
+    METHODS,
     SOLVERS,
     LinearSolver,
     Solver,

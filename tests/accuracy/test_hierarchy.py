@@ -1,33 +1,12 @@
 """The models of a body of rising order: nested, from rigid to the whole."""
 
-import numpy as np
 import pytest
 
 import aoimpact as ao
 from aoimpact.accuracy import KrylovHierarchy
-from aoimpact.accuracy.hierarchy import AOHierarchy
 from aoimpact.base import held_warnings
 
 from slender import rod
-
-
-def test_hierarchy_of_a_free_star():
-    hierarchy = AOHierarchy(ao.AOModel(m0=1.0, m=[1.0, 2.0], k=[1.0, 5.0]))
-    assert [hierarchy.model(order).label for order in range(4)] == [
-        "rigid",
-        "AO(1)",
-        "AO(2)",
-        "AO(2)",
-    ]
-    assert hierarchy.model(0).m0 == 4.0
-    assert not hierarchy.is_whole(1)
-    assert hierarchy.is_whole(2)
-
-
-def test_hierarchy_of_a_held_star_begins_with_a_wall():
-    hierarchy = AOHierarchy(ao.AOModel(m0=1.0, k0=3.0, m=[1.0], k=[1.0]))
-    assert [hierarchy.model(order).label for order in range(3)] == ["wall", "AO(0)", "AO(1)"]
-    assert AOHierarchy(ao.rigid(mass=np.inf)).model(5).label == "wall"
 
 
 def test_a_rigid_body_does_not_give_way_under_its_patch():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.integrate.band import narrow_order
 
 
 def stack(order):
@@ -18,29 +17,6 @@ def stack(order):
         scene.connect(balls[lower], balls[lower + 1], ao.Hertz(k=1e10))
     scene.apply(balls[0], force=([0.0, 1e-5, 1e-3], [0.0, 100.0, 0.0]))
     return scene, balls
-
-
-def widest(order, ends):
-    """How far apart two contacts of one body stand at most."""
-    places = [[place for place, i in enumerate(order) if body in ends[i]] for body in range(9)]
-    return max(max(of) - min(of) for of in places if of)
-
-
-def test_contacts_of_a_row_stand_side_by_side():
-    ends = [(i, i + 1) for i in (3, 0, 6, 2, 5, 1, 4, 7)]
-    order = narrow_order(ends, [True] * 9)
-    assert sorted(order) == list(range(8))
-    assert widest(order, ends) == 1
-
-
-def test_a_good_order_stays():
-    assert narrow_order([(i, i + 1) for i in range(8)], [True] * 9) is None
-    assert narrow_order([(0, 1), (0, 2), (0, 3)], [True] * 4) is None  # of one body, all feel all
-    assert narrow_order([], []) is None
-
-
-def test_a_wall_couples_nothing():
-    assert narrow_order([(0, 3), (1, 3), (2, 3)], [True, True, True, False]) is None
 
 
 def test_contacts_are_read_in_the_order_in_which_they_were_connected():

@@ -16,7 +16,7 @@ from test_matrices import BAR, LABELS, NODES, K, M
 from writers import market, written
 
 import aoimpact as ao
-from aoimpact.base.errors import AOImpactWarning
+from aoimpact import AOImpactWarning
 
 FREE = ao.FEModel.from_mesh(BAR.mesh, ao.Material(E=70e9, nu=0.3, rho=2700.0))
 

@@ -13,6 +13,7 @@ import aoimpact as ao
 from aoimpact import box_mesh, sphere_mesh
 from aoimpact.base import memory
 from aoimpact.linalg import (
+    METHODS,
     SOLVERS,
     LinearSolver,
     Pencil,
@@ -22,7 +23,6 @@ from aoimpact.linalg import (
     solvers,
 )
 from aoimpact.linalg.dissection import first_cut, nested_dissection
-from aoimpact.linalg.solvers import METHODS
 
 from slender import rod
 

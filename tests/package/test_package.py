@@ -207,6 +207,31 @@ def test_folders_are_entered_by_their_door() -> None:
             assert node.level < 2 or "." not in (node.module or ""), path
 
 
+# Files of rooms that tests import. The list only shrinks.
+OPENED = """
+    accuracy.order base.errors batch.checkpoint batch.digest batch.plain cli.files cli.main
+    fem.assembly fem.beams fem.extraction fem.halfspace fem.layer fem.model fem.patch
+    fem.shearedhalfspace fem.shells fem.stress fem.subdivision fem.thin fields.vtu
+    integrate.comparison integrate.dense integrate.events integrate.fixed_steps
+    integrate.motion integrate.newmark integrate.roughness integrate.tolerances laws.rebound
+    linalg.blocks linalg.coarsening linalg.davidson linalg.dissection linalg.multigrid
+    linalg.smoother paper.beam paper.figures paper.reproduction paper.sphere paper.table
+    reduction.subspace reduction.validity results.advice scenefile.lines testrig.oscillator
+"""
+
+
+def test_tests_import_rooms_and_not_their_files() -> None:
+    """So that files of a room can be merged and split: `from aoimpact.fem import ...`."""
+    opened = {
+        node.module.removeprefix("aoimpact.")
+        for path in Path(__file__).parents[1].rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.ImportFrom)
+        if re.match(r"aoimpact\.\w+\.\w", node.module or "")
+    }
+    assert opened == set(OPENED.split())
+
+
 FIRST_CALLS = """
 import sys
 import numpy, scipy.sparse

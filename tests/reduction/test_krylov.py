@@ -13,8 +13,7 @@ import scipy.sparse as sp
 import aoimpact as ao
 from aoimpact import box_mesh
 from aoimpact.base import memory
-from aoimpact.linalg import ROUGH, pardiso, solvers
-from aoimpact.linalg.solvers import METHODS
+from aoimpact.linalg import METHODS, ROUGH, pardiso, solvers
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper.sphere import BALL_MASS
 from aoimpact.reduction.subspace import Subspace
