@@ -331,8 +331,7 @@ def _beam(reader: Reader, card: Keyword, place: _Place) -> OneMaterial:
         )
     n1 = [*rows, [0.0, 0.0, -1.0]][1]
     z = (place.turn @ n1)[None, :]
-    none = np.zeros((len(place.members), 3))
-    return source.beam(section, material, z, place.members, _AXES, none)
+    return source.beam(section, material, z, place.members, _AXES, np.zeros(3))
 
 
 def _radius(reader: Reader, card: Keyword, place: _Place, numbers: list[float]) -> list[float]:

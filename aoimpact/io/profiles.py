@@ -88,9 +88,7 @@ def walls(of: Any, cell: Any = None) -> Profile:
     cell : (float, float array_like), optional
         Area within the middle line of a closed section, and b/t of the walls about it.
     """
-    table = np.array([one for one in of if one[4] > 0.0 and one[:2] != one[2:4]])
-    if not len(table):
-        raise InputError("it has no walls")
+    table = np.reshape([one for one in of if one[4] > 0.0 and one[:2] != one[2:4]], (-1, 5))
     start, end, t = table[:, :2], table[:, 2:4], table[:, 4]
     b = np.linalg.norm(end - start, axis=1)
     e = (end - start) / b[:, None]

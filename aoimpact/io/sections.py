@@ -153,8 +153,8 @@ class Source:
     def beam(self, of: Any, material: Any, z: Any, members: IntArray, axes: Any, to: Any) -> Beam:
         """Return the beam of a section whose z axis is along z; of a profile in principal axes.
 
-        `axes` has our y and z in rows in the axes of the profile's figure. `to` leads from each
-        element's nodes to the line that the figure has for these.
+        `axes` has our y and z in rows in the axes of the profile's figure. `to` leads from the
+        nodes of each element to the line that the figure has for these.
         """
         x, centre = self.directions(members), np.zeros(2)
         if isinstance(of, Profile):
@@ -171,7 +171,7 @@ class Source:
             of = BeamSection(of.area, Iy, Iz, of.J, (ky, kz), points)
         orientation = common(z, x)
         z = across(np.array(orientation), x)
-        places = np.einsum("ani,ni->na", [x, np.cross(z, x), z], to)
+        places = np.sum(np.array([x, np.cross(z, x), z]) * to, axis=-1).T
         if np.abs(places - [0.0, *places[0, 1:]]).max() > _SAME * np.abs(to).max():
             raise InputError("its elements are moved along themselves, or unlike each other")
         return Beam(of, material, orientation, (centre + places[0, 1:]).round(12).tolist())
@@ -245,8 +245,11 @@ def layered(
 def refusing(error: Callable[[str], MeshError]) -> Iterator[None]:
     """Say of bad values to which card they belong."""
     try:
-        yield
+        with np.errstate(divide="raise", invalid="raise"):
+            yield
     except MeshError:  # names its own card
         raise
-    except (InputTypeError, ValueError, ArithmeticError) as wrong:
+    except ArithmeticError:
+        raise error("its numbers are 0, or lie too far apart to compute with") from None
+    except (InputTypeError, ValueError) as wrong:
         raise error(str(wrong)) from None
