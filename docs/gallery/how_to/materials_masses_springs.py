@@ -73,9 +73,7 @@ hit = ao.simulate(
     velocity=1.0,
 )
 print(hit)
-fig, ax = plt.subplots()
-ax.set_axis_off()
-image = ax.imshow(hit.target.field().plot().screenshot())
+image = plt.figure(figsize=(9.6, 7.2)).figimage(hit.target.field().plot().screenshot())
 
 # %%
 # Hertz's law takes for E* what the deflection of an orthotropic half-space gives under a round contact. There is no

@@ -56,6 +56,4 @@ print(data.velocity.sel(body="plate").isel(time=[0, 100, 200]).values, data.velo
 #     hit.target.field(times).movie("plate.mp4", scale=500)
 #     hit.target.to_vtu("plate", times)
 
-fig, ax = plt.subplots()
-ax.set_axis_off()
-image = ax.imshow(hit.target.field().plot().screenshot())
+image = plt.figure(figsize=(9.6, 7.2)).figimage(hit.target.field().plot().screenshot())

@@ -68,7 +68,6 @@ peak = np.argmax(hit.force)
 sigma_z = axis.stress["zz"][peak] / p0
 von_mises = axis.stress.von_mises[peak] / p0
 deepest = np.argmax(von_mises)
-print(f"σ_zz at the surface {sigma_z[0]:.4f} p₀")
 print(f"von Mises at most {von_mises[deepest]:.3f} p₀, at a depth of {depth[deepest]:.2f} a")
 print(f"σ_zz off the half-space's by up to {np.abs(sigma_z + 1 / (1 + depth**2)).max():.4f} p₀")
 
@@ -93,14 +92,11 @@ field = hit.target.field()
 stress = field.stress()
 away = np.linalg.norm(plate.nodes - (0.05, 0.04, 0.006), axis=1) > 0.006  # not under the contact
 where = np.flatnonzero(away)[np.argmax(stress.von_mises[0, away])]
-print(f"largest, 6 mm and more from the contact: {stress.von_mises[0, where] / 1e6:.1f} MPa")
-print("at", np.round(1e3 * plate.nodes[where], 1), "mm; error of the field", field.error)
+print(f"6 mm and more from the contact: {stress.von_mises[0, where] / 1e6:.1f} MPa ± {field.error}")
 
 # %%
 
-fig, ax = plt.subplots()
-ax.set_axis_off()
-image = ax.imshow(field.plot().screenshot())
+image = plt.figure(figsize=(9.6, 7.2)).figimage(field.plot().screenshot())
 
 # %%
 # ``stress("gauss")`` gives the stress at the Gauss points instead of averages at the nodes. The two differ most where

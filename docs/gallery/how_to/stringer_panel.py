@@ -76,9 +76,7 @@ fibres = [np.nanmax(abs(field.stress(layer=(ply, "bottom"))["xx"])) for ply in r
 worst = max(range(16), key=fibres.__getitem__)
 angle = stack[worst].angle_deg
 print(f"largest stress along fibres: {fibres[worst] / 1e6:.0f} MPa in ply {worst}, {angle:g}°")
-fig, ax = plt.subplots()
-ax.set_axis_off()
-image = ax.imshow(field.plot().screenshot())
+image = plt.figure(figsize=(9.6, 7.2)).figimage(field.plot().screenshot())
 
 # %%
 # ``field.to_vtu("panel")`` writes it for ParaView, with the stress of both faces.
