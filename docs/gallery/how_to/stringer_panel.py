@@ -54,7 +54,6 @@ panel = ao.FEModel.from_mesh(
     fixed=[(lambda x: (x[:, 0] < 1e-9) | (x[:, 0] > length - 1e-9), "xyz", "xyz")],
     name="panel",
 )
-print(panel)
 print("frequencies:", panel.frequencies(4).round(), "Hz")
 
 # %%
