@@ -22,6 +22,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 from measuring import Line, best_times, print_table
+from scipy import LowLevelCallable
 
 import aoimpact as ao
 
@@ -77,9 +78,9 @@ def c_functions(folder: str) -> dict[str, Any] | None:
     loaded = ctypes.CDLL(str(built))
     functions = {}
     for name in ("force", "stiffness", "damped", "damped_stiffness", "damped_damping"):
-        functions[name] = getattr(loaded, name)
-        functions[name].argtypes = [ctypes.c_double] * 2
-        functions[name].restype = ctypes.c_double
+        function = getattr(loaded, name)
+        function.argtypes, function.restype = [ctypes.c_double] * 2, ctypes.c_double
+        functions[name] = LowLevelCallable(function)
     return functions
 
 

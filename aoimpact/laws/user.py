@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import ctypes
-import importlib
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
-from ..base import InputError, InputTypeError, boolean
+from scipy import LowLevelCallable
+
+from ..base import InputTypeError, boolean
 from .law import ContactLaw
 
 # The class of all functions of C libraries.
 _CTYPES_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 
-# No function lies below, on any system that a process can run on (Linux: vm.mmap_min_addr): such a
-# number is a stiffness that was meant for another law.
-_LOWEST = 65_536
-
-_SIGNATURE = "double f(double indentation, double rate)"
+_SIGNATURE = "double (double, double)"
 
 
 @dataclass(frozen=True)
@@ -27,18 +24,18 @@ class UserLaw(ContactLaw):
 
     All functions take indentation, m, which is positive, and rate, m/s, and return a number. They
     are either all Python functions, called one state at a time; or all C functions,
-    ``double f(double indentation, double rate)``, called at full speed without Python: a ctypes
-    function with its ``argtypes`` and ``restype``, a cffi function pointer, a numba ``cfunc``, or
-    the address as an int. The law holds on to the object; an address must stay valid.
+    ``double f(double indentation, double rate)``, called at full speed without Python. A C function
+    is a `scipy.LowLevelCallable`, made of a ctypes function with its ``argtypes`` and ``restype``,
+    of a cffi function pointer, or of ``cfunc.ctypes`` of numba.
 
     Parameters
     ----------
-    function : callable, C function or int
+    function : callable or scipy.LowLevelCallable
         Force, N. It should be continuous, smoother than the tolerance of the run, and 0 at
         indentation 0 unless a jump is meant. Where it is negative it is cut to 0, unless `pulls`.
-    stiffness, damping : callable, C function or int, optional
+    stiffness, damping : callable or scipy.LowLevelCallable, optional
         Its derivatives, N/m and N s/m; by differences if not given, to some eight digits.
-    energy : callable, C function or int, optional
+    energy : callable or scipy.LowLevelCallable, optional
         Elastic energy at an indentation (called with rate 0), J; by Gauss's rule of 16 points over
         the force at no rate if not given.
     depends_on_rate : bool, optional
@@ -78,12 +75,6 @@ class UserLaw(ContactLaw):
                 "function, stiffness, damping and energy must be all Python functions or all C ones"
             )
 
-    def __getstate__(self) -> dict[str, Any]:
-        state = {field.name: getattr(self, field.name) for field in fields(self)}
-        if any(type(value) is int for value in state.values()):
-            raise TypeError("a UserLaw by an address cannot be pickled: it is of this process only")
-        return state
-
     def _entries(self) -> tuple[Any, ...]:
         names = ("function", "stiffness", "damping", "energy")
         return tuple(_entry(name, getattr(self, name)) for name in names)
@@ -101,50 +92,18 @@ def _entry(name: str, function: Any) -> Callable[..., Any] | int | None:
     """Return a Python function as it is, and a C function as its address."""
     if function is None:
         return None
-    address = _address(name, function)
-    if address == 0:
-        raise InputError(f"{name} must not be a null pointer")
-    if address is not None:
-        return address
-    if not callable(function):
+    if isinstance(function, LowLevelCallable):
+        signature = function.signature
+        if signature.replace(" ", "") != _SIGNATURE.replace(" ", ""):
+            raise InputTypeError(f"{name} must be a C function {_SIGNATURE}, got {signature}")
+        capsule = tuple.__getitem__(function, 0)
+        pointer = ctypes.pythonapi.PyCapsule_GetPointer
+        pointer.argtypes, pointer.restype = [ctypes.py_object, ctypes.c_char_p], ctypes.c_void_p
+        return int(pointer(capsule, signature.encode()))
+    if isinstance(function, _CTYPES_FUNCTION) or not callable(function):
         raise InputTypeError(
-            f"{name} must be a Python function or a C function, {_SIGNATURE} (ctypes, cffi, numba "
-            f"cfunc, or its address), got {function!r}"
+            f"{name} must be a Python function, or a C function {_SIGNATURE} in a "
+            f"scipy.LowLevelCallable, got {function!r}"
         )
     python: Callable[..., Any] = function
     return python
-
-
-def _address(name: str, function: Any) -> int | None:
-    """Return the address of a C function of the right signature, None for anything else."""
-    if isinstance(function, bool):
-        return None
-    if isinstance(function, int):
-        if function and not _LOWEST <= function < 1 << 8 * ctypes.sizeof(ctypes.c_void_p):
-            raise InputError(f"{name} must be a function or its address, got {function}")
-        return function
-    if isinstance(function, _CTYPES_FUNCTION):
-        if list(function.argtypes or ()) != [ctypes.c_double] * 2 or (
-            function.restype is not ctypes.c_double
-        ):
-            raise InputTypeError(
-                f"{name} is a ctypes function that is not declared as {_SIGNATURE}: set its "
-                "argtypes = [c_double, c_double] and restype = c_double"
-            )
-        return ctypes.cast(function, ctypes.c_void_p).value or 0
-    if type(function).__module__ == "_cffi_backend":
-        return _cffi_address(name, function)
-    address = getattr(function, "address", None)  # numba's cfunc
-    if isinstance(address, int) and hasattr(function, "native_name"):
-        return address
-    return None
-
-
-def _cffi_address(name: str, function: Any) -> int:
-    # It is there, since the function comes from it.
-    ffi = importlib.import_module("_cffi_backend").FFI()
-    kind = ffi.typeof(function)
-    double = ffi.typeof("double")
-    if kind.kind != "function" or kind.result is not double or kind.args != (double, double):
-        raise InputTypeError(f"{name} is a cffi object that is no {_SIGNATURE}, but {kind.cname}")
-    return int(ffi.cast("uintptr_t", function))

@@ -128,7 +128,6 @@ for plate in (mounted, free):
 mesh = ao.box_mesh((0.02, 0.02, 0.04), (4, 4, 8), kind="hexahedron20")
 carriage = ao.RigidMass("zmax", 5.0, centre=(0.01, 0.01, 0.1), inertia=(4e-3, 4e-3, 2e-3))
 tup = ao.FEModel.from_mesh(mesh, steel, masses=[carriage], name="tup")
-print(tup)
 
 # %%
 # On a spring that is far softer than the nose, the contact lasts π √(m/k). (The nose is flat, so that the law has to be

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy import LowLevelCallable
 
 import aoimpact as ao
 
@@ -89,7 +90,8 @@ ax.legend()
 # A C function
 # ------------
 # A Python function is called at every evaluation of the force, which takes most of the time of a run. A C function
-# ``double f(double indentation, double rate)`` has no such cost: from ctypes, cffi or numba's ``cfunc``. Compiled here:
+# ``double f(double indentation, double rate)`` has no such cost. It is given as a `scipy.LowLevelCallable`, which takes
+# functions of ctypes and cffi, and numba's ``cfunc.ctypes``. Compiled here:
 
 folder = Path(tempfile.mkdtemp())
 (folder / "pad.c").write_text("""
@@ -102,7 +104,7 @@ subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", "pad.so", "pad.c"], cwd=f
 
 function = ctypes.CDLL(str(folder / "pad.so")).pad
 function.argtypes, function.restype = [ctypes.c_double, ctypes.c_double], ctypes.c_double
-compiled = ao.UserLaw(function)
+compiled = ao.UserLaw(LowLevelCallable(function))
 for law in (damped, compiled):
     hit = ao.simulate(projectile=hammer, target=anvil, law=law, velocity=0.5)
     print(f"{hit.peak_force:.6f} N, run {1e3 * hit.cost.run:.2f} ms")
