@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import itertools
 import math
+import os
+import re
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator
@@ -578,7 +581,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "SweepTable.to_csv": call(SWEEP.to_csv, path=None),
     "Comparison.to_csv": call(COMPARED.to_csv, path=None),
     "SceneFile": (ao.SceneFile, {name: getattr(FILE, name) for name in ("path", "data", "text")}),
-    "SceneFile.has_mesh": call(FILE.has_mesh, body="beam"),
     "SceneFile.probes": call(FILE.probes, result=HIT),
     "SceneFile.replaced": call(FILE.replaced, values={"velocity": 2.0}),
     "values of SceneFile.replaced": call(lambda **values: FILE.replaced(values), velocity=1.0),
@@ -781,6 +783,35 @@ def test_every_argument_takes_odd_values_or_names_them(
     assert not wrong, "\n".join(wrong)
 
 
+# How messages read. Elsewhere a refusal is its class and the name of the argument.
+WORDS = Path(__file__).with_name("refusals.txt")
+
+
+def refusals() -> str:
+    """A line for each argument: how a negative number is refused, or where it is none, a text."""
+    lines = []
+    for name, (function, given) in CALLS.items():
+        for argument, kind in itertools.product(given, ("minus one", "text", "object")):
+            if any(line.startswith(f"{name}: {argument}=") for line in lines):
+                continue
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", ao.AOImpactWarning)
+                try:
+                    function(**given | {argument: ODD[kind]})
+                except ao.AOImpactError as error:
+                    said = re.sub(r"/tmp/[^\s']+| at 0x\w+", "…", " ".join(str(error).split()))
+                    lines.append(f"{name}: {argument}={kind}: {type(error).__name__}: {said}")
+                except Exception:  # which the test above judges
+                    continue
+    return "\n".join([*lines, ""])
+
+
+def test_refusals_read_as_they_did(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read what changed, then `PYTHONPATH=tests python tests/package/test_odd_arguments.py`."""
+    monkeypatch.chdir(tmp_path)
+    assert refusals() == WORDS.read_text("utf-8")
+
+
 # Made by every run and by nobody else: to check what the package itself has made would cost a plain
 # impact a tenth of its time.
 ONLY_RETURNED = {"Audit", "Comparison", "DropWeight", "LawFit", "Point", "Result", "Run"}
@@ -797,3 +828,8 @@ def test_everything_public_is_tried_with_each_argument() -> None:
         if name not in ONLY_RETURNED and (left := given - tried.get(name, set()))
     }
     assert not untried, "add a call of it, with sound arguments, to CALLS of this file"
+
+
+if __name__ == "__main__":
+    os.chdir(tempfile.mkdtemp())
+    WORDS.write_text(refusals(), "utf-8")
