@@ -39,8 +39,7 @@ Errors
     AOImpactWarning
 
 On the command line: ``aoimpact run file.toml``, ``compare``, ``paper``; ``--help`` has more.
-Quantities of test rigs are in `aoimpact.testrig`. The documentation is a site: ``sphinx-build docs
-site``.
+Quantities of test rigs are in `ao.testrig`. ``sphinx-build docs site`` makes the documentation.
 """
 
 import sys as _sys

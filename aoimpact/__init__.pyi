@@ -1,3 +1,4 @@
+from . import testrig as testrig
 from .accuracy import AccelerationAt as AccelerationAt
 from .accuracy import ReactionAt as ReactionAt
 from .accuracy import StrainAt as StrainAt

@@ -1,10 +1,16 @@
-"""Quantities of test rigs: filtered signals, a load cell, drop-weight energies, shock spectra.
+"""Quantities of test rigs: filtered signals, hammer tests, drop-weight energies, shock spectra.
 
-Measured signals and simulated impacts are treated alike: each is first a `Signal`. Public under
-this name, ``from aoimpact import testrig``; it reads results, and nothing in the package uses it.
+Measured signals and simulated impacts are treated alike: each is first a `Signal`. Public as
+``ao.testrig``.
+
+>>> import aoimpact as ao
+>>> t = [0.0, 1e-3, 2e-3]
+>>> ao.testrig.Signal(t, [0.0, 400.0, 0.0])
+Signal(force, 3 samples at 1000 Hz, largest 400 N)
 """
 
 from .dropweight import DropWeight, Point, drop_weight
+from .hammer import MeasuredResponse, frf
 from .loadcell import LoadCell
 from .readsignal import read_signal
 from .shock import ShockSpectrum, shock_spectrum
@@ -13,10 +19,12 @@ from .signal import Signal
 __all__ = [
     "DropWeight",
     "LoadCell",
+    "MeasuredResponse",
     "Point",
     "ShockSpectrum",
     "Signal",
     "drop_weight",
+    "frf",
     "read_signal",
     "shock_spectrum",
 ]

@@ -25,19 +25,11 @@ from ..base import (
 )
 from ..results import Result
 from .readsignal import STANDARD_GRAVITY
-from .signal import UNFILTERED, Signal
+from .signal import RISEN, UNFILTERED, Signal, contacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-
-# A measured force has begun where it passes the second share of its peak, and begins where it was
-# last below the first: between them noise of the channel (.4 % of the peak, rms, is usual) passes
-# the first long before a touch, and does not pass the second.
-_BEGINS, _RISEN = 0.01, 0.1
-
-# Share of the peak force; no record of a contact should end with more.
-_STILL = 0.1
 
 # Share of the impact energy, larger than errors of a channel and less than a struck specimen takes.
 _TAKEN = 0.02
@@ -395,8 +387,8 @@ def _impactor(
 def _doubts(test: DropWeight, cfc: float | None) -> Iterator[str]:
     """Contradictions in a test, and their likely cause."""
     raw = test.signal.raw or test.signal
-    first, last = _span(raw.values, raw.values)
-    acts, largest = float(raw.t[last] - raw.t[first]), float(raw.values.max())
+    touched = contacts(raw.values)
+    acts, largest = float(raw.t[touched[-1][1]] - raw.t[touched[0][0]]), float(raw.values.max())
     if cfc is not None and 0.0 < acts < 0.5 / cfc:
         yield (
             f"the force lasts {with_unit(acts, 's')}, half a period of {0.5 / acts:.3g} Hz, "
@@ -406,7 +398,7 @@ def _doubts(test: DropWeight, cfc: float | None) -> Iterator[str]:
     if test.simulated:
         return
     taken, velocity = test.absorbed_energy, test.rebound_velocity
-    if raw.values[-1] > _STILL * largest:
+    if raw.values[-1] > RISEN * largest:
         yield (
             f"the record ends at a force of {with_unit(float(raw.values[-1]), 'N')}: rebound and "
             "absorbed energy are those so far"
@@ -454,28 +446,14 @@ def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, f
         )
     if signal.values.max() <= 0.0:
         raise InputError("cfc: this class leaves nothing of the force; take a higher one")
-    first, last = _span(force.values, signal.values)
-    end = float(force.t[last])
+    end = float(force.t[contacts(signal.values)[-1][1]])
     if begin is None:
-        begin = float(force.t[first])
+        begin = float(force.t[contacts(force.values)[0][0]])
     if not force.t[0] <= begin < end:
         raise InputError(
             f"start must lie in the record, from {force.t[0]:g} to {end:g} s, got {begin:g} s"
         )
     return begin, end
-
-
-def _span(rising: FloatArray, falling: FloatArray) -> tuple[int, int]:
-    """The samples between which a force acts, by what it rises and what it falls in."""
-    return _before_rise(rising), len(falling) - 1 - _before_rise(falling[::-1])
-
-
-def _before_rise(force: FloatArray) -> int:
-    """The last sample without force before it rises: what noise passes before that is no touch."""
-    peak = float(force.max())
-    risen = int(np.argmax(force > _RISEN * peak))
-    without = np.flatnonzero(force[:risen] <= _BEGINS * peak)
-    return int(without[-1]) if len(without) else 0
 
 
 def _motion(

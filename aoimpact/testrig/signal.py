@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 # Samples are evenly spaced if each is within this share of a step of where it should be.
-_UNEVEN = 0.05
+UNEVEN = 0.05
 
 # Samples of a simulated force: in its hardest contact.
 _PER_CONTACT = 500
@@ -46,6 +46,11 @@ _SAMPLES_OF_CLASS = 10
 
 # The class's frequency over the rate, below which two poles at 1 are all rounding.
 _SLOWEST = 1e-6
+
+# A measured contact begins where the force was last below the first share of its peak before it
+# passes the second, and ends where it is below the first again. Noise of the channel, usually 0.4 %
+# of the peak rms, passes the first now and then, but not the second.
+BEGINS, RISEN = 0.01, 0.1
 
 # Style of a signal behind its filtered self.
 UNFILTERED = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
@@ -178,7 +183,7 @@ class Signal(Frozen):
     def even(self) -> bool:
         """True if the samples are evenly spaced, to a twentieth of a step."""
         grid = np.linspace(self.t[0], self.t[-1], len(self.t))
-        return bool((np.abs(self.t - grid) * self.mean_rate <= _UNEVEN).all())
+        return bool((np.abs(self.t - grid) * self.mean_rate <= UNEVEN).all())
 
     @property
     def rate(self) -> float:
@@ -293,14 +298,16 @@ class Signal(Frozen):
 
 def _contact_force(run: Run, contact: int, rate: float | None, margin: float) -> Signal:
     """Return a contact's force, evenly sampled, with zeros before and after the record."""
-    events = run.events[integer("contact", contact, low=0, high=len(run.events) - 1)]
+    number = integer("contact", contact, low=0, high=len(run.events) - 1)
+    events = run.events[number]
     if margin > 0.0 and events.last_until(run.duration):
         raise InputError("margin: the record ends in contact; simulate it with a longer duration")
-    own, dense = Signal(run.t, run.forces[contact]), run.recorder.dense
-    if rate is None:
-        rate = _PER_CONTACT / _hardest(events, run.duration) if dense else own.mean_rate
+    if rate is None and run.recorder.dense:
+        rate = _PER_CONTACT / _hardest(events, run.duration)
+    elif rate is None:
+        rate = Signal(run.t, run.forces[number]).mean_rate
     times = _times(0.0, run.duration, rate)
-    force = run.at(times).forces[contact] if dense else np.interp(times, own.t, own.values)
+    force = force_at(run, number, times)
     if margin * rate > _MOST:
         raise InputError(
             f"margin = {with_unit(margin, 's')} is more than {_MOST} samples; take a shorter one"
@@ -309,6 +316,25 @@ def _contact_force(run: Run, contact: int, rate: float | None, margin: float) ->
     zeros = np.zeros(before)
     all_times = (np.arange(len(times) + 2 * before) - before) / rate
     return Signal(all_times, np.concatenate([zeros, force, zeros]))
+
+
+def force_at(run: Run, contact: int, times: FloatArray) -> FloatArray:
+    """Force of a contact at times within the record, N; straight between fixed steps."""
+    dense = run.recorder.dense
+    force: FloatArray = (
+        run.at(times).forces[contact] if dense else np.interp(times, run.t, run.forces[contact])
+    )
+    return force
+
+
+def contacts(force: FloatArray) -> list[tuple[int, int]]:
+    """First and last sample of each contact in a measured force that is positive somewhere."""
+    share = force / force.max()
+    telling = np.flatnonzero((share <= BEGINS) | (share > RISEN))
+    acts = np.concatenate([[False], share[telling] > RISEN, [False]])
+    at = np.concatenate([[0], telling, [len(force) - 1]])
+    turns = np.flatnonzero(np.diff(acts))
+    return list(zip(at[turns[::2]].tolist(), at[turns[1::2] + 1].tolist(), strict=True))
 
 
 def _hardest(events: Events, duration: float) -> float:

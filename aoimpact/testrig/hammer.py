@@ -1,0 +1,235 @@
+"""Frequency response functions from the signals of an impact hammer test.
+
+With F and A the Fourier transforms of force and acceleration, and sums over the hits, the
+accelerance is H1 = Σ F*A / Σ|F|² or H2 = Σ|A|² / Σ A*F, and the coherence is H1/H2 (ISO 7626-5;
+J. S. Bendat, A. G. Piersol, *Random Data*, chapters 6 and 9). A velocity gives A without a
+derivative:
+
+    A(ω) = ∫ v' e^{-iωt} dt = iω ∫ v e^{-iωt} dt + v(T) e^{-iωT}.
+
+The last term is that of a free body, which still moves when the record ends at T. Summed by parts,
+both terms are the transform of the differences of v.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray, Frozen, InputError, choice, warn, with_unit
+from ..fields import Probe
+from ..results import Run
+from .signal import RISEN, UNEVEN, Signal, contacts, force_at
+
+# Powers of iω that divide an accelerance.
+_KINDS = {"accelerance": 0, "mobility": 1, "receptance": 2}
+
+# A hammer excites frequencies up to where the spectrum of its force has fallen by 10 to 20 dB.
+_EXCITED = 0.1
+
+# Share of a resonance that comes from the second half of a record in which the vibration falls to a
+# half in each half: q (1 - q)/(1 - q²) with q = 1/2.
+_SECOND_HALF = 1.0 / 3.0
+
+# The confidence of the error by noise is 1 less this.
+_OUTSIDE = 0.05
+
+ComplexArray = npt.NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredResponse(Frozen):
+    """A frequency response function from measured or simulated hits; see `frf`.
+
+    Attributes
+    ----------
+    frequencies : ndarray, shape (n,)
+        Hz, multiples of one over the length of the record, up to half of the rate.
+    values : ndarray of complex, shape (n,)
+        Response over force, of the `kind`, for e^{iωt}.
+    error : ndarray, shape (n,)
+        Estimated error of the values, in their unit; infinite above a quarter of the rate.
+    coherence : ndarray, shape (n,)
+        1 where all hits give the same value, and so for a single hit.
+    force : ndarray, shape (n,)
+        Spectrum of the force, root mean square over the hits, N s. Where it is less than a tenth of
+        its maximum, the values are mostly noise.
+    kind : str
+        "accelerance" (m/(s² N)), "mobility" (m/(s N)) or "receptance" (m/N).
+    """
+
+    frequencies: FloatArray
+    values: ComplexArray
+    error: FloatArray
+    coherence: FloatArray
+    force: FloatArray
+    kind: str
+
+    def __repr__(self) -> str:
+        low, high = self.frequencies[[0, -1]]
+        return (
+            f"MeasuredResponse({self.kind}, {len(self.values)} frequencies from {low:.4g} to "
+            f"{high:.4g} Hz)"
+        )
+
+
+def frf(
+    force: Any, response: Any, *, kind: str = "accelerance", estimator: str = "H1"
+) -> MeasuredResponse:
+    """Return the frequency response function of an impact hammer test, measured or simulated.
+
+    Parameters
+    ----------
+    force : Signal, (t, values), Result or Run; or a list of them, one for each hit
+        The hammer's force, N. Of a result it is taken at the times of the response; of a scene it
+        is that of the first contact.
+    response : Signal or Probe; or a list of them, one for each hit
+        Velocity (unit "m/s") or acceleration (unit "m/s²") of the measured point, at rest before
+        the hit, at the same even times as the force. A probe along a direction gives its velocity.
+    kind : {"accelerance", "mobility", "receptance"}, optional
+        Acceleration, velocity or displacement over force.
+    estimator : {"H1", "H2"}, optional
+        H1 averages noise of the response, H2 noise of the force. For one hit both are A/F.
+
+    Returns
+    -------
+    MeasuredResponse
+        Its ``error`` is the sum of three parts: what the second half of the record adds, which is
+        more than the vibration after the record would if it falls to a half or less in that time;
+        the change from every second sample to all; and, of several hits, what their scatter leaves
+        unknown with 95 % confidence if the noise is that of the response.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If force and response are not sampled at the same even times, there are not as many of one
+        as of the other, or a record ends in contact.
+
+    Warns
+    -----
+    AOImpactWarning
+        If a hammer struck more than once, or the vibration lasts too long for the record.
+
+    Examples
+    --------
+    A free mass of 2 kg:
+
+    >>> import numpy as np
+    >>> t = np.arange(2000) / 20e3
+    >>> pulse = np.where(t < 1e-3, 100.0 * np.sin(np.pi * t / 1e-3) ** 2, 0.0)
+    >>> speed = np.cumsum(pulse) / 20e3 / 2.0
+    >>> found = frf((t, pulse), Signal(t, speed, unit="m/s", name="velocity"))
+    >>> round(float(np.abs(found.values[0])), 4)  # 1/kg
+    0.5
+    """
+    power = _KINDS[choice("kind", kind, tuple(_KINDS))]
+    choice("estimator", estimator, ("H1", "H2"))
+    loads, motions = _hits(force, response)
+    velocity = motions[0].unit == "m/s"
+    step, samples = 1.0 / motions[0].rate, len(motions[0].t)
+    struck, moved = (np.array([each.values for each in all_]) for all_ in (loads, motions))
+    count = samples + samples % 2  # even, so that every second sample has these frequencies, too
+    f = np.arange(1, count // 2 + 1) / (count * step)
+
+    loaded, answered = _spectra(struck, step, count), _spectra(moved, step, count, velocity)
+    values = _quotient(loaded, answered, estimator)
+    stopped = moved.copy()
+    stopped[:, samples // 2 :] = moved[:, [samples // 2]] if velocity else 0.0
+    shorter = _quotient(loaded, _spectra(stopped, step, count, velocity), estimator)
+    coarser = np.full_like(values, np.inf)
+    coarser[: count // 4] = _quotient(
+        _spectra(struck[:, ::2], 2.0 * step, count // 2),
+        _spectra(moved[:, ::2], 2.0 * step, count // 2, velocity),
+        estimator,
+    )
+    rest = np.abs(values - shorter)
+    error = rest + np.abs(values - coarser)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = _quotient(loaded, answered, "H1") / _quotient(loaded, answered, "H2")
+        coherence = np.minimum(np.abs(ratio), 1.0)
+        if len(loads) > 1:
+            # |error|² over (1/γ² - 1)|H|²/(n - 1) has the F distribution of 2 and 2(n - 1) degrees
+            # of freedom, whose quantile this is, over n - 1.
+            quantile = _OUTSIDE ** (-1.0 / (len(loads) - 1)) - 1.0
+            error += np.abs(values) * np.sqrt(quantile * (1.0 / coherence - 1.0))
+
+    strength = np.sqrt(np.mean(np.abs(loaded) ** 2, axis=0))
+    shown = np.where(strength > _EXCITED * strength.max(), np.abs(values), 0.0)
+    late = (shown > _EXCITED * shown.max()) & (rest > _SECOND_HALF * shown)
+    if late.any():
+        warn(
+            f"the record of {with_unit(samples * step, 's')} is too short: at {f[late][0]:.4g} Hz "
+            "the vibration does not halve in its second half. Record for longer"
+        )
+    scale = (2j * np.pi * f) ** power
+    return MeasuredResponse(f, values / scale, error / np.abs(scale), coherence, strength, kind)
+
+
+def _hits(force: Any, response: Any) -> tuple[list[Signal], list[Signal]]:
+    """Return the force and the motion of each hit, which have the same even times."""
+    forces, responses = (of if isinstance(of, list) else [of] for of in (force, response))
+    if len(forces) != len(responses) or not forces:
+        raise InputError(
+            "force and response must have one entry for each hit, got "
+            f"{len(forces)} and {len(responses)}"
+        )
+    loads: list[Signal] = []
+    motions: list[Signal] = []
+    for hit, (struck, moved) in enumerate(zip(forces, responses, strict=True)):
+        if isinstance(moved, Probe):
+            moved = Signal(moved.t, moved.velocity, unit="m/s", name="velocity")
+        motion = Signal.of(moved)
+        if motion.unit not in ("m/s", "m/s²"):
+            raise InputError(
+                f"response of hit {hit} must be in m/s or m/s², got {motion.unit}; give "
+                "Signal(t, values, unit='m/s')"
+            )
+        if isinstance(struck, Run):
+            struck = motion.t, force_at(struck, 0, motion.t)
+        load = Signal.of(struck)
+        # Hits may begin at any time; force and response of one hit begin together.
+        first = motions[0].t - motions[0].t[0] if motions else motion.t - motion.t[0]
+        for name, times in (("response", motion.t - motion.t[0]), ("force", load.t - motion.t[0])):
+            if len(times) != len(first) or np.abs(times - first).max() * motion.rate > UNEVEN:
+                raise InputError(f"{name} of hit {hit} must have the times of the other signals")
+        peak = float(load.values.max())
+        if peak <= 0.0:
+            raise InputError(f"force of hit {hit} is never positive; change its sign")
+        if load.values[-1] > RISEN * peak:
+            raise InputError(f"force of hit {hit}: the record ends in contact; give a longer one")
+        touched = contacts(load.values)
+        if len(touched) > 1:
+            warn(
+                f"hit {hit}: the hammer struck {len(touched)} times, last at "
+                f"{with_unit(float(load.t[touched[-1][0]]), 's')}. Its force has gaps in its "
+                "spectrum: strike again, with a lighter hammer or a softer tip"
+            )
+        loads.append(load)
+        motions.append(motion)
+    return loads, motions
+
+
+def _spectra(values: FloatArray, step: float, count: int, velocity: bool = False) -> ComplexArray:
+    """Fourier transforms of rows of samples at k/(count step), k from 1 to count/2.
+
+    Of velocities, with which a body goes on after the record, the transforms of the accelerations.
+    """
+    if not velocity:
+        return np.asarray(step * np.fft.rfft(values, count)[:, 1:], dtype=np.complex128)
+    turns = np.arange(1, count // 2 + 1) / count
+    steps = np.fft.rfft(np.diff(values), count)[:, 1:]
+    # Over sinc: iω times the sum of the samples, so that what sampling does to the force, it does
+    # to the response.
+    return np.asarray(np.exp(-1j * np.pi * turns) / np.sinc(turns) * steps, dtype=np.complex128)
+
+
+def _quotient(loaded: ComplexArray, moved: ComplexArray, estimator: str) -> ComplexArray:
+    """H1 or H2 of the spectra of hits, shape (hits, n)."""
+    both = np.sum(loaded.conj() * moved, axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if estimator == "H1":
+            return np.asarray(both / np.sum(np.abs(loaded) ** 2, axis=0), dtype=np.complex128)
+        return np.asarray(np.sum(np.abs(moved) ** 2, axis=0) / both.conj(), dtype=np.complex128)
