@@ -30,6 +30,7 @@ from ..fem import (
 )
 from ..laws import (
     ContactLaw,
+    HertzianLaw,
     RoundContact,
     own_law,
     round_contact,
@@ -177,6 +178,13 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
             if tip is not None and (number, tip) not in checked:
                 checked.add((number, tip))
                 _warn_of_direction(tip, names[number])
+                law = own_law(contact.law)
+                if tip.body.mesh is None and isinstance(law, HertzianLaw):
+                    warn(
+                        f"{names[number]}: {type(law).__name__}'s law contains the indentation of "
+                        "a half-space, and so do K and M of solid elements: the force may be far "
+                        "too small. Give their mesh, body.with_mesh(...)"
+                    )
         first, second = tips
         if first is not None and second is not None:
             _warn_of_side(first, second, [names[number] for number, _ in contact.ports])

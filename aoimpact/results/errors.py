@@ -59,7 +59,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class ErrorParts:
-    """Relative error of one number or history by its sources; None where a source is not known.
+    """Relative error of one number or history by its sources; None where one is not known.
 
     A history is compared with its largest value. A rebound velocity below a tenth of the initial
     velocity is compared with that tenth, and a restitution below 0.1 with 0.1.
@@ -91,26 +91,46 @@ class ErrorParts:
     time: float | None = None
 
     @property
-    def total(self) -> float | None:
-        """Sum of the parts that are known; None where that of the model is not.
+    def total(self) -> float:
+        """Sum of the parts; NaN where one of them is not known, `least` being the others' sum.
 
-        NaN for a number that does not exist, such as the restitution of bodies that have not
+        NaN also for a number that does not exist, such as the restitution of bodies that have not
         parted.
         """
-        if self.model is None:
-            return None
-        return sum(part or 0.0 for part in (self.mesh, self.contact, self.model, self.time))
+        return math.nan if self.unknown else self.least
+
+    @property
+    def least(self) -> float:
+        """Sum of the parts that are known."""
+        return sum(getattr(self, one.name) or 0.0 for one in fields(self))
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Names of the parts that are not known."""
+        return tuple(one.name for one in fields(self) if getattr(self, one.name) is None)
 
     def listed(self) -> str:
         """Return the parts in percent, in words.
 
         :meta private:
         """
-        return ", ".join(f"{one.name} {percent(getattr(self, one.name))}" for one in fields(self))
+        *others, last = self.unknown or ("",)
+        missing = f"{', '.join(others)}{' and ' if others else ''}{last} not known"
+        known = [one.name for one in fields(self) if one.name not in self.unknown]
+        parts = [f"{name} {percent(getattr(self, name))}" for name in known]
+        return ", ".join([missing, *parts] if last else parts)
+
+    def bound(self) -> str:
+        """Return the error in percent, in words; its least value where a part is not known.
+
+        :meta private:
+        """
+        least = percent(self.least)
+        at_least = "at least " if self.unknown and least[0].isdigit() else ""
+        return f"{at_least}{least}{' %' if least[0].isdigit() else ''}"
 
     def __str__(self) -> str:
-        total = percent(self.total)
-        return f"{total}{' %' if total[0].isdigit() else ''} ({self.listed()})"
+        return f"{self.bound()} ({self.listed()})"
 
 
 @dataclass(frozen=True, repr=False)
@@ -186,8 +206,13 @@ class ErrorEstimate:
         return self._of_interest.time
 
     @property
-    def total(self) -> float | None:
+    def least(self) -> float:
         """Sum of the parts that are known; see `ErrorParts`."""
+        return self._of_interest.least
+
+    @property
+    def total(self) -> float:
+        """Sum of the parts, NaN where one is not known; see `ErrorParts`."""
         return self._of_interest.total
 
     def __repr__(self) -> str:

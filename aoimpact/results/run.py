@@ -567,9 +567,14 @@ class Run:
         if self.chosen is not None:
             quantity, rtol, models = self.chosen.quantity, self.chosen.rtol, self.chosen.numbers
         out = self._left_out
+        numeric = not any(body.contact_points for body in self.plan.bodies)
+        absent = 0.0 if numeric and self.chosen is not None else None  # there are no meshes
         parts = {
             name: ErrorParts(
-                out.mesh.get(name), out.contact.get(name), models.get(name), self.time_error
+                out.mesh.get(name, absent),
+                out.contact.get(name, absent),
+                models.get(name),
+                self.time_error,
             )
             for name in {**names, **models}
         }

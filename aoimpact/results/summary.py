@@ -89,7 +89,7 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
         peak += f" at {with_unit(events.peak_time, 's')}"
         peak += within(error[f"contacts.{i}.peak_time"])
         count = len(events.contacts)
-        uncertain = error[f"contacts.{i}.intervals"].total == math.inf
+        uncertain = error[f"contacts.{i}.intervals"].least == math.inf
         times = f"{count} contact{'s' if count > 1 else ''}"
         times += " (the count is uncertain)" if uncertain else ""
         if (sliding := f"contacts.{i}.peak_friction_force") in run.numbers:
@@ -207,7 +207,7 @@ def _rebound(result: Result, name: str) -> str:
     interest, value, error = QUANTITIES[name], result.value(name), result.error[name]
     if math.isnan(value):
         return "none" if result.in_contact_at_end or not result.contacts else "not known"
-    absolute = _absolute(result, interest, value, error.total)
+    absolute = _absolute(result, interest, value, error)
     oblique = result.plan.oblique
     along = (
         "" if name != "rebound_velocity" or oblique is None else f" along {plain(oblique.axes[0])}"
@@ -230,7 +230,7 @@ def _contact(result: Result) -> str:
     error = result.error
     text = f"{with_unit(result.contact_duration, 's')}{within(error['contact_duration'])}"
     text += f" from {with_unit(start, 's')}"
-    uncertain = error["contacts"].total == math.inf
+    uncertain = error["contacts"].least == math.inf
     if len(result.contacts) > 1 or uncertain:
         text += f", the first of {len(result.contacts)}{' (uncertain)' if uncertain else ''}"
     if result.in_contact_at_end:
@@ -245,12 +245,9 @@ def error_row(run: Run) -> tuple[str, str]:
     """
     error = run.error
     parts = error[error.quantity or "force"]
-    listed = parts.listed()
-    if parts.mesh is None and not any(body.contact_points for body in run.plan.bodies):
-        listed = listed[listed.index("model") :]  # there are no meshes
-    if error.quantity is None and parts.mesh is None:
-        return "error of the peak", f"{listed} %"
-    text = f"{_interest(run, parts)} ({listed})"
+    if parts.model is None and not any(body.contact_points for body in run.plan.bodies):
+        return "error of the peak", f"time {percent(parts.time)} %"
+    text = f"{_interest(run, parts)} ({parts.listed()})"
     if error.quantity is None:
         return "error", text
     aim = f"{100.0 * (error.rtol or 0.0):.2g} %"
@@ -260,24 +257,26 @@ def error_row(run: Run) -> tuple[str, str]:
 
 
 def within(error: ErrorParts, *, listed: bool = False) -> str:
-    """Return a number's error in words, with its parts if `listed`; empty where not known."""
-    total = error.total
-    if total is None:
-        return f" (error: {error.listed()} %)" if listed and error.mesh is not None else ""
-    if math.isnan(total) or total < ROUNDING:
+    """Return a number's error in words, with its parts if `listed`; empty where none is known.
+
+    Time alone is not said: bodies given by numbers have no other error.
+    """
+    if error.mesh is error.contact is error.model is None:
         return ""
-    if math.isinf(total):
-        return " (error not bounded: by what mesh and contact leave out it outgrows its law)"
-    return f" ± {error if listed else percent(total) + ' %'}"
+    if math.isnan(error.least) or error.least < ROUNDING:
+        return ""
+    if math.isinf(error.least):
+        return " (error not bounded: refine the mesh at the contact, or give radius=)"
+    return f" ± {error if listed else error.bound()}"
 
 
 def _interest(run: Run, parts: ErrorParts) -> str:
     """The quantity of interest, its value and all of its error."""
     name = run.error.quantity or "force"
     words, interest = name.replace("_", " "), QUANTITIES.get(name)
-    total, bound, scale = parts.total, "", ""
-    if total is not None:
-        bound = f" ± {percent(total)} %" if math.isfinite(total) else " not bounded"
+    bound, scale = " not bounded", ""
+    if math.isfinite(parts.least):
+        bound = f" ± {parts.bound()}"
     if interest is None or interest.is_history:
         largest = f", {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
         scale = f" of its largest value{largest}" if "±" in bound else ""
@@ -288,7 +287,7 @@ def _interest(run: Run, parts: ErrorParts) -> str:
         bound = f", {'certain' if sure else 'uncertain'}"
     if len(values) == 1:
         [value] = values.values()
-        absolute = _absolute(run, interest, value, total)
+        absolute = _absolute(run, interest, value, parts)
         return f"{words} {_number(interest, value)}{absolute or bound}"
     called = run.contact_names if interest.each == "contacts" else run.names
     each = [
@@ -309,12 +308,13 @@ def _number(interest: Quantity, value: float) -> str:
     return with_unit(value, interest.unit, 5)
 
 
-def _absolute(run: Run, interest: Quantity, value: float, error: float | None) -> str:
+def _absolute(run: Run, interest: Quantity, value: float, error: ErrorParts) -> str:
     """The error in the number's own unit, if the number is below what errors are relative to."""
     least = 0.0 if interest.least is None else interest.least(np.array(run.plan.velocities))
-    if error is None or not math.isfinite(error) or not abs(value) < least:
+    if not within(error) or math.isinf(error.least) or not abs(value) < least:
         return ""
-    return f" ± {error * least:.2g} {interest.unit}".rstrip()
+    at_least = "at least " if error.unknown else ""
+    return f" ± {at_least}{error.least * least:.2g} {interest.unit}".rstrip()
 
 
 def _when(run: Run) -> str:

@@ -414,6 +414,7 @@ def test_a_point_of_a_model_that_is_both_bodies_is_refused_and_a_copy_tells_them
         scene.simulate(duration=1e-4, quantity=point)
 
 
+@pytest.mark.filterwarnings("ignore:.*with_mesh")
 def test_a_contact_without_stiffness_has_no_time_of_its_own():
     """A loose mass beside a spring: two masses on Hertz's law, whose peak force is known."""
     spring = np.array([[2.0, -2.0], [-2.0, 2.0]])

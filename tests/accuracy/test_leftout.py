@@ -6,6 +6,7 @@ import math
 import pickle
 import re
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -58,7 +59,7 @@ def test_what_a_model_given_by_numbers_leaves_out_is_not_known() -> None:
     hit = ao.simulate(projectile=BALL, target=star, law=law, velocity=1.0, duration=1e-3)
     assert hit.error.mesh is None
     assert hit.error.contact is None
-    assert hit.error.total is None
+    assert math.isnan(hit.error.total)
 
 
 @pytest.mark.slow
@@ -195,3 +196,32 @@ def test_a_contact_over_an_edge_has_a_large_error() -> None:
         for x in (0.0004, 0.001)
     ]
     assert errors[0] > 0.02 > 4.0 * errors[1]
+
+
+def test_what_a_body_without_a_mesh_leaves_out_stays_in_its_error(tmp_path: Path) -> None:
+    """An unknown part of an error makes the sum unknown wherever it is printed or kept."""
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    mesh = ao.box_mesh((0.05, 0.04, 0.01), (4, 4, 1), kind="hexahedron20")
+    block = ao.FEModel.from_mesh(mesh, steel, fixed=[("xmin", "xyz")])
+    bare = ao.FEModel(K=block.K, M=block.M)
+    node = int(np.argmin(np.linalg.norm(block.nodes - (0.025, 0.02, 0.01), axis=1)))
+    tip = bare.contact(dof=int(np.flatnonzero(block.free == 3 * node + 2)[0]))
+    case = {"projectile": BALL, "target": tip, "velocity": 1.0}
+    hertz = ao.Hertz.between(steel, 0.01, steel, math.inf)
+    with pytest.warns(ao.AOImpactWarning, match="with_mesh"):
+        hit = ao.simulate(**case, law=hertz)
+    for error in (hit.error, hit.error["peak_force"], hit.error["impulse"]):
+        assert error.mesh is error.contact is None
+        assert math.isnan(error.total)
+    peak = hit.error["peak_force"]
+    assert peak.unknown == ("mesh", "contact")
+    assert peak.least == peak.model + peak.time
+    printed = [line for line in repr(hit).splitlines() if "±" in line]
+    assert len(printed) >= 5
+    assert all(line.count("±") == line.count("± at least") for line in printed)
+    assert "(mesh and contact not known, " in printed[0]
+    # A spring leaves out the half-space: the node's own indentation is in K and M as it is meant.
+    table = ao.sweep(case | {"law": ao.Linear(k=1e7)}, {"velocity": [1.0]}, keep="peak_force")
+    assert math.isnan(table["peak_force_error"][0])
+    table.to_csv(tmp_path / "sweep.csv")
+    assert "nan" in (tmp_path / "sweep.csv").read_text()

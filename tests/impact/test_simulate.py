@@ -91,6 +91,7 @@ def test_without_energies_the_rest_is_the_same():
         _ = without.energy
 
 
+@pytest.mark.filterwarnings("ignore:.*with_mesh")
 def test_a_star_of_a_body_hit_off_its_centre_keeps_all_its_mass_and_energy():
     """A bar of two balls, hit at one of them: the other does not feel it at first."""
     nodes = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-3, 0.0], [0.5, 0.0, 1e-3]])

@@ -46,6 +46,7 @@ def run(folder: Path, lines: Iterator[str]) -> Path:
     return file
 
 
+@pytest.mark.filterwarnings("ignore:.*with_mesh")
 @pytest.mark.parametrize("held", [True, False])
 def test_calculix_s_matrices_are_ours(held: bool, tmp_path: Path) -> None:
     fixed = np.flatnonzero(MESH.nodes[:, 0] == 0.0) if held else np.zeros(0, int)

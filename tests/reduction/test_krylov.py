@@ -192,6 +192,7 @@ def test_what_is_seen_of_a_model_is_the_model(block):
     assert star.origin.vectors is None is seen.multiplied_out().origin.vectors
 
 
+@pytest.mark.filterwarnings("ignore:.*with_mesh")
 def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits():
     """A wave runs up a rod for a tenth of the time that it takes to the other end."""
     K, M = rod(800, fixed=[0])
