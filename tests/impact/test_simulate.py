@@ -174,10 +174,6 @@ def test_results_travel_between_processes():
         ({"velocity": 1e-200}, r"^velocity"),
         ({"duration": 1e-300}, r"^duration"),
         ({"duration": 1e6}, "GiB"),
-        ({"law": 1e10}, r"^law"),
-        ({"solver": 1e-6}, r"^solver"),
-        ({"projectile": 0.0327}, r"^projectile"),
-        ({"target": None}, r"^target"),
         (
             {"projectile": ao.rigid(mass=math.inf), "target": ao.rigid(mass=math.inf)},
             r"^projectile",

@@ -122,7 +122,6 @@ def test_an_angle_of_any_size_is_that_of_its_sine_and_cosine():
         ((0.01, math.inf), math.inf, r"^radius_1"),
         ((0.01, -0.01), math.inf, r"^radius_1"),
         ((0.01, 0.0), math.inf, r"^radius_1\[1\]"),
-        ((0.01,), math.inf, r"^radius_1"),
     ],
 )
 def test_surfaces_that_do_not_touch_in_a_point(radius_1, radius_2, message):

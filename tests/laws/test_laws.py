@@ -196,7 +196,6 @@ def test_published_hysteresis_factors(formula, product):
     ("make", "message"),
     [
         (lambda: ao.PowerLaw(k=1.0, n=0.5), r"^n"),
-        (lambda: ao.KelvinVoigt(1.0, 1.0, end="soon"), r"^end"),
     ],
 )
 def test_bad_input_is_named(make, message):

@@ -175,9 +175,6 @@ def test_zeros_stored_on_one_side_are_no_asymmetry() -> None:
         (np.eye(2), np.diag([1.0, 1e-70]), r"M\[1, 1\] = 1e-70 kg is too little"),
         (np.eye(2), np.diag([1e-15, 1e15]), r"^M"),
         (np.ones((2, 2)), np.ones((2, 2)) * (1.0 - 1e-15), "neither mass nor stiffness"),
-        ([[1.0], [1.0, 2.0]], np.eye(2), r"^K"),
-        (None, np.eye(2), r"^K"),
-        (np.eye(2), 3.5, r"^M"),
     ],
 )
 def test_numbers_out_of_reach_are_refused(K: Any, M: Any, words: str) -> None:

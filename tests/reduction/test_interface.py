@@ -127,13 +127,8 @@ def test_ports_that_excite_few_modes():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"tips": []}, r"^tips"),
-        ({"tips": None}, r"^tips"),
-        ({"tips": "tips"}, r"^tips"),
-        ({"tips": [1.0]}, r"^tips"),
         ({"n": 7}, r"^n"),
         ({"n": 10**6}, r"^n"),
-        ({"n": 9.0}, r"^n"),
     ],
 )
 def test_bad_arguments_are_named(free, change, message):

@@ -275,9 +275,6 @@ def test_no_oscillator_leaves_the_static_mass_on_the_static_spring():
     ("arguments", "message"),
     [
         ({"n": 11}, r"^n"),
-        ({"n": 2.0}, r"^n"),
-        ({"n": 1, "method": "egien"}, r"^method"),
-        ({"n": 1, "order": "size"}, r"^order"),
     ],
 )
 def test_bad_arguments_are_named(arguments, message):

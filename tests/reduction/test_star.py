@@ -154,9 +154,7 @@ def test_any_layout_of_numbers_means_the_same(values):
     [
         ({"m": [0.5, 0.0, 0.02]}, r"^m"),
         ({"k": [2e4, -5.0, 1e3]}, r"^k"),
-        ({"k": [2e4, math.nan, 1e3]}, r"^k"),
         ({"k": [2e4, 5e5]}, r"^m"),
-        ({"m0": math.inf}, r"^m0"),
         ({"m0": 0.0, "m": [], "k": []}, r"^m0"),
     ],
 )
