@@ -74,4 +74,4 @@ from .thinstress import (
     checked_layer,
     corner_stress,
 )
-from .touch import edge_length, to_nodes
+from .touch import edge_length, motion_between, to_nodes

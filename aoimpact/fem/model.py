@@ -640,9 +640,9 @@ class FEModel(Frozen):
             Of the patch that carries the contact under Hertz's pressure, m. It hardly matters
             between 1.2 times that of the contact and half the thickness of the body, since the
             compliance of the mesh under it is taken out of the law. "auto" takes 1.4 times the
-            `expected` contact radius, or the edge of an element; `simulate` takes 1.4 times that of
-            the impact. 0 is a single node, as good on coarse meshes. Bodies without a mesh have no
-            patch.
+            `expected` contact radius, or the edge of an element, but at most a quarter of the
+            thickness; `simulate` takes 1.4 times that of the impact. 0 is a single node, as good on
+            coarse meshes. Bodies without a mesh have no patch.
         expected : float, optional
             For "auto": the largest radius of the contact itself, m; √(Rδ) for Hertz's law.
 

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 import scipy
 
-from ..base import FloatArray, IntArray, RoomError, checked, integer, positive
+from ..base import FloatArray, RoomError, checked, integer, positive
 from ..mesh import Place, Surface, plane_of
 
 # Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
@@ -67,13 +67,16 @@ class Spread:
         Their sum is 1, and their centre lies on the normal through the point.
     normal : ndarray, shape (3,)
         Outward; the mean over the patch.
-    faces : ndarray of int
-        The faces of the surface that it touches.
+    under : Place
+        The places of the quadrature on the surface.
+    share : ndarray, shape (n,)
+        Their shares of the force.
     """
 
     weights: FloatArray
     normal: FloatArray
-    faces: IntArray
+    under: Place
+    share: FloatArray
 
 
 def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: float) -> Spread:
@@ -117,7 +120,7 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
     weights = np.zeros(surface.mesh.n_nodes)
     cells = surface.mesh.cells[surface.cell[under.face]]
     np.add.at(weights, cells, share[:, None] * surface.shape(under.face, under.uv))
-    return Spread(weights, normal, np.unique(under.face))
+    return Spread(weights, normal, under, share)
 
 
 def _disc_rule(radius: float) -> tuple[FloatArray, FloatArray]:

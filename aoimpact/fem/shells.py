@@ -197,6 +197,39 @@ def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatAr
     return [part.reshape(*cells.shape, 3) for part, cells in zip(parts, groups, strict=True)]
 
 
+def linked(corners: FloatArray, normals: FloatArray, shape: FloatArray) -> FloatArray:
+    """Return how rotations of an element's nodes move places in it, by its deflection in bending.
+
+    An edge e whose ends turn by θ bulges by (θ_i·(e × n_i) - θ_j·(e × n_j)) λ(1 - λ)/2, a parabola,
+    along the normal that is interpolated between the n (linked interpolation: O. C. Zienkiewicz et
+    al., Int. J. Num. Meth. Eng. 36, 3043, 1993). A place's displacement is then right to the fourth
+    order for bending waves, and that by the shape functions alone to the second. With the facet's
+    normal in place of the n_i, couples would have a part about these, which only the weak drilling
+    stiffness resists.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (3 or 4, 3)
+        m.
+    normals : ndarray, shape (3 or 4, 3)
+        Unit normals of the surface at the nodes, from `nodal_normals`.
+    shape : ndarray, shape (p, 3 or 4)
+        Shape functions at the places.
+
+    Returns
+    -------
+    ndarray, shape (p, 3, 3 or 4, 3)
+        m, displacements of the places by the rotations of the nodes.
+    """
+    after = np.roll(shape, -1, axis=1)
+    # λ(1 - λ) times what falls off to the other side, which is 1 on this one.
+    beside = shape + after if len(corners) == 4 else np.ones_like(shape)
+    bulge = 0.5 * shape * after / np.where(beside > 0.0, beside, 1.0)
+    edge = bulge[..., None] * (np.roll(corners, -1, axis=0) - corners)
+    arms = np.cross(edge - np.roll(edge, 1, axis=1), normals)
+    return _unit(shape @ normals)[:, :, None, None] * arms[:, None]
+
+
 def strain_rows(
     corners: FloatArray,
     layers: Layers,

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, RoomError, plain, warn
-from ..mesh import Place, Surface, nearest_line
-from .beams import Beam
+from ..base import FloatArray, InputError, IntArray, RoomError, plain, warn
+from ..mesh import Mesh, Place, Surface, nearest_line
+from .beams import Beam, beam_motion
 from .composition import AnyMaterial, Materials, OneMaterial
 from .laminate import Layers
 from .material import Material
 from .patch import Patch, spread
+from .shells import linked, nodal_normals
 
 # A point this far off the surface, as a fraction of the size of the face there, still means the
 # surface: linear elements cut the corners of a round body by about so much. Beyond the smaller
@@ -45,7 +46,7 @@ class Touch:
         Outward; None on a sharp edge.
     patch : Patch or None
     couples : ndarray, shape (n_nodes, 3), or None
-        On the nodes of a shell about a point between them, m.
+        On the nodes of shells, about places between them, m.
     """
 
     point: FloatArray
@@ -79,7 +80,7 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
         np.add.at(weights, cell, surface.shape(here.face[:1], here.uv[:1])[0])
         direction = _pressing(surface, here, normal, along)
         facing = None if normal is None else sign * normal
-        couples = _couples(surface, here, direction)
+        couples = _couples(surface, here.face[:1], here.uv[:1], np.ones(1), direction)
         return Touch(here.x[0], direction, weights, facing, couples=couples)
     if normal is None:
         raise _on_edge(point, "a point farther from the edge, or radius=0 for the edge itself")
@@ -90,34 +91,84 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
         )
     on = spread(surface, here.x[0], normal, radius)
     direction = _facing(point, along, on.normal)
-    return Touch(here.x[0], direction, on.weights, sign * on.normal, Patch(radius, len(on.faces)))
+    patch = Patch(radius, len(np.unique(on.under.face)))
+    couples = _couples(surface, on.under.face, on.under.uv, on.share, direction)
+    return Touch(here.x[0], direction, on.weights, sign * on.normal, patch, couples)
 
 
-def _couples(surface: Surface, here: Place, direction: FloatArray) -> FloatArray | None:
-    """Return the nodal loads of a force within a shell element, by its deflection in bending.
+def _couples(
+    surface: Surface, face: IntArray, uv: FloatArray, share: FloatArray, direction: FloatArray
+) -> FloatArray | None:
+    """Return the couples of a force that acts with shares of it at places of shell elements.
 
-    An edge e whose ends turn by θ bulges along the normal n by (θ_i - θ_j)·(e × n) λ(1 - λ)/2, as a
-    parabola does (linked interpolation: O. C. Zienkiewicz et al., Int. J. Num. Meth. Eng. 36, 3043,
-    1993). A point's displacement is then right to the fourth order for bending waves, and that by
-    the shape functions alone to the second.
+    They do the force's work on the deflection between the nodes, see `linked`. None of a solid.
     """
-    if not surface.thin(here.face)[0]:
+    faces = np.unique(face)
+    faces = faces[surface.thin(faces)]
+    if not len(faces):
         return None
-    block = surface.mesh.blocks[surface.block(here.face)[0]]
-    cell = block.cells[int(surface.cell[here.face[0]]) - block.first]
-    corners = surface.mesh.nodes[cell]
-    shape = surface.shape(here.face, here.uv)[0, : len(cell)]
-    normal = surface.normal(here.face, here.uv)[0]
-    couples = np.zeros((surface.mesh.n_nodes, 3))
-    for i in range(len(cell)):
-        j = (i + 1) % len(cell)
-        # λ(1 - λ) times what falls off to the other side, which is 1 on this one.
-        beside = shape[i] + shape[j] if len(cell) == 4 else 1.0
-        bulge = shape[i] * shape[j] / beside if beside > 0.0 else 0.0
-        arm = 0.5 * bulge * float(direction @ normal) * np.cross(corners[j] - corners[i], normal)
-        couples[cell[i]] += arm
-        couples[cell[j]] -= arm
+    couples, cells = np.zeros((surface.mesh.n_nodes, 3)), surface.cell[faces]
+    normals = surface_normals(surface.mesh, cells)
+    for one, nodes, normal in zip(faces, surface.mesh.cells[cells], normals, strict=True):
+        on, count = face == one, np.count_nonzero(normal.any(axis=1))
+        nodes, normal = nodes[:count], normal[:count]
+        shape = surface.shape(face[on], uv[on])[:, :count]
+        motion = linked(surface.mesh.nodes[nodes], normal, shape)
+        couples[nodes] += np.einsum("p,i,pinj->nj", share[on], direction, motion)
     return couples
+
+
+def surface_normals(mesh: Mesh, numbers: IntArray) -> FloatArray:
+    """Return the surface's unit normals at the corners of shell elements, shape (n, 4, 3).
+
+    A triangle's fourth is zero.
+    """
+    nodes = mesh.cells[numbers]
+    blocks = [block for block in mesh.blocks if block.kind in ("quad", "triangle")]
+    near = [np.flatnonzero(np.isin(block.cells, nodes).any(axis=1)) for block in blocks]
+    cells = [block.cells[rows] for block, rows in zip(blocks, near, strict=True)]
+    found = np.zeros((mesh.n_cells, 4, 3))
+    for block, rows, normal in zip(blocks, near, nodal_normals(mesh.nodes, cells), strict=True):
+        found[block.first + rows, : normal.shape[1]] = normal
+    return found[numbers]
+
+
+def motion_between(
+    body: Any, nodes: IntArray, weights: FloatArray
+) -> tuple[IntArray, FloatArray] | None:
+    """Return how a place of a shell or beam moves with the nodes of its element.
+
+    Parameters
+    ----------
+    body : FEModel
+    nodes, weights : ndarray, shape (k,)
+        Of the place, by the shape functions of its element; two or more nodes.
+
+    Returns
+    -------
+    nodes : ndarray of int, shape (n,)
+    motion : ndarray, shape (3, n, 2, 3)
+        The displacement by the displacements, and then by the rotations, of each node.
+    None
+        Of a place in a solid.
+    """
+    mesh = body.mesh
+    thin = [block for block in mesh.blocks if block.element.thin]
+    for block in sorted(thin, key=lambda block: block.kind == "line"):  # after the shells
+        held = np.isin(block.cells, nodes).sum(axis=1) == len(nodes)
+        if not held.any():
+            continue
+        number = block.first + int(held.argmax())
+        cell = block.cells[number - block.first]
+        corners, shape = mesh.nodes[cell], (cell[:, None] == nodes) @ weights
+        if block.kind == "line":
+            of = _of_cell(body.material, number)
+            assert isinstance(of, Beam)
+            return cell, beam_motion(corners[None], of, float(shape[1]))
+        normals = surface_normals(mesh, np.array([number]))[0, : len(cell)]
+        by_shift = np.eye(3)[:, None] * shape[:, None]
+        return cell, np.stack([by_shift, linked(corners, normals, shape[None])[0]], axis=2)
+    return None
 
 
 def material_at(

@@ -20,6 +20,7 @@ from ..fem import (
     VirtualMotion,
     body_stress_rows,
     compliances,
+    motion_between,
     selected_nodes,
     to_nodes,
 )
@@ -148,9 +149,20 @@ def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.cs
     """Return the motion along axes (k, 3) at places with the nodes' weights, (p k, n_dofs)."""
     assert body.free is not None
     rows = sp.csr_array(sp.kron(weights, axes))
-    if body.mesh is not None and body.mesh.thin:  # rotations move no node
-        rows.resize((rows.shape[0], 2 * rows.shape[1]))
-    return rows[:, body.free]
+    if body.mesh is None or not body.mesh.thin:
+        return rows[:, body.free]
+    n, own = rows.shape[1], np.arange(len(axes))
+    rows.resize((rows.shape[0], 2 * n))  # rotations move no node, but places between nodes
+    rows = rows.tolil()
+    for place in np.flatnonzero(np.diff(weights.indptr) > 1):
+        held = slice(*weights.indptr[place : place + 2])
+        known = motion_between(body, weights.indices[held], weights.data[held])
+        if known is not None:
+            nodes, motion = known
+            dofs = 3 * nodes[:, None, None] + np.array([[0], [n]]) + np.arange(3)
+            at = np.ix_(place * len(axes) + own, dofs.ravel())
+            rows[at] = np.tensordot(axes, motion, 1).reshape(len(axes), -1)
+    return rows.tocsr()[:, body.free]
 
 
 class _At(NamedTuple):

@@ -69,7 +69,8 @@ class ErrorParts:
     mesh : float or None
         From finite elements that are too stiff, at the contacts and in the whole bodies.
     contact : float or None
-        From a contact that changes its width, and from curvatures that are not exact.
+        From a contact that changes its width, from curvatures that are not exact, and from how
+        little the section of a beam yields between the contact and the axis.
     model : float or None
         From representing the bodies by fewer degrees of freedom. Infinite for "contacts" where
         their number is uncertain.

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact.fields import motion_rows, place_rows
 
 matplotlib.use("Agg")
 
@@ -88,6 +89,56 @@ def test_a_gauge_on_either_face_of_a_shell() -> None:
         (0.1, 0.01, 0), (1, 0, 0), 0.03, layer="bottom", times=[hit.peak_time]
     )
     assert gauge.strain[0] == pytest.approx(-strain, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["quad", "triangle"])
+def test_a_sensor_within_an_element_follows_its_bending(kind: str) -> None:
+    """w = x² - xy + y²/2 with its rotations (∂w/∂y, -∂w/∂x) at the nodes is w anywhere."""
+    sheet = ao.sheet_mesh((0.04, 0.06), (4, 4), kind=kind)
+    body = ao.FEModel.from_mesh(sheet, ao.Shell(2e-3, STEEL))
+    x, y, still = sheet.nodes.T
+    moved = np.transpose([still, still, x**2 - x * y + y**2 / 2])
+    turned = np.transpose([y - x, y - 2 * x, still])
+    places = np.array([[0.013, 0.02, 0], [0.0137, 0.0421, 0], [0.025, 0.0075, 0], [0.04, 0.05, 0]])
+    rows = motion_rows(body, place_rows(body, places), np.eye(3)[2:])
+    x, y, _ = places.T
+    at_places = rows @ np.concatenate([moved, turned]).ravel()
+    assert at_places == pytest.approx(x**2 - x * y + y**2 / 2, rel=1e-12)
+
+
+@pytest.mark.parametrize("place", [(0.013, 0.02), (0.02, 0.0251)])
+def test_a_sensor_within_an_element_of_a_ball_turns_with_it(place: Any) -> None:
+    """A sphere turned about any axis: u = θ × x, though the facets' normals are not the nodes'."""
+    sheet, R = ao.sheet_mesh((0.04, 0.04), (8, 8)), 0.05
+    turns = (sheet.nodes[:, :2] - 0.02) / R
+    nodes = R * np.transpose(
+        [
+            np.sin(turns[:, 0]) * np.cos(turns[:, 1]),
+            np.sin(turns[:, 1]),
+            np.cos(turns[:, 0]) * np.cos(turns[:, 1]),
+        ]
+    )
+    mesh = ao.Mesh(nodes, sheet.cells, "quad")
+    body = ao.FEModel.from_mesh(mesh, ao.Shell(2e-3, STEEL))
+    axis = np.array([0.3, -0.5, 0.8])
+    motion = np.concatenate([np.cross(axis, nodes), np.tile(axis, (len(nodes), 1))])
+    weights = place_rows(
+        ao.FEModel.from_mesh(sheet, ao.Shell(2e-3, STEEL)), np.array([[*place, 0.0]])
+    )
+    at_place = motion_rows(body, weights, np.eye(3)) @ motion.ravel()
+    assert at_place == pytest.approx(np.cross(axis, (weights @ nodes)[0]), rel=1e-4, abs=1e-6)
+
+
+def test_a_sensor_between_the_nodes_of_a_cantilever() -> None:
+    """One element: w = F x² (3L - x)/(6 EI) + F x/(κGA), as Timoshenko has it."""
+    L, side, F, x = 0.3, 0.02, 10.0, 0.11
+    mesh = ao.Mesh([[0, 0, 0], [L, 0, 0]], [[0, 1]], "line")
+    section = ao.Beam(ao.RectangularSection(side, side), STEEL, (0, 0, 1))
+    body = ao.FEModel.from_mesh(mesh, section, fixed=[([0], "xyz", "xyz")])
+    sensor = pushed(body, (L, 0, 0), (0, 0, -1), F).target.probe((x, 0, 0), (0, 0, -1))
+    shear = section.numbers.shear_factors[1] * STEEL.shear_modulus * side**2
+    exact = F * x**2 * (3 * L - x) / (6 * STEEL.E * side**4 / 12) + F * x / shear
+    assert np.abs(sensor.displacement).max() == pytest.approx(exact, rel=1e-3)
 
 
 def test_a_probe_agrees_with_the_field() -> None:

@@ -27,6 +27,21 @@ def hit(**changes):
     return ao.simulate(**(arguments | changes))
 
 
+def test_a_model_made_before_the_impact_suits_a_plate():
+    """A patch as wide as an element of 7.5 mm, of 6 mm depth, gives 2.9 % more."""
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    ball, place = ao.ball(0.01, steel), (0.03, 0.03, 0.006)
+    coarse, fine = (
+        ao.FEModel.from_mesh(
+            ao.box_mesh((0.06, 0.06, 0.006), (n, n, layers), kind="hexahedron20"), steel
+        ).contact(point=place)
+        for n, layers in ((8, 1), (12, 2))
+    )
+    made = ao.simulate(ball, ao.antioscillators(coarse, n=30), 1.0)
+    right = ao.simulate(ball, fine, 1.0)
+    assert made.peak_force == pytest.approx(right.peak_force, rel=0.008)
+
+
 def test_a_gap_only_delays_the_impact():
     now, later = hit(), hit(gap=50e-6, duration=150e-6)
     assert later.contacts[0][0] == pytest.approx(50e-6, abs=1e-7)

@@ -85,6 +85,40 @@ def test_a_contact_may_be_anywhere_on_an_element(place: tuple[float, float]) -> 
     assert between.impulse == pytest.approx(node.impulse, rel=5e-3)
 
 
+def bent(size: Any, n: Any, place: Any) -> Any:
+    """A sheet of (x, y), 2 mm thick, with its nodes at (x, *place(y))."""
+    mesh = ao.sheet_mesh(size, n)
+    y, z = place(mesh.nodes[:, 1] - 0.5 * size[1])
+    nodes = np.stack([mesh.nodes[:, 0], y, z], axis=1)
+    return ao.FEModel.from_mesh(ao.Mesh(nodes, mesh.cells, "quad"), ao.Shell(2e-3, STEEL))
+
+
+def peak(body: Any, point: Any, **given: Any) -> float:
+    return float(ao.simulate(BALL, body.contact(point=point, **given), 1.0).peak_force)
+
+
+@pytest.mark.parametrize("given", [{}, {"radius": 5e-4}], ids=["point", "patch"])
+def test_a_curved_shell_may_be_touched_anywhere_on_an_element(given: Any) -> None:
+    """Half a tube, R/t = 7.5, elements of 2 t: at a node, on edges and within elements alike."""
+    R, turn = 0.015, math.radians(15)
+    body = bent((0.06, 12 * turn), (15, 12), lambda angle: (R * np.sin(angle), R * np.cos(angle)))
+    node = peak(body, (0.028, 0.0, R), **given)
+    for x, share in ((0.030, 0.0), (0.0287, 0.3), (0.0295, 0.5)):
+        first, last = ((R * math.sin(a), R * math.cos(a)) for a in (0.0, turn))
+        place = (1.0 - share) * np.array(first) + share * np.array(last)
+        assert peak(body, (x, *place), **given) == pytest.approx(node, rel=0.01)
+
+
+@pytest.mark.parametrize("degrees", [5.0, 20.0])
+def test_a_fold_may_be_touched_anywhere(degrees: float) -> None:
+    c, s = np.cos(np.radians(degrees / 2)), np.sin(np.radians(degrees / 2))
+    body = bent((0.08, 0.08), (16, 16), lambda y: (c * y, -s * np.abs(y)))
+    node = peak(body, (0.04, 0.0, 0.0))
+    assert peak(body, (0.0425, 0.0, 0.0)) == pytest.approx(node, rel=0.01)
+    beside = peak(body, (0.04, 5e-3 * c, -5e-3 * s))
+    assert peak(body, (0.042, 5e-3 * c, -5e-3 * s)) == pytest.approx(beside, rel=0.01)
+
+
 def test_resultant_and_moment_of_a_contact_within_an_element() -> None:
     tip = sheet(2e-3).contact(point=(0.0762, 0.0737, 0))
     assert tip.resultant == pytest.approx([0, 0, -1])

@@ -243,6 +243,35 @@ def test_timoshenkos_three_beams(length: float, ball: float, lasts: float) -> No
     assert hit.peak_force == pytest.approx(exact, rel=3e-3)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("width", "height", "elements"),
+    [(0.01, 0.01, (6, 6)), (0.02, 0.006, (10, 4)), (0.006, 0.02, (4, 10))],
+)
+@pytest.mark.parametrize("along", [False, True], ids=["across", "end"])
+def test_what_a_beam_leaves_out_of_its_section_is_claimed(
+    width: float, height: float, elements: Any, along: bool
+) -> None:
+    """A free bar of 150 mm under a ball of 20 mm, against solids of 26 elements along it."""
+    length, ball = 0.15, ao.ball(0.01, STEEL)
+    box = ao.box_mesh((2.0, width, height), (26, *elements), kind="hexahedron20")
+    nodes = box.nodes - [1.0, 0.5 * width, 0.5 * height]
+    x = nodes[:, 0]  # -1 to 1; elements are smallest at the contact
+    if along:
+        nodes[:, 0] = 0.5 * length - length * (0.5 - 0.5 * x) ** 1.8
+        place, way = (0.5 * length, 0.0, 0.0), (-1, 0, 0)
+    else:
+        nodes[:, 0] = 0.5 * length * np.sign(x) * np.abs(x) ** 1.8
+        place, way = (0.0, 0.0, 0.5 * height), (0, 0, -1)
+    solid = ao.FEModel.from_mesh(ao.Mesh(nodes, box.cells, box.kind), STEEL)
+    exact = ao.simulate(ball, solid.contact(point=place, direction=way), 1.0).peak_force
+    body = bar(length, 40, ao.RectangularSection(width, height), STEEL)
+    tip = body.contact(point=(length if along else 0.5 * length, 0, 0), direction=way)
+    hit = ao.simulate(ball, tip, 1.0)
+    error = abs(hit.peak_force / exact - 1.0)
+    assert 0.25 * hit.error["peak_force"].total < error < hit.error["peak_force"].total + 0.002
+
+
 # Frames in their plane: corners, members, clamped corners; tubes of a bicycle are as slender.
 PORTAL: Any = ([(0, 0), (0, 0.8), (1.2, 0.8), (1.2, 0)], [(0, 1), (1, 2), (2, 3)], [0, 3])
 ANGLE: Any = ([(0, 0), (0, 0.5), (0.7, 0.5)], [(0, 1), (1, 2)], [0])
