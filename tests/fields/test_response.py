@@ -138,12 +138,12 @@ def test_a_body_of_matrices_and_nodes_has_displacements_but_no_stress() -> None:
     seen = hit.target.probe((0.1, 0.0, 0.02), times=times)
     expected = impact().target.probe((0.1, 0.0, 0.02), times=times)
     np.testing.assert_allclose(seen.displacement, expected.displacement, rtol=1e-6, atol=1e-12)
-    with pytest.raises(ao.InputError, match=r"stress needs elements .* given by its matrices"):
+    with pytest.raises(ao.InputError, match="needs elements"):
         _ = seen.stress
     for use in ("stress", "plot"):
-        with pytest.raises(ao.InputError, match=f"{use} needs elements"):
+        with pytest.raises(ao.InputError, match="needs elements"):
             getattr(hit.target.field(), use)()
-    with pytest.raises(ao.InputError, match="to_vtu needs elements"):
+    with pytest.raises(ao.InputError, match="needs elements"):
         hit.target.to_vtu("nothing")
     with pytest.raises(ao.InputError, match=r"^point"):
         hit.target.probe((0.1001, 0.0, 0.02))
