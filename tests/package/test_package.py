@@ -213,7 +213,7 @@ OPENED = """
     fem.assembly fem.beams fem.extraction fem.halfspace fem.layer fem.model fem.patch
     fem.shearedhalfspace fem.shells fem.stress fem.subdivision fem.thin fields.vtu
     integrate.comparison integrate.dense integrate.events integrate.fixed_steps
-    integrate.motion integrate.newmark integrate.roughness integrate.tolerances laws.rebound
+    integrate.motion integrate.newmark integrate.roughness integrate.tolerances
     linalg.blocks linalg.coarsening linalg.davidson linalg.dissection linalg.multigrid
     linalg.smoother paper.beam paper.figures paper.reproduction paper.sphere paper.table
     reduction.subspace reduction.validity results.advice scenefile.lines testrig.oscillator
