@@ -7,20 +7,25 @@ rest of the package works with (`float`, `int`, contiguous native float64 arrays
 from __future__ import annotations
 
 import difflib
+import functools
+import inspect
 import math
 import numbers
 import operator
 import os
 import reprlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, ParamSpec, TypeVar
 
 import numpy as np
 
 from .arrays import FloatArray, IntArray
 from .errors import InputError, InputTypeError
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 __all__ = [
     "HUGE",
@@ -42,6 +47,7 @@ __all__ = [
     "positive",
     "real",
     "sequence",
+    "spelled",
     "text",
     "texts",
     "unit_vector",
@@ -166,6 +172,22 @@ def nearest(value: str, options: Iterable[str]) -> str:
     """Return " (did you mean 'x'?)" for the option most like `value`, or an empty string."""
     found = difflib.get_close_matches(value, list(options), n=1, cutoff=0.5)
     return f" (did you mean {found[0]!r}?)" if found else ""
+
+
+def spelled(function: Callable[P, R]) -> Callable[P, R]:
+    """Return a function that names the keyword meant by one that it does not have."""
+    known = tuple(inspect.signature(function).parameters)
+
+    @functools.wraps(function)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+        for name in kwargs:
+            if name not in known:
+                raise InputTypeError(
+                    f"{function.__name__} has no keyword {name!r}{nearest(name, known)}"
+                )
+        return function(*args, **kwargs)
+
+    return checked
 
 
 def called(value: str, options: Iterable[str]) -> str | None:

@@ -1,4 +1,4 @@
-"""Style of all figures: colours, lines, labels with units, legends beside the curves.
+"""Style of all figures: colours, lines, labels with units, legends within the axes.
 
 The colours are those of M. Okabe and K. Ito, *Color Universal Design* (2008), which colour-blind
 readers tell apart; lines differ in their dashes as well, for print without colour.
@@ -38,9 +38,6 @@ Curve = tuple[FloatArray, dict[str, Any]]
 # Blue, vermilion, green, purple, orange, sky blue, black.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), (0, (3, 1)))
-
-# Characters of all its entries up to which a legend above the axes is one line.
-_ONE_LINE = 56
 
 
 @contextmanager
@@ -108,25 +105,9 @@ def label(name: str, unit: str) -> str:
 
 
 def legend(ax: Axes) -> None:
-    """Name the curves above the axes, or beside them under a title, where no curve is hidden."""
-    names = ax.get_legend_handles_labels()[1]
-    if not names:
-        return
-    beside = bool(ax.get_title()) or len(names) > 6
-    if beside:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize="small")
-        return
-    fits = sum(len(name) + 8 for name in names) <= _ONE_LINE
-    ax.legend(
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.0),
-        ncols=len(names) if fits else 2,
-        frameon=False,
-        borderaxespad=0.0,
-        handlelength=2.6,
-        columnspacing=1.4,
-        fontsize="small",
-    )
+    """Name the curves within the axes, where they hide least of them."""
+    if ax.get_legend_handles_labels()[1]:
+        ax.legend(loc="best", fontsize="small")
 
 
 def error_axes(ax: Axes, across: str, up: str) -> Axes:

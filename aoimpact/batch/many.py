@@ -21,6 +21,7 @@ from ..base import (
     boolean,
     held_warnings,
     nearest,
+    spelled,
     warn,
 )
 from ..impact import simulate
@@ -36,6 +37,7 @@ KEYWORDS = tuple(_PARAMETERS)
 REQUIRED = tuple(name for name in KEYWORDS if _PARAMETERS[name].default is inspect.Parameter.empty)
 
 
+@spelled
 def simulate_many(
     cases: Iterable[Any],
     workers: Any = 1,

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..accuracy import Named, keeper
-from ..base import InputError, InputTypeError, nearest, require, sequence
+from ..base import InputError, InputTypeError, nearest, require, sequence, spelled
 from ..fem import ContactPoint
 from ..impact import SceneCase
 from ..results import COLUMNS
@@ -23,6 +23,7 @@ from .sweep_table import SweepTable, sweep_table
 _BYTES_PER_NUMBER = 16.0
 
 
+@spelled
 def sweep(
     base: Any,
     grid: Mapping[str, Iterable[Any]],

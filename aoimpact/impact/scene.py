@@ -30,6 +30,7 @@ from ..base import (
     boolean,
     finite_array,
     real,
+    spelled,
     text,
     warn,
 )
@@ -386,6 +387,7 @@ class Scene:
 
     # ------------------------------------------------------------------- running
 
+    @spelled
     def simulate(
         self,
         *,

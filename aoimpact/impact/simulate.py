@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..accuracy import Sensor, checked_linear_solver, checked_rtol, impact_quantity
-from ..base import InputError, InputTypeError, boolean, plain, warn
+from ..base import InputError, InputTypeError, boolean, plain, spelled, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, own_law
 from ..linalg import Solver
@@ -25,6 +25,7 @@ from .scene import Scene
 _NAMES = "projectile", "target"
 
 
+@spelled
 def simulate(
     projectile: Any,
     target: Any,

@@ -138,7 +138,7 @@ class BodyResult(Frozen):
     _whole: Callable[[FloatArray], FloatArray] = field(repr=False)
 
     def __repr__(self) -> str:
-        mass = "" if self.mass is None else f", {self.mass:.4g} kg"
+        mass = "" if self.mass in (None, math.inf) else f", {self.mass:.4g} kg"
         way = "constrained" if self.constrained else "free"
         return f"BodyResult({self.name}: {self.label}{mass}, {way})"
 

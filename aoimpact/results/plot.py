@@ -105,7 +105,7 @@ def plot_panels(result: Result, during: During) -> Any:
 
 
 def _told(body: Any) -> str:
-    mass = "" if body.mass is None else f", {with_unit(body.mass, 'kg', 3)}"
+    mass = "" if body.mass in (None, math.inf) else f", {with_unit(body.mass, 'kg', 3)}"
     return f"{body.name} ({body.label}{mass})"
 
 
@@ -125,7 +125,7 @@ def plot_energy(
     ax: Axes | None = None,
     *,
     body: Handle | int | str | None = None,
-    during: During = "record",
+    during: During = "contact",
     **kwargs: Any,
 ) -> Axes:
     """Draw energies over time: of everything, or of one body beside the contact's (Fig. 5).
@@ -164,7 +164,7 @@ def plot_displacement(
     ax: Axes | None = None,
     *,
     names: Sequence[str] | None = None,
-    during: During = "record",
+    during: During = "contact",
     **kwargs: Any,
 ) -> Axes:
     """Draw displacements over time: contact points and, of an impact, centres of mass dashed.

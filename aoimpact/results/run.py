@@ -286,11 +286,19 @@ class Run:
         model = self.plan.bodies[index]
         dense = self.recorder.dense or model.constrained or bool(model.damping)
         if self.plan.oblique is None or dense or isinstance(model, FullModel):
-            return self._whole_motion(index, np.array([self._parted]))[:, 0]
+            return self._cleared(self._whole_motion(index, np.array([self._parted]))[:, 0])
         modal = model.modal
         assert modal.rigid is not None
         rates = modal.rates(self.plan.start(index)) + self._gain(index)
-        return np.asarray(modal.rigid.velocity @ rates)
+        return self._cleared(modal.rigid.velocity @ rates)
+
+    def _cleared(self, motion: FloatArray) -> FloatArray:
+        """A velocity and a spin, shape (6,), with 0 for the rounding of the largest of the run."""
+        assert self.plan.oblique is not None
+        found = np.reshape(motion, (2, 3))
+        sizes = [np.reshape(of, (2, 3)) for of in self.plan.oblique.velocities]
+        largest = np.abs([found, *sizes]).max(axis=(0, 2), keepdims=True)[0]
+        return np.where(np.abs(found) < np.finfo(float).eps * largest, 0.0, found).ravel()
 
     def _whole_motion(self, index: int, times: FloatArray) -> FloatArray:
         """Velocity of a body's centre of mass and its spin at times, s, shape (6, times)."""
@@ -683,7 +691,7 @@ class Run:
         ax: Axes | None = None,
         *,
         names: Sequence[str] | None = None,
-        during: During = "record",
+        during: During = "contact",
         **kwargs: Any,
     ) -> Axes:
         """Draw how far each body's contact coordinate has moved over time.
@@ -706,7 +714,7 @@ class Run:
         ax: Axes | None = None,
         *,
         body: Handle | int | str | None = None,
-        during: During = "record",
+        during: During = "contact",
         **kwargs: Any,
     ) -> Axes:
         """Draw the energies over time, of all bodies or of one (paper, Fig. 5).

@@ -21,6 +21,7 @@ from ..base import (
     instance,
     integer,
     sequence,
+    spelled,
     text,
     warn,
 )
@@ -50,6 +51,7 @@ _AO, _MODAL = "AO({})".format, "modal({})".format  # labels
 Models = tuple[Any, ...]
 
 
+@spelled
 def compare(
     projectile: Any,
     target: Any,

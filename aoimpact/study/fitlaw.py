@@ -21,6 +21,7 @@ from ..base import (
     finite_array,
     held_warnings,
     positive,
+    spelled,
     texts,
     warn,
     with_unit,
@@ -243,6 +244,7 @@ class _Problem:
         )
 
 
+@spelled
 def fit_law(
     law: ContactLaw | type[ContactLaw],
     signal: Any = None,

@@ -3,6 +3,7 @@
 import concurrent.futures
 import math
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -204,3 +205,22 @@ def test_a_body_itself_is_no_player():
     K, M = rod(5)
     with pytest.raises(ao.InputTypeError, match=r"body.contact\(...\)"):
         hit(target=ao.FEModel(K=K, M=M))
+
+
+@pytest.mark.parametrize("call", [ao.simulate, ao.simulate_many, ao.sweep, ao.compare, ao.fit_law])
+def test_a_mistyped_keyword_is_told_with_the_one_meant(call: Any) -> None:
+    with pytest.raises(TypeError, match="'lwa'"):
+        call(lwa=1)
+    with pytest.raises(ao.InputTypeError, match="did you mean 'duration'"):
+        ao.Scene().simulate(durration=1.0)
+
+
+def test_velocities_that_are_rounding_are_0() -> None:
+    """A ball that comes along y and z has nothing along x, and does not turn about y or z."""
+    ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800))
+    wall = ao.wall(ao.Material(E=70e9, nu=0.33, rho=2700))
+    hit = ao.simulate(ball, wall, (0.0, 0.5, -1.0), friction=0.1)
+    assert hit.projectile.final_velocity[0] == 0.0
+    assert not hit.projectile.final_spin[1:].any()
+    assert "inf" not in repr(hit.target)
+    assert "not known" not in repr(hit)

@@ -155,12 +155,21 @@ def test_curves_differ_in_colour_and_in_dashes() -> None:
     assert len({line.get_linestyle() for line in lines[:3]}) == 3
 
 
-def test_a_legend_hides_no_curve() -> None:
+def test_a_legend_lies_within_the_axes() -> None:
     ax = HalfSine().result().plot_energy()
     figure = ax.figure
     figure.canvas.draw()
-    box, curves = ax.get_legend().get_window_extent(), ax.get_window_extent()
-    assert box.y0 >= curves.y1 - 1.0
+    box, axes = ax.get_legend().get_window_extent(), ax.get_window_extent()
+    assert axes.x0 <= box.x0 < box.x1 <= axes.x1
+    assert axes.y0 <= box.y0 < box.y1 <= axes.y1
+
+
+def test_all_default_plots_show_one_span_of_time() -> None:
+    spans = [ax.get_lines()[0].get_xdata()[[0, -1]] for ax in ringing().plot().flat]
+    hit = ringing()
+    for draw in (hit.plot_force, hit.plot_indentation, hit.plot_displacement, hit.plot_energy):
+        spans.append(draw().get_lines()[0].get_xdata()[[0, -1]])
+    assert np.ptp(spans, axis=0).max() == 0.0
 
 
 def test_forty_curves_all_look_different() -> None:
