@@ -70,7 +70,6 @@ typedef enum aoi_status {
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
     AOI_ERROR_LAW_JUMPS,      /* without the patch compliance the force is undefined: the law jumps */
     AOI_ERROR_STOPPED,        /* the caller's pause said so                                        */
-    AOI_ERROR_CROWDED,        /* more contacts are closed at once than the system says             */
     AOI_ERROR_FRICTION,       /* friction of a law that remembers or pulls, or, to a tolerance, that is damped or
                                  beside a residual compliance                                       */
     AOI_ERROR_SPRINGS         /* a contact with friction needs more springs than there is room for  */
@@ -463,8 +462,6 @@ typedef struct aoi_system {
     size_t body_count, contact_count;
     const aoi_modes *body;
     const aoi_contact *contact;
-    size_t at_once; /* most contacts closed at once in an adaptive run, 0: all. Its memory is proportional to this
-                       times the ports of a body. May change from one run to the next */
 
     const size_t *first, *first_port, *first_contact, *contact_of, *first_force;
 } aoi_system;
@@ -473,7 +470,8 @@ typedef struct aoi_system {
  * contact where nothing can deform or move, as between two walls; AOI_ERROR_ARGUMENT
  * where an array is missing or numbers are not finite, frequencies or load times do not ascend, decays or inertias
  * are negative, forces would get work out of a residual or it is not symmetric, a contact names a body or port that
- * is not there, or one body twice, or has no usable law: the system is not linked then, even if it was before. */
+ * is not there, or one body twice, or has no usable law, or friction that aoi_friction_create has not made of that law: the
+ * system is not linked then, even if it was before. */
 AOI_API size_t aoi_system_size(const aoi_system *system);
 AOI_API int aoi_system_link(aoi_system *system, void *memory);
 
@@ -549,12 +547,12 @@ AOI_API int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const 
 
 /* Goes on to column last (< columns), at last dt. done gets the last column written; on an error that is the
  * step before the one that failed. AOI_ERROR_ARGUMENT if there is no such column, AOI_ERROR_LAW where a law gives
- * no number, AOI_ERROR_PATCH where a contact goes deeper than its law holds. */
+ * no number, AOI_ERROR_PATCH where a contact goes deeper than its law holds. A run that has failed is over. */
 AOI_API int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done);
 
-/* Where a run is: the time, how many steps were made or tried in vain, the contact of AOI_ERROR_PATCH or
- * AOI_ERROR_LAW, and the coordinates of all bodies and their rates. An adaptive run's are those at that time only once
- * it is the end. */
+/* Where a run is: the time, how many steps were made or tried in vain, the contact in which AOI_ERROR_PATCH, AOI_ERROR_LAW
+ * or AOI_ERROR_SPRINGS occurred (SIZE_MAX: none, or not known), and the coordinates of all bodies and their rates. An
+ * adaptive run's are those at that time only once it is the end. */
 typedef struct aoi_progress {
     double time;
     size_t steps, rejected, failed;
@@ -594,7 +592,7 @@ AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, cons
 /* Goes on until its end, or until the track has no room for a row, or a touch takes more than some 0.1 s to find. If
  * progress.time < end, enlarge the track if it is full and call again. AOI_ERROR_TOLERANCE where even the shortest step
  * does not meet rtol; AOI_ERROR_LAW where that is because a law gives no number, and it has a note; AOI_ERROR_PATCH
- * where contact goes deeper than the law holds; AOI_ERROR_CROWDED where more than at_once contacts are closed. */
+ * where contact goes deeper than the law holds; AOI_ERROR_SPRINGS. A run that has failed is over. */
 AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
 
 /* Values that the track must have free for any row of a run of a linked system. */

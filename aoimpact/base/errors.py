@@ -212,13 +212,12 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
         "one value to another; make the law continuous, or the contact points without a radius",
     ),
     12: (ConvergenceError, "it was stopped"),
-    13: (ConvergenceError, "more contacts are closed at once than the run has room for"),
-    14: (
+    13: (
         InputError,
         "friction needs a contact law that neither remembers nor pulls, and with damping fixed "
         "steps: give law=ao.Hertz(...), or solver=Newmark(dt=...)",
     ),
-    15: (
+    14: (
         ConvergenceError,
         "a contact with friction turns so often that its stretches find no room; take a larger dt, "
         "which draws them less finely",

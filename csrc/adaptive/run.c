@@ -62,15 +62,10 @@ static int is_quick(const aoi_system *system)
     return 0;
 }
 
-/* Number of contacts with friction, and the most forces that so many contacts have. */
+/* Number of contacts with friction. */
 static size_t rubbing_of(const aoi_system *system)
 {
     return (aoi_system_forces(system) - system->contact_count) / 2;
-}
-
-static size_t forces_of(const aoi_system *system, size_t contacts)
-{
-    return aoi_system_rubs(system) ? aoi_times(3, contacts) : contacts;
 }
 
 size_t aoi_adaptive_room(const aoi_system *system)
@@ -86,40 +81,53 @@ size_t aoi_adaptive_room(const aoi_system *system)
 /* Work space of the collocation, which the balance of massless contact points takes as well. */
 static size_t work_size(const aoi_adaptive *run, const aoi_system *system)
 {
-    const size_t closed = forces_of(system, run->at_once);
-    const size_t apart = run->span < closed ? run->span : closed - (closed > 0);
-    size_t size = aoi_collocation_size(closed, apart);
-    for (size_t b = 0; b < system->body_count; b++) {
-        const size_t balance = system->body[b].residual ? aoi_balance_size(system->contact_count, run->span) : 0;
-        size = balance > size ? balance : size;
-    }
-    return size;
+    const size_t size = run->crowded ? aoi_crowd_size(system) : aoi_collocation_size(aoi_system_forces(system), run->span);
+    const size_t balance = aoi_system_bends(system) ? aoi_balance_size(system->contact_count, run->span) : 0;
+    return balance > size ? balance : size;
 }
 
-/* A body's tables, and which ports have a column in them. */
-static void lay_out_body(const aoi_system *system, const aoi_modes *modes, aoi_memory *memory, aoi_adaptive_body *body)
+/* The ports of a body that have contacts, ascending. */
+static void list_columns(const aoi_system *system, size_t b, aoi_columns *columns)
 {
+    const size_t ports = system->body[b].ports;
+    memset(columns->of, 0, ports * sizeof *columns->of);
+    for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
+        const aoi_contact *contact = &system->contact[system->contact_of[i]];
+        for (size_t axis = 0; axis < aoi_contact_forces(contact); axis++) {
+            columns->of[contact->port[contact->body[1] == b] + axis] = 1;
+        }
+    }
+    columns->count = 0;
+    for (size_t p = 0; p < ports; p++) {
+        if (columns->of[p]) {
+            columns->of[p] = columns->count;
+            columns->port[columns->count++] = p;
+        }
+    }
+}
+
+/* A body's tables; contacts have columns in them, its other ports do not. */
+static void lay_out_body(const aoi_adaptive *run, const aoi_system *system, size_t b, aoi_memory *memory,
+                         aoi_adaptive_body *body)
+{
+    const aoi_modes *modes = &system->body[b];
     const size_t tables = tables_of(modes), ports = modes->ports;
-    const size_t most = forces_of(system, system->at_once);
-    const int some = most > 0 && most < ports;
-    const size_t columns = some ? most : ports, size = aoi_response_size(modes, columns);
+    size_t *of = aoi_memory_numbers(memory, run->crowded ? 0 : ports), count = 0;
+    size_t *port = aoi_memory_numbers(memory, run->crowded ? 0 : ports);
+    for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
+        count += aoi_contact_forces(&system->contact[system->contact_of[i]]);
+    }
+    const int some = count < ports && !run->crowded;
+    const size_t columns = run->crowded ? AOI_BY_MODES : some ? count : ports, size = aoi_response_size(modes, columns);
     double *block = aoi_memory_doubles(memory, aoi_times(tables, size));
-    size_t *port = some ? aoi_memory_numbers(memory, columns) : NULL;
-    size_t *of = some ? aoi_memory_numbers(memory, ports) : NULL;
     if (!body) {
         return;
     }
     *body = (aoi_adaptive_body){.block = block, .table_count = tables, .table_size = size};
-    body->columns = (aoi_columns){some ? 0 : ports, port, of};
-    for (size_t p = 0; p < ports && some; p++) {
-        of[p] = AOI_NO_COLUMN;
+    body->columns = (aoi_columns){columns, some ? port : NULL, some ? of : NULL};
+    if (some) {
+        list_columns(system, b, &body->columns);
     }
-}
-
-static size_t at_once_of(const aoi_system *system)
-{
-    const size_t all = system->contact_count;
-    return system->at_once > 0 && system->at_once < all ? system->at_once : all;
 }
 
 /* Springs of a contact: two arrays for each of its paths and for one in trial. */
@@ -150,7 +158,7 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
     run->port_slope = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
     run->collocation = aoi_memory_doubles(&memory, work_size(run, system));
     for (size_t b = 0; b < bodies; b++) {
-        lay_out_body(system, &system->body[b], &memory, block ? &run->body[b] : NULL);
+        lay_out_body(run, system, b, &memory, block ? &run->body[b] : NULL);
     }
     const size_t rubbing = rubbing_of(system);
     run->sliding = aoi_memory_take(&memory, rubbing, sizeof *run->sliding);
@@ -163,7 +171,7 @@ size_t aoi_adaptive_size(const aoi_system *system)
     if (!system->first) {
         return 0;
     }
-    aoi_adaptive counted = {.span = aoi_system_span(system), .at_once = at_once_of(system)};
+    aoi_adaptive counted = {.span = aoi_system_span(system), .crowded = aoi_crowd_pays(system)};
     return lay_out(&counted, system, NULL);
 }
 
@@ -309,17 +317,6 @@ static int take_state(const double *from, size_t count, double *to)
     return 1;
 }
 
-/* 1 if a body has a residual compliance. */
-static int has_residual(const aoi_system *system)
-{
-    for (size_t b = 0; b < system->body_count; b++) {
-        if (system->body[b].residual) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
 /* 1 if a law with friction depends on the rate. */
 static int is_damped(const aoi_system *system)
 {
@@ -334,17 +331,15 @@ static int is_damped(const aoi_system *system)
 int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start, double rtol,
                        double end)
 {
-    if (system->first && aoi_system_rubs(system) && (has_residual(system) || is_damped(system))) {
+    if (system->first && aoi_system_rubs(system) && (aoi_system_bends(system) || is_damped(system))) {
         return AOI_ERROR_FRICTION;
     }
     if (!aoi_system_is_plain(system) || !(rtol > 0.0 && rtol < 1.0) || !(end > 0.0) || !isfinite(end)) {
         return AOI_ERROR_ARGUMENT;
     }
     const size_t modes = aoi_system_most_modes(system), all = system->first[system->body_count];
-    *run = (aoi_adaptive){.system = system, .rtol = rtol, .end = end, .rested = start->rested};
-    run->span = aoi_system_span(system);
-    run->at_once = at_once_of(system);
-    run->most_columns = forces_of(system, run->at_once);
+    *run = (aoi_adaptive){.system = system, .rtol = rtol, .end = end, .rested = start->rested, .failed = SIZE_MAX,
+                          .span = aoi_system_span(system), .crowded = aoi_crowd_pays(system)};
     run->row_size = aoi_adaptive_room(system);
     run->grain = modes > 1 && is_quick(system) ? AOI_LEVELS : 1;
     run->table_cost = modes > 1 ? (double)modes : 0.0;
@@ -539,7 +534,7 @@ static int prepare(aoi_adaptive *run, double *limit)
         return prepare(run, limit);
     }
     *limit = stop - now;
-    return aoi_step_columns(run);
+    return AOI_OK;
 }
 
 /* Sets the level of a step of length h or less, at least one level finer than the present one. */

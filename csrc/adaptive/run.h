@@ -12,9 +12,6 @@
 
 #include <math.h>
 
-/* The column of a port without one. */
-#define AOI_NO_COLUMN SIZE_MAX
-
 /* Lengths of a step whose tables a body keeps. */
 enum { AOI_TABLES = 12 };
 
@@ -27,7 +24,7 @@ typedef struct aoi_adaptive_body {
     int engaged; /* in this step: an aoi_part */
     int changed; /* its state, since its last row */
     double work, dissipated;
-    aoi_columns columns; /* of the tables; all ports where it may have that many contacts at once */
+    aoi_columns columns; /* of the tables */
     double *block;
     size_t table_count, table_size;
     aoi_response table[AOI_TABLES];
@@ -81,7 +78,8 @@ struct aoi_adaptive {
     aoi_list closed;     /* contacts, ascending                                           */
     aoi_list watched[2]; /* open ones in free motion: 0 those with no touch yet found, 1 those that touch */
     aoi_list engaged, changed; /* bodies: in this step; since their last row              */
-    size_t span, row_size, at_once, most_columns; /* of the tables of a body with more ports */
+    size_t span, row_size;
+    int crowded; /* aoi_crowd_pays */
     size_t closed_count, entry_count; /* the entries: those of closed contacts first, then of contacts beside them */
     int level;                        /* steps are base 2^(-level/8) long */
     int grain;                        /* levels are multiples of this */
@@ -171,9 +169,6 @@ static inline int aoi_level_from(const aoi_adaptive *run, double level)
 
 /* Lists the contacts of the step that begins now and brings their bodies here. */
 void aoi_step_prepare(aoi_adaptive *run);
-
-/* Gives the ports of the closed contacts their columns in the tables. AOI_ERROR_CROWDED where that is too many. */
-int aoi_step_columns(aoi_adaptive *run);
 
 /* Doubles of work space that the forces in equilibrium take, for count contacts at massless contact points of which
  * those that share a body are at most span places apart. */

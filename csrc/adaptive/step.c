@@ -3,6 +3,7 @@
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
+#include "model/system.h"
 #include "motion/free.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
@@ -103,7 +104,9 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
                                  side == 0 ? 1.0 : -1.0, aoi_run_now(run), run->x + at, run->v + at,
                                  entry->homogeneous, with_rates ? entry->homogeneous_rate : NULL);
     }
-    add_constant_forces(run, entry, with_rates);
+    if (!run->crowded) {
+        add_constant_forces(run, entry, with_rates);
+    }
 }
 
 /* Extrapolates the last step's polynomial to the nodes of a step of length h, with its slope there. */
@@ -212,6 +215,12 @@ static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
         entry->start_rate = 0.0;
     }
     homogeneous(run, entry, with_rates);
+}
+
+/* And a guess of the solution, where the motion without contact forces is known. */
+static void guess_entry(const aoi_adaptive *run, aoi_contact_step *entry, double h, int with_rates)
+{
+    const aoi_adaptive_contact *contact = &run->contact[entry->contact];
     if (entry->axis > 0) {
         guess_slide(contact, h, run->indentation_scale, entry);
         return;
@@ -258,14 +267,6 @@ static double force_scale_of(const aoi_adaptive *run)
     return largest;
 }
 
-/* Largest distance between the entries of two contacts that share a body. */
-static size_t span_of(const aoi_adaptive *run)
-{
-    return run->closed_count < 2 ? 0
-                                 : (run->span < run->closed_count ? run->span
-                                                                  : run->closed_count - 1);
-}
-
 void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
 {
     const int with_rates =
@@ -287,13 +288,20 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
             begin_entry(run, s, h, with_rates);
         }
     }
+    if (run->crowded && aoi_system_bends(run->system)) {
+        aoi_crowd_press(run->system, run->response, run->closed_count, run->entry, with_rates, run->collocation);
+    }
+    for (size_t s = 0; s < run->closed_count; s++) {
+        guess_entry(run, &run->entry[s], h, with_rates);
+    }
     for (size_t s = 0; s < run->closed_count; s++) {
         if (run->entry[s].sliding && run->entry[s].axis == 0) {
             aoi_sliding_prepare(run->entry[s].sliding, &run->entry[s]);
         }
     }
-    if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
-                              run->entry, run->collocation) != AOI_OK) {
+    const size_t most = run->closed_count - (run->closed_count > 0), span = run->span < most ? run->span : most;
+    if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span, run->entry, run->collocation) !=
+        AOI_OK) {
         return;
     }
     for (size_t s = 0; s < run->closed_count && with_rates; s++) {

@@ -49,7 +49,14 @@ static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double si
 {
     const aoi_modes *body = &run->system->body[b];
     const aoi_response *response = &run->response[b];
-    for (size_t k = 0; k < response->columns.count; k++) {
+    if (run->crowded) {
+        const double *moved = aoi_crowd_motion(run->system, run->closed_count, run->collocation);
+        for (size_t j = 0; j < body->n; j++) {
+            aoi_nodes_add(-sign * body->shape[port * body->n + j], moved + (run->system->first[b] + j) * AOI_NODES,
+                          indentation);
+        }
+    }
+    for (size_t k = 0; !run->crowded && k < response->columns.count; k++) {
         const size_t by = response->columns.port ? response->columns.port[k] : k;
         const double *force = run->port_force + (run->system->first_port[b] + by) * AOI_NODES;
         double displacement[AOI_NODES];
@@ -58,6 +65,10 @@ static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double si
         if (body->residual) {
             aoi_nodes_add(sign * body->residual[port * body->ports + by], force, indentation);
         }
+    }
+    for (size_t by = 0; run->crowded && body->residual && by < body->ports; by++) {
+        const double *force = run->port_force + (run->system->first_port[b] + by) * AOI_NODES;
+        aoi_nodes_add(sign * body->residual[port * body->ports + by], force, indentation);
     }
 }
 

@@ -41,53 +41,6 @@ static void bring_along(aoi_adaptive *run, size_t b)
     }
 }
 
-/* The same for one body. Tables of other ports are of no use, and made anew. */
-static int set_columns(aoi_adaptive *run, size_t b)
-{
-    const aoi_system *system = run->system;
-    aoi_adaptive_body *body = &run->body[b];
-    aoi_columns *columns = &body->columns;
-    size_t count = 0;
-    int changed = 0;
-    for (size_t k = 0; k < columns->count; k++) {
-        columns->of[columns->port[k]] = AOI_NO_COLUMN;
-    }
-    for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
-        const aoi_contact *contact = &system->contact[system->contact_of[i]];
-        const aoi_adaptive_contact *now = &run->contact[system->contact_of[i]];
-        const size_t first = contact->port[contact->body[1] == b];
-        for (size_t port = first; port < first + aoi_contact_forces(contact); port++) {
-            if ((!now->closed && now->bending == 0.0) || columns->of[port] != AOI_NO_COLUMN) {
-                continue;
-            }
-            if (count == run->most_columns) {
-                return AOI_ERROR_CROWDED;
-            }
-            changed = changed || count >= columns->count || columns->port[count] != port;
-            columns->port[count] = port;
-            columns->of[port] = count++;
-        }
-    }
-    changed = changed || count != columns->count;
-    columns->count = count;
-    for (size_t i = 0; i < body->table_count && changed; i++) {
-        body->table_use[i] = 0;
-    }
-    return AOI_OK;
-}
-
-int aoi_step_columns(aoi_adaptive *run)
-{
-    int status = run->closed.count > run->at_once ? AOI_ERROR_CROWDED : AOI_OK;
-    for (size_t i = 0; i < run->engaged.count && status == AOI_OK; i++) {
-        const size_t b = run->engaged.at[i];
-        if (run->body[b].columns.of) {
-            status = set_columns(run, b);
-        }
-    }
-    return status;
-}
-
 void aoi_step_prepare(aoi_adaptive *run)
 {
     aoi_step_release(run);

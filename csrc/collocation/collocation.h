@@ -3,6 +3,8 @@
 #define AOI_COLLOCATION_COLLOCATION_H
 
 #include "law/law.h"
+#include "motion/nodes.h"
+#include "motion/radau.h"
 #include "motion/response.h"
 
 /* Changes of an indentation by this share of its scale are rounding. */
@@ -42,6 +44,20 @@ typedef struct aoi_contact_step {
  * are at most span places apart. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
+/* True if steps of a system's contacts cost less by the modes of its bodies, which then have their influences AOI_BY_MODES,
+ * and the work space that this takes instead. It counts multiplications, with all contacts closed: of elimination, and of
+ * the most iterations. */
+int aoi_crowd_pays(const aoi_system *system);
+size_t aoi_crowd_size(const aoi_system *system);
+
+/* The displacements of the modes of all bodies that are in contact at the nodes, [first[body] + mode][node], under the
+ * contact forces of a step that aoi_collocation_solve has solved, with their signs changed. */
+const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *work);
+
+/* Then the motion under the constant forces of all contacts is taken into homogeneous by this. */
+void aoi_crowd_press(const aoi_system *system, const aoi_response *response, size_t count, aoi_contact_step *entry,
+                     int with_rates, double *work);
+
 /* True if rates are needed: a law of these contacts depends on them, or on their change of sign. */
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 
@@ -68,7 +84,10 @@ void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const doubl
                              double h, const double *legendre, double place, double *force);
 
 /* The least-squares polynomial, at the nodes, of values at the quadrature points of an edge; in place, too. */
-void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes);
+static inline void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
+{
+    aoi_nodes_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
+}
 
 /* int F dt over the step, and int F d(indentation). */
 double aoi_collocation_impulse(const aoi_contact_step *entry, double h);

@@ -48,12 +48,7 @@ static void add_coupling(const aoi_system *system, const aoi_response *response,
                 rate[k] += sign * answer->influence_rate[at + k];
             }
         }
-        for (size_t k = 0; k < AOI_NODES && residual != 0.0; k++) {
-            displacement[k * AOI_NODES + k] += residual;
-            if (rate) {
-                aoi_nodes_add(residual / h, aoi_radau_slope_at_node[k + 1], rate + k * AOI_NODES);
-            }
-        }
+        aoi_newton_add_residual(residual, h, displacement, rate);
     }
 }
 
@@ -178,32 +173,21 @@ static equations lay_out(size_t count, size_t span, double *work)
     return (equations){n, half, 2 * half, size, work, work + half, work + size};
 }
 
-/* Rows of one of the three entries of a contact with friction: its force depends on all three places. */
-static void set_sliding_rows(const couplings *of, const aoi_contact_step *entry, size_t s, const equations *to)
-{
-    const size_t axis = entry[s].axis, begin = s - axis;
-    double *rows = to->matrix + s * AOI_NODES * to->stride;
-    for (size_t r = begin; r < begin + 3; r++) {
-        for (size_t t = first_of(of, r > s ? r : s), end = last_of(of, r < s ? r : s); t <= end; t++) {
-            add_block(entry[s].edge, entry[s].sliding->by[axis][r - begin], block_of(of, of->displacement, r, t),
-                      to->stride, rows + t * AOI_NODES);
-        }
-    }
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        rows[i * to->stride + s * AOI_NODES + i] += 1.0;
-    }
-}
-
-/* Rows of a contact. */
+/* Rows of a contact, or of one of the three entries of one with friction: its force depends on all three places. */
 static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t s, const aoi_law_values *law,
                      const equations *to)
 {
+    const aoi_sliding *sliding = entry[s].sliding;
+    const size_t axis = entry[s].axis, begin = s - axis, end = begin + (sliding ? 3 : 1);
     double *rows = to->matrix + s * AOI_NODES * to->stride;
-    for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
-        double *block = rows + t * AOI_NODES;
-        add_block(entry[s].edge, law->stiffness, block_of(of, of->displacement, s, t), to->stride, block);
-        if (of->rate) {
-            add_block(entry[s].edge, law->damping, block_of(of, of->rate, s, t), to->stride, block);
+    for (size_t r = begin; r < end; r++) {
+        const double *by = sliding ? sliding->by[axis][r - begin] : law->stiffness;
+        for (size_t t = first_of(of, r > s ? r : s), last = last_of(of, r < s ? r : s); t <= last; t++) {
+            double *block = rows + t * AOI_NODES;
+            add_block(entry[s].edge, by, block_of(of, of->displacement, r, t), to->stride, block);
+            if (of->rate && !sliding) {
+                add_block(entry[s].edge, law->damping, block_of(of, of->rate, s, t), to->stride, block);
+            }
         }
     }
     for (size_t i = 0; i < AOI_NODES; i++) {
@@ -215,23 +199,17 @@ static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t 
 static int set_equations(const aoi_system *system, const couplings *of, const aoi_contact_step *entry,
                           const aoi_newton *newton, const equations *to)
 {
-    const int with_rates = of->rate != NULL;
     for (size_t k = 0; k < to->size && newton->renew; k++) {
         to->storage[k] = 0.0;
     }
     for (size_t s = 0; s < of->count; s++) {
         aoi_law_values law;
-        if (entry[s].sliding && entry[s].axis == 0 &&
-            aoi_sliding_evaluate(entry[s].sliding, &entry[s], aoi_newton_nears(newton)) != AOI_OK) {
+        if (!aoi_newton_law(system, newton, &entry[s], of->rate != NULL, &law)) {
             return 0;
         }
-        aoi_collocation_evaluate(system->contact[entry[s].contact].law, &entry[s], with_rates, &law);
-        if (newton->renew && entry[s].sliding) {
-            set_sliding_rows(of, entry, s, to);
-        } else if (newton->renew) {
+        if (newton->renew) {
             set_rows(of, entry, s, &law, to);
         }
-        aoi_collocation_aim(&entry[s], newton->iteration == 0, with_rates, &law);
         for (size_t i = 0; i < AOI_NODES; i++) {
             to->right[s * AOI_NODES + i] = law.force[i];
         }
@@ -257,24 +235,13 @@ static void effect_of(const couplings *of, const double *values, size_t s, const
  * largest relative to scale. */
 static double update(const couplings *of, const double *by, int first, aoi_contact_step *entry)
 {
-    double largest = 0.0, answer[AOI_NODES];
+    double largest = 0.0, answer[AOI_NODES], rate_answer[AOI_NODES];
     for (size_t s = 0; s < of->count; s++) {
-        aoi_contact_step *here = &entry[s];
-        const double inverse = 1.0 / here->scale;
         effect_of(of, of->displacement, s, by, answer);
-        for (size_t i = 0; i < AOI_NODES; i++) {
-            const double next = (first ? here->homogeneous[i] : here->indentation[i]) - answer[i];
-            const double change = fabs(next - here->indentation[i]) * inverse;
-            largest = change <= largest ? largest : change; /* NaN, too, is large */
-            here->indentation[i] = next;
-            here->force[i] = (first ? here->constant : here->force[i]) + by[s * AOI_NODES + i];
-        }
         if (of->rate) {
-            effect_of(of, of->rate, s, by, answer);
-            for (size_t i = 0; i < AOI_NODES; i++) {
-                here->rate[i] = (first ? here->homogeneous_rate[i] : here->rate[i]) - answer[i];
-            }
+            effect_of(of, of->rate, s, by, rate_answer);
         }
+        largest = aoi_newton_take(&entry[s], first, by + s * AOI_NODES, answer, of->rate ? rate_answer : NULL, largest);
     }
     return largest;
 }
@@ -282,6 +249,9 @@ static double update(const couplings *of, const double *by, int first, aoi_conta
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work)
 {
+    if (count > 0 && response[system->contact[entry->contact].body[0]].columns.count == AOI_BY_MODES) {
+        return aoi_crowd_solve(system, response, h, count, entry, work);
+    }
     if (count == 1) { /* without friction, which has three */
         return aoi_collocation_solve_one(system, response, h, entry);
     }
@@ -289,11 +259,7 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
     const int with_rates = aoi_collocation_wants_rates(system, count, entry);
     couplings of = {count, span, blocks, work, with_rates ? work + size : NULL};
     const equations to = lay_out(count, span, work + 2 * size);
-    aoi_newton newton = aoi_newton_begin();
-    for (size_t s = 0; s < count; s++) {
-        newton.slides = newton.slides || entry[s].sliding;
-        newton.enough = entry[s].sliding ? fmax(newton.enough, entry[s].sliding->enough) : newton.enough;
-    }
+    aoi_newton newton = aoi_newton_begin(count, entry);
     double change;
     couple(system, response, h, entry, &of);
     do {
@@ -323,9 +289,8 @@ static void impulse_responses(const aoi_response *response, const aoi_contact *c
     }
 }
 
-/* Adds the errors by the law's force minus the polynomial's between the nodes. */
-static void defects(const aoi_law *law, const aoi_contact_step *entry, double h, const double *answer,
-                    aoi_collocation_error *error)
+/* The law's force minus the polynomial's between the nodes. */
+static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, double *beyond)
 {
     const double *at = &aoi_radau_indentation_at_extra[0][0];
     double indentation[AOI_NODES], rate[AOI_NODES] = {0.0}, force[AOI_NODES];
@@ -337,47 +302,31 @@ static void defects(const aoi_law *law, const aoi_contact_step *entry, double h,
     aoi_nodes_multiply(&aoi_radau_force_at_extra[0][0], entry->force, force);
     aoi_law_forces(law, entry->memory, entry->piece, indentation, rate, &there);
     for (size_t i = 0; i < AOI_NODES; i++) {
-        const double weighted =
-            h * aoi_radau_extra_weight[i] * (there.force[i] - force[i]);
-        error->impulse += weighted;
-        error->indentation += answer[i] * weighted;
+        beyond[i] = there.force[i] - force[i];
     }
 }
 
-/* The law's force minus the polynomial's at a place of the step; at: the values there of the cardinal polynomials of 0
- * and the nodes, of: those of the cardinal polynomials of the nodes. */
-static double defect_at(const aoi_law *law, const aoi_contact_step *entry, const double *at, const double *of)
-{
-    aoi_law_value value;
-    const double indentation = at[0] * entry->start + aoi_nodes_dot(at + 1, entry->indentation);
-    const double rate = law->depends_on_rate
-                            ? at[0] * entry->start_rate + aoi_nodes_dot(at + 1, entry->rate)
-                            : 0.0;
-    aoi_law_force(law, entry->memory, entry->piece, indentation, rate, &value);
-    return value.force - aoi_nodes_dot(of, entry->force);
-}
-
-/* Adds the errors in a step with an edge, by a finer quadrature rule. */
-static void edge_defects(const aoi_law *law, const aoi_contact_step *entry, double h, const double *answer,
-                         aoi_collocation_error *error)
+/* The same in a step with an edge, at the points of a finer quadrature rule. */
+static void find_beyond_edge(const aoi_law *law, const aoi_contact_step *entry, double *beyond)
 {
     for (size_t k = 0; k < AOI_EDGE_CHECKS; k++) {
-        const double weighted = h * aoi_radau_check_weight[k] *
-                                defect_at(law, entry, aoi_radau_indentation_at_check[entry->edge][k],
-                                          aoi_radau_force_at_check[entry->edge][k]);
-        error->impulse += weighted;
-        error->indentation +=
-            weighted * aoi_nodes_dot(aoi_radau_remainder_at_check[entry->edge][k], answer);
+        const double *at = aoi_radau_indentation_at_check[entry->edge][k];
+        const double indentation = at[0] * entry->start + aoi_nodes_dot(at + 1, entry->indentation);
+        const double rate =
+            law->depends_on_rate ? at[0] * entry->start_rate + aoi_nodes_dot(at + 1, entry->rate) : 0.0;
+        aoi_law_value value;
+        aoi_law_force(law, entry->memory, entry->piece, indentation, rate, &value);
+        beyond[k] = value.force - aoi_nodes_dot(aoi_radau_force_at_check[entry->edge][k], entry->force);
     }
 }
 
-/* The same with friction, by what aoi_sliding_check has found. */
-static void sliding_defects(const aoi_contact_step *entry, double h, const double *answer, aoi_collocation_error *error)
+/* The errors by these differences. */
+static void add_errors(const aoi_contact_step *entry, double h, const double *beyond, const double *answer,
+                       aoi_collocation_error *error)
 {
     const int edge = entry->edge != AOI_EDGE_NONE;
     for (size_t k = 0, count = edge ? AOI_EDGE_CHECKS : AOI_NODES; k < count; k++) {
-        const double weighted = h * (edge ? aoi_radau_check_weight[k] : aoi_radau_extra_weight[k]) *
-                                entry->sliding->beyond[entry->axis][k];
+        const double weighted = h * (edge ? aoi_radau_check_weight[k] : aoi_radau_extra_weight[k]) * beyond[k];
         error->impulse += weighted;
         error->indentation +=
             weighted * (edge ? aoi_nodes_dot(aoi_radau_remainder_at_check[entry->edge][k], answer) : answer[k]);
@@ -391,10 +340,12 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
     double values[AOI_NODES + 1] = {entry->start}, answer[AOI_NODES];
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
     impulse_responses(response, contact, entry->axis, answer);
-    if (entry->sliding) {
-        sliding_defects(entry, h, answer, error);
+    if (entry->sliding) { /* as aoi_sliding_check has found */
+        add_errors(entry, h, entry->sliding->beyond[entry->axis], answer, error);
     } else if (entry->piece != AOI_SLACK) {
-        (entry->edge == AOI_EDGE_NONE ? defects : edge_defects)(contact->law, entry, h, answer, error);
+        double beyond[AOI_EDGE_CHECKS];
+        (entry->edge == AOI_EDGE_NONE ? find_beyond : find_beyond_edge)(contact->law, entry, beyond);
+        add_errors(entry, h, beyond, answer, error);
     }
     for (size_t i = 0; i < AOI_NODES; i++) {
         values[i + 1] = entry->indentation[i];

@@ -12,11 +12,6 @@
 
 enum { MOST_ITERATIONS = 25 };
 
-/* The matrix is kept as long as a change is smaller than the one before by this: to make and invert it anew costs
- * about three iterations with the old one, each of which gains more than a digit. Measured: 0.017 costs 0.3 % more
- * work, 0.15 costs 0.1 %. */
-static const double KEPT = 0.05;
-
 /* The two paths of friction differ little, and their difference changes less: after a smaller change it is kept. */
 static const double FAR_OFF = 1e-2;
 
@@ -35,36 +30,30 @@ int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const ao
     return 0;
 }
 
-void aoi_edge_reach(enum aoi_edge edge, double start, const double *nodes, double *points)
+/* Interpolates nodal values to the edge's quadrature points. The output may alias the input. */
+static void reach(enum aoi_edge edge, double start, const double *nodes, double *points)
 {
     aoi_nodes_multiply_from(start, &aoi_radau_indentation_at_edge[edge][0][0], nodes, points);
 }
 
-void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
-{
-    aoi_nodes_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
-}
-
-void aoi_collocation_evaluate(const aoi_law *law, const aoi_contact_step *entry, int with_rates,
-                         aoi_law_values *of)
+/* Evaluates the law at the nodes, or at the points of an edge. */
+static void evaluate(const aoi_law *law, const aoi_contact_step *entry, int with_rates, aoi_law_values *of)
 {
     double at_points[AOI_NODES], rates_there[AOI_NODES];
     const double *indentation = entry->indentation, *rate = entry->rate;
-    if (entry->piece == AOI_SLACK) {
+    if (entry->piece == AOI_SLACK || entry->sliding) {
         *of = (aoi_law_values){{0.0}, {0.0}, {0.0}};
-        return;
-    }
-    if (entry->sliding) { /* as found for all three entries of the contact */
-        *of = (aoi_law_values){{0.0}, {0.0}, {0.0}};
-        memcpy(of->force, entry->sliding->force[entry->axis], sizeof of->force);
+        if (entry->piece != AOI_SLACK) { /* as found for all three entries of the contact */
+            memcpy(of->force, entry->sliding->force[entry->axis], sizeof of->force);
+        }
         return;
     }
     if (entry->edge != AOI_EDGE_NONE) {
-        aoi_edge_reach(entry->edge, entry->start, entry->indentation, at_points);
+        reach(entry->edge, entry->start, entry->indentation, at_points);
         indentation = at_points;
     }
     if (entry->edge != AOI_EDGE_NONE && with_rates) {
-        aoi_edge_reach(entry->edge, entry->start_rate, entry->rate, rates_there);
+        reach(entry->edge, entry->start_rate, entry->rate, rates_there);
         rate = rates_there;
     }
     aoi_law_forces(law, entry->memory, entry->piece, indentation, rate, of);
@@ -74,7 +63,7 @@ void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *c
 {
     double there[AOI_NODES];
     if (edge != AOI_EDGE_NONE) {
-        aoi_edge_reach(edge, 0.0, column, there);
+        reach(edge, 0.0, column, there);
         column = there;
     }
     for (size_t i = 0; i < AOI_NODES; i++) {
@@ -83,6 +72,32 @@ void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *c
     if (edge != AOI_EDGE_NONE) {
         aoi_edge_project(edge, to, to);
     }
+}
+
+void aoi_newton_add_residual(double residual, double h, double *displacement, double *rate)
+{
+    for (size_t q = 0; q < AOI_NODES && residual != 0.0; q++) {
+        displacement[q * AOI_NODES + q] += residual;
+        if (rate) {
+            aoi_nodes_add(residual / h, aoi_radau_slope_at_node[q + 1], rate + q * AOI_NODES);
+        }
+    }
+}
+
+void aoi_newton_invert(enum aoi_edge edge, const double *stiffness, const double *damping, const double *displacement,
+                       const double *rate, double *inverse)
+{
+    for (size_t q = 0; q < AOI_NODES; q++) {
+        const size_t at = q * AOI_NODES;
+        double by_rate[AOI_NODES];
+        aoi_collocation_weigh(edge, stiffness, displacement + at, inverse + at);
+        if (rate) {
+            aoi_collocation_weigh(edge, damping, rate + at, by_rate);
+            aoi_nodes_add(1.0, by_rate, inverse + at);
+        }
+        inverse[at + q] += 1.0;
+    }
+    aoi_nodes_invert(inverse); /* pivots as in many.c; the inverse has columns likewise */
 }
 
 /* Adds factor times (aim - values), interpolated to the points where the law is evaluated. */
@@ -94,28 +109,20 @@ static void add_lack(const aoi_contact_step *entry, const double *aim, const dou
         lack[i] = at_points[i] = aim[i] - values[i];
     }
     if (entry->edge != AOI_EDGE_NONE) {
-        aoi_edge_reach(entry->edge, 0.0, lack, at_points);
+        reach(entry->edge, 0.0, lack, at_points);
     }
     for (size_t k = 0; k < AOI_NODES; k++) {
         to[k] += factor[k] * at_points[k];
     }
 }
 
-/* The same with friction, whose force depends on all three places of its contact. */
-static void add_sliding_lack(const aoi_contact_step *entry, double *to)
+/* The right-hand side of the first iteration in place of the law's force, or of later ones. */
+static void aim(const aoi_contact_step *entry, int first, int with_rates, aoi_law_values *law)
 {
-    for (size_t i = 0; i < 3; i++) {
-        const aoi_contact_step *of = entry - entry->axis + i;
-        add_lack(of, of->homogeneous, of->indentation, entry->sliding->by[entry->axis][i], to);
-    }
-}
-
-void aoi_collocation_aim(const aoi_contact_step *entry, int first, int with_rates, aoi_law_values *law)
-{
-    if (first && entry->sliding) {
-        add_sliding_lack(entry, law->force);
-    } else if (first) {
-        add_lack(entry, entry->homogeneous, entry->indentation, law->stiffness, law->force);
+    for (size_t r = 0, axes = entry->sliding ? 3 : 1; first && r < axes; r++) { /* friction depends on all three places */
+        const aoi_contact_step *of = entry - entry->axis + r;
+        const double *by = entry->sliding ? entry->sliding->by[entry->axis][r] : law->stiffness;
+        add_lack(of, of->homogeneous, of->indentation, by, law->force);
     }
     if (first && with_rates) {
         add_lack(entry, entry->homogeneous_rate, entry->rate, law->damping, law->force);
@@ -128,9 +135,33 @@ void aoi_collocation_aim(const aoi_contact_step *entry, int first, int with_rate
     }
 }
 
-int aoi_newton_nears(const aoi_newton *newton)
+/* 1 if the iteration is near enough for the difference of two paths of friction to be found, and not so near that it
+ * has been. */
+static int nears(const aoi_newton *newton)
 {
     return newton->iteration == 1 || (newton->iteration > 1 && newton->before > FAR_OFF);
+}
+
+int aoi_newton_law(const aoi_system *system, const aoi_newton *newton, const aoi_contact_step *entry, int with_rates,
+                   aoi_law_values *law)
+{
+    if (entry->sliding && entry->axis == 0 &&
+        aoi_sliding_evaluate(entry->sliding, entry, nears(newton)) != AOI_OK) {
+        return 0;
+    }
+    evaluate(system->contact[entry->contact].law, entry, with_rates, law);
+    aim(entry, newton->iteration == 0, with_rates, law);
+    return 1;
+}
+
+aoi_newton aoi_newton_begin(size_t count, const aoi_contact_step *entry)
+{
+    aoi_newton newton = {0, 1, HUGE_VAL, 1e-15, 0};
+    for (size_t s = 0; s < count; s++) {
+        newton.slides = newton.slides || entry[s].sliding;
+        newton.enough = entry[s].sliding ? fmax(newton.enough, entry[s].sliding->enough) : newton.enough;
+    }
+    return newton;
 }
 
 int aoi_newton_goes_on(const aoi_newton *newton, double change)
@@ -142,11 +173,11 @@ int aoi_newton_done(aoi_newton *newton, double change)
 {
     const int first = newton->iteration++ == 0;
     const double ratio = change / newton->before;
-    newton->renew = !first && !(ratio < KEPT);
+    newton->renew = !first && !(ratio < AOI_NEWTON_KEPT);
     newton->before = change;
     if (first && newton->slides) {
         return 0;
     }
     return change <= newton->enough || (change <= AOI_COLLOCATION_ROUNDING && ratio >= 0.5) ||
-           (!first && ratio < KEPT && ratio * change <= NEXT_CHANGE);
+           (!first && ratio < AOI_NEWTON_KEPT && ratio * change <= NEXT_CHANGE);
 }

@@ -17,17 +17,6 @@ typedef struct single {
     double displacement[SQUARE], rate[SQUARE], inverse[SQUARE];
 } single;
 
-/* Adds the residual compliance of the two bodies to the influences. */
-static void add_residual(double residual, double h, single *of)
-{
-    for (size_t q = 0; q < AOI_NODES && residual != 0.0; q++) {
-        of->displacement[q * AOI_NODES + q] += residual;
-        if (of->with_rates) {
-            aoi_nodes_add(residual / h, aoi_radau_slope_at_node[q + 1], of->rate + q * AOI_NODES);
-        }
-    }
-}
-
 static void couple(const aoi_system *system, const aoi_response *response, double h,
                    const aoi_contact_step *entry, single *of)
 {
@@ -52,67 +41,31 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
     for (size_t k = 0; k < SQUARE && of->with_rates; k++) {
         of->rate[k] = one[k] + other[k];
     }
-    add_residual(residual, h, of);
-}
-
-/* The inverse of 1 + stiffness A + damping B. */
-static void renew(const aoi_contact_step *entry, const aoi_law_values *law, single *of)
-{
-    for (size_t q = 0; q < AOI_NODES; q++) {
-        const size_t at = q * AOI_NODES;
-        double by_rate[AOI_NODES];
-        aoi_collocation_weigh(entry->edge, law->stiffness, of->displacement + at, of->inverse + at);
-        if (of->with_rates) {
-            aoi_collocation_weigh(entry->edge, law->damping, of->rate + at, by_rate);
-            aoi_nodes_add(1.0, by_rate, of->inverse + at);
-        }
-        of->inverse[at + q] += 1.0;
-    }
-    aoi_nodes_invert(of->inverse); /* pivots as in many.c; the inverse has columns likewise */
-}
-
-/* From a change of the forces (the first: from the constant one) to that of indentation and rate. Returns the
- * largest relative to scale. */
-static double move(const single *of, const double *by, int first, aoi_contact_step *entry)
-{
-    const double inverse = 1.0 / entry->scale;
-    double answer[AOI_NODES], largest = 0.0;
-    aoi_nodes_multiply(of->displacement, by, answer);
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        const double next = (first ? entry->homogeneous[i] : entry->indentation[i]) - answer[i];
-        const double change = fabs(next - entry->indentation[i]) * inverse;
-        largest = change <= largest ? largest : change; /* NaN, too, is large */
-        entry->indentation[i] = next;
-        entry->force[i] = (first ? entry->constant : entry->force[i]) + by[i];
-    }
-    if (of->with_rates) {
-        aoi_nodes_multiply(of->rate, by, answer);
-        for (size_t i = 0; i < AOI_NODES; i++) {
-            entry->rate[i] = (first ? entry->homogeneous_rate[i] : entry->rate[i]) - answer[i];
-        }
-    }
-    return largest;
+    aoi_newton_add_residual(residual, h, of->displacement, of->with_rates ? of->rate : NULL);
 }
 
 int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry)
 {
-    const aoi_law *law = system->contact[entry->contact].law;
-    aoi_newton newton = aoi_newton_begin();
+    aoi_newton newton = aoi_newton_begin(1, entry);
     double change;
     single of;
     couple(system, response, h, entry, &of);
     do {
         const int first = newton.iteration == 0;
-        double by[AOI_NODES];
+        double by[AOI_NODES], answer[AOI_NODES], rate_answer[AOI_NODES];
         aoi_law_values values;
-        aoi_collocation_evaluate(law, entry, of.with_rates, &values);
+        (void)aoi_newton_law(system, &newton, entry, of.with_rates, &values);
         if (newton.renew) {
-            renew(entry, &values, &of);
+            aoi_newton_invert(entry->edge, values.stiffness, values.damping, of.displacement, of.with_rates ? of.rate : NULL,
+                              of.inverse);
         }
-        aoi_collocation_aim(entry, first, of.with_rates, &values);
         aoi_nodes_multiply(of.inverse, values.force, by);
-        change = move(&of, by, first, entry);
+        aoi_nodes_multiply(of.displacement, by, answer);
+        if (of.with_rates) {
+            aoi_nodes_multiply(of.rate, by, rate_answer);
+        }
+        change = aoi_newton_take(entry, first, by, answer, of.with_rates ? rate_answer : NULL, 0.0);
         if (aoi_newton_done(&newton, change)) {
             return AOI_OK;
         }

@@ -35,7 +35,7 @@ struct aoi_sliding {
     double force[3][AOI_NODES], by[3][3][AOI_NODES]; /* at the nodes or the points of an edge, and d force/d place */
     double apart[3][AOI_NODES];                      /* by how much those of the second path exceed the first's */
     double drift[3];                                 /* growth of the force's error by the length of the parts   */
-    double beyond[3][AOI_EDGE_CHECKS];               /* the law's less the polynomial's, as defects() has it     */
+    double beyond[3][AOI_EDGE_CHECKS];               /* the law's less the polynomial's, as find_beyond has it   */
 
     double slide[2];                    /* of the bodies since the touch, at the start of a step */
     double last[2][AOI_NODES + 1];      /* the last step's, as Legendre series, to guess the next */

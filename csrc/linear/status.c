@@ -17,7 +17,6 @@ const char *aoi_status_text(int status)
         [AOI_ERROR_LAW] = "a contact law gave no number",
         [AOI_ERROR_LAW_JUMPS] = "less its patch's compliance a contact law has no force: its own jumps",
         [AOI_ERROR_STOPPED] = "the caller's pause said so",
-        [AOI_ERROR_CROWDED] = "more contacts are closed at once than there is room for",
         [AOI_ERROR_FRICTION] = "friction of a contact law that remembers or pulls, or to a tolerance with a damped law or a residual compliance",
         [AOI_ERROR_SPRINGS] = "a contact with friction needs more springs than there is room for",
     };

@@ -59,6 +59,7 @@ typedef struct newton {
     double deepest; /* without forces */
     double ended;    /* adhesive contacts whose last indentation is at most this have separated */
     double rounding; /* relative error at which an equation counts as solved */
+    size_t failed;   /* the last equation asked */
     double yield;    /* factor on the slopes in the matrix; below 1, steps are not shortened */
     iterate now, trial;
     double *size, *rate_size;
@@ -200,8 +201,9 @@ static int solve_three(const aoi_coupled *e, aoi_rubbing *rubbing, size_t i, con
 }
 
 /* Solves the equation of contact i alone, from its present indentation. */
-static int solve_one(const newton *s, iterate *at, size_t i)
+static int solve_one(newton *s, iterate *at, size_t i)
 {
+    s->failed = i;
     const aoi_coupled *e = s->e;
     const aoi_contact_state *contact = &s->contact[i];
     if (contact->rubbing) {
@@ -225,7 +227,7 @@ static int solve_one(const newton *s, iterate *at, size_t i)
     return status;
 }
 
-static int solve_each(const newton *s, iterate *at)
+static int solve_each(newton *s, iterate *at)
 {
     int status = AOI_OK;
     for (size_t i = 0; i < s->e->count && status == AOI_OK; i++) {
@@ -613,7 +615,7 @@ static int next_segment(const aoi_coupled *e, const aoi_contact_state *contact, 
     return 1;
 }
 
-static int solve_segment(const aoi_coupled *e, const aoi_contact_state *contact, size_t low, size_t high,
+static int solve_segment(aoi_coupled *e, const aoi_contact_state *contact, size_t low, size_t high,
                          double deepest, double *work)
 {
     const size_t width = 2 * e->band + 1;
@@ -626,18 +628,21 @@ static int solve_segment(const aoi_coupled *e, const aoi_contact_state *contact,
                               e->indentation + low,
                               e->rate + low,
                               e->force + low,
-                              NULL};
+                              NULL,
+                              0};
     newton s;
     lay_out(&s, &part, contact + low, work);
     s.deepest = deepest;
     s.ended = -HUGE_VAL;
     s.rounding = AOI_COUPLED_ROUNDING;
     s.yield = 1.0;
-    return solve_all(&s);
+    const int status = solve_all(&s);
+    e->failed = low + s.failed;
+    return status;
 }
 
 /* Solves for all segments with active contacts, and marks their contacts with 2. */
-static int solve_active(const aoi_coupled *e, const aoi_contact_state *contact, double deepest,
+static int solve_active(aoi_coupled *e, const aoi_contact_state *contact, double deepest,
                        double *active)
 {
     size_t low, high = 0;
@@ -671,6 +676,7 @@ static int activate(const aoi_coupled *e, const aoi_contact_state *contact, doub
 
 int aoi_coupled_solve(aoi_coupled *e, const aoi_contact_state *contact)
 {
+    e->failed = 0;
     if (e->count == 1) {
         return solve_single(e, contact);
     }

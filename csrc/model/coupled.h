@@ -40,13 +40,15 @@ typedef struct aoi_contact_state {
  * rate_compliance F, with each F its own law's force; with friction of three delta that are its own place, the slides
  * since the last step. The matrices are count x (2 band + 1) by rows,
  * row i holding the columns i-band .. i+band: contacts that share a body are at most band apart.
- * indentation, rate, force: count doubles each, the solution. work: aoi_coupled_size doubles. */
+ * indentation, rate, force: count doubles each, the solution. work: aoi_coupled_size doubles. failed: set where a law gives
+ * an error, the equation that it has. */
 typedef struct aoi_coupled {
     size_t count, band;
     double *compliance, *rate_compliance;
     double *free, *rate_free;
     double *indentation, *rate, *force;
     double *work;
+    size_t failed;
 } aoi_coupled;
 
 size_t aoi_coupled_size(size_t count, size_t band);

@@ -6,6 +6,7 @@
 #include "linear/work.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Entries of a residual that should be equal may differ by this share of the ports' own: rounding of a reduction. */
 static const double SYMMETRY = 1e-6;
@@ -84,6 +85,17 @@ static int body_is_sound(const aoi_modes *body)
            all_finite(body->centre, n) && all_finite(body->centre_residual, ports);
 }
 
+/* True if friction is as aoi_friction_create makes it of that law. */
+static int friction_is_sound(const aoi_friction *friction, const aoi_law *law)
+{
+    aoi_friction made;
+    const aoi_law *of = &friction->law;
+    return aoi_friction_create(&made, law, friction->mu, friction->ratio, friction->precision) == AOI_OK &&
+           of->force == law->force && of->compliance == 0.0 && of->table == law->table &&
+           memcmp(of->parameter, law->parameter, sizeof of->parameter) == 0 &&
+           memcmp(&of->user, &law->user, sizeof of->user) == 0;
+}
+
 static int contact_is_sound(const aoi_system *system, const aoi_contact *contact)
 {
     const size_t ports = aoi_contact_forces(contact);
@@ -95,7 +107,8 @@ static int contact_is_sound(const aoi_system *system, const aoi_contact *contact
     }
     return contact->body[0] != contact->body[1] && isfinite(contact->gap) &&
            aoi_law_check(contact->law) == AOI_OK && all_finite(contact->compliance, ports * ports) &&
-           (!contact->compliance || contact->compliance[0] == contact->law->compliance);
+           (!contact->compliance || contact->compliance[0] == contact->law->compliance) &&
+           (!contact->friction || friction_is_sound(contact->friction, contact->law));
 }
 
 /* True if a force on a port moves it: that of a wall it does not. */
@@ -228,6 +241,16 @@ size_t aoi_system_most_modes(const aoi_system *system)
         most = system->body[b].n > most ? system->body[b].n : most;
     }
     return most;
+}
+
+int aoi_system_bends(const aoi_system *system)
+{
+    for (size_t b = 0; b < system->body_count; b++) {
+        if (system->body[b].residual) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 double aoi_system_residual(const aoi_system *system, size_t c, size_t by)

@@ -24,6 +24,9 @@ static inline int aoi_system_rubs(const aoi_system *system)
     return aoi_system_forces(system) > system->contact_count;
 }
 
+/* True if any body has a residual compliance. */
+int aoi_system_bends(const aoi_system *system);
+
 /* Reduction of the indentation of a contact per unit force of another, or of its own, by residual compliances, m/N. */
 double aoi_system_residual(const aoi_system *system, size_t c, size_t by);
 

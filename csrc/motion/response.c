@@ -22,27 +22,51 @@ static const double SERIES_LIMIT = 3.0;
 /* Terms of the series below this share of the first add nothing. */
 static const double NOTHING = 1e-18;
 
+static size_t pairs_for(const aoi_modes *body, size_t columns)
+{
+    return columns == AOI_BY_MODES ? body->n : aoi_times(body->ports, columns);
+}
+
 size_t aoi_response_size(const aoi_modes *body, size_t columns)
 {
-    const size_t pairs = aoi_times(aoi_times(body->ports, columns), 2 * SQUARE + OF_PAIR);
+    const size_t pairs = aoi_times(pairs_for(body, columns), 2 * SQUARE + OF_PAIR);
     return aoi_plus(aoi_plus(aoi_times(6 * AOI_NODES, body->n), pairs), aoi_times(body->ports, AOI_NODES));
 }
 
-/* A pair is a port and a column: where the shape of the one and the push on the other begin. */
+/* A pair is a port and a column, or a mode twice: the shape of modes j .. j + 3 at the one and the push on the other. */
 static size_t pairs_of(const aoi_response *response, const aoi_modes *body)
 {
-    return body->ports * response->columns.count;
+    return pairs_for(body, response->columns.count);
 }
 
-static const double *shape_of(const aoi_response *response, const aoi_modes *body, size_t pair)
+static const double OF_MODE[AOI_LANES][AOI_LANES] = {
+    {1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
+
+static const double *shape_of(const aoi_response *response, const aoi_modes *body, size_t pair, size_t j)
 {
-    return body->shape + pair / response->columns.count * body->n;
+    const size_t columns = response->columns.count;
+    return columns == AOI_BY_MODES ? OF_MODE[pair - j] : body->shape + pair / columns * body->n + j;
 }
 
-static const double *push_of(const aoi_response *response, const aoi_modes *body, size_t pair)
+static const double *push_of(const aoi_response *response, const aoi_modes *body, size_t pair, size_t j)
 {
-    const size_t column = pair % response->columns.count;
-    return body->push + (response->columns.port ? response->columns.port[column] : column) * body->n;
+    const size_t columns = response->columns.count;
+    if (columns == AOI_BY_MODES) {
+        return OF_MODE[pair - j];
+    }
+    const size_t column = pair % columns;
+    return body->push + (response->columns.port ? response->columns.port[column] : column) * body->n + j;
+}
+
+/* The pairs that modes j .. j + 3 move: from the first to before the last. */
+static size_t first_pair(const aoi_response *response, size_t j)
+{
+    return response->columns.count == AOI_BY_MODES ? j : 0;
+}
+
+static size_t last_pair(const aoi_response *response, const aoi_modes *body, size_t j)
+{
+    return response->columns.count == AOI_BY_MODES ? j + aoi_lanes_count(body, j) : pairs_of(response, body);
 }
 
 static double decay_of(const aoi_modes *body, size_t j)
@@ -91,8 +115,8 @@ static size_t add_slow(const aoi_response *response, const aoi_modes *body, size
         }
     }
     size_t used = 0;
-    for (size_t pair = 0; any && pair < pairs_of(response, body); pair++) {
-        const double *shape = shape_of(response, body, pair) + j, *push = push_of(response, body, pair) + j;
+    for (size_t pair = first_pair(response, j), last = last_pair(response, body, j); any && pair < last; pair++) {
+        const double *shape = shape_of(response, body, pair, j), *push = push_of(response, body, pair, j);
         double weight[AOI_LANES] = {0.0};
         for (size_t lane = 0; lane < AOI_LANES; lane++) {
             if (joins[lane]) {
@@ -110,8 +134,8 @@ static void add_fast(const aoi_response *response, const aoi_modes *body, size_t
                      const aoi_integrals *of)
 {
     const double h = response->h, part = h * aoi_radau_node[i];
-    for (size_t pair = 0; pair < pairs_of(response, body); pair++) {
-        const double *shape = shape_of(response, body, pair) + j, *push = push_of(response, body, pair) + j;
+    for (size_t pair = first_pair(response, j), last = last_pair(response, body, j); pair < last; pair++) {
+        const double *shape = shape_of(response, body, pair, j), *push = push_of(response, body, pair, j);
         double *sums = response->scratch + pair * OF_PAIR + AOI_RADAU_MOMENTS;
         double weight[AOI_LANES] = {0.0};
         for (size_t lane = 0; lane < aoi_lanes_count(body, j); lane++) {
@@ -179,7 +203,7 @@ static void free_mass(aoi_response *response, const aoi_modes *body)
         response->to_v[i] = h * aoi_radau_on_part[AOI_NODES - 1][0][i];
         response->to_x[i] = 0.5 * h * response->to_v[i] - h * h / 6.0 * aoi_radau_on_part[AOI_NODES - 1][1][i];
         for (size_t pair = 0; pair < pairs_of(response, body); pair++) {
-            const double weight = *shape_of(response, body, pair) * *push_of(response, body, pair);
+            const double weight = *shape_of(response, body, pair, 0) * *push_of(response, body, pair, 0);
             const double once = weight * time, twice[2] = {0.5 * once * time, -once * time / 6.0};
             put_row(twice, 2, i, response->influence + pair * SQUARE);
             if (response->has_rates) {

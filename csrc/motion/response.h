@@ -5,10 +5,13 @@
 #include "law/law.h"
 
 /* The ports on which forces act, each with a column of an influence: port[column], and of[port] its column. NULL both
- * where each port has the column of its own number. */
+ * where each port has the column of its own number. count AOI_BY_MODES: influences are those on each mode of a unit force
+ * on it, [n][node][node], of which the influence on a port of a force on another is a sum. */
 typedef struct aoi_columns {
     size_t count, *port, *of;
 } aoi_columns;
+
+#define AOI_BY_MODES SIZE_MAX
 
 /* Response of a body over a step of length h to polynomial forces, given by their values at the AOI_NODES Radau nodes:
  * exact for any omega h. */
@@ -31,7 +34,7 @@ static inline size_t aoi_response_at(const aoi_response *response, size_t port, 
     return (port * columns->count + (columns->of ? columns->of[by] : by)) * AOI_NODES * AOI_NODES;
 }
 
-/* Doubles of the block behind the arrays, for so many columns. */
+/* Doubles of the block behind the arrays, for so many columns, or AOI_BY_MODES. */
 size_t aoi_response_size(const aoi_modes *body, size_t columns);
 
 /* Fills the tables of a step of length h > 0. columns: NULL for each port in its own. block as above and the columns'

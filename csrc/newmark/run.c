@@ -42,7 +42,7 @@ static aoi_newmark lay_out(const aoi_system *system, void *block, size_t *size)
     const size_t bodies = system->body_count, forces = aoi_system_forces(system);
     const size_t rubbing = (forces - system->contact_count) / 2;
     const size_t ports = system->first_port[bodies], rows = aoi_record_rows(system);
-    aoi_newmark made = {.system = system};
+    aoi_newmark made = {.system = system, .deflects = aoi_system_bends(system)};
     aoi_coupled *e = &made.coupled;
     (void)aoi_memory_take(&memory, 1, sizeof made);
     e->count = forces;
@@ -79,7 +79,6 @@ static aoi_newmark lay_out(const aoi_system *system, void *block, size_t *size)
             body.v = made.v + system->first[b];
             made.body[b] = body;
             made.loaded = made.loaded || body.model->load.count > 0;
-            made.deflects = made.deflects || body.model->residual;
         }
     }
     *size = memory.used;
@@ -447,11 +446,7 @@ static void start_push(aoi_newmark *run, const aoi_start *start, const double *s
 /* True if a body rests deflected by forces that are not given: only an adaptive run finds them. */
 static int rests_deflected(const aoi_system *system, const aoi_start *start)
 {
-    size_t residuals = 0;
-    for (size_t b = 0; b < system->body_count; b++) {
-        residuals += system->body[b].residual != NULL;
-    }
-    return start->rested && !start->force && residuals > 0;
+    return start->rested && !start->force && aoi_system_bends(system);
 }
 
 static int take(const double *given, size_t count, double *copy)
@@ -496,7 +491,7 @@ static int begin(aoi_newmark *run, const aoi_start *start)
     find_ports(run);
     for (size_t i = 0; i < run->coupled.count && status == AOI_OK; i++) {
         status = contact_begin(run, i, start);
-        run->failed = run->state[i].contact;
+        run->failed = status != AOI_OK ? run->state[i].contact : run->failed;
         run->coupled.force[i] = run->state[i].force;
     }
     if (status != AOI_OK) {
@@ -532,6 +527,7 @@ int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule
     run->energies = energies;
     run->record = record;
     run->columns = columns;
+    run->failed = SIZE_MAX;
     if (!take(start->x, all, run->x) || !take(start->v, all, run->v)) {
         return AOI_ERROR_NOT_FINITE;
     }
@@ -631,10 +627,11 @@ static int step(aoi_newmark *run, double time)
     }
     if (status == AOI_OK) {
         status = aoi_coupled_solve(e, run->state);
+        run->failed = status == AOI_ERROR_LAW ? run->state[e->failed].contact : run->failed;
     }
     for (size_t c = 0; c < e->count && status == AOI_OK; c++) {
         status = contact_advance(e, c, &run->state[c]);
-        run->failed = run->state[c].contact;
+        run->failed = status != AOI_OK ? run->state[c].contact : run->failed;
     }
     if (status == AOI_OK) {
         correct(run);

@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bytes copied between looks for signals: a hundredth of a second at most. */
-#define CHUNK ((size_t)1 << 22)
-
 /* ---------------------------------------------------------------------------------- the run */
 
 static const size_t MOST_BYTES = (size_t)1 << 30;
@@ -33,19 +30,6 @@ static int grow(aoi_track *track, size_t room)
     return 1;
 }
 
-/* Goes on without the GIL, by so many rows at most. */
-static int run_piece(aoi_adaptive *run, aoi_track *track, size_t rows)
-{
-    const size_t all = track->row_capacity;
-    int status;
-    track->row_capacity = all - track->rows < rows ? all : track->rows + rows;
-    Py_BEGIN_ALLOW_THREADS
-    status = aoi_adaptive_run(run, track);
-    Py_END_ALLOW_THREADS
-    track->row_capacity = all;
-    return status;
-}
-
 /* Runs in pieces, between which signals are checked, up to about most_steps steps, rejected ones included. */
 static int run_to_end(aoi_adaptive *run, const aoi_system *system, double end, aoi_track *track,
                       size_t most_steps)
@@ -64,7 +48,12 @@ static int run_to_end(aoi_adaptive *run, const aoi_system *system, double end, a
         }
         const int timed = track->rows > 0; /* most runs have one piece, shorter than a look at the clock is worth */
         const clock_t began = timed ? clock() : 0;
-        status = run_piece(run, track, rows);
+        const size_t all = track->row_capacity;
+        track->row_capacity = all - track->rows < rows ? all : track->rows + rows;
+        Py_BEGIN_ALLOW_THREADS
+        status = aoi_adaptive_run(run, track);
+        Py_END_ALLOW_THREADS
+        track->row_capacity = all;
         rows = timed ? piece_after(rows, began) : rows;
         if (PyErr_CheckSignals() != 0) {
             break;
@@ -113,20 +102,17 @@ static PyObject *one_contact(const aoi_adaptive *run, size_t c, size_t count, co
     return Py_BuildValue("dddNN", of.force, of.time, of.impulse, spans, touches);
 }
 
-/* Intervals that are found by one reading of the track; two readings find more. */
-enum { FEW_INTERVALS = 4 };
-
 static PyObject *contacts_of(const aoi_adaptive *run, kept_track *kept, double end)
 {
     const aoi_system *system = &kept->made.system;
     const size_t contacts = system->contact_count;
-    aoi_interval *work = call_room(&kept->of, contacts, sizeof *work), few[FEW_INTERVALS], *interval = few;
-    const size_t count = work ? aoi_track_intervals(system, &kept->track, end, work, FEW_INTERVALS, few) : 0;
-    if (count > FEW_INTERVALS) {
+    aoi_interval *work = call_room(&kept->of, contacts, sizeof *work), *interval = NULL;
+    const size_t count = work ? aoi_track_intervals(system, &kept->track, end, work, 0, NULL) : 0;
+    if (count > 0) {
         interval = call_room(&kept->of, count, sizeof *interval);
-        if (interval) {
-            (void)aoi_track_intervals(system, &kept->track, end, work, count, interval);
-        }
+    }
+    if (interval) {
+        (void)aoi_track_intervals(system, &kept->track, end, work, count, interval);
     }
     PyObject *result = kept->of.status == AOI_OK ? PyTuple_New((Py_ssize_t)contacts) : NULL;
     for (size_t c = 0; result && c < contacts; c++) {
@@ -136,9 +122,7 @@ static PyObject *contacts_of(const aoi_adaptive *run, kept_track *kept, double e
         }
     }
     free(work);
-    if (interval != few) {
-        free(interval);
-    }
+    free(interval);
     return result;
 }
 
@@ -151,44 +135,6 @@ static PyObject *adaptive_result(const aoi_adaptive *run, kept_track **kept, dou
     PyObject *contacts = contacts_of(run, *kept, end), *track = contacts ? track_capsule(kept) : NULL;
     return Py_BuildValue("Ny#y#Nnn", track, (const char *)at.x, state, (const char *)at.v, state, contacts,
                          (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
-}
-
-/* Up to this size a run has room for all contacts closed at once, B. */
-static const size_t BYTES_FOR_ALL = (size_t)1 << 24;
-
-/* Contacts closed at once for which a run has room at first: fewer than all where bodies with many contacts make it
- * large. Few of these are closed at once as a rule, and the run is much faster as well. */
-static size_t first_at_once(aoi_system system)
-{
-    system.at_once = system.contact_count;
-    for (size_t size = aoi_adaptive_size(&system), before = SIZE_MAX; size > BYTES_FOR_ALL && size < before / 4 * 3;) {
-        system.at_once = (system.at_once + 1) / 2;
-        before = size;
-        size = aoi_adaptive_size(&system);
-    }
-    return system.at_once;
-}
-
-/* Makes the run, and makes it again with more room for as long as it has too little. */
-static int run_with_room(aoi_adaptive **run, kept_track *kept, const aoi_start *start, double rtol, double end,
-                         size_t most_steps)
-{
-    aoi_system *system = &kept->made.system;
-    int status = AOI_ERROR_CROWDED;
-    for (system->at_once = first_at_once(*system); status == AOI_ERROR_CROWDED; system->at_once *= 2) {
-        free(*run);
-        *run = malloc(aoi_adaptive_size(system));
-        if (!*run) {
-            PyErr_NoMemory();
-            return CALL_RAISED;
-        }
-        kept->track.used = kept->track.rows = 0;
-        status = aoi_adaptive_start(*run, system, start, rtol, end);
-        if (status == AOI_OK) {
-            status = run_to_end(*run, system, end, &kept->track, most_steps);
-        }
-    }
-    return status;
 }
 
 /* (bodies, contacts, rtol, end, x, moving, velocities, most steps); x: modes at the start, None where they are zero. */
@@ -213,8 +159,12 @@ PyObject *adaptive(PyObject *args)
     TAKE_SOME(&of, args, 4, 8, ARRAY('o', start.x, all));
     take_moving(&of, moving, velocities, system, v);
     start.rested = start.x != NULL;
-    if (of.status == AOI_OK) {
-        of.status = run_with_room(&run, kept, &start, rtol, end, most_steps);
+    if (of.status == AOI_OK && !(run = malloc(aoi_adaptive_size(system)))) {
+        PyErr_NoMemory();
+        of.status = CALL_RAISED;
+    }
+    if (of.status == AOI_OK && (of.status = aoi_adaptive_start(run, system, &start, rtol, end)) == AOI_OK) {
+        of.status = run_to_end(run, system, end, &kept->track, most_steps);
     }
     if (run) {
         const aoi_progress reached = aoi_adaptive_progress(run);

@@ -32,7 +32,7 @@ typedef struct part {
 typedef struct plant {
     part part[MOST_BODIES];
     aoi_modes body[MOST_BODIES];
-    size_t bodies, contacts, at_once;
+    size_t bodies, contacts;
     aoi_contact contact[MOST_CONTACTS];
     aoi_system system;
     size_t links[3 * (MOST_BODIES + 2) + 3 * MOST_CONTACTS + 4];
@@ -140,7 +140,6 @@ static inline int lay_out(plant *p)
     }
     p->system = (aoi_system){.body_count = p->bodies, .contact_count = p->contacts, .body = p->body};
     p->system.contact = p->contact;
-    p->system.at_once = p->at_once;
     CHECK(aoi_system_size(&p->system) <= sizeof p->links, "room for links");
     const int status = aoi_system_link(&p->system, p->links);
     for (size_t b = 0; status == AOI_OK && b < p->bodies; b++) {

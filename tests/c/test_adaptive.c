@@ -1172,66 +1172,6 @@ static void bodies_without_contacts_fly(void)
     release(&p);
 }
 
-/* A ringing body that balls strike in turn: two contacts overlap, the third begins after the first has ended. */
-static plant struck_in_turn(const aoi_law *law, size_t at_once)
-{
-    uint64_t seed = 5;
-    plant p = {.at_once = at_once};
-    add_ringing(&p, 8, 3, 2.0, 4e4, 0.0, &seed);
-    for (size_t q = 0; q < 3; q++) {
-        add_rigid(&p, 0.1, 1.0);
-        join(&p, 1 + q, 0, 0, q, 2.5e-4 * (double)q, law);
-    }
-    return p;
-}
-
-static void room_for_the_contacts_closed_at_once_is_enough(void)
-{
-    const aoi_law law = hertz(1e9);
-    plant all = struck_in_turn(&law, 0), two = struck_in_turn(&law, 2), one = struck_in_turn(&law, 1);
-    must_go(&all, 1e-7, 1e-3);
-    must_go(&two, 1e-7, 1e-3);
-    for (size_t c = 0; c < 3; c++) {
-        const aoi_peak wanted = aoi_adaptive_peak(all.run, c), got = aoi_adaptive_peak(two.run, c);
-        CHECK(wanted.force > 0.0 && memcmp(&wanted, &got, sizeof got) == 0, "contact %zu", c);
-    }
-    CHECK(go(&one, 1e-7, 1e-3) == AOI_ERROR_CROWDED, "two are closed at once");
-    release(&all);
-    release(&two);
-    release(&one);
-}
-
-/* Bytes of a run of that many rigid balls at one body, of which ten are in contact at once. */
-static double bytes_of_balls(size_t count)
-{
-    static double shape[2 * 801], one = 1.0, zero = 0.0, omega[2] = {0.0, 1e4};
-    aoi_modes *body = calloc(count + 1, sizeof *body);
-    aoi_contact *contact = calloc(count, sizeof *contact);
-    const aoi_law law = hertz(1e9);
-    for (size_t k = 0; k < 2 * count; k++) {
-        shape[k] = 1.0;
-    }
-    body[count] = (aoi_modes){.n = 2, .ports = count, .omega = omega, .shape = shape, .push = shape, .centre = shape};
-    for (size_t b = 0; b < count; b++) {
-        body[b] = (aoi_modes){.n = 1, .ports = 1, .omega = &zero, .shape = &one, .push = &one, .centre = &one};
-        contact[b] = (aoi_contact){{b, count}, {0, b}, 0.0, &law, NULL, NULL};
-    }
-    aoi_system system = {.body_count = count + 1, .contact_count = count, .body = body, .contact = contact, .at_once = 10};
-    void *links = malloc(aoi_system_size(&system));
-    CHECK(aoi_system_link(&system, links) == AOI_OK, "linked");
-    const double size = (double)aoi_adaptive_size(&system);
-    free(links);
-    free(body);
-    free(contact);
-    return size;
-}
-
-static void memory_is_linear_in_the_contacts_of_a_body(void)
-{
-    CHECK(bytes_of_balls(800) < 2.1 * bytes_of_balls(400), "twice as many");
-    CHECK(bytes_of_balls(800) < 2e8, "%g bytes", bytes_of_balls(800));
-}
-
 /* No machine has the memory: malloc refuses what these say. */
 static void sizes_that_overflow_are_too_large(void)
 {
@@ -1283,8 +1223,6 @@ int main(void)
     energies_that_overflow_are_refused();
     senseless_runs_are_refused();
     bodies_without_contacts_fly();
-    room_for_the_contacts_closed_at_once_is_enough();
-    memory_is_linear_in_the_contacts_of_a_body();
     sizes_that_overflow_are_too_large();
     return check_report();
 }

@@ -301,8 +301,41 @@ static void every_status_has_words_of_its_own(void)
     }
 }
 
+static double no_number(double indentation, double rate)
+{
+    return indentation > 1e-7 ? (double)NAN : 1e9 * indentation + 0.0 * rate;
+}
+
+/* Two balls, one with a law that gives no number, strike a third: Newmark's run says which, or none before. */
+static void a_run_names_the_contact_that_failed(void)
+{
+    static const double zero = 0.0, tens[2] = {10.0, 10.0}, v[3] = {0.1, 0.0, 0.0}, k = 1e9;
+    const aoi_modes ball = {.n = 1, .ports = 1, .omega = &zero, .shape = tens, .push = tens, .centre = tens};
+    aoi_modes body[3] = {ball, ball, ball};
+    const aoi_user_law user = {.function = {no_number}, .given = {1}};
+    aoi_law law[2];
+    body[0].ports = 2;
+    CHECK(aoi_law_create(&law[0], "hertz", 1, &k) == AOI_OK && aoi_law_create_user(&law[1], &user, 0, 0) == AOI_OK, "laws");
+    for (size_t failing = 0; failing < 2; failing++) {
+        const aoi_contact contact[2] = {{{0, 1}, {0, 0}, 0.0, &law[failing == 0], NULL, NULL},
+                                        {{0, 2}, {1, 0}, 0.0, &law[failing == 1], NULL, NULL}};
+        aoi_system system = {.body_count = 3, .contact_count = 2, .body = body, .contact = contact};
+        const aoi_start start = {.v = v};
+        const aoi_rule rule = {1e-7, 0.25, 0.5};
+        size_t links[40], done;
+        double record[2000];
+        CHECK(aoi_system_size(&system) <= sizeof links && aoi_system_link(&system, links) == AOI_OK, "linked");
+        aoi_newmark *run = malloc(aoi_newmark_size(&system));
+        CHECK(aoi_newmark_start(run, &system, &rule, &start, 0, record, 50) == AOI_OK, "it starts");
+        CHECK(aoi_newmark_progress(run).failed == SIZE_MAX, "nothing has failed");
+        CHECK(aoi_newmark_run(run, 49, &done) == AOI_ERROR_LAW && aoi_newmark_progress(run).failed == failing, "no number");
+        free(run);
+    }
+}
+
 int main(void)
 {
+    a_run_names_the_contact_that_failed();
     a_star_moves_as_a_whole();
     what_is_not_linked_is_refused();
     starts_that_cannot_be();

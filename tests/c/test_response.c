@@ -157,6 +157,33 @@ static void ports_move_at_the_nodes_as_the_modes_do(void)
     }
 }
 
+/* The influence of a force on a port is the sum of those on the modes, by what each has of both ports. */
+static void influences_are_sums_over_the_modes(void)
+{
+    plant p = {.bodies = 0};
+    furnish(&p, 1, 0);
+    p.part[0].decay[2] = p.part[0].decay[3] = 0.0; /* slow modes, too */
+    const aoi_columns by_modes = {AOI_BY_MODES, NULL, NULL};
+    aoi_response whole, apart;
+    double *block[2] = {malloc(aoi_response_size(p.body, 2) * sizeof(double)),
+                        malloc(aoi_response_size(p.body, AOI_BY_MODES) * sizeof(double))};
+    aoi_response_make(&whole, p.body, NULL, 0.9, 1, block[0]);
+    aoi_response_make(&apart, p.body, &by_modes, 0.9, 1, block[1]);
+    const part *of = &p.part[0];
+    for (size_t i = 0; i < 4 * AOI_NODES * AOI_NODES; i++) {
+        const size_t pair = i / (AOI_NODES * AOI_NODES), at = i % (AOI_NODES * AOI_NODES);
+        double sum = 0.0, rate = 0.0;
+        for (size_t j = 0; j < of->n; j++) {
+            const double weight = of->shape[pair / 2 * of->n + j] * of->push[pair % 2 * of->n + j];
+            sum += weight * apart.influence[j * AOI_NODES * AOI_NODES + at];
+            rate += weight * apart.influence_rate[j * AOI_NODES * AOI_NODES + at];
+        }
+        CHECK(fabs(sum - whole.influence[i]) < 1e-15 && fabs(rate - whole.influence_rate[i]) < 1e-14, "pair %zu", pair);
+    }
+    free(block[0]);
+    free(block[1]);
+}
+
 /* Under a unit impulse each mode moves as aoi_oscillator_motion says. */
 static void the_impulse_response_is_that_to_an_impulse(void)
 {
@@ -209,6 +236,7 @@ int main(void)
     a_push_reaches_any_place_within_the_step();
     ports_move_at_the_nodes_as_the_modes_do();
     the_impulse_response_is_that_to_an_impulse();
+    influences_are_sums_over_the_modes();
     a_rising_load_moves_the_residual();
     return check_report();
 }

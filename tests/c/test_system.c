@@ -155,6 +155,26 @@ static void nothing_moves_between_walls(void)
     CHECK(aoi_system_link(&t.system, t.links) == AOI_OK, "a soft place on one");
 }
 
+/* Friction has springs of the contact's law: one that was never made, or of another law, would give two laws' forces. */
+static void friction_is_of_the_contacts_law(void)
+{
+    static const double ones[3] = {1.0, 1.0, 1.0}, k = 2e6;
+    const aoi_modes body = {.n = 1, .ports = 3, .omega = ZERO, .shape = ones, .push = ones, .centre = ones};
+    const aoi_modes bodies[2] = {body, body};
+    aoi_law law[3] = {linear_law(), linear_law(), linear_law()}; /* its own, softer by its compliance, and another */
+    aoi_friction made[2] = {{.mu = 0.2}, {.mu = 0.2, .ratio = 0.8, .precision = 1e-4}};
+    law[1].compliance = 1e-9;
+    CHECK(aoi_law_create(&law[2], "linear", 1, &k) == AOI_OK, "twice as stiff");
+    CHECK(aoi_friction_create(&made[0], law, 0.2, 0.8, 1e-4) == AOI_OK, "friction");
+    for (size_t i = 0; i < 6; i++) {
+        const aoi_contact contact = {.body = {0, 1}, .law = &law[i / 2], .friction = &made[i % 2]};
+        aoi_system system = {.body_count = 2, .contact_count = 1, .body = bodies, .contact = &contact};
+        size_t links[40];
+        CHECK(aoi_system_size(&system) <= sizeof links, "room");
+        CHECK(aoi_system_link(&system, links) == (i == 0 || i == 2 ? AOI_OK : AOI_ERROR_ARGUMENT), "pair %zu", i);
+    }
+}
+
 /* Where the rows of a record stand: four of each contact, then six and two a port of each body. */
 static void the_rows_of_a_record(void)
 {
@@ -172,6 +192,7 @@ int main(void)
     what_cannot_be_run_is_refused();
     a_contact_is_between_two_bodies();
     nothing_moves_between_walls();
+    friction_is_of_the_contacts_law();
     the_rows_of_a_record();
     return check_report();
 }
