@@ -1,12 +1,10 @@
 """Speed against error: the errors are true ones, the methods agree, and the table says it."""
 
-import csv
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import work_precision as benchmark
 from impacts import SCENES, beam_star
 from scipy_solvers import Outcome, ode_scene
 from work_precision import Reference, work_precision
@@ -168,65 +166,6 @@ def test_a_result_may_be_the_reference():
     assert study(adaptive=(1e-6,), reference=truth).reference.source == truth.solver
 
 
-def test_settings_by_default_cover_both_solvers():
-    table = work_precision(**SCENE, repeats=1)
-    assert table.methods == ("Newmark", "Adaptive")
-    assert len(table.rows) >= 10
-    assert table.fastest("Newmark", 1e-14) is None
-    assert table.fastest("Newmark", 1e-3).seconds <= table.fastest("Newmark", 1e-6).seconds
-
-
-def test_text_html_csv_and_figure(tmp_path):
-    table = study(newmark=(1e-6,), adaptive=(1e-3, 1e-6), scipy=["RK45"])
-    text = repr(table)
-    for part in ("rigid on wall", "uncertain by", "dt=1e-06 s", "rtol=0.001", "SciPy RK45"):
-        assert part in text
-        assert part in table._repr_html_()
-    assert "fastest with errors up to 1e-03" in text
-    table.to_csv(tmp_path / "table.csv")
-    with open(tmp_path / "table.csv", newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert [row["method"] for row in rows] == [row.method for row in table.rows]
-    assert float(rows[0]["error of peak_force"]) == table.rows[0].peak_force
-    axes = table.plot()
-    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert {line.get_label() for line in axes.get_lines()} == set(table.methods)
-    assert table.plot(axes) is axes
-
-
-def test_what_fails_is_a_row_that_says_so(monkeypatch):
-    monkeypatch.setattr(benchmark, "_LONGEST", 0.0)
-    table = study(scipy=["RK45"])
-    assert all("took too long" in row.failure for row in table.rows)
-    assert table.reference.independent is None
-    assert "took too long" in repr(table)
-    assert table.fastest("SciPy RK45", 1.0) is None
-    table.plot()
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"scipy": ["RK4"]}, "scipy"),
-        ({"repeats": 0}, "repeats"),
-        ({"newmark": [-1e-6]}, "newmark"),
-        ({"adaptive": [0.0]}, "adaptive"),
-        ({"velocity": 0.0}, "velocity"),
-        ({"reference": 3.0}, "reference"),
-        ({"target": 3.0}, "target"),
-    ],
-)
-def test_wrong_arguments_are_named(changes, words):
-    with pytest.raises((ao.InputError, ao.InputTypeError), match=words):
-        study(**changes)
-
-
-def test_finite_elements_are_to_be_reduced_first():
-    tip = ao.FEModel(K=np.eye(2), M=np.eye(2)).contact(dof=0)
-    with pytest.raises(ao.InputTypeError, match="antioscillators"):
-        study(target=tip)
-
-
 # ---------------------------------------------------------------------- the scenes, the command
 
 
@@ -244,13 +183,3 @@ def test_the_scenes_give_the_published_forces():
     for name, peak in (("pair", 814.3692123467), ("beam", 1087.919053568)):
         hit = ao.simulate(**SCENES[name](), solver=ao.Adaptive(rtol=1e-9))
         assert hit.peak_force == pytest.approx(peak, rel=1e-8)
-
-
-def test_program_prints_and_writes(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(benchmark, "_STEPS", {"pair": (1e-6,)})
-    command = ["work_precision.py", "--scene", "pair", "--out", str(tmp_path)]
-    monkeypatch.setattr("sys.argv", command)
-    benchmark.main()
-    text = capsys.readouterr().out
-    assert "AO(1) on AO(1)" in text
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["pair.csv", "pair.png"]
