@@ -30,7 +30,7 @@ Impacts, scenes of many bodies, and what integrates them
 Results
     Result, Run
 Many impacts, and files
-    sweep, SweepTable, simulate_many, iterate_many, read_scene, SceneFile
+    sweep, SweepTable, simulate_many, read_scene, SceneFile
 Which model, and which law
     compare, Comparison, fit_law, LawFit
 Errors

@@ -16,7 +16,6 @@ from .base import SceneFileError as SceneFileError
 from .base import SingularError as SingularError
 from .base import WorkerError as WorkerError
 from .batch import SweepTable as SweepTable
-from .batch import iterate_many as iterate_many
 from .batch import simulate_many as simulate_many
 from .batch import sweep as sweep
 from .fem import Audit as Audit

@@ -112,7 +112,7 @@ def monte_carlo() -> None:
 def million() -> None:
     """A stream of a million cases."""
     start = time.perf_counter()
-    total = sum(kept["peak_force"] for kept in ao.iterate_many(cases(RIGID, 10**6), keep=NAMES))
+    total = sum(kept["peak_force"] for kept in ao.simulate_many(cases(RIGID, 10**6), keep=NAMES))
     unit = 1 if sys.platform == "darwin" else 1024
     most = unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     seconds = time.perf_counter() - start

@@ -4,6 +4,6 @@ Plain impacts run many in one call of the core (plain.py); all others by `simula
 contact point share its model (shared.py, sharednumbers.py). For `cli`.
 """
 
-from .many import iterate_many, simulate_many
+from .many import simulate_many
 from .sweep import sweep, sweep_file
 from .sweep_table import SweepTable

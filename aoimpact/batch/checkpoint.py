@@ -42,7 +42,6 @@ class Checkpoint:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         name = str(file_path("checkpoint", path))
         self._places: dict[str, int] = {}
-        self._new: set[str] = set()
         try:
             # Without buffer: each line is written at once.
             self._written = open(name, "ab", buffering=0)  # noqa: SIM115
@@ -82,10 +81,10 @@ class Checkpoint:
             warn(f"checkpoint {name!r} is damaged in {damaged} lines: their cases are run again")
 
     def __len__(self) -> int:
-        return len(self._places.keys() | self._new)
+        return len(self._places)
 
     def __contains__(self, digest: str) -> bool:
-        return digest in self._places or digest in self._new
+        return digest in self._places
 
     def __enter__(self) -> Checkpoint:
         return self
@@ -93,17 +92,16 @@ class Checkpoint:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def had(self, digest: str) -> bool:
-        """True if the file had a digest when it was opened."""
-        return digest in self._places
-
     def get(self, digest: str) -> Outcome:
-        """Return the outcome that the file had under a digest when it was opened."""
+        """Return the outcome under a digest."""
         self._read.seek(self._places[digest])
         return _outcome(json.loads(self._read.readline()))
 
     def put(self, digest: str, outcome: Outcome) -> None:
-        """Write a line; it survives if the process is killed after that."""
+        """Write a line; it survives if the process is killed after that.
+
+        `get` has it when the file is opened again.
+        """
         value, messages = outcome
         record: dict[str, Any] = {"case": digest, "warnings": messages}
         if isinstance(value, AOImpactError):
@@ -111,7 +109,6 @@ class Checkpoint:
         else:
             record["value"] = value
         self._written.write(f"{json.dumps(record, default=str)}\n".encode())
-        self._new.add(digest)
 
     def close(self) -> None:
         """Wait until everything is on the disk, and release the file."""

@@ -22,6 +22,7 @@ from ..base import (
     held_warnings,
     nearest,
     spelled,
+    text,
     warn,
 )
 from ..impact import simulate
@@ -30,7 +31,7 @@ from .digest import Digests
 from .plain import PLAIN_NUMBERS, plain_numbers
 from .shared import SharedCase, share_models
 from .sharednumbers import shared_numbers
-from .workers import Workers
+from .workers import checked_workers, run_tasks
 
 _PARAMETERS = inspect.signature(simulate).parameters
 KEYWORDS = tuple(_PARAMETERS)
@@ -44,6 +45,7 @@ def simulate_many(
     *,
     keep: Any = None,
     checkpoint: str | os.PathLike[str] | None = None,
+    key: str | None = None,
     progress: bool = True,
 ) -> list[Any]:
     """Simulate many cases; one that fails gives its exception and does not stop the others.
@@ -55,7 +57,7 @@ def simulate_many(
         same contact point share a model of it, which is chosen for the hardest of them; each has
         its own error. Those from a generator, which are not known in advance, share none.
     workers : int or executor, optional
-        Threads (the core runs without Python's lock), or anything with ``.map``: executors of
+        Threads (the core runs without Python's lock), or anything with ``.submit``: executors of
         concurrent.futures and mpi4py.futures, a dask.distributed Client. The results are the same
         to the last bit whoever computes them.
     keep : names or function, optional
@@ -69,6 +71,9 @@ def simulate_many(
         A file that keeps finished cases, a line of JSON each: the same call resumes where an
         earlier one was stopped or killed. Cases are recognised by their content; one that has
         changed is computed again. It needs `keep`; arrays that a function keeps become lists.
+    key : str, optional
+        Stands for the code of the functions that a case or `keep` has, for the checkpoint: change
+        it with them. Without one, a checkpoint refuses functions.
     progress : bool, optional
         True to show a progress bar on a terminal when it takes longer than a second.
 
@@ -97,45 +102,21 @@ def simulate_many(
     >>> round((hits[1].peak_force / hits[0].peak_force) ** (5 / 6), 6)  # Hertz: as V^(6/5)
     2.0
     """
-    return list(iterate_many(cases, workers, keep=keep, checkpoint=checkpoint, progress=progress))
+    return list(
+        iterated(cases, workers, keep=keep, checkpoint=checkpoint, key=key, progress=progress)
+    )
 
 
-def iterate_many(
+def iterated(
     cases: Iterable[Any],
-    workers: Any = 1,
+    workers: Any,
     *,
-    keep: Any = None,
-    checkpoint: str | os.PathLike[str] | None = None,
-    progress: bool = True,
+    keep: Any,
+    checkpoint: str | os.PathLike[str] | None,
+    key: str | None,
+    progress: bool,
 ) -> Iterator[Any]:
-    """Simulate many cases as a stream, which is never in memory as a whole.
-
-    `cases` may be a generator; its impacts share no models. Only a few tasks of a tenth of a second
-    each are drawn from it ahead of what has been yielded.
-
-    Parameters
-    ----------
-    cases, workers, keep, checkpoint, progress
-        As of `simulate_many`.
-
-    Yields
-    ------
-    Result, Run, or what is kept of them
-        In the order of the cases; for a failed case its exception.
-
-    Raises
-    ------
-    InputError, InputTypeError, WorkerError
-        As from `simulate_many`.
-
-    Examples
-    --------
-    >>> ball = ao.rigid(mass=0.1)
-    >>> case = {"projectile": ball, "target": ball, "law": ao.Hertz(k=1e9), "duration": 1e-3}
-    >>> cases = (case | {"velocity": speed} for speed in (0.5, 1.0))
-    >>> [round(hit.restitution, 6) for hit in ao.iterate_many(cases)]
-    [1.0, 1.0]
-    """
+    """Check the arguments of `simulate_many`, and return what comes of each case, one by one."""
     try:
         if isinstance(cases, (Mapping, str)) or not isinstance(cases, Iterable):
             raise TypeError
@@ -149,19 +130,22 @@ def iterate_many(
     if empty:
         raise InputError(_EMPTY)
     boolean("progress", progress)
+    if key is not None:
+        text("key", key)
     job = _Job(keeper(keep), checkpoint is not None)
     if job.stored and job.keep is None:
         raise InputError(
             "checkpoint keeps no whole results; name numbers, such as keep='peak_force'"
         )
-    return _iterate(cases, Workers(workers), job, checkpoint, progress)
+    return _iterate(cases, checked_workers(workers), job, checkpoint, key, progress)
 
 
 def _iterate(
     cases: Iterable[Any],
-    workers: Workers,
+    workers: Any,
     job: _Job,
     checkpoint: str | os.PathLike[str] | None,
+    key: str | None,
     progress: bool,
 ) -> Iterator[Any]:
     count, warned, first = 0, 0, ""
@@ -171,7 +155,7 @@ def _iterate(
         store = None if checkpoint is None else stack.enter_context(Checkpoint(checkpoint))
         total = len(cases) if isinstance(cases, Sized) else None
         shown = stack.enter_context(bar("cases", total, unit="case") if progress else nullcontext())
-        for value, messages in _outcomes(cases, workers, job, store):
+        for value, messages in _outcomes(cases, workers, job, store, key):
             if messages:
                 first = first or f"case {count}: {messages[0]}"
                 warned += 1
@@ -197,30 +181,29 @@ class _Item(NamedTuple):
 
 
 def _outcomes(
-    cases: Iterable[Any], workers: Workers, job: _Job, store: Checkpoint | None
+    cases: Iterable[Any], workers: Any, job: _Job, store: Checkpoint | None, key: str | None
 ) -> Iterator[Outcome]:
     if store is None:
-        for _, outcome in workers.run(job, map(_Item, cases), None):
+        for _, outcome in run_tasks(workers, job, map(_Item, cases)):
             yield outcome
         return
-    kept = store
-
-    def keep(item: _Item, outcome: Outcome | None) -> None:
-        """Keep results and this package's own errors; other errors may not occur again."""
-        if outcome is None or item.digest in kept:
-            return
+    for item, outcome in run_tasks(workers, job, _recognised(cases, job, store, key)):
+        if item.known:
+            yield store.get(item.digest)
+            continue
+        # Results and this package's own errors; other errors may not occur again.
         if not isinstance(outcome[0], Exception) or isinstance(outcome[0], AOImpactError):
-            kept.put(item.digest, outcome)
-
-    for item, outcome in workers.run(job, _recognised(cases, job, store), keep):
-        yield store.get(item.digest) if item.known else outcome
+            store.put(item.digest, outcome)
+        yield outcome
 
 
-def _recognised(cases: Iterable[Any], job: _Job, store: Checkpoint) -> Iterator[_Item]:
-    digests, ours = Digests(), version("aoimpact")
+def _recognised(
+    cases: Iterable[Any], job: _Job, store: Checkpoint, key: str | None
+) -> Iterator[_Item]:
+    digests, ours = Digests(key), version("aoimpact")
     for i, case in enumerate(cases):
         digest = digests.of((ours, job.keep, case), f"case {i}")
-        known = store.had(digest)
+        known = digest in store
         yield _Item(None if known else case, digest, known)
 
 

@@ -16,7 +16,7 @@ from ..fem import ContactPoint
 from ..impact import SceneCase
 from ..results import COLUMNS
 from ..scenefile import SceneFile, read_scene
-from .many import KEYWORDS, REQUIRED, Failed, iterate_many
+from .many import KEYWORDS, REQUIRED, Failed, iterated
 from .sweep_table import SweepTable, sweep_table
 
 # Each number stands in a column of its own and in the structured array.
@@ -31,6 +31,7 @@ def sweep(
     keep: Any = COLUMNS,
     workers: Any = 1,
     checkpoint: str | os.PathLike[str] | None = None,
+    key: str | None = None,
     progress: bool = True,
 ) -> SweepTable:
     """Simulate every combination of named parameters, and return a table of numbers.
@@ -49,7 +50,7 @@ def sweep(
         and "restitution_controlled" beside them where models are chosen: 1 where that error is
         within the tolerance, 0 where nobody controlled it. A function returns a number, or a
         dict of numbers with the same names for each result.
-    workers, checkpoint, progress : optional
+    workers, checkpoint, key, progress : optional
         As of `simulate_many`. Cases are made in this process, one after the other.
 
     Returns
@@ -85,7 +86,7 @@ def sweep(
     if callable(base):  # each case is made once: it may take long
         plan = replace(plan, made=tuple(itertools.islice(plan, 2)))
     cases = list(plan) if _share_points(base, plan) else plan
-    values = iterate_many(cases, workers, keep=keep, checkpoint=checkpoint, progress=progress)
+    values = iterated(cases, workers, keep=keep, checkpoint=checkpoint, key=key, progress=progress)
     return sweep_table(checked, values, keep)
 
 

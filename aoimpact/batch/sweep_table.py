@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,29 +19,17 @@ from ..base import (
     InputTypeError,
     aligned,
     choice,
-    given_axes,
-    html_table,
-    label,
-    legend,
     optional_package,
     plain,
-    scale_for,
-    with_unit,
     write_csv,
 )
 from ..fem import ContactPoint
 from ..results import quantity_unit
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+# Rows of a printed table: what they hold is seen, and the note below stays on the screen.
+_SHOWN = 10
 
-
-# Rows of a printed table: what they hold is seen, and the note below stays on the screen. Lines of
-# a plot that a legend names: more would cover it.
-_SHOWN, _MOST_LINES = 10, 12
-
-# Units of parameters of `simulate` that are numbers or vectors, for figures.
-_PARAMETERS = {"velocity": "m/s", "spin": "rad/s", "gap": "m", "duration": "s"}
+_OTHERWISE = "take .data, a structured array, or .to_csv(path)"
 
 # Stands behind a number in a printed table that no tolerance controlled.
 _MARK = "*"
@@ -90,7 +78,7 @@ class SweepTable(Frozen):
         """Names of all columns, parameters first."""
         return self.parameters + self.quantities
 
-    def to_dataframe(self) -> Any:
+    def to_pandas(self) -> Any:
         """Return a pandas DataFrame of all columns, and "error" where cases failed.
 
         Raises
@@ -103,15 +91,47 @@ class SweepTable(Frozen):
         >>> case = {"projectile": ao.rigid(mass=0.1), "target": ao.rigid(mass=0.1)}
         >>> case |= {"law": ao.Hertz(k=1e9), "duration": 1e-3}
         >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
-        >>> frame = table.to_dataframe()  # with pandas
+        >>> frame = table.to_pandas()  # with pandas
         """
-        otherwise = "take .data, a structured array, or .to_csv(path)"
-        pandas = optional_package("pandas", "to_dataframe", otherwise)
+        pandas = optional_package("pandas", "to_pandas", _OTHERWISE)
         columns = {name: self.data[name] for name in self.columns}
         if self.errors:
-            told = [_message(self.errors.get(i)) for i in range(len(self))]
-            columns["error"] = np.array(told, dtype=object)
+            columns["error"] = self._messages()
         return pandas.DataFrame(columns)
+
+    def to_xarray(self) -> Any:
+        """Return an xarray Dataset: quantities over the parameters, which are its dimensions.
+
+        Each quantity has its unit as attribute "units"; "error" is there where cases failed.
+
+        Raises
+        ------
+        MissingPackageError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> case = {"projectile": ao.rigid(mass=0.1), "target": ao.rigid(mass=0.1)}
+        >>> case |= {"law": ao.Hertz(k=1e9), "duration": 1e-3}
+        >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
+        >>> data = table.to_xarray()  # with xarray
+        """
+        xarray = optional_package("xarray", "to_xarray", _OTHERWISE)
+        coordinates = {
+            name: (name, np.moveaxis(self.data[name].reshape(self.shape), i, -1).ravel()[:count])
+            for i, (name, count) in enumerate(zip(self.parameters, self.shape, strict=True))
+        }
+        data: dict[str, Any] = {}
+        for name in self.quantities:
+            values = self.data[name].reshape(self.shape)
+            data[name] = self.parameters, values, {"units": quantity_unit(name)}
+        if self.errors:
+            data["error"] = self.parameters, self._messages().reshape(self.shape)
+        return xarray.Dataset(data, coords=coordinates)
+
+    def _messages(self) -> npt.NDArray[Any]:
+        """What failed, by row."""
+        return np.array([_message(self.errors.get(i)) for i in range(len(self))], dtype=object)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write all columns, numbers so that they read back bit for bit, and "error" at the end.
@@ -125,74 +145,10 @@ class SweepTable(Frozen):
         >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
         >>> table.to_csv(folder / "sweep.csv")
         """
-        told = [[_message(self.errors.get(i))] if self.errors else [] for i in range(len(self))]
         heading = [*map(_heading, self.columns), *(["error"] if self.errors else [])]
+        told = self._messages()[:, None].tolist() if self.errors else [[]] * len(self)
         rows = zip(self.data, told, strict=True)
         write_csv(path, heading, ([*map(_text, row.item()), *error] for row, error in rows))
-
-    def plot(
-        self, x: str | None = None, y: str | None = None, ax: Axes | None = None, **kwargs: Any
-    ) -> Axes:
-        """Draw a quantity over a parameter, a line for each combination of the others.
-
-        Parameters
-        ----------
-        x : str, optional
-            A parameter of numbers; by default the first with more than one value.
-        y : str, optional
-            A quantity; by default the first.
-        ax : Axes, optional
-        **kwargs
-            Go to ``Axes.plot``.
-
-        Returns
-        -------
-        Axes
-
-        Examples
-        --------
-        >>> case = {"projectile": ao.rigid(mass=0.1), "target": ao.rigid(mass=0.1)}
-        >>> case |= {"law": ao.Hertz(k=1e9), "duration": 1e-3}
-        >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
-        >>> ax = table.plot()
-        """
-        along = self._along(x)
-        name = self.quantities[0] if y is None else choice("y", y, self.quantities)
-        ax = given_axes(ax)
-        largest = np.abs(self[name][np.isfinite(self[name])]).max(initial=0.0)
-        scale = scale_for(float(largest), quantity_unit(name))
-        lines = self._lines(along, name)
-        for named, values, heights in lines:
-            style: dict[str, Any] = {"marker": "o", "markersize": 3, "label": named} | kwargs
-            ax.plot(values, scale.factor * heights, **style)
-        ax.set_xlabel(label(along.replace("_", " "), _PARAMETERS.get(along, "")))
-        ax.set_ylabel(label(name.replace("_", " "), scale.unit))
-        ax.grid(True, alpha=0.3)
-        ax.margins(x=0.02)  # markers at both ends
-        if 1 < len(lines) <= _MOST_LINES:
-            legend(ax)
-        return ax
-
-    def _along(self, x: str | None) -> str:
-        numeric = [name for name in self.parameters if self.data[name].dtype.kind in "iuf"]
-        if not numeric:
-            raise InputError("plot: no parameter of this sweep is a number; draw .data yourself")
-        several = [n for n in numeric if self.shape[self.parameters.index(n)] > 1]
-        return (several or numeric)[0] if x is None else choice("x", x, numeric)
-
-    def _lines(self, along: str, name: str) -> list[tuple[str, Any, Any]]:
-        """Label, x and y of each line, ascending in x."""
-        axis = self.parameters.index(along)
-        order = np.moveaxis(np.arange(len(self)).reshape(self.shape), axis, -1)
-        others = [
-            other for i, other in enumerate(self.parameters) if i != axis and self.shape[i] > 1
-        ]
-        lines = []
-        for rows in order.reshape(-1, self.shape[axis]):
-            named = ", ".join(_setting(other, self.data[other][rows[0]]) for other in others)
-            rows = rows[np.argsort(self.data[along][rows], kind="stable")]
-            lines.append((named, self.data[along][rows], self.data[name][rows]))
-        return lines
 
     def _shown(self) -> list[list[str]]:
         """Headings, then the rows that are printed: numbers nobody controlled are marked."""
@@ -218,10 +174,6 @@ class SweepTable(Frozen):
     def __repr__(self) -> str:
         more = ["..."] if len(self) > _SHOWN else []
         return "\n".join([*aligned(self._shown()), *more, self._note()])
-
-    def _repr_html_(self) -> str:
-        headings, *rows = self._shown()
-        return html_table(headings, rows, below=[self._note()])
 
 
 def sweep_table(grid: Mapping[str, Sequence[Any]], values: Iterable[Any], keep: Any) -> SweepTable:
@@ -307,16 +259,6 @@ def _text(value: Any) -> str:
     if isinstance(value, ContactPoint) and value.point is not None:
         return f"{value.name or 'a body'} at {plain(value.point)} m"
     return str(getattr(value, "label", value))
-
-
-def _setting(name: str, value: Any) -> str:
-    """A parameter's value as a legend says it."""
-    unit = _PARAMETERS.get(name)
-    if unit is None:
-        return f"{name} = {_text(value)}"
-    if np.ndim(value):
-        return f"{name} = {plain(np.asarray(value, dtype=np.float64))} {unit}"
-    return f"{name} = {with_unit(float(value), unit)}"
 
 
 def _message(error: Exception | None) -> str:

@@ -6,7 +6,8 @@ import math
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from itertools import islice
 from typing import Any
 
@@ -26,111 +27,73 @@ _AHEAD = 2
 _MOST_THREADS = 4096
 
 
-class Workers:
-    """Runs tasks of several items each, in order and a few at a time: items may be endless.
+def checked_workers(workers: Any) -> Any:
+    """Return a number of threads, or an executor.
+
+    Raises
+    ------
+    InputTypeError
+        If it is neither.
+    """
+    if callable(getattr(workers, "submit", None)):
+        return workers
+    try:
+        return min(integer("workers", workers, low=1), _MOST_THREADS)
+    except InputTypeError:
+        raise InputTypeError(
+            f"workers must be a number of threads, or an executor with .submit, got {workers!r}"
+        ) from None
+
+
+def run_tasks(workers: Any, task: Task, items: Iterable[Any]) -> Iterator[tuple[Any, Any]]:
+    """Yield each item and its outcome, in order; items are drawn a few tasks ahead.
 
     Parameters
     ----------
     workers : int or executor
-        Threads, or whatever has ``submit`` or ``map``: concurrent.futures, a dask.distributed
-        Client, mpi4py.futures, multiprocessing.Pool.
+        Threads, or what has ``submit`` as `concurrent.futures.Executor`: a dask.distributed Client,
+        an executor of mpi4py.futures.
+
+    Raises
+    ------
+    WorkerError
+        If a worker is lost, or items cannot be sent to it.
     """
-
-    def __init__(self, workers: Any) -> None:
-        self._executor: Any = None
-        if hasattr(workers, "map") or hasattr(workers, "submit"):
-            self._executor, self._width = workers, _width(workers)
-            return
-        try:
-            self._width = min(integer("workers", workers, low=1), _MOST_THREADS)
-        except InputTypeError:
-            raise InputTypeError(
-                f"workers must be a number of threads, or an executor with .map, got {workers!r}"
-            ) from None
-
-    def run(
-        self, task: Task, items: Iterable[Any], finished: Callable[[Any, Any], None] | None
-    ) -> Iterator[tuple[Any, Any]]:
-        """Yield each item and its outcome, in order.
-
-        Parameters
-        ----------
-        finished : callable, optional
-            Called with both as soon as their task has ended, out of order, in any thread, and once
-            more before they are yielded.
-
-        Raises
-        ------
-        WorkerError
-            If a worker is lost, or items cannot be sent to it.
-        """
-        if hasattr(self._executor, "submit"):
-            yield from self._run(self._executor.submit, task, items, finished)
-        elif self._executor is not None or self._width == 1:
-            yield from self._run(None, task, items, finished)
+    source, size, target = iter(items), 1, _TASK_HERE if isinstance(workers, int) else _TASK_AWAY
+    under_way: deque[tuple[list[Any], Any]] = deque()
+    with ExitStack() as stack:
+        if workers == 1:
+            submit, most = None, 1
+        elif isinstance(workers, int):
+            threads = ThreadPoolExecutor(workers, thread_name_prefix="aoimpact")
+            submit, most = stack.enter_context(threads).submit, _AHEAD * workers
         else:
-            with ThreadPoolExecutor(self._width, thread_name_prefix="aoimpact") as threads:
-                yield from self._run(threads.submit, task, items, finished)
+            submit, most = workers.submit, _AHEAD * _width(workers)
+        stack.callback(lambda: [future.cancel() for _, future in under_way])
+        while True:
+            while len(under_way) < most and (batch := list(islice(source, size))):
+                under_way.append((batch, submit and _asked(workers, submit, task, batch)))
+            if not under_way:
+                return
+            batch, future = under_way.popleft()
+            outcomes, seconds = _asked(workers, future.result) if submit else task(batch)
+            # As many items as take the time wanted, which grows slowly.
+            wanted = target * len(batch) / seconds if seconds > 0.0 else math.inf
+            size = int(max(1.0, min(wanted, 4.0 * len(batch))))
+            yield from zip(batch, outcomes, strict=True)
 
-    def _run(
-        self,
-        submit: Callable[..., Any] | None,
-        task: Task,
-        items: Iterable[Any],
-        finished: Callable[[Any, Any], None] | None,
-    ) -> Iterator[tuple[Any, Any]]:
-        source, size = iter(items), 1
-        most = 1 if submit is None else _AHEAD * self._width
-        target = _TASK_HERE if self._executor is None else _TASK_AWAY
-        under_way: deque[tuple[list[Any], Any]] = deque()
 
-        def report(batch: list[Any], future: Any) -> None:
-            if finished is not None and not future.cancelled() and not future.exception():
-                for item, outcome in zip(batch, future.result()[0], strict=True):
-                    finished(item, outcome)
-
-        try:
-            while True:
-                while len(under_way) < most and (batch := list(islice(source, size))):
-                    future = self._ask(submit or self._at_once, task, batch)
-                    under_way.append((batch, future))
-                    future.add_done_callback(lambda done, batch=batch: report(batch, done))
-                if not under_way:
-                    return
-                batch, future = under_way.popleft()
-                outcomes, seconds = self._ask(future.result)
-                report(batch, future)
-                # As many items as take the time wanted, which grows slowly.
-                wanted = target * len(batch) / seconds if seconds > 0.0 else math.inf
-                size = int(max(1.0, min(wanted, 4.0 * len(batch))))
-                yield from zip(batch, outcomes, strict=True)
-        finally:
-            for _, future in under_way:
-                future.cancel()
-
-    def _at_once(self, task: Task, batch: list[Any]) -> Future[Any]:
-        """Run a task in this thread, or by all workers of an executor that has only a map."""
-        future: Future[Any] = Future()
-        if self._executor is None:
-            future.set_result(task(batch))
-            return future
-        size = math.ceil(len(batch) / self._width)
-        parts = [batch[i : i + size] for i in range(0, len(batch), size)]
-        made, seconds = zip(*self._executor.map(task, parts), strict=True)
-        future.set_result(([one for outcomes in made for one in outcomes], max(seconds)))
-        return future
-
-    def _ask(self, ask: Callable[..., Any], *arguments: Any) -> Any:
-        """Call an executor; what it raises is its own failure, since tasks raise nothing."""
-        if self._executor is None:
-            return ask(*arguments)
-        try:
-            return ask(*arguments)
-        except Exception as error:
-            raise WorkerError(
-                f"workers: {type(error).__name__}: {error}. A worker was lost, or a case, a law or "
-                "keep could not be sent to it: they must be picklable, functions of a module"
-            ) from error
+def _asked(workers: Any, ask: Callable[..., Any], *arguments: Any) -> Any:
+    """Call an executor; what it raises is its own failure, since tasks raise nothing."""
+    try:
+        return ask(*arguments)
+    except Exception as error:
+        if isinstance(workers, int):
+            raise
+        raise WorkerError(
+            f"workers: {type(error).__name__}: {error}. A worker was lost, or a case, a law or "
+            "keep could not be sent to it: they must be picklable, functions of a module"
+        ) from error
 
 
 def _width(executor: Any) -> int:

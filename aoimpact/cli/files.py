@@ -60,19 +60,18 @@ def _figures(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
 
 
 def _fields(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
-    """Each body with a mesh: PNG at the peak force; .pvd, which names VTU files, for ParaView."""
+    """Each body with a mesh: .pvd, which names VTU files, for ParaView."""
     files = []
     for name, model, body in zip(result.names, result.plan.bodies, result.bodies, strict=True):
         if any(tip.body.mesh is not None for tip in model.contact_points):
             peak = body.field()
             times = np.union1d(np.linspace(0.0, result.t[-1], _FRAMES), peak.times)
-            files.append(_saved(peak.plot(), folder / f"{name}.png"))
             files.append(body.to_vtu(folder / name, times))
     return files
 
 
 # Formats that ``aoimpact run --out`` writes of a result; each returns the files that it made, and
-# names its kind in capitals. Of a sweep `write_sweep` writes a table and a figure instead.
+# names its kind in capitals.
 FORMATS: tuple[Callable[[SceneFile, Run, Path], list[Path]], ...] = (
     _histories,
     _probes,
@@ -111,22 +110,6 @@ def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
         "relative_errors": _finite(errors),
         "solver": result.solver,
     }
-
-
-def write_sweep(table: SweepTable, out: str | os.PathLike[str]) -> tuple[Path, ...]:
-    """Write the table of a sweep, and a figure over its first parameter of numbers, to a folder.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be made or written to.
-    """
-    folder = writable_folder(out)
-    files = [folder / "sweep.csv"]
-    table.to_csv(files[0])
-    if any(table.data[name].dtype.kind in "iuf" for name in table.parameters):
-        files.append(_saved(table.plot(), folder / "sweep.png"))
-    return tuple(files)
 
 
 def rows(table: SweepTable) -> dict[str, Any]:

@@ -6,13 +6,11 @@ import argparse
 import io
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 from .. import __version__
 from ..base import AOImpactError, InputError
-
-_FOLDER = "folder for {}, made if there is none (default: {})"
-_NOTHING = "nothing is written"
 
 Command = Callable[[argparse.Namespace], None]
 
@@ -46,29 +44,42 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="<command>", required=True)
-    for add in (_add_paper, _add_run, _add_compare):
-        add(commands)
+
+    def add(command: Command, summary: str, out: str, **more: Any) -> argparse.ArgumentParser:
+        name = command.__name__.strip("_")
+        added: argparse.ArgumentParser = commands.add_parser(
+            name, help=summary, description=command.__doc__
+        )
+        if name != "paper":
+            added.add_argument("scene", metavar="SCENE.toml", help="the scene file")
+        nothing = "%(default)s" if more else "nothing is written"
+        text = f"folder for {out}, made if there is none (default: {nothing})"
+        added.add_argument("--out", metavar="DIR", help=text, **more)
+        added.set_defaults(command=command)
+        return added
+
+    files = "the figures (PNG) and for results.csv and results.md"
+    add(_paper, "recompute the paper's tables and figures", files, default="paper-results")
+    files = "histories (CSV), figures (PNG), fields of bodies (VTU), or the table of a sweep"
+    run = add(_run, "run a scene file", files)
+    run.add_argument("--json", action="store_true", help="print JSON, for machines")
+    workers = "threads of a sweep (default: as in the file)"
+    run.add_argument("--workers", type=int, metavar="N", help=workers)
+    resumed = "keep a sweep's finished cases in a file, from which the same call goes on"
+    run.add_argument("--checkpoint", metavar="FILE", help=resumed)
+    compared = "compare models of a scene file's impact, from rigid to full"
+    compare = add(_compare, compared, "the table (CSV) and figure (PNG)")
+    least = "leave out the full model; errors are then relative to the most anti-oscillators"
+    compare.add_argument("--no-full", action="store_true", help=least)
     return parser
 
 
-def _add_paper(commands: Any) -> None:
-    parser = commands.add_parser(
-        "paper",
-        help="recompute the paper's tables and figures beside its numbers",
-        description=(
-            "Recompute every table and Figures 3 to 11 of E. Jacquelin, 'On the rigid projectile "
-            "model for low velocity impacts', beside the numbers that the paper prints: what "
-            "agrees, what does not, and why. Takes about a minute."
-        ),
-    )
-    files = "the figures (PNG) and for results.csv and results.md"
-    parser.add_argument(
-        "--out", metavar="DIR", default="paper-results", help=_FOLDER.format(files, "%(default)s")
-    )
-    parser.set_defaults(command=_paper)
-
-
 def _paper(options: argparse.Namespace) -> None:
+    """Recompute the paper's tables and Figures 3 to 11, in about a minute.
+
+    E. Jacquelin, 'On the rigid projectile model for low velocity impacts': each number beside the
+    one that the paper prints, what agrees, what does not, and why.
+    """
     from ..paper import reproduce
 
     done = reproduce(options.out)
@@ -77,36 +88,16 @@ def _paper(options: argparse.Namespace) -> None:
     print("  " + ", ".join(file.name for file in done.files))
 
 
-def _add_run(commands: Any) -> None:
-    parser = commands.add_parser(
-        "run",
-        help="run a scene file",
-        description=(
-            "Run the impact that a TOML file describes (see docs/scene-files.md) and print what "
-            "comes of it: peak force, contact time, rebound, and how wrong they may be. A file "
-            "with a [sweep] is run once for each combination of its values, and a table is printed."
-        ),
-    )
-    parser.add_argument("scene", metavar="SCENE.toml", help="the scene file")
-    files = "histories (CSV), figures (PNG) and fields of meshed bodies (VTU), or a sweep's table "
-    parser.add_argument("--out", metavar="DIR", help=_FOLDER.format(files + "and figure", _NOTHING))
-    parser.add_argument("--json", action="store_true", help="print JSON, for machines")
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="threads of a sweep (default: as in the file)"
-    )
-    parser.add_argument(
-        "--checkpoint",
-        metavar="FILE",
-        help="keep a sweep's finished cases in a file, from which the same call goes on",
-    )
-    parser.set_defaults(command=_run)
-
-
 def _run(options: argparse.Namespace) -> None:
-    from ..base import held_warnings
+    """Run the impact or scene of a TOML file, see docs/scene-files.md, and print a summary.
+
+    It has the peak force, the contact time, the rebound, and how wrong they may be. A file with a
+    [sweep] is run once for each combination of its values, and a table is printed.
+    """
+    from ..base import held_warnings, writable_folder
     from ..batch import sweep_file
     from ..scenefile import read_scene
-    from .files import as_json, numbers, rows, write_files, write_sweep
+    from .files import as_json, numbers, rows, write_files
 
     scene = read_scene(options.scene)
     if not scene.grid and (options.workers is not None or options.checkpoint):
@@ -114,10 +105,14 @@ def _run(options: argparse.Namespace) -> None:
             f"{scene.path}: --workers and --checkpoint need a [sweep], which this file lacks"
         )
     result: Any
+    files: tuple[Path, ...]
     with held_warnings() as warnings:
         if scene.grid:
             result = sweep_file(scene, workers=options.workers, checkpoint=options.checkpoint)
-            files = write_sweep(result, options.out) if options.out else ()
+            files = ()
+            if options.out:
+                files = (writable_folder(options.out) / "sweep.csv",)
+                result.to_csv(files[0])
         else:
             result = scene.simulate()
             files = write_files(scene, result, options.out) if options.out else ()
@@ -134,30 +129,13 @@ def _run(options: argparse.Namespace) -> None:
         print(f"{', '.join(file.name for file in files)} in {files[0].parent}")
 
 
-def _add_compare(commands: Any) -> None:
-    parser = commands.add_parser(
-        "compare",
-        help="compare models of a scene file's impact, from rigid to full",
-        description=(
-            "Run the impact that a TOML file describes with rigid bodies, with more and more "
-            "anti-oscillators, with natural modes and in full, and print what each costs and how "
-            "wrong it is."
-        ),
-    )
-    parser.add_argument("scene", metavar="SCENE.toml", help="the scene file")
-    files = "the table (CSV) and figure (PNG)"
-    parser.add_argument("--out", metavar="DIR", help=_FOLDER.format(files, _NOTHING))
-    parser.add_argument(
-        "--no-full",
-        action="store_true",
-        help="leave out the full model; errors are then relative to the most anti-oscillators",
-    )
-    parser.set_defaults(command=_compare)
-
-
 def _compare(options: argparse.Namespace) -> None:
-    from pathlib import Path
+    """Run the impact of a TOML file with models from rigid bodies to the full ones.
 
+    With more and more anti-oscillators and with natural modes; what each costs is printed, and how
+    wrong it is.
+    """
+    from ..base import writable_folder
     from ..scenefile import read_scene
     from ..study import compare
 
@@ -170,8 +148,7 @@ def _compare(options: argparse.Namespace) -> None:
     table = compare(**case, full=not options.no_full)
     print(f"{scene.title}\n{table}")
     if options.out:
-        folder = Path(options.out)
-        folder.mkdir(parents=True, exist_ok=True)
+        folder = writable_folder(options.out)
         table.to_csv(folder / "comparison.csv")
         axes: Any = table.plot()
         axes.figure.savefig(folder / "comparison.png")

@@ -493,19 +493,17 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "field": call(FIELDS.target.field, times=[1e-5]),
     "to_vtu": call(FIELDS.target.to_vtu, path="fields", times=[1e-5]),
     "simulate_many": call(
-        ao.simulate_many, cases=[STRIKE], workers=1, keep=None, checkpoint=None, progress=False
-    ),
-    "a case": call(lambda **case: ao.simulate_many([case]), **STRIKE),
-    "a case in numbers": call(
-        lambda **case: ao.simulate_many([case], keep=("peak_force",)), **STRIKE
-    ),
-    "iterate_many": call(
-        lambda **given: list(ao.iterate_many(**given)),
+        ao.simulate_many,
         cases=[STRIKE],
         workers=1,
         keep=None,
         checkpoint=None,
+        key=None,
         progress=False,
+    ),
+    "a case": call(lambda **case: ao.simulate_many([case]), **STRIKE),
+    "a case in numbers": call(
+        lambda **case: ao.simulate_many([case], keep=("peak_force",)), **STRIKE
     ),
     "sweep": call(
         ao.sweep,
@@ -514,6 +512,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         keep=["peak_force"],
         workers=1,
         checkpoint=None,
+        key=None,
         progress=False,
     ),
     "values of a sweep": call(

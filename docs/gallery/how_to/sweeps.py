@@ -26,12 +26,13 @@ table = ao.sweep(case, {"velocity": [0.5, 1, 2], "gap": [0, 1e-4]}, workers=2)
 print(table)
 
 # %%
-# A table can be drawn, written (``table.to_csv``), or turned into a data frame (``table.to_dataframe``, with pandas).
+# Its columns are NumPy arrays. ``table.to_csv`` writes them, ``table.to_pandas`` makes a data frame of them, and
+# ``table.to_xarray`` arrays over the parameters, which xarray draws and interpolates.
 
 fine = ao.sweep(
     case, {"velocity": np.geomspace(0.05, 5, 60)}, keep=["peak_force", "contact_duration"]
 )
-fine.plot(x="velocity", y="peak_force")
+fine.to_xarray()["peak_force"].plot()
 
 # %%
 # A list of cases
@@ -65,11 +66,9 @@ errors = np.array([numbers["peak_force_error"] for numbers in kept])
 print(f"{forces.mean():.0f} N ± {forces.std():.0f} N, each to {100 * errors.max():.2g} % or better")
 
 # %%
-# ``iterate_many`` gives the results one by one, for lists that do not fit into memory.
-#
 # More than one core
 # ------------------
-# ``workers=2`` are threads of this process. ``workers=`` also takes any executor: of ``concurrent.futures``, of
+# ``workers=2`` are threads of this process. ``workers=`` also takes an executor: of ``concurrent.futures``, of
 # ``dask.distributed``, of ``mpi4py.futures``. All give the same bits.
 #
 # .. code-block:: python
@@ -79,7 +78,8 @@ print(f"{forces.mean():.0f} N ± {forces.std():.0f} N, each to {100 * errors.max
 #     with Client("scheduler:8786").get_executor() as cluster:
 #         table = ao.sweep(case, grid, workers=cluster, checkpoint="cases")
 #
-# ``checkpoint=`` names a file for finished cases: a sweep that was stopped goes on where it was. From the command line
+# ``checkpoint=`` names a file for finished cases: a sweep that was stopped goes on where it was. Where a case or
+# ``keep=`` has functions of your own, ``key=`` is a text that you change with them. From the command line
 # the same is a scene file with a ``[sweep]`` and ``aoimpact run file.toml --workers 8 --checkpoint cases``
 # (:doc:`/scene-files`).
 
