@@ -18,7 +18,7 @@ mesh's error. The force itself has no limit to be compared with, and its error i
 A compliance c that changes with the frequency, as that of shells does, also takes energy, as a
 dashpot does, which no spring in series shows. If c goes with c' ln s, a force of half a sine of
 duration T loses c'/4 ∫|ω||F|²dω = 1.8 c' F², and so a share 1.4 c' F/(v T/2) of the impulse of a
-body that rebounds. Where Hertz's force is largest v T/2 is 1.47 δ, and the share is c' F/δ.
+body that rebounds at the velocity v. Where nothing but the contact yields v T/2 is 1.47 δ.
 
 Solid elements longer than bending waves bend no more than their nodes do, and stress that is
 averaged between them does not show it. What they lack is put in series, too (`unbent`).
@@ -40,8 +40,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import AOImpactError, FloatArray, held_warnings
-from ..fem import ContactPoint, Extraction
-from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
+from ..fem import ContactPoint, Extraction, ThinExtraction
+from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law, removable
 from ..reduction import (
     BodyModel,
     FullModel,
@@ -68,8 +68,9 @@ _IN_PLACE_OF_ALL = 16
 # their error, those of faceted balls left out.
 _SLOW, _SAFETY = 6.0, {False: 1.5, True: 2.0}
 
-# F over δ dF/dδ of Hertz's law.
-_HERTZ = 2.0 / 3.0
+# Share of the impulse, in c' F/(v T/2), that is lost to a compliance that lags; and v T/2 over the
+# depth of a contact of rigid bodies under Hertz's law.
+_LOST, _HALF_WAY = 1.4, 1.47
 
 # Slopes are taken over this share of the indentation.
 _DIFFERENCE = 1e-3
@@ -232,6 +233,8 @@ class _End:
         See `ContactCompliance`, m/N.
     crosswise : ndarray, shape (2,), or None
         See `Extraction`, m/N; of contacts with friction.
+    left : float
+        Compliance that is left in the law and may belong to the mesh, m/N.
     """
 
     body: int
@@ -241,6 +244,7 @@ class _End:
     held: float
     lagging: float = 0.0
     crosswise: FloatArray | None = None
+    left: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -331,12 +335,19 @@ def alterations(
         _slope(contact.law, of.depth) if found else 0.0
         for contact, of, found in zip(plan.contacts, met, ends, strict=True)
     ]
+    left = [math.fsum(end.left for end in of) for of in ends]
+    # The errors of a compliance that is left in a law are within its two bounds.
+    for c, found in zip(left, ends, strict=True):
+        if c:
+            found[:] = [replace(end, error=0.0, varying=0.0, lagging=0.0) for end in found]
     beyond = [math.fsum(end.error for end in of) for of in ends]
     varying = [math.fsum(end.varying for end in of) for of in ends]
-    lags = [
-        slope * math.fsum(end.lagging for end in of) * _HERTZ
-        for slope, of in zip(slopes, ends, strict=True)
-    ]
+    lags = []
+    for contact, of, found in zip(plan.contacts, met, ends, strict=True):
+        way = max(0.5 * plan.fastest * of.contact_time, _HALF_WAY * of.depth)
+        lagging = math.fsum(end.lagging for end in found)
+        force = own_law(contact.law).force(of.depth) if lagging else 0.0
+        lags.append(_LOST * lagging * force / way if force else 0.0)
     series, wider = _in_series(plan, slopes, beyond), None
     if len(met) == 1 and varying[0] and beyond[0]:  # the same alteration, but for its size
         ratio = varying[0] / beyond[0]
@@ -350,6 +361,7 @@ def alterations(
         contact=(
             [wider or _in_series(plan, slopes, varying)],
             [_with_law_error(plan, law_errors)],
+            [_bounded(plan, met, left)],
         ),
         lag=max(lags, default=0.0),
     )
@@ -388,7 +400,10 @@ def _of_contact(plan: Plan, number: int, met: Met, *, at_nodes: bool) -> list[_E
             error = max(error, contact.friction.ratio * known.sideways)
             crosswise = known.crosswise
         own = error, known.varying, stiffness, known.strain, known.lagging
-        found.append(_End(body, *own, crosswise))
+        left = 0.0 if isinstance(contact.law, PatchLaw) else known.removed
+        if isinstance(known, ThinExtraction):
+            left += known.doubtful
+        found.append(_End(body, *own, crosswise, left))
     return found
 
 
@@ -534,7 +549,8 @@ def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
         return PatchLaw(law, abs(change))
     if 0.0 < law.compliance <= change:
         change = -change
-    return replace(law, compliance=law.compliance - change)
+    # Beyond its limit the law goes on as a straight line, which is enough to show a change.
+    return replace(law, compliance=law.compliance - change, limit=math.inf)
 
 
 def _with_law_error(plan: Plan, errors: Sequence[float]) -> Altered:
@@ -551,6 +567,17 @@ def _with_law_error(plan: Plan, errors: Sequence[float]) -> Altered:
             law = replace(contact.law, law=law)
         contacts.append(contact._replace(law=law))
     return Altered(_with(plan, contacts), max(errors), scale)
+
+
+def _bounded(plan: Plan, met: Sequence[Met], left: Sequence[float]) -> Altered:
+    """The plan without the compliances, m/N, that are left in laws."""
+    contacts = []
+    for contact, of, c in zip(plan.contacts, met, left, strict=True):
+        if c:
+            most = min(c, removable(own_law(contact.law), of.depth))
+            contact = contact._replace(law=_with_compliance(contact.law, -most))
+        contacts.append(contact)
+    return Altered(_with(plan, contacts) if any(left) else None, 1.0)
 
 
 def _with(plan: Plan, contacts: Sequence[Contact]) -> Plan:

@@ -47,7 +47,12 @@ from .laminate import Layers, Shell
 from .layer import bending_length
 from .material import Material
 from .patch import Patch
-from .thinextraction import extracted_from_beam, extracted_from_shell, ring_compliance
+from .thinextraction import (
+    extracted_from_beam,
+    extracted_from_shell,
+    patch_on_shell,
+    ring_compliance,
+)
 from .touch import (
     Touch,
     edge_length,
@@ -78,6 +83,9 @@ _OF_DEPTH = 0.25
 
 # Shares of the force that a support takes over; below, they are rounding.
 _HELD = 1e-12
+
+# Patches are made so many times wider where a contact turns out to be stiffer than the mesh.
+_WIDER = 2.0
 
 # Radius of the contact, as a share of the element's edge, where no impact gives it. R hardly
 # depends on it: a tenth or four times the true radius changes a force by 0.2 %. On a curved body R
@@ -660,18 +668,43 @@ def rim_distance(tip: ContactPoint) -> float:
     return float(np.linalg.norm(nearest - point, axis=1).min())
 
 
-def contact_within(tip: ContactPoint, radius: float) -> ContactPoint:
-    """Return the same contact with a patch of that radius, m, or of the largest that has room.
+def contact_within(
+    tip: ContactPoint, contact_radius: float, *, wider: bool = False
+) -> ContactPoint:
+    """Return the same contact with a patch for a contact of that radius, m, or of what has room.
+
+    On solids it is a little wider than the contact; for shells see `patch_on_shell`. At the edge of
+    a shell, where there is no room for any, the force acts at a point.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    contact_radius : float
+        a, m.
+    wider : bool, optional
+        True for a wider patch, as a contact needs that is stiffer than the mesh under it.
 
     Raises
     ------
     InputError
-        If there is none for any that the mesh shows.
+        If there is no room for any patch that the mesh shows.
     """
     assert tip.point is not None
-    if tip.thin is not None:  # a shell bends under a point as under a patch
+    layers, radius = tip.thin, PATCH_OVER_CONTACT * contact_radius
+    if isinstance(layers, Beam):
         return tip
-    found = _with_room(tip.body, tip.point, tip.direction, radius)
+    if layers is not None:
+        # The side that is touched is not known before the body's role is.
+        sides = [layers.seen_from(top=top) for top in ((True, False) if layers.sided else (True,))]
+        radius = max(patch_on_shell(side, contact_radius, whole=wider) for side in sides)
+    elif wider:
+        radius *= _WIDER
+    try:
+        found = _with_room(tip.body, tip.point, tip.direction, radius)
+    except InputError:
+        if layers is None:
+            raise
+        return tip
     kept: dict[str, Any] = {"directed": tip.directed, "automatic": tip.automatic}
     return replace(found, tangents=tip.tangents, **kept)
 
@@ -713,14 +746,12 @@ def _without_faces(
 def _on_beam(
     body: FEModel, point: FloatArray, along: FloatArray | None, radius: float | str, expected: Any
 ) -> ContactPoint:
-    """A place on the axis of a beam, which moves as its element does."""
+    """A place on a beam, whose axis moves as its element does; off the axis it faces that."""
     assert body.mesh is not None
     assert body.material is not None
     if radius not in ("auto", 0.0):
         raise InputError(f"radius={radius}: a beam has no patch; leave radius out")
-    if along is None:
-        raise InputTypeError("contact needs direction: a beam has no normal")
-    point = to_nodes(body, point)
+    given, point, directed = point, to_nodes(body, point), along is not None
     cell, place, gap = nearest_line(body.mesh, point)
     ends = body.mesh.cells[cell, :2]
     x = (1.0 - place) * body.mesh.nodes[ends[0]] + place * body.mesh.nodes[ends[1]]
@@ -731,6 +762,14 @@ def _on_beam(
             f"point {plain(point)} m is {gap:.3g} m from the nearest place on the axis of a beam, "
             f"{plain(x)} m; give a point there (is it in metres?)"
         )
+    if along is None:
+        away = float(np.linalg.norm(x - given))
+        if away <= AT_NODE * body.mesh.size:
+            raise InputTypeError(
+                "contact needs direction: a beam has no normal on its axis; or give a point on "
+                "the side that is touched"
+            )
+        along = (x - given) / away
     shares = beam_motion(body.mesh.nodes[ends][None], of, place)
     full = np.zeros((2, body.mesh.n_nodes, 3))
     full[0, ends], full[1, ends] = np.einsum("i,ineJ->enJ", along, shares)
@@ -754,8 +793,8 @@ def _on_beam(
             "or a point at its end"
         )
     automatic = isinstance(radius, str)
-    known = {"normal": -along, "automatic": automatic, "contact_radius": expected}
-    return ContactPoint(body, b, along, x, node, None, **known)
+    known: dict[str, Any] = {"automatic": automatic, "contact_radius": expected}
+    return ContactPoint(body, b, along, x, node, None, -along, directed, **known)
 
 
 def _at_dof(body: FEModel, dof: int) -> ContactPoint:

@@ -51,6 +51,9 @@ _FEW_WAVES, _TURNS, _GRADES, _FINEST = 60, 4, 24, 5e-3
 # force that is spread over a sixth of the distance has waves up to 42 over the distance.
 _AROUND, _RINGS, _SPREAD, _MEANS = 48, 160, 6.0, 16
 
+# λ, in thicknesses, of bending that is slow. Waves in laminates are computed to (t/λ)^4 1e-10.
+_LONG_WAVES = 30.0
+
 # Directions among which that of the least bending stiffness is sought.
 _DIRECTIONS = 36
 
@@ -160,18 +163,16 @@ def _motion_of_waves(layers: Layers, s: float, x: FloatArray) -> FloatArray:
     return np.stack([u, v, w, -by_y, by_x], axis=1)
 
 
-def layer_compliance_of(
-    layers: Layers, radius: float, s: float, slowly: float | None = None
-) -> float:
+def layer_compliance_of(layers: Layers, radius: float, s: float) -> float:
     """Return R, the compliance of infinite layers beyond the half-space under the contact, m/N.
 
-    For a laminate it is that of its plate plus what elasticity has beyond. That part takes most of
-    the time and varies slowly: it may be that of another frequency, slowly.
+    For a laminate it is that of its plate plus what elasticity has beyond, which changes little
+    where bending waves are long, and is lost in rounding where they are very long.
     """
     material = layers.plies[0].material
     if isinstance(material, Material) and _isotropic(layers):
         return layer_compliance(material, layers.total_thickness, radius, s)
-    beyond = _laminate_excess(layers, radius, s if slowly is None else slowly)
+    beyond = _laminate_excess(layers, radius, max(s, slow_bending(layers)))
     return plate_compliance(layers, radius, s) - beyond
 
 
@@ -266,6 +267,11 @@ def bending_length(layers: Layers, s: float) -> float:
     curved = np.stack([c * c, d * d, 2.0 * c * d])
     D = np.einsum("in,ij,jn->n", curved, _bending(layers), curved).min()
     return float((D / (layers.inertia[0] * s**2)) ** 0.25)
+
+
+def slow_bending(layers: Layers) -> float:
+    """Return s, rad/s, of bending waves that are long for the thickness."""
+    return (bending_length(layers, 1.0) / (_LONG_WAVES * layers.total_thickness)) ** 2
 
 
 def _waves(radius: float, thickness: float, length: float) -> FloatArray:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray
@@ -21,7 +22,9 @@ from .layer import (
     layer_compliance_of,
     longest_edge,
     mesh_compliance,
+    plate_compliance,
     rim_nodes,
+    slow_bending,
 )
 from .shells import FOLD, element_frames
 
@@ -36,6 +39,9 @@ _SPAN = (0.087, 1.0 / 3.0, 1.0)
 # square prisms have 1.3 to 1.5. Balls of 5 and 10 mm on solids of 10 x 10, 20 x 6 and 6 x 20 mm
 # have the force of beams with 0.9 to 2.0.
 _OF_SECTION = 2.0
+
+# Relative precision of the radius of a patch; c makes good what it is off.
+_NEARLY = 1e-2
 
 # Up to which n the harmonics of a ring are added up; they fall with 1/n².
 _HARMONICS = 200
@@ -55,9 +61,46 @@ class ThinExtraction(ContactCompliance):
     near : ndarray of bool, shape (n_cells,)
         Elements about the contact whose errors c makes good: none at a step of thickness, where c
         is not that of the infinite plate.
+    doubtful : float
+        c, m/N, where it is not taken out: at the edge of a shell.
     """
 
     near: npt.NDArray[np.bool_]
+    doubtful: float = 0.0
+
+
+def patch_on_shell(layers: Layers, contact_radius: float, *, whole: bool = False) -> float:
+    """Return the radius of the patch that a force on a shell is spread over, m.
+
+    Under a patch of radius r a plate yields like the elastic layers under the contact, and c of the
+    infinite plate is the same at all frequencies: bending adds (a² - r²)/(10π D) ln λ to c, and
+    the plate's shear, which is softer than that of the layers by about ν/(1 - ν) t²/(5 D), the
+    rest. So r² is about a² + ν/(1 - ν) t². Under a larger patch c is 0.
+
+    Parameters
+    ----------
+    layers : Shell or Laminate
+        The contact presses on their top.
+    contact_radius : float
+        a, m.
+    whole : bool, optional
+        True for the patch under which c is 0, which leaves the whole law.
+    """
+    slow_s, t = slow_bending(layers), layers.total_thickness
+    span = slow_s, slow_s / min(_SPAN)
+    known = [layer_compliance_of(layers, contact_radius, each) for each in span]
+
+    def excess(radius: float) -> float:
+        slow, fast = (
+            plate_compliance(layers, radius, each) - of_layers
+            for each, of_layers in zip(span, known, strict=True)
+        )
+        return slow if whole else slow - fast
+
+    narrow, wide = contact_radius, 3.0 * (contact_radius + t)
+    if excess(narrow) <= 0.0 or excess(wide) >= 0.0:
+        return narrow if excess(narrow) <= 0.0 else wide
+    return float(scipy.optimize.brentq(excess, narrow, wide, rtol=_NEARLY))
 
 
 def extracted_from_shell(
@@ -95,18 +138,19 @@ def extracted_from_shell(
     groups, near = _around(body, layers, shares, point, normal, min(_SPAN) * s)
     several = s * np.array(_SPAN)
     of_mesh = mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, several, couples)
-    found = of_mesh - [layer_compliance_of(layers, radius, each, slowly=s) for each in several]
-    steps, varying = np.diff(found), 0.0
-    error = abs(float(steps[0]))
+    found = of_mesh - [layer_compliance_of(layers, radius, each) for each in several]
+    steps, varying, removed, doubtful = np.diff(found), 0.0, float(found[0]), 0.0
     if (rim_nodes(groups, mesh.n_nodes) & (shares != 0.0)).any():
-        error += abs(float(found[0]))  # c is that of an interior, and may be anything here
+        # c is that of an interior, and would take the edge's own yielding out of the law.
+        removed, doubtful = 0.0, removed
     if len(layers.plies) == 1:
         narrow, wide = (layer_compliance_of(layers, f * radius, s) for f in (0.5, 1.0))
         varying = abs(narrow - wide)
     share = cosine**2
     return ThinExtraction(
-        removed=share * float(found[0]),
-        error=share * error,
+        removed=share * removed,
+        doubtful=share * doubtful,
+        error=share * abs(float(steps[0])),
         varying=share * varying,
         lagging=share * float(np.abs(steps / np.diff(np.log(_SPAN))).max()),
         radius=radius,

@@ -18,7 +18,7 @@ from ..base import (
     positive,
     real,
 )
-from ..fem import PATCH_OVER_CONTACT, SHIFT_TIMES_DURATION, contact_within
+from ..fem import SHIFT_TIMES_DURATION, contact_within
 from ..integrate import rigid_contact_time
 from ..laws import ContactLaw, LawFromSurfaces, law_between, round_contact
 from ..linalg import LinearSolver
@@ -243,6 +243,8 @@ def fitted(
     port: int,
     met: Meeting | None,
     factors: dict[Any, LinearSolver] | None = None,
+    *,
+    wider: bool = False,
 ) -> BodyModel:
     """Return a body with a patch wide enough for an impact, where its radius was left out.
 
@@ -252,7 +254,7 @@ def fitted(
         return body
     if not body.tips[port].automatic or isinstance(body, SharedPoint):
         return body
-    tip = contact_within(body.tips[port], PATCH_OVER_CONTACT * met.contact_radius)
+    tip = contact_within(body.tips[port], met.contact_radius, wider=wider)
     known = {} if factors is None else factors
     if tip.body not in known:
         known[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / met.contact_time) ** 2)

@@ -34,7 +34,7 @@ from ..base import (
     text,
     warn,
 )
-from ..fem import ContactPoint
+from ..fem import ContactPoint, Layers
 from ..integrate import Newmark
 from ..laws import ContactLaw, own_law
 from ..linalg import LinearSolver, Solver
@@ -83,9 +83,6 @@ from .oblique import (
     with_functionals,
     with_tangents,
 )
-
-# Patches are made so many times wider where a contact turns out to be stiffer than the mesh.
-_WIDER = 2.0
 
 
 @dataclass(frozen=True)
@@ -472,8 +469,7 @@ class Scene:
         if not preload:
             self._refuse_overlap()
         linear = checked_linear_solver(linear_solver, chosen=self._chooses(quantity, rtol))
-        run = partial(
-            self._run,
+        return self._run(
             self._record(length),
             quantity=quantity,
             rtol=rtol,
@@ -483,13 +479,26 @@ class Scene:
             linear_solver=linear,
             began=began,
         )
-        try:
-            return run()
-        except LawLimitError:
-            # Loads and other bodies may press a contact further than its two bodies alone would.
-            if not any(tip.automatic for body in self._bodies for tip in body.contact_points):
-                raise
-        return run(wider=_WIDER)
+
+    def _run(self, record: RecordLength, **given: Any) -> Run:
+        """Run the scene as `_once` does; a contact stiffer than its meshes gets a wider patch.
+
+        Supports, loads and other bodies press contacts further than two bodies alone would. Where
+        no patch on a shell helps, the law is bounded.
+        """
+        tips = [tip for body in self._bodies for tip in body.contact_points]
+        ways = [(False, False)]
+        if any(tip.automatic for tip in tips):
+            ways.append((True, False))
+        if any(isinstance(tip.thin, Layers) for tip in tips):
+            ways.append((True, True))
+        for wider, bounded in ways[:-1]:
+            try:
+                return self._once(record, **given, wider=wider, bounded=bounded)
+            except LawLimitError:
+                continue
+        wider, bounded = ways[-1]
+        return self._once(record, **given, wider=wider, bounded=bounded)
 
     def _orient(self) -> None:
         """Find the axes of motion in three directions, and what of it is along the first.
@@ -584,7 +593,7 @@ class Scene:
         controlled = quantity is not None or rtol is not None
         return controlled or any(body.reducible for body in self._bodies)
 
-    def _run(
+    def _once(
         self,
         record: RecordLength,
         *,
@@ -595,7 +604,8 @@ class Scene:
         preload: bool = False,
         linear_solver: Solver,
         began: float,
-        wider: float = 1.0,
+        wider: bool,
+        bounded: bool,
     ) -> Run:
         """Run the bodies as they are, or small models of them that give a quantity to a tolerance.
 
@@ -606,8 +616,10 @@ class Scene:
             As of `simulate`.
         began : float
             When the call began, by `perf_counter`, s.
-        wider : float, optional
-            How many times wider patches are than two bodies alone would need.
+        wider : bool
+            Whether patches are wider than two bodies alone would need.
+        bounded : bool
+            See `Contact.of_models`.
         """
         record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
         bodies, plan_of = self._bodies, partial(self._plan, record, preload)
@@ -619,7 +631,7 @@ class Scene:
                 # A model with several contact points needs the direction of travel of each.
                 if len(body.contact_points) > 1 or self._axes is not None:
                     bodies[i], around[i] = body.turned(around[i]), ()
-            plan_of = partial(plan_of, around=around, widths=self._widths())
+            plan_of = partial(plan_of, around=around, widths=self._widths(), bounded=bounded)
         if self._axes is not None:
             bodies = self._oblique(bodies)
             if solver is None and any(of.law.depends_on_rate for of in self._contacts):
@@ -705,7 +717,7 @@ class Scene:
         bodies = [self._bodies[body] for body, _ in contact.ports]
         return meeting(own_law(contact.law), bodies, speed, strict=strict)
 
-    def _fitted(self, factors: dict[Any, LinearSolver], wider: float) -> list[BodyModel]:
+    def _fitted(self, factors: dict[Any, LinearSolver], wider: bool) -> list[BodyModel]:
         """The bodies with patches fitted to their contacts, where their radius was left out."""
         bodies = list(self._bodies)
         if self._axes is not None:
@@ -716,12 +728,10 @@ class Scene:
         fastest = self._fastest
         for contact in self._contacts:
             met = self._meeting(contact, fastest)
-            if met is not None and met.contact_radius is not None:
-                met = met._replace(contact_radius=wider * met.contact_radius)
             for body, port in contact.ports:
                 key = bodies[body], port
                 if key not in made:
-                    made[key] = fitted(bodies[body], port, met, factors)
+                    made[key] = fitted(bodies[body], port, met, factors, wider=wider)
                 bodies[body] = made[key]
         return bodies
 
@@ -762,6 +772,7 @@ class Scene:
         *,
         around: Sequence[tuple[int, ...]] = (),
         widths: Sequence[float | None] = (),
+        bounded: bool = False,
     ) -> Plan:
         """The plan of the bodies, or of models in their place.
 
@@ -774,6 +785,8 @@ class Scene:
             One for each body.
         around, widths : sequences, optional
             For bodies with meshes: `_turns` and `_widths`.
+        bounded : bool, optional
+            See `Contact.of_models`.
         """
         bodies, contacts, loads = tuple(models), self._contacts, self._loads
         if self._axes is not None:
@@ -781,7 +794,8 @@ class Scene:
         if around:
             bodies = tuple(of.turned(ports) for of, ports in zip(models, around, strict=True))
             contacts = [
-                of.of_models(bodies, width) for of, width in zip(contacts, widths, strict=True)
+                of.of_models(bodies, width, bounded=bounded)
+                for of, width in zip(contacts, widths, strict=True)
             ]
         if bodies != tuple(self._bodies):
             for contact in contacts:

@@ -14,7 +14,21 @@ import numpy as np
 import scipy
 
 from ..base import InputError, InputTypeError, real
-from ..fem import Material
+from ..fem import Laminate, Material, Orthotropic, Shell
+
+
+def half_space(name: str, of: Any) -> Material:
+    """Return what a contact meets on the top of a shell, or of a body of that material.
+
+    The third axis of an orthotropic material is the surface's normal.
+    """
+    if isinstance(of, (Shell, Laminate)):
+        return of.half_space(top=True)
+    if not isinstance(of, (Material, Orthotropic)):
+        raise InputTypeError(
+            f"{name} must be a Material, an Orthotropic, a Shell or a Laminate, got {of!r}"
+        )
+    return of.half_space((0.0, 0.0, 1.0))
 
 
 def contact_modulus(material_1: Material, material_2: Material) -> float:

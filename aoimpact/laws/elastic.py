@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from ..base import InputError, nonnegative, real
-from ..fem import Material
+from ..fem import Laminate, Material, Orthotropic, Shell
 from .curvature import (
     contact_modulus,
     elliptic_contact,
+    half_space,
     is_pair,
     relative_curvatures,
     relative_radius,
@@ -72,9 +73,9 @@ class Hertz(HertzianLaw):
     @classmethod
     def between(
         cls,
-        material_1: Material,
+        material_1: Material | Orthotropic | Shell | Laminate,
         radius_1: float | Sequence[float],
-        material_2: Material,
+        material_2: Material | Orthotropic | Shell | Laminate,
         radius_2: float | Sequence[float],
         *,
         angle: float = 0.0,
@@ -87,7 +88,9 @@ class Hertz(HertzianLaw):
 
         Parameters
         ----------
-        material_1, material_2 : Material
+        material_1, material_2 : Material, Orthotropic, Shell or Laminate
+            A shell or laminate is touched on its top, an orthotropic material across its first two
+            axes: its half-space is that of `Orthotropic.half_space`, as in the law by default.
         radius_1, radius_2 : float or (float, float)
             Radius of curvature, m, or the two principal ones R', R''; ``math.inf`` is flat, a
             negative radius hollow: a cup is larger in magnitude than its ball. A cylinder is
@@ -107,7 +110,9 @@ class Hertz(HertzianLaw):
         >>> round(law.k / 1e9, 2)  # GN/m^1.5
         15.38
         """
-        modulus = contact_modulus(material_1, material_2)
+        modulus = contact_modulus(
+            half_space("material_1", material_1), half_space("material_2", material_2)
+        )
         if not is_pair(radius_1) and not is_pair(radius_2):
             radius = relative_radius(radius_1, radius_2)
             return cls(4.0 / 3.0 * modulus * math.sqrt(radius), relative_radius=radius)

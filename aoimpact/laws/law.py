@@ -305,16 +305,20 @@ class ContactLaw:
             raise InputError(f"compliance={c:g} m/N leaves nothing of {self!r}")
         return PatchLaw(self, c, limit)
 
+    def _stiffest(self, indentation: FloatArray) -> FloatArray:
+        """Return dF/dδ, N/m, of loading or, where that is steeper, of unloading."""
+        force, steepest, _ = self._evaluate(indentation, np.zeros(indentation.shape))
+        if self.has_memory:  # F* x^n with n F*/(δ* - δ_p) at its start
+            n = self._unloading_power
+            unloading = n / (n + 1.0) * force**2 / self._potential(indentation)
+            steepest = np.maximum(steepest, unloading)
+        return steepest
+
     def _steepest(self, compliance: float) -> float:
         """Return the own indentation, m, up to which c dF/dδ is less than the share allowed."""
 
         def excess(delta: FloatArray | float) -> FloatArray:
-            there = np.asarray(delta)
-            force, steepest, _ = self._evaluate(there, np.zeros(there.shape))
-            if self.has_memory:  # F* x^n with n F*/(δ* - δ_p) at its start
-                n = self._unloading_power
-                steepest = np.maximum(steepest, n / (n + 1.0) * force**2 / self._potential(there))
-            return compliance * steepest - MOST_SHARE
+            return compliance * self._stiffest(np.asarray(delta)) - MOST_SHARE
 
         within = _INDENTATIONS[self.limit >= _INDENTATIONS]
         first = _first_beyond(excess, within)
@@ -457,6 +461,11 @@ def _first_beyond(
 def loading_work(law: ContactLaw, indentation: float) -> float:
     """Return ∫ F dδ up to an indentation, m, at no rate, J: what is stored and what yields."""
     return law._work(indentation)
+
+
+def removable(law: ContactLaw, indentation: float) -> float:
+    """Return the most compliance, m/N, that can be taken out of a law up to an indentation, m."""
+    return MOST_SHARE / float(law._stiffest(np.array(indentation)))
 
 
 def _radius(name: str, value: Any, unit: str) -> float | None:

@@ -862,7 +862,9 @@ def rigid(
     return AOModel(m0=checked_mass, name=name, **made)
 
 
-def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
+def ball(
+    radius: float, material: Material, *, mass: float | None = None, name: str = ""
+) -> AOModel:
     """Return a rigid ball with its surface, from which a contact law can be derived.
 
     Parameters
@@ -870,6 +872,10 @@ def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
     radius : float
         r, m. The mass is 4/3 π r³ ρ, the moment of inertia 2/5 of that times r².
     material : Material
+    mass : float, optional
+        kg, of a body with a round nose in place of the ball, such as the tup of a drop tower with
+        its carriage. With friction it moves sideways as this mass, but it does not turn, as one
+        that is guided.
     name : str, optional
         Name in results, tables and plots.
 
@@ -877,14 +883,19 @@ def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
     --------
     >>> ball(0.01, Material(E=210e9, nu=0.3, rho=7800))
     AOModel(no oscillators, 0.03267 kg, free)
+    >>> ball(0.008, Material(E=210e9, nu=0.3, rho=7800), mass=5.0)  # of a drop tower
+    AOModel(no oscillators, 5 kg, free)
     """
     r = positive("radius", radius, unit="m")
     checked_material = instance("material", material, Material)
+    own = None if mass is None else positive("mass", mass, unit="kg")
     try:
-        mass, curvature = 4.0 / 3.0 * math.pi * r**3 * checked_material.rho, 1.0 / r
+        whole, curvature = 4.0 / 3.0 * math.pi * r**3 * checked_material.rho, 1.0 / r
         round_one = ContactSurface(checked_material, (curvature, curvature))
-        inertia = np.diag(np.full(3, 0.4 * mass * r * r))
-        return AOModel(m0=mass, surface=round_one, name=name, inertia=inertia)
+        if own is not None:
+            return AOModel(m0=own, surface=round_one, name=name)
+        inertia = np.diag(np.full(3, 0.4 * whole * r * r))
+        return AOModel(m0=whole, surface=round_one, name=name, inertia=inertia)
     except (InputError, OverflowError) as error:
         raise InputError(f"radius={r:g} m is no radius of a ball (is it in metres?)") from error
 

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..base import InputError, InputTypeError, LawLimitError, warn, with_unit
-from ..fem import ContactPoint, Layers, edge_length, rim_distance
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import PatchLaw, wider
 from ..reduction import FullModel
@@ -72,14 +71,6 @@ def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: floa
     tips = [plan.bodies[body].touched_at(port) for body, port in contact.ports]
     radii = [tip.patch.radius for tip in tips if tip is not None and tip.patch is not None]
     cure = "leave radius out, so that a patch carries the contact"
-    thin = [tip for tip in tips if tip is not None and tip.thin is not None]
-    if thin:
-        cure = "the contact is as wide as the shell is thick; take solids there"
-    if any(isinstance(tip.thin, Layers) and _at_rim(tip) for tip in thin):
-        cure = (
-            "a shell yields more at its edge than that far inside, which the law is for; refine "
-            "the mesh there, strike it farther inside, or take solids there"
-        )
     if radii:
         cure = f"give the contact points radius={factor * max(radii):.2g} m or more"
     return LawLimitError(
@@ -87,13 +78,6 @@ def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: floa
         f"{contact.law.compliance:.3g} m/N, leaves nothing of the law; {cure}",
         error.contact,
     )
-
-
-def _at_rim(tip: ContactPoint) -> bool:
-    """True if a contact on a shell is within an element of its edge."""
-    assert tip.body.surface is not None
-    assert tip.point is not None
-    return rim_distance(tip) < edge_length(tip.body.surface, tip.point)
 
 
 # Longest record in units of the first guess, for contacts that do not end, as under gravity.

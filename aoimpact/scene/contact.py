@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import HUGE, FloatArray, InputError
-from ..fem import ContactCompliance, Extraction, Material
+from ..fem import ContactCompliance, Extraction, Material, ThinExtraction
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, effective_law, own_law
 from ..reduction import BodyModel
 from .rows import BodyRows, ContactRows
@@ -147,7 +147,9 @@ class Contact(NamedTuple):
     friction: Friction | None = None
     removed: tuple[float, ...] = (0.0, 0.0)
 
-    def of_models(self, bodies: Sequence[BodyModel], width: float | None = None) -> Contact:
+    def of_models(
+        self, bodies: Sequence[BodyModel], width: float | None = None, *, bounded: bool = False
+    ) -> Contact:
         """Return the contact of models, given that of the bodies themselves.
 
         The compliance that their meshes have in place of a half-space is taken out of the law.
@@ -158,6 +160,9 @@ class Contact(NamedTuple):
             Those of the scene.
         width : float, optional
             Radius of the contact at its largest force, m, on which that of curved bodies depends.
+        bounded : bool, optional
+            True to leave a contact on a shell its whole law, where it is stiffer than its mesh. Its
+            force is a bound; with the compliance taken out as far as it can be it is another.
 
         Raises
         ------
@@ -168,6 +173,9 @@ class Contact(NamedTuple):
             return self
         known = [extraction_of(self.law, bodies[body], port) for body, port in self.ports]
         removed = tuple(0.0 if of is None else of.removed_for(width) for of in known)
+        shells = any(isinstance(of, ThinExtraction) for of in known)
+        if bounded and shells and math.fsum(removed) > 0.0:
+            return self
         return self._replace(law=effective_law(self.law, math.fsum(removed)), removed=removed)
 
     def own_indentation(self, rows: ContactRows) -> FloatArray:

@@ -338,15 +338,30 @@ def test_a_flying_laminate_is_touched_on_the_side_ahead_of_it() -> None:
             ao.sheet_mesh((0.1, 0.1), (12, 12)), ao.Laminate(stack, (1, 0, 0))
         )
         tip = body.contact(point=(0.05, 0.05, 0), direction=None if z is None else (0, 0, z))
-        force.append(ao.simulate(tip, ball, 1.0, quantity="peak_force").peak_force)
+        force.append(ao.simulate(tip, ball, 1.0, quantity="peak_force", rtol=1e-5).peak_force)
     assert force[1:] == pytest.approx(force[:1] * 2, rel=1e-5)
 
 
-@pytest.mark.parametrize("place", [(0, 0, 0), (2e-3, 2e-3, 0)])
-def test_a_contact_that_its_edge_leaves_nothing_says_so(place: Any) -> None:
-    tip = sheet(1e-3, 10, 0.1).contact(point=place)
-    with pytest.raises(ao.AOImpactError, match="yields more at its edge"):
-        ao.simulate(ao.ball(radius=0.02, material=STEEL), tip, 1.0, duration=5e-4)
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")  # of the rim
+def test_a_corner_of_a_sheet_is_struck_as_that_of_solids() -> None:
+    """2 mm from both edges of a free sheet of 2 mm: what the mesh of a shell yields there is hers.
+
+    The law would otherwise lose more than it has.
+    """
+    bricks = ao.box_mesh((1.0, 1.0, 2e-3), (16, 16, 2), kind="hexahedron20")
+    nodes = bricks.nodes * [0.04, 0.04, 1.0]
+    nodes[:, :2] *= np.sqrt(bricks.nodes[:, :2])  # finer towards the corner
+    solid = ao.FEModel.from_mesh(ao.Mesh(nodes, bricks.cells, bricks.kind), STEEL)
+    tips = [solid.contact(point=(2e-3, 2e-3, 2e-3))]
+    tips += [sheet(2e-3, n, 0.04).contact(point=(2e-3, 2e-3, 0.0)) for n in (8, 32)]
+    ball = ao.ball(radius=0.02, material=STEEL)
+    known, *hits = (
+        ao.simulate(ball, tip, 1.0, quantity="peak_force", duration=1e-4) for tip in tips
+    )
+    for hit in hits:
+        assert hit.peak_force == pytest.approx(known.peak_force, rel=0.04)
+        assert 0.01 < hit.error["peak_force"].total < 1.0
 
 
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")  # of a coarse mesh
