@@ -342,6 +342,44 @@ def test_a_flying_laminate_is_touched_on_the_side_ahead_of_it() -> None:
     assert force[1:] == pytest.approx(force[:1] * 2, rel=1e-5)
 
 
+def test_a_law_between_layers_is_that_by_default() -> None:
+    """A laminate is touched on its top ply, a shell on its material, a ply across its fibres."""
+    carbon = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+    alu = ao.Material(E=70e9, nu=0.33, rho=2700)
+    stack = ao.Laminate([ao.Ply(1e-3, alu), ao.Ply(1e-3, carbon)], fibre_axis=(1, 0, 0))
+    body = ao.FEModel.from_mesh(ao.sheet_mesh((0.1, 0.1), (20, 20)), stack)
+    hit = ao.simulate(BALL, body.contact(point=(0.05, 0.05, 0.0)), 1.0, duration=2e-4)
+    law = ao.Hertz.between(STEEL, 0.005, stack, math.inf)
+    assert hit.law.k == pytest.approx(law.k, rel=1e-12)
+    assert law == ao.Hertz.between(STEEL, 0.005, carbon, math.inf)
+    of_shell = ao.Hertz.between(ao.Shell(1e-3, alu), math.inf, STEEL, 0.005)
+    assert of_shell.k == pytest.approx(ao.Hertz.between(alu, math.inf, STEEL, 0.005).k, rel=1e-12)
+    with pytest.raises(ao.InputTypeError, match="material_2"):
+        ao.Hertz.between(STEEL, 0.005, "carbon", math.inf)  # type: ignore[arg-type]
+
+
+def test_a_tup_has_a_nose_and_a_mass() -> None:
+    """Hertz's peak of a mass on a wall goes with m^(3/5); a guided tup does not turn."""
+    tup, wall = ao.ball(0.005, STEEL, mass=5.0), ao.wall(STEEL)
+    heavy, light = (ao.simulate(of, wall, 1.0).peak_force for of in (tup, BALL))
+    ratio = 5.0 / (4.0 / 3.0 * math.pi * 0.005**3 * STEEL.rho)
+    assert heavy / light == pytest.approx(ratio**0.6, rel=1e-4)
+    slid = ao.simulate(tup, wall, (0.0, 0.5, -1.0), friction=0.1)
+    assert np.abs(slid.projectile.final_spin).max() == 0.0
+    assert slid.projectile.final_velocity[1] == pytest.approx(0.5 - 0.1 * 2.0, rel=1e-3)
+    with pytest.raises(ao.InputError, match="mass"):
+        ao.ball(0.005, STEEL, mass=-1.0)
+
+
+def test_a_beam_touched_on_its_side_knows_its_direction() -> None:
+    on = beam().contact(point=(0.5, 0.0, 0.005))
+    across = beam().contact(point=(0.5, 0.0, 0.0), direction=(0, 0, -1))
+    assert on.direction == pytest.approx([0.0, 0.0, -1.0])
+    assert on.b == pytest.approx(across.b)
+    with pytest.raises(ao.InputTypeError, match="direction"):
+        beam().contact(point=(0.5, 0.0, 0.0))
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")  # of the rim
 def test_a_corner_of_a_sheet_is_struck_as_that_of_solids() -> None:

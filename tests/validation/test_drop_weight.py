@@ -112,7 +112,11 @@ def grid(origin: Any, u: Any, v: Any, nu: int, nv: int) -> tuple[Any, Any]:
 
 @pytest.mark.slow
 def test_a_stiffened_panel_over_bay_and_blade() -> None:
-    """2 mm of carbon with three blades, clamped at two ends, 2 kg at 2 m/s."""
+    """2 mm of carbon with three blades, clamped at two ends, 2 kg at 2 m/s: near V √(k m).
+
+    Indentation takes 1 %. The blade's own inertia adds up to 8 % (its first 120 modes and the rest
+    as a spring under Hertz's law).
+    """
     parts = [grid((0, 0, 0), (0.4, 0, 0), (0, 0.3, 0), 80, 60)]
     for y in (0.075, 0.15, 0.225):
         parts.append(grid((0, y, 0), (0.4, 0, 0), (0, 0, -0.025), 80, 5))
@@ -129,11 +133,10 @@ def test_a_stiffened_panel_over_bay_and_blade() -> None:
         damping=ao.ModalDamping(0.01),
     )
     tup = ao.ball(0.01, STEEL, mass=2.0)
-    for y, low, high in ((0.1125, 1779.0, 1800.0), (0.15, 3040.0, 3180.0)):
+    for y, least, most in ((0.1125, 0.97, 1.01), (0.15, 1.0, 1.08)):
         tip = panel.contact(point=(0.2, y, 0.0), direction=DOWN)
         hit = ao.simulate(tup, tip, 2.0, quantity="peak_force", rtol=0.02)
         error = hit.error["peak_force"].total
-        assert low * (1 - error) < hit.peak_force < high * (1 + error)
+        share = hit.peak_force / static_force(tip, 2.0, 2.0)
+        assert least * (1 - error) < share < most * (1 + error)
         assert error < 0.1
-    bay = panel.contact(point=(0.2, 0.1125, 0.0), direction=DOWN)
-    assert static_force(bay, 2.0, 2.0) == pytest.approx(1800.0, rel=0.01)
