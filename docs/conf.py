@@ -16,8 +16,7 @@ sys.path[:0] = [str(HERE), *(str(HERE.parent / folder) for folder in ("tests", "
 matplotlib.use("Agg")
 
 project = "aoimpact"
-author = "The aoimpact developers"
-project_copyright = "the aoimpact developers"
+author = project_copyright = "The aoimpact developers"
 version = release = aoimpact.__version__
 
 extensions = [

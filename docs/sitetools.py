@@ -27,16 +27,12 @@ def figures(block: Any, variables: Any, conf: Any, **kwargs: Any) -> str:
     from sphinx_gallery.scrapers import matplotlib_scraper
 
     told = [_told(plt.figure(number)) for number in plt.get_fignums()]
-    saved = matplotlib_scraper(block, variables, conf, **kwargs)
-    return re.sub("(?<=:alt: ).*", lambda _: told.pop(0), saved)
+    written = matplotlib_scraper(block, variables, conf, **kwargs)
+    return re.sub("(?<=:alt: ).*", lambda _: told.pop(0), written)
 
 
 def _told(figure: Any) -> str:
-    drawn = []
-    for ax in figure.axes:
-        across = "" if hasattr(ax, "get_zlabel") else ax.get_xlabel()
-        up = ax.get_title() if hasattr(ax, "get_zlabel") else ax.get_ylabel()
-        drawn.append(f"{up} over {across}" if up and across else up)
+    drawn = [" over ".join(filter(None, (ax.get_ylabel(), ax.get_xlabel()))) for ax in figure.axes]
     return " ".join("; ".join(dict.fromkeys(filter(None, drawn))).split())
 
 
