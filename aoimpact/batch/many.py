@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import os
 import pickle
+import re
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from contextlib import ExitStack, nullcontext
@@ -26,6 +27,9 @@ from ..base import (
     warn,
 )
 from ..impact import simulate
+from ..laws import Linear
+from ..reduction import rigid
+from ..results import look_up
 from .checkpoint import Checkpoint, Outcome, as_json
 from .digest import Digests
 from .plain import PLAIN_NUMBERS, plain_numbers
@@ -132,12 +136,23 @@ def iterated(
     boolean("progress", progress)
     if key is not None:
         text("key", key)
-    job = _Job(keeper(keep), checkpoint is not None)
+    job = _Job(_checked(keeper(keep)), checkpoint is not None)
     if job.stored and job.keep is None:
         raise InputError(
             "checkpoint keeps no whole results; name numbers, such as keep='peak_force'"
         )
     return _iterate(cases, checked_workers(workers), job, checkpoint, key, progress)
+
+
+def _checked(keep: Keep | None) -> Keep | None:
+    """Refuse a name that is no number of a result before any case is computed."""
+    if isinstance(keep, Named):
+        mass = rigid(mass=1.0)
+        hit = simulate(mass, mass, 1.0, law=Linear(k=1.0), duration=5.0)
+        for name in keep.names:
+            if not re.search(r"\.\d", name):  # of a body or contact, which the cases have
+                look_up(hit, name, "keep")
+    return keep
 
 
 def _iterate(

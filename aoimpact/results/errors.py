@@ -159,9 +159,10 @@ class ErrorEstimate:
     Examples
     --------
     >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
-    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-    >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-    >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+    >>> alu = ao.Material(70e9, 0.3, 2700)
+    >>> bar = ao.FEModel.from_mesh(mesh, alu, fixed=[("xmin", "xyz")])
+    >>> tip = bar.contact(point=(0.05, 0.005, 0.01))
+    >>> hit = ao.simulate(ao.ball(0.005, alu), tip, velocity=0.1)
     >>> hit.error.total == hit.error["force"].total > hit.error["force"].model > 0.0
     True
     >>> "restitution" in hit.error

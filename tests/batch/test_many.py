@@ -219,7 +219,9 @@ def test_a_second_run_computes_nothing(tmp_path: Path, monkeypatch: pytest.Monke
     first = ao.simulate_many(cases, keep=NAMES, checkpoint=path)
     assert counted(path) == len(cases)
 
-    def never(**_: Any) -> None:
+    def never(*example: Any, **case: Any) -> Any:
+        if example:  # of what results have, by which names are checked
+            return ao.simulate(*example, **case)
         raise AssertionError("computed again")
 
     monkeypatch.setattr("aoimpact.batch.many.simulate", never)
@@ -382,7 +384,17 @@ def test_bad_arguments_are_refused(arguments: dict[str, Any], text: str) -> None
         ao.simulate_many(**{"cases": [balls(1.0)]} | arguments)
 
 
-@pytest.mark.parametrize("name", ["contacts", "error.tme", "contacts.5.0", "contacts.0.peak_force"])
+@pytest.mark.parametrize("name", ["contacts", "error", "error.tme"])
+def test_a_name_of_no_number_is_refused_before_the_first_case(name: str) -> None:
+    def cases() -> Any:
+        raise AssertionError("a case was drawn")
+        yield
+
+    with pytest.raises(ao.AOImpactError, match=f"keep: '{name}'"):
+        ao.simulate_many(cases(), keep=("peak_force", name))
+
+
+@pytest.mark.parametrize("name", ["contacts.5.0", "contacts.0.peak_force"])
 def test_a_name_that_leads_nowhere_fails_its_case(name: str) -> None:
     (error,) = ao.simulate_many([balls(1.0)], keep=name)
     assert isinstance(error, ao.AOImpactError)
