@@ -11,14 +11,12 @@ Signal(force, 3 samples at 1000 Hz, largest 400 N)
 
 from .dropweight import DropWeight, Point, drop_weight
 from .hammer import MeasuredResponse, frf
-from .loadcell import LoadCell
 from .readsignal import read_signal
 from .shock import ShockSpectrum, shock_spectrum
 from .signal import Signal
 
 __all__ = [
     "DropWeight",
-    "LoadCell",
     "MeasuredResponse",
     "Point",
     "ShockSpectrum",

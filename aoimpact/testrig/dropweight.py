@@ -24,8 +24,7 @@ from ..base import (
     write_csv,
 )
 from ..results import Result
-from .readsignal import STANDARD_GRAVITY
-from .signal import RISEN, UNFILTERED, Signal, contacts
+from .signal import RISEN, STANDARD_GRAVITY, UNFILTERED, Signal, contacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -289,8 +288,8 @@ def drop_weight(
     Parameters
     ----------
     source : Signal, (t, force) or Result
-        The force on the impactor, N: measured, simulated, or what a `LoadCell` reads of it. Of a
-        scene, with its gravity, ``Signal.of(run, contact=0)``, with mass and velocity.
+        The force on the impactor, N: measured or simulated. Of a scene, with its gravity,
+        ``Signal.of(run, contact=0)``, with mass and velocity.
     mass : float, optional
         Mass of the impactor, kg; by default that of a result's projectile.
     velocity : float, optional
@@ -430,7 +429,7 @@ def _force(source: Any, cfc: float | None) -> Signal:
 def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, float]:
     """First and last touch: of a simulation, as given, or where a share of the peak is passed.
 
-    A filter smears the force ahead, so the first is sought before it; a load cell rings on, so the
+    A filter smears the force ahead, so the first is sought before it; the rig rings on, so the
     last is sought after it.
     """
     begin = None if start is None else real("start", start, unit="s")

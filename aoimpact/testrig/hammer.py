@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError, choice, warn, with_unit
+from ..base import FloatArray, Frozen, InputError, choice, instance, warn, with_unit
 from ..fields import Probe
 from ..results import Run
 from .signal import RISEN, UNEVEN, Signal, contacts, force_at
@@ -83,7 +83,7 @@ def frf(
 
     Parameters
     ----------
-    force : Signal, (t, values), Result or Run; or a list of them, one for each hit
+    force : Signal, Result or Run; or a list of them, one for each hit
         The hammer's force, N. Of a result it is taken at the times of the response; of a scene it
         is that of the first contact.
     response : Signal or Probe; or a list of them, one for each hit
@@ -121,7 +121,7 @@ def frf(
     >>> t = np.arange(2000) / 20e3
     >>> pulse = np.where(t < 1e-3, 100.0 * np.sin(np.pi * t / 1e-3) ** 2, 0.0)
     >>> speed = np.cumsum(pulse) / 20e3 / 2.0
-    >>> found = frf((t, pulse), Signal(t, speed, unit="m/s", name="velocity"))
+    >>> found = frf(Signal(t, pulse), Signal(t, speed, unit="m/s", name="velocity"))
     >>> round(float(np.abs(found.values[0])), 4)  # 1/kg
     0.5
     """
@@ -179,17 +179,19 @@ def _hits(force: Any, response: Any) -> tuple[list[Signal], list[Signal]]:
     loads: list[Signal] = []
     motions: list[Signal] = []
     for hit, (struck, moved) in enumerate(zip(forces, responses, strict=True)):
+        instance("force", struck, Signal, Run)
+        instance("response", moved, Signal, Probe)
+        motion = moved
         if isinstance(moved, Probe):
-            moved = Signal(moved.t, moved.velocity, unit="m/s", name="velocity")
-        motion = Signal.of(moved)
+            motion = Signal(moved.t, moved.velocity, unit="m/s", name="velocity")
         if motion.unit not in ("m/s", "m/s²"):
             raise InputError(
                 f"response of hit {hit} must be in m/s or m/s², got {motion.unit}; give "
                 "Signal(t, values, unit='m/s')"
             )
+        load = struck
         if isinstance(struck, Run):
-            struck = motion.t, force_at(struck, 0, motion.t)
-        load = Signal.of(struck)
+            load = Signal(motion.t, force_at(struck, 0, motion.t))
         # Hits may begin at any time; force and response of one hit begin together.
         first = motions[0].t - motions[0].t[0] if motions else motion.t - motion.t[0]
         for name, times in (("response", motion.t - motion.t[0]), ("force", load.t - motion.t[0])):

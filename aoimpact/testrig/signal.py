@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+STANDARD_GRAVITY = 9.80665  # m/s², ISO 80000-3
+
 # Samples are evenly spaced if each is within this share of a step of where it should be.
 UNEVEN = 0.05
 

@@ -53,7 +53,7 @@ def test_an_oscillator_is_its_closed_form(
     t, force = pulse()
     unit = ("m/s", "m/s²")[measured]
     motion = ao.testrig.Signal(t, answer(t, force)[measured], unit=unit, name="motion")
-    found = ao.testrig.frf((t, force), motion, kind=kind, estimator=estimator)
+    found = ao.testrig.frf(ao.testrig.Signal(t, force), motion, kind=kind, estimator=estimator)
     s = 2j * np.pi * found.frequencies
     exact = s**power / (M * s**2 + C * s + K)
     struck = found.force > 0.1 * found.force.max()
@@ -136,20 +136,21 @@ def test_a_hammer_that_strikes_twice_is_said() -> None:
     t, force = pulse()
     twice = force + 0.3 * np.roll(force, 200)
     with pytest.warns(ao.AOImpactWarning, match="hit 0.*2 times"):
-        ao.testrig.frf((t, twice), velocity(t, answer(t, twice)[0]))
+        ao.testrig.frf(ao.testrig.Signal(t, twice), velocity(t, answer(t, twice)[0]))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         noise = 2.0 * np.random.default_rng(1).normal(size=len(t))
-        ao.testrig.frf((t, force + noise), velocity(t, answer(t, force)[0]))
+        ao.testrig.frf(ao.testrig.Signal(t, force + noise), velocity(t, answer(t, force)[0]))
 
 
 def test_a_record_that_is_too_short_for_the_damping_is_said() -> None:
     t, force = pulse(n=3000)  # 60 ms, in which the vibration falls to exp(-1.2)
     with pytest.warns(ao.AOImpactWarning, match="too short"):
-        ao.testrig.frf((t, force), velocity(t, answer(t, force)[0]))
+        ao.testrig.frf(ao.testrig.Signal(t, force), velocity(t, answer(t, force)[0]))
 
 
 T, F = pulse(n=500)
+LOAD = ao.testrig.Signal(T, F)
 MOVED = velocity(T, np.cumsum(F) / RATE / M)
 
 
@@ -158,20 +159,20 @@ MOVED = velocity(T, np.cumsum(F) / RATE / M)
     [
         ("kind", {"kind": "impedance"}),
         ("estimator", {"estimator": "H3"}),
-        ("response", {"response": (T, F)}),
-        ("response", {"force": [(T, F), (T, F)]}),
+        ("response", {"response": LOAD}),
+        ("response", {"force": [LOAD, LOAD]}),
         (
             "response",
-            {"response": [MOVED, velocity(T[1:], MOVED.values[1:])], "force": [(T, F)] * 2},
+            {"response": [MOVED, velocity(T[1:], MOVED.values[1:])], "force": [LOAD] * 2},
         ),
-        ("force", {"force": (T[1:], F[1:])}),
-        ("force", {"force": (T + 1e-4, F)}),
-        ("force", {"force": (T, -F)}),
-        ("force", {"force": (T, np.where(T > 0.005, 100.0, F))}),
+        ("force", {"force": ao.testrig.Signal(T[1:], F[1:])}),
+        ("force", {"force": ao.testrig.Signal(T + 1e-4, F)}),
+        ("force", {"force": ao.testrig.Signal(T, -F)}),
+        ("force", {"force": ao.testrig.Signal(T, np.where(T > 0.005, 100.0, F))}),
         ("force", {"force": [], "response": []}),
-        ("evenly", {"force": (T**2, F), "response": velocity(T**2, MOVED.values)}),
+        ("evenly", {"force": ao.testrig.Signal(T**2, F), "response": velocity(T**2, MOVED.values)}),
     ],
 )
 def test_what_makes_no_response_is_refused(argument: str, given: dict[str, Any]) -> None:
     with pytest.raises(ao.InputError, match=argument):
-        ao.testrig.frf(**{"force": (T, F), "response": MOVED} | given)
+        ao.testrig.frf(**{"force": LOAD, "response": MOVED} | given)
