@@ -216,7 +216,7 @@ OPENED = """
     integrate.motion integrate.newmark integrate.roughness integrate.tolerances
     linalg.blocks linalg.coarsening linalg.davidson linalg.dissection linalg.multigrid
     linalg.smoother paper.beam paper.figures paper.reproduction paper.sphere paper.table
-    reduction.subspace reduction.validity results.advice scenefile.lines testrig.oscillator
+    reduction.subspace reduction.validity results.advice scenefile.lines
 """
 
 

@@ -30,8 +30,7 @@ law = ao.Hertz.between(steel, 0.01, steel, (0.003, np.inf))
 # passes through its centre. For two rigid masses m and M the peak force is known: with 1/μ = 1/m + 1/M the energy μv²/2 is that of
 # the indentation, 2kδ^(5/2)/5, and the force is kδ^(3/2).
 
-weight = ball.mass, block.mass
-mu = 1 / (1 / weight[0] + 1 / weight[1])
+mu = 1 / (1 / ball.mass + 1 / block.mass)
 peak = law.k * (5 * mu / (4 * law.k)) ** 0.6
 rigid = ao.simulate(projectile=ball, target=ao.rigid(mass=block.mass), velocity=1, law=law)
 print(f"{rigid.peak_force:.1f} N, closed form {peak:.1f} N")
@@ -45,9 +44,8 @@ print(f"{rigid.peak_force:.1f} N, closed form {peak:.1f} N")
 
 for n in (4, 8):
     finer = ao.box_mesh((0.04, 0.04, 0.04), (n, n, n), kind="hexahedron20")
-    edge = ao.FEModel.from_mesh(finer, steel).contact(
-        point=(0.04, 0.04, 0.02), direction=(-1, -1, 0), radius=0
-    )
+    body, place = ao.FEModel.from_mesh(finer, steel), (0.04, 0.04, 0.02)
+    edge = body.contact(point=place, direction=(-1, -1, 0), radius=0)
     sharp = ao.simulate(projectile=ball, target=edge, velocity=1, law=law)
     print(f"{n} elements on an edge: {sharp.peak_force:.1f} N, {sharp.peak_force / peak - 1:+.1%}")
 
