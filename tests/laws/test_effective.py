@@ -299,7 +299,7 @@ def test_laws_of_contacts_of_different_width_are_not_equal(make: Any) -> None:
     assert plain != knowing
     assert knowing == make(relative_radius=WIDTH)
     assert hash(knowing) == hash(make(relative_radius=WIDTH))
-    assert Digests().of(plain) != Digests().of(knowing)
+    assert Digests(None).of(plain) != Digests(None).of(knowing)
     assert "relative_radius" not in repr(plain)
     for copy in (pickle.loads(pickle.dumps(knowing)), eval(repr(knowing), vars(laws))):
         assert copy == knowing
