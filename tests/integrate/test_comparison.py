@@ -3,15 +3,12 @@
 import itertools
 import math
 import warnings
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import aoimpact as ao
 from aoimpact.integrate import TIGHTEST, to_tolerance
-from aoimpact.integrate.comparison import difference, most_touches
-from aoimpact.integrate.dense import DenseRecorder, Touch
 from aoimpact.integrate.tolerances import ROUNDING
 
 MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
@@ -161,36 +158,3 @@ def test_one_contact_costs_one_run(monkeypatch):
         scene.connect(one, other, ao.Hertz(k=STIFFNESS))
     scene.simulate(duration=2e-3, energies=False)
     assert len(made) == 1
-
-
-def recorder(run):
-    assert isinstance(run.recorder, DenseRecorder)
-    return run.recorder
-
-
-def with_touches(run, touches):
-    (event,) = run.events
-    spans = tuple((start, end) for start, end, *_ in touches)
-    values = [Touch(impulse, pace) for _, _, impulse, pace in touches]
-    return replace(run, events=(event._replace(contacts=spans),), touches=(values,))
-
-
-def test_touches_count_by_their_impulse():
-    run = recorder(bouncing(2, 1e-3)[0])
-    heavy, light = (0.0, 1e-4, 1.0, 2.0), (2e-4, 3e-4, 1e-3, 2.0)
-    assert most_touches(with_touches(run, [heavy, light])) == 1
-    assert most_touches(with_touches(run, [heavy] + [light] * 20)) == 2
-    assert most_touches(with_touches(run, [heavy, heavy, light])) == 2
-
-
-def test_runs_differ_by_the_times_of_touches_that_belong_together():
-    """One of them splits the second touch in two, of which one is a graze."""
-    run = recorder(bouncing(2, 1e-3)[0])
-    first, second = (0.0, 1e-4, 1.0, 2.0), (2e-4, 3e-4, 1.0, 2.0)
-    graze, later = (1.5e-4, 1.6e-4, 1e-6, 2.0), (2.03e-4, 3e-4, 1.0, 2.0)
-    soft = (2.03e-4, 3e-4, 1.0, 1e-4)
-    ones = with_touches(run, [first, second])
-    assert difference(ones, with_touches(run, [first, second]), 1.0) == 0.0
-    assert difference(ones, with_touches(run, [first, graze, later]), 1.0) == pytest.approx(0.01)
-    # Bodies that begin to press each other from rest do so at no certain time.
-    assert difference(ones, with_touches(run, [first, soft]), 1.0) == 0.0

@@ -307,17 +307,3 @@ def test_bodies_at_rest_are_measured_by_their_impulses(
         patch.setattr(comparison, "AT_REST", 0.0)
         with pytest.warns(ao.AOImpactWarning, match="by a contact that pulls"):
             assert column(2).error.time == 1.0
-
-
-def test_and_bodies_that_move_by_their_velocities(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Over a hundred bounces a ball's impulses are two hundred times its momentum."""
-    run, faster = (bounces(100, 1e-6)[0].recorder for _ in range(2))
-    of = comparison._velocities
-    monkeypatch.setattr(
-        comparison,
-        "_velocities",
-        lambda one, least: of(one, least) * (1.0 + (1e-5 if one is faster else 0.0)),
-    )
-    assert comparison.difference(run, faster, 1.0) == pytest.approx(1e-5, rel=0.01)
-    monkeypatch.setattr(comparison, "AT_REST", 100.0 * tolerances.AT_REST)
-    assert comparison.difference(run, faster, 1.0) < 1e-6

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,16 +14,11 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-from campaign import cures
-from campaign.__main__ import main
 from campaign.case import Body, Case, Contact, Frame, Law, Load
-from campaign.compare import apart
 from campaign.generate import case_of
-from campaign.judge import Verdict, judge
+from campaign.judge import judge
 from campaign.oracle import Oracle
 from campaign.package import faults_of
-from campaign.pool import each
-from campaign.shrink import shrink
 
 from aoimpact.integrate import to_tolerance
 
@@ -37,15 +31,6 @@ def test_a_seed_is_one_scene_and_text_keeps_it() -> None:
         case = case_of(seed)
         assert case == case_of(seed)
         assert Case.from_json(case.to_json()) == case
-
-
-def test_scenes_are_as_crowded_as_they_should_be() -> None:
-    cases = [case_of(seed) for seed in range(500)]
-    crowded = [case for case in cases if case.crowded]
-    assert len(crowded) > len(cases) / 3
-    assert sum(case.crowded_massless for case in crowded) > len(crowded) / 5
-    assert any(isinstance(body, Frame) for case in cases for body in case.bodies)
-    assert max(len(case.contacts) for case in cases) == 8
 
 
 def test_the_oracle_has_the_closed_form_of_a_rigid_pair() -> None:
@@ -96,16 +81,6 @@ def test_a_dashpot_takes_a_load_that_sets_in_on_a_massless_coordinate(gap: float
     other = Law("HuntCrossley", {"k": 1e11, "damping": 1.0, "n": 1.5})
     unresolved = replace(case, contacts=(Contact(0, 1, other, gap),))
     assert np.isnan(Oracle(unresolved, rtol=1e-6).run().peaks[0])
-
-
-def test_a_contact_that_is_hardly_one_yet_is_looked_at_again() -> None:
-    # Within the hysteresis where another begins, it is no event there, nor does it begin later.
-    # Runs that meet it are one in thousands, and only some of them err; hence the private step.
-    oracle = Oracle(Case((Body(1.0), WALL), (Contact(0, 1, HERTZ),), duration=1e-3))
-    one, other = (
-        SimpleNamespace(depth=np.array([depth]), rate=np.array([1e-8])) for depth in (5e-21, 6e-21)
-    )
-    assert not oracle._quiet(one, other, 1e-14, oracle._phase([False]))
 
 
 def test_the_oracle_s_peak_is_the_largest_force_on_its_curve() -> None:
@@ -159,27 +134,6 @@ def test_bodies_that_meet_at_a_small_part_of_their_speeds_do_so_to_the_tolerance
     assert judge(case).kind == "wrong"
 
 
-def test_shrinking_leaves_what_fails() -> None:
-    case = next(case_of(seed) for seed in range(500) if len(case_of(seed).contacts) == 8)
-    small = shrink(case, lambda one: any(contact.a == 0 for contact in one.contacts))
-    assert len(small.contacts) == 1
-    assert len(small.bodies) == 2
-    assert not small.loads
-
-
-def _sleeps(seconds: float) -> float:
-    time.sleep(seconds)
-    return seconds
-
-
-@pytest.mark.slow
-def test_work_that_hangs_is_ended() -> None:
-    begin = time.monotonic()
-    found = {item: state for item, state, _ in each(_sleeps, [0.0, 60.0], workers=2, limit=1.0)}
-    assert found == {0.0: "done", 60.0: "hangs"}
-    assert time.monotonic() - begin < 30.0
-
-
 def test_a_wrong_answer_is_seen() -> None:
     # The tolerance is not what the run was made with.
     case = Case((Body(1.0, velocity=1.0), Body(2.0)), (Contact(0, 1, HERTZ),), duration=2e-3)
@@ -224,40 +178,6 @@ def test_a_peak_that_its_curve_has_not_is_a_fault(share: float) -> None:
     parts = {"bodies": done.bodies, "error": done.error, "duration": 2e-3, "at": done.at}
     (fault,) = faults_of(case, SimpleNamespace(contacts=[false], **parts))
     assert fault.startswith("peak: contact 0")
-
-
-def test_cures_that_a_message_names_are_tried() -> None:
-    case = Case((Body(1.0, velocity=1.0), Body(2.0)), (Contact(0, 1, HERTZ),), duration=2e-3)
-    true = Oracle(case).run()
-    said = "take a larger rtol, give dt, or a softer law"
-    assert cures.tried(case, said, true) == {"a larger rtol": "", "dt": "", "a softer law": ""}
-    false = replace(true, peaks=1.5 * true.peaks)
-    assert all(cures.tried(case, "take a larger rtol or Newmark(dt=...)", false).values())
-    assert cures.tried(case, "nothing helps", true) == {}
-
-
-def test_a_velocity_is_not_excused_by_a_long_record() -> None:
-    case = Case((Body(1.0, velocity=1.0), WALL), (Contact(0, 1, HERTZ),), duration=2e-3)
-    true = Oracle(case).run()
-    true = replace(true, accelerations=np.array([1e3, 0.0]))
-    late = replace(true, velocities=true.velocities + np.array([1e-3, 0.0]))
-    for duration in (2e-3, 2e3):
-        worst = max(one.off for one in apart(replace(case, duration=duration), late, true, 1e-6))
-        assert worst == pytest.approx(1e-3 / (1.0 + 1e3 * true.touches[0][0].end), rel=1e-3)
-
-
-def test_refusals_count_in_the_exit_status(monkeypatch: pytest.MonkeyPatch) -> None:
-    kinds = ["ok"] * 99 + ["refused"]
-
-    def verdicts(*_: object, **__: object) -> object:
-        return ((i, "done", Verdict(kind)) for i, kind in enumerate(kinds))
-
-    monkeypatch.setattr("campaign.__main__.each", verdicts)
-    assert main(["scenes", "--seeds", "0:1"]) == 0
-    kinds[0] = "refused"
-    assert main(["scenes", "--seeds", "0:1"]) == 1
-    kinds[:] = ["ok"] * 99 + ["helpless"]
-    assert main(["scenes", "--seeds", "0:1"]) == 1
 
 
 # Kinds of scenes of which all are right today, and how many of each: half a minute.
