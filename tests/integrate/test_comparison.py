@@ -3,12 +3,14 @@
 import itertools
 import math
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import aoimpact as ao
 from aoimpact.integrate import TIGHTEST, to_tolerance
+from aoimpact.integrate.dense import Touch
 from aoimpact.integrate.tolerances import ROUNDING
 
 MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
@@ -158,3 +160,10 @@ def test_one_contact_costs_one_run(monkeypatch):
         scene.connect(one, other, ao.Hertz(k=STIFFNESS))
     scene.simulate(duration=2e-3, energies=False)
     assert len(made) == 1
+
+
+def with_touches(run, touches):
+    (event,) = run.events
+    spans = tuple((start, end) for start, end, *_ in touches)
+    values = [Touch(impulse, pace) for _, _, impulse, pace in touches]
+    return replace(run, events=(event._replace(contacts=spans),), touches=(values,))

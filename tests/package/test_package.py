@@ -212,19 +212,11 @@ OPENED = """
     accuracy.order base.errors batch.checkpoint batch.digest batch.plain cli.files cli.main
     fem.assembly fem.beams fem.extraction fem.halfspace fem.layer fem.model fem.patch
     fem.shearedhalfspace fem.shells fem.stress fem.subdivision fem.thin fields.vtu
-<<<<<<< HEAD
-    integrate.comparison integrate.dense integrate.events integrate.fixed_steps
-    integrate.motion integrate.newmark integrate.roughness integrate.tolerances
-    linalg.blocks linalg.coarsening linalg.davidson linalg.dissection linalg.multigrid
-    linalg.smoother paper.beam paper.figures paper.reproduction paper.sphere paper.table
-    reduction.subspace reduction.validity results.advice scenefile.lines
-=======
     integrate.dense integrate.events integrate.fixed_steps integrate.motion
     integrate.newmark integrate.roughness integrate.tolerances linalg.blocks
     linalg.coarsening linalg.davidson linalg.dissection linalg.multigrid linalg.smoother
     paper.beam paper.figures paper.reproduction paper.sphere paper.table reduction.subspace
-    reduction.validity results.advice scenefile.lines testrig.oscillator
->>>>>>> d02291b4 (Drop tests that restate how two runs are compared, and plumbing of the campaign)
+    reduction.validity results.advice scenefile.lines
 """
 
 
