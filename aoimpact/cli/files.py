@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,68 +24,33 @@ _FRAMES = 20
 
 
 def write_files(scene: SceneFile, result: Run, out: str | os.PathLike[str]) -> tuple[Path, ...]:
-    """Write a result in every format of `FORMATS` to a folder, made if there is none.
+    """Write all histories and probes (CSV), figures (PNG), and fields of bodies with a mesh (VTU).
 
     Raises
     ------
     InputError
         If the folder cannot be made or written to.
     """
-    folder = writable_folder(out)
-    return tuple(file for write in FORMATS for file in write(scene, result, folder))
-
-
-def _histories(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
-    """All histories, as CSV."""
-    file = folder / "histories.csv"
-    result.to_csv(file)
-    return [file]
-
-
-def _probes(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
-    """Readings of the file's probes, as CSV."""
-    if not (found := scene.probes(result)):
-        return []
-    file = folder / "probes.csv"
-    columns = {"time [s]": result.t, **found}
-    write_csv(file, columns, np.column_stack(list(columns.values())).tolist())
-    return [file]
-
-
-def _figures(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
-    """Histories, as PNG."""
-    drawn = [name for name in _FIGURES if hasattr(result, f"plot_{name}")]
-    figures = {name: getattr(result, f"plot_{name}")() for name in drawn}
-    return [_saved(axes, folder / f"{name}.png") for name, axes in figures.items()]
-
-
-def _fields(scene: SceneFile, result: Run, folder: Path) -> list[Path]:
-    """Each body with a mesh: .pvd, which names VTU files, for ParaView."""
-    files = []
-    for name, model, body in zip(result.names, result.plan.bodies, result.bodies, strict=True):
-        if any(tip.body.mesh is not None for tip in model.contact_points):
-            peak = body.field()
-            times = np.union1d(np.linspace(0.0, result.t[-1], _FRAMES), peak.times)
-            files.append(body.to_vtu(folder / name, times))
-    return files
-
-
-# Formats that ``aoimpact run --out`` writes of a result; each returns the files that it made, and
-# names its kind in capitals.
-FORMATS: tuple[Callable[[SceneFile, Run, Path], list[Path]], ...] = (
-    _histories,
-    _probes,
-    _figures,
-    _fields,
-)
-
-
-def _saved(axes: Any, file: Path) -> Path:
     import matplotlib.pyplot as plt
 
-    axes.figure.savefig(file)
-    plt.close(axes.figure)
-    return file
+    folder = writable_folder(out)
+    files = [folder / "histories.csv"]
+    result.to_csv(files[0])
+    if found := scene.probes(result):
+        files.append(folder / "probes.csv")
+        columns = {"time [s]": result.t, **found}
+        write_csv(files[-1], columns, np.column_stack(list(columns.values())).tolist())
+    for name in _FIGURES:
+        if hasattr(result, f"plot_{name}"):
+            axes: Any = getattr(result, f"plot_{name}")()
+            files.append(folder / f"{name}.png")
+            axes.figure.savefig(files[-1])
+            plt.close(axes.figure)
+    for name, model, body in zip(result.names, result.plan.bodies, result.bodies, strict=True):
+        if any(tip.body.mesh is not None for tip in model.contact_points):
+            times = np.linspace(0.0, result.t[-1], _FRAMES)
+            files.append(body.to_vtu(folder / name, np.union1d(times, body.field().times)))
+    return tuple(files)
 
 
 _ERRORS = "total", "mesh", "contact", "model", "time", "energy"

@@ -350,14 +350,14 @@ def _member(self: Scene, body: _BODY, **more: Any) -> Handle:
 
 
 def _read_member(binder: SceneBinder, value: Any, place: Place) -> Any:
-    name = value.get("name", value.get("body"))
-    if name in binder.handles:
-        binder.say(
-            (*place, "name"), f"two bodies of the scene are called {name!r}; give one another name"
-        )
-    found = binder.bind(Table(_member), {"name": name, **value}, place, {"self": binder.scene})
-    binder.handles[name] = found
-    binder.taking[name] = found.arguments.get("body")
+    name = value.get("name", value.get("body", ""))
+    given = value if "name" in value else {"name": name, **value}
+    found = binder.bind(Table(_member), given, place, {"self": binder.scene})
+    if isinstance(name, str):  # or it has been refused
+        if name in binder.handles:
+            binder.say((*place, "name"), f"{name!r} is another body of the scene; give a new name")
+        binder.handles[name] = found
+        binder.taking[name] = found.arguments.get("body")
     return found
 
 
