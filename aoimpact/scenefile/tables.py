@@ -232,7 +232,7 @@ _BODY = Annotated[Any, Reader("a name from [bodies]", (str,), _read_body)]
 _LAWS = {name: law for name, law in LAWS.items() if law is not laws.UserLaw}
 
 
-def _surface(material: fem.Material, radius: float | Sequence[float]) -> Any:
+def _surface(material: OneMaterial, radius: float | Sequence[float]) -> Any:
     return material, radius
 
 
