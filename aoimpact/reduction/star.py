@@ -892,12 +892,11 @@ def ball(
     try:
         whole, curvature = 4.0 / 3.0 * math.pi * r**3 * checked_material.rho, 1.0 / r
         round_one = ContactSurface(checked_material, (curvature, curvature))
-        if own is not None:
-            return AOModel(m0=own, surface=round_one, name=name)
         inertia = np.diag(np.full(3, 0.4 * whole * r * r))
-        return AOModel(m0=whole, surface=round_one, name=name, inertia=inertia)
+        solid = AOModel(m0=whole, surface=round_one, name=name, inertia=inertia)
     except (InputError, OverflowError) as error:
         raise InputError(f"radius={r:g} m is no radius of a ball (is it in metres?)") from error
+    return solid if own is None else AOModel(m0=own, surface=round_one, name=name)
 
 
 def wall(material: Material, *, name: str = "") -> AOModel:

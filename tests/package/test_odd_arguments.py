@@ -246,7 +246,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         inertia=None,
         arm=None,
     ),
-    "ball": call(ao.ball, radius=0.01, material=ao.Material(E=1e9, nu=0.3, rho=1e3), name=""),
+    "ball": call(ao.ball, radius=0.01, material=STEEL, mass=1.0, name=""),
     "rigid": call(ao.rigid, mass=1.0, inertia=1.0, arm=(0, 0, 1.0), name=""),
     "wall": call(ao.wall, material=STEEL, name=""),
     "Adaptive": call(ao.Adaptive, rtol=1e-6),
@@ -659,7 +659,7 @@ TAKEN = {
         ElasticPlastic.between: radius_1, radius_2; AOModel.receptance: omega;
         InterfaceModel.receptance: omega; Rayleigh.decay: omega; ModalDamping.decay: omega; Scene:
         gravity; Scene.add: position, velocity; Scene.connect: gap; Scene.apply: force""",
-    "none": """Material: yield_strength, hardness; YangSun: beta; Newmark: dt; AccelerationAt:
+    "none": """ball: mass; Material: yield_strength, hardness; YangSun: beta; Newmark: dt; AccelerationAt:
         cfc; AccelerationAt with a corner: corner; probe at even times: dt; antioscillators:
         contact_time; KrylovSpace: contact_time; InterfaceModel: contact_time; ContactPoint: node;
         simulate: duration; compare: duration; Scene.simulate: duration; Scene.connect: friction;
