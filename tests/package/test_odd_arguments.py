@@ -662,8 +662,8 @@ TAKEN = {
     "none": """ball: mass; Material: yield_strength, hardness; YangSun: beta; Newmark: dt;
         AccelerationAt: cfc; AccelerationAt with a corner: corner; probe at even times: dt;
         antioscillators: contact_time; KrylovSpace: contact_time; InterfaceModel: contact_time;
-        ContactPoint: node; simulate: duration; compare: duration; Scene.simulate: duration; Scene.connect: friction;
-        Signal.of: rate; drop_weight: gravity, cfc, start""",
+        ContactPoint: node; simulate: duration; compare: duration; Scene.simulate: duration;
+        Scene.connect: friction; Signal.of: rate; drop_weight: gravity, cfc, start""",
     **dict.fromkeys(("nan", "text", "complex", "true"), ""),
 }
 
