@@ -163,11 +163,12 @@ PyObject *adaptive(PyObject *args)
         PyErr_NoMemory();
         of.status = CALL_RAISED;
     }
+    aoi_progress reached = {.failed = SIZE_MAX};
     if (of.status == AOI_OK && (of.status = aoi_adaptive_start(run, system, &start, rtol, end)) == AOI_OK) {
         of.status = run_to_end(run, system, end, &kept->track, most_steps);
+        reached = aoi_adaptive_progress(run);
     }
     if (run) {
-        const aoi_progress reached = aoi_adaptive_progress(run);
         raise_of_laws(&of, "adaptive run", reached.time, kept->made.law, system->contact_count, reached.failed);
     }
     if (of.status == AOI_OK && !PyErr_Occurred()) {
