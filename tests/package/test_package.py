@@ -215,7 +215,7 @@ OPENED = """
     integrate.dense integrate.events integrate.fixed_steps integrate.motion
     integrate.newmark integrate.roughness integrate.tolerances linalg.blocks
     linalg.coarsening linalg.davidson linalg.dissection linalg.multigrid linalg.smoother
-    paper.beam paper.figures paper.reproduction paper.sphere paper.table reduction.subspace
+    paper.beam paper.figures paper.sphere paper.table reduction.subspace
     reduction.validity results.advice scenefile.lines
 """
 
