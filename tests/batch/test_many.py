@@ -341,7 +341,7 @@ def _wait_for_growth(path: Path) -> None:
 
 def die(result: Any) -> float:
     """Kill the worker that comes to a certain case."""
-    if result.velocity == 7.0:
+    if result.velocity == 7.0 and multiprocessing.parent_process():  # not what runs the tests
         os.kill(os.getpid(), signal.SIGKILL)
     return float(result.peak_force)
 
