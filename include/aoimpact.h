@@ -462,6 +462,7 @@ typedef struct aoi_system {
     size_t body_count, contact_count;
     const aoi_modes *body;
     const aoi_contact *contact;
+    size_t at_once; /* has no effect: any number of contacts may be closed at once. Programs that set it compile */
 
     const size_t *first, *first_port, *first_contact, *contact_of, *first_force;
 } aoi_system;
