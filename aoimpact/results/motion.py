@@ -505,7 +505,7 @@ class ContactResult(Frozen, Eventful):
         As its user called it; "contact 0" without a name.
     force, indentation : (n,) arrays
         Contact force, ≥ 0 in compression [N], and the law's own indentation [m]; see
-        `Result.indentation`.
+        ``hit.indentation``.
     elastic, dissipated : (n,) arrays or None
         Energy stored in its law, and lost in it since t = 0 [J]; None without energies.
     events : Events

@@ -90,7 +90,7 @@ ax.legend()
 # A C function
 # ------------
 # A Python function is called at every evaluation of the force, which takes most of the time of a run. A C function
-# ``double f(double indentation, double rate)`` has no such cost. It is given as a `scipy.LowLevelCallable`, which takes
+# ``double f(double indentation, double rate)`` has no such cost. It is given as a ``scipy.LowLevelCallable``, which takes
 # functions of ctypes and cffi, and numba's ``cfunc.ctypes``. Compiled here:
 
 folder = Path(tempfile.mkdtemp())
