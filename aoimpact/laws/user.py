@@ -25,8 +25,8 @@ class UserLaw(ContactLaw):
     All functions take indentation, m, which is positive, and rate, m/s, and return a number. They
     are either all Python functions, called one state at a time; or all C functions,
     ``double f(double indentation, double rate)``, called at full speed without Python. A C function
-    is a ``scipy.LowLevelCallable``, made of a ctypes function with its ``argtypes`` and ``restype``,
-    of a cffi function pointer, or of ``cfunc.ctypes`` of numba.
+    is a ``scipy.LowLevelCallable``. It is made of a ctypes function with its ``argtypes`` and
+    ``restype``, of a cffi function pointer, or of ``cfunc.ctypes`` of numba.
 
     Parameters
     ----------
