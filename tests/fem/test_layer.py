@@ -224,6 +224,7 @@ def test_excess_near_an_edge_is_that_of_the_mesh_alone(kind: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*with_mesh:aoimpact.AOImpactWarning")  # c is taken out here
 @pytest.mark.parametrize(
     ("t", "rigid", "peak"),
     [(2e-3, True, 241.7), (2e-3, False, 215.1), (4e-3, False, 347.7)],

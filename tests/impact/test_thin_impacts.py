@@ -293,14 +293,15 @@ def test_the_ring_of_a_tube_is_in_series_with_every_law(name: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*the mesh makes an error:aoimpact.AOImpactWarning")
 def test_a_contact_wider_than_a_shell_is_thick_is_said() -> None:
-    """√(Rδ) above t/2 warns; wider yet, less the mesh's compliance nothing of the law is left."""
+    """√(Rδ) above t/2 warns, and the run goes on with a claim."""
     ball = ao.ball(radius=0.05, material=STEEL)
     tip = sheet(5e-4, 20, 0.1).contact(point=(0.05, 0.05, 0))
-    with pytest.warns(ao.AOImpactWarning, match="more than half the thickness of the shell"):
-        ao.simulate(ball, tip, 3.0, quantity="peak_force", rtol=0.05)
-    with pytest.raises(ao.AOImpactError, match="as wide as the shell is thick"):
-        ao.simulate(ball, tip, 4.0, quantity="peak_force", rtol=0.05)
+    for speed in (3.0, 4.0):
+        with pytest.warns(ao.AOImpactWarning, match="more than half the thickness of the shell"):
+            hit = ao.simulate(ball, tip, speed, quantity="peak_force", rtol=0.05)
+        assert hit.error["peak_force"].total < 0.5
 
 
 def skin_over_a_web(*, turned: bool) -> Any:
