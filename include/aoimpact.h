@@ -459,10 +459,9 @@ typedef struct aoi_contact {
  * for first_contact[b] <= i < first_contact[b+1], ascending. Of the forces of all contacts, c has first_force[c] ..
  * first_force[c+1]-1: one, or with friction three. */
 typedef struct aoi_system {
-    size_t body_count, contact_count;
+    size_t body_count, contact_count, at_once; /* the last has no effect: any number of contacts may be closed at once */
     const aoi_modes *body;
     const aoi_contact *contact;
-    size_t at_once; /* has no effect: any number of contacts may be closed at once. Programs that set it compile */
 
     const size_t *first, *first_port, *first_contact, *contact_of, *first_force;
 } aoi_system;

@@ -293,7 +293,7 @@ def test_the_ring_of_a_tube_is_in_series_with_every_law(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*the mesh makes an error:aoimpact.AOImpactWarning")
+@pytest.mark.filterwarnings("ignore:.*makes an error:aoimpact.AOImpactWarning")
 def test_a_contact_wider_than_a_shell_is_thick_is_said() -> None:
     """√(Rδ) above t/2 warns, and the run goes on with a claim."""
     ball = ao.ball(radius=0.05, material=STEEL)
