@@ -7,6 +7,7 @@ negative numbers.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import warnings
@@ -17,10 +18,10 @@ import numpy as np
 
 from ..base import FloatArray, IntArray, warn
 from .matrix import RawMatrix, entry_line, labelled, spoilt
+from .raw import number
 
-_NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-
-_FORTRAN = re.compile(rb"(\d\.?)[dD](?=[-+]?\d)")
+_INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
+_FORTRAN = re.compile(rb"[\d.](?:[dD]|[-+]\d)")  # exponents that NumPy does not read
 
 # Contents of a line, by the number of integers before its value.
 _CONTENTS = {
@@ -34,12 +35,13 @@ _CONTENTS = {
 _LEAST_BYTES, _LEAST_DENSE = 6, 2
 
 
-def _entry(integers: int, between: bytes) -> re.Pattern[bytes]:
-    numbers = between.join([*integers * [rb"[-+]?\d{1,15}"], _NUMBER])
-    return re.compile(rb"\s*" + numbers + rb"\s*,?\s*$")
-
-
-_TRIPLE, _NODAL = _entry(2, rb"\s+"), _entry(4, rb"[\s,]+")
+def _is_entry(line: bytes, integers: int, between: bytes | None = None) -> bool:
+    """Return whether a line holds some integers and a number, between commas or blanks."""
+    *labels, value = line.strip().removesuffix(b",").split(between) or [b""]
+    with contextlib.suppress(ValueError):
+        number(value.decode("ascii", "replace"))
+        return len(labels) == integers and all(map(_INTEGER.fullmatch, labels))
+    return False
 
 
 def is_market(head: bytes) -> bool:
@@ -49,13 +51,13 @@ def is_market(head: bytes) -> bool:
 
 def is_triples(head: bytes) -> bool:
     """Return whether a file begins with row, column and value."""
-    return _TRIPLE.match(head.split(b"\n", 1)[0]) is not None
+    return _is_entry(head.split(b"\n", 1)[0], 2)
 
 
 def is_nodal(head: bytes) -> bool:
     """Return whether a file begins with entries by labels, after comments and a keyword."""
     lines = (line for line in head.split(b"\n") if line.strip() and not line.startswith(b"*"))
-    return _NODAL.match(next(lines, b"")) is not None
+    return _is_entry(next(lines, b"").replace(b",", b" "), 4)
 
 
 def read_triples(file: Path, size: int) -> list[RawMatrix]:
@@ -186,23 +188,21 @@ def _columns(
                 )
         return [np.ascontiguousarray(table[name]) for name in kind.names or ()]
     # Slow, but of a file that is refused.
-    entry = _entry(integers, rb"\s*,\s*" if comma else rb"\s+")
     with file.open("rb") as stream:
-        for number, line in enumerate(stream, 1):
-            if number <= before or not line.strip():
+        for place, line in enumerate(stream, 1):
+            if place <= before or not line.strip():
                 continue
             if comments and line.lstrip().startswith(comments.encode()):
                 continue
-            if not entry.match(line) or not np.isfinite(
-                float(line.replace(b",", b" ").split()[-1])
-            ):
+            fits = _is_entry(line, integers, b"," if comma else None)
+            if not fits or _FORTRAN.search(line):
                 cause = "is the file cut short, or of another format?"
-                if entry.match(_FORTRAN.sub(rb"\1E", line)):
+                if fits:
                     cause = "write exponents with E, not Fortran's D"
                 raise spoilt(
                     file,
                     f"{_CONTENTS[integers]} should stand here, got {_shown(line)}: {cause}",
-                    number,
+                    place,
                 )
     raise spoilt(file, f"{_CONTENTS[integers]} should stand on each line: {why}")
 

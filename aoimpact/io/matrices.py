@@ -28,10 +28,10 @@ from ..base import (
 )
 from ..fem import AnyMaterial, Damping, FEModel, OneMaterial, audited, checked_labels
 from ..linalg import factorize
-from .dmig import is_dmig, read_dmig
 from .entries import is_market, is_nodal, is_triples, read_market, read_nodal, read_triples
 from .load import existing
 from .matrix import RawMatrix, spoilt
+from .nastran import is_dmig, read_dmig
 from .op4 import is_op4, read_op4
 from .read import read_mesh
 from .rows import Places, read_dofs, read_places

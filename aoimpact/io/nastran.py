@@ -1,21 +1,40 @@
-"""Nastran's bulk data as a mesh: nodes, elements, and groups by property and by set."""
+"""Nastran's entries as mesh, groups, sections and matrices: views of the same bulk data.
+
+An entry of a new name that is an element goes into `_ELEMENTS`, a property into `_DIMENSIONS` and
+`_PROPERTIES`, a material into `_MATERIALS`.
+"""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, warn
+from ..base import FloatArray, IntArray, MeshError, warn
+from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
 from ..mesh import reference_element
-from .nastrandeck import BulkData, Lines, Table, read_bulk_data, read_sections
-from .nastrannames import CONNECTIONS, OTHER_ELEMENTS, SKIPPED
-from .raw import UPRIGHT_FIRST, RawBlock, RawMesh, cylindrical, joined, nodes_in, repeats, rows_of
+from .matrix import RawMatrix, labelled, passed_over
+from .nastrandeck import BulkData, Card, Lines, Table, read_deck
+from .profiles import NASTRAN, Profile, named
+from .raw import (
+    UPRIGHT_FIRST,
+    RawBlock,
+    RawMesh,
+    cylindrical,
+    joined,
+    nodes_in,
+    number,
+    repeats,
+    rows_of,
+)
+from .sections import Source, across, common, layered, refusing
 
 # Kinds of elements of corners, and with midside nodes, by the names of entries.
 _ELEMENTS = {
@@ -31,18 +50,56 @@ _ELEMENTS = {
     ("CONROD",): ("line",),
     ("CBEAM3",): ("line", "line3"),
 }
-_SOLIDS = {"CTETRA", "CHEXA", "CPENTA", "CPYRAM"}
+_SOLIDS = {"tetra", "hexahedron", "wedge", "pyramid"}
 _READ = {name for names in _ELEMENTS for name in names} | {
     *("GRID", "SET", "SET1", "SET3"),
     *(f"CORD{i}{kind}" for i in "12" for kind in "RCS"),
 }
 
 # Properties by the dimension of their elements.
-PROPERTIES = {
+_DIMENSIONS = {
     1: re.compile("P(BAR|BARL|BEAM|BEAML|BEAM3|BCOMP|B[MR]SECT|BEND|ROD|TUBE)"),
     2: re.compile("P(SHELL|COMPG?|SHEAR|L?PLANE|SHLN[12])"),
     3: re.compile("P(SOLID|LSOLID|COMPL?S)"),
 }
+
+# Constraints between nodes, which a mesh cannot hold.
+_CONNECTIONS = re.compile(
+    "MPC|MPCY|RBAR|RBAR1|RBE1|RBE2|RBE2GS|RBE3|RBODY|RJOINT|RROD|RSPLINE|RSSCON|RTRPLT|RTRPLT1"
+    "|RBAX3D|RBJOINT|RSPINR|RSPINT|RWELD|RCROSS|CONNECT"
+)
+
+# Elements of other kinds than solids, surfaces and lines in space.
+_OTHERS = re.compile(
+    "CAABSF|CACINF[34]|CAXIF[234]|CAXISYM|CBARG|CBEAR|CBELT|CBUSH|CBUSH1D|CBUSH2D|CBUTT|CCONEAX"
+    "|CCRSFIL|CDAMP[1-5]D?|CDUM[1-9]|CELAS[1-4]D?|CFAST|CFILLET|CFLUID[234]|CFTUBE|CGAP|CGAPG"
+    "|CHACAB|CHACBR|CHBDY[EGP]?|CHEXCZ|CIF(HEX|PENT|QDX|QUAD)|CMASS[1-4]|CMBUSH|CMREB[AE]|CMSPRNG"
+    "|CONM[12]|CPENTCZ|CPLST[NS][3468]|CQDX[49]|CQUAD|CQUADX[48]?|CRAC[23]D|CSEAM|CSLOT[34]|CSPOT"
+    "|CSPR|CSSHL[HLMP]?|CTRAX[36]|CTRIAX|CTRIAX6|CTRIX[36]|CVISC|CWELD|CWSEAM|GENEL"
+)
+
+# Entries without influence on the mesh: materials, loads, tables and so on. They are named by their
+# beginnings; near to GRID, CORD and C… (elements) by the whole names.
+_SKIPPED = re.compile(
+    "(AB|AC|ADAPT|AE|AIRBAG|AL|AMLREG|ASET|ASSIG|ATB|ATTACH|ATV|AX|BAR|BC|BD|BEAD|BEAMOR|BEDGE|BFRIC|BG|BIAS"
+    "|BJOIN|BLD|BLSEG|BMFACE|BN|BOLT|BOUTPUT|BRKSQL|BS|CO(NCTL|HESIV|HFRIC|HSEIV|MBINE|MBWLD"
+    "|MPUDS|NTPRM|NTRLT|NV|NVM|NV3|NTACT|NTSET|UCOHF|UOPT|UP1FL|UP1INT|UPINT|UPLE1?)$"
+    "|C(AERO|AMPBL|BARAO$|CELL|ELLBOX|ELLWNG|FASTG|INTC|LOAD|NGRNT|REEP|SET|SSCHD|SUP|YAX|YC|YJ|YL"
+    "|YS)|D2R|DAMP|DAREA|DAVDIS|DC|DDVAL|DEACTEL|DEFORM|DEFUSET|DELAY|DELETE|DEQATN|DES|DETSPH"
+    "|DGLOBAL|DISTORT|DIVERG|DLINK|DLOAD|DM|DO|DPHASE|DR|DSCONS|DSCREEN|DSHAPE|DT|DV|DY|EBDSET"
+    "|ECHO|EIG|ELAR|ELEMUDS|ELIST|ENDDYNA|ENTUDS|EOS|EPOINT|EPSD|ERP|EUL|EVENT|EXPLSV|EXT|FAIL"
+    "|FATDEF|FATEVNT|FATLOAD|FATPARM|FATSEQ|FBA|FBODY|FFCONTR|FL|FORC|FR[EFSS]|FSI|FSLIST|FTG"
+    "|GAP|GASKET|GBAG|GENGAF|GENUDS|GMBC|GMLOAD|GMSPC|GRAV|GRDSET$|GRID[BFS]$|GROUP|GUST|HADA"
+    "|HEATLOS|HGSUPPR|HTR|HY[BD]|IN[FI]|INPCFD|IPSTRAIN|ISTR|ITER|LAMLOSS|LEAKAGE|LIST|LOAD|LSEQ"
+    "|M2|MARC|MASSSET|MAT|MBOLT|MCHSTAT|MCOHE|MDL|MDMIOUT|MESH|METADATA|MFLUID|MFUN|MHEATSHL"
+    "|MICPNT|MINSTAT|MK|MLOAD|MODTRAK|MOMAX|MOMENT|MON|MPCADD|MPHEAT|MPOINT|MPROCS|MSTACK|MTAB"
+    "|MTHERM|NHRMPRM|NL|NOL|NSM|NTHICK|OMIT|OUTPUT|OUTRCV|OVERLAP|P[A-Z]|Q|RAD|RAND|RBODY|RCONN"
+    "|RCROSSC|RELAX|RELEASE|RELEX|RESTART|RESVEC|RFORCE|RGYRO|RING|RLOAD|ROT|RVDOF|SEB|SEC|SED"
+    "|SEEL|SELA|SELO|SEMP|SENQSET|SEQ|SESET|SESUP|SET[23]$|SETREE|SEU|SHREL|SHRPOL|SHRUDS|SLBDY"
+    "|SLOAD|SNORM|SP[BCHLR]|SPOINT$|STFLOW|STOCHAS|SU|SW|TA|TCNTPRM|TEMP|TERMIN|TF|THPAD|TIC|TIM"
+    "|TLOAD|TMCPARA|TMPSET|TO|TR[IM]|TST|TTEMP|UD|UNBALNC|UNGLUE|UPDATE|USET|UXVEC|VA|VC|VE"
+    "|VIEW|WALL|WET|WINDOW|YLD|YZONE)"
+)
 
 # Largest difference between axes of displacements and the basic ones.
 _TURNED = 1e-9
@@ -74,11 +131,7 @@ class NastranDeck:
     @property
     def sections(self) -> str:
         """Properties of shells and beams, as in "2 PSHELL"."""
-        return ", ".join(
-            f"{len(lines)} {name}"
-            for name, lines in sorted(self.bulk.names.items())
-            if any(pattern.fullmatch(name) for pattern in (PROPERTIES[1], PROPERTIES[2]))
-        )
+        return _counted(self.bulk, _DIMENSIONS[1], _DIMENSIONS[2])
 
 
 def read(file: Path) -> RawMesh:
@@ -100,41 +153,49 @@ def read(file: Path) -> RawMesh:
     AOImpactWarning
         If there are elements or connections that are left out.
     """
-    control, lines = read_sections(file)
-    deck = read_bulk_data(lines)
-    grids = Grids.of(deck)
+    control, bulk = read_deck(file)
+    grids = Grids.of(bulk)
     nodes = grids.coordinates()
-    elements = [part for names in _ELEMENTS for part in _elements(deck, names, grids)]
-    for part in elements:
+    parts = [part for names in _ELEMENTS for part in _elements(bulk, names, grids)]
+    for part in parts:
         if part.block.dim == 3:
             _make_right_handed(nodes, part.block)
-    raw = RawMesh(nodes, tuple(part.block for part in elements))
+    raw = RawMesh(nodes, tuple(part.block for part in parts))
     labels = joined([] if raw.cell_labels is None else [raw.cell_labels])
-    for number in repeats(labels)[:1].tolist():
-        at = int(np.searchsorted(raw.first, number, side="right")) - 1
-        why = f"element {labels[number]} is there twice"
-        raise elements[at].table.refused(number - raw.first[at], why)
-    cell_sets = _by_property(deck, elements)
+    for row in repeats(labels)[:1].tolist():
+        at = int(np.searchsorted(raw.first, row, side="right")) - 1
+        raise parts[at].table.refused(row - raw.first[at], f"element {labels[row]} is there twice")
+    cell_sets = _by_property(bulk, parts)
     node_sets = {}
-    for name, one in _sets(control, deck).items():
+    for name, one in _sets(control, bulk).items():
         if "nodes" in one.kinds:
             node_sets[f"{name} nodes"] = one.among(grids.labels)
         if "elements" in one.kinds:
             cell_sets[f"{name} elements"] = one.among(labels)
-    if beside := _beside([part.block for part in elements], set(deck.names), len(nodes)):
-        warn(
-            f"mesh file {str(file)!r}: {beside} are not part of the body, unless their groups are "
-            "named as shells and beams"
-        )
-    counts = sorted((name, len(first)) for name, first in deck.names.items())
-    for pattern, what in (
-        (OTHER_ELEMENTS, "elements that are not part of the mesh were left out"),
-        (CONNECTIONS, "connections between nodes were left out, the body is computed without them"),
+    for said, what in (
+        (
+            _beside(raw, bulk),
+            "are not part of the body, unless their groups are named as shells and beams",
+        ),
+        (_counted(bulk, _OTHERS), "are no part of the mesh and were left out"),
+        (
+            _counted(bulk, _CONNECTIONS),
+            "connect nodes and were left out; the body is computed without them",
+        ),
     ):
-        if listed := ", ".join(f"{n} {name}" for name, n in counts if pattern.fullmatch(name)):
-            warn(f"mesh file {str(file)!r}: {what}: {listed}")
-    own = NastranDeck(control, deck, grids, elements)
+        if said:
+            warn(f"mesh file {str(file)!r}: {said} {what}")
+    own = NastranDeck(control, bulk, grids, parts)
     return RawMesh(nodes, raw.blocks, node_sets, cell_sets, grids.labels, deck=own)
+
+
+def _counted(bulk: BulkData, *patterns: re.Pattern[str]) -> str:
+    """Count the entries whose names match, as in "2 PSHELL"."""
+    return ", ".join(
+        f"{len(lines)} {name}"
+        for name, lines in sorted(bulk.names.items())
+        if any(pattern.fullmatch(name) for pattern in patterns)
+    )
 
 
 def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
@@ -145,16 +206,14 @@ def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
     MeshError
         As for `read`, or if a node has displacements in other axes (CD).
     """
-    grids = Grids.of(read_bulk_data(read_sections(file)[1]))
+    grids = Grids.of(read_deck(file)[1])
     nodes = grids.coordinates()
-    for label in np.unique(grids.output_systems[grids.output_systems > 0]).tolist():
-        own = np.flatnonzero(grids.output_systems == label)
-        directions = grids.axes(label, grids.table, int(own[0])).directions(nodes[own])
-        turned = np.abs(directions - np.eye(3)).max(axis=(1, 2)) > _TURNED
+    for system, own in grids.by_system(np.maximum(grids.output_systems, 0)):
+        turned = np.abs(system.directions(nodes[own]) - np.eye(3)).max(axis=(1, 2)) > _TURNED
         for row in own[turned][:1].tolist():
-            raise grids.table.refused(
+            raise grids.refused(
                 row,
-                f"node {grids.labels[row]} has displacements in system {label} (CD), so K has its "
+                f"node {grids.labels[row]} has displacements in another system (CD), so K has its "
                 "rows in other axes than x, y and z; write K with CD = 0",
             )
     return grids.labels, nodes
@@ -175,13 +234,13 @@ class Entries(NamedTuple):
     layout: str
 
 
-def _elements(deck: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[Entries]:
+def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[Entries]:
     """Yield the elements of some entries: those of corners, and those with midside nodes."""
     kinds = _ELEMENTS[names]
     corners, most = nodes_in(kinds[0]), nodes_in(kinds[-1])
-    table = deck.table(*names, width=2 + most + 14)
+    table = bulk.table(*names, width=2 + most + 14)
     first = 1 if names == ("CONROD",) else 2  # rods without a property
-    if names[0] in _SOLIDS:
+    if kinds[0] in _SOLIDS:
         surplus = np.any(~table.blank[:, 2 + most :], axis=1)
         table.refuse_first(surplus, f"it has fields after its {most} nodes")
     quadratic = np.any(~table.blank[:, first + corners : first + most], axis=1)
@@ -204,7 +263,7 @@ def _elements(deck: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
         yield Entries(part, RawBlock(kind, cells, labels), properties, kinds[-1])
 
 
-def _by_property(deck: BulkData, parts: list[Entries]) -> dict[str, IntArray]:
+def _by_property(bulk: BulkData, parts: list[Entries]) -> dict[str, IntArray]:
     """Return the groups of elements by property.
 
     Elements of a lower dimension have a group of their own if the deck has a property of that
@@ -212,27 +271,25 @@ def _by_property(deck: BulkData, parts: list[Entries]) -> dict[str, IntArray]:
     """
     properties = joined(part.properties for part in parts)
     dims = np.repeat([part.block.dim for part in parts], [len(p.properties) for p in parts])
-    entries = {
-        dim: {
-            fields[0]
-            for name in filter(PROPERTIES[dim].fullmatch, deck.names)
-            for _, fields in deck.long_entries(name)
-        }
-        for dim in (1, 2)
-    }
     found = {}
-    for number in np.unique(properties[properties > 0]).tolist():
-        own = properties == number
+    known = {dim: {card.text(0) for card in _properties(bulk, dim)} for dim in (1, 2)}
+    for label in np.unique(properties[properties > 0]).tolist():
+        own = properties == label
         for dim, what in ((1, "lines"), (2, "surfaces")):
             lower = own & (dims == dim)
-            if dim < dims[own].max() and lower.any() and str(number) in entries[dim]:
-                found[f"property {number} {what}"] = np.flatnonzero(lower)
+            if dim < dims[own].max() and lower.any() and str(label) in known[dim]:
+                found[f"property {label} {what}"] = np.flatnonzero(lower)
                 own &= ~lower
-        found[f"property {number}"] = np.flatnonzero(own)
+        found[f"property {label}"] = np.flatnonzero(own)
     return found
 
 
-def _beside(blocks: list[RawBlock], names: set[str], n_nodes: int) -> str:
+def _properties(bulk: BulkData, dim: int) -> Iterator[Card]:
+    """Return the properties of elements of a dimension, also those that are not read."""
+    return bulk.cards(*filter(_DIMENSIONS[dim].fullmatch, bulk.names))
+
+
+def _beside(raw: RawMesh, bulk: BulkData) -> str:
     """Count the shells and beams: those with a section, or that are no side or edge of a solid.
 
     Meshers write sides and edges as elements without sections.
@@ -242,20 +299,21 @@ def _beside(blocks: list[RawBlock], names: set[str], n_nodes: int) -> str:
         """Return which nodes are corners of which cells, shape (n_cells, n_nodes)."""
         cells = block.cells[:, : nodes_in(block.kind.rstrip("0123456789"))]
         starts = np.arange(0, cells.size + 1, cells.shape[1])
-        shape = len(cells), n_nodes
+        shape = len(cells), len(raw.nodes)
         return sp.csr_array((np.ones(cells.size), cells.ravel(), starts), shape=shape)
 
-    counts = {1: 0, 2: 0}
-    solids, others = ([b for b in blocks if (b.dim == 3) is solid] for solid in (True, False))
-    if solids and others:
-        of_node = sp.vstack([corners(block) for block in solids]).T
-        for block in others:
+    solids = [corners(block) for block in raw.blocks if block.dim == 3]
+    if not solids:
+        return ""
+    counts, of_node = {2: 0, 1: 0}, sp.vstack(solids).T
+    for block in raw.blocks:
+        if block.dim < 3:
             own = corners(block)
             most = (own @ of_node).max(axis=1).toarray().ravel()
-            section = any(map(PROPERTIES[block.dim].fullmatch, names))
+            section = bool(_counted(bulk, _DIMENSIONS[block.dim]))
             counts[block.dim] += int(np.count_nonzero(section | (most < own.sum(axis=1))))
-    said = ((counts[2], "surface elements"), (counts[1], "line elements"))
-    return " and ".join(f"{count} {what}" for count, what in said if count)
+    words = {2: "surface elements", 1: "line elements"}
+    return " and ".join(f"{count} {words[dim]}" for dim, count in counts.items() if count)
 
 
 def _make_right_handed(nodes: FloatArray, block: RawBlock) -> None:
@@ -326,12 +384,11 @@ class Axes:
 class _Definition(NamedTuple):
     """A system as its entry gives it: by labels of nodes, or by points in another system."""
 
-    table: Table
-    row: int
+    card: Card
     kind: str
-    grids: list[int]
-    reference: int = 0
-    points: list[float] = []  # noqa: RUF012
+    nodes: list[int]
+    reference: int
+    points: list[float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -344,6 +401,8 @@ class Grids:
     ----------
     table : Table
         Their GRID entries.
+    entries : ndarray of int, shape (n,)
+        Row of each node in `table`.
     labels : ndarray of int, shape (n,)
     systems, output_systems : ndarray of int, shape (n,)
         Labels of the coordinate systems of coordinates (CP) and displacements (CD).
@@ -354,6 +413,7 @@ class Grids:
     """
 
     table: Table
+    entries: IntArray
     labels: IntArray
     systems: IntArray
     output_systems: IntArray
@@ -363,14 +423,13 @@ class Grids:
     _open: list[int] = field(default_factory=list)
 
     @classmethod
-    def of(cls, deck: BulkData) -> Grids:
+    def of(cls, bulk: BulkData) -> Grids:
         """Return the nodes of a deck; a node that is repeated as it was counts once."""
-        for name, first in deck.names.items():  # unknown entries might belong to the mesh
-            known = (CONNECTIONS.fullmatch, OTHER_ELEMENTS.fullmatch, SKIPPED.match)
+        for name, first in bulk.names.items():  # unknown entries might belong to the mesh
+            known = (_CONNECTIONS.fullmatch, _OTHERS.fullmatch, _SKIPPED.match)
             if name not in _READ and not any(match(name) for match in known):
-                raise deck.lines.refused(int(first[0]), name, "no entry of this name is known")
-        table = deck.table("GRID", width=8)
-        defaults = deck.table("GRDSET", width=8)
+                raise bulk.lines.refused(int(first[0]), name, "no entry of this name is known")
+        table, defaults = (bulk.table(name, width=8) for name in ("GRID", "GRDSET"))
         systems = []
         for column in (1, 5):
             default = int(defaults.integers(column, 1)[:1].sum())
@@ -385,25 +444,28 @@ class Grids:
         for row in order[again[moved]][:1].tolist():
             raise table.refused(row, f"node {labels[row]} is there twice, at different places")
         kept = np.delete(order, again)
-        own = (table.select(kept), labels[kept], systems[0][kept], systems[1][kept], x[kept])
-        return cls(*own, _definitions(deck))
+        own = (labels[kept], systems[0][kept], systems[1][kept], x[kept])
+        return cls(table, kept, *own, _definitions(bulk))
+
+    def refused(self, row: int, why: str) -> MeshError:
+        """Return the error for a node."""
+        return self.table.refused(int(self.entries[row]), why)
+
+    def by_system(self, systems: IntArray) -> Iterator[tuple[Axes, IntArray]]:
+        """Yield each system that nodes have by its label, and their rows."""
+        for label in np.unique(systems).tolist():
+            own = np.flatnonzero(systems == label)
+            yield self.axes(label, partial(self.refused, int(own[0]))), own
 
     def coordinates(self) -> FloatArray:
         """Return basic coordinates of all nodes, shape (n, 3)."""
         x = self.x.copy()
-        for label in np.unique(self.systems).tolist():
-            own = np.flatnonzero(self.systems == label)
-            x[own] = self.axes(label, self.table, int(own[0])).basic(self.x[own])
+        for system, own in self.by_system(self.systems):
+            x[own] = system.basic(self.x[own])
         return x
 
-    def axes(self, label: int, table: Table, row: int) -> Axes:
-        """Return a system.
-
-        Parameters
-        ----------
-        label : int
-        table, row
-            Entry that refers to it, for messages.
+    def axes(self, label: int, error: Callable[[str], MeshError]) -> Axes:
+        """Return a system; `error` is of the entry that refers to it.
 
         Raises
         ------
@@ -413,50 +475,45 @@ class Grids:
         if label in self._known:
             return self._known[label]
         if label not in self.definitions:
-            raise table.refused(row, f"coordinate system {label} is not defined (CORD1x, CORD2x)")
+            raise error(f"coordinate system {label} is not defined (CORD1x, CORD2x)")
         if label in self._open or len(self._open) > _DEEPEST:
-            raise table.refused(row, f"coordinate system {label} is defined by itself")
-        one = self.definitions[label]
+            raise error(f"coordinate system {label} is defined by itself")
+        card, kind, nodes, reference, given = self.definitions[label]
         self._open.append(label)
-        if one.grids:
-            rows = rows_of(self.labels, np.array(one.grids)).tolist()
-            for node in [node for node, at in zip(one.grids, rows, strict=True) if at < 0][:1]:
-                raise one.table.refused(one.row, f"node {node} is not there")
-            own = [self.axes(int(self.systems[at]), one.table, one.row) for at in rows]
+        if nodes:
+            rows = rows_of(self.labels, np.array(nodes)).tolist()
+            for node in [node for node, at in zip(nodes, rows, strict=True) if at < 0][:1]:
+                raise card.error(f"node {node} is not there")
+            own = [self.axes(int(self.systems[at]), card.error) for at in rows]
             points = [of.basic(self.x[at : at + 1])[0] for of, at in zip(own, rows, strict=True)]
         else:
-            reference = self.axes(one.reference, one.table, one.row)
-            points = list(reference.basic(np.reshape(one.points, (3, 3))))
+            points = list(self.axes(reference, card.error).basic(np.reshape(given, (3, 3))))
         self._open.remove(label)
         z, x = points[1] - points[0], points[2] - points[0]
         y = np.cross(z, x)
         if not np.linalg.norm(y) > _COLLINEAR * np.linalg.norm(z) * np.linalg.norm(x):
-            why = f"the three points of coordinate system {label} lie on one line"
-            raise one.table.refused(one.row, why)
+            raise card.error(f"the three points of coordinate system {label} lie on one line")
         axes = np.stack([np.cross(y, z), y, z])
         axes /= np.linalg.norm(axes, axis=1)[:, None]
-        self._known[label] = Axes(one.kind, points[0], axes)
-        return self._known[label]
+        return self._known.setdefault(label, Axes(kind, points[0], axes))
 
 
-def _definitions(deck: BulkData) -> dict[int, _Definition]:
+def _definitions(bulk: BulkData) -> dict[int, _Definition]:
     """Return the coordinate systems of a deck: CORD1x by three nodes, CORD2x by three points."""
-    given: list[tuple[int, _Definition]] = []
-    for kind in "RCS":
-        table = deck.table(f"CORD1{kind}", width=8)
-        for row, numbers in enumerate(table.integers(0, 8).tolist()):
-            given.append((numbers[0], _Definition(table, row, kind, numbers[1:4])))
-            if not table.blank[row, 4:].all():  # an entry may define two
-                given.append((numbers[4], _Definition(table, row, kind, numbers[5:])))
-        table = deck.table(f"CORD2{kind}", width=11)
-        places = table.reals(2, 9).tolist()
-        for row, (label, reference) in enumerate(table.integers(0, 2).tolist()):
-            given.append((label, _Definition(table, row, kind, [], reference, places[row])))
     found: dict[int, _Definition] = {}
-    for label, one in given:
-        if label < 1 or found.setdefault(label, one)[2:] != one[2:]:
-            why = f"coordinate system {label} is there twice, or not > 0"
-            raise one.table.refused(one.row, why)
+
+    def add(label: int, one: _Definition) -> None:
+        if label < 1 or found.setdefault(label, one)[1:] != one[1:]:
+            raise one.card.error(f"coordinate system {label} is there twice, or not > 0")
+
+    for kind in "RCS":
+        for card in bulk.cards(f"CORD1{kind}"):
+            for at in (0, 4) if any(card.fields[4:8]) else (0,):  # an entry may define two
+                label, *nodes = (card.integer(at + i) for i in range(4))
+                add(label, _Definition(card, kind, nodes, 0, []))
+        for card in bulk.cards(f"CORD2{kind}"):
+            points = [card.real(at, "", 0.0) for at in range(2, 11)]
+            add(card.integer(0), _Definition(card, kind, [], card.integer(1), points))
     return found
 
 
@@ -493,7 +550,7 @@ class _NumberSet:
         return np.flatnonzero(chosen)
 
 
-def _sets(control: Lines, deck: BulkData) -> dict[str, _NumberSet]:
+def _sets(control: Lines, bulk: BulkData) -> dict[str, _NumberSet]:
     """Return the sets by name, such as "SET 5" and "SET1 5".
 
     Raises
@@ -522,17 +579,17 @@ def _sets(control: Lines, deck: BulkData) -> dict[str, _NumberSet]:
     if twice:
         listed = ", ".join(sorted(twice))
         warn(f"{listed}: the case control defines it twice, with other members; it was left out")
-    found = {name: one for name, one in found.items() if name not in twice}
     in_bulk: dict[str, _NumberSet] = {}
     for entry, first in (("SET1", 1), ("SET3", 2), ("SET", 8)):
-        for at, fields in deck.long_entries(entry):
-            kinds = _BOTH if entry == "SET1" else _MEMBERS.get(fields[1], ())
-            name, one = f"{entry} {fields[0]}", _parsed(fields[first:], kinds)
-            if kinds and (one is None or not fields[0].isdigit()):
-                raise deck.lines.refused(at, name, "it is no list of numbers and THRU")
-            if one is not None and kinds and in_bulk.setdefault(name, one) != one:
-                raise deck.lines.refused(at, name, "it is defined twice, with other members")
-    return found | in_bulk
+        for card in bulk.cards(entry):
+            kinds = _BOTH if entry == "SET1" else _MEMBERS.get(card.text(1), ())
+            card = replace(card, name=f"{entry} {card.text(0)}")
+            one = _parsed(card.fields[first:], kinds)
+            if kinds and (one is None or not card.text(0).isdigit()):
+                raise card.error("it is no list of numbers and THRU")
+            if one is not None and kinds and in_bulk.setdefault(card.name, one) != one:
+                raise card.error("it is defined twice, with other members")
+    return {name: one for name, one in found.items() if name not in twice} | in_bulk
 
 
 def _parsed(words: list[str], kinds: tuple[str, ...]) -> _NumberSet | None:
@@ -559,3 +616,406 @@ def _parsed(words: list[str], kinds: tuple[str, ...]) -> _NumberSet | None:
         else:
             one.single.append(int(word))
     return one if text else None
+
+
+# ----- sections
+
+# Fields of surface elements, from their number on, by the kind of all their nodes: angle or system
+# of the material, offset, and thickness at the nodes.
+_THETA = {"quad": 6, "triangle": 5, "triangle6": 8, "quad8": 14}
+_ZOFFS = {kind: at + 1 for kind, at in _THETA.items()}
+_NODAL = {kind: slice(10, 14 if kind.startswith("quad") else 13) for kind in _THETA}
+
+_WTMASS = re.compile(rb"\s*PARAM[\s,*]+WTMASS[\s,]+([^\s,]+)")
+
+# Beginnings of OFFT, or the older flag there: a bar's vector is in the axes of its node, or basic.
+_FRAMES = [b"", b"G", b"1", b"2", b"B"]
+
+# A beam's y and z in the axes z and y of its section.
+_AXES = np.array([[-1.0, 0.0], [0.0, 1.0]])
+
+# Relative difference of G from E/(2 (1 + nu)) from which on a material is not isotropic.
+_ISOTROPIC = 0.01
+
+
+class _Place(NamedTuple):
+    """The elements of one property: their entries, and the cells of the mesh."""
+
+    parts: list[Entries]
+    members: IntArray
+
+
+@dataclass(eq=False)
+class Reader:
+    """The properties and materials of a deck by number, and its materials, each made once."""
+
+    source: Source
+    deck: NastranDeck
+    _made: dict[int, Solid] = field(default_factory=dict)
+
+    def cards(self, cards: Iterable[Card]) -> dict[int, Card]:
+        """Return entries by their numbers."""
+        found: dict[int, Card] = {}
+        for card in cards:
+            label = card.text(0)
+            if not label.isdigit() or found.setdefault(int(label), card).fields != card.fields:
+                raise card.error(f"its number {label!r} is none, or another entry has it")
+        return found
+
+    @cached_property
+    def properties(self) -> dict[int, dict[int, Card]]:
+        """All properties by the dimension of their elements, also those that are not read."""
+        return {dim: self.cards(_properties(self.deck.bulk, dim)) for dim in _DIMENSIONS}
+
+    @cached_property
+    def materials(self) -> dict[int, Card]:
+        """The materials that are read."""
+        return self.cards(self.deck.bulk.cards(*_MATERIALS))
+
+    @cached_property
+    def weight(self) -> float:
+        """The factor on densities: PARAM,WTMASS of bulk data or of case control."""
+        control, bulk = self.deck.control, self.deck.bulk
+        found = [card for card in bulk.cards("PARAM") if card.text(0) == "WTMASS"]
+        for line, text in enumerate(control.text):
+            if of := _WTMASS.match(text):
+                found.append(Card("PARAM", ["WTMASS", of[1].decode()], control, line))
+        values = [card.real(1, "V1") for card in found]
+        for card, value in zip(found, values, strict=True):
+            if value != values[0]:
+                raise card.error(f"another WTMASS is {values[0]:g}; keep one")
+        return values[0] if found else 1.0
+
+    def sections(self) -> dict[str, OneMaterial]:
+        """Return the sections by group."""
+        parts = self.deck.parts
+        dims = np.repeat([part.block.dim for part in parts], [len(p.properties) for p in parts])
+        found: dict[str, OneMaterial] = {}
+        for name, members in self.source.raw.cell_sets.items():
+            if not name.startswith("property "):
+                continue
+            label, dim = int(name.split()[1]), int(dims[members].max())
+            if (of := self.source.instead(name, dim)) is not None:
+                found[name] = of
+                continue
+            own = [  # without edges that a mesher gave the same number
+                Entries(p.table.select(rows), p.block, p.properties[rows], p.layout)
+                for p in parts
+                if p.block.dim == dim and (rows := p.properties == label).any()
+            ]
+            card = self.properties[dim].get(label)
+            if card is None:
+                if dim == dims.max():
+                    why = f"its {name} is not there, or is of elements of another kind"
+                    raise own[0].table.refused(0, why)
+                continue  # sides and edges of a mesher
+            if card.name not in _PROPERTIES:
+                raise card.error(f"it is not read; give read_sections(given={{{name!r}: ...}})")
+            if (read := _PROPERTIES[card.name]) is None:
+                self.source.left_out.append(f"{card.name}, which carries no bending, is left out")
+                continue
+            with refusing(card.error):
+                found[name] = read(self, card, _Place(own, members[dims[members] == dim]))
+        bulk = self.deck.bulk
+        for entry in bulk.names.keys() & {"NSM", "NSM1", "NSML", "NSML1", "NSMADD"}:
+            why = "its mass is not supported; delete it, and take the mass into densities (given=)"
+            raise bulk.lines.refused(int(bulk.names[entry][0]), entry, why)
+        return found
+
+    # ------------------------------------------------------------------- materials
+
+    def material(self, label: str, card: Card) -> Solid:
+        """Return a material by its number; the card is the one that names it."""
+        given: Solid | None = self.source.instead(f"material {label}")
+        if given is not None:
+            return given
+        if not label.isdigit() or int(label) not in self.materials:
+            raise card.error(
+                f"material {label!r} is none of {', '.join(_MATERIALS)}; give it by "
+                "read_sections(given=)"
+            )
+        own = self.materials[int(label)]
+        if int(label) not in self._made:
+            for entry in ("MATT1", "MATT8", "MATT11"):
+                if int(label) in self.cards(self.deck.bulk.cards(entry)):
+                    raise own.error(f"it depends on temperature by {entry}, which is not supported")
+            if int(label) in self.cards(self.deck.bulk.cards("MATS1")):
+                self.source.left_out.append(f"material {label} is elastic, without its MATS1")
+            make, at, damping = _MATERIALS[own.name]
+            if own.real(damping, "GE", 0.0):
+                self.source.left_out.append(f"material {label} has no damping, GE is left out")
+            if not (rho := own.real(at, "RHO", 0.0) * self.weight):
+                raise own.error(
+                    "RHO is 0 or blank; write it, or give read_sections(given="
+                    f"{{'material {label}': Material(...)}})"
+                )
+            with refusing(own.error):
+                self._made[int(label)] = make(self.source, own, rho)
+        return self._made[int(label)]
+
+    # ------------------------------------------------------------ fields of elements
+
+    def offset(self, place: _Place, card: Card) -> float:
+        """Return what ZOFFS of all elements is, in metres; refuse thickness at nodes."""
+        for part in place.parts:
+            part.table.refuse_first(
+                np.any(~part.table.blank[:, _NODAL[part.layout]], axis=1),
+                "thickness at the nodes is not supported; give it in the property",
+            )
+        found = np.concatenate([p.table.reals(_ZOFFS[p.layout], 1)[:, 0] for p in place.parts])
+        if np.any(found != found[0]):
+            raise card.error("ZOFFS of its elements differs; give properties of their own")
+        return float(found[0]) * self.source.length
+
+    def axes(self, label: int, place: _Place, card: Card) -> FloatArray:
+        """Return the unit axes of a rectangular system in rows."""
+        found = self.deck.grids.axes(label, partial(place.parts[0].table.refused, 0))
+        if found.kind != "R":
+            raise card.error(f"system {label} is not rectangular")
+        return found.axes
+
+    def fibres(self, place: _Place, card: Card) -> tuple[float, ...]:
+        """Return the direction whose projection is the material's axis on all elements."""
+        normals = self.source.directions(place.members)
+        x = across(self.source.directions(place.members, edges=True), normals)
+        columns = [p.table.fields[:, _THETA[p.layout] :][:, :1] for p in place.parts]
+        texts = [c if c.size else np.full((len(c), 1), b"") for c in columns]
+        words, of = np.unique(np.char.strip(np.concatenate(texts)[:, 0]), return_inverse=True)
+        angles = np.radians([0.0 if w.isdigit() or not w else number(w.decode()) for w in words])
+        along = np.cos(angles)[of, None] * x + np.sin(angles)[of, None] * np.cross(normals, x)
+        for i, word in enumerate(words.tolist()):
+            if word.isdigit():  # MCID
+                along[of == i] = self.axes(int(word), place, card)[0]
+        return common(along, normals)
+
+    def towards(self, place: _Place) -> tuple[FloatArray, FloatArray]:
+        """Return the direction of plane 1 of each bar, and its offset; refuse hinges."""
+        found, moved = [], []
+        for part in place.parts:
+            table, nodes, grids = part.table, self.source.raw.nodes, self.deck.grids
+            offt, ends = np.char.strip(table.fields[:, 7]), table.reals(10, 6)
+            frames, rows = offt.astype("S1"), rows_of(grids.labels, table.integers(2, 1)[:, 0])
+            turned = (np.char.count(offt, b"O") > 0) | (grids.output_systems[rows] > 0)
+            wrong: dict[str, Any] = {
+                "it has no orientation, X1 to X3 or G0": np.all(table.blank[:, 4:7], axis=1),
+                "OFFT must begin with G or B": ~np.isin(frames, _FRAMES),
+                "hinges PA, PB are not supported": np.any(~table.blank[:, 8:10], axis=1),
+                "its offsets WA and WB differ": np.any(ends[:, :3] != ends[:, 3:], axis=1),
+                "its offsets need CD = 0, and OFFT without O": ends.any(axis=1) & turned,
+            }
+            for why, which in wrong.items():
+                table.refuse_first(which, why)
+            whole = np.array([b"." not in text for text in table.fields[:, 4]])
+            by_node = whole & np.all(table.blank[:, 5:7], axis=1)
+            third = np.zeros(len(table), int)
+            third[by_node] = table.select(by_node).integers(4, 1)[:, 0]
+            third = rows_of(grids.labels, third)
+            table.refuse_first(by_node & (third < 0), "its node G0 is not there")
+            vectors = nodes[third] - nodes[rows]
+            vectors[~by_node] = table.select(~by_node).reals(4, 3)
+            systems = np.where(by_node | (frames == b"B"), 0, grids.output_systems[rows])
+            for label in np.unique(systems[systems > 0]).tolist():  # X1 to X3 are in that of GA
+                own = np.flatnonzero(systems == label)
+                system = grids.axes(label, partial(table.refused, int(own[0])))
+                axes = system.directions(nodes[rows[own]])
+                vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
+            found.append(vectors)
+            moved.append(ends[:, :3] * self.source.length)
+        return np.concatenate(found), np.concatenate(moved)
+
+
+# -------------------------------------------------------------------------------- properties
+
+
+def _solid(reader: Reader, card: Card, place: _Place) -> OneMaterial:
+    found = reader.material(card.text(1), card)
+    if card.text(6) not in ("", "SMECH"):
+        raise card.error(f"FCTN={card.text(6)} is no solid")
+    if isinstance(found, Orthotropic) and card.text(2) not in ("", "0"):
+        axes: Any = reader.axes(int(card.real(2, "CORDM")), place, card)
+        return replace(found, axes=axes)
+    return found
+
+
+def _shell(reader: Reader, card: Card, place: _Place) -> OneMaterial:
+    own = card.text(1)
+    material = reader.material(own, card)
+    if card.text(3) != own:
+        raise card.error(f"MID2={card.text(3)!r} of bending must be MID1={own}")
+    for at, what in ((5, "MID3"), (10, "MID4")):
+        if card.text(at) not in ("", "0", own if at == 5 else ""):
+            raise card.error(f"{what}={card.text(at)} is not supported")
+    card.must_be(4, "12I/T**3", 1.0)
+    card.must_be(6, "TS/T", 5.0 / 6.0)
+    card.must_be(7, "NSM", 0.0)
+    plies = [Ply(card.real(2, "T") * reader.source.length, material)]
+    return layered(plies, lambda: reader.fibres(place, card), reader.offset(place, card))
+
+
+def _laminate(reader: Reader, card: Card, place: _Place) -> OneMaterial:
+    """Return PCOMP, with four fields a ply, or PCOMPG, with a number before these in each line."""
+    card.must_be(2, "NSM", 0.0)
+    if card.text(7) not in ("", "SYM"):
+        raise card.error(f"LAM={card.text(7)} is not supported")
+    if card.real(6, "GE", 0.0):
+        reader.source.left_out.append(f"{card.name} {card.text(0)} has no damping, GE is left out")
+    step, first = (8, 9) if card.name == "PCOMPG" else (4, 8)
+    plies: list[Ply] = []
+    label, thickness = "", None
+    for at in range(first, len(card.fields), step):
+        if not any(card.fields[at : at + 4]):
+            continue
+        label = card.text(at) or label
+        thickness = card.real(at + 1, f"T{len(plies) + 1}", thickness)
+        angle = card.real(at + 2, "THETA", 0.0)
+        plies.append(Ply(thickness * reader.source.length, reader.material(label, card), angle))
+    if card.text(7) == "SYM":
+        plies += plies[::-1]
+    total = sum(ply.thickness for ply in plies)
+    offset = reader.offset(place, card)
+    if card.text(1):
+        offset += card.real(1, "Z0") * reader.source.length + 0.5 * total
+    return layered(plies, lambda: reader.fibres(place, card), offset)
+
+
+def _bar(reader: Reader, card: Card, place: _Place, shear: float = math.inf) -> OneMaterial:
+    """Return PBAR: y of the deck is z of the section, and z of the deck is against y.
+
+    It is rigid in shear where K1 and K2 are blank, or 0.
+    """
+    card.must_be(6, "NSM", 0.0)
+    area, I1, I2, J = card.reals(2, "A I1 I2 J")
+    points = [[card.real(at + i, "C to F", 0.0) for i in (1, 0)] for at in (8, 10, 12, 14)]
+    factors = [card.real(at, "K1, K2", shear) or math.inf for at in (17, 16)]
+    second = I2, card.real(18, "I12", 0.0), I1
+    section = reader.source.numbers(
+        area, second, J, np.diag(np.divide(1.0, factors)), np.array(points)
+    )
+    return _beam(reader, card, place, section)
+
+
+def _constant(reader: Reader, card: Card, place: _Place) -> OneMaterial:
+    """Return PBEAM, of which all cross-sections must be the same, by its PBAR."""
+    of = [*card.fields, *[""] * 16]
+    if of[8] in _STATIONS:  # without C to F
+        of[8:8] = [""] * 8
+    card, at = replace(card, fields=of), 16
+    while of[at] in _STATIONS:
+        for i in range(2, 8):
+            card.must_be(at + i, "A to NSM along the beam", card.real(i, "A to NSM", 0.0))
+        at += 16 if of[at] == "YES" else 8
+    for i in range(at + 2, len(of)):
+        card.must_be(i, "a field after K1 and K2", 0.0)
+    bar = [*of[:5], *of[6:8], "", *of[8:16], *of[at : at + 2], of[5]]
+    return _bar(reader, replace(card, fields=bar), place, 1.0)
+
+
+def _shaped(reader: Reader, card: Card, place: _Place) -> OneMaterial:
+    """Return PBARL or PBEAML: dimensions, and a mass beside the section's that must be 0."""
+    count, make = named(NASTRAN, card.text(3))
+    if any(card.fields[9 + count :]):
+        raise card.error("it has fields after its first cross-section, which is not supported")
+    card.must_be(8 + count, "NSM", 0.0)
+    lengths = np.array([card.real(8 + i, f"DIM{i + 1}") for i in range(count)])
+    section = make(*(lengths * reader.source.length).tolist())
+    if isinstance(section, Profile):  # nodes are at the centroid
+        section = section.at(*section.centre)
+    return _beam(reader, card, place, section)
+
+
+def _beam(reader: Reader, card: Card, place: _Place, section: Any) -> OneMaterial:
+    material: Any = reader.material(card.text(1), card)
+    z, moved = reader.towards(place)
+    return reader.source.beam(section, material, z, place.members, _AXES, moved)
+
+
+# First field of the lines of PBEAM that have a cross-section.
+_STATIONS = ("YES", "YESA", "NO")
+
+# How properties are read; None for bars without bending.
+_PROPERTIES: dict[str, Callable[..., OneMaterial] | None] = {
+    "PSOLID": _solid,
+    "PSHELL": _shell,
+    **dict.fromkeys(("PCOMP", "PCOMPG"), _laminate),
+    "PBAR": _bar,
+    "PBEAM": _constant,
+    **dict.fromkeys(("PBARL", "PBEAML"), _shaped),
+    **dict.fromkeys(("PROD", "PTUBE"), None),
+}
+
+
+# ------------------------------------------------------------------------------- materials
+
+
+def _isotropic(source: Source, card: Card, rho: float) -> Material:
+    """Return MAT1, of which one of E, G and NU may be blank; of two, solvers make no solid."""
+    E, G, nu = (card.real(at, "", 0.0) for at in (1, 2, 3))
+    if sum(bool(card.text(at)) for at in (1, 2, 3)) < 2 or (G == 0.0 and not card.text(3)):
+        raise card.error("write two of E, G and NU")
+    if not card.text(3):
+        nu = 0.5 * E / G - 1.0
+    elif not card.text(1):
+        E = 2.0 * G * (1.0 + nu)
+    elif G and abs(G - 0.5 * E / (1.0 + nu)) > _ISOTROPIC * G:
+        raise card.error(
+            f"G={G:g} is not E/(2 (1 + NU)) = {0.5 * E / (1.0 + nu):g}; leave NU blank for bars, "
+            "and G for shells and solids"
+        )
+    return source.isotropic(E, nu, rho)
+
+
+_MAT8 = "E1 E2 NU12 G12 G1Z G2Z"
+_MAT11 = "E1 E2 E3 NU12 NU13 NU23 G12 G13 G23"
+
+# Materials, and where their density and damping are.
+_MATERIALS: dict[str, tuple[Callable[..., Solid], int, int]] = {
+    "MAT1": (_isotropic, 4, 7),
+    "MAT8": (lambda source, card, rho: source.ply(*card.reals(1, _MAT8), rho), 7, 16),
+    "MAT11": (lambda source, card, rho: source.orthotropic(*card.reals(1, _MAT11), rho), 10, 15),
+}
+
+
+# IFO, the form of a matrix: of a symmetric one a single triangle is there.
+_SQUARE, _SYMMETRIC = 1, 6
+
+# TIN, the type of its numbers, of real ones at most.
+_REAL = 2
+
+
+def is_dmig(head: bytes) -> bool:
+    """Return whether a file has DMIG entries near its beginning."""
+    return re.search(rb"^DMIG", head, re.MULTILINE) is not None
+
+
+def read_dmig(file: Path, size: int) -> list[RawMatrix]:
+    """Read all matrices of a file.
+
+    An entry is a header (name, 0, IFO, TIN), or a column: its name, node and component, then node,
+    component and value of each row.
+    """
+    quads, entry = read_deck(file)[1].quads("DMIG")
+    starts = np.diff(entry, prepend=-1) > 0
+    heads = quads.select(starts)
+    names = [name.decode().strip() for name in heads.fields[:, 0].tolist()]
+    labels = heads.integers(1, 2)
+    kinds = heads.select(labels[:, 0] == 0).integers(2, 2)
+    headers = [name for name, node in zip(names, labels[:, 0], strict=True) if node == 0]
+    known = np.array([name in headers for name in names], dtype=bool)
+    heads.refuse_first(~known, "its matrix has no header")
+    found = []
+    for name, (form, kind) in zip(headers, kinds.tolist(), strict=True):
+        own = np.array([each == name for each in names]) & (labels[:, 0] != 0)
+        rows = own[entry] & ~starts & ~quads.blank[:, 0]
+        if kind > _REAL or form not in (_SQUARE, _SYMMETRIC) or not rows.any():
+            why = "complex" if kind > _REAL else "not square, or empty"
+            found.append(passed_over(file, name, why))
+            continue
+        table = quads.select(rows)
+        table.refuse_first(table.blank[:, 2], "a row has no value: is the file cut short?")
+        values = table.reals(2, 1)[:, 0]
+        columns = labels[entry[rows]].T
+        symmetric = form == _SYMMETRIC
+        found.append(
+            labelled(file, name, table.integers(0, 2).T, columns, values, triangle=symmetric)
+        )
+    return found

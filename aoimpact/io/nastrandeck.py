@@ -1,9 +1,8 @@
-"""Nastran decks as entries: lines of all files, replicated and joined, as tables of fields."""
+"""Nastran's bulk data: the lines of all files, replicated and joined to entries with fields."""
 
 from __future__ import annotations
 
 import codecs
-import contextlib
 import os
 import re
 from collections.abc import Iterator
@@ -17,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, IntArray, MeshError, require
-from .raw import joined, number, read_lines, refused, repeats
+from .raw import joined, number, numbers, read_lines, refused, repeats
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
 _PER_BYTE = 14
@@ -44,9 +43,13 @@ _BULK = re.compile(
 )
 _TIMES = re.compile(r"=(?:(\d+)|\((\d+)\))")
 _INCREMENT = re.compile(r"\*\(?([^()]+)\)?")
-_INTEGER = re.compile(r"[-+]?\d{1,18}")
-_SHORT = re.compile(rb"(?<=[\d.])(?=[-+]\d)")
+_INTEGER = re.compile(rb"[-+]?\d{1,18}")
+_STOPS = frozenset("IiEe \t")  # first characters of INCLUDE and ENDDATA
 _NAME = re.compile(rb"[A-Z][A-Z0-9]*")
+
+# Relative difference from a number with few digits, such as 0.833 for 5/6.
+_DIGITS = 1e-3
+
 _SPACES = int.from_bytes(b" " * 8, "little")
 
 
@@ -90,33 +93,33 @@ class Lines:
 # --------------------------------------------------------------------------- files and sections
 
 
-def read_sections(file: Path) -> tuple[Lines, Lines]:
-    """Return the lines of case control and those of bulk data.
+def read_deck(file: Path) -> tuple[Lines, BulkData]:
+    """Return the lines of case control, and the bulk data.
 
     A deck without BEGIN BULK is bulk data throughout.
 
     Raises
     ------
     MeshError
-        If a file that it includes is not there, or if it has several parts, such as superelements.
+        If a file that it includes is not there, if it has several parts, such as superelements, or
+        if a line is neither the beginning of an entry nor the continuation of one.
     MemoryLimitError
     """
     lines = _all_lines(file)
     content = b"\n".join(lines.text)
-    found = [match.start() for match in re.finditer(b"BEGIN|CEND", content)]
-    candidates = sorted({content.count(b"\n", 0, start) for start in found})
-    sections = {i: match[1] for i in candidates if (match := _SECTION.match(lines.text[i]))}
-    begins = [i for i, name in sections.items() if name == b"BEGIN"]
-    if not begins:
-        if sections:
-            raise lines.refused(min(sections), "CEND", "BEGIN BULK is missing after it")
-        return lines.part(0, 0), lines
+    found = {content.count(b"\n", 0, at.start()) for at in re.finditer(b"BEGIN|CEND", content)}
+    named = [(i, name[1]) for i in sorted(found) if (name := _SECTION.match(lines.text[i]))]
+    begins, cends = ([i for i, one in named if one == name] for name in (b"BEGIN", b"CEND"))
+    if cends and not begins:
+        raise lines.refused(cends[0], "CEND", "BEGIN BULK is missing after it")
     for i in begins:
         if i != begins[0] or _PART.match(lines.text[i]):
-            name = lines.text[i].decode().strip()
-            raise lines.refused(i, name, "decks of several parts or superelements are not read")
-    ends = [i for i, name in sections.items() if name == b"CEND" and i < begins[0]]
-    return lines.part(max(ends, default=-1) + 1, begins[0]), lines.part(begins[0] + 1)
+            begin = lines.text[i].decode().strip()
+            raise lines.refused(i, begin, "decks of several parts or superelements are not read")
+    if not begins:
+        return lines.part(0, 0), read_bulk_data(lines)
+    first = 1 + max((i for i in cends if i < begins[0]), default=-1)
+    return lines.part(first, begins[0]), read_bulk_data(lines.part(begins[0] + 1))
 
 
 def _all_lines(main: Path) -> Lines:
@@ -131,21 +134,23 @@ def _all_lines(main: Path) -> Lines:
         own = len(files) - 1
         require(_PER_BYTE * file.stat().st_size, f"mesh file {str(file)!r}", "take a coarser mesh")
         lines = [line.partition("$")[0] if "$" in line else line for line in read_lines(file)]
-        stops = [
-            (i, name)
-            for i, line in enumerate(lines)
-            if line[:1] in "IiEe \t"
-            and (name := line.lstrip()[:7].upper()) in ("INCLUDE", "ENDDATA")
-        ]
-        end = next((i for i, name in stops if name == "ENDDATA"), len(lines))
         done = 0
-        for i in [*(i for i, _ in stops if i < end), end]:
-            part = lines[done:i]
-            texts.extend(part)
-            number = done + 1 + np.arange(len(part))
-            sources.append(np.stack([np.full(len(part), own), number], axis=1))
-            if i == end:
-                break
+
+        def take(end: int) -> None:
+            texts.extend(lines[done:end])
+            numbers = np.arange(done + 1, end + 1)
+            sources.append(np.stack([np.full(len(numbers), own), numbers], axis=1))
+
+        for i, line in enumerate(lines):
+            if line[:1] not in _STOPS or i < done:
+                continue
+            name = line.lstrip()[:7].upper()
+            if name == "ENDDATA":
+                take(i)
+                return True
+            if name != "INCLUDE":
+                continue
+            take(i)
             name, done = _file_name(file, lines, i)
             # os.path.isfile is False for a name that is too long, unlike Path.is_file.
             folders = (file.parent, main.parent)
@@ -160,7 +165,8 @@ def _all_lines(main: Path) -> Lines:
                 raise refused(file, i + 1, "INCLUDE", f"{name!r} includes itself")
             if add(included, (*within, file)):
                 return True
-        return end < len(lines)
+        take(len(lines))
+        return False
 
     add(main, ())
     content = "\n".join(texts).encode("ascii", "replace").upper()
@@ -192,39 +198,107 @@ def _file_name(file: Path, lines: list[str], i: int) -> tuple[str, int]:
 # ------------------------------------------------------------------------------- lines in columns
 
 
-def _replicated(lines: Lines) -> Lines:
-    """Write out the lines that begin with "=", with commas.
+def _in_columns(lines: Lines) -> tuple[Lines, IntArray, IntArray]:
+    """Write out lines with commas and copies by replication, in columns.
 
-    In such a line "=" is the field of the entry before, "==" all of its further fields, and "*2"
-    or "*(2)" the field with an increment. "=5" and "=(5)" repeat the line above five times.
+    Returns
+    -------
+    Lines
+        With fields of 8, 16 or 32 characters after the head, as the longest one needs.
+    counts : ndarray of int, shape (n_lines,)
+        Number of fields in each line: 8, 4 or 2.
+    odd : ndarray of int
+        Lines with more fields than eight and a mark, or with fields too long to be kept.
     """
     text: list[bytes] = []
+    counts: list[int] = []
     sources: list[int] = []
+    odd: list[int] = []
+
+    def add(words: list[bytes], source: int) -> None:
+        head, *fields = [one.strip() for one in words]
+        most, tail, is_odd = 4 if b"*" in head else 8, b"", False
+        # Nastran takes the ninth field for data if there are more behind it, unless it is a mark.
+        if most == 4 or len(fields) < 10 or fields[8][:1] in (b"", b"+", b"*"):
+            is_odd = any(fields[most + 1 :])
+            if len(fields) > most:
+                tail = fields[most]
+                is_odd = is_odd or tail[:1].isdigit()  # a mark, or one field more
+            elif fields and _is_mark(fields[-1]):
+                tail = fields.pop()
+            fields = fields[:most]
+        longest = max(map(len, fields), default=0)
+        if is_odd or longest > _FREE:
+            odd.append(len(text))
+        width = next(w for w in (64 // most, 16, _FREE) if longest <= w or w == _FREE)
+        fields += [b""] * (-len(fields) % most or most * (not fields))
+        columns = b"".join(one[:width].ljust(width) for one in fields)
+        rows = [columns[k : k + 64] for k in range(0, len(columns), 64)]
+        text.append(head[:8].ljust(8) + rows[0])
+        text.extend(b" " * 8 + row for row in rows[1:])
+        text[-1] += tail
+        counts.extend([64 // width] * len(rows))
+        sources.extend([source] * len(rows))
+
     entry: list[str] = []
     rule: list[str] = []
     for i, line in enumerate(lines.text):
-        small = line.decode()
-        if b"," not in line[:10] and b" " in line:
-            small = ",".join(small[k : k + 8] for k in range(0, 72, 8))
-        head, *fields = [one.strip() for one in small.split(",")][:9]
-        if not line.startswith(b"="):
-            entry, rule = [head, *fields], []
-            text.append(line)
-            sources.append(i)
+        if line.startswith(b"="):
+            copies, rule = _copies(lines, i, entry, rule)
+            for entry in copies:
+                add([one.encode() for one in entry], i)
             continue
-        times = _TIMES.fullmatch(head)
-        rule = rule if times else fields
-        try:
-            count = int(times[1] or times[2]) if times else 1
-            if not (times or head == "=") or not rule or not entry[0].isalnum() or count > _MOST:
-                raise ValueError
-            for _ in range(count):
-                entry = [entry[0], *_next(entry[1:], rule)]
-                text.append(",".join(entry).encode())
-                sources.append(i)
-        except ValueError:
-            raise lines.refused(i, "replication", f"{line.decode()!r} is not understood") from None
-    return Lines(text, lines.sources[np.array(sources)], lines.files)
+        rule = []
+        if b"," in line[:10]:
+            add(line.split(b","), i)
+        else:
+            text.append(line)
+            counts.append(4 if b"*" in line[:8] else 8)
+            sources.append(i)
+        if lines.text[i + 1 : i + 2] and lines.text[i + 1].startswith(b"="):
+            entry = _words(line)
+    columns = Lines(text, lines.sources[np.array(sources, dtype=np.int64)], lines.files)
+    return columns, np.array(counts), np.array(odd, dtype=np.int64)
+
+
+def _is_mark(text: bytes) -> bool:
+    """Return whether the last field of a line marks a continuation: "+" or "+A1", not "+1.5"."""
+    return text[:1] in (b"+", b"*") and not text[1:2].isdigit() and text[1:2] != b"."
+
+
+def _words(line: bytes) -> list[str]:
+    """Return head and fields of a line with or without commas."""
+    text = line.decode()
+    free = "," in text[:10] or " " not in text
+    words = text.split(",") if free else [text[k : k + 8] for k in range(0, 72, 8)]
+    return [one.strip() for one in words][:9]
+
+
+def _copies(
+    lines: Lines, i: int, entry: list[str], rule: list[str]
+) -> tuple[list[list[str]], list[str]]:
+    """Return the entries that a line of replication stands for, and the rule that they follow.
+
+    "=" is the field of the entry before, "==" all of its further fields, and "*2" or "*(2)" the
+    field with an increment. "=5" and "=(5)" repeat the line above five times.
+    """
+    head, *fields = _words(lines.text[i])
+    times = _TIMES.fullmatch(head)
+    rule = rule if times else fields
+    found = []
+    try:
+        count = int(times[1] or times[2]) if times else 1
+        if not (times or head == "=") or not (rule and entry and entry[0].isalnum()):
+            raise ValueError
+        if count > _MOST:
+            raise ValueError
+        for _ in range(count):
+            entry = [entry[0], *_next(entry[1:], rule)]
+            found.append(entry)
+    except ValueError:
+        line = lines.text[i].decode()
+        raise lines.refused(i, "replication", f"{line!r} is not understood") from None
+    return found, rule
 
 
 def _next(entry: list[str], rule: list[str]) -> list[str]:
@@ -241,64 +315,53 @@ def _next(entry: list[str], rule: list[str]) -> list[str]:
     return found
 
 
-def _in_columns(lines: Lines) -> tuple[Lines, IntArray, IntArray]:
-    """Write lines with commas in columns.
-
-    Returns
-    -------
-    Lines
-        With fields of 8, 16 or 32 characters after the head, as the longest one needs.
-    counts : ndarray of int, shape (n_lines,)
-        Number of fields in each line: 8, 4 or 2.
-    odd : ndarray of int
-        Lines with more fields than eight and a mark, or with fields too long to be kept.
-    """
-    text: list[bytes] = []
-    counts: list[int] = []
-    sources: list[int] = []
-    odd: list[int] = []
-    for i, line in enumerate(lines.text):
-        if b"," not in line[:10]:
-            text.append(line)
-            counts.append(4 if b"*" in line[:8] else 8)
-            sources.append(i)
-            continue
-        head, *fields = [one.strip() for one in line.split(b",")]
-        most, tail = 4 if b"*" in head else 8, b""
-        # Nastran takes the ninth field for data if there are more behind it, unless it is a mark.
-        if most == 4 or len(fields) < 10 or fields[8][:1] in (b"", b"+", b"*"):
-            is_odd = any(fields[most + 1 :])
-            if len(fields) > most:
-                tail = fields[most]
-                is_odd = is_odd or tail[:1].isdigit()  # a mark, or one field more
-            elif fields and _is_mark(fields[-1]):
-                tail = fields.pop()
-            fields = fields[:most]
-        else:
-            is_odd = False
-        longest = max(map(len, fields), default=0)
-        if is_odd or longest > _FREE:
-            odd.append(len(text))
-        width = next(w for w in (64 // most, 16, _FREE) if longest <= w or w == _FREE)
-        count = 64 // width
-        fields += [b""] * (-len(fields) % most or most * (not fields))
-        rows = [fields[k : k + count] for k in range(0, len(fields), count)]
-        rest = b"".join(one[:width].ljust(width) for one in rows[0])
-        text.append(head[:8].ljust(8) + rest)
-        text += [b" " * 8 + b"".join(one[:width].ljust(width) for one in row) for row in rows[1:]]
-        text[-1] += tail
-        counts += [count] * len(rows)
-        sources += [i] * len(rows)
-    columns = Lines(text, lines.sources[np.array(sources, dtype=np.int64)], lines.files)
-    return columns, np.array(counts), np.array(odd, dtype=np.int64)
-
-
-def _is_mark(text: bytes) -> bool:
-    """Return whether the last field of a line marks a continuation: "+" or "+A1", not "+1.5"."""
-    return text[:1] in (b"+", b"*") and not text[1:2].isdigit() and text[1:2] != b"."
-
-
 # ---------------------------------------------------------------------------- lines to entries
+
+
+@dataclass(frozen=True, eq=False)
+class Card:
+    """An entry of bulk data by itself, with its fields from field 2 on."""
+
+    name: str
+    fields: list[str]
+    lines: Lines
+    line: int
+
+    def error(self, why: str) -> MeshError:
+        """Return the error for this entry."""
+        return self.lines.refused(self.line, self.name, why)
+
+    def text(self, at: int) -> str:
+        """Return a field; blank beyond the last one."""
+        return self.fields[at] if at < len(self.fields) else ""
+
+    def real(self, at: int, what: str, default: float | None = None) -> float:
+        """Return a field as a number; refuse a blank one without a default."""
+        if not self.text(at):
+            if default is None:
+                raise self.error(f"{what} is blank")
+            return default
+        try:
+            return number(self.text(at))
+        except ValueError as wrong:
+            raise self.error(str(wrong)) from None
+
+    def integer(self, at: int) -> int:
+        """Return a field as an integer; blank is 0."""
+        text = self.text(at)
+        if text and not _INTEGER.fullmatch(text.encode()):
+            raise self.error(f"field {at + 2} must be an integer, got {text!r}")
+        return int(text or 0)
+
+    def reals(self, first: int, names: str) -> list[float]:
+        """Return numbers by their names, none of them blank."""
+        return [self.real(first + i, name) for i, name in enumerate(names.split())]
+
+    def must_be(self, at: int, what: str, wanted: float) -> None:
+        """Refuse another value than the one that a blank field stands for."""
+        value = self.real(at, what, wanted)
+        if abs(value - wanted) > _DIGITS * abs(wanted):
+            raise self.error(f"{what}={value:g} is not supported; only {wanted:g} is")
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,6 +371,7 @@ class BulkData:
     Attributes
     ----------
     lines : Lines
+        Each continuation follows the line that it continues.
     names : dict of str to ndarray of int
         By name, the lines where entries begin, in the order of the deck.
     """
@@ -316,57 +380,58 @@ class BulkData:
     names: dict[str, IntArray]
     _columns: npt.NDArray[np.uint8]  # shape (n_lines, 80)
     _counts: IntArray  # fields in each line
-    _odd: IntArray
-    _order: IntArray  # lines entry by entry
-    _begins: IntArray  # place in `_order` of each line's entry
+    _odd: npt.NDArray[np.bool_]
+    _ends: IntArray  # by line, the end of the entry that begins there
     _offset: IntArray  # of each line's first field in its entry
 
     def table(self, *names: str, width: int) -> Table:
         """Return the entries of some names, with their first `width` data fields."""
         first = np.sort(joined(self.names[name] for name in names if name in self.names))
-        row = np.full(len(self._counts), -1)
-        row[first] = np.arange(len(first))
-        row = row[self._order[self._begins]]  # of each line
-        used = self._order[row[self._order] >= 0]
-        used = used[self._offset[used] < width]
-        data, offset, counts = self._fields(used), self._offset[used], self._counts[used]
-        fields = np.zeros((len(first), int(offset.max(initial=0)) + 8), data.dtype)
-        for count in (2, 4, 8):
-            some = np.flatnonzero(counts == count)
-            place = offset[some][:, None] + np.arange(count)
-            fields[row[used[some]][:, None], place] = data[some, :count]
-        return Table(self.lines, first, fields[:, :width], width)
-
-    def long_entries(self, name: str) -> Iterator[tuple[int, list[str]]]:
-        """Yield line and fields of entries of any length, such as sets."""
-        starts = np.flatnonzero(np.diff(self._begins[self._order], prepend=-1))
-        begins = np.append(starts, len(self._order))
-        for line in self.names.get(name, ()):
-            first = self._begins[line]
-            own = self._order[first : begins[np.searchsorted(begins, first) + 1]]
-            pairs = zip(self._fields(own), self._counts[own], strict=True)
-            yield int(line), [one.decode().strip() for data, n in pairs for one in data[:n]]
+        lines, row = self._of(first)
+        kept = self._offset[lines] < width
+        if not kept.all():
+            lines, row = lines[kept], row[kept]
+        longest = 8 + int(self._offset[lines].max(initial=0)) // 8 * 8
+        fields = self._fields(lines, row * longest + self._offset[lines], len(first) * longest)
+        return Table(self.lines, first, fields.reshape(len(first), longest)[:, :width], width)
 
     def quads(self, name: str) -> tuple[Table, IntArray]:
         """Return the data fields of entries of any length by fours, and the entry of each four."""
-        order = self._order
-        starts = np.isin(order[self._begins[order]], self.names.get(name, ()))
-        lines = order[starts]
-        data, counts = self._fields(lines), self._counts[lines]
-        entry = np.repeat(np.cumsum(self._offset[lines] == 0) - 1, counts)[::4]
-        fields = data[np.arange(8) < counts[:, None]].reshape(-1, 4)
-        return Table(self.lines, np.repeat(lines, counts)[::4], fields, 4), entry
+        lines, row = self._of(self.names.get(name, joined([])))
+        sizes = 8 * -(-np.bincount(row, self._counts[lines]).astype(np.int64) // 8)
+        at = (np.cumsum(sizes) - sizes)[row] + self._offset[lines]
+        fields = self._fields(lines, at, int(sizes.sum())).reshape(-1, 4)
+        of = lines[np.searchsorted(at, 4 * np.arange(len(fields)), side="right") - 1]
+        return Table(self.lines, of, fields, 4), np.repeat(np.arange(len(sizes)), sizes // 4)
 
-    def _fields(self, lines: IntArray) -> npt.NDArray[Any]:
-        """Fields 2 to 9 of some lines, shape (n, 8); in lines of fewer fields the first ones."""
-        for line in lines[np.isin(lines, self._odd)][:1].tolist():
+    def cards(self, *names: str) -> Iterator[Card]:
+        """Yield entries one by one, name by name."""
+        for name in names:
+            for first in self.names.get(name, joined([])).tolist():
+                lines = np.arange(first, self._ends[first])
+                at = self._offset[lines]
+                fields = self._fields(lines, at, 8 + int(at[-1]) // 8 * 8)
+                texts = [one.decode().strip() for one in fields.tolist()]
+                yield Card(name, texts, self.lines, first)
+
+    def _of(self, first: IntArray) -> tuple[IntArray, IntArray]:
+        """Return the lines of the entries that begin with some lines, and their entries."""
+        sizes = self._ends[first] - first
+        row = np.repeat(np.arange(len(first)), sizes)
+        return np.arange(len(row)) + (first - np.cumsum(sizes) + sizes)[row], row
+
+    def _fields(self, lines: IntArray, at: IntArray, size: int) -> npt.NDArray[Any]:
+        """Return `size` fields: those of some lines from given places on, all others empty."""
+        for line in lines[self._odd[lines]][:1].tolist():
             why = "the line has too many fields, or one of more than 32 characters"
             raise self.lines.refused(line, self.lines.text[line][:8].decode().strip(), why)
         counts = self._counts[lines]
-        fields = np.zeros((len(lines), 8), f"S{64 // int(counts.min(initial=8))}")
+        fields = np.zeros(size, f"S{64 // int(counts.min(initial=8))}")
         for count in (2, 4, 8):
-            data = np.ascontiguousarray(self._columns[lines[counts == count], 8:72])
-            fields[counts == count, :count] = data.view(f"S{64 // count}")
+            some = counts == count
+            if some.any():
+                data = np.ascontiguousarray(self._columns[lines[some], 8:72])
+                fields.reshape(-1, count)[at[some] // count] = data.view(f"S{64 // count}")
         return fields
 
 
@@ -418,50 +483,36 @@ class Table:
 
     def integers(self, first: int, count: int) -> IntArray:
         """Return fields from `first` on as integers, shape (n, count); blank is 0."""
-        numbers: IntArray = self._numbers(first, count, np.int64)
-        return numbers
+        filled, text = self._filled(first, count)
+        found = np.zeros(filled.shape, dtype=np.int64)
+        try:
+            if b"_" in text.tobytes():  # Python's 1_0
+                raise ValueError
+            found[filled] = text.astype(np.int64)
+        except (ValueError, OverflowError):
+            wrong = [_INTEGER.fullmatch(one.strip()) is None for one in text.tolist()]
+            self._refuse_field(first, filled, np.array(wrong), "an integer")
+        return found
 
     def reals(self, first: int, count: int) -> FloatArray:
         """Return fields from `first` on as real numbers, shape (n, count); blank is 0."""
-        numbers: FloatArray = self._numbers(first, count, np.float64)
-        return numbers
+        filled, text = self._filled(first, count)
+        found = np.zeros(filled.shape)
+        found[filled] = numbers(text)
+        self._refuse_field(first, filled, np.isnan(found[filled]), "a real number")
+        return found
 
-    def _numbers(self, first: int, count: int, kind: Any) -> Any:
+    def _filled(self, first: int, count: int) -> tuple[npt.NDArray[np.bool_], npt.NDArray[Any]]:
+        """Return which fields are not blank, shape (n, count), and these fields."""
         filled = ~self.blank[:, first : first + count]
-        numbers = np.zeros(filled.shape, kind)
         text = self.fields[:, first : first + count]
-        found = _converted(text[filled[:, : text.shape[1]]], kind)
-        if found is None:
-            places = np.argwhere(filled)
-            found = [self._number(row, first + column, kind) for row, column in places]
-        numbers[filled] = found
-        return numbers
+        return filled, text[filled[:, : text.shape[1]]]
 
-    def _number(self, row: int, column: int, kind: Any) -> float:
-        text = self.fields[row, column].decode().strip()
-        with contextlib.suppress(ValueError):
-            if kind is np.float64:
-                return number(text)
-            if _INTEGER.fullmatch(text):
-                return int(text)
-        what = "an integer" if kind is np.int64 else "a real number"
-        raise self.refused(row, f"field {column + 2} must be {what}, got {text!r}")
-
-
-def _converted(text: npt.NDArray[Any], kind: Any) -> Any:
-    """Return fields as numbers; None if one is none, or is for Python alone, as 1_0 and nan."""
-    whole = text.tobytes()
-    if b"_" in whole or b"N" in whole:
-        return None
-    with contextlib.suppress(ValueError, OverflowError):
-        found = text.astype(kind)
-        return found if np.isfinite(found).all() else None
-    if kind is np.float64:  # 1.5-3 and 1.5D-3 are 1.5E-3
-        content = b"\n".join(text.tolist()).replace(b"D", b"E")
-        with contextlib.suppress(ValueError):
-            found = np.array(_SHORT.sub(b"E", content).split(b"\n")).astype(kind)
-            return found if np.isfinite(found).all() else None
-    return None
+    def _refuse_field(self, first: int, filled: Any, wrong: Any, what: str) -> None:
+        for row, column in np.argwhere(filled)[wrong][:1].tolist() if wrong.any() else ():
+            text = self.fields[row, first + column].decode().strip()
+            why = f"field {first + column + 2} must be {what}, got {text!r}"
+            raise self.refused(row, why)
 
 
 def read_bulk_data(lines: Lines) -> BulkData:
@@ -473,28 +524,34 @@ def read_bulk_data(lines: Lines) -> BulkData:
         If a line is neither the beginning of an entry nor the continuation of one.
     """
     content = b"\n".join(lines.text)
-    if b"\n=" in content:
-        lines = _replicated(lines)
     odd = joined([])
-    if b"," in content:
+    if written := b"," in content or b"\n=" in content:
         lines, counts, odd = _in_columns(lines)
+    del content
     columns = np.array(lines.text, dtype=f"S{_COLUMNS}").view(np.uint8).reshape(-1, _COLUMNS)
     heads, tails = _column_field(columns, 0), _column_field(columns, 72)
     marks = heads.view(np.uint8).reshape(-1, 8)
     continues = (marks[:, 0] == ord("+")) | (marks[:, 0] == ord("*")) | (marks <= 32).all(axis=1)
-    if b"," not in content:
+    if not written:
         counts = np.where((marks == ord("*")).any(axis=1), 4, 8)
+    is_odd = np.zeros(len(heads), dtype=bool)
+    is_odd[odd] = True
     order = _in_order(lines, continues, heads, tails)
-    begins = np.empty(len(order), dtype=np.int64)
-    begins[order] = np.maximum.accumulate(np.where(continues[order], 0, np.arange(len(order))))
-    before = np.empty(len(order), dtype=np.int64)
-    before[order] = np.cumsum(counts[order]) - counts[order]
-    offset = before - before[order[begins]]
+    if order is not None:
+        lines = Lines([lines.text[i] for i in order.tolist()], lines.sources[order], lines.files)
+        heads, columns, counts = heads[order], columns[order], counts[order]
+        is_odd, continues = is_odd[order], continues[order]
+    starts = np.flatnonzero(~continues)
+    ends = np.full(len(heads), len(heads))
+    ends[starts[:-1]] = starts[1:]
+    before = np.cumsum(counts) - counts
+    offset = before - np.repeat(before[starts], ends[starts] - starts)
     for half in np.flatnonzero((counts == 8) & (offset % 8 != 0))[:1].tolist():
         why = "large fields before it fill only half a line; add '*'"
         raise lines.refused(half, "continuation", why)
-    names = _names(lines, np.flatnonzero(~continues), heads[~continues])
-    return BulkData(lines, names, columns, counts, odd, order, begins, offset)
+    return BulkData(
+        lines, _names(lines, starts, heads[starts]), columns, counts, is_odd, ends, offset
+    )
 
 
 def _column_field(columns: npt.NDArray[np.uint8], first: int) -> npt.NDArray[np.bytes_]:
@@ -523,8 +580,8 @@ def _in_order(
     continues: npt.NDArray[np.bool_],
     heads: npt.NDArray[Any],
     tails: npt.NDArray[Any],
-) -> IntArray:
-    """Return the lines such that each continuation follows the line that it continues.
+) -> IntArray | None:
+    """Return the lines such that each continuation follows its line; None if they do as they are.
 
     A continuation without a mark, or with the mark of the line before it, continues that line; any
     other is looked for by its mark. Both ends of a mark may differ in the first character.
@@ -537,7 +594,7 @@ def _in_order(
         raise lines.refused(0, "continuation", "there is no entry before it")
     follows = (unmarked | np.all(marks == before, axis=1)) & (which > 0)
     if follows.all():
-        return np.arange(len(heads))
+        return None
     parents: dict[bytes, list[int]] = {}
     for row in np.flatnonzero(tails.view(np.uint8).reshape(-1, 8).max(axis=1) > 32).tolist():
         parents.setdefault(tails[row].strip()[1:], []).append(row)

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..base import FloatArray, InputError
 from .matrix import RawMatrix, passed_over, spoilt
+from .raw import numbers
 
 # The length of a binary header, bytes, with words of 4 and of 8 bytes.
 _HEADERS = {24: 4, 48: 8}
@@ -240,27 +241,17 @@ class _Text:
     def end(self) -> None:
         """Pass the number after the last column, and see that all are numbers."""
         self.take(1)
-        try:
-            self._values = self._parsed(b"".join(self._parts))
-        except ValueError:
-            raise self._no_number() from None
+        self._values = numbers(np.frombuffer(b"".join(self._parts), dtype=f"S{self._width}"))
+        for wrong in np.flatnonzero(np.isnan(self._values))[:1]:
+            counts = np.cumsum([len(part) // self._width for part in self._parts])
+            at = int(np.searchsorted(counts, wrong, side="right"))
+            found = self._parts[at][: self._per_line * self._width].decode("latin-1")
+            why = f"numbers should stand here, got {found!r}"
+            raise spoilt(self._file, why, self._ends[at])
 
     def numbers(self, starts: np.ndarray, within: np.ndarray) -> FloatArray:
         values: FloatArray = self._values[starts + within]
         return values
-
-    def _parsed(self, printed: bytes) -> FloatArray:
-        return np.frombuffer(printed.replace(b"D", b"E"), dtype=f"S{self._width}").astype(float)
-
-    def _no_number(self) -> InputError:
-        """The error at the first string of numbers that are none."""
-        for part, line in zip(self._parts, self._ends, strict=True):
-            try:
-                self._parsed(part)
-            except ValueError:
-                found = part[: self._per_line * self._width].decode("latin-1")
-                return spoilt(self._file, f"numbers should stand here, got {found!r}", line)
-        return spoilt(self._file, "its numbers cannot be read")
 
     def _next(self) -> bytes:
         if self._at >= len(self._lines):

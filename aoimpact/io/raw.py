@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 import warnings
@@ -39,6 +40,8 @@ _SHAPES = {
 
 # Numbers as Fortran writes them: 1, -1.5, .5E3, 1.D0, and 1.0+3 for 1.0E+3.
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EDed]([+-]?\d+)|([+-]\d+))?")
+
+_SHORT = re.compile(rb"(?<=[\d.])(?=[-+]\d)")  # before the exponent of 1.0+3
 
 # Largest ratio of data to the size of an HDF5 file: the compression that zlib reaches.
 _COMPRESSION = 1100
@@ -217,6 +220,29 @@ def number(text: str) -> float:
     if not math.isfinite(value):
         raise ValueError(f"{text.strip()!r} is too large")
     return value
+
+
+def numbers(texts: npt.NDArray[np.bytes_]) -> FloatArray:
+    """Return texts as numbers, read as `number` reads them; NaN where one is none."""
+    whole = texts.tobytes()
+    if not any(mark in whole for mark in (b"_", b"n", b"N")):  # Python's 1_0, nan and inf
+        spelled = texts
+        if b"D" in whole:
+            spelled = np.frombuffer(whole.replace(b"D", b"E"), texts.dtype).reshape(texts.shape)
+        with contextlib.suppress(ValueError):
+            found: FloatArray = spelled.astype(float)
+            if np.isfinite(found).all():
+                return found
+        short = _SHORT.sub(b"E", b"\n".join(spelled.ravel().tolist())).split(b"\n")
+        with contextlib.suppress(ValueError):
+            found = np.array(short).astype(float).reshape(texts.shape)
+            if np.isfinite(found).all():
+                return found
+    found = np.full(texts.shape, np.nan)
+    for i, text in enumerate(texts.tolist()):
+        with contextlib.suppress(ValueError):
+            found[i] = number(text.decode("latin-1"))
+    return found
 
 
 def numbers_of(text: bytes) -> FloatArray:

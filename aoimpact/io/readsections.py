@@ -19,7 +19,7 @@ from ..base import (
     warn,
 )
 from ..fem import OneMaterial
-from . import abaqussections, nastransections
+from . import abaqussections, nastran
 from .abaqus import AbaqusDeck
 from .abaqusdeck import key
 from .load import load
@@ -131,7 +131,7 @@ def read_sections(
         if isinstance(raw.deck, AbaqusDeck):
             found = abaqussections.Reader(source, raw.deck).sections()
         elif isinstance(raw.deck, NastranDeck):
-            found = nastransections.Reader(source, raw.deck).sections()
+            found = nastran.Reader(source, raw.deck).sections()
         else:
             raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran")
     if of_no_solid:
