@@ -288,9 +288,8 @@ def _copies(
     found = []
     try:
         count = int(times[1] or times[2]) if times else 1
-        if not (times or head == "=") or not (rule and entry and entry[0].isalnum()):
-            raise ValueError
-        if count > _MOST:
+        known = (times or head == "=") and rule and entry and entry[0].isalnum()
+        if not known or count > _MOST:
             raise ValueError
         for _ in range(count):
             entry = [entry[0], *_next(entry[1:], rule)]
@@ -610,13 +609,13 @@ def _in_order(
     for k in repeats(parent)[:1].tolist():
         why = "the line that it continues has another continuation"
         raise lines.refused(int(which[k]), "continuation", why)
-    child = dict(zip(parent.tolist(), which.tolist(), strict=True))
-    chained: list[int] = []
-    for start in np.flatnonzero(~continues).tolist():
-        chained.append(start)
-        while chained[-1] in child:
-            chained.append(child[chained[-1]])
-    if len(chained) < len(heads):
-        left = min(set(range(len(heads))).difference(chained))
-        raise lines.refused(left, "continuation", "the marks of continuations go round in a circle")
-    return np.array(chained)
+    # Parents of parents, until all lines know the entry that they belong to, and how far from it.
+    entry, depth = np.arange(len(heads)), continues.astype(np.int64)
+    entry[which] = parent
+    for _ in range(len(heads).bit_length()):
+        depth += depth[entry]
+        entry = entry[entry]
+    for line in np.flatnonzero(continues[entry])[:1].tolist():
+        raise lines.refused(line, "continuation", "the marks of continuations go round in a circle")
+    order: IntArray = np.lexsort((depth, entry))
+    return order
