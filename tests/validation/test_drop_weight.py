@@ -56,7 +56,8 @@ def test_a_contact_wider_than_the_laminate_is_thick(energy: float) -> None:
     """2 mm of carbon bend like a spring under 5 kg; Yang and Sun's law loads as Hertz's does.
 
     The spring, under a patch in which plate theory does not hold, and the indentation take the
-    energy. Vibration and the contact's width, up to the thickness, leave it 12 % uncertain.
+    energy. Vibration and the contact's width, up to the thickness, leave it 12 % uncertain; it goes
+    as the square of the force, which is claimed.
     """
     half = (45, 0, -45, 90) * 2
     plies = [ao.Ply(0.125e-3, CARBON, angle) for angle in (*half, *half[::-1])]
@@ -71,7 +72,8 @@ def test_a_contact_wider_than_the_laminate_is_thick(energy: float) -> None:
             force = hit.peak_force
             bending = 0.5 * (force / static_force(coarse, 1.0, 1.0)) ** 2
             indentation = 0.4 * force * (force / hertz.k) ** (2 / 3)
-            assert bending + indentation == pytest.approx(energy, rel=0.12)
+            error = hit.error["peak_force"].total
+            assert bending + indentation == pytest.approx(energy, rel=0.12 + 2.0 * error)
             assert hit.error["peak_force"].total < 0.06
 
 
