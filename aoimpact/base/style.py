@@ -156,6 +156,8 @@ def draw_curves(
     ax.set_ylabel(label(name, y_scale.unit))
     ax.grid(True, alpha=0.3)
     if x_unit == "s":
+        span = x_scale.factor * x[[0, -1]]  # also where a curve has no values at an end
+        ax.update_datalim(np.stack([span, np.zeros(2)], axis=1), updatey=False)
         ax.margins(x=0.0)
     legend(ax)
     made: Axes = ax

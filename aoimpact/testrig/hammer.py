@@ -88,7 +88,8 @@ def frf(
         is that of the first contact.
     response : Signal or Probe; or a list of them, one for each hit
         Velocity (unit "m/s") or acceleration (unit "m/s²") of the measured point, at rest before
-        the hit, at the same even times as the force. A probe along a direction gives its velocity.
+        the hit, at the same even times as the force. The mean of a velocity before the force rises
+        is taken off it. A probe along a direction gives its velocity.
     kind : {"accelerance", "mobility", "receptance"}, optional
         Acceleration, velocity or displacement over force.
     estimator : {"H1", "H2"}, optional
@@ -203,6 +204,9 @@ def _hits(force: Any, response: Any) -> tuple[list[Signal], list[Signal]]:
         if load.values[-1] > RISEN * peak:
             raise InputError(f"force of hit {hit}: the record ends in contact; give a longer one")
         touched = contacts(load.values)
+        if moved is motion and motion.unit == "m/s" and (before := touched[0][0]):
+            rest = motion.values[:before].mean()
+            motion = Signal(motion.t, motion.values - rest, unit="m/s", name=motion.name)
         if len(touched) > 1:
             warn(
                 f"hit {hit}: the hammer struck {len(touched)} times, last at "
@@ -222,10 +226,11 @@ def _spectra(values: FloatArray, step: float, count: int, velocity: bool = False
     if not velocity:
         return np.asarray(step * np.fft.rfft(values, count)[:, 1:], dtype=np.complex128)
     turns = np.arange(1, count // 2 + 1) / count
-    steps = np.fft.rfft(np.diff(values), count)[:, 1:]
+    # From rest: the first sample of a model may move, by the residual compliance of its modes.
+    steps = np.fft.rfft(np.diff(values, prepend=0.0), count)[:, 1:]
     # Over sinc: iω times the sum of the samples, so that what sampling does to the force, it does
     # to the response.
-    return np.asarray(np.exp(-1j * np.pi * turns) / np.sinc(turns) * steps, dtype=np.complex128)
+    return np.asarray(np.exp(1j * np.pi * turns) / np.sinc(turns) * steps, dtype=np.complex128)
 
 
 def _quotient(loaded: ComplexArray, moved: ComplexArray, estimator: str) -> ComplexArray:
