@@ -145,14 +145,12 @@ class Comparison:
         write_csv(path, heading, (astuple(row) for row in self.rows))
 
     def __repr__(self) -> str:
-        lines = aligned([_HEADINGS, *(_cells(row) for row in self.rows)], left={0})
-        failures = ["", *(row.failure for row in self.rows)]
-        rows = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
+        rows = aligned([_HEADINGS, *map(_cells, self.rows)], left={0, len(_HEADINGS) - 1})
         return "\n".join([self.scene, self._reference(), *rows])
 
     def _repr_html_(self) -> str:
-        rows = [(*_cells(row), row.failure) for row in self.rows]
-        return html_table((*_HEADINGS, ""), rows, caption=(self.scene, self._reference()))
+        caption = self.scene, self._reference()
+        return html_table(_HEADINGS, map(_cells, self.rows), caption=caption)
 
     def _reference(self) -> str:
         known = "" if self.exact_error is None else f" (in time right to {self.exact_error:.1g})"
@@ -163,13 +161,14 @@ class Comparison:
 _KINDS = {"AO(": "anti-oscillators", "modal(": "natural modes", "rigid": "rigid"}
 _MODELS = (*_KINDS, "full")
 
-_HEADINGS = tuple(field.name.replace("_", " ") for field in fields(Compared))[:-1]
+# Failures need no heading.
+_HEADINGS = (*(field.name.replace("_", " ") for field in fields(Compared)[:-1]), "")
 
 
 def _cells(row: Compared) -> tuple[str, ...]:
-    """The row as text, but for why there are no numbers."""
+    """Format the row; the last cell is the failure message."""
     model, dofs, build, run, *errors, failure = astuple(row)
     if failure:
-        return (model, *("-",) * 7)
+        return (model, *("-",) * 7, failure)
     times = with_unit(build, "s", 3), with_unit(run, "s", 3)
-    return (model, str(dofs), *times, *(f"{error:.1e}" for error in errors))
+    return (model, str(dofs), *times, *(f"{error:.1e}" for error in errors), "")

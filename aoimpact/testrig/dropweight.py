@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from ..base import (
-    Curve,
     FloatArray,
     Frozen,
     InputError,
@@ -108,9 +107,8 @@ class DropWeight(Frozen):
     @property
     def turn(self) -> Point | None:
         """The largest deflection, where the impactor turns back; None if it does not."""
-        last = min(int(np.searchsorted(self.t, self.end)), len(self.t) - 1)
-        at = int(np.argmax(self.deflection[: last + 1]))
-        return None if at == last and self.velocity[at] > 0.0 else self._point(at)
+        at = int(np.argmax(self.deflection[: self._end + 1]))
+        return None if at == self._end and self.velocity[at] > 0.0 else self._point(at)
 
     @property
     def puncture(self) -> Point | None:
@@ -130,7 +128,7 @@ class DropWeight(Frozen):
     @property
     def last(self) -> Point:
         """The end of the contact: its energy is the absorbed energy of D7136."""
-        return self._point(min(int(np.searchsorted(self.t, self.end)), len(self.t) - 1))
+        return self._point(self._end)
 
     @property
     def absorbed_energy(self) -> float:
@@ -144,6 +142,11 @@ class DropWeight(Frozen):
     def rebound_velocity(self) -> float:
         """Velocity of the impactor when the contact ends, m/s; negative on the way back."""
         return float(np.interp(self.end, self.t, self.velocity))
+
+    @property
+    def _end(self) -> int:
+        """Index of the first sample at or after the last touch, or of the last sample."""
+        return min(int(np.searchsorted(self.t, self.end)), len(self.t) - 1)
 
     def _point(self, i: int) -> Point:
         return Point(
@@ -164,10 +167,7 @@ class DropWeight(Frozen):
         >>> test = drop_weight(hit)
         >>> ax = test.plot_deflection()
         """
-        shown = self._touching
-        across = (self.deflection[shown], "deflection", "m")
-        curves: list[Curve] = [(self.force[shown], {})]
-        return draw_curves(ax, across, "force", "N", curves, kwargs)
+        return self._draw(ax, "force", "N", "deflection", kwargs)
 
     def plot_energy(
         self,
@@ -195,13 +195,7 @@ class DropWeight(Frozen):
         >>> test = drop_weight(hit)
         >>> ax = test.plot_energy(over="deflection")
         """
-        if choice("over", over, ("time", "deflection")) == "time":
-            shown, across = self._shown, (self.t[self._shown] - self.start, "time", "s")
-        else:
-            shown = self._touching
-            across = (self.deflection[shown], "deflection", "m")
-        curves: list[Curve] = [(self.energy[shown], {})]
-        return draw_curves(ax, across, "energy", "J", curves, kwargs)
+        return self._draw(ax, "energy", "J", choice("over", over, ("time", "deflection")), kwargs)
 
     def plot_force(self, ax: Axes | None = None, *, raw: bool = True, **kwargs: Any) -> Axes:
         """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey.
@@ -215,24 +209,29 @@ class DropWeight(Frozen):
         >>> test = drop_weight(hit)
         >>> ax = test.plot_force()
         """
-        shown = self._shown
-        across = (self.t[shown] - self.start, "time", "s")
-        before = self.signal.raw
-        if raw and before is not None:
-            grey: list[Curve] = [(before.values[shown], UNFILTERED)]
-            ax = draw_curves(ax, across, "force", "N", grey)
-        curves: list[Curve] = [(self.force[shown], {})]
-        return draw_curves(ax, across, "force", "N", curves, kwargs)
+        return self._draw(ax, "force", "N", "time", kwargs, self.signal.raw if raw else None)
 
-    @property
-    def _touching(self) -> slice:
-        return slice(*np.searchsorted(self.t, [self.start, self.end]))
-
-    @property
-    def _shown(self) -> slice:
-        margin = 0.1 * (self.end - self.start)
+    def _draw(
+        self,
+        ax: Axes | None,
+        name: str,
+        unit: str,
+        over: str,
+        kwargs: dict[str, Any],
+        behind: Signal | None = None,
+    ) -> Axes:
+        """Draw a quantity over the deflection in contact, or over time with a margin around it."""
+        margin = 0.1 * (self.end - self.start) if over == "time" else 0.0
         first, last = np.searchsorted(self.t, [self.start - margin, self.end + margin])
-        return slice(max(int(first) - 1, 0), int(last) + 1)
+        if over == "time":
+            shown = slice(max(int(first) - 1, 0), int(last) + 1)
+            across = (self.t[shown] - self.start, "time", "s")
+        else:
+            shown = slice(first, last)
+            across = (self.deflection[shown], "deflection", "m")
+        if behind is not None:
+            ax = draw_curves(ax, across, name, unit, [(behind.values[shown], UNFILTERED)])
+        return draw_curves(ax, across, name, unit, [(getattr(self, name)[shown], {})], kwargs)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write t, force, velocity, deflection and energy, one row a time, under a header line.
