@@ -380,11 +380,11 @@ def longest_edge(
 
 
 def rim_nodes(cells: Sequence[IntArray], n_nodes: int) -> npt.NDArray[np.bool_]:
-    """Return which nodes are on edges that belong to a single element, shape (n_nodes,)."""
+    """Return which nodes are on edges of a single element, or of more than two: (n_nodes,)."""
     ends = [np.stack([group, np.roll(group, -1, axis=1)], axis=2).reshape(-1, 2) for group in cells]
     edges, count = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0, return_counts=True)
     rim = np.zeros(n_nodes, dtype=bool)
-    rim[edges[count == 1]] = True
+    rim[edges[count != 2]] = True
     return rim
 
 

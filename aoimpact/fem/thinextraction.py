@@ -140,8 +140,10 @@ def extracted_from_shell(
     of_mesh = mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, several, couples)
     found = of_mesh - [layer_compliance_of(layers, radius, each) for each in several]
     steps, varying, removed, doubtful = np.diff(found), 0.0, float(found[0]), 0.0
-    if (rim_nodes(groups, mesh.n_nodes) & (shares != 0.0)).any():
-        # c is that of an interior, and would take the edge's own yielding out of the law.
+    surfaces = [of.cells for of in mesh.blocks if of.kind in ("quad", "triangle")]
+    if (rim_nodes(surfaces, mesh.n_nodes) & (shares != 0.0)).any():
+        # c is that of an interior, and would take more or less out of the law than an edge or a web
+        # yields.
         removed, doubtful = 0.0, removed
     if len(layers.plies) == 1:
         narrow, wide = (layer_compliance_of(layers, f * radius, s) for f in (0.5, 1.0))
