@@ -74,7 +74,7 @@ class Digests:
         return digest
 
     def _parts(self, value: Any, name: str) -> list[tuple[str, Any]]:
-        """What is inside a value, each with a name for messages."""
+        """Return the parts of a value, each with a name for messages."""
         if isinstance(value, Mapping):
             keys = sorted(value, key=repr)
             return [("", keys), *((f"[{key!r}]", value[key]) for key in keys)]

@@ -130,7 +130,7 @@ class SweepTable(Frozen):
         return xarray.Dataset(data, coords=coordinates)
 
     def _messages(self) -> npt.NDArray[Any]:
-        """What failed, by row."""
+        """Failure messages by row."""
         return np.array([_message(self.errors.get(i)) for i in range(len(self))], dtype=object)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:

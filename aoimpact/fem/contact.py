@@ -44,7 +44,7 @@ from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
 from .extraction import Extraction, extracted, pressed
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
 from .laminate import Layers, Shell
-from .layer import bending_length
+from .layer import bending_length, shared_edges
 from .material import Material
 from .patch import Patch
 from .thinextraction import (
@@ -653,12 +653,9 @@ def rim_distance(tip: ContactPoint) -> float:
     mesh, point = tip.body.mesh, tip.point
     assert mesh is not None
     assert point is not None
-    edges = [
-        np.sort(np.stack([block.cells, np.roll(block.cells, -1, axis=1)], axis=2).reshape(-1, 2))
-        for block in mesh.blocks
-        if block.kind in ("quad", "triangle")
-    ]
-    pairs, count = np.unique(np.concatenate(edges), axis=0, return_counts=True)
+    pairs, count = shared_edges(
+        [block.cells for block in mesh.blocks if block.kind in ("quad", "triangle")]
+    )
     if not (count == 1).any():
         return math.inf
     a, b = mesh.nodes[pairs[count == 1]].swapaxes(0, 1)

@@ -379,12 +379,18 @@ def longest_edge(
     return longest
 
 
-def rim_nodes(cells: Sequence[IntArray], n_nodes: int) -> npt.NDArray[np.bool_]:
-    """Return which nodes are on edges of a single element, or of more than two: (n_nodes,)."""
+def shared_edges(cells: Sequence[IntArray]) -> tuple[IntArray, IntArray]:
+    """Return the edges of surface elements, shape (n, 2), and how many elements have each."""
     ends = [np.stack([group, np.roll(group, -1, axis=1)], axis=2).reshape(-1, 2) for group in cells]
     edges, count = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0, return_counts=True)
+    return edges, count
+
+
+def rim_nodes(cells: Sequence[IntArray], n_nodes: int) -> npt.NDArray[np.bool_]:
+    """Return which nodes are on edges that belong to a single element, shape (n_nodes,)."""
+    edges, count = shared_edges(cells)
     rim = np.zeros(n_nodes, dtype=bool)
-    rim[edges[count != 2]] = True
+    rim[edges[count == 1]] = True
     return rim
 
 

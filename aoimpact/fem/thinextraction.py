@@ -23,7 +23,7 @@ from .layer import (
     longest_edge,
     mesh_compliance,
     plate_compliance,
-    rim_nodes,
+    shared_edges,
     slow_bending,
 )
 from .shells import FOLD, element_frames
@@ -62,7 +62,7 @@ class ThinExtraction(ContactCompliance):
         Elements about the contact whose errors c makes good: none at a step of thickness, where c
         is not that of the infinite plate.
     doubtful : float
-        c, m/N, where it is not taken out: at the edge of a shell.
+        c, m/N, where it is not taken out: at the edge of a shell, and over a web.
     """
 
     near: npt.NDArray[np.bool_]
@@ -140,8 +140,12 @@ def extracted_from_shell(
     of_mesh = mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, several, couples)
     found = of_mesh - [layer_compliance_of(layers, radius, each) for each in several]
     steps, varying, removed, doubtful = np.diff(found), 0.0, float(found[0]), 0.0
-    surfaces = [of.cells for of in mesh.blocks if of.kind in ("quad", "triangle")]
-    if (rim_nodes(surfaces, mesh.n_nodes) & (shares != 0.0)).any():
+    loaded, surfaces = (
+        shares != 0.0,
+        [of.cells for of in mesh.blocks if of.kind in ("quad", "triangle")],
+    )
+    edges, count = shared_edges([cells[loaded[cells].any(axis=1)] for cells in surfaces])
+    if loaded[edges[count != 2]].any():
         # c is that of an interior, and would take more or less out of the law than an edge or a web
         # yields.
         removed, doubtful = 0.0, removed

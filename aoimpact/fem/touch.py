@@ -142,7 +142,7 @@ def motion_between(
     ----------
     body : FEModel
     nodes, weights : ndarray, shape (k,)
-        Of the place, by the shape functions of its element; two or more nodes.
+        Two or more nodes, and their shape functions at the place.
 
     Returns
     -------
@@ -150,7 +150,7 @@ def motion_between(
     motion : ndarray, shape (3, n, 2, 3)
         The displacement by the displacements, and then by the rotations, of each node.
     None
-        Of a place in a solid.
+        If the place is in a solid.
     """
     mesh = body.mesh
     thin = [block for block in mesh.blocks if block.element.thin]

@@ -34,6 +34,8 @@ _COLOURED = 98.0
 # Pixels; videos need multiples of 16.
 _WINDOW = 960, 720
 
+_OTHERWISE = "write files for ParaView: to_vtu(path)"
+
 # Direction to the camera: along two axes across the direction of travel, and against it.
 _VIEW = (0.55, -0.75, 0.5)
 
@@ -87,7 +89,7 @@ class Picture:
         scale: float | None = None,
     ) -> None:
         self.factor = enlargement(bodies) if scale is None else nonnegative("scale", scale)
-        pyvista = optional_package("pyvista", "a picture", "write files for ParaView: to_vtu(path)")
+        pyvista = optional_package("pyvista", "a picture", _OTHERWISE)
         with pyvista.vtk_verbosity("off"):  # it warns where there is no screen
             self.plotter = pyvista.Plotter(off_screen=True, window_size=_WINDOW)
             self.plotter.render()
@@ -134,11 +136,9 @@ class Picture:
 
     def write(self, path: Path, fps: float) -> Path:
         """Write a movie, a frame a time, and close the picture."""
-        optional_package("imageio", "a movie", "draw single pictures: field.plot(which=)")
         if path.suffix.lower() == ".gif":
             self.plotter.open_gif(path, fps=fps)
         else:
-            optional_package("imageio_ffmpeg", "a movie of type .mp4", "take .gif")
             self.plotter.open_movie(path, framerate=fps)
         for which in range(len(self._times)):
             self.draw(which)
@@ -152,6 +152,8 @@ def movie_path(path: str | os.PathLike[str], fps: float) -> tuple[Path, float]:
 
     Raises
     ------
+    MissingPackageError
+        If a package that draws or writes it is not installed.
     InputError
         If the path does not end in .gif or .mp4, or its folder is not there.
     """
@@ -160,6 +162,10 @@ def movie_path(path: str | os.PathLike[str], fps: float) -> tuple[Path, float]:
         raise InputError(f"path must end in .gif or .mp4, got {str(file)!r}")
     if not file.parent.is_dir():
         raise InputError(f"path={str(file)!r}: there is no folder {str(file.parent)!r}")
+    optional_package("pyvista", "a movie", _OTHERWISE)
+    optional_package("imageio", "a movie", "draw single pictures: field.plot(which=)")
+    if file.suffix.lower() == ".mp4":
+        optional_package("imageio_ffmpeg", "a movie of type .mp4", "take .gif")
     return file, speed
 
 

@@ -617,7 +617,7 @@ class Scene:
         began : float
             When the call began, by `perf_counter`, s.
         wider : bool
-            Whether patches are wider than two bodies alone would need.
+            True for wider patches than two bodies alone would need.
         bounded : bool
             See `Contact.of_models`.
         """

@@ -34,7 +34,7 @@ def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArra
     """Return the bodies that can be drawn, and the direction of travel.
 
     The target stands where its mesh is; the projectile is turned and moved to where it touches it.
-    Of a projectile without a mesh a ball is drawn if it is round.
+    A round projectile without a mesh is drawn as a ball.
     """
     from scipy.spatial.transform import Rotation
 

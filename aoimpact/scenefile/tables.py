@@ -558,7 +558,7 @@ _SOLVER = Reader(
     "a table", (dict,), lambda binder, value, place: binder.bind_typed(_SOLVERS, value, place)
 )
 
-# What a file has for an argument of a class.
+# Readers of values by the class of the argument.
 SceneBinder.readers = {
     **{one: _material(one) for one in _MADE_OF},
     **dict.fromkeys(_SECTIONS, table(*_SECTIONS)),

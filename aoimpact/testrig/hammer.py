@@ -221,7 +221,7 @@ def _hits(force: Any, response: Any) -> tuple[list[Signal], list[Signal]]:
 def _spectra(values: FloatArray, step: float, count: int, velocity: bool = False) -> ComplexArray:
     """Fourier transforms of rows of samples at k/(count step), k from 1 to count/2.
 
-    Of velocities, with which a body goes on after the record, the transforms of the accelerations.
+    Velocities, which last beyond the record, give the transforms of the accelerations.
     """
     if not velocity:
         return np.asarray(step * np.fft.rfft(values, count)[:, 1:], dtype=np.complex128)

@@ -81,7 +81,7 @@ wrong = np.abs(2j * np.pi * f * velocity / force - frf.values).max() / top
 print(f"without the motion at the end: {wrong:.1%} of the largest accelerance")
 
 # %%
-# What remains is the vibration after the record. It is largest at the lowest resonance, which rings longest. A window that
+# The vibration after the record is missed. It is largest at the lowest resonance, which rings longest. A window that
 # fades the record out would hide it, and add damping.
 #
 # Two touches
