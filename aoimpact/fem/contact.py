@@ -47,12 +47,7 @@ from .laminate import Layers, Shell
 from .layer import bending_length, shared_edges
 from .material import Material
 from .patch import Patch
-from .thinextraction import (
-    extracted_from_beam,
-    extracted_from_shell,
-    patch_on_shell,
-    ring_compliance,
-)
+from .thinextraction import extracted_from_beam, extracted_from_shell, patch_on_shell
 from .touch import (
     Touch,
     edge_length,
@@ -103,7 +98,8 @@ _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 # How far the length of a functional's resultant may be from 1 for it to be a mean displacement.
 _MEAN = 1e-9
 
-# How far the resultant may be from 1, and the couple over the body's size from 0, unsaid.
+# How far the resultant may be from 1, and the couple over the body's size from 0, unsaid; also sin²
+# of the angle with the axis of a tube.
 _NEARLY = 1e-3
 
 # Entries of a functional whose squares, times masses and stiffnesses, are numbers.
@@ -270,15 +266,19 @@ class ContactPoint(Frozen):
         ]
         return abs(float(self.direction @ (last - first))) / float(np.linalg.norm(last - first))
 
-    @property
-    def ring_compliance(self) -> float:
-        """How much the ring of a tube yields to a slow unit force, m/N; 0 of other bodies.
+    def check_wall(self) -> None:
+        """Refuse a force that would bend the wall of a tube of beams, which is rigid.
 
         :meta private:
         """
         if not isinstance(self.thin, Beam) or not self.thin.hollow:
-            return 0.0
-        return (1.0 - self._along_beam**2) * ring_compliance(self.thin, 0.0)[0]
+            return
+        if 1.0 - self._along_beam**2 > _NEARLY:
+            assert self.direction is not None
+            raise InputError(
+                f"direction {plain(self.direction)} is across a tube of beams, whose wall cannot "
+                "bend; mesh the tube's surface, and take ao.Shell"
+            )
 
     @cached_property
     def extraction(self) -> ContactCompliance | None:
@@ -287,6 +287,11 @@ class ContactPoint(Frozen):
         It takes one linear solution for the contact and one for the body beyond the half-space.
         None for a body without a mesh, and on a sharp edge. The compliance hardly depends on the
         duration of the contact, which is not known here: the body's own is taken.
+
+        Raises
+        ------
+        InputError
+            If a shell lies on solids there.
         """
         if not self._on_surface:
             return None
@@ -341,10 +346,7 @@ class ContactPoint(Frozen):
         assert self.point is not None
         assert self.direction is not None
         if isinstance(self.thin, Beam):
-            across = math.sqrt(max(1.0 - self._along_beam**2, 0.0))
-            return extracted_from_beam(
-                self.body, self.thin, self.b, self.point, across, self._width, solver
-            )
+            return extracted_from_beam(self.body, self.thin, self.b, self._width, solver)
         assert self.body.surface is not None
         normal = normal_at(self.body.surface, self.point)
         if self._covered:

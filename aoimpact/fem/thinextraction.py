@@ -13,7 +13,7 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray
 from ..linalg import LinearSolver
-from .beams import Beam, TubularSection
+from .beams import Beam
 from .compliance import ContactCompliance
 from .composition import thin_parts
 from .laminate import Layers
@@ -43,18 +43,15 @@ _OF_SECTION = 2.0
 # Relative precision of the radius of a patch; c makes good what it is off.
 _NEARLY = 1e-2
 
-# Up to which n the harmonics of a ring are added up; they fall with 1/n².
-_HARMONICS = 200
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ThinExtraction(ContactCompliance):
     """Compliances of a shell or beam at a contact point under a unit force.
 
-    Here c is what the elements have in place of an elastic layer; it is taken to be 0 of beams, and
-    less than 0 of tubes, whose ring yields. It hardly depends on the radius of the contact. `error`
-    is how much it changes over the frequencies of a rising force, and `lagging` by how much for
-    each power of e in frequency: large where elements are longer than the bending wave.
+    Here c is what the elements have in place of an elastic layer; it is taken to be 0 of beams. It
+    hardly depends on the radius of the contact. `error` is how much it changes over the frequencies
+    of a rising force, and `lagging` by how much for each power of e in frequency: large where
+    elements are longer than the bending wave.
 
     Attributes
     ----------
@@ -166,19 +163,12 @@ def extracted_from_shell(
 
 
 def extracted_from_beam(
-    body: Any,
-    beam: Beam,
-    b: FloatArray,
-    point: FloatArray,
-    across: float,
-    radius: float,
-    solver: LinearSolver,
+    body: Any, beam: Beam, b: FloatArray, radius: float, solver: LinearSolver
 ) -> ThinExtraction:
-    """Return the compliances at a place of a beam, to which that of a tube's ring is added.
+    """Return the compliances at a place of a beam.
 
-    The error is how much less the ring yields at the frequency s, and near an end of a member,
-    where it is open or held, what an open end would add. A full section yields less between the
-    contact and its axis than the half-space of a law: `varying` is by how much at most.
+    A full section yields less between the contact and its axis than the half-space of a law:
+    `varying` is by how much at most.
 
     Parameters
     ----------
@@ -187,69 +177,20 @@ def extracted_from_beam(
         At the contact.
     b : ndarray, shape (n_dofs,)
         The contact functional.
-    point : ndarray, shape (3,)
-        On the axis, m.
-    across : float
-        Sine of the angle between the force and the axis.
     radius : float
         a, of the contact itself, m.
     solver : LinearSolver
         Factors of K + s²M.
     """
-    mesh, ring, error = body.mesh, 0.0, 0.0
     section = _OF_SECTION / (beam.material.plane_strain_modulus * math.sqrt(beam.numbers.area))
-    if beam.hollow:
-        s = math.sqrt(solver.pencil.s2)
-        (ring, decay), (fast, _) = ring_compliance(beam, 0.0), ring_compliance(beam, s)
-        lines = np.concatenate([of.cells for of in mesh.blocks if of.kind == "line"])
-        ends = np.bincount(lines.ravel(), minlength=mesh.n_nodes)
-        away = np.linalg.norm(mesh.nodes[(ends > 0) & (ends != 2)] - point, axis=1).min(
-            initial=math.inf
-        )
-        error = ring - fast + 3.0 * ring * math.exp(-2.0 * decay * float(away))
     return ThinExtraction(
-        removed=-(across**2) * ring,
-        error=across**2 * error,
+        removed=0.0,
+        error=0.0,
         varying=0.0 if beam.hollow else section,
         radius=radius,
-        near=np.zeros(mesh.n_cells, dtype=bool),
+        near=np.zeros(body.mesh.n_cells, dtype=bool),
         **_deflected(body, b, solver),
     )
-
-
-def ring_compliance(beam: Beam, s: float) -> tuple[float, float]:
-    """Return how much the wall of a long tube yields to a force at a point of it, and β₂.
-
-    The ring bends without stretching by w cos nθ, n = 2, 3, ..., and warps without shear: V. Z.
-    Vlasov's semi-membrane theory. Along the tube each w is then the deflection of an infinite beam
-    of stiffness E I = π E t R³/n⁴ on an elastic foundation k = π D (n² - 1)²/R³, with the mass
-    m = π ρ t R (1 + 1/n²) per length: w/P = 1/(2 √2 (k + m s²)^(3/4) (E I)^(1/4)). It decays with
-    β = (k/(4 E I))^(1/4). Shells of R/t = 10 to 20 agree within 2 % at s = 0.
-
-    Parameters
-    ----------
-    beam : Beam
-        Of a TubularSection.
-    s : float
-        rad/s, on the axis of decaying motions.
-
-    Returns
-    -------
-    compliance : float
-        m/N.
-    decay : float
-        β of n = 2, 1/m.
-    """
-    assert isinstance(beam.section, TubularSection)
-    of, t = beam.material, beam.section.thickness
-    R = beam.section.radius - 0.5 * t
-    n2 = np.arange(2.0, _HARMONICS) ** 2
-    bending = math.pi * of.plane_strain_modulus * t**3 / 12.0 * (n2 - 1.0) ** 2 / R**3
-    along = math.pi * of.E * t * R**3 / n2**2
-    k = bending + math.pi * of.rho * t * R * (1.0 + 1.0 / n2) * s * s
-    each = 1.0 / (2.0 * math.sqrt(2.0) * k**0.75 * along**0.25)
-    rest = float(each[-1]) * _HARMONICS  # of a sum of 1/n² at s = 0
-    return float(each.sum()) + rest, float((bending[0] / (4.0 * along[0])) ** 0.25)
 
 
 def _deflected(body: Any, b: FloatArray, solver: LinearSolver) -> dict[str, Any]:

@@ -290,8 +290,6 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
             meshed[tip.body.mesh.quadratic].append(run.names[body])
             if _as_a_shell(tip):
                 flat = "take ao.Shell or ao.Laminate"
-            if tip.ring_compliance:
-                flat = "its ring yields with inertia: mesh the tube's surface, and take ao.Shell"
     first_order = meshed[False]
     if error.mesh is not None and error.mesh > MESH_LIMIT and (first_order or meshed[True]):
         names = " and ".join(dict.fromkeys(first_order or meshed[True]))
@@ -396,11 +394,6 @@ class Limits(NamedTuple):
         Energy, J, of all bodies: from there on a body may deflect too far.
     thickness : float
         Force, N, of a contact that is wider than a shell is thick.
-    ring : float
-        Force, N, from which on a tube's ring yields more than the surfaces at the contact: F =
-        1/(c³ k²) for its compliance c. Below, impacts of balls on tubes of R/t = 3 to 10 were
-        wrong by up to 6 %, above by up to 23 % (R/t = 10 to 30), by less than their error or twice
-        that.
     """
 
     pressure: float
@@ -408,7 +401,6 @@ class Limits(NamedTuple):
     speed: float
     deflection: float
     thickness: float = math.inf
-    ring: float = math.inf
 
 
 _UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf)
@@ -419,26 +411,16 @@ def limits(plan: Plan, contact: Contact) -> Limits:
     own, materials = own_law(contact.law), plan.materials(contact)
     if not any(materials):
         return _UNLIMITED if own.relative_radius is None else _limits_of_numbers(own)
-    pressure = width = thickness = ring = math.inf
+    pressure = width = thickness = math.inf
     if (surface := round_contact(own, materials)) is not None:
         width = surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5
         half = 0.5 * min(_thicknesses(plan, contact), default=math.inf)
         thickness = surface.k * (half * half / surface.radius) ** 1.5
-        if (yields := max(_rings(plan, contact), default=0.0)) > 0.0:
-            ring = 1.0 / (yields**3 * surface.k**2)
         if not own.has_memory:
             pressure = _yield(surface, materials)[0]
     slowest = min((of.bar_speed for of in materials if of is not None), default=math.inf)
     deflection = min(_deflecting(plan, contact), default=math.inf)
-    return Limits(pressure, width, SPEED * slowest, deflection, thickness, ring)
-
-
-def _rings(plan: Plan, contact: Contact) -> Iterator[float]:
-    """Compliances of the rings of tubes at a contact, m/N."""
-    for body, port in contact.ports:
-        tip = plan.bodies[body].touched_at(port)
-        if tip is not None:
-            yield tip.ring_compliance
+    return Limits(pressure, width, SPEED * slowest, deflection, thickness)
 
 
 def _thicknesses(plan: Plan, contact: Contact) -> Iterator[float]:
@@ -467,7 +449,7 @@ def warning_limits(plan: Plan) -> tuple[float, float]:
     tips = [plan.bodies[body].touched_at(port) for body, port in plan.contacts[0].ports]
     if any(tip is not None and _as_a_shell(tip) for tip in tips):
         return 0.0, 0.0
-    return min(most.pressure, most.width, most.thickness, most.ring), speed
+    return min(most.pressure, most.width, most.thickness), speed
 
 
 def warn_of_run(run: Run) -> None:
@@ -490,7 +472,7 @@ def warn_of_run(run: Run) -> None:
         force = events.peak_force
         speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
         energy = _energy(plan) if most.deflection < math.inf else 0.0
-        reached = force, force, speed, energy, force, force
+        reached = force, force, speed, energy, force
         for kind, value, limit in zip(Limits._fields, reached, most, strict=True):
             if value > limit:
                 excess = value / limit if limit else math.inf
@@ -654,16 +636,6 @@ def _said_of_thickness(run: Run, number: int) -> str:
     )
 
 
-def _said_of_ring(run: Run, number: int) -> str:
-    contact, force = run.plan.contacts[number], run.events[number].peak_force
-    yields = force * max(_rings(run.plan, contact))
-    return (
-        f"{_contact(run, number)}: the ring of the tube yields by {with_unit(yields, 'm', 3)}, "
-        "more than the surfaces at the contact, and is taken as a spring without mass: the force "
-        "may be 25 % wrong, more than its error says; mesh the tube's surface, and take ao.Shell"
-    )
-
-
 def _said_of_shells(run: Run, number: int) -> Iterator[str]:
     """Say where solids should be shells, and where the mesh of a shell is too coarse at a contact.
 
@@ -702,7 +674,6 @@ _TEXTS: dict[str, Callable[[Run, int], str]] = {
     "deflection": _said_of_deflection,
     "speed": _said_of_speed,
     "thickness": _said_of_thickness,
-    "ring": _said_of_ring,
 }
 
 

@@ -37,10 +37,18 @@ def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> ContactCompli
 
     A law that is not like Hertz's leaves out the indentation of a solid at a node, as springs and
     buffers do. Shells and beams bend there under any law.
+
+    Raises
+    ------
+    InputError
+        If the law is like Hertz's and strikes a tube of beams across. A spring that is given may
+        contain how the wall of the tube bends; Hertz's law does not.
     """
-    tip = model.touched_at(port)
-    if tip is None or not (tip.patch or tip.thin or isinstance(own_law(law), HertzianLaw)):
+    tip, local = model.touched_at(port), isinstance(own_law(law), HertzianLaw)
+    if tip is None or not (tip.patch or tip.thin or local):
         return None
+    if local:
+        tip.check_wall()
     return model.extraction_at(port)
 
 

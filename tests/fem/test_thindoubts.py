@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import scipy.sparse.linalg
 
 import aoimpact as ao
 
@@ -40,13 +39,11 @@ def test_a_thickness_above_the_size_of_the_body_is_refused(mesh: Any, material: 
 @pytest.mark.parametrize(
     ("section", "warns"),
     [
-        (ao.TubularSection(0.015, 5e-5), True),
         (ao.RectangularSection(0.02, 1e-4), True),
-        (ao.TubularSection(0.015, 3e-3), False),
         (ao.CircularSection(0.015), False),
     ],
 )
-def test_a_contact_wider_than_a_beam_or_its_wall(section: Any, warns: bool) -> None:
+def test_a_contact_wider_than_a_beam_is_thick(section: Any, warns: bool) -> None:
     """a = √(δ R) of the law beyond half the thickness."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -64,58 +61,23 @@ def test_a_force_along_a_beam_between_its_ends_is_questioned() -> None:
     body.contact(point=(0.5, 0, 0), direction=(0, 1, 0))
 
 
-def tube_of_shells(R: float, t: float, length: float, n: int, m: int) -> tuple[Any, Any]:
-    """A tube about x, finer towards its middle, and the numbers of its nodes, (n + 1, m)."""
-    x = np.linspace(-1, 1, n + 1)
-    x, turn = 0.5 * length * np.sign(x) * np.abs(x) ** 1.5, 2 * np.pi * np.arange(m) / m
-    along, around = (of.ravel() for of in np.meshgrid(x, turn, indexing="ij"))
-    middle = R - t / 2
-    nodes = np.column_stack([along, middle * np.sin(around), middle * np.cos(around)])
-    i = np.arange(len(nodes)).reshape(n + 1, m)
-    after = np.roll(i, -1, axis=1)
-    cells = np.stack([i[:-1], i[1:], after[1:], after[:-1]], axis=-1).reshape(-1, 4)
-    return ao.FEModel.from_mesh(ao.Mesh(nodes, cells, "quad"), ao.Shell(t, STEEL)), i
+@pytest.mark.parametrize("law", [None, ao.Hertz(1e9)])
+@pytest.mark.parametrize("direction", [(0, 0, -1), (0.6, 0, -0.8)])
+def test_a_tube_of_beams_is_not_struck_across(law: Any, direction: Any) -> None:
+    """Its wall would become oval, and the force be far too large."""
+    tip = bar(ao.TubularSection(0.015, 1e-3)).contact(point=(0.5, 0, 0), direction=direction)
+    with pytest.raises(ao.InputError, match=r"^direction"):
+        ao.simulate(BALL, tip, 1.0, law=law, duration=1e-4)
 
 
-@pytest.mark.slow
-def test_the_ring_of_a_tube_yields_as_one_of_shells() -> None:
-    """What a ring of a static tube of shells moves beyond translation, R/t = 15."""
-    R, t, m = 0.015, 1e-3, 64
-    shells, i = tube_of_shells(R, t, 0.3, 80, m)
-    tip = shells.contact(point=(0, 0, R - t / 2), direction=(0, 0, -1))
-    held = np.concatenate([3 * end[:, None] + [1, 2] for end in (i[0], i[-1])]).ravel()
-    free = np.setdiff1d(np.arange(shells.n_dofs), [*held, 3 * i[40, 0]])
-    moved = np.zeros(shells.n_dofs)
-    moved[free] = scipy.sparse.linalg.spsolve(shells.K[free][:, free].tocsc(), tip.b[free])
-    turn = 2 * np.pi * np.arange(m) / m
-    u = moved[: 3 * shells.mesh.n_nodes].reshape(-1, 3)[i[40]]
-    inwards = -(u[:, 1] * np.sin(turn) + u[:, 2] * np.cos(turn))
-    ring = inwards[0] - 2 * (inwards @ np.cos(turn)) / m
-    beam = bar(ao.TubularSection(R, t)).contact(point=(0.5, 0, 0), direction=(0, 0, -1))
-    assert beam.ring_compliance == pytest.approx(ring, rel=0.03)
-    slanted = bar(ao.TubularSection(R, t)).contact(point=(0.5, 0, 0), direction=(0.6, 0, -0.8))
-    assert slanted.ring_compliance == pytest.approx(0.64 * beam.ring_compliance)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("t", "tolerance", "warns"), [(3e-3, 0.03, False), (1e-3, 0.05, True)])
-def test_a_ball_on_a_tube_of_beams(t: float, tolerance: float, warns: bool) -> None:
-    """A tube of shells, R/t = 5 and 15; with a rigid ring the force is 1.2 and 2.6 times that."""
-    R = 0.015
-    shells, _ = tube_of_shells(R, t, 0.3, 80, 48)
-    tip = shells.contact(point=(0, 0, R - t / 2), direction=(0, 0, -1))
-    law = ao.Hertz.between(STEEL, 0.005, STEEL, (R, np.inf))
-    wanted = ao.simulate(BALL, tip, 1.0, law=law, quantity="peak_force", duration=200e-6)
-    nodes = np.column_stack([np.linspace(-0.15, 0.15, 61), np.zeros((61, 2))])
-    mesh = ao.Mesh(nodes, np.column_stack([np.arange(60), np.arange(1, 61)]), "line")
-    tube = ao.FEModel.from_mesh(mesh, ao.Beam(ao.TubularSection(R, t), STEEL))
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        middle = tube.contact(point=(0, 0, 0), direction=(0, 0, -1))
-        hit = ao.simulate(BALL, middle, 1.0, quantity="peak_force", duration=200e-6)
-        assert hit.error["peak_force"].total > 0.03
-    assert hit.peak_force == pytest.approx(wanted.peak_force, rel=tolerance)
-    assert any("the ring of the tube yields" in str(of.message) for of in caught) == warns
+def test_a_spring_pushes_a_tube_of_beams_across() -> None:
+    """Under a soft spring it moves as the beam of the same section by its numbers."""
+    tube, peaks = ao.TubularSection(0.015, 1e-3), []
+    for section in (tube, tube.with_nu(0.3)):
+        tip = bar(section).contact(point=(0.5, 0, 0), direction=(0, 0, -1))
+        hit = ao.simulate(ao.rigid(0.1), tip, 1.0, law=ao.Linear(1e4), quantity="peak_force")
+        peaks.append(hit.peak_force)
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-6)
 
 
 @pytest.mark.parametrize("section", [ao.CircularSection(0.01), ao.TubularSection(0.01, 2e-3)])
@@ -125,7 +87,6 @@ def test_the_end_of_a_round_bar_is_flat(section: Any) -> None:
     tip = ao.FEModel.from_mesh(mesh, ao.Beam(section, STEEL)).contact(node=0, direction=(1, 0, 0))
     hit = ao.simulate(BALL, tip, 0.1, duration=60e-6)
     assert hit.law.k == pytest.approx(ao.Hertz.between(STEEL, 0.005, STEEL, np.inf).k)
-    assert tip.ring_compliance == 0.0
 
 
 def test_a_blow_on_the_rim_of_a_coarse_sheet_is_questioned() -> None:
