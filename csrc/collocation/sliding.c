@@ -249,11 +249,7 @@ void aoi_sliding_touch(aoi_sliding *of)
 {
     for (size_t p = 0; p < AOI_PATHS; p++) {
         aoi_slide_path *path = &of->path[p];
-        path->springs.count = 0;
-        path->springs.indentation = path->springs.reach = path->springs.share = 0.0;
-        memset(path->own, 0, sizeof path->own);
-        memset(path->bent, 0, sizeof path->bent);
-        memset(path->force, 0, sizeof path->force);
+        *path = (aoi_slide_path){.springs = {AOI_TRIED_SPRINGS, 0, path->springs.spring, path->springs.spare, 0.0, 0.0, 0.0}};
     }
     of->slide[0] = of->slide[1] = 0.0;
     of->stuck = 0.0;
@@ -390,6 +386,7 @@ int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
     of->slipped = of->slips;
     of->changes = 0;
     for (size_t p = 0; p < AOI_PATHS; p++) {
+        of->path[p].springs.room = AOI_SPRINGS;
         const int status = follow(of, &along, &to, p + 1, 1, p == 1 ? of : NULL, &of->path[p], &found[p]);
         if (status != AOI_OK) {
             return status;
@@ -412,6 +409,7 @@ int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
         const double stays[2] = {0.0, 0.0};
         const int status =
             aoi_friction_move(&of->friction, &of->path[p].springs, of->path[p].springs.indentation, 1.0, stays);
+        of->path[p].springs.room = AOI_TRIED_SPRINGS;
         if (status != AOI_OK) {
             return status;
         }

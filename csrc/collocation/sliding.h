@@ -11,8 +11,9 @@
 #include "law/oblique.h"
 #include "motion/radau.h"
 
-/* Paths, and springs of each. */
-enum { AOI_PATHS = 2, AOI_SPRINGS = 2048 };
+/* Paths, and springs of each. A step is tried with fewer: one that is accepted moves on from at most 2 MOST_STOPS places,
+ * each with some knots of its own, and a step that needs more is shortened before it is accepted. */
+enum { AOI_PATHS = 2, AOI_SPRINGS = 2048, AOI_TRIED_SPRINGS = AOI_SPRINGS - 256 };
 
 /* Within a step all of a contact begins to slip, or ceases to, so often at most: what more there were is not told apart. */
 enum { AOI_SLIP_CHANGES = 4 };
