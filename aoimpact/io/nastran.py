@@ -112,6 +112,11 @@ _DEEPEST = 200
 
 _SET = re.compile(r"SET\s+(\d+)\s*=(.*)")
 
+# A number of a set, or a range such as 1 THRU 20 BY 2 EXCEPT 7 9.
+_MEMBER = re.compile(
+    r"(\d+)(?: THRU (\d+)(?: BY 0*([1-9]\d*))?(?: EXCEPT((?: EXCEPT| \d+(?!\d| THRU))*))?)?(?: |$)"
+)
+
 # Members of a set of bulk data by its type; sets of other types are of neither.
 _BOTH = ("nodes", "elements")
 _MEMBERS = {"GRID": _BOTH[:1], "NODE": _BOTH[:1], "ELEM": _BOTH[1:], "ELEMENT": _BOTH[1:]}
@@ -167,11 +172,11 @@ def read(file: Path) -> RawMesh:
         raise parts[at].table.refused(row - raw.first[at], f"element {labels[row]} is there twice")
     cell_sets = _by_property(bulk, parts)
     node_sets = {}
-    for name, one in _sets(control, bulk).items():
-        if "nodes" in one.kinds:
-            node_sets[f"{name} nodes"] = one.among(grids.labels)
-        if "elements" in one.kinds:
-            cell_sets[f"{name} elements"] = one.among(labels)
+    for name, (kinds, text) in _sets(control, bulk).items():
+        if "nodes" in kinds:
+            node_sets[f"{name} nodes"] = _among(text, grids.labels)
+        if "elements" in kinds:
+            cell_sets[f"{name} elements"] = _among(text, labels)
     for said, what in (
         (
             _beside(raw, bulk),
@@ -384,7 +389,7 @@ class Axes:
 class _Definition(NamedTuple):
     """A system as its entry gives it: by labels of nodes, or by points in another system."""
 
-    card: Card
+    error: Callable[[str], MeshError]
     kind: str
     nodes: list[int]
     reference: int
@@ -478,21 +483,21 @@ class Grids:
             raise error(f"coordinate system {label} is not defined (CORD1x, CORD2x)")
         if label in self._open or len(self._open) > _DEEPEST:
             raise error(f"coordinate system {label} is defined by itself")
-        card, kind, nodes, reference, given = self.definitions[label]
+        own_error, kind, nodes, reference, given = self.definitions[label]
         self._open.append(label)
         if nodes:
             rows = rows_of(self.labels, np.array(nodes)).tolist()
             for node in [node for node, at in zip(nodes, rows, strict=True) if at < 0][:1]:
-                raise card.error(f"node {node} is not there")
-            own = [self.axes(int(self.systems[at]), card.error) for at in rows]
+                raise own_error(f"node {node} is not there")
+            own = [self.axes(int(self.systems[at]), own_error) for at in rows]
             points = [of.basic(self.x[at : at + 1])[0] for of, at in zip(own, rows, strict=True)]
         else:
-            points = list(self.axes(reference, card.error).basic(np.reshape(given, (3, 3))))
+            points = list(self.axes(reference, own_error).basic(np.reshape(given, (3, 3))))
         self._open.remove(label)
         z, x = points[1] - points[0], points[2] - points[0]
         y = np.cross(z, x)
         if not np.linalg.norm(y) > _COLLINEAR * np.linalg.norm(z) * np.linalg.norm(x):
-            raise card.error(f"the three points of coordinate system {label} lie on one line")
+            raise own_error(f"the three points of coordinate system {label} lie on one line")
         axes = np.stack([np.cross(y, z), y, z])
         axes /= np.linalg.norm(axes, axis=1)[:, None]
         return self._known.setdefault(label, Axes(kind, points[0], axes))
@@ -502,56 +507,49 @@ def _definitions(bulk: BulkData) -> dict[int, _Definition]:
     """Return the coordinate systems of a deck: CORD1x by three nodes, CORD2x by three points."""
     found: dict[int, _Definition] = {}
 
-    def add(label: int, one: _Definition) -> None:
+    def add(table: Table, row: int, label: int, *more: Any) -> None:
+        one = _Definition(partial(table.refused, row), *more)
         if label < 1 or found.setdefault(label, one)[1:] != one[1:]:
-            raise one.card.error(f"coordinate system {label} is there twice, or not > 0")
+            raise one.error(f"coordinate system {label} is there twice, or not > 0")
 
     for kind in "RCS":
-        for card in bulk.cards(f"CORD1{kind}"):
-            for at in (0, 4) if any(card.fields[4:8]) else (0,):  # an entry may define two
-                label, *nodes = (card.integer(at + i) for i in range(4))
-                add(label, _Definition(card, kind, nodes, 0, []))
-        for card in bulk.cards(f"CORD2{kind}"):
-            points = [card.real(at, "", 0.0) for at in range(2, 11)]
-            add(card.integer(0), _Definition(card, kind, [], card.integer(1), points))
+        table = bulk.table(f"CORD1{kind}", width=8)
+        for row, (label, *nodes) in enumerate(table.integers(0, 8).tolist()):
+            add(table, row, label, kind, nodes[:3], 0, [])
+            if not table.blank[row, 4:].all():  # an entry may define two
+                add(table, row, nodes[3], kind, nodes[4:], 0, [])
+        table = bulk.table(f"CORD2{kind}", width=11)
+        labels, points = table.integers(0, 2).tolist(), table.reals(2, 9).tolist()
+        for row, (label, reference) in enumerate(labels):
+            add(table, row, label, kind, [], reference, points[row])
     return found
 
 
 # ---------------------------------------------------------------------------------------- sets
 
 
-@dataclass(frozen=True)
-class _NumberSet:
-    """Numbers of nodes or elements.
+def _among(text: str, labels: IntArray) -> IntArray:
+    """Return the rows of `labels` in a set; none if a number given by itself is missing.
 
-    Attributes
-    ----------
-    kinds : tuple of str
-        "nodes" or "elements" or both, as the numbers may be.
-    single : list of int
-    ranges : list of (range, list of int)
-        Ranges, and the numbers in them that are left out.
+    A number after EXCEPT is left out of the range before it, if it lies there; else it is in.
     """
-
-    kinds: tuple[str, ...]
-    single: list[int] = field(default_factory=list)
-    ranges: list[tuple[range, list[int]]] = field(default_factory=list)
-
-    def among(self, labels: IntArray) -> IntArray:
-        """Return the rows of `labels` in the set; none if a number given by itself is missing."""
-        if not np.isin(self.single, labels).all():
-            return joined([])
-        chosen = np.isin(labels, self.single)
-        for of, without in self.ranges:
-            within = (
-                (labels >= of.start) & (labels < of.stop) & ((labels - of.start) % of.step == 0)
-            )
-            chosen |= within & ~np.isin(labels, without)
-        return np.flatnonzero(chosen)
+    chosen, alone = np.zeros(len(labels), dtype=bool), list[int]()
+    for first, last, step, without in _MEMBER.findall(text):
+        of = range(int(first), int(last or first) + 1, int(step or 1))
+        others = [int(number) for number in without.split() if number.isdigit()]
+        alone += [number for number in others if not of.start <= number < of.stop]
+        if last:
+            within = (labels >= of.start) & (labels < of.stop)
+            chosen |= within & ((labels - of.start) % of.step == 0) & ~np.isin(labels, others)
+        else:
+            alone.append(of.start)
+    if not np.isin(alone, labels).all():
+        return joined([])
+    return np.flatnonzero(chosen | np.isin(labels, alone))
 
 
-def _sets(control: Lines, bulk: BulkData) -> dict[str, _NumberSet]:
-    """Return the sets by name, such as "SET 5" and "SET1 5".
+def _sets(control: Lines, bulk: BulkData) -> dict[str, tuple[tuple[str, ...], str]]:
+    """Return the sets by name, such as "SET 5" and "SET1 5": what they hold, and their numbers.
 
     Raises
     ------
@@ -563,7 +561,7 @@ def _sets(control: Lines, bulk: BulkData) -> dict[str, _NumberSet]:
     AOImpactWarning
         If the case control defines a set twice, with other members.
     """
-    found: dict[str, _NumberSet] = {}
+    found: dict[str, tuple[tuple[str, ...], str]] = {}
     twice = set()
     lines = iter(line.decode().strip() for line in control.text)
     for line in lines:
@@ -572,50 +570,27 @@ def _sets(control: Lines, bulk: BulkData) -> dict[str, _NumberSet]:
         while line.endswith(",") and line.startswith("SET"):
             line += " " + next(lines, "")
         if match := _SET.match(line):
-            one = _parsed(re.split(r"[,\s]+", match[2].strip()), _BOTH)
-            name = f"SET {int(match[1])}"
-            if one is not None and found.setdefault(name, one) != one:
+            name, text = f"SET {int(match[1])}", " ".join(match[2].replace(",", " ").split())
+            if (
+                text
+                and not _MEMBER.sub("", text)
+                and found.setdefault(name, (_BOTH, text))[1] != text
+            ):
                 twice.add(name)
     if twice:
         listed = ", ".join(sorted(twice))
         warn(f"{listed}: the case control defines it twice, with other members; it was left out")
-    in_bulk: dict[str, _NumberSet] = {}
+    found = {name: one for name, one in found.items() if name not in twice}
     for entry, first in (("SET1", 1), ("SET3", 2), ("SET", 8)):
         for card in bulk.cards(entry):
             kinds = _BOTH if entry == "SET1" else _MEMBERS.get(card.text(1), ())
             card = replace(card, name=f"{entry} {card.text(0)}")
-            one = _parsed(card.fields[first:], kinds)
-            if kinds and (one is None or not card.text(0).isdigit()):
+            text = " ".join(word for word in card.fields[first:] if word)
+            if kinds and (not text or _MEMBER.sub("", text) or not card.text(0).isdigit()):
                 raise card.error("it is no list of numbers and THRU")
-            if one is not None and kinds and in_bulk.setdefault(card.name, one) != one:
+            if kinds and found.setdefault(card.name, (kinds, text)) != (kinds, text):
                 raise card.error("it is defined twice, with other members")
-    return {name: one for name, one in found.items() if name not in twice} | in_bulk
-
-
-def _parsed(words: list[str], kinds: tuple[str, ...]) -> _NumberSet | None:
-    """Return the set of words such as 1 THRU 20 EXCEPT 7 30; None if they are something else.
-
-    A number after EXCEPT is left out of the range before it, if it lies there; else it is in.
-    """
-    text = " ".join(word for word in words if word)
-    one = _NumberSet(kinds)
-    excepted = False
-    for match in re.finditer(r"(\d+) THRU (\d+)(?: BY (\d+))?(?= |$)|(\S+)(?: |$)", text):
-        first, last, step, word = match.groups()
-        if first:
-            if step and not int(step):
-                return None
-            one.ranges.append((range(int(first), int(last) + 1, int(step or 1)), []))
-            excepted = False
-        elif word == "EXCEPT" and one.ranges:
-            excepted = True
-        elif not word.isdigit():
-            return None
-        elif excepted and one.ranges[-1][0].start <= int(word) < one.ranges[-1][0].stop:
-            one.ranges[-1][1].append(int(word))
-        else:
-            one.single.append(int(word))
-    return one if text else None
+    return found
 
 
 # ----- sections
@@ -996,26 +971,21 @@ def read_dmig(file: Path, size: int) -> list[RawMatrix]:
     quads, entry = read_deck(file)[1].quads("DMIG")
     starts = np.diff(entry, prepend=-1) > 0
     heads = quads.select(starts)
-    names = [name.decode().strip() for name in heads.fields[:, 0].tolist()]
-    labels = heads.integers(1, 2)
-    kinds = heads.select(labels[:, 0] == 0).integers(2, 2)
-    headers = [name for name, node in zip(names, labels[:, 0], strict=True) if node == 0]
-    known = np.array([name in headers for name in names], dtype=bool)
-    heads.refuse_first(~known, "its matrix has no header")
+    names, labels = np.char.strip(heads.fields[:, 0]), heads.integers(1, 2)
+    is_header = labels[:, 0] == 0
+    heads.refuse_first(~np.isin(names, names[is_header]), "its matrix has no header")
+    of_rows = ~(starts | is_header[entry] | quads.blank[:, 0])
     found = []
-    for name, (form, kind) in zip(headers, kinds.tolist(), strict=True):
-        own = np.array([each == name for each in names]) & (labels[:, 0] != 0)
-        rows = own[entry] & ~starts & ~quads.blank[:, 0]
+    kinds = heads.select(is_header).integers(2, 2).tolist()
+    for own, (form, kind) in zip(names[is_header], kinds, strict=True):
+        name, rows = own.decode(), of_rows & (names == own)[entry]
         if kind > _REAL or form not in (_SQUARE, _SYMMETRIC) or not rows.any():
             why = "complex" if kind > _REAL else "not square, or empty"
             found.append(passed_over(file, name, why))
             continue
         table = quads.select(rows)
         table.refuse_first(table.blank[:, 2], "a row has no value: is the file cut short?")
-        values = table.reals(2, 1)[:, 0]
-        columns = labels[entry[rows]].T
-        symmetric = form == _SYMMETRIC
-        found.append(
-            labelled(file, name, table.integers(0, 2).T, columns, values, triangle=symmetric)
-        )
+        values, pairs = table.reals(2, 1)[:, 0], table.integers(0, 2).T
+        columns, symmetric = labels[entry[rows]].T, form == _SYMMETRIC
+        found.append(labelled(file, name, pairs, columns, values, triangle=symmetric))
     return found

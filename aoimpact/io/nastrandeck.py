@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import zip_longest
+from itertools import compress, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, IntArray, MeshError, require
-from .raw import joined, number, numbers, read_lines, refused, repeats
+from .raw import joined, number, numbers, read_text, refused, repeats
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
 _PER_BYTE = 14
@@ -41,10 +41,13 @@ _BULK = re.compile(
     rb"|^(?:GRID|CHEXA|CPENTA|CPYRAM?|CTETRA|CORD[12][CRS])[ \t]*\*?[ \t,][ \t]*\d",
     re.I | re.M,
 )
-_TIMES = re.compile(r"=(?:(\d+)|\((\d+)\))")
-_INCREMENT = re.compile(r"\*\(?([^()]+)\)?")
+_TIMES = re.compile(rb"=(?:(\d+)|\((\d+)\))")
+_INCREMENT = re.compile(rb"\*\(?([^()]+)\)?")
 _INTEGER = re.compile(rb"[-+]?\d{1,18}")
-_STOPS = frozenset("IiEe \t")  # first characters of INCLUDE and ENDDATA
+
+# First characters of INCLUDE and ENDDATA, and of BEGIN and CEND.
+_STOPS, _SECTIONS = frozenset((b"I", b"E", b" ")), frozenset((b"B", b"C", b" "))
+
 _NAME = re.compile(rb"[A-Z][A-Z0-9]*")
 
 # Relative difference from a number with few digits, such as 0.833 for 5/6.
@@ -106,10 +109,11 @@ def read_deck(file: Path) -> tuple[Lines, BulkData]:
     MemoryLimitError
     """
     lines = _all_lines(file)
-    content = b"\n".join(lines.text)
-    found = {content.count(b"\n", 0, at.start()) for at in re.finditer(b"BEGIN|CEND", content)}
-    named = [(i, name[1]) for i in sorted(found) if (name := _SECTION.match(lines.text[i]))]
-    begins, cends = ([i for i, one in named if one == name] for name in (b"BEGIN", b"CEND"))
+    found: dict[bytes, list[int]] = {b"BEGIN": [], b"CEND": []}
+    for i, line in enumerate(lines.text):
+        if line[:1] in _SECTIONS and (name := _SECTION.match(line)):
+            found[name[1]].append(i)
+    begins, cends = found.values()
     if cends and not begins:
         raise lines.refused(cends[0], "CEND", "BEGIN BULK is missing after it")
     for i in begins:
@@ -125,56 +129,52 @@ def read_deck(file: Path) -> tuple[Lines, BulkData]:
 def _all_lines(main: Path) -> Lines:
     """Return the lines of a deck up to ENDDATA, those of included files in their places."""
     files: list[Path] = []
-    texts: list[str] = []
+    text: list[bytes] = []
     sources: list[IntArray] = []
 
     def add(file: Path, within: tuple[Path, ...]) -> bool:
         """Add the lines of a file, and return True if ENDDATA was met."""
+        own, done = len(files), 0
         files.append(file)
-        own = len(files) - 1
         require(_PER_BYTE * file.stat().st_size, f"mesh file {str(file)!r}", "take a coarser mesh")
-        lines = [line.partition("$")[0] if "$" in line else line for line in read_lines(file)]
-        done = 0
+        written = read_text(file)
+        content = re.sub(rb"\$.*", b"", written.encode("ascii", "replace").upper())
+        lines = (content.expandtabs(8) if b"\t" in content else content).split(b"\n")
 
         def take(end: int) -> None:
-            texts.extend(lines[done:end])
+            text.extend(lines[done:end])
             numbers = np.arange(done + 1, end + 1)
             sources.append(np.stack([np.full(len(numbers), own), numbers], axis=1))
 
-        for i, line in enumerate(lines):
-            if line[:1] not in _STOPS or i < done:
-                continue
-            name = line.lstrip()[:7].upper()
-            if name == "ENDDATA":
-                take(i)
-                return True
-            if name != "INCLUDE":
+        stops = [i for i, line in enumerate(lines) if line[:1] in _STOPS]
+        for i in stops:
+            name = lines[i].lstrip()[:7]
+            if i < done or name not in (b"ENDDATA", b"INCLUDE"):
                 continue
             take(i)
-            name, done = _file_name(file, lines, i)
+            if name == b"ENDDATA":
+                return True
+            of, done = _file_name(file, written.split("\n"), i)
             # os.path.isfile is False for a name that is too long, unlike Path.is_file.
             folders = (file.parent, main.parent)
-            places = [folder / name for folder in folders if os.path.isfile(folder / name)]
+            places = [folder / of for folder in folders if os.path.isfile(folder / of)]
             if not places:
                 # Before CEND there are statements for the solver alone.
-                if any(line.lstrip()[:4].upper() == "CEND" for line in lines[i:]):
+                if any(line.lstrip()[:4] == b"CEND" for line in lines[i:]):
                     continue
-                raise refused(file, i + 1, "INCLUDE", f"there is no file {name!r}")
+                raise refused(file, i + 1, "INCLUDE", f"there is no file {of!r}")
             included = places[0].resolve()
             if included in (*within, file):
-                raise refused(file, i + 1, "INCLUDE", f"{name!r} includes itself")
+                raise refused(file, i + 1, "INCLUDE", f"{of!r} includes itself")
             if add(included, (*within, file)):
                 return True
         take(len(lines))
         return False
 
     add(main, ())
-    content = "\n".join(texts).encode("ascii", "replace").upper()
-    text = [line.rstrip() for line in content.split(b"\n")]
-    if b"\t" in content:
-        text = [line.expandtabs(8) for line in text]
-    kept = [i for i, line in enumerate(text) if line]
-    return Lines([text[i] for i in kept], np.concatenate(sources)[kept], files)
+    text = list(map(bytes.rstrip, text))
+    filled = np.fromiter(map(bool, text), bool, len(text))
+    return Lines(list(compress(text, filled)), np.concatenate(sources)[filled], files)
 
 
 def _file_name(file: Path, lines: list[str], i: int) -> tuple[str, int]:
@@ -182,13 +182,13 @@ def _file_name(file: Path, lines: list[str], i: int) -> tuple[str, int]:
 
     A name in quotes may go on over several lines.
     """
-    found = _INCLUDE.match(lines[i])
+    found = _INCLUDE.match(lines[i].partition("$")[0])
     name = "" if found is None else found[1].strip()
     end = i + 1
     while not name or (name[0] in "'\"" and name.count(name[0]) < 2):
         if end == len(lines) or found is None:
             raise refused(file, i + 1, "INCLUDE", "it needs the name of a file, in quotes")
-        name += lines[end].strip()
+        name += lines[end].partition("$")[0].strip()
         end += 1
     if name[0] in "'\"":
         name = name[1 : name.index(name[0], 1)]
@@ -198,7 +198,7 @@ def _file_name(file: Path, lines: list[str], i: int) -> tuple[str, int]:
 # ------------------------------------------------------------------------------- lines in columns
 
 
-def _in_columns(lines: Lines) -> tuple[Lines, IntArray, IntArray]:
+def _in_columns(lines: Lines) -> tuple[Lines, IntArray, npt.NDArray[np.bool_]]:
     """Write out lines with commas and copies by replication, in columns.
 
     Returns
@@ -207,58 +207,52 @@ def _in_columns(lines: Lines) -> tuple[Lines, IntArray, IntArray]:
         With fields of 8, 16 or 32 characters after the head, as the longest one needs.
     counts : ndarray of int, shape (n_lines,)
         Number of fields in each line: 8, 4 or 2.
-    odd : ndarray of int
+    odd : ndarray of bool, shape (n_lines,)
         Lines with more fields than eight and a mark, or with fields too long to be kept.
     """
     text: list[bytes] = []
-    counts: list[int] = []
     sources: list[int] = []
-    odd: list[int] = []
+    counts: list[int] = []
+    odd: list[bool] = []
 
     def add(words: list[bytes], source: int) -> None:
-        head, *fields = [one.strip() for one in words]
-        most, tail, is_odd = 4 if b"*" in head else 8, b"", False
+        head, *fields = words
+        most, tail, more = 4 if b"*" in head else 8, b"", list[bytes]()
         # Nastran takes the ninth field for data if there are more behind it, unless it is a mark.
-        if most == 4 or len(fields) < 10 or fields[8][:1] in (b"", b"+", b"*"):
-            is_odd = any(fields[most + 1 :])
-            if len(fields) > most:
-                tail = fields[most]
-                is_odd = is_odd or tail[:1].isdigit()  # a mark, or one field more
-            elif fields and _is_mark(fields[-1]):
-                tail = fields.pop()
-            fields = fields[:most]
+        data = most == 8 and len(fields) > 9 and fields[8][:1] not in (b"", b"+", b"*")
+        if len(fields) > most and not data:
+            fields, (tail, *more) = fields[:most], fields[most:]
+        elif fields and not data and _is_mark(fields[-1]):
+            tail = fields.pop()
         longest = max(map(len, fields), default=0)
-        if is_odd or longest > _FREE:
-            odd.append(len(text))
+        surplus = any(more) or tail[:1].isdigit() or longest > _FREE
         width = next(w for w in (64 // most, 16, _FREE) if longest <= w or w == _FREE)
         fields += [b""] * (-len(fields) % most or most * (not fields))
         columns = b"".join(one[:width].ljust(width) for one in fields)
         rows = [columns[k : k + 64] for k in range(0, len(columns), 64)]
-        text.append(head[:8].ljust(8) + rows[0])
-        text.extend(b" " * 8 + row for row in rows[1:])
+        text.extend(at.ljust(8) + row for at, row in zip_longest([head[:8]], rows, fillvalue=b""))
         text[-1] += tail
-        counts.extend([64 // width] * len(rows))
         sources.extend([source] * len(rows))
+        counts.extend([64 // width] * len(rows))
+        odd.extend([surplus] * len(rows))
 
-    entry: list[str] = []
-    rule: list[str] = []
+    entry: list[bytes] = []
+    rule: list[bytes] = []
     for i, line in enumerate(lines.text):
         if line.startswith(b"="):
-            copies, rule = _copies(lines, i, entry, rule)
+            copies, rule = _copies(lines, i, entry or _words(lines.text[max(0, i - 1)])[:9], rule)
             for entry in copies:
-                add([one.encode() for one in entry], i)
+                add(list(entry), i)
             continue
-        rule = []
+        entry, rule = [], []
         if b"," in line[:10]:
-            add(line.split(b","), i)
+            add(_words(line), i)
         else:
             text.append(line)
-            counts.append(4 if b"*" in line[:8] else 8)
             sources.append(i)
-        if lines.text[i + 1 : i + 2] and lines.text[i + 1].startswith(b"="):
-            entry = _words(line)
-    columns = Lines(text, lines.sources[np.array(sources, dtype=np.int64)], lines.files)
-    return columns, np.array(counts), np.array(odd, dtype=np.int64)
+            counts.append(4 if b"*" in line[:8] else 8)
+            odd.append(False)
+    return Lines(text, lines.sources[sources], lines.files), np.array(counts), np.array(odd)
 
 
 def _is_mark(text: bytes) -> bool:
@@ -266,29 +260,28 @@ def _is_mark(text: bytes) -> bool:
     return text[:1] in (b"+", b"*") and not text[1:2].isdigit() and text[1:2] != b"."
 
 
-def _words(line: bytes) -> list[str]:
+def _words(line: bytes) -> list[bytes]:
     """Return head and fields of a line with or without commas."""
-    text = line.decode()
-    free = "," in text[:10] or " " not in text
-    words = text.split(",") if free else [text[k : k + 8] for k in range(0, 72, 8)]
-    return [one.strip() for one in words][:9]
+    free = b"," in line[:10] or b" " not in line
+    words = line.split(b",") if free else [line[k : k + 8] for k in range(0, 72, 8)]
+    return [one.strip() for one in words]
 
 
 def _copies(
-    lines: Lines, i: int, entry: list[str], rule: list[str]
-) -> tuple[list[list[str]], list[str]]:
+    lines: Lines, i: int, entry: list[bytes], rule: list[bytes]
+) -> tuple[list[list[bytes]], list[bytes]]:
     """Return the entries that a line of replication stands for, and the rule that they follow.
 
     "=" is the field of the entry before, "==" all of its further fields, and "*2" or "*(2)" the
     field with an increment. "=5" and "=(5)" repeat the line above five times.
     """
-    head, *fields = _words(lines.text[i])
+    head, *fields = _words(lines.text[i])[:9]
     times = _TIMES.fullmatch(head)
     rule = rule if times else fields
     found = []
     try:
         count = int(times[1] or times[2]) if times else 1
-        known = (times or head == "=") and rule and entry and entry[0].isalnum()
+        known = (times or head == b"=") and rule and entry[0].isalnum()
         if not known or count > _MOST:
             raise ValueError
         for _ in range(count):
@@ -300,17 +293,17 @@ def _copies(
     return found, rule
 
 
-def _next(entry: list[str], rule: list[str]) -> list[str]:
+def _next(entry: list[bytes], rule: list[bytes]) -> list[bytes]:
     """Return the fields after those of an entry, by a line of replication."""
-    found: list[str] = []
-    for old, new in zip_longest(entry, rule, fillvalue=""):
-        if new == "==":
+    found: list[bytes] = []
+    for old, new in zip_longest(entry, rule, fillvalue=b""):
+        if new == b"==":
             return found + entry[len(found) :]
         if step := _INCREMENT.fullmatch(new):
-            is_whole = step[1].lstrip("+-").isdigit()
-            old = old or "0"
-            new = str(int(old) + int(step[1])) if is_whole else repr(number(old) + number(step[1]))
-        found.append(old if new == "=" else new)
+            before, by = (old or b"0").decode(), step[1].decode()
+            whole = by.lstrip("+-").isdigit()
+            new = str(int(before) + int(by) if whole else number(before) + number(by)).encode()
+        found.append(old if new == b"=" else new)
     return found
 
 
@@ -344,13 +337,6 @@ class Card:
             return number(self.text(at))
         except ValueError as wrong:
             raise self.error(str(wrong)) from None
-
-    def integer(self, at: int) -> int:
-        """Return a field as an integer; blank is 0."""
-        text = self.text(at)
-        if text and not _INTEGER.fullmatch(text.encode()):
-            raise self.error(f"field {at + 2} must be an integer, got {text!r}")
-        return int(text or 0)
 
     def reals(self, first: int, names: str) -> list[float]:
         """Return numbers by their names, none of them blank."""
@@ -522,24 +508,21 @@ def read_bulk_data(lines: Lines) -> BulkData:
     MeshError
         If a line is neither the beginning of an entry nor the continuation of one.
     """
-    content = b"\n".join(lines.text)
-    odd = joined([])
-    if written := b"," in content or b"\n=" in content:
+    columns = _columns_of(lines)
+    if written := bool((columns[:, :10] == ord(",")).any() or (columns[:, 0] == ord("=")).any()):
         lines, counts, odd = _in_columns(lines)
-    del content
-    columns = np.array(lines.text, dtype=f"S{_COLUMNS}").view(np.uint8).reshape(-1, _COLUMNS)
+        columns = _columns_of(lines)
     heads, tails = _column_field(columns, 0), _column_field(columns, 72)
     marks = heads.view(np.uint8).reshape(-1, 8)
     continues = (marks[:, 0] == ord("+")) | (marks[:, 0] == ord("*")) | (marks <= 32).all(axis=1)
     if not written:
         counts = np.where((marks == ord("*")).any(axis=1), 4, 8)
-    is_odd = np.zeros(len(heads), dtype=bool)
-    is_odd[odd] = True
+        odd = np.zeros(len(heads), dtype=bool)
     order = _in_order(lines, continues, heads, tails)
     if order is not None:
         lines = Lines([lines.text[i] for i in order.tolist()], lines.sources[order], lines.files)
-        heads, columns, counts = heads[order], columns[order], counts[order]
-        is_odd, continues = is_odd[order], continues[order]
+        heads, columns, continues = heads[order], columns[order], continues[order]
+        counts, odd = counts[order], odd[order]
     starts = np.flatnonzero(~continues)
     ends = np.full(len(heads), len(heads))
     ends[starts[:-1]] = starts[1:]
@@ -548,9 +531,11 @@ def read_bulk_data(lines: Lines) -> BulkData:
     for half in np.flatnonzero((counts == 8) & (offset % 8 != 0))[:1].tolist():
         why = "large fields before it fill only half a line; add '*'"
         raise lines.refused(half, "continuation", why)
-    return BulkData(
-        lines, _names(lines, starts, heads[starts]), columns, counts, is_odd, ends, offset
-    )
+    return BulkData(lines, _names(lines, starts, heads[starts]), columns, counts, odd, ends, offset)
+
+
+def _columns_of(lines: Lines) -> npt.NDArray[np.uint8]:
+    return np.array(lines.text, dtype=f"S{_COLUMNS}").view(np.uint8).reshape(-1, _COLUMNS)
 
 
 def _column_field(columns: npt.NDArray[np.uint8], first: int) -> npt.NDArray[np.bytes_]:
@@ -609,13 +594,12 @@ def _in_order(
     for k in repeats(parent)[:1].tolist():
         why = "the line that it continues has another continuation"
         raise lines.refused(int(which[k]), "continuation", why)
-    # Parents of parents, until all lines know the entry that they belong to, and how far from it.
-    entry, depth = np.arange(len(heads)), continues.astype(np.int64)
-    entry[which] = parent
-    for _ in range(len(heads).bit_length()):
-        depth += depth[entry]
-        entry = entry[entry]
-    for line in np.flatnonzero(continues[entry])[:1].tolist():
+    child, order = dict(zip(parent.tolist(), which.tolist(), strict=True)), []
+    for start in np.flatnonzero(~continues).tolist():
+        at: int | None = start
+        while at is not None:
+            order.append(at)
+            at = child.get(at)
+    for line in np.setdiff1d(which, order)[:1].tolist():
         raise lines.refused(line, "continuation", "the marks of continuations go round in a circle")
-    order: IntArray = np.lexsort((depth, entry))
-    return order
+    return np.array(order)

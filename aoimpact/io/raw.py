@@ -182,7 +182,12 @@ def check_count(what: str, announced: int, there: int) -> None:
 
 
 def read_lines(file: Path) -> list[str]:
-    """Return the lines of a text file, without their ends.
+    """Return the lines of a text file, without their ends, as `read_text` reads them."""
+    return read_text(file).split("\n")
+
+
+def read_text(file: Path) -> str:
+    """Return a text file with "\\n" for each end of a line.
 
     The encoding is that of the byte order mark; else UTF-8, or Latin-1 if the file is not UTF-8.
 
@@ -197,7 +202,7 @@ def read_lines(file: Path) -> list[str]:
         raise MeshError(f"mesh file {str(file)!r} cannot be opened: {error}") from None
     if text is None:
         raise MeshError(f"mesh file {str(file)!r} is binary; a text file is needed")
-    return text.split("\n")
+    return text
 
 
 def refused(file: Path, line: int, what: str, why: str) -> MeshError:
