@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -23,7 +22,7 @@ from ..base import (
     write_csv,
 )
 from ..results import Result
-from .signal import RISEN, STANDARD_GRAVITY, UNFILTERED, Signal, contacts
+from .signal import RISEN, STANDARD_GRAVITY, Signal, contacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -117,13 +116,11 @@ class DropWeight(Frozen):
         None where it turned back before, and of every simulated impact: its bodies do not break,
         and a force that falls is a vibration.
         """
-        if self.simulated:
-            return None
-        top = int(np.argmax(self.force))
-        fallen = np.flatnonzero(self.force[top:] <= 0.5 * self.force[top])
-        if not len(fallen) or self.velocity[top + fallen[0]] <= 0.0:
-            return None
-        return self._point(top + int(fallen[0]))
+        fallen = self.force <= 0.5 * self.force.max()
+        fallen[: np.argmax(self.force)] = False
+        at = int(np.argmax(fallen))
+        goes_on = fallen[at] and self.velocity[at] > 0.0
+        return self._point(at) if goes_on and not self.simulated else None
 
     @property
     def last(self) -> Point:
@@ -149,9 +146,8 @@ class DropWeight(Frozen):
         return min(int(np.searchsorted(self.t, self.end)), len(self.t) - 1)
 
     def _point(self, i: int) -> Point:
-        return Point(
-            float(self.t[i]), float(self.force[i]), float(self.deflection[i]), float(self.energy[i])
-        )
+        columns = self.t, self.force, self.deflection, self.energy
+        return Point(*(float(column[i]) for column in columns))
 
     # ---------------------------------------------------------------------- output
 
@@ -167,7 +163,7 @@ class DropWeight(Frozen):
         >>> test = drop_weight(hit)
         >>> ax = test.plot_deflection()
         """
-        return self._draw(ax, "force", "N", "deflection", kwargs)
+        return self._over_deflection(ax, self.force, "force", "N", kwargs)
 
     def plot_energy(
         self,
@@ -195,7 +191,9 @@ class DropWeight(Frozen):
         >>> test = drop_weight(hit)
         >>> ax = test.plot_energy(over="deflection")
         """
-        return self._draw(ax, "energy", "J", choice("over", over, ("time", "deflection")), kwargs)
+        if choice("over", over, ("time", "deflection")) == "deflection":
+            return self._over_deflection(ax, self.energy, "energy", "J", kwargs)
+        return self._shown(Signal(self.t, self.energy, "J", "energy")).plot(ax, **kwargs)
 
     def plot_force(self, ax: Axes | None = None, *, raw: bool = True, **kwargs: Any) -> Axes:
         """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey.
@@ -209,29 +207,23 @@ class DropWeight(Frozen):
         >>> test = drop_weight(hit)
         >>> ax = test.plot_force()
         """
-        return self._draw(ax, "force", "N", "time", kwargs, self.signal.raw if raw else None)
+        before = self.signal.raw if raw else None
+        return self._shown(replace(self.signal, name="force", raw=before)).plot(ax, **kwargs)
 
-    def _draw(
-        self,
-        ax: Axes | None,
-        name: str,
-        unit: str,
-        over: str,
-        kwargs: dict[str, Any],
-        behind: Signal | None = None,
+    def _over_deflection(
+        self, ax: Axes | None, values: FloatArray, name: str, unit: str, kwargs: dict[str, Any]
     ) -> Axes:
-        """Draw a quantity over the deflection in contact, or over time with a margin around it."""
-        margin = 0.1 * (self.end - self.start) if over == "time" else 0.0
+        shown = slice(*np.searchsorted(self.t, [self.start, self.end]))
+        across = self.deflection[shown], "deflection", "m"
+        return draw_curves(ax, across, name, unit, [(values[shown], kwargs)])
+
+    def _shown(self, signal: Signal) -> Signal:
+        """The part of a signal around the contact, over the time since the first touch."""
+        margin = 0.1 * (self.end - self.start)
         first, last = np.searchsorted(self.t, [self.start - margin, self.end + margin])
-        if over == "time":
-            shown = slice(max(int(first) - 1, 0), int(last) + 1)
-            across = (self.t[shown] - self.start, "time", "s")
-        else:
-            shown = slice(first, last)
-            across = (self.deflection[shown], "deflection", "m")
-        if behind is not None:
-            ax = draw_curves(ax, across, name, unit, [(behind.values[shown], UNFILTERED)])
-        return draw_curves(ax, across, name, unit, [(getattr(self, name)[shown], {})], kwargs)
+        shown = slice(max(int(first) - 1, 0), int(last) + 1)
+        raw = signal.raw and self._shown(signal.raw)
+        return replace(signal, t=signal.t[shown] - self.start, values=signal.values[shown], raw=raw)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write t, force, velocity, deflection and energy, one row a time, under a header line.
@@ -334,11 +326,31 @@ def drop_weight(
     >>> f"{test.peak.force:.0f} N, {same.peak.force:.0f} N"
     '11869 N, 11870 N'
     """
-    kilograms, speed, pull = _impactor(source, mass, velocity, gravity)
-    signal = _force(source, cfc)
+    signal = Signal.of(source)
+    if isinstance(source, Result):
+        mass = source.projectile.mass if mass is None else mass
+        velocity = source.velocity if velocity is None else velocity
+        gravity = source.plan.gravity if gravity is None else gravity
+        if cfc is not None:
+            room = _SMEARED / positive("cfc", cfc, unit="Hz")
+            signal = Signal.of(source, rate=max(signal.rate, 20.0 * cfc), margin=room)
+    for name, given in (("mass", mass), ("velocity", velocity)):
+        if given is None:
+            raise InputError(f"{name} of the impactor is not known: give {name}=")
+    from scipy.interpolate import make_interp_spline  # slow to import
+
+    kilograms, speed = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
+    pull = nonnegative("gravity", STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²")
+    if cfc is not None:
+        signal = signal.filtered(cfc)
+    raw = signal.raw or signal
     begin, end = _touches(source, signal, start)
     with np.errstate(all="ignore"):
-        v, deflection = _motion(signal.raw or signal, kilograms, speed, pull, begin)
+        fall = make_interp_spline(raw.t, pull - raw.values / kilograms, k=1, check_finite=False)
+        gained, way = fall.antiderivative(1), fall.antiderivative(2)
+        first = speed - pull * (begin - raw.t[0])  # it falls freely before it touches
+        v = first + gained(raw.t)
+        deflection = first * (raw.t - begin) + way(raw.t) - way(begin)
         energy = 0.5 * kilograms * (speed - v) * (speed + v) + kilograms * pull * deflection
     if not np.isfinite(energy).all():
         raise InputError(
@@ -359,36 +371,17 @@ def drop_weight(
         end=end,
         simulated=isinstance(source, Result),
     )
-    for doubt in _doubts(test, cfc):
-        warn(doubt)
+    _warn_of_doubts(test, cfc)
     return test
 
 
-def _impactor(
-    source: Any, mass: float | None, velocity: float | None, gravity: float | None
-) -> tuple[float, float, float]:
-    """Mass, velocity and gravity, as given or as the simulation has them."""
-    if isinstance(source, Result):
-        mass = source.projectile.mass if mass is None else mass
-        velocity = source.velocity if velocity is None else velocity
-        gravity = source.plan.gravity if gravity is None else gravity
-    for name, given in (("mass", mass), ("velocity", velocity)):
-        if given is None:
-            raise InputError(f"{name} of the impactor is not known: give {name}=")
-    return (
-        positive("mass", mass, unit="kg"),
-        positive("velocity", velocity, unit="m/s"),
-        nonnegative("gravity", STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²"),
-    )
-
-
-def _doubts(test: DropWeight, cfc: float | None) -> Iterator[str]:
-    """Contradictions in a test, and their likely cause."""
+def _warn_of_doubts(test: DropWeight, cfc: float | None) -> None:
+    """Warn of contradictions in a test, with their likely cause."""
     raw = test.signal.raw or test.signal
-    touched = contacts(raw.values)
+    touched = contacts(raw, "force")
     acts, largest = float(raw.t[touched[-1][1]] - raw.t[touched[0][0]]), float(raw.values.max())
     if cfc is not None and 0.0 < acts < 0.5 / cfc:
-        yield (
+        warn(
             f"the force lasts {with_unit(acts, 's')}, half a period of {0.5 / acts:.3g} Hz, "
             f"which class {cfc:g} takes out: its peak is {with_unit(test.peak.force, 'N')} instead "
             f"of {with_unit(largest, 'N')}"
@@ -397,32 +390,20 @@ def _doubts(test: DropWeight, cfc: float | None) -> Iterator[str]:
         return
     taken, velocity = test.absorbed_energy, test.rebound_velocity
     if raw.values[-1] > RISEN * largest:
-        yield (
+        warn(
             f"the record ends at a force of {with_unit(float(raw.values[-1]), 'N')}: rebound and "
             "absorbed energy are those so far"
         )
     elif taken < -_TAKEN * test.impact_energy:
-        yield (
+        warn(
             f"the absorbed energy is {with_unit(taken, 'J')}: is the force too large (its unit, a "
             "zero that is off), or mass or velocity too small?"
         )
     elif velocity > 0.0 and (test.puncture is None or taken < _TAKEN * test.impact_energy):
-        yield (
+        warn(
             f"the impactor still goes on at {velocity:.4g} of {test.impact_velocity:.4g} m/s when "
             "the force ends: is the force in N (not kN), and the mass in kg?"
         )
-
-
-def _force(source: Any, cfc: float | None) -> Signal:
-    if cfc is None:
-        return Signal.of(source)
-    frequency = positive("cfc", cfc, unit="Hz")
-    if not isinstance(source, Result):
-        return Signal.of(source).filtered(frequency)
-    margin = _SMEARED / frequency
-    plain = Signal.of(source)
-    rate = max(plain.rate, 20.0 * frequency)
-    return Signal.of(source, rate=rate, margin=margin).filtered(frequency)
 
 
 def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, float]:
@@ -431,40 +412,16 @@ def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, f
     A filter smears the force ahead, so the first is sought before it; the rig rings on, so the
     last is sought after it.
     """
-    begin = None if start is None else real("start", start, unit="s")
-    if isinstance(source, Result):
-        if not source.contacts:
-            raise InputError("the bodies do not touch within the record: nothing to evaluate")
-        return source.contacts[0][0] if begin is None else begin, source.contacts[-1][1]
-    force = signal.raw or signal
-    peak = float(force.values.max())
-    if peak <= 0.0:
+    raw = signal.raw or signal
+    if not isinstance(source, Result):
+        begin, end = raw.t[contacts(raw, "force")[0][0]], raw.t[contacts(signal, "force")[-1][1]]
+    elif source.contacts:
+        begin, end = source.contacts[0][0], source.contacts[-1][1]
+    else:
+        raise InputError("the bodies do not touch within the record: nothing to evaluate")
+    begin = begin if start is None else real("start", start, unit="s")
+    if not raw.t[0] <= begin < end:
         raise InputError(
-            f"the force is never positive, down to {force.values.min():g} N; change the sign"
+            f"start must lie in the record, from {raw.t[0]:g} to {end:g} s, got {begin:g} s"
         )
-    if signal.values.max() <= 0.0:
-        raise InputError("cfc: this class leaves nothing of the force; take a higher one")
-    end = float(force.t[contacts(signal.values)[-1][1]])
-    if begin is None:
-        begin = float(force.t[contacts(force.values)[0][0]])
-    if not force.t[0] <= begin < end:
-        raise InputError(
-            f"start must lie in the record, from {force.t[0]:g} to {end:g} s, got {begin:g} s"
-        )
-    return begin, end
-
-
-def _motion(
-    signal: Signal, mass: float, speed: float, gravity: float, start: float
-) -> tuple[FloatArray, FloatArray]:
-    """Velocity and deflection: exact for a force that is straight between samples.
-
-    Before the first touch the impactor falls freely.
-    """
-    t, a = signal.t, gravity - signal.values / mass
-    h = np.diff(t)
-    gained = np.concatenate([[0.0], np.cumsum(0.5 * h * (a[:-1] + a[1:]))])
-    v = speed - gravity * (start - t[0]) + gained
-    ways = h * v[:-1] + h**2 * (2.0 * a[:-1] + a[1:]) / 6.0
-    way = np.concatenate([[0.0], np.cumsum(ways)])
-    return v, way - np.interp(start, t, way)
+    return float(begin), float(end)

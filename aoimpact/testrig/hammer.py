@@ -13,7 +13,7 @@ both terms are the transform of the differences of v.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -127,34 +127,32 @@ def frf(
     0.5
     """
     power = _KINDS[choice("kind", kind, tuple(_KINDS))]
-    choice("estimator", estimator, ("H1", "H2"))
-    loads, motions = _hits(force, response)
-    velocity = motions[0].unit == "m/s"
-    step, samples = 1.0 / motions[0].rate, len(motions[0].t)
-    struck, moved = (np.array([each.values for each in all_]) for all_ in (loads, motions))
+    which = ("H1", "H2").index(choice("estimator", estimator, ("H1", "H2")))
+    hits = _hits(force, response)
+    motion = hits[0][1]
+    velocity, step, samples = motion.unit == "m/s", 1.0 / motion.rate, len(motion.t)
+    struck, moved = np.swapaxes([[load.values, motion.values] for load, motion in hits], 0, 1)
     count = samples + samples % 2  # even, so that every second sample has these frequencies, too
     f = np.arange(1, count // 2 + 1) / (count * step)
 
     loaded, answered = _spectra(struck, step, count), _spectra(moved, step, count, velocity)
-    values = _quotient(loaded, answered, estimator)
     stopped = moved.copy()
     stopped[:, samples // 2 :] = moved[:, [samples // 2]] if velocity else 0.0
-    shorter = _quotient(loaded, _spectra(stopped, step, count, velocity), estimator)
-    coarser = np.full_like(values, np.inf)
-    coarser[: count // 4] = _quotient(
-        _spectra(struck[:, ::2], 2.0 * step, count // 2),
-        _spectra(moved[:, ::2], 2.0 * step, count // 2, velocity),
-        estimator,
-    )
-    rest = np.abs(values - shorter)
-    error = rest + np.abs(values - coarser)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = _quotient(loaded, answered, "H1") / _quotient(loaded, answered, "H2")
-        coherence = np.minimum(np.abs(ratio), 1.0)
-        if len(loads) > 1:
+        both = _estimates(loaded, answered)
+        values, coherence = both[which], np.minimum(np.abs(both[0] / both[1]), 1.0)
+        shorter = _estimates(loaded, _spectra(stopped, step, count, velocity))[which]
+        coarser = np.full_like(values, np.inf)
+        coarser[: count // 4] = _estimates(
+            _spectra(struck[:, ::2], 2.0 * step, count // 2),
+            _spectra(moved[:, ::2], 2.0 * step, count // 2, velocity),
+        )[which]
+        rest = np.abs(values - shorter)
+        error = rest + np.abs(values - coarser)
+        if len(hits) > 1:
             # |error|² over (1/γ² - 1)|H|²/(n - 1) has the F distribution of 2 and 2(n - 1) degrees
             # of freedom, whose quantile this is, over n - 1.
-            quantile = _OUTSIDE ** (-1.0 / (len(loads) - 1)) - 1.0
+            quantile = _OUTSIDE ** (-1.0 / (len(hits) - 1)) - 1.0
             error += np.abs(values) * np.sqrt(quantile * (1.0 / coherence - 1.0))
 
     strength = np.sqrt(np.mean(np.abs(loaded) ** 2, axis=0))
@@ -169,7 +167,7 @@ def frf(
     return MeasuredResponse(f, values / scale, error / np.abs(scale), coherence, strength, kind)
 
 
-def _hits(force: Any, response: Any) -> tuple[list[Signal], list[Signal]]:
+def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal]]:
     """Return the force and the motion of each hit, which have the same even times."""
     forces, responses = (of if isinstance(of, list) else [of] for of in (force, response))
     if len(forces) != len(responses) or not forces:
@@ -177,45 +175,40 @@ def _hits(force: Any, response: Any) -> tuple[list[Signal], list[Signal]]:
             "force and response must have one entry for each hit, got "
             f"{len(forces)} and {len(responses)}"
         )
-    loads: list[Signal] = []
-    motions: list[Signal] = []
+    hits: list[tuple[Signal, Signal]] = []
     for hit, (struck, moved) in enumerate(zip(forces, responses, strict=True)):
         instance("force", struck, Signal, Run)
         instance("response", moved, Signal, Probe)
         motion = moved
         if isinstance(moved, Probe):
             motion = Signal(moved.t, moved.velocity, unit="m/s", name="velocity")
-        if motion.unit not in ("m/s", "m/s²"):
-            raise InputError(
-                f"response of hit {hit} must be in m/s or m/s², got {motion.unit}; give "
-                "Signal(t, values, unit='m/s')"
-            )
         load = struck
         if isinstance(struck, Run):
             load = Signal(motion.t, force_at(struck, 0, motion.t))
-        # Hits may begin at any time; force and response of one hit begin together.
-        first = motions[0].t - motions[0].t[0] if motions else motion.t - motion.t[0]
-        for name, times in (("response", motion.t - motion.t[0]), ("force", load.t - motion.t[0])):
-            if len(times) != len(first) or np.abs(times - first).max() * motion.rate > UNEVEN:
-                raise InputError(f"{name} of hit {hit} must have the times of the other signals")
-        peak = float(load.values.max())
-        if peak <= 0.0:
-            raise InputError(f"force of hit {hit} is never positive; change its sign")
-        if load.values[-1] > RISEN * peak:
-            raise InputError(f"force of hit {hit}: the record ends in contact; give a longer one")
-        touched = contacts(load.values)
-        if moved is motion and motion.unit == "m/s" and (before := touched[0][0]):
-            rest = motion.values[:before].mean()
-            motion = Signal(motion.t, motion.values - rest, unit="m/s", name=motion.name)
-        if len(touched) > 1:
-            warn(
-                f"hit {hit}: the hammer struck {len(touched)} times, last at "
-                f"{with_unit(float(load.t[touched[-1][0]]), 's')}. Its force has gaps in its "
-                "spectrum: strike again, with a lighter hammer or a softer tip"
+        first, start = hits[0][1] if hits else motion, motion.t[0]
+        if motion.unit not in ("m/s", "m/s²") or motion.unit != first.unit:
+            raise InputError(
+                f"response of hit {hit} must be in m/s or m/s², as those of all hits, got "
+                f"{motion.unit}; give Signal(t, values, unit='m/s')"
             )
-        loads.append(load)
-        motions.append(motion)
-    return loads, motions
+        # Hits may begin at any time; force and response of one hit begin together.
+        wanted = first.t - first.t[0]
+        for name, times in (("response", motion.t - start), ("force", load.t - start)):
+            if len(times) != len(wanted) or np.abs(times - wanted).max() * first.rate > UNEVEN:
+                raise InputError(f"{name} of hit {hit} must have the times of the other signals")
+        touched = contacts(load, f"force of hit {hit}")
+        if load.values[-1] > RISEN * load.values.max():
+            raise InputError(f"force of hit {hit}: the record ends in contact; give a longer one")
+        if moved is motion and motion.unit == "m/s" and (before := touched[0][0]):
+            motion = replace(motion, values=motion.values - motion.values[:before].mean())
+        if len(touched) > 1:
+            last = with_unit(float(load.t[touched[-1][0]]), "s")
+            warn(
+                f"hit {hit}: the hammer struck {len(touched)} times, last at {last}. Its force has "
+                "gaps in its spectrum: strike again, with a lighter hammer or a softer tip"
+            )
+        hits.append((load, motion))
+    return hits
 
 
 def _spectra(values: FloatArray, step: float, count: int, velocity: bool = False) -> ComplexArray:
@@ -224,19 +217,17 @@ def _spectra(values: FloatArray, step: float, count: int, velocity: bool = False
     Velocities, which last beyond the record, give the transforms of the accelerations.
     """
     if not velocity:
-        return np.asarray(step * np.fft.rfft(values, count)[:, 1:], dtype=np.complex128)
+        return np.asarray(step * np.fft.rfft(values, count)[:, 1:])
     turns = np.arange(1, count // 2 + 1) / count
     # From rest: the first sample of a model may move, by the residual compliance of its modes.
     steps = np.fft.rfft(np.diff(values, prepend=0.0), count)[:, 1:]
     # Over sinc: iω times the sum of the samples, so that what sampling does to the force, it does
     # to the response.
-    return np.asarray(np.exp(1j * np.pi * turns) / np.sinc(turns) * steps, dtype=np.complex128)
+    return np.asarray(np.exp(1j * np.pi * turns) / np.sinc(turns) * steps)
 
 
-def _quotient(loaded: ComplexArray, moved: ComplexArray, estimator: str) -> ComplexArray:
-    """H1 or H2 of the spectra of hits, shape (hits, n)."""
+def _estimates(loaded: ComplexArray, moved: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """H1 and H2 of the spectra of hits, shape (hits, n)."""
     both = np.sum(loaded.conj() * moved, axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        if estimator == "H1":
-            return np.asarray(both / np.sum(np.abs(loaded) ** 2, axis=0), dtype=np.complex128)
-        return np.asarray(np.sum(np.abs(moved) ** 2, axis=0) / both.conj(), dtype=np.complex128)
+    force, motion = (np.sum(np.abs(of) ** 2, axis=0) for of in (loaded, moved))
+    return both / force, motion / both.conj()

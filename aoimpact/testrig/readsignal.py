@@ -5,18 +5,20 @@ from __future__ import annotations
 import csv
 import os
 import re
-from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import InputError, InputTypeError, choice, decoded, file_path, nearest, text
+from ..base import InputError, choice, decoded, file_path, integer, nearest, text
 from .signal import STANDARD_GRAVITY, Signal
 
-# SI units of signals, with how else they are written; and what has no prefix.
-_BASES = {"N": "N", "s": "s", "m/s²": "m/s²", "m/s2": "m/s²", "m/s^2": "m/s²", "m": "m", "V": "V"}
-_BASES |= {"m/s": "m/s"}
+# Units that have prefixes, in SI, also as else they are written; and factors to SI of all.
+_BASES = {of: of for of in ("N", "s", "m", "V", "m/s", "m/s²")} | {"m/s2": "m/s²", "m/s^2": "m/s²"}
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
-_OTHERS = {"g": (STANDARD_GRAVITY, "m/s²"), "lbf": (4.4482216152605, "N")}
+_UNITS = {
+    prefix + written: (factor, base)
+    for written, base in _BASES.items()
+    for prefix, factor in _PREFIXES.items()
+} | {"g": (STANDARD_GRAVITY, "m/s²"), "lbf": (4.4482216152605, "N")}
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
@@ -75,10 +77,10 @@ def read_signal(
     >>> signal
     Signal(force, 3 samples at 10 kHz, largest 1500 N)
     """
-    of_time, seconds = _unit("time_unit", time_unit)
-    if seconds != "s":
-        raise InputError(f"time_unit must be a unit of time such as 'ms', got {time_unit!r}")
-    factor, base = _unit("unit", unit)
+    of_time, _ = _UNITS[choice("time_unit", time_unit, [f"{of}s" for of in _PREFIXES])]
+    if text("unit", unit) not in _UNITS:
+        choice("unit", unit, ["N", "kN", "lbf", "m/s", "m/s²", "g", "mm", "V"])
+    factor, base = _UNITS[unit]
     mark = choice("decimal", decimal, (".", ","))
     file = file_path("path", path)
     try:
@@ -91,79 +93,54 @@ def read_signal(
     last = next((line for line in reversed(lines) if line), "")
     bare = re.sub('"[^"]*"', "", last)
     present = (sep for sep in ";\t," if sep in bare and (sep != mark or bare != last))
-    separator = next(present, " ")
-    split = csv.reader(lines, delimiter=separator, skipinitialspace=True)
+    split = csv.reader(lines, delimiter=next(present, " "), skipinitialspace=True)
     try:
         table = [(split.line_num, [cell.strip() for cell in row]) for row in split if any(row)]
     except csv.Error as error:
         raise InputError(f"{file}, line {split.line_num}: {error}") from None
-    rows = [row for _, row in table]
-    columns = [_column("time", time, rows), _column("values", values, rows)]
+    columns = [_column("time", time, table), _column("values", values, table)]
 
-    found: list[tuple[int, float, float]] = []
+    found: list[tuple[float, float]] = []
     point = str.maketrans({mark: ".", ".": mark})
-    first: list[str] = []
-    heading: list[str] = []
+    heading = width = 0
     for at, cells in table:
         wanted = [cells[i].translate(point) if i < len(cells) else "" for i in columns]
         bad = [cell for cell in wanted if not _NUMBER.fullmatch(cell)]
         if bad and not found:
-            heading = cells
+            heading = len(cells)
             continue
-        first = first or cells
-        if bad or len(cells) != len(first):
-            told = f"{bad[0]!r} is no number" if bad else f"{len(cells)} cells, not {len(first)}"
-            raise InputError(f"{file}, line {at}: {told}; is decimal={mark!r} right?")
-        found.append((at, float(wanted[0]), float(wanted[1])))
-    if 1 < len(heading) < sum(map(bool, first)):
-        raise InputError(
-            f"{file}, line {found[0][0]}: {len(first)} cells under {len(heading)} headings. Write "
-            "numbers without separators of thousands; is decimal right?"
-        )
+        width, told = width or len(cells), ""
+        if bad:
+            told = f"{bad[0]!r} is no number"
+        elif len(cells) != width:
+            told = f"{len(cells)} cells, not {width}"
+        elif not found and 1 < heading < sum(map(bool, cells)):
+            told = f"{width} cells under {heading} headings"
+        elif found and float(wanted[0]) <= found[-1][0]:
+            told = "the time does not rise"
+        if told:
+            raise InputError(f"{file}, line {at}: {told}; are columns and decimal={mark!r} right?")
+        found.append((float(wanted[0]), float(wanted[1])))
     if len(found) < 2:
         raise InputError(
             f"{file}: no two lines have numbers in time={time!r} and values={values!r}; are these "
             f"columns, and is decimal={mark!r} right?"
         )
-    at_line, times, numbers = np.array(found).T
-    still = np.flatnonzero(np.diff(times) <= 0.0)
-    if len(still):
-        raise InputError(
-            f"{file}, line {at_line[still[0] + 1]:.0f}: the time does not rise; is it the right "
-            "column, with digits enough?"
-        )
+    times, numbers = np.array(found).T
     return Signal(of_time * times, factor * numbers, unit=base, name=text("name", name))
 
 
-def _unit(name: str, unit: str) -> tuple[float, str]:
-    """Factor to SI, and the SI unit."""
-    given = text(name, unit)
-    prefixed = {
-        prefix + written: (factor, base)
-        for written, base in _BASES.items()
-        for prefix, factor in _PREFIXES.items()
-    }
-    known = _OTHERS | prefixed
-    if given not in known:
-        choice(name, given, ["s", "ms", "µs", "N", "kN", "lbf", "m/s", "m/s²", "g", "mm", "V"])
-    return known[given]
-
-
-def _column(name: str, given: int | str, rows: Sequence[list[str]]) -> int:
+def _column(name: str, given: int | str, table: list[tuple[int, list[str]]]) -> int:
     """Return the number of a column."""
-    if isinstance(given, bool) or not isinstance(given, (int, np.integer, str)):
-        raise InputTypeError(f"{name} must be a column's number or heading, got {given!r}")
     if not isinstance(given, str):
-        if given < 0:
-            raise InputError(f"{name} must be a column from 0 on, got {given}")
-        return int(given)
-    for row in rows:
+        return integer(name, given, low=0)
+    for _, row in table:
         for options in (row, [re.sub(r"\s*[\[(].*$", "", cell) for cell in row]):
             if options.count(given) > 1:
                 raise InputError(f"{name}: {options.count(given)} columns are called {given!r}")
             if given in options:
                 return options.index(given)
-    heading = next((row for row in rows if len(row) > 1), [])
+    heading = next((row for _, row in table if len(row) > 1), [])
     raise InputError(
         f"{name}: no column is called {given!r}{nearest(given, heading)}; there are "
         + ", ".join(map(repr, heading))

@@ -14,10 +14,10 @@ from ..base import (
     Frozen,
     InputError,
     choice,
+    error_axes,
     finite_array,
     given_axes,
     label,
-    legend,
     nonnegative,
     warn,
 )
@@ -105,21 +105,14 @@ class ShockSpectrum(Frozen):
         >>> signal = Signal(time, np.sin(2e3 * np.pi * time))
         >>> ax = shock_spectrum(signal, np.geomspace(100, 5e3, 9)).plot(parts=True)
         """
-        named = f"{100.0 * self.damping_ratio:.3g} % damping"
-        ax = given_axes(ax)
-        wide: dict[str, Any] = {"color": "0.8", "lw": 5.0, "linestyle": "-"} if parts else {}
-        style = {"label": f"maximax, {named}"} | wide | kwargs
-        ax.plot(self.frequencies, self.maximax, **style)
+        style: dict[str, Any] = {"label": f"maximax, {100.0 * self.damping_ratio:.3g} % damping"}
         if parts:
-            ax.plot(self.frequencies, self.primary, label="primary", lw=1.2)
-            ax.plot(self.frequencies, self.residual, label="residual", lw=1.2)
-        ax.set(xscale="log", yscale="log")
-        ax.set_xlabel("natural frequency (Hz)")
-        ax.set_ylabel(label(self.kind, self.unit))
-        ax.grid(True, which="major", alpha=0.3)
-        ax.grid(True, which="minor", alpha=0.12)
-        legend(ax)
-        return ax
+            style |= {"color": "0.8", "lw": 5.0, "linestyle": "-"}
+        ax = given_axes(ax)
+        ax.plot(self.frequencies, self.maximax, **style | kwargs)
+        for name in ("primary", "residual") if parts else ():
+            ax.plot(self.frequencies, getattr(self, name), label=name, lw=1.2)
+        return error_axes(ax, "natural frequency (Hz)", label(self.kind, self.unit))
 
     def __repr__(self) -> str:
         low, high = self.frequencies[[0, -1]]
@@ -189,19 +182,27 @@ def shock_spectrum(
         raise InputError(f"damping_ratio must be below 1, got {damping:g}; 0.05 is Q = 10")
     named = choice("kind", kind, tuple(_KINDS))
     signal = _base_acceleration(source)
-    wanted = _frequencies(signal, frequencies)
-    rows = np.array([_extremes(signal, float(f), damping, named) for f in wanted])
-    high, low, later_high, later_low = rows.T
-    return ShockSpectrum(
-        frequencies=wanted,
-        positive=np.maximum(np.maximum(high, later_high), 0.0),
-        negative=np.maximum(-np.minimum(low, later_low), 0.0),
-        primary=np.maximum(np.abs(high), np.abs(low)),
-        residual=np.maximum(np.abs(later_high), np.abs(later_low)),
-        kind=named,
-        unit=_KINDS[named],
-        damping_ratio=damping,
-    )
+    rate = signal.rate
+    if frequencies is None:
+        low, high = _LOWEST / float(signal.t[-1] - signal.t[0]), _HIGHEST * rate
+        octaves = max(math.log2(high / low), 1.0)
+        frequencies = np.geomspace(low, high, 1 + math.ceil(_PER_OCTAVE * octaves))
+    wanted = np.atleast_1d(finite_array("frequencies", frequencies, unit="Hz"))
+    top = float(wanted.max(initial=0.0))
+    if wanted.ndim != 1 or not (wanted > 0.0).all() or not 0.0 < top <= 0.5 * rate:
+        raise InputError(
+            "frequencies must be a list of positive numbers, none above half of the rate "
+            f"{rate:g} Hz, got {frequencies!r}"
+        )
+    if top > _HIGHEST * rate * (1.0 + 1e-9):
+        lost = 1.0 - float(np.sinc(top / rate)) ** 2
+        warn(
+            f"frequencies exceed a tenth of the rate {rate:g} Hz: at {top:g} Hz the result may be "
+            f"{100.0 * lost:.0f} % too low; sample faster"
+        )
+    rows = [_largest(signal, f, damping, named) for f in wanted.tolist()]
+    above, below, primary, residual = np.transpose(rows)
+    return ShockSpectrum(wanted, above, below, primary, residual, named, _KINDS[named], damping)
 
 
 def _base_acceleration(source: Any) -> Signal:
@@ -215,31 +216,8 @@ def _base_acceleration(source: Any) -> Signal:
     return Signal(force.t, force.values / mass, unit="m/s²", name="acceleration")
 
 
-def _frequencies(signal: Signal, given: npt.ArrayLike | None) -> FloatArray:
-    rate = signal.rate
-    if given is None:
-        low, high = _LOWEST / float(signal.t[-1] - signal.t[0]), _HIGHEST * rate
-        octaves = max(math.log2(high / low), 1.0)
-        return np.geomspace(low, high, 1 + math.ceil(_PER_OCTAVE * octaves))
-    wanted = np.atleast_1d(finite_array("frequencies", given, unit="Hz"))
-    if wanted.ndim != 1 or wanted.size == 0 or (wanted <= 0.0).any():
-        raise InputError("frequencies must be a list of positive numbers, Hz")
-    top = float(wanted.max())
-    if top > 0.5 * rate:
-        raise InputError(
-            f"frequencies must not exceed half of the rate {rate:g} Hz, got {top:g} Hz"
-        )
-    if top > _HIGHEST * rate * (1.0 + 1e-9):
-        lost = 1.0 - float(np.sinc(top / rate)) ** 2
-        warn(
-            f"frequencies exceed a tenth of the rate {rate:g} Hz: at {top:g} Hz the result may be "
-            f"{100.0 * lost:.0f} % too low; sample faster"
-        )
-    return wanted
-
-
-def _extremes(signal: Signal, frequency: float, damping: float, kind: str) -> tuple[float, ...]:
-    """Largest and least response while the signal lasts, and after it.
+def _largest(signal: Signal, frequency: float, damping: float, kind: str) -> tuple[float, ...]:
+    """Largest response up and down; and of any sign while the signal lasts, and after it.
 
     The oscillator z'' + 2ζω z' + ω² z = -u is solved exactly for its eigenvalue λ: q' = λq + u, and
     every response is 2 Re(r q). The signal is straight between samples, also of a finer step.
@@ -248,22 +226,22 @@ def _extremes(signal: Signal, frequency: float, damping: float, kind: str) -> tu
 
     omega = 2.0 * math.pi * frequency
     root = complex(-damping, math.sqrt(1.0 - damping * damping))  # λ over ω
-    share, factor = -0.5 / (1j * root.imag), 1.0  # r of the pseudo-velocity
-    if kind == "absolute acceleration":
-        share, factor = -share * (1.0 + 2.0 * damping * root), omega
-    elif kind == "relative displacement":
-        factor = 1.0 / omega
+    factors = {
+        "absolute acceleration": -omega * (1.0 + 2.0 * damping * root),
+        "relative displacement": 1.0 / omega,
+        "pseudo-velocity": 1.0,
+    }
+    share = 0.5j / root.imag * factors[kind]
     parts = max(1, math.ceil(_PER_PERIOD * frequency / signal.rate))
-    values = np.concatenate([[0.0], signal.values, [0.0]])
+    values = np.pad(signal.values, 1)
     samples = np.arange(parts * (len(values) - 1) + 1) / parts
     forced = np.interp(samples, np.arange(len(values)), values)
     one, step = np.ones((1, 1)), 1.0 / (parts * signal.rate)
-    a, b, c, d = (
-        of[0, 0] for of in cont2discrete((omega * root * one, one, one, 0.0 * one), step, "foh")[:4]
-    )
+    system = omega * root * one, one, one, 0.0 * one
+    a, b, c, d = (of.item() for of in cont2discrete(system, step, "foh")[:4])
     states = lfilter([d, b * c - d * a], [1.0, -a], forced)
     response = 2.0 * np.real(share * states[parts : len(states) - parts])
     phase = np.linspace(0.0, 2.0 * math.pi, _AFTER)
     later = 2.0 * np.real(share * states[-1] * np.exp(root / root.imag * phase))
-    found = response.max(), response.min(), later.max(), later.min()
-    return tuple(factor * float(value) for value in found)
+    either = np.concatenate([[0.0], response, later])
+    return either.max(), -either.min(), np.abs(response).max(), np.abs(later).max()

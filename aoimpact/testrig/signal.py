@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +9,6 @@ import numpy as np
 
 from ..base import (
     HUGE,
-    Curve,
     FloatArray,
     Frozen,
     InputError,
@@ -25,7 +23,6 @@ from ..base import (
     with_unit,
 )
 from ..fields import Channel, Probe, zero_phase
-from ..integrate import Events
 from ..results import Run
 
 if TYPE_CHECKING:
@@ -43,19 +40,14 @@ _PER_CONTACT = 500
 # Samples beyond which a record is taken for a mistake.
 _MOST = 20_000_000
 
-# SAE J211-1: samples in a period of the class's frequency, at least.
-_SAMPLES_OF_CLASS = 10
-
-# The class's frequency over the rate, below which two poles at 1 are all rounding.
-_SLOWEST = 1e-6
+# Samples in a period of the class's frequency: of SAE J211-1, and above which two poles at 1 are
+# all rounding.
+_SAMPLES_OF_CLASS = 10.0, 1e6
 
 # A measured contact begins where the force was last below the first share of its peak before it
 # passes the second, and ends where it is below the first again. Noise of the channel, usually 0.4 %
 # of the peak rms, passes the first now and then, but not the second.
 BEGINS, RISEN = 0.01, 0.1
-
-# Style of a signal behind its filtered self.
-UNFILTERED = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,18 +93,13 @@ class Signal(Frozen):
     def __post_init__(self) -> None:
         checked(self, unit=text, name=text, raw=(Signal, type(None)))
         times = finite_array("t", self.t, ndim=1, unit="s", most=HUGE).copy()
-        values = finite_array("values", self.values, ndim=1, unit=self.unit, most=HUGE).copy()
-        if len(times) < 2 or len(values) != len(times):
-            raise InputError(
-                "t and values must have the same length, two samples at least, got "
-                f"{len(times)} times and {len(values)} values"
-            )
+        values = finite_array(
+            "values", self.values, shape=times.shape, unit=self.unit, most=HUGE
+        ).copy()
         still = np.flatnonzero(np.diff(times) <= 0.0)
-        if len(still):
-            i = int(still[0])
-            raise InputError(
-                f"t must rise, but t[{i}] = {times[i]:g} s and t[{i + 1}] = {times[i + 1]:g} s"
-            )
+        if len(times) < 2 or len(still):
+            first = still[0] if len(still) else 0
+            raise InputError(f"t must be two times or more that rise, got {times[first:][:2]} s")
         object.__setattr__(self, "t", times)
         object.__setattr__(self, "values", values)
         super().__post_init__()
@@ -164,9 +151,27 @@ class Signal(Frozen):
         if isinstance(source, Signal):
             return source if wanted is None else source.resampled(wanted)
         if isinstance(source, Run):
-            return _contact_force(source, contact, wanted, space)
+            number = integer("contact", contact, low=0, high=len(source.events) - 1)
+            events, end = source.events[number], source.duration
+            if space > 0.0 and events.last_until(end):
+                raise InputError("margin: the record ends in contact; simulate it for longer")
+            if wanted is None and source.recorder.dense:
+                touch, parting = events.peak_contact or (0.0, end)
+                wanted = _PER_CONTACT / ((parting - touch) or end)
+            elif wanted is None:
+                wanted = (len(source.t) - 1) / float(source.t[-1])
+            _steps(end + 2.0 * space, wanted)
+            times = np.minimum(np.arange(_steps(end, wanted) + 1) / wanted, end)
+            before = round(space * wanted)
+            force = np.pad(force_at(source, number, times), before)
+            return cls((np.arange(len(force)) - before) / wanted, force)
         if isinstance(source, Probe):
-            return _acceleration(source)
+            if source.velocity.ndim != 1:
+                raise InputError(
+                    "source must be a motion along one direction: probe(..., direction=...)"
+                )
+            values = np.gradient(source.velocity, source.t)
+            return cls(source.t, values, unit="m/s²", name="acceleration")
         if isinstance(source, tuple) and len(source) == 2:
             return cls.of(cls(*source), rate=rate)
         raise InputTypeError(
@@ -230,7 +235,8 @@ class Signal(Frozen):
                 f"rate = {with_unit(wanted, 'Hz')} is below the {with_unit(self.mean_rate, 'Hz')} "
                 "of the signal; filter it, and take every k-th sample"
             )
-        times = _times(float(self.t[0]), float(self.t[-1]), wanted)
+        steps = np.arange(_steps(float(self.t[-1] - self.t[0]), wanted) + 1)
+        times = np.minimum(self.t[0] + steps / wanted, self.t[-1])
         return replace(self, t=times, values=np.interp(times, self.t, self.values))
 
     # ------------------------------------------------------------------- the filter
@@ -266,16 +272,11 @@ class Signal(Frozen):
         True
         """
         channel = Channel(cfc=cfc, corner=corner)
-        needed = _SAMPLES_OF_CLASS * channel.frequency_class
-        if self.rate < needed * (1.0 - 1e-9):
+        least, most = (samples * channel.frequency_class for samples in _SAMPLES_OF_CLASS)
+        if not least * (1.0 - 1e-9) <= self.rate <= most:
             raise InputError(
-                f"{channel} needs {with_unit(needed, 'Hz')} of samples (SAE J211), it has "
-                f"{with_unit(self.rate, 'Hz')}; take a lower frequency"
-            )
-        if channel.frequency_class < _SLOWEST * self.rate:
-            raise InputError(
-                f"{channel} is too low for {with_unit(self.rate, 'Hz')} of samples; take "
-                "every k-th sample first"
+                f"{channel} needs {with_unit(least, 'Hz')} of samples or more (SAE J211), and at "
+                f"most {with_unit(most, 'Hz')}; it has {with_unit(self.rate, 'Hz')}"
             )
         smooth = zero_phase(self.values, channel, self.rate)
         return replace(self, values=smooth, raw=self)
@@ -292,73 +293,39 @@ class Signal(Frozen):
         >>> ax = signal.plot()
         """
         if self.raw is not None:
-            grey: list[Curve] = [(self.raw.values, UNFILTERED)]
-            ax = draw_curves(ax, (self.raw.t, "time", "s"), self.name, self.unit, grey)
-        curves: list[Curve] = [(self.values, {})]
-        return draw_curves(ax, (self.t, "time", "s"), self.name, self.unit, curves, kwargs)
-
-
-def _contact_force(run: Run, contact: int, rate: float | None, margin: float) -> Signal:
-    """Return a contact's force, evenly sampled, with zeros before and after the record."""
-    number = integer("contact", contact, low=0, high=len(run.events) - 1)
-    events = run.events[number]
-    if margin > 0.0 and events.last_until(run.duration):
-        raise InputError("margin: the record ends in contact; simulate it with a longer duration")
-    if rate is None and run.recorder.dense:
-        rate = _PER_CONTACT / _hardest(events, run.duration)
-    elif rate is None:
-        rate = Signal(run.t, run.forces[number]).mean_rate
-    times = _times(0.0, run.duration, rate)
-    force = force_at(run, number, times)
-    if margin * rate > _MOST:
-        raise InputError(
-            f"margin = {with_unit(margin, 's')} is more than {_MOST} samples; take a shorter one"
-        )
-    before = round(margin * rate)
-    zeros = np.zeros(before)
-    all_times = (np.arange(len(times) + 2 * before) - before) / rate
-    return Signal(all_times, np.concatenate([zeros, force, zeros]))
+            grey = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
+            ax = replace(self.raw, raw=None).plot(ax, **grey)
+        across = self.t, "time", "s"
+        return draw_curves(ax, across, self.name, self.unit, [(self.values, kwargs)])
 
 
 def force_at(run: Run, contact: int, times: FloatArray) -> FloatArray:
     """Force of a contact at times within the record, N; straight between fixed steps."""
-    dense = run.recorder.dense
-    force: FloatArray = (
-        run.at(times).forces[contact] if dense else np.interp(times, run.t, run.forces[contact])
-    )
-    return force
+    if run.recorder.dense:
+        return np.asarray(run.at(times).forces[contact])
+    return np.asarray(np.interp(times, run.t, run.forces[contact]))
 
 
-def contacts(force: FloatArray) -> list[tuple[int, int]]:
-    """First and last sample of each contact in a measured force that is positive somewhere."""
-    share = force / force.max()
-    telling = np.flatnonzero((share <= BEGINS) | (share > RISEN))
-    acts = np.concatenate([[False], share[telling] > RISEN, [False]])
-    at = np.concatenate([[0], telling, [len(force) - 1]])
-    turns = np.flatnonzero(np.diff(acts))
-    return list(zip(at[turns[::2]].tolist(), at[turns[1::2] + 1].tolist(), strict=True))
+def contacts(force: Signal, name: str) -> list[tuple[int, int]]:
+    """First and last sample of each contact in a measured force.
+
+    name: of the force, for the message where it is never positive.
+    """
+    from scipy.ndimage import find_objects, label  # slow to import
+
+    if force.values.max() <= 0.0:
+        raise InputError(f"{name} is never positive: change its sign")
+    share = force.values / force.values.max()
+    pressed = [of for (of,) in find_objects(label(share > BEGINS)[0]) if share[of].max() > RISEN]
+    return [(max(of.start - 1, 0), min(of.stop, len(share) - 1)) for of in pressed]
 
 
-def _hardest(events: Events, duration: float) -> float:
-    """Length of the contact in which the force is largest, s; of the record without one."""
-    start, end = events.peak_contact or (0.0, duration)
-    return end - start if end > start else duration
-
-
-def _times(start: float, end: float, rate: float) -> FloatArray:
-    count = (end - start) * rate * (1.0 + 1e-12)
+def _steps(length: float, rate: float) -> int:
+    """Return the number of whole steps in a length of time, s."""
+    count = length * rate * (1.0 + 1e-12)
     if not 1.0 <= count <= _MOST:
         raise InputError(
-            f"rate = {with_unit(rate, 'Hz')} over {with_unit(end - start, 's')} makes {count:.3g} "
-            f"samples: it must be from 2 to {_MOST}"
+            f"rate = {with_unit(rate, 'Hz')} over {with_unit(length, 's')}, with any margin, makes "
+            f"{count:.3g} samples: it must be from 2 to {_MOST}"
         )
-    return np.minimum(start + np.arange(math.floor(count) + 1) / rate, end)
-
-
-def _acceleration(probe: Probe) -> Signal:
-    if probe.velocity.ndim != 1:
-        raise InputError(
-            "source must be one point's motion along one direction: probe(..., direction=...)"
-        )
-    values = np.gradient(probe.velocity, probe.t)
-    return Signal(probe.t, values, unit="m/s²", name="acceleration")
+    return int(count)

@@ -184,6 +184,10 @@ MOVED = velocity(T, np.cumsum(F) / RATE / M)
             "response",
             {"response": [MOVED, velocity(T[1:], MOVED.values[1:])], "force": [LOAD] * 2},
         ),
+        (
+            "response of hit 1",
+            {"response": [MOVED, ao.testrig.Signal(T, F / M, unit="m/s²")], "force": [LOAD] * 2},
+        ),
         ("force", {"force": ao.testrig.Signal(T[1:], F[1:])}),
         ("force", {"force": ao.testrig.Signal(T + 1e-4, F)}),
         ("force", {"force": ao.testrig.Signal(T, -F)}),

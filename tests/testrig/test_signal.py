@@ -147,10 +147,10 @@ def test_times_written_with_few_digits_are_even() -> None:
 @pytest.mark.parametrize(
     ("t", "values", "words"),
     [
-        ([0.0, 1.0], [1.0], "same length"),
-        ([0.0], [1.0], "two samples at least"),
-        ([0.0, 2.0, 1.0], [0.0, 0.0, 0.0], r"t must rise, but t\[1\] = 2 s"),
-        ([0.0, 1.0, 2.0], [0.0, np.nan, 0.0], r"values\[1\] is nan"),
+        ([0.0, 1.0], [1.0], "^values"),
+        ([0.0], [1.0], "^t "),
+        ([0.0, 2.0, 1.0], [0.0, 0.0, 0.0], r"^t .*2.* 1"),
+        ([0.0, 1.0, 2.0], [0.0, np.nan, 0.0], r"^values.*\[1\] is nan"),
     ],
 )
 def test_what_is_no_signal_is_refused(t: Any, values: Any, words: str) -> None:
@@ -201,7 +201,7 @@ def test_a_probe_gives_the_acceleration_of_its_point() -> None:
     assert (signal.unit, signal.name) == ("m/s²", "acceleration")
     gained = np.trapezoid(signal.values, times)
     assert gained == pytest.approx(probe.velocity[-1] - probe.velocity[0], rel=1e-3)
-    with pytest.raises(ao.InputError, match="one point's motion along one direction"):
+    with pytest.raises(ao.InputError, match=r"^source"):
         testrig.Signal.of(hit.target.probe((0.0, 0.01, 0.01), times=times))
 
 
