@@ -1,94 +1,167 @@
-"""Decks of Abaqus and CalculiX: parts, their instances and the assembly become one raw mesh.
+"""Decks of Abaqus and CalculiX: their mesh, groups and sections.
 
 A keyword that is not understood is refused unless it is known to have no influence on mesh and
-groups.
+groups. A new one that makes nodes, elements or sets goes into `_READ`, a section into `_SECTIONS`;
+all others have a kind in `_KINDS`.
 """
 
 from __future__ import annotations
 
+import math
+import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial.transform import Rotation
 
-from ..base import FloatArray, IntArray, MeshError, warn
-from .abaqusdeck import Keyword, key, read_keywords
-from .abaqusnames import CONNECTIONS, HARMLESS, SECTIONS, SIDES, STRUCTURAL, UNSUPPORTED
-from .abaqusscope import Elements, Scope, Which, moved
-from .raw import RawBlock, RawMesh
+from ..base import FloatArray, IntArray, MeshError, require, warn
+from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
+from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
+from .profiles import ABAQUS, named
+from .raw import (
+    LINES,
+    SOLIDS,
+    SURFACES,
+    RawBlock,
+    RawMesh,
+    cylindrical,
+    joined,
+    nodes_in,
+    repeats,
+    rows_of,
+)
+from .sections import Source, across, layered, refusing, unit
 
-_OF_SCOPES = frozenset(("NODE", "NGEN", "ELEMENT", "ELGEN", "NSET", "ELSET", "SYSTEM"))
+# Sets of nodes or of elements.
+Which = Literal["NSET", "ELSET"]
+
+# Kinds of keywords by their names, beyond those that are read.
+_KINDS = {
+    # They change nodes, elements or sets in ways that the reader does not follow.
+    "unsupported": re.compile(
+        "ADAPTIVEMESHREFINEMENT|ADJUST|DISPLAYBODY|ELCOPY|IMPERFECTION|IMPORT|IMPORTELSET"
+        "|IMPORTNSET|NCOPY|NFILL|NMAP|REFINEMESH|SYMMETRICMODELGENERATION"
+    ),
+    # They connect nodes, which a mesh cannot hold.
+    "connection": re.compile(
+        "COUPLING|DISTRIBUTINGCOUPLING|EMBEDDEDELEMENT|EQUATION|FASTENER|KINEMATICCOUPLING|MPC"
+        "|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
+    ),
+    "material": re.compile("MATERIAL|ELASTIC|DENSITY"),
+    # Options of a material that change its answer and are left out.
+    "inelastic": re.compile(
+        "(CYCLIC|RATEDEPENDENT|)PLASTIC|CYCLICHARDENING|RATEDEPENDENT|CREEP|DAMPING|VISCO.*"
+        "|HYSTERESIS|DAMAGE.*|.*FAIL.*|SUPERELASTIC.*|HYPER.*|.*PLASTICITY|.*CRACKING"
+        "|NOCOMPRESSION|NOTENSION|USERMATERIAL"
+    ),
+    # They add to a section: to that of their ELSET, or to the one before them.
+    "addition": re.compile(
+        "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
+        "|SHEARCENTER|BEAM(ADDED|FLUID)INERTIA|BEAMSECTIONOFFSET"
+    ),
+    # They add mass or stiffness between sections and beside them.
+    "beside": re.compile("FOUNDATION|MASSADJUST"),
+}
+
+# Beginnings of the names of all other keywords of Abaqus and CalculiX: materials, sections,
+# interactions, loads, steps, output. They have no influence on nodes, elements and sets; surfaces
+# are no groups here.
+_BEGINNINGS = """
+    ACOUSTIC ACTIVATE ADAPTIVEMESH AMPLITUDE ANISOTROPIC ANNEAL AQUA BASE BEAM BIAXIAL
+    BLOCKAGE BOND BOUNDARY BRITTLE BUCKL BULKVISC C-ADDED CALIBRATION CAP CASTIRON CAVITY
+    CECHARGE CECURRENT CENTROID CFD CFILM CFLOW CFLUX CHANGE CLAY CLEARANCE CLOAD COHESIVE
+    COMBINEDTEST COMPLEXFREQ COMPOSITE CONCENTRATION CONCRETE CONDUCTIVITY CONFLUENCE CONNECTOR
+    CONSTITUENT CONSTRAINT CONTACT CONTROLS CORRELATION CORRESPONDENCE COUPL CRACK CREEP CRUSH
+    CYCL D-ADDED DAMAGE DAMPING DASHPOT DEBOND DECHARGE DECURRENT DEFORMATION DENSITY DEPVAR
+    DESIGN DETONATION DFLOW DFLUX DIAGNOSTICS DIELECTRIC DIFFUSIVITY DIRECTCYCLIC DISCRETE
+    DISTRIBUT DLOAD DRAG DRUCKER DSA DSECHARGE DSECURRENT DSFLOW DSFLUX DSLOAD DYNAMIC ELASTIC
+    ELCURRENT ELECTR ELEMENTMATRIX ELEMENTOPERATOR ELEMENTOUTPUT ELEMENTPRO ELEMENTRE
+    ELEMENTSOLUTION ELFILE ELPRINT EMBEDDED EMISSIVITY ENDLOADCASE ENDSTEP ENERGY ENRICHMENT EOS
+    EPJOINT EQUATION EULERIAN EVENTSERIES EXPANSION EXPLICIT EXTERNALFIELD EXTREME FABRIC
+    FACEPRINT FAIL FASTENER FEASIBLE FIELD FILEFORMAT FILEOUTPUT FILM FILTER FIXEDMASS
+    FLEXIBLE FLOW FLUID FOUNDATION FRACTURE FRAME FREQUENCY FRICTION GAP GAS GEL GEOMETRIC
+    GEOSTATIC GLOBALDAMPING GREEN HCF HEADING HEAT HOURGLASS HYDROSTATIC HYPER HYSTERESIS
+    IMPEDANCE IMPERMEABLE IMPORTCONTROLS INCIDENTWAVE INCREMENTATION INELASTIC INERTIARELIEF
+    INITIAL INTEGRATEDOUTPUT INTERFACE ITSDAMPING JOINT JOULE KAPPA KINEMATIC LATENT LEADTIME
+    LOAD LOWDENSITY M1 M2 MAGNETIC MAPSOLUTION MASS MATERIAL MATRI MEANFIELD MEDIA MEMBRANE
+    MODAL MODELCHANGE MOHR MOISTURE MOLECULAR MONITOR MOTION MPC MULLINS NETWORK NOANALYSIS
+    NOCOMPRESSION NODAL NODEFILE NODEOUTPUT NODEPRINT NODERESPONSE NONLINEAR NONSTRUCTURAL
+    NORMAL NOTENSION OBJECTIVE ORIENTATION ORNL OUTPUT PARAMETER PARTICLE PERIODIC PERMANENT
+    PERMEABILITY PHYSICAL PIEZO PIPE-SOIL PLANARTEST PLASTIC POREFLUID POROUS POSTOUTPUT
+    POTENTIAL PRE-TENSION PREPRINT PRESSURE PRESTRESS PRINT PROBABILITY PROPERTY PSD RADIAT
+    RANDOM RATEDEPENDENT RATIOS REBAR REFLECTION RELEASE RESPONSE RESTART RETAINED RIGID ROBUST
+    ROTARY SECTION SELECT SENSITIVITY SFILM SFLOW SHEAR SHELL SIMPEDANCE SIMPLESHEAR SLIDELINE
+    SLOADING SOILS SOLID SOLUBILITY SOLUTION SOLVER SORPTION SPECIFIC SPECTRUM SPRING SRADIATE
+    STATIC STEADYSTATE STEP SUBCYCLING SUBMODEL SUBSTRUCTURE SUPERELASTIC SURFACE SWELLING
+    TABLE TEMPERATURE TENSILE TENSION THERMAL THICKNESS TIE TIMEPOINTS TORQUE TRACER TRANSFORM
+    TRANSPORT TRANSVERSE TRIAXIAL TRS UEL UNCOUPLED UNDEX UNIAXIAL UNLOADING USER VALUES
+    VARIABLEMASS VIEWFACTOR VISCO VOID VOLUMETRIC WAVE WIND XFEM
+"""
+_HARMLESS = re.compile("|".join(_BEGINNINGS.split()))
 
 # Nodes of C3D27 in meshio's order, where the middle comes before those of faces 1 to 6, and of B32,
 # where it comes before the second end.
 _ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0, 2, 1)}
 
+# Types of elements, and their kinds by their first digits.
+_TYPES = (
+    (re.compile(r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}"), SOLIDS),
+    (  # shells, membranes, rigid and plane elements
+        re.compile(
+            r"(?:D?S|US|STRI|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(65|3|4|6|8|9)(?!\d)"
+            "[A-Z0-9]*"
+        ),
+        SURFACES | {65: "triangle6"},
+    ),
+    (re.compile(r"T[23]D([23])[A-Z]{0,2}"), LINES),
+    # Beams in space, by their order: B33 has the nodes of B31.
+    (re.compile(r"B3([123])R?H?(?:OS)?H?"), {1: "line", 2: "line3", 3: "line"}),
+)
 
-@dataclass(eq=False)
-class _Instance:
-    """An instance of a part: its place, and keywords of its own.
+# Elements of a number of nodes that may vary, or of shapes that no mesh of solids has.
+_LISTED = re.compile(
+    r"(?:B2\d|PIPE|ELBOW|FRAME|MASS$|ROTARYI$|HEATCAP$|SPRING|DASHPOT|JOINT|CONN|GAP|DGAP|DCOUP"
+    r"|ITS|ITT|ISL|IRS|LS\d|COH|GK|SC[68]R|CSS8|SFM|MAX|MCL|CCL|CIN|CPEG|CGAX|CAXA|CGPE|SAX|SAXA"
+    r"|DSAX|RAX2|RB[23]D|R2D2|AC1D|AC3D|ACIN|ASI|DC1D|DCC|DC3D|Q3D|EMC|EC3D|FC3D|F3D|PC3D|PD3D|PSI"
+    r"|DRAG|KSP|WARP|D$|V?U\d|Z\d)[A-Z0-9-]*"
+)
 
-    `keyword` is None for a part that stands for itself.
-    """
+# Beginnings of the types of solids, shells and beams by their dimension; membranes, rigid and
+# plane elements are none.
+_PARTS = {3: re.compile("C3D"), 2: re.compile(r"S\d|STRI|US\d"), 1: re.compile(r"B3\d")}
 
-    name: str
-    part: str
-    keyword: Keyword | None = None
-    own: list[Keyword] = field(default_factory=list)
+# Surface elements that meshers write for the sides of solids.
+_SIDES = re.compile(r"CP[SE]\d|CAX\d|SFM3D")
 
+# Bytes that a generated node takes, Python's objects included.
+_PER_NODE = 400
 
-@dataclass(eq=False)
-class _Model:
-    """Keywords of a deck, by what they belong to.
+# Sine of an angle below which two directions are the same.
+_PARALLEL = 1e-9
 
-    `outside` has those of the assembly, or of a deck without parts. Parts and instances are found
-    by their names in capitals. `connections` counts keywords that connect nodes, and `changes`
-    those of steps that remove or add elements. `cards` are all others, and *NODE, with their parts.
-    """
+# Share of a radius by which two nodes of one arc may differ.
+_ROUND = 1e-3
 
-    outside: list[Keyword] = field(default_factory=list)
-    parts: dict[str, list[Keyword]] = field(default_factory=dict)
-    instances: dict[str, _Instance] = field(default_factory=dict)
-    called: dict[str, str] = field(default_factory=dict)
-    connections: Counter[str] = field(default_factory=Counter)
-    changes: int = 0
-    cards: list[tuple[str, Keyword]] = field(default_factory=list)
+# Least share of an orientation's axis along the normals of the shell that it is for.
+_ALONG = 1e-3
 
+# Sine of the angle to the normal below which x is no direction on a shell: 0.1 degrees.
+_NORMAL = 1.745e-3
 
-@dataclass(frozen=True, eq=False)
-class AbaqusDeck:
-    """Keywords of a deck beyond its mesh.
+# A beam's y and z in axes 1 and 2 of its section.
+_AXES = np.array([[0.0, -1.0], [1.0, 0.0]])
 
-    Attributes
-    ----------
-    cards : list of (str, Keyword)
-        The part to which each belongs, in capitals; "" outside of parts.
-    instances : mapping of str to list of (str, ndarray)
-        By part, the beginning of the names of its sets in the mesh, such as "Bar-1.", and the
-        matrix by which the instance is turned.
-    types : ndarray of str, shape (n_cells,)
-        The elements' types in capitals, through all blocks.
-    towards : ndarray of bool, shape (n_cells,)
-        Beams that name a node towards which their section is turned.
-    """
+# Largest difference of an angle between two orientations over a shell, rad.
+_ANGLE = 1e-4
 
-    cards: list[tuple[str, Keyword]]
-    instances: dict[str, list[tuple[str, FloatArray]]]
-    types: npt.NDArray[np.str_]
-    towards: npt.NDArray[np.bool_]
-
-    @property
-    def sections(self) -> str:
-        """Keywords on shells and beams, as in "2 *SHELLSECTION"."""
-        return _listed(Counter(f"*{c.name}" for _, c in self.cards if SECTIONS.fullmatch(c.name)))
-
-    @property
-    def elements(self) -> str:
-        """The elements by their types, as in "100 CPS4"."""
-        return _listed(Counter(self.types.tolist()))
+# Of an orientation that CalculiX takes otherwise.
+_CURE = "write the fibres as axis 1, and 3 in the second line"
 
 
 def read(file: Path) -> RawMesh:
@@ -114,188 +187,230 @@ def read(file: Path) -> RawMesh:
     """
     try:
         with np.errstate(all="ignore"):  # coordinates out of reach are refused later
-            return _joined(file, _sorted(read_keywords(file)))
+            return _joined(file, read_keywords(file))
     except RecursionError:
         raise MeshError(
             f"mesh file {str(file)!r}: its sets, or the files that it includes, are nested too deep"
         ) from None
 
 
-def _sorted(keywords: list[Keyword]) -> _Model:
-    """Give each keyword to its part, its instance or the assembly, and refuse unknown ones."""
-    model = _Model()
-    within: list[tuple[str, list[Keyword]]] = [("", model.outside)]
-    loose: Keyword | None = None
-    part = ""
-    for keyword in keywords:
-        name = keyword.name
-        model.connections[name] += CONNECTIONS.fullmatch(name) is not None
-        model.changes += name == "MODELCHANGE"
-        if name in _OF_SCOPES:
-            within[-1][1].append(keyword)
-            if name == "NODE":
-                model.cards.append((part, keyword))  # may hold normals
-            if len(within) == 1 and name in ("NODE", "ELEMENT"):
-                loose = keyword
-        elif name == "PART":
-            keyword.check_options("NAME")
-            part = _new(keyword, model.parts)
-            model.called[part] = keyword.options["NAME"].strip('"')
-            within.append((name, model.parts.setdefault(part, [])))
-        elif name == "ASSEMBLY":
-            within.append((name, model.outside))
-        elif name == "INSTANCE":
-            keyword.check_options("NAME", "PART")
-            instance, of = _new(keyword, model.instances), keyword.options.get("PART", "")
-            if key(of) not in model.parts:
-                raise keyword.error(f"there is no part {of}")
-            called = keyword.options["NAME"].strip('"')
-            model.instances[instance] = made = _Instance(called, key(of), keyword)
-            within.append((name, made.own))
-        elif name in ("ENDPART", "ENDASSEMBLY", "ENDINSTANCE"):
-            if within.pop()[0] != name[3:]:
-                raise keyword.error(f"it ends no *{name[3:]}")
-            part = ""
-        elif UNSUPPORTED.fullmatch(name):
-            raise keyword.error("it is not supported; write the mesh out without it")
-        elif not HARMLESS.match(name):
-            raise keyword.error("it is not known, and may change the mesh; leave it out")
-        else:
-            model.cards.append((part, keyword))
-    if len(within) > 1:
-        raise keywords[-1].error(f"*END {within[-1][0]} is missing")
-    if model.parts and loose is not None:
-        raise loose.error("in a deck with parts, it must belong to one of them")
-    if model.parts and not model.instances:
-        model.instances = {part: _Instance(model.called[part], part) for part in model.parts}
-    return model
+def _kind(name: str) -> str:
+    """Return the kind of a keyword; "" if it has none."""
+    return next((kind for kind, names in _KINDS.items() if names.fullmatch(name)), "")
 
 
-def _new(keyword: Keyword, known: Mapping[str, object]) -> str:
-    """Return the name of a part or instance in capitals."""
-    name = key(keyword.options.get("NAME", ""))
-    if not name or name in known:
-        raise keyword.error("it needs a NAME of its own")
-    return name
+def _cells(name: str) -> str | None:
+    """Return meshio's kind of cells of a type in capitals, such as "C3D8R".
+
+    It is "" for elements that are only listed, and None for unknown types.
+    """
+    for pattern, kinds in _TYPES:
+        if found := pattern.fullmatch(name):
+            return kinds[int(found[1])]
+    return "" if _LISTED.fullmatch(name) else None
 
 
-def _joined(file: Path, model: _Model) -> RawMesh:
-    """Put instances in their places, one after the other, and find all sets."""
-    whole = Scope()
-    parts: dict[str, Scope] = {}
-    for name, instance in model.instances.items():
-        scope = parts.get(instance.part)
-        if instance.own or scope is None:
-            scope = Scope().read([*model.parts[instance.part], *instance.own])
-        if not instance.own:
-            parts[instance.part] = scope
-        whole.inner[name] = scope = scope.placed(instance.keyword, whole.first)
-        whole.first = scope.behind()
-    whole.read(model.outside)
-    scopes = [*whole.inner.values(), whole]
-    bodies = [*whole.inner.values()] or [whole]
-    blocks = [block for scope in scopes for block in scope.elements]
-    rows = [block.nodes + of.first["NSET"] for of in scopes for block in of.elements]
-    node_sets, cell_sets = _named(whole, model)
-    kinds = np.repeat(np.arange(len(blocks)), [len(block.labels) for block in blocks])
-    solid = np.array([block.type[:3] == "C3D" for block in blocks], dtype=bool)
-    if not solid.any():  # a body of shells and beams: nothing else with a shape is part of it
-        blocks = [b if STRUCTURAL.match(b.type) else replace(b, kind="") for b in blocks]
-    unread = np.array([not block.kind for block in blocks], dtype=bool)
-    bodies_named = {instance.name for instance in model.instances.values()}
-    left_out = {}
-    for name, members in cell_sets.items():
-        of_kind = kinds[members]
-        others = ~solid[of_kind] if solid[of_kind].any() else unread[of_kind]
-        if others.any() and name not in bodies_named:
-            listed = Counter(blocks[i].type for i in of_kind[others].tolist())
-            left_out[name] = _listed(listed)
-    _warn(file, whole, model, blocks)
-    n_nodes = sum(len(body.labels) for body in bodies)
-    return RawMesh(
-        np.concatenate([body.places for body in bodies]),
-        tuple(
-            RawBlock(
-                block.kind or "other", cells[:, _ORDERS.get(block.kind, slice(None))], block.labels
-            )
-            for block, cells in zip(blocks, rows, strict=True)
-        ),
-        {name: members[members < n_nodes] for name, members in node_sets.items()},
-        cell_sets,
-        np.concatenate([body.labels for body in bodies]),
-        left_out,
-        AbaqusDeck(
-            model.cards,
-            _turned(model),
-            np.array([block.type for block in blocks], dtype=str)[kinds],
-            np.array([block.towards for block in blocks], dtype=bool)[kinds],
-        ),
-    )
-
-
-def _turned(model: _Model) -> dict[str, list[tuple[str, FloatArray]]]:
-    """Return the instances of each part, as `AbaqusDeck` has them."""
-    found = {"": [("", np.eye(3))]}
-    for instance in model.instances.values():
-        points = np.vstack([np.zeros(3), np.eye(3)])
-        if instance.keyword is not None:
-            points = moved(instance.keyword, points)
-        found.setdefault(instance.part, []).append(
-            (f"{instance.name}.", (points[1:] - points[0]).T)
-        )
-    return found
-
-
-def _named(whole: Scope, model: _Model) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
-    """Return all sets by the names that users know: members' numbers among those of all scopes."""
-    sets: dict[tuple[Which, str], list[tuple[str, IntArray]]] = {
-        at: [(called, whole.members(*at))] for at, called in whole.names.items()
-    }
-    own = set(sets)
-    for name, instance in model.instances.items():
-        scope = whole.inner[name]
-        for (which, inner), called in scope.names.items():
-            members = scope.members(which, inner)
-            full = f"{instance.name}.{called}"
-            sets.setdefault((which, key(full)), []).append((full, members))
-            if (which, inner) not in own:
-                sets.setdefault((which, inner), []).append((called, members))
-        every = np.arange(scope.first["ELSET"], scope.behind()["ELSET"])
-        sets.setdefault(("ELSET", name), []).append((instance.name, every))
-    named: dict[Which, dict[str, IntArray]] = {"NSET": {}, "ELSET": {}}
-    for (which, _), found in sets.items():
-        called, members = found[0]
-        if all(np.array_equal(members, other) for _, other in found):  # else of several instances
-            named[which][called] = members
-    return named["NSET"], named["ELSET"]
+def _dim(name: str) -> int:
+    """Return the dimension of a type of solids, shells or beams; 0 for others."""
+    return next((dim for dim, names in _PARTS.items() if names.match(name)), 0)
 
 
 def _listed(counts: Counter[str]) -> str:
     return ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
 
 
-def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> None:
+# ----- parts, instances and the assembly
+
+
+@dataclass(frozen=True, eq=False)
+class AbaqusDeck:
+    """Keywords of a deck beyond its mesh.
+
+    Attributes
+    ----------
+    cards : list of Keyword
+    instances : mapping of str to list of (str, ndarray)
+        By part, the beginning of the names of its sets in the mesh, such as "Bar-1.", and the
+        matrix by which the instance is turned.
+    types : ndarray of str, shape (n_cells,)
+        The elements' types in capitals, through all blocks.
+    towards : ndarray of bool, shape (n_cells,)
+        Beams that name a node towards which their section is turned.
+    """
+
+    cards: list[Keyword]
+    instances: dict[str, list[tuple[str, FloatArray]]]
+    types: npt.NDArray[np.str_]
+    towards: npt.NDArray[np.bool_]
+
+    @property
+    def sections(self) -> str:
+        """Keywords on shells and beams, as in "2 *SHELLSECTION"."""
+        names = [card.name for card in self.cards]
+        return _listed(
+            Counter(f"*{of}" for of in names if of in _SECTIONS and _SECTIONS[of][1] < 3)
+        )
+
+    @property
+    def elements(self) -> str:
+        """The elements by their types, as in "100 CPS4"."""
+        return _listed(Counter(self.types.tolist()))
+
+    def read(self, source: Source) -> dict[str, OneMaterial]:
+        """Return the sections by group."""
+        return _Reader(source, self).sections()
+
+
+def _sorted(keywords: list[Keyword]) -> tuple[Scope, dict[str, Scope]]:
+    """Give each keyword to its part, its instance or the assembly, and refuse unknown ones.
+
+    Return the assembly with its instances, or a deck without parts, and the parts.
+    """
+    whole, parts = Scope(), dict[str, Scope]()
+    within = [("", whole)]
+    loose: Keyword | None = None
+    for keyword in keywords:
+        name = keyword.name
+        if within[-1][0] == "PART":
+            keyword.part = within[-1][1].part
+        if name in _READ:
+            within[-1][1].keywords.append(keyword)
+            if len(within) == 1 and name in ("NODE", "ELEMENT"):
+                loose = keyword
+        elif name == "ASSEMBLY":
+            within.append((name, whole))
+        elif name in ("PART", "INSTANCE"):
+            among = parts if name == "PART" else whole.inner
+            keyword.check_options("NAME", *(["PART"] if name == "INSTANCE" else []))
+            called, of = (keyword.options.get(option, "") for option in ("NAME", "PART"))
+            if not key(called) or key(called) in among:
+                raise keyword.error("it needs a NAME of its own")
+            scope = Scope(called.strip('"'), key(called))
+            if name == "INSTANCE":
+                scope = replace(scope, part=key(of), keyword=keyword)
+                if key(of) not in parts:
+                    raise keyword.error(f"there is no part {of}")
+            among[key(called)] = scope
+            within.append((name, scope))
+        elif name in ("ENDPART", "ENDASSEMBLY", "ENDINSTANCE"):
+            if within.pop()[0] != name[3:]:
+                raise keyword.error(f"it ends no *{name[3:]}")
+        elif _kind(name) == "unsupported":
+            raise keyword.error("it is not supported; write the mesh out without it")
+        elif not _HARMLESS.match(name):
+            raise keyword.error("it is not known, and may change the mesh; leave it out")
+    if len(within) > 1:
+        raise keywords[-1].error(f"*END {within[-1][0]} is missing")
+    if parts and loose is not None:
+        raise loose.error("in a deck with parts, it must belong to one of them")
+    whole.inner = whole.inner or {name: replace(part, keywords=[]) for name, part in parts.items()}
+    return whole, parts
+
+
+def _joined(file: Path, cards: list[Keyword]) -> RawMesh:
+    """Put instances in their places, one after the other, and find all sets."""
+    whole, parts = _sorted(cards)
+    for name, instance in whole.inner.items():
+        scope = parts[instance.part]
+        if instance.keywords:
+            scope = Scope(keywords=[*scope.keywords, *instance.keywords])
+        whole.inner[name] = scope.read().placed(instance, whole.first)
+        whole.first = whole.inner[name].behind()
+    whole.read()
+    bodies = [*whole.inner.values()] or [whole]
+    every = list(whole.blocks())
+    blocks = [block for block, *_ in every]
+    numbers = np.repeat(np.arange(len(blocks)), [len(block.labels) for block in blocks])
+    dims = np.array([_dim(block.type) for block in blocks], dtype=int)
+    read = [block.kind for block in blocks]
+    if not (dims == 3).any():  # a body of shells and beams: nothing else with a shape is part of it
+        read = [kind if dim else "" for kind, dim in zip(read, dims.tolist(), strict=True)]
+    unread = np.array([not kind for kind in read], dtype=bool)
+    node_sets, cell_sets = _named(whole)
+    of_bodies = {body.name for body in bodies}
+    left_out = {}
+    for name, members in cell_sets.items():
+        own = numbers[members]
+        solid = dims[own] == 3
+        others = own[~solid if solid.any() else unread[own]]
+        if len(others) and name not in of_bodies:
+            left_out[name] = _listed(Counter(blocks[i].type for i in others.tolist()))
+    used = {scope.part for scope in whole.inner.values()}
+    unused = [scope.name for part, scope in parts.items() if part not in used]
+    _warn(file, whole, cards, unused, blocks, read)
+    n_nodes = sum(len(body.labels) for body in bodies)
+    turned = {"": [("", np.eye(3))]}
+    for scope in whole.inner.values():
+        turned.setdefault(scope.part, []).append((f"{scope.name}.", scope.turn))
+    return RawMesh(
+        np.concatenate([body.places for body in bodies]),
+        tuple(
+            RawBlock(kind or "other", nodes[:, _ORDERS.get(kind, slice(None))], block.labels)
+            for kind, (block, _, nodes) in zip(read, every, strict=True)
+        ),
+        {name: members[members < n_nodes] for name, members in node_sets.items()},
+        cell_sets,
+        np.concatenate([body.labels for body in bodies]),
+        left_out,
+        AbaqusDeck(
+            cards,
+            turned,
+            np.array([block.type for block in blocks], dtype=str)[numbers],
+            np.array([block.towards for block in blocks], dtype=bool)[numbers],
+        ),
+    )
+
+
+def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
+    """Return all sets by the names that users know: members' numbers among those of all scopes."""
+    sets: dict[tuple[Which, str], list[tuple[str, IntArray]]] = {}
+    for name, scope in {"": whole, **whole.inner}.items():
+        for (which, inner), called in scope.names().items():
+            members = scope.members(which, inner)
+            if name:
+                full = f"{scope.name}.{called}"
+                sets.setdefault((which, key(full)), []).append((full, members))
+            if not name or (which, inner) not in whole.sets:
+                sets.setdefault((which, inner), []).append((called, members))
+        if name:
+            every = np.arange(scope.first["ELSET"], scope.behind()["ELSET"])
+            sets.setdefault(("ELSET", name), []).append((scope.name, every))
+    found: dict[Which, dict[str, IntArray]] = {"NSET": {}, "ELSET": {}}
+    for (which, _), own in sets.items():
+        called, members = own[0]
+        if all(np.array_equal(members, other) for _, other in own):  # else of several instances
+            found[which][called] = members
+    return found["NSET"], found["ELSET"]
+
+
+def _warn(
+    file: Path,
+    whole: Scope,
+    cards: list[Keyword],
+    unused: list[str],
+    blocks: list[_Elements],
+    read: list[str],
+) -> None:
     """Name in one warning the contents of the deck that are not in the mesh."""
     said = []
-    counts: Counter[str] = Counter()
-    for block in blocks:
-        counts[block.type] += len(block.labels)
+    kinds = [_kind(card.name) for card in cards]
+    counts = sum((Counter({block.type: len(block.labels)}) for block in blocks), Counter[str]())
+    solids = any(name.startswith("C3D") for name in counts)
+    thin = {block.type for block, kind in zip(blocks, read, strict=True) if kind}
     # No model has plane elements beside solids: a mesher wrote sides, and edges as trusses.
-    edges = ("T3D",) if any(map(SIDES.match, counts)) else ()
+    edges = ("T3D",) if any(map(_SIDES.match, counts)) else ()
     for name in list(counts):
-        if name.startswith(("C3D", *edges)) or SIDES.match(name):
+        if name.startswith(("C3D", *edges)) or _SIDES.match(name):
             del counts[name]
-    if connections := +model.connections:
-        named = ", ".join(f"{count} *{name}" for name, count in sorted(connections.items()))
+    unread = Counter({name: count for name, count in counts.items() if name not in thin})
+    if "connection" in kinds:
+        names = (c.name for c, kind in zip(cards, kinds, strict=True) if kind == "connection")
         said.append(
             "connections between nodes were left out, and the body is computed without them: "
-            + named
+            + _listed(Counter(f"*{name}" for name in names))
         )
-    if model.changes:
-        said.append(f"{model.changes} *MODEL CHANGE were left out: the body has all elements")
-    solids = any(block.type.startswith("C3D") for block in blocks)
-    thin = {block.type for block in blocks if block.kind}
-    unread = Counter({name: count for name, count in counts.items() if name not in thin})
+    if changes := sum(card.name == "MODELCHANGE" for card in cards):
+        said.append(f"{changes} *MODEL CHANGE were left out: the body has all elements")
     if solids and counts != unread:
         said.append(
             "elements that are no solids are not part of the body, unless their groups are named "
@@ -304,8 +419,7 @@ def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> No
     elif unread:
         what = "no solids" if solids else "no solids, shells or beams"
         said.append(f"elements that are {what} are not part of the body: {_listed(unread)}")
-    used = {instance.part for instance in model.instances.values()}
-    if unused := [model.called[part] for part in model.parts if part not in used]:
+    if unused:
         said.append(f"parts without an instance are left out: {', '.join(unused)}")
     missing = dict(whole.missing)
     for scope in whole.inner.values():
@@ -316,3 +430,773 @@ def _warn(file: Path, whole: Scope, model: _Model, blocks: list[Elements]) -> No
         said.append(f"{name} names {label}, which is not defined{more}")
     if said:
         warn(f"mesh file {str(file)!r}: {'; '.join(said)}")
+
+
+# ----- nodes, elements and sets
+
+
+@dataclass(frozen=True, eq=False)
+class _Elements:
+    """Elements of one type.
+
+    Attributes
+    ----------
+    type, kind : str
+        The deck's name, and meshio's; the latter is empty if nodes are not read.
+    labels : ndarray of int, shape (n,)
+    nodes : ndarray of int, shape (n, nodes per element)
+        First their labels, at last rows of the scope's nodes.
+    keyword : Keyword
+    towards : bool
+        True of beams that name a node more, towards which their section is turned.
+    """
+
+    type: str
+    kind: str
+    labels: IntArray
+    nodes: IntArray
+    keyword: Keyword
+    towards: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """A piece of a set: numbers, ranges of them, and names of sets."""
+
+    keyword: Keyword
+    numbers: IntArray
+    ranges: list[tuple[int, int, int]] = field(default_factory=list)
+    names: list[str] = field(default_factory=list)
+
+
+@dataclass(eq=False)
+class Scope:
+    """Nodes, elements and sets that share their numbers and names.
+
+    A deck without parts is one scope. Else each instance of a part is one, and so is the assembly,
+    whose sets may name members of the instances.
+
+    Attributes
+    ----------
+    name : str
+        As it is written.
+    part : str
+        The part that it is, or of which it is an instance, in capitals.
+    keyword : Keyword or None
+        *INSTANCE.
+    keywords : list of Keyword
+        Those of `_READ`.
+    inner : mapping of str to Scope
+        Instances of an assembly, by their names in capitals.
+    first : mapping of Which to int
+        Number of the first node and element among those of all scopes.
+    labels : ndarray of int, shape (n,), ascending
+        Numbers of the nodes.
+    places : ndarray, shape (n, 3)
+    turn : ndarray, shape (3, 3)
+        By which it is turned as an instance.
+    elements : list of _Elements
+        In the order of the deck.
+    sets : mapping of (Which, str) to list of _Piece
+        By the names of sets as they are compared.
+    missing : mapping of str to int
+        By sets, the first of their numbers that is not defined.
+    """
+
+    name: str = ""
+    part: str = ""
+    keyword: Keyword | None = None
+    keywords: list[Keyword] = field(default_factory=list)
+    inner: dict[str, Scope] = field(default_factory=dict)
+    first: dict[Which, int] = field(default_factory=lambda: {"NSET": 0, "ELSET": 0})
+    labels: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    places: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    turn: FloatArray = field(default_factory=lambda: np.eye(3))
+    elements: list[_Elements] = field(default_factory=list)
+    sets: dict[tuple[Which, str], list[_Piece]] = field(default_factory=dict)
+    missing: dict[str, int] = field(default_factory=dict)
+    _points: list[tuple[Keyword, IntArray, FloatArray]] = field(default_factory=list)
+    _frames: list[tuple[int, FloatArray, FloatArray]] = field(default_factory=list)
+    _found: dict[tuple[Which, str], IntArray | None] = field(default_factory=dict)
+    # Ascending labels, and the rows of their nodes or elements.
+    _known: dict[Which, tuple[IntArray, IntArray]] = field(default_factory=dict)
+
+    def read(self) -> Scope:
+        """Read its keywords, once, and return the scope."""
+        if not self._known:
+            for keyword in sorted(self.keywords, key=lambda keyword: _READ[keyword.name][0]):
+                _, add, options = _READ[keyword.name]
+                keyword.check_options(*options)
+                add(self, keyword)
+            self._number()
+        return self
+
+    def placed(self, of: Scope, first: dict[Which, int]) -> Scope:
+        """Return it as an instance, moved by the data lines of *INSTANCE, if there are any.
+
+        The first is a translation. The second, two points and an angle, turns the moved body.
+        """
+        places = np.vstack([self.places, np.zeros(3), np.eye(3)])
+        if of.keyword is not None and of.keyword.rows:
+            what = "a translation, and a rotation by two points and an angle"
+            shift, points = of.keyword.lines_of(3, 7, what=what)
+            places = places + shift
+            if len(of.keyword.rows) > 1:
+                start, axis = points[:3], points[3:6] - points[:3]
+                if not axis.any():
+                    raise of.keyword.error("the two points of the axis of rotation are the same")
+                turn = points[6] * axis / np.linalg.norm(axis)
+                rotation = Rotation.from_rotvec(turn, degrees=True)
+                places = rotation.apply(places - start) + start
+        return replace(
+            self,
+            name=of.name,
+            part=of.part,
+            first=first,
+            places=places[:-4],
+            turn=(places[-3:] - places[-4]).T,
+            _found={},
+        )
+
+    def behind(self) -> dict[Which, int]:
+        """Return the numbers, as `first`, that follow those of its nodes and elements."""
+        return {which: self.first[which] + len(self._known[which][0]) for which in self.first}
+
+    def names(self) -> dict[tuple[Which, str], str]:
+        """Return the names of its sets as they are written first."""
+        return {at: own[0].keyword.options[at[0]].strip('"') for at, own in self.sets.items()}
+
+    def blocks(self) -> Iterator[tuple[_Elements, int, IntArray]]:
+        """Yield elements, the number of the first, and those of nodes, among all scopes'."""
+        for scope in (*self.inner.values(), self):
+            start = scope.first["ELSET"]
+            for block in scope.elements:
+                yield block, start, block.nodes + scope.first["NSET"]
+                start += len(block.labels)
+
+    def _system(self, keyword: Keyword) -> None:
+        """Add rectangular axes: local coordinates x become origin + axes @ x.
+
+        They are given by their origin, a point on x, and one in the plane of x and y. Without the
+        last one z stays as it is, and x is projected; without any, the axes are global again.
+        """
+        what = "the points a and b in one line, and c in the next"
+        points, third = keyword.lines_of(6, 3, what=what)
+        origin, axes = points[:3], np.eye(3)
+        if len(keyword.rows[:1] and keyword.rows[0]) > 3:
+            x, beside = points[3:] - origin, third - origin
+            if len(keyword.rows) == 1:
+                x[2] = 0.0
+                beside = np.array([-x[1], x[0], 0.0])
+            z = np.cross(x, beside)
+            if not np.linalg.norm(z) > _PARALLEL * np.linalg.norm(x) * np.linalg.norm(beside):
+                raise keyword.error("the points a, b and c are on one line")
+            x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
+            axes = np.column_stack([x, np.cross(z, x), z])
+        self._frames.append((keyword.order, origin, axes))
+
+    def _frame(self, keyword: Keyword) -> tuple[FloatArray, FloatArray]:
+        """Return origin and axes of the last *SYSTEM before a keyword."""
+        before = [of for order, *of in self._frames if order < keyword.order]
+        origin, axes = [(np.zeros(3), np.eye(3)), *before][-1]
+        return origin, axes
+
+    def _node(self, keyword: Keyword) -> None:
+        labels, places = keyword.points()
+        system = key(keyword.options.get("SYSTEM", "R"))
+        if system not in ("R", "C", "S", "RECTANGULAR", "CYLINDRICAL", "SPHERICAL"):
+            raise keyword.error(f"SYSTEM must be R, C or S, got {system}")
+        if system[0] == "C":
+            places = cylindrical(*places.T)
+        elif system[0] == "S":  # r, the angle about z, and that from the plane of x and y
+            r, turn, rise = places.T
+            rise = np.radians(rise)
+            places = cylindrical(r * np.cos(rise), turn, r * np.sin(rise))
+        origin, axes = self._frame(keyword)
+        self._points.append((keyword, labels, places @ axes.T + origin))
+        self._define(keyword, "NSET", labels)
+
+    def _ngen(self, keyword: Keyword) -> None:
+        """Add nodes between two others, on a straight line or an arc."""
+        line = key(keyword.options.get("LINE", ""))
+        if line not in ("", "C"):
+            raise keyword.error(f"LINE={line} is not supported; write the nodes out")
+        origin, axes = self._frame(keyword)
+        where: dict[int, FloatArray] = {}
+        for _, labels, places in self._points:
+            where.update(zip(labels.tolist(), places, strict=True))
+        made: dict[int, FloatArray] = {}
+        ends: list[int] = []
+        for row, texts in enumerate(keyword.rows):
+            first, last, step = keyword.span(row, texts[:3])
+            n, rest = divmod(last - first, step)
+            if rest or not n:
+                raise keyword.error(f"no step of {step} leads from {first} to {last}", row)
+            require(n * _PER_NODE, f"*NGEN of {n} nodes", "check the numbers in the deck")
+            centre = keyword.integers(row, texts[3:4])[0] if line and any(texts[3:4]) else 0
+            for end in (first, last, centre or first):
+                if end not in where:
+                    raise keyword.error(f"node {end} is not defined", row)
+            share = np.arange(1, n)[:, None] / n
+            if line:
+                given = np.array(keyword.reals(row, texts[4:], 6))
+                about = where[centre] if centre else origin + axes @ given[:3]
+                normal = axes @ given[3:6] if len(texts) > 7 else None
+                between = None
+                if centre or len(texts) > 4:
+                    between = _arc(where[first], where[last], share, about, normal)
+                if between is None:
+                    raise keyword.error("no arc leads from node to node about the centre", row)
+            else:
+                if len(texts) > 3:
+                    raise keyword.error("only LINE=C takes more than three numbers", row)
+                between = where[first] + share * (where[last] - where[first])
+            new = dict(zip(range(first + step, last, step), between, strict=True))
+            where |= new
+            made |= new
+            ends += [first, last]
+        labels = np.fromiter(made, dtype=np.int64)
+        self._points.append((keyword, labels, np.reshape([*made.values()], (-1, 3))))
+        self._define(keyword, "NSET", joined([np.array(ends, dtype=np.int64), labels]))
+
+    def _element(self, keyword: Keyword) -> None:
+        name = key(keyword.options.get("TYPE", ""))
+        kind, towards = _cells(name), False
+        if kind is None:
+            raise keyword.error(f"elements of type {name!r} are not known")
+        if self.inner and name.startswith("C3D"):
+            raise keyword.error("solids belong into a part")
+        if kind and not self.inner:
+            try:
+                table = keyword.connectivity(nodes_in(kind))
+            except MeshError:
+                if name[0] != "B":
+                    raise
+                table, towards = keyword.connectivity(nodes_in(kind) + 1)[:, :-1], True
+        else:  # between instances, nodes have names
+            kind, table = "", keyword.first_numbers()[:, None]
+        new = _Elements(name, kind, table[:, 0], table[:, 1:], keyword, towards)
+        self.elements.append(new)
+        self._define(keyword, "ELSET", new.labels)
+
+    def _elgen(self, keyword: Keyword) -> None:
+        """Add elements like a first one, in a row, a layer of rows, and layers."""
+        every = []
+        n_nodes = sum(len(labels) for _, labels, _ in self._points)
+        for row, texts in enumerate(keyword.rows):
+            master, *numbers = keyword.integers(row, [text or "1" for text in texts])
+            if not 1 <= len(numbers) <= 9:
+                raise keyword.error("give an element, and how many to make of it", row)
+            numbers = padded(numbers, [1, 1, 1, 1, 0, 0, 1, 0, 0])
+            counts, steps = numbers[0::3], np.array([numbers[1::3], numbers[2::3]]).T
+            if min(counts) < 1 or math.prod(counts) > n_nodes:
+                raise keyword.error("it makes no elements, or more than there are nodes", row)
+            of = [
+                (block, i)
+                for block in self.elements
+                for i in np.flatnonzero(block.labels == master)
+            ]
+            if not of:
+                raise keyword.error(f"element {master} is not defined", row)
+            block, i = of[-1]
+            shifts = np.zeros((1, 2), dtype=np.int64)  # of nodes' and elements' numbers
+            for count, step in zip(counts, steps, strict=True):
+                shifts = (np.arange(count)[:, None, None] * step + shifts).reshape(-1, 2)
+            labels = master + shifts[:, 1]
+            nodes = block.nodes[i] + shifts[1:, :1]
+            self.elements.append(replace(block, labels=labels[1:], nodes=nodes, keyword=keyword))
+            every.append(labels)
+        self._define(keyword, "ELSET", joined(every))
+
+    def _set(self, keyword: Keyword) -> None:
+        which: Which = "NSET" if keyword.name == "NSET" else "ELSET"
+        options = keyword.options
+        if which not in options:
+            raise keyword.error(f"{which}=name is missing")
+        if key(options.get("INSTANCE", "")) not in ["", *self.inner]:
+            raise keyword.error(f"there is no instance {options['INSTANCE']}")
+        numbers, ranges, names = list[int](), [], list[str]()
+        if "GENERATE" in options:
+            ranges = [keyword.span(row, texts) for row, texts in enumerate(keyword.rows)]
+            for row, (_, _, step) in enumerate(ranges):
+                if step < 0:
+                    raise keyword.error("the step must be positive", row)
+        else:
+            texts = [text for texts in keyword.rows for text in texts if text]
+            numbers = [int(text) for text in texts if text.isdecimal()]
+            names = [text for text in texts if not text.isdecimal()]
+        if max(numbers, default=0) >= MOST:
+            raise keyword.error(f"the number {max(numbers)} is too large")
+        self._define(keyword, which, np.array(numbers, dtype=np.int64), ranges, names)
+
+    def _define(self, keyword: Keyword, which: Which, *of: Any) -> None:
+        """Add to the set that a keyword names, if it names one."""
+        if which in keyword.options:
+            at = which, key(keyword.options[which])
+            if not at[1]:
+                raise keyword.error(f"{which}= has no name")
+            self.sets.setdefault(at, []).append(_Piece(keyword, *of))
+
+    def _number(self) -> None:
+        """Sort the nodes by their labels, and find the rows of the elements' nodes."""
+        labels = joined(labels for _, labels, _ in self._points)
+        places = np.concatenate([np.zeros((0, 3)), *(places for _, _, places in self._points)])
+        order = np.argsort(labels, kind="stable")
+        labels, places = labels[order], places[order]
+        again = np.flatnonzero(labels[1:] == labels[:-1]) + 1
+        for label in labels[again[(places[again] != places[again - 1]).any(axis=1)]].tolist():
+            keyword = [one for one, own, _ in self._points if (own == label).any()][-1]
+            raise keyword.error(f"node {label} is defined twice, at different places")
+        self.labels, self.places = np.delete(labels, again), np.delete(places, again, axis=0)
+        for i, block in enumerate(self.elements):
+            rows = rows_of(self.labels, block.nodes)
+            for element, node in np.argwhere(rows < 0)[:1]:
+                label, missing = block.labels[element], block.nodes[element, node]
+                raise block.keyword.error(
+                    f"element {label} has node {missing}, which is not defined"
+                )
+            self.elements[i] = replace(block, nodes=rows)
+        labels = joined(block.labels for block in self.elements)
+        for label in labels[repeats(labels)[:1]].tolist():
+            keyword = [one.keyword for one in self.elements if (one.labels == label).any()][-1]
+            raise keyword.error(f"element {label} is defined twice")
+        order = np.argsort(labels, kind="stable")
+        self._known["NSET"] = self.labels, np.arange(len(self.labels))
+        self._known["ELSET"] = labels[order], order
+
+    def members(self, which: Which, name: str) -> IntArray:
+        """Return the sorted numbers, among those of all scopes, of a set's members."""
+        at = which, name
+        if at not in self._found:
+            self._found[at] = None
+            self._found[at] = np.unique(joined(self._resolved(which, of) for of in self.sets[at]))
+        found = self._found[at]
+        if found is None:
+            raise self.sets[at][0].keyword.error(f"the set {name} is a part of itself")
+        return found
+
+    def _resolved(self, which: Which, piece: _Piece) -> IntArray:
+        options = piece.keyword.options
+        scope = self.inner.get(key(options.get("INSTANCE", "")), self)
+        known = scope._known[which][0]
+        labels = [piece.numbers]
+        for start, stop, step in piece.ranges:
+            inside = known[slice(*np.searchsorted(known, [start, stop + 1]).tolist())]
+            chosen = inside[(inside - start) % step == 0]
+            labels.append(chosen if len(chosen) else np.array([min(start, MOST)]))
+        wanted = joined(labels)
+        found = scope._numbered(which, wanted)
+        for label in wanted[found < 0][:1].tolist():
+            self.missing[f"{which} {options[which]}"] = label
+        parts = [found[found >= 0], *(scope._named(which, name, piece) for name in piece.names)]
+        if piece.keyword.name == "NSET" and options.get("ELSET"):
+            parts.append(scope._nodes_of(scope._named("ELSET", options["ELSET"], piece), piece))
+        return joined(parts)
+
+    def _numbered(self, which: Which, labels: IntArray) -> IntArray:
+        """Return the numbers of nodes or elements among those of all scopes; -1 for others."""
+        known, order = self._known[which]
+        rows = rows_of(known, labels)
+        return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows
+
+    def _named(self, which: Which, name: str, piece: _Piece) -> IntArray:
+        """Return the members of a name in a piece of a set: a set, instance.set, instance.5."""
+        at = which, key(name)
+        if at in self.sets:
+            orders = [one.keyword.order for one in self.sets[at]]
+            if min(orders) < piece.keyword.order < max(orders):
+                raise piece.keyword.error(
+                    f"it is made of the set {name}, which grows afterwards; define {name} before"
+                )
+            return self.members(*at)
+        outer, _, rest = name.partition(".")
+        scope = self.inner.get(key(outer))
+        if rest and scope is not None:
+            if not rest.strip().isdecimal():
+                return scope._named(which, rest, piece)
+            found = scope._numbered(which, np.array([int(rest)]))
+            if found[0] >= 0:
+                return found
+        why = ""
+        if rest and scope is None:
+            why = f", and no instance {outer}; in a deck without parts give the numbers alone"
+        raise piece.keyword.error(f"there is no {which} {name}{why}")
+
+    def _nodes_of(self, elements: IntArray, piece: _Piece) -> IntArray:
+        """Return the numbers of the nodes of elements, both among those of all scopes."""
+        found = []
+        for block, start, nodes in self.blocks():
+            own = elements[(elements >= start) & (elements < start + len(nodes))] - start
+            if len(own) and not block.kind:
+                raise piece.keyword.error(f"nodes of elements of type {block.type} are not read")
+            found.append(nodes[own].ravel())
+        return joined(found)
+
+
+# Keywords that are read, after those of a lower number that may come later; and their options.
+_OF_SETS = ("GENERATE", "UNSORTED", "INTERNAL", "INSTANCE", "INPUT")
+_READ: dict[str, tuple[int, Callable[[Scope, Keyword], None], tuple[str, ...]]] = {
+    "SYSTEM": (0, Scope._system, ()),
+    "NODE": (0, Scope._node, ("NSET", "SYSTEM", "INPUT")),
+    "NGEN": (1, Scope._ngen, ("NSET", "LINE")),
+    "ELEMENT": (0, Scope._element, ("TYPE", "ELSET", "INPUT")),
+    "ELGEN": (2, Scope._elgen, ("ELSET",)),
+    "NSET": (0, Scope._set, ("NSET", "ELSET", *_OF_SETS)),
+    "ELSET": (0, Scope._set, ("ELSET", *_OF_SETS)),
+}
+
+
+def _arc(
+    start: FloatArray, end: FloatArray, share: FloatArray, centre: FloatArray, given: Any
+) -> FloatArray | None:
+    """Return places on an arc, shape (n, 3), or None if there is no such arc.
+
+    Parameters
+    ----------
+    start, end, centre : ndarray, shape (3,)
+    share : ndarray, shape (n, 1)
+        Shares of the way from start to end.
+    given : ndarray, shape (3,), or None
+        A normal of the arc, needed from 180° on.
+    """
+    arms = start - centre, end - centre
+    radii = [float(np.linalg.norm(arm)) for arm in arms]
+    normal = np.cross(*arms) if given is None else given
+    size = float(np.linalg.norm(normal))
+    least = _PARALLEL * radii[0] * radii[1] if given is None else 0.0
+    if not (size > least and abs(radii[0] - radii[1]) <= _ROUND * radii[0]):
+        return None
+    across = np.cross(normal / size, arms[0])
+    angle = math.atan2(float(arms[1] @ across), float(arms[1] @ arms[0])) % (2.0 * math.pi)
+    if angle < _PARALLEL:
+        return None
+    places: FloatArray = centre + np.cos(share * angle) * arms[0] + np.sin(share * angle) * across
+    return places
+
+
+# ----- sections and materials
+
+
+@dataclass(frozen=True, eq=False)
+class _Reader:
+    """The sections of a deck, and its materials, each made once."""
+
+    source: Source
+    deck: AbaqusDeck
+    made: dict[str, Solid] = field(default_factory=dict)
+
+    @cached_property
+    def normals(self) -> Keyword | None:
+        """The first card with normals, which turn beams."""
+        for card in self.deck.cards:
+            if card.name == "NORMAL" or (
+                card.name == "NODE" and any(text.rstrip(", ").count(",") > 3 for text in card.data)
+            ):
+                return card
+        return None
+
+    @cached_property
+    def materials(self) -> dict[str, dict[str, Keyword]]:
+        """The options of each material by their names."""
+        found: dict[str, dict[str, Keyword]] = {}
+        own: dict[str, Keyword] = {}
+        for card in self.deck.cards:
+            if card.name == "MATERIAL":
+                own = found.setdefault(key(card.options.get("NAME", "")), {})
+            elif card.name == "STEP":
+                break
+            if card.name in own:
+                raise card.error("the material has it twice")
+            if _kind(card.name) in ("material", "inelastic"):
+                own[card.name] = card
+        return found
+
+    def sections(self) -> dict[str, OneMaterial]:
+        """Return the sections by group: those that hold elements of their kind."""
+        source, cards = self.source, self.deck.cards
+        groups = {key(name): name for name in source.raw.cell_sets}
+        found: dict[str, OneMaterial] = {}
+        additions: list[tuple[str, Keyword]] = []
+        elset = ""
+        for card in cards:
+            addition = _kind(card.name) == "addition"
+            if not addition and card.name not in _SECTIONS:
+                continue
+            elset = card.options.get("ELSET", elset if addition else "")
+            for before, turn in self.deck.instances.get(card.part, []):
+                if addition:
+                    additions.append((before + elset, card))
+                    continue
+                read, dim, options = _SECTIONS[card.name]
+                name = groups.get(key(before + elset))
+                if name is None:
+                    raise card.error(f"there is no ELSET {elset!r}")
+                members = source.raw.cell_sets[name]
+                own = [_dim(of) == dim for of in self.deck.types[members].tolist()]
+                if not any(own):
+                    continue  # of trusses, membranes and the like, which no body has
+                if name in found:
+                    raise card.error(f"{name} has another section")
+                if (of := source.instead(name, dim)) is not None:
+                    found[name] = of
+                    continue
+                card.check_options("ELSET", "MATERIAL", "CONTROLS", *options)
+                with refusing(card.error):
+                    found[name] = read(_Section(self, card, turn, members[own]))
+        for of_name, card in additions:
+            name = groups.get(key(of_name), "")
+            if name not in found or found[name] is not source.given.get(key(name)):
+                raise card.error(
+                    f"it is not supported; take it into the section of {of_name} by "
+                    "read_sections(given=), or delete it"
+                )
+        if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
+            source.left_out.append(
+                "normals at nodes are left out: shells have normals of their elements"
+            )
+        for card in cards:
+            if card.name == "RELEASE" and any(isinstance(each, Beam) for each in found.values()):
+                raise card.error(
+                    "hinges are not supported; delete it if the beams may be joined rigidly"
+                )
+            if _kind(card.name) == "beside":
+                source.left_out.append(f"*{card.name} is left out")
+        return found
+
+    def material(self, name: str, card: Keyword) -> Solid:
+        """Return a material by its name; the card is the one that names it."""
+        at = key(name)
+        given: Solid | None = self.source.instead(name)
+        if given is not None:
+            return given
+        if at not in self.made:
+            if at not in self.materials:
+                raise card.error(f"there is no *MATERIAL {name!r}")
+            own = self.materials[at]
+            if missing := {"ELASTIC", "DENSITY"}.difference(own):
+                raise own["MATERIAL"].error(
+                    f"{name} has no *{min(missing)}; write it, or give read_sections(given="
+                    f"{{{name!r}: Material(...)}})"
+                )
+            if left := [f"*{each}" for each in own if _kind(each) == "inelastic"]:
+                self.source.left_out.append(f"{name} is elastic, without its {', '.join(left)}")
+            own["DENSITY"].check_options()
+            (rho,) = _constants(own["DENSITY"], 1)
+            elastic = own["ELASTIC"]
+            elastic.check_options("TYPE", "MODULI")
+            kind = key(elastic.options.get("TYPE", "ISO"))
+            if kind not in _ELASTIC:
+                raise elastic.error(f"TYPE={kind} is none of {', '.join(_ELASTIC)}")
+            count, make = _ELASTIC[kind]
+            with refusing(elastic.error):
+                self.made[at] = make(self.source, *_constants(elastic, count), rho)
+        return self.made[at]
+
+    def differs(self, of: str, other: str, cure: str) -> None:
+        """Say what CalculiX takes otherwise, if the deck may be for it."""
+        if len(self.deck.instances) == 1:  # CalculiX has no parts
+            self.source.left_out.append(f"{of} as in Abaqus; {other} ({cure})")
+
+
+def _constants(card: Keyword, count: int) -> list[float]:
+    """Return the constants of a card that holds at one temperature."""
+    rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
+    numbers = [x for row in rows for x in row]
+    if len(rows) > -(-(count + 1) // 8) or len(numbers) > count + 1:
+        raise card.error(f"it depends on temperature; write its {count} constants for one")
+    if len(numbers) < count:
+        raise card.error(f"it has {len(numbers)} of its {count} constants")
+    return numbers[:count]
+
+
+# Kinds of *ELASTIC: the number of their constants, and the materials of these and a density.
+_ELASTIC: dict[str, tuple[int, Callable[..., Solid]]] = {
+    **dict.fromkeys(("ISO", "ISOTROPIC"), (2, Source.isotropic)),
+    "LAMINA": (6, Source.ply),
+    "ENGINEERINGCONSTANTS": (9, Source.orthotropic),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class _Section:
+    """A section's card, the turn of the instance where it is, and its cells there."""
+
+    reader: _Reader
+    card: Keyword
+    turn: FloatArray
+    members: IntArray
+
+    def axes(self, name: str) -> tuple[FloatArray, int]:
+        """Return an orientation's unit axes in rows, and the number of the one in its second line.
+
+        The other axes are turned about this one. Without such a line it is the third; where it is
+        blank there the first, as in Abaqus.
+        """
+        found = {
+            one.part: one
+            for one in self.reader.deck.cards
+            if one.name == "ORIENTATION" and key(one.options.get("NAME", "")) == key(name)
+        }
+        own = found.get(self.card.part) or found.get("")
+        if own is None:
+            raise self.card.error(f"there is no *ORIENTATION {name!r}")
+        own.check_options("NAME", "SYSTEM", "DEFINITION")
+        kind = [key(own.options.get(each, "")) for each in ("SYSTEM", "DEFINITION")]
+        if kind[0] not in ("", "RECTANGULAR") or kind[1] not in ("", "COORDINATES"):
+            raise own.error("only rectangular axes by coordinates are supported")
+        points, turn = own.lines_of(9, 2, what="points on the axes, and an axis and an angle")
+        a, b, c = points.reshape(3, 3)
+        x, z = a - c, np.cross(a - c, b - c)
+        if not np.linalg.norm(z) > _NORMAL * np.linalg.norm(x) * np.linalg.norm(b - c):
+            raise own.error("its points are on one line")
+        axes = unit(np.array([x, np.cross(z, x), z]))
+        about, angle = turn.tolist() if len(own.rows) > 1 else (3.0, 0.0)
+        if not about and angle:
+            of = f"*ORIENTATION {name}: its angle is about axis 1, which is blank: taken"
+            self.reader.differs(of, "CalculiX leaves it out", _CURE)
+        about = about or 1.0
+        if about not in (1.0, 2.0, 3.0):
+            raise own.error(f"the axis of rotation must be 1, 2 or 3, got {about:g}")
+        rotation = Rotation.from_rotvec(angle * axes[int(about) - 1], degrees=True)
+        return rotation.apply(axes) @ self.turn.T, int(about)
+
+    def along(self, name: str) -> FloatArray:
+        """Return the direction whose projection is axis 1 of a shell with an orientation.
+
+        It is the axis that follows the one near the normal, which is the third without a second
+        line. Without a name it is x; z where x is the normal.
+        """
+        normals = self.reader.source.directions(self.members)
+        if not name:
+            level = np.linalg.norm(np.cross(normals, [1.0, 0.0, 0.0]), axis=1) < _NORMAL
+            if level.any() and not level.all():
+                raise self.card.error("x is the normal of some elements; give an *ORIENTATION")
+            return np.array([0.0, 0.0, 1.0] if level.all() else [1.0, 0.0, 0.0])
+        axes, near = self.axes(name)
+        if np.abs(normals @ axes[near - 1]).min() < _ALONG:
+            raise self.card.error(
+                f"axis {near} of the orientation {name} lies in some elements; name the axis "
+                "along the normal in the second line of *ORIENTATION"
+            )
+        if near != 3:
+            of = f"*ORIENTATION {name}: axis {near} is along the normals: taken"
+            self.reader.differs(of, "CalculiX projects axis 1 on them", _CURE)
+        return np.asarray(axes[near % 3])
+
+    def angle(self, name: str, reference: FloatArray) -> float:
+        """Return the angle, degrees, from a direction to axis 1 of a ply's own orientation."""
+        normals = self.reader.source.directions(self.members)
+        first, own = (across(v, normals) for v in (reference, self.along(name)))
+        sine = np.einsum("ni,ni->n", np.cross(first, own), normals)
+        angles = np.arctan2(sine, np.einsum("ni,ni->n", first, own))
+        if np.abs(np.exp(1j * angles) - np.exp(1j * angles[0])).max() > _ANGLE:
+            raise self.card.error(
+                f"the orientation {name} is at several angles to that of the first ply"
+            )
+        return float(np.degrees(angles[0]))
+
+    def solid(self) -> OneMaterial:
+        options = self.card.options
+        found = self.reader.material(options.get("MATERIAL", ""), self.card)
+        if isinstance(found, Orthotropic) and (name := options.get("ORIENTATION")):
+            axes: Any = self.axes(name)[0]
+            return replace(found, axes=axes)
+        return found
+
+    def shell(self) -> OneMaterial:
+        card, options = self.card, self.card.options
+        rows = [padded(texts, 4 * [""])[:4] for texts in card.rows]
+        if "COMPOSITE" not in options:
+            if not options.get("MATERIAL") or len(rows) != 1:
+                raise card.error("give MATERIAL=, and its thickness in one line")
+            rows = [[rows[0][0], "", options["MATERIAL"], ""]]
+        if not rows:
+            raise card.error("it has no plies")
+        made = [self.reader.material(row[2], card) for row in rows]
+        fibrous = [
+            row[3] for row, of in zip(rows, made, strict=True) if isinstance(of, Orthotropic)
+        ]
+        # CalculiX gives plies orientations, Abaqus angles from that of the section.
+        axis = options.get("ORIENTATION", "")
+        if fibrous and all(map(_is_name, fibrous)):
+            axis = axis or fibrous[0]
+        plies = []
+        for i, ((thickness, _, _, turned), own) in enumerate(zip(rows, made, strict=True)):
+            length, angle = card.reals(i, [thickness, "" if _is_name(turned) else turned])
+            if isinstance(own, Orthotropic) and _is_name(turned):
+                angle = self.angle(turned, self.along(axis))
+            plies.append(Ply(length * self.reader.source.length, own, angle))
+        if "SYMMETRIC" in options:
+            plies += plies[::-1]
+        total = sum(ply.thickness for ply in plies)
+        text = key(options.get("OFFSET", "0"))
+        (nodes,) = card.reals(0, [{"SPOS": "0.5", "SNEG": "-0.5"}.get(text, text)])
+        return layered(plies, lambda: tuple(self.along(axis).tolist()), 0.0 - nodes * total)
+
+    def beam(self) -> OneMaterial:
+        """Return a beam; its z axis is the section's axis 1, and y is against axis 2."""
+        card, source, options = self.card, self.reader.source, self.card.options
+        shape = key(options.get("SECTION", ""))
+        rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
+        if "MATERIAL" in options:
+            material: Any = self.reader.material(options["MATERIAL"], card)
+        else:
+            E, G, *_ = padded(rows.pop() if rows else [], [0.0, 0.0])
+            rho = float(options.get("DENSITY") or 0.0)
+            if not (E and G and rho):
+                raise card.error("give MATERIAL=; or E and G in its third line, and DENSITY=")
+            material = source.isotropic(E, 0.5 * E / G - 1.0, rho)
+        if shape == "CIRC":
+            rows[:1] = [self.radius(row) for row in rows[:1]]
+        count, make = (5, None) if shape == "GENERAL" else named(ABAQUS, shape)
+        if shape == "ARBITRARY" and rows and rows[0]:  # a line for each wall
+            last = int(rows[0][0])
+            count, rows = 3 + 3 * last, [[x for row in rows[:last] for x in row], *rows[last:]]
+        if [len(row) for row in rows[:2]] not in ([count], [count, 3]):
+            raise card.error(f"give {count} numbers of the section, then all three of axis 1")
+        if make is None:
+            area, I11, I12, I22, J = rows[0]
+            section: Any = source.numbers(area, (I22, I12, I11), J, np.eye(2), np.zeros((1, 2)))
+        else:
+            section = make(*(x * source.length for x in rows[0]))
+        if isinstance(section, TubularSection):
+            return Beam(section, material)
+        if self.reader.deck.towards[self.members].any():
+            raise card.error("nodes of its elements say how it is turned; write axis 1 instead")
+        if normals := self.reader.normals:
+            raise normals.error(
+                f"normals would turn the beams of {options['ELSET']}; write axis 1 in "
+                f"*{card.name} instead"
+            )
+        z = (self.turn @ [*rows, [0.0, 0.0, -1.0]][1])[None, :]
+        return source.beam(section, material, z, self.members, _AXES, np.zeros(3))
+
+    def radius(self, numbers: list[float]) -> list[float]:
+        """Return the radius of CIRC, which Abaqus writes; CalculiX writes one or two diameters."""
+        if len(numbers) == 2 and numbers[0] != numbers[1]:
+            raise self.card.error("ellipses are not supported")
+        types = self.reader.deck.types[self.members]
+        if len(numbers) == 2 or any(of.endswith("R") for of in types):
+            return [0.5 * numbers[0]]  # B31R and B32R are CalculiX' own
+        of = f"{self.card.options['ELSET']}: SECTION=CIRC, {numbers[0]:g} is taken for a radius,"
+        self.reader.differs(of, "in CalculiX it is the diameter", "write it twice then")
+        return numbers
+
+
+def _is_name(text: str) -> bool:
+    return text[:1] not in (*"+-.0123456789", "")
+
+
+# Sections: how they are read, the dimension of their elements, and options that they may have.
+_SHELL = (
+    *("COMPOSITE", "OFFSET", "ORIENTATION", "SYMMETRIC", "LAYUP", "SECTIONINTEGRATION"),
+    *("TEMPERATURE", "POISSON"),
+)
+_BEAM = ("SECTION", "TEMPERATURE", "POISSON", "ROTARYINERTIA", "DENSITY")
+_SECTIONS: dict[str, tuple[Callable[[_Section], OneMaterial], int, tuple[str, ...]]] = {
+    "SOLIDSECTION": (_Section.solid, 3, ("ORIENTATION",)),
+    "SHELLSECTION": (_Section.shell, 2, _SHELL),
+    "SHELLGENERALSECTION": (_Section.shell, 2, _SHELL),
+    "BEAMSECTION": (_Section.beam, 1, _BEAM),
+    "BEAMGENERALSECTION": (_Section.beam, 1, _BEAM),
+}

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -36,7 +37,7 @@ _FIRST = frozenset(("HEADING", "NODE", "ELEMENT", "PART", "INCLUDE", "PREPRINT",
 _BEGIN = re.compile(r"(?:\s*\*\*.*\n)*\s*\*\s*([A-Za-z][A-Za-z -]*)")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Keyword:
     """A keyword with its options and data lines.
 
@@ -49,15 +50,21 @@ class Keyword:
     file : Path
     line : int
         Counted from 1.
+    order : int
+        Counts the keywords of a deck.
     pieces : list of (Path, list of str, int, int)
         Files, their lines, and from which to which line, counted from 0, data may stand.
+    part : str
+        The part to which it belongs, in capitals; "" outside of parts.
     """
 
     name: str
     given: tuple[str, ...]
     file: Path
     line: int
+    order: int
     pieces: list[tuple[Path, list[str], int, int]] = field(default_factory=list)
+    part: str = ""
 
     @cached_property
     def options(self) -> dict[str, str]:
@@ -120,32 +127,29 @@ class Keyword:
         """Return a first number, a last one and a step that leads there; 1 if it is left out."""
         if not 2 <= len(texts) <= 3:
             raise self.error("give the first and the last number, and perhaps a step", row)
-        first, last, step = [*self.integers(row, [text or "1" for text in texts]), 1][:3]
+        first, last, step = self.integers(row, padded([text or "1" for text in texts], 3 * ["1"]))
         if step == 0 or (last - first) / step < 0:
             raise self.error(f"no step of {step} leads from {first} to {last}", row)
         return first, last, step
 
-    def reals(self, row: int, texts: Collection[str]) -> list[float]:
-        """Return numbers of a data line; blanks are 0."""
+    def reals(self, row: int, texts: Iterable[str], least: int = 0) -> list[float]:
+        """Return numbers of a data line; blanks are 0, and so are those up to the least count."""
         try:
-            return [number(text) if text else 0.0 for text in texts]
+            return padded([number(text) if text else 0.0 for text in texts], least * [0.0])
         except ValueError as error:
             raise self.error(str(error), row) from None
 
-    def real_rows(self, *most: int, what: str) -> list[list[float]]:
-        """Return the numbers of data lines, at most so many in each, for which a text asks."""
-        rows = [self.reals(row, texts) for row, texts in enumerate(self.rows)]
-        if len(rows) > len(most) or any(len(row) > n for row, n in zip(rows, most, strict=False)):
-            raise self.error(f"give {what}")
-        return rows
+    def lines_of(self, *most: int, what: str) -> list[FloatArray]:
+        """Return the numbers of data lines of so many each, for which a text asks.
 
-    def first_numbers(self) -> IntArray:
-        """Return the first number of each data line that is not the continuation of another."""
-        starts = [
-            row for row in range(len(self.data)) if not row or not self.data[row - 1].endswith(",")
-        ]
-        found = [self.integers(row, self.rows[row][:1]) for row in starts]
-        return np.array(found, dtype=np.int64).reshape(-1)
+        Those that are left out at the end of a line, and lines at the end, are 0.
+        """
+        if len(self.rows) > len(most) or any(
+            len(row) > n for row, n in zip(self.rows, most, strict=False)
+        ):
+            raise self.error(f"give {what}")
+        rows = padded(self.rows, [[]] * len(most))
+        return [np.array(self.reals(i, rows[i], n)) for i, n in enumerate(most)]
 
     def points(self) -> tuple[IntArray, FloatArray]:
         """Return labels and coordinates of the data lines of *NODE; the last may be left out."""
@@ -156,8 +160,7 @@ class Keyword:
                 if len(texts) > 7:  # with a normal
                     raise self.error("a node has a number, three coordinates and a normal", row)
                 (label,) = self.integers(row, texts[:1] or [""])
-                places = self.reals(row, [*texts[1:4], "", "", ""][:3])
-                table[row] = [min(label, 2 * MOST), *places]
+                table[row] = [min(label, 2 * MOST), *self.reals(row, texts[1:4], 3)]
         labels = table[:, 0].astype(np.int64)
         wrong = np.flatnonzero((labels != table[:, 0]) | (labels < 1) | (labels > MOST))
         if len(wrong):
@@ -170,24 +173,10 @@ class Keyword:
         An element begins on a line of its own. It goes on in the next one after a comma, or after
         16 numbers, with which a line is full.
         """
-        lines = [line.rstrip(", \t") for line in self.data]
-        counts = np.array([line.count(",") + 1 for line in lines], dtype=np.int64)
-        ends = np.cumsum(counts)
-        width = 1 + n_nodes
-        count = -(-int(ends[-1]) // width) if lines else 0
-        wanted = width * np.arange(1, count + 1)
-        last = np.minimum(np.searchsorted(ends, wanted), len(lines) - 1)
-        off = np.flatnonzero(ends[last] != wanted)
-        if len(off):
-            row = int(last[off[0] - 1]) + 1 if off[0] else 0
-            raise self.error(f"the element must have {n_nodes} nodes, and end with its line", row)
-        if count < len(lines):
-            for row in np.setdiff1d(np.arange(len(lines)), last).tolist():
-                if not self.data[row].endswith(",") and counts[row] != _FULL:
-                    raise self.error("a line that goes on in the next one ends with a comma", row)
-            first = [0, *(last[:-1] + 1).tolist()]
-            lines = [",".join(lines[i : j + 1]) for i, j in zip(first, last.tolist(), strict=True)]
+        lines, width = [line.rstrip(", \t") for line in self.data], 1 + n_nodes
         table = _numbers(lines, width, np.int64)
+        if table is None:
+            table = _numbers(self._whole(lines, width), width, np.int64)
         if table is None or (table < 1).any():
             for row, texts in enumerate(self.rows):
                 if not all(0 < each <= MOST for each in self.integers(row, texts)):
@@ -195,6 +184,37 @@ class Keyword:
             raise self.error("its numbers cannot be read")
         found: IntArray = table
         return found
+
+    def _whole(self, lines: list[str], width: int) -> list[str]:
+        """Return elements of so many numbers in one line each."""
+        whole: list[str] = []
+        start, count = 0, 0
+        why = (
+            f"the element must have {width - 1} nodes, and end with its line; a line that goes on "
+            "in the next one ends with a comma"
+        )
+        for row, line in enumerate(lines):
+            own = line.count(",") + 1
+            count += own
+            if count == width:
+                whole.append(",".join(lines[start : row + 1]))
+                start, count = row + 1, 0
+            elif count > width or (not self.data[row].endswith(",") and own != _FULL):
+                raise self.error(why, start)
+        if count:
+            raise self.error(why, start)
+        return whole
+
+    def first_numbers(self) -> IntArray:
+        """Return the first number of each data line that is not the continuation of another."""
+        begun = [True, *(not line.endswith(",") for line in self.data)]
+        found = [self.integers(i, row[:1]) for i, row in enumerate(self.rows) if begun[i]]
+        return np.array(found, dtype=np.int64).reshape(-1)
+
+
+def padded(row: list[Any], fill: list[Any]) -> list[Any]:
+    """Return a row, and what `fill` has behind it."""
+    return row + fill[len(row) :]
 
 
 def _numbers(lines: list[str], width: int, kind: Any) -> Any:
@@ -252,8 +272,8 @@ def read_keywords(main: Path) -> list[Keyword]:
     found: list[Keyword] = []
     included: list[Path] = []
 
-    def beside(keyword: Keyword, outer: tuple[Path, ...]) -> Path:
-        """Return the path of the file that an option INPUT, or FILE, names."""
+    def include(keyword: Keyword, outer: tuple[Path, ...]) -> None:
+        """Add the file that an option INPUT, or FILE, names."""
         options = keyword.options
         given = (options.get("INPUT") or options.get("FILE") or "").strip('"').replace("\\", "/")
         if not given:
@@ -267,7 +287,10 @@ def read_keywords(main: Path) -> list[Keyword]:
             raise keyword.error(f"{str(place)!r} includes itself")
         if len(included) > _MOST_INCLUDED:
             raise keyword.error(f"more than {_MOST_INCLUDED} files are included")
-        return place
+        before = len(found), len(included)
+        add(place, (*outer, place))
+        if keyword.name != "INCLUDE" and (len(found), len(included)) != before:
+            raise keyword.error(f"{str(place)!r} must hold data lines only")
 
     def add(file: Path, outer: tuple[Path, ...]) -> None:
         """Add the keywords of a file; the last one of `outer` is the file itself."""
@@ -277,29 +300,25 @@ def read_keywords(main: Path) -> list[Keyword]:
             for i, line in enumerate(lines)
             if "*" in line and (text := line.lstrip())[:1] == "*" and text[1:2] != "*"
         ]
-        for start, stop in zip([None, *starts], [*starts, len(lines)], strict=True):
+        for start, stop in pairwise([-1, *starts, len(lines)]):
             after = 0
-            if start is not None:
-                keyword, after = _keyword(file, lines, start, stop)
+            if start >= 0:
+                keyword, after = _keyword(file, lines, start, stop, len(found))
                 if keyword.name == "INCLUDE":
                     keyword.check_options("INPUT", "FILE")
-                    other = beside(keyword, outer)
-                    add(other, (*outer, other))
                 else:
                     found.append(keyword)
-                    if keyword.name in _WITH_INPUT and "INPUT" in keyword.options:
-                        other = beside(keyword, outer)
-                        more = read_lines(other)
-                        keyword.pieces.append((other, more, 0, len(more)))
-                        if any(text.startswith("*") for text in _texts(more)):
-                            raise keyword.error(f"{str(other)!r} must hold data lines only")
+                if keyword.name == "INCLUDE" or (
+                    keyword.name in _WITH_INPUT and "INPUT" in keyword.options
+                ):
+                    include(keyword, outer)
             if found:
                 found[-1].pieces.append((file, lines, after, stop))
-            else:
-                for i in range(after, stop):
-                    for text in _texts(lines[i : i + 1]):
-                        why = "a deck of Abaqus or CalculiX begins with *"
-                        raise refused(file, i + 1, repr(text[:40]), why)
+                continue
+            for i in range(after, stop):
+                for text in _texts(lines[i : i + 1]):
+                    why = "a deck of Abaqus or CalculiX begins with *"
+                    raise refused(file, i + 1, repr(text[:40]), why)
 
     add(main, (main,))
     return found
@@ -310,7 +329,9 @@ def _texts(lines: list[str]) -> list[str]:
     return [text for line in lines if (text := line.strip()) and text[:2] != "**"]
 
 
-def _keyword(file: Path, lines: list[str], start: int, stop: int) -> tuple[Keyword, int]:
+def _keyword(
+    file: Path, lines: list[str], start: int, stop: int, order: int
+) -> tuple[Keyword, int]:
     """Return the keyword of a line, and the number of the line after it and its continuation."""
     text, after = lines[start].strip(), start + 1
     while text.endswith(",") and after < stop:
@@ -319,4 +340,4 @@ def _keyword(file: Path, lines: list[str], start: int, stop: int) -> tuple[Keywo
         if line[:2] != "**":
             text += line or " "
     name, *given = fields(text[1:]) or [""]
-    return Keyword(key(name), tuple(given), file, start + 1), after
+    return Keyword(key(name), tuple(given), file, start + 1, order), after

@@ -138,6 +138,10 @@ class NastranDeck:
         """Properties of shells and beams, as in "2 PSHELL"."""
         return _counted(self.bulk, _DIMENSIONS[1], _DIMENSIONS[2])
 
+    def read(self, source: Source) -> dict[str, OneMaterial]:
+        """Return the sections by group."""
+        return Reader(source, self).sections()
+
 
 def read(file: Path) -> RawMesh:
     """Return the mesh of a Nastran deck.

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -83,6 +84,9 @@ class Deck(Protocol):
     def elements(self) -> str:
         """Elements by the deck's own types, as in "100 CPS4"; may be empty."""
 
+    def read(self, source: Any) -> dict[str, Any]:
+        """Return the sections in SI by group, from a `sections.Source`."""
+
 
 @dataclass(frozen=True, eq=False)
 class RawMesh:
@@ -119,6 +123,21 @@ class RawMesh:
     def first(self) -> IntArray:
         """Number of the first cell of each block, shape (n_blocks + 1,); the last is the count."""
         return firsts(block.cells for block in self.blocks)
+
+    @property
+    def dims(self) -> IntArray:
+        """Dimension of each cell, through all blocks."""
+        return np.repeat([block.dim for block in self.blocks], np.diff(self.first))
+
+    @property
+    def numbers(self) -> list[IntArray]:
+        """Numbers of the cells of each block."""
+        return [np.arange(start, stop) for start, stop in pairwise(self.first.tolist())]
+
+    def rows(self, members: IntArray) -> Iterator[tuple[RawBlock, IntArray]]:
+        """Yield each block, and the rows in it of those members, numbers of cells, that it has."""
+        for block, (start, stop) in zip(self.blocks, pairwise(self.first.tolist()), strict=True):
+            yield block, members[(members >= start) & (members < stop)] - start
 
     @property
     def cell_labels(self) -> IntArray | None:

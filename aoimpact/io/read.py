@@ -251,8 +251,8 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
         return raw
     raw = _with_middles(raw)
     blocks, origins = [], []
-    for block, first in zip(raw.blocks, raw.first[:-1], strict=True):
-        cells, numbers = np.asarray(block.cells), first + np.arange(len(block.cells))
+    for block, numbers in zip(raw.blocks, raw.numbers, strict=True):
+        cells = np.asarray(block.cells)
         if block.kind in _SPLIT and cells.shape[1:] == (nodes_in(block.kind),):
             kind, parts = _SPLIT[block.kind]
             labels = None if block.labels is None else np.repeat(block.labels, len(parts))
@@ -278,9 +278,7 @@ def _warn_of_sections(raw: RawMesh, body: list[Solids], named: bool) -> None:
             f"sections of the deck are not part of a mesh ({raw.deck.sections}): "
             "FEModel.from_mesh has them only if those of read_sections(path) are given to it"
         )
-    lines = np.zeros(raw.first[-1], dtype=bool)
-    for block, first in zip(raw.blocks, raw.first[:-1], strict=True):
-        lines[first : first + len(block.cells)] = block.dim == 1
+    lines = raw.dims == 1
     lines[np.concatenate([numbers for *_, numbers in body])] = False
     if count := int(lines.sum()):
         groups = [name for name, own in raw.cell_sets.items() if lines[own].any()]
@@ -297,8 +295,7 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
     for name, members in raw.cell_sets.items():
         if name in raw.node_sets:  # the file has a set of nodes of that name
             continue
-        for start, block in zip(raw.first[:-1], raw.blocks, strict=True):
-            own = members[(members >= start) & (members < start + len(block.cells))] - start
+        for block, own in raw.rows(members):
             found.setdefault(name, []).append(np.unique(block.cells[own]))
     sets = {name: np.unique(np.concatenate(parts)) for name, parts in found.items()}
     for name, ids in sets.items():
@@ -331,8 +328,8 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
     Those of the highest dimension, and of the groups named those of the group's own highest one.
     """
     blocks = [
-        (block, np.arange(first, first + len(block.cells)))
-        for block, first in zip(raw.blocks, raw.first[:-1], strict=True)
+        (block, numbers)
+        for block, numbers in zip(raw.blocks, raw.numbers, strict=True)
         if len(block.cells)  # empty blocks, as of a header without elements, may have any shape
     ]
     counts: Counter[str] = Counter()
@@ -340,7 +337,7 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
         counts[block.kind] += len(numbers)
     highest = max((block.dim for block, _ in blocks), default=0)
     chosen = np.zeros(raw.first[-1], dtype=bool)
-    dims = np.repeat([block.dim for block in raw.blocks], np.diff(raw.first))
+    dims = raw.dims
     for name in named:
         if found := called(name, raw.cell_sets):
             members = raw.cell_sets[found]

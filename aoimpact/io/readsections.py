@@ -19,11 +19,8 @@ from ..base import (
     warn,
 )
 from ..fem import OneMaterial
-from . import abaqussections, nastran
-from .abaqus import AbaqusDeck
 from .abaqusdeck import key
 from .load import load
-from .nastran import NastranDeck
 from .sections import Source
 
 
@@ -128,12 +125,9 @@ def read_sections(
     density = stress * per_speed * per_speed
     source = Source(raw, length, stress, density, {key(name): one for name, one in known.items()})
     with held_warnings() as of_no_solid:
-        if isinstance(raw.deck, AbaqusDeck):
-            found = abaqussections.Reader(source, raw.deck).sections()
-        elif isinstance(raw.deck, NastranDeck):
-            found = nastran.Reader(source, raw.deck).sections()
-        else:
+        if raw.deck is None:
             raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran")
+        found: dict[str, OneMaterial] = raw.deck.read(source)
     if of_no_solid:
         said = of_no_solid[0].partition(":")[0]
         source.left_out.append(f"{said}; {source.likely_units()}")

@@ -182,8 +182,7 @@ class Source:
         With `edges` the directions from the first node to the second.
         """
         found = [np.zeros((0, 3))]
-        for block, first in zip(self.raw.blocks, self.raw.first[:-1], strict=True):
-            own = members[(members >= first) & (members < first + len(block.cells))] - first
+        for block, own in self.raw.rows(members):
             ends = self.raw.nodes[block.cells[own]]
             if block.dim == 2 and not edges:
                 last = 3 if block.kind.startswith("quad") else 2
