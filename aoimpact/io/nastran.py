@@ -181,16 +181,12 @@ def read(file: Path) -> RawMesh:
             node_sets[f"{name} nodes"] = _among(text, grids.labels)
         if "elements" in kinds:
             cell_sets[f"{name} elements"] = _among(text, labels)
-    for said, what in (
-        (
-            _beside(raw, bulk),
-            "are not part of the body, unless their groups are named as shells and beams",
-        ),
-        (_counted(bulk, _OTHERS), "are no part of the mesh and were left out"),
-        (
-            _counted(bulk, _CONNECTIONS),
-            "connect nodes and were left out; the body is computed without them",
-        ),
+    beside = "are not part of the body, unless their groups are named as shells and beams"
+    connected = "connect nodes and were left out; the body is computed without them"
+    for what, said in (
+        (beside, _beside(raw, bulk)),
+        ("are no part of the mesh and were left out", _counted(bulk, _OTHERS)),
+        (connected, _counted(bulk, _CONNECTIONS)),
     ):
         if said:
             warn(f"mesh file {str(file)!r}: {said} {what}")
@@ -483,10 +479,8 @@ class Grids:
         """
         if label in self._known:
             return self._known[label]
-        if label not in self.definitions:
-            raise error(f"coordinate system {label} is not defined (CORD1x, CORD2x)")
-        if label in self._open or len(self._open) > _DEEPEST:
-            raise error(f"coordinate system {label} is defined by itself")
+        if label not in self.definitions or label in self._open or len(self._open) > _DEEPEST:
+            raise error(f"coordinate system {label} is not defined (CORD1x, CORD2x), or by itself")
         own_error, kind, nodes, reference, given = self.definitions[label]
         self._open.append(label)
         if nodes:
@@ -769,38 +763,38 @@ class Reader:
 
     def towards(self, place: _Place) -> tuple[FloatArray, FloatArray]:
         """Return the direction of plane 1 of each bar, and its offset; refuse hinges."""
-        found, moved = [], []
+        table, nodes, grids = place.parts[0].table, self.source.raw.nodes, self.deck.grids
         for part in place.parts:
-            table, nodes, grids = part.table, self.source.raw.nodes, self.deck.grids
-            offt, ends = np.char.strip(table.fields[:, 7]), table.reals(10, 6)
-            frames, rows = offt.astype("S1"), rows_of(grids.labels, table.integers(2, 1)[:, 0])
-            turned = (np.char.count(offt, b"O") > 0) | (grids.output_systems[rows] > 0)
-            wrong: dict[str, Any] = {
-                "it has no orientation, X1 to X3 or G0": np.all(table.blank[:, 4:7], axis=1),
-                "OFFT must begin with G or B": ~np.isin(frames, _FRAMES),
-                "hinges PA, PB are not supported": np.any(~table.blank[:, 8:10], axis=1),
-                "its offsets WA and WB differ": np.any(ends[:, :3] != ends[:, 3:], axis=1),
-                "its offsets need CD = 0, and OFFT without O": ends.any(axis=1) & turned,
-            }
-            for why, which in wrong.items():
-                table.refuse_first(which, why)
-            whole = np.array([b"." not in text for text in table.fields[:, 4]])
-            by_node = whole & np.all(table.blank[:, 5:7], axis=1)
-            third = np.zeros(len(table), int)
-            third[by_node] = table.select(by_node).integers(4, 1)[:, 0]
-            third = rows_of(grids.labels, third)
-            table.refuse_first(by_node & (third < 0), "its node G0 is not there")
-            vectors = nodes[third] - nodes[rows]
-            vectors[~by_node] = table.select(~by_node).reals(4, 3)
-            systems = np.where(by_node | (frames == b"B"), 0, grids.output_systems[rows])
-            for label in np.unique(systems[systems > 0]).tolist():  # X1 to X3 are in that of GA
-                own = np.flatnonzero(systems == label)
-                system = grids.axes(label, partial(table.refused, int(own[0])))
-                axes = system.directions(nodes[rows[own]])
-                vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
-            found.append(vectors)
-            moved.append(ends[:, :3] * self.source.length)
-        return np.concatenate(found), np.concatenate(moved)
+            if part.layout == "line3":
+                raise part.table.refused(0, "PBEAM3, its property, is not read")
+        offt, ends = np.char.strip(table.fields[:, 7]), table.reals(10, 6)
+        frames, rows = offt.astype("S1"), rows_of(grids.labels, table.integers(2, 1)[:, 0])
+        turned = (np.char.count(offt, b"O") > 0) | (grids.output_systems[rows] > 0)
+        wrong: dict[str, Any] = {
+            "it has no orientation, X1 to X3 or G0": np.all(table.blank[:, 4:7], axis=1),
+            "OFFT must begin with G or B": ~np.isin(frames, _FRAMES),
+            "hinges PA, PB are not supported": np.any(~table.blank[:, 8:10], axis=1),
+            "its offsets WA and WB differ": np.any(ends[:, :3] != ends[:, 3:], axis=1),
+            "its offsets need CD = 0, and OFFT without O": ends.any(axis=1) & turned,
+        }
+        for why, which in wrong.items():
+            table.refuse_first(which, why)
+        whole = np.array([b"." not in text for text in table.fields[:, 4]])
+        by_node = whole & np.all(table.blank[:, 5:7], axis=1)
+        third = np.zeros(len(table), int)
+        third[by_node] = table.select(by_node).integers(4, 1)[:, 0]
+        third = rows_of(grids.labels, third)
+        table.refuse_first(by_node & (third < 0), "its node G0 is not there")
+        vectors = nodes[third] - nodes[rows]
+        vectors[~by_node] = table.select(~by_node).reals(4, 3)
+        systems = np.where(by_node | (frames == b"B"), 0, grids.output_systems[rows])
+        for label in np.unique(systems[systems > 0]).tolist():  # X1 to X3 are in that of GA
+            own = np.flatnonzero(systems == label)
+            axes = grids.axes(label, partial(table.refused, int(own[0]))).directions(
+                nodes[rows[own]]
+            )
+            vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
+        return vectors, ends[:, :3] * self.source.length
 
 
 # -------------------------------------------------------------------------------- properties
