@@ -23,6 +23,8 @@ from .raw import number
 _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
 _FORTRAN = re.compile(rb"[\d.](?:[dD]|[-+]\d)")  # exponents that NumPy does not read
 
+_MARKET = re.compile("matrix (coordinate|array) (real|integer) (general|symmetric)")
+
 # Contents of a line, by the number of integers before its value.
 _CONTENTS = {
     0: "a number",
@@ -80,19 +82,11 @@ def read_nodal(file: Path, size: int) -> list[RawMatrix]:
 def read_market(file: Path, size: int) -> list[RawMatrix]:
     """Read a file of Matrix Market, of coordinates or dense."""
     with file.open("rb") as stream:
-        words = stream.readline(1024).decode("latin-1").lower().split()
-        known = (
-            ("matrix",),
-            ("coordinate", "array"),
-            ("real", "integer"),
-            ("general", "symmetric"),
-        )
-        for word, wanted in zip((words[1:] + 4 * [""])[:4], known, strict=True):
-            if word not in wanted:
-                raise spoilt(
-                    file, f"the header says {word!r}, but {' or '.join(wanted)} can be read", 1
-                )
-        dense, triangle = words[2] == "array", words[4] == "symmetric"
+        header = stream.readline(1024).decode("latin-1").lower().split()[1:5]
+        if not _MARKET.fullmatch(" ".join(header)):
+            why = "the header should be matrix, coordinate or array, real or integer, general or "
+            raise spoilt(file, f"{why}symmetric, got {' '.join(header)!r}", 1)
+        dense, triangle = header[1] == "array", header[3] == "symmetric"
         before, line = 2, stream.readline(2**16)
         while line.startswith(b"%") or (line and not line.strip()):
             before, line = before + 1, stream.readline(2**16)
@@ -135,17 +129,11 @@ def _coordinates(
     rows, cols, values = _columns(file, stream, 2, before=before)
     if not len(values):
         raise spoilt(file, "it has no entries: it is cut short")
-    limit = most or 2**31
-    for first in np.flatnonzero((np.minimum(rows, cols) < 1) | (np.maximum(rows, cols) > limit))[
-        :1
-    ]:
-        cure = "" if most else "; internal dofs of Abaqus need FORMAT=MATRIX INPUT"
-        raise spoilt(
-            file,
-            f"row {rows[first]}, column {cols[first]} should be from 1 to "
-            f"{most or 'the number of dofs'}{cure}",
-            entry_line(file, before, int(first) + 1),
-        )
+    wrong = (np.minimum(rows, cols) < 1) | (np.maximum(rows, cols) > (most or 2**31))
+    for first in np.flatnonzero(wrong)[:1].tolist():
+        cure = most or "the number of dofs; internal dofs of Abaqus need FORMAT=MATRIX INPUT"
+        why = f"row {rows[first]}, column {cols[first]} should be from 1 to {cure}"
+        raise spoilt(file, why, entry_line(file, before, first + 1))
     return rows - 1, cols - 1, values
 
 
@@ -190,20 +178,13 @@ def _columns(
     # Slow, but of a file that is refused.
     with file.open("rb") as stream:
         for place, line in enumerate(stream, 1):
-            if place <= before or not line.strip():
+            comment = comments and line.lstrip().startswith(comments.encode())
+            if place <= before or not line.strip() or comment:
                 continue
-            if comments and line.lstrip().startswith(comments.encode()):
-                continue
-            fits = _is_entry(line, integers, b"," if comma else None)
-            if not fits or _FORTRAN.search(line):
-                cause = "is the file cut short, or of another format?"
-                if fits:
-                    cause = "write exponents with E, not Fortran's D"
-                raise spoilt(
-                    file,
-                    f"{_CONTENTS[integers]} should stand here, got {_shown(line)}: {cause}",
-                    place,
-                )
+            if not _is_entry(line, integers, b"," if comma else None) or _FORTRAN.search(line):
+                cause = "is it cut short, or of another format? Exponents need E, not Fortran's D"
+                found = f"{_CONTENTS[integers]} should stand here, got {_shown(line)}"
+                raise spoilt(file, f"{found}: {cause}", place)
     raise spoilt(file, f"{_CONTENTS[integers]} should stand on each line: {why}")
 
 

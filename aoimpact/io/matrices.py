@@ -29,9 +29,10 @@ from ..fem import AnyMaterial, Damping, FEModel, OneMaterial, audited, checked_l
 from ..linalg import factorize
 from .entries import is_market, is_nodal, is_triples, read_market, read_nodal, read_triples
 from .load import existing
-from .matrix import RawMatrix, spoilt
+from .matrix import RawMatrix, at, codes, spoilt
 from .nastran import is_dmig, read_dmig
 from .op4 import is_op4, read_op4
+from .raw import rows_of
 from .read import read_mesh
 from .rows import Places, read_dofs, read_places
 
@@ -292,16 +293,12 @@ def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
         if file not in read:
             with _naming(role):
                 read[file] = load_matrices(file)
-    if files[0] == files[1] and len(read[files[0]]) == 1:
-        raise InputError(
-            f"K and M are the same file {str(files[0])!r}, which has one matrix; give M its own"
-        )
     first, second = (
         _named(role, file, read[file], name)
         for role, file, name in zip("KM", files, wanted, strict=True)
     )
     if first is second:
-        raise InputError(f"K and M are the same matrix {first.called}")
+        raise InputError(f"K and M are one matrix of file {str(first.file)!r}; give M its own")
     return first, second
 
 
@@ -339,9 +336,7 @@ def _given_labels(dofs: Any, stiffness: RawMatrix, inertia: RawMatrix) -> IntArr
         if stiffness.file.suffix.lower() != ".sti" or not dofs.exists():
             return None
     if stiffness.labels is not None or inertia.labels is not None:
-        raise InputError(
-            f"dofs: {stiffness.called} itself lists which dofs its rows are; leave it out"
-        )
+        raise InputError(f"dofs: {stiffness.called} itself lists its rows' dofs; leave it out")
     found = read_dofs(dofs)
     if len(found) != stiffness.size:
         source = repr(str(dofs)) if isinstance(dofs, (str, os.PathLike)) else "the array"
@@ -368,17 +363,13 @@ def _joined(
     if (stiffness.labels is None) != (inertia.labels is None):
         raise InputError(f"{called}: only one of them lists which dofs its rows are")
     if stiffness.labels is not None and inertia.labels is not None:
-        both = np.concatenate([stiffness.labels, inertia.labels])
-        labels, places = np.unique(both, axis=0, return_inverse=True)
-        first, second = np.split(places.ravel(), [stiffness.size])
-        for without in np.setdiff1d(second, first)[:1]:
-            raise InputError(
-                f"{called}: K lacks dofs of M, as {_at(labels, without)}: is it cut short?"
-            )
-        stiffness, inertia = (
-            replace(one, size=len(labels), rows=to[one.rows], cols=to[one.cols], labels=labels)
-            for one, to in ((stiffness, first), (inertia, second))
-        )
+        labels = stiffness.labels
+        rows = rows_of(codes(labels), codes(inertia.labels))
+        for lost in np.flatnonzero(rows < 0)[:1].tolist():
+            lacks = at(inertia.labels, lost)
+            raise InputError(f"{called}: K lacks dofs of M, as {lacks}: is it cut short?")
+        M_rows, M_cols = rows[inertia.rows], rows[inertia.cols]
+        inertia = replace(inertia, size=stiffness.size, rows=M_rows, cols=M_cols, labels=labels)
     elif stiffness.size != inertia.size:
         raise InputError(
             f"{called}: K has {stiffness.size} rows and M {inertia.size}: is one cut short?"
@@ -390,7 +381,7 @@ def _joined(
             without = without[labels[without, 0] > 0]
         if len(without):
             raise InputError(
-                f"{called}: {name} lacks the diagonal of {_at(labels, without[0])} and of "
+                f"{called}: {name} lacks the diagonal of {at(labels, without[0])} and of "
                 f"{len(without) - 1} more rows: is the file cut short?"
             )
     if K.nnz == M.nnz and not (K - M).data.any():
@@ -402,11 +393,6 @@ def _joined(
             "frequency reaches 1 rad/s: are K and M exchanged?"
         )
     return K, M, labels
-
-
-def _at(labels: IntArray | None, row: int) -> str:
-    """Return a row as its program calls it."""
-    return f"row {row + 1}" if labels is None else "dof {}.{}".format(*labels[row])
 
 
 def _kept(pair: _Pair, rows: Any) -> _Pair:
@@ -451,7 +437,7 @@ def _condensed(called: str, pair: _Pair, *, rotations: bool) -> _Pair:
     if (light & ~inner).any():
         raise InputError(
             f"{called}: {light.sum()} of {len(light)} dofs have no mass, the first is "
-            f"{_at(labels, int(np.flatnonzero(light)[0]))}: is M cut short, or lumped? Write a "
+            f"{at(labels, int(np.flatnonzero(light)[0]))}: is M cut short, or lumped? Write a "
             "consistent mass matrix"
         )
     across = K[light][:, ~light].toarray()

@@ -99,16 +99,22 @@ class RawMatrix:
         order = np.lexsort((self.cols, self.rows))
         rows, cols = self.rows[order], self.cols[order]
         first = int(np.flatnonzero((np.diff(rows) == 0) & (np.diff(cols) == 0))[0])
-        row, col = int(rows[first]), int(cols[first])
-        where = f"row {row + 1}, column {col + 1}"
-        if self.labels is not None:
-            (a, i), (b, j) = self.labels[row].tolist(), self.labels[col].tolist()
-            where = f"dofs {a}.{i} and {b}.{j}"
+        row, column = (at(self.labels, int(of[first])) for of in (rows, cols))
         return spoilt(
             self.file,
-            f"the entry of {where} is there twice: are two files or two steps joined in it?",
+            f"the entry of {row} and {column} is there twice: are two files or steps joined in it?",
             self.line(int(order[first + 1])),
         )
+
+
+def at(labels: IntArray | None, row: int) -> str:
+    """Return a row, or column, as its program calls it."""
+    return f"row {row + 1}" if labels is None else "dof {}.{}".format(*labels[row])
+
+
+def codes(labels: IntArray) -> IntArray:
+    """Return nodes and components, shape (n, 2), as single numbers, in the same order."""
+    return labels[:, 0] * _COMPONENTS + labels[:, 1]
 
 
 def labelled(file: Path, name: str, rows: Any, cols: Any, values: Any, **more: Any) -> RawMatrix:
@@ -134,10 +140,10 @@ def labelled(file: Path, name: str, rows: Any, cols: Any, values: Any, **more: A
             file,
             f"a component is beyond {_COMPONENTS - 1}, or a node too large: are columns mixed up?",
         )
-    codes, places = np.unique(nodes * _COMPONENTS + components, return_inverse=True)
-    labels = np.stack([codes // _COMPONENTS, codes % _COMPONENTS], axis=1)
+    known, places = np.unique(codes(np.stack([nodes, components], axis=1)), return_inverse=True)
+    labels = np.stack(np.divmod(known, _COMPONENTS), axis=1)
     first, second = places[: len(values)], places[len(values) :]
-    return RawMatrix(file, name, len(codes), first, second, values, labels, **more)
+    return RawMatrix(file, name, len(known), first, second, values, labels, **more)
 
 
 def passed_over(file: Path, name: str, why: str) -> RawMatrix:

@@ -119,17 +119,10 @@ def _write_rows(body: Any, path: Path) -> dict[str, Path]:
     if body.nodes is not None:
         files["nodes"] = path / "nodes.txt"
         numbers = np.arange(1, len(body.nodes) + 1)
-        if body.labels is not None:
-            numbers = _numbers(body)
+        if body.labels is not None:  # those of nodes that no row has follow on the largest
+            numbers = body.node_labels.copy()
+            others = numbers < 0
+            numbers[others] = numbers.max() + 1 + np.arange(others.sum())
         table: FloatArray = np.column_stack([numbers, body.nodes])
         np.savetxt(files["nodes"], table, fmt=["%d", *3 * ["%.17g"]])
     return files
-
-
-def _numbers(body: Any) -> Any:
-    """The labels of all nodes; those that no row has follow on the largest."""
-    numbers = np.zeros(len(body.nodes), dtype=np.int64)
-    numbers[body.free // 3 % len(numbers)] = body.labels[:, 0]
-    others = numbers == 0
-    numbers[others] = numbers.max() + 1 + np.arange(others.sum())
-    return numbers
