@@ -10,7 +10,7 @@ from .curvature import contact_modulus
 from .effective import check_width, effective_law, own_law, wider
 from .elastic import Hertz, Linear, PowerLaw
 from .laminate import YangSun
-from .law import ContactLaw, CoreLaw, Dent, HertzianLaw, PatchLaw, loading_work, removable
+from .law import ContactLaw, CoreLaw, Dent, HertzianLaw, PatchLaw, removable
 from .plastic import ElasticPlastic, Thornton, yield_force, yield_pressure
 from .restitution import restitution
 from .roundcontact import RoundContact, round_contact

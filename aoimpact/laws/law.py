@@ -458,11 +458,6 @@ def _first_beyond(
     return None
 
 
-def loading_work(law: ContactLaw, indentation: float) -> float:
-    """Return ∫ F dδ up to an indentation, m, at no rate, J: what is stored and what yields."""
-    return law._work(indentation)
-
-
 def removable(law: ContactLaw, indentation: float) -> float:
     """Return the most compliance, m/N, that can be taken out of a law up to an indentation, m."""
     return MOST_SHARE / float(law._stiffest(np.array(indentation)))

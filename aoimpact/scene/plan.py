@@ -222,19 +222,7 @@ class Plan:
     @cached_property
     def forces_at_rest(self) -> FloatArray | None:
         """The contact forces of `rest`, N."""
-        if self.rest is None:
-            return None
-        places = [
-            modal.shape @ x + beside
-            for modal, x, beside in zip(self.modal, self.rest.modes, self.rest.beside, strict=True)
-        ]
-        depths = [
-            places[of.first][of.first_port] - places[of.second][of.second_port] - of.gap
-            for of in self.contacts
-        ]
-        return np.array(
-            [float(of.law.force(depth)) for of, depth in zip(self.contacts, depths, strict=True)]
-        )
+        return None if self.rest is None else self.rest.forces
 
     def _loaded(self, body: int) -> FloatArray:
         """The loads on a body's ports at t = 0, N."""

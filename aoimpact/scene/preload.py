@@ -1,54 +1,57 @@
 """Static equilibrium of bodies in contact under gravity and loads: where a run may start.
 
-It is found by damped Newton iterations on the balance of forces. The potential energy of bodies on
-springs that only push is convex. So the forces are determinate, in closed loops of contacts too, as
-long as the indentations are larger than the rounding of the bodies' positions.
+The coordinates are the bodies' modes, and massless ones for the displacement of a massless contact
+that no mode has. The potential energy of bodies on springs that only push is convex. So damped
+Newton iterations on the balance of forces find its minimum, and the forces are determinate, in
+closed loops of contacts too, as long as the indentations are larger than the rounding of the
+bodies' positions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
-from ..base import HUGE, ConvergenceError, FloatArray, InputError, LawLimitError
+from .. import _core
+from ..base import ConvergenceError, FloatArray, InputError, IntArray, LawLimitError
+from ..laws import ContactLaw
 from ..linalg import LARGEST
 from ..reduction import ModalBody
 from .contact import Contact
-from .network import ContactNetwork, LinearNetwork
-from .springs import Springs
 
 _EPSILON = float(np.finfo(np.float64).eps)
 
-# The constants below were tuned in tests/scene/test_preload.py, which also tries other values.
+# The constants below were tuned in tests/scene/test_preload.py, and on rows of balls between walls
+# and towers of random laws and gaps, which take 20 to 120 steps.
 
-# A bound, where every step gains a little: 300 do.
-_MOST_STEPS = 2000
+# A bound: towers of a thousand balls take up to 400 steps.
+_MOST_STEPS = 1000
 
-# Steps after which the imbalance must be half of what it was, or the energy lower. With 10 a stiff
-# loop is given up too early; without it scenes that have no rest take twice as long to be refused.
-_PATIENCE = 40
+# The damping of the next step after a whole one, down to the least, and after a shortened one:
+# 0.02 to 0.2, and 1 to 10, take the same number of steps within a third.
+_TIGHTER, _LEAST_DAMPING, _LOOSER = 0.1, 1e-12, 2.0
 
-# The damping of the next step after one that comes nearer to balance, and after one that does not:
-# 0.1 to 0.5, and 3 to 100, take the same time within a tenth. With more than the last a step no
-# longer changes the coordinates.
-_TIGHTER, _LOOSER, _MOST_DAMPING = 0.2, 10.0, 1.0 / _EPSILON
+# A step goes too far where the forces at its end work against it, by more than this share of the
+# work of those at its start: it is shortened by the secant's factor, within bounds.
+_TOO_FAR, _SHORTER = 0.5, (0.1, 0.5)
 
-# Energies that differ by less are the same: sums of many terms that cancel. 1e-12 does as well,
-# and with none the last steps are refused.
-_ROUNDING = 1e-9
+# Steps after the forces are in balance but for rounding: each squares the error.
+_MORE_STEPS = 2
 
-# Imbalance that counts as none, relative to the forces on the same coordinate; and, where
-# iterations gain no more, relative to the largest force. Ten times as much, and for the first a
-# tenth, does as well; without the second what touches without force comes to no rest.
+# Springs to the ground on what has no stiffness, over those of its contacts: they do not show, and
+# leave no matrix singular. A body on which they alone act falls for ever: a step with the least
+# damping, which is longer than any gap, changes the imbalance by less than this share.
+_BARELY, _FALLS = 1e-12, 1e-3
+
+# Imbalance that counts as none, relative to the forces on the same coordinate; and relative to the
+# largest force, without which what touches without force comes to no rest. Ten times as much, and
+# for the first a tenth, does as well.
 _BALANCED, _SETTLED = 1e-12, 1e-14
-
-# A force that nothing would carry even if all contacts stuck makes a body fall for ever, if it is
-# more than these shares of the imbalance and of all forces: less is on its way to balance. From
-# 1e-6 to 0.1, and up to 1e-6, the same scenes are refused.
-_UNCONSTRAINED, _UNCONSTRAINED_OF_ALL = 1e-3, 1e-9
 
 # Rounding of positions, in units in the last place, one for each of the sums that make up an
 # indentation (with 16, rows that are determined are refused); the largest share of the forces that
@@ -56,28 +59,55 @@ _UNCONSTRAINED, _UNCONSTRAINED_OF_ALL = 1e-3, 1e-9
 # first overlap's forces below which forces are none (1e-6 does as well).
 _UNITS, _DETERMINED, _NEGLIGIBLE = 4.0, 1e-6, 1e-9
 
-# A gap that rounding may have left of none, of the gap as it was given.
-_CLOSED = 1e-9
-
-# With more contacts no closed loops are looked for, at a cost that grows with their cube: it is
-# for a message only.
-_MOST_LOOPED = 1000
+# Between these indentations, m, doubled in turn, the one under a load is looked for: a user's law
+# is not evaluated much deeper than it will be in the run.
+_SHALLOWEST, _DEEPEST = 2.0**-50, 2.0**30
 
 
-@dataclass(frozen=True, eq=False)
-class Equilibrium:
+class Equilibrium(NamedTuple):
     """Bodies at rest.
 
     Attributes
     ----------
-    modes : tuple of ndarrays, shape (n,)
+    modes : list of ndarrays, shape (n,)
         Displacements of each body's modes.
-    beside : tuple of ndarrays, shape (p,)
-        Displacements of massless ports beyond those of the modes, m.
+    forces : ndarray, shape (contacts,)
+        N.
     """
 
-    modes: tuple[FloatArray, ...]
-    beside: tuple[FloatArray, ...]
+    modes: list[FloatArray]
+    forces: FloatArray
+
+
+class _Springs:
+    """Contacts as springs that only push, beyond the limits of their laws linear ones."""
+
+    def __init__(self, laws: Sequence[ContactLaw]) -> None:
+        same: dict[ContactLaw, list[int]] = {}
+        for number, law in enumerate(laws):
+            same.setdefault(law, []).append(number)
+        self._kinds = [(law.for_core(), np.array(which)) for law, which in same.items()]
+        self.limits = np.array([law.limit for law in laws])
+
+    def force(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return forces, N, and their slopes, N/m, at indentations, m, shape (contacts,) each."""
+        force, slope = np.zeros((2, len(depth)))
+        within = np.clip(depth, 0.0, self.limits)
+        for law, which in self._kinds:
+            own, steepness, damping = np.zeros((3, len(which)))
+            still = np.zeros(len(which))
+            _core.law_force(law, within[which], still, own, steepness, damping, False)
+            force[which], slope[which] = own, steepness
+        slope = np.where(depth > 0.0, np.maximum(slope, 0.0), 0.0)  # rounding makes it negative
+        return np.where(depth > 0.0, force + slope * (depth - within), 0.0), slope
+
+    def stiffness_under(self, load: float) -> FloatArray:
+        """Return the stiffness of each, N/m, under one load, N; the secant's where it is level."""
+        depth = np.full(len(self.limits), _SHALLOWEST)
+        while (deeper := (depth < _DEEPEST) & (self.force(2.0 * depth)[0] <= load)).any():
+            depth[deeper] *= 2.0
+        force, slope = self.force(depth)
+        return np.asarray(np.maximum(slope, force / depth))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +120,6 @@ class _Configuration:
         Coordinates, the imbalance of forces on them, and the sum of the sizes of these.
     depth, force, slope, rounding : ndarrays, shape (contacts,)
         Indentation, m, force, N, stiffness, N/m, and what rounding of x makes of the force, N.
-    energy : float
-        The potential energy, J, least at rest.
     """
 
     x: FloatArray
@@ -101,37 +129,69 @@ class _Configuration:
     force: FloatArray
     slope: FloatArray
     rounding: FloatArray
-    energy: float
-
-    def better_than(self, other: _Configuration) -> bool:
-        """True if its energy is lower; or as low, but for rounding, and it is nearer to balance."""
-        if self.energy < other.energy:
-            return True
-        nearer = np.linalg.norm(self.balance) <= np.linalg.norm(other.balance)
-        return bool(nearer) and self.energy <= other.energy + _ROUNDING * abs(other.energy)
-
-    def no_nearer_than(self, other: _Configuration) -> bool:
-        """True if the steps since have gained neither energy nor balance."""
-        gained = other.energy - self.energy > _ROUNDING * abs(other.energy)
-        return not gained and bool(
-            np.linalg.norm(self.balance) > 0.5 * np.linalg.norm(other.balance)
-        )
 
 
-@dataclass(frozen=True, eq=False)
 class _Statics:
-    """A network under loads, N, shape (n,), its contacts with gaps, m, shape (contacts,)."""
+    """Bodies and the contacts between them as one network of springs under loads.
 
-    network: ContactNetwork
-    load: FloatArray
-    springs: Springs
-    gaps: FloatArray
+    Attributes
+    ----------
+    stiffness, inertia, load : ndarrays, shape (n,)
+        Of the coordinates: N/m; kg, 0 of massless ones; and N, 0 of a wall's.
+    owner : ndarray of int, shape (n,)
+        The body of each coordinate.
+    movable, sprung, free : ndarrays of bool, shape (n,)
+        Coordinates that are not a wall's; of these those with a stiffness, and those without.
+    directions, reach : sparse arrays, shape (contacts, n)
+        The indentation of a contact is its row times x minus its gap; the same without signs.
+    """
+
+    def __init__(
+        self,
+        bodies: Sequence[ModalBody],
+        contacts: Sequence[Contact],
+        gravity: float,
+        forces: Sequence[FloatArray],
+    ) -> None:
+        self._bodies, shapes, columns = bodies, [], []
+        for number, body in enumerate(bodies):
+            known = np.zeros((body.ports,) * 2) if body.residual is None else body.residual
+            compliance, beside = np.linalg.eigh(known)
+            soft = compliance > 0.0
+            none = np.zeros(int(soft.sum()))
+            shapes.append(np.hstack([body.shape, beside[:, soft]]))
+            own = body.inertia, body.inertia * body.omega**2, gravity * body.weight * body.inertia
+            more = none, 1.0 / compliance[soft], none
+            values = [np.concatenate(both) for both in zip(own, more, strict=True)]
+            movable = np.concatenate([body.inertia > 0.0, none == 0.0])
+            columns.append([*values, movable, np.full(len(movable), number)])
+        self.inertia, self.stiffness, weight, self.movable, self.owner = map(
+            np.concatenate, zip(*columns, strict=True)
+        )
+        self.sprung = self.movable & (self.stiffness > 0.0)
+        self.free = self.movable & (self.stiffness == 0.0)
+        shape = sp.block_diag(shapes, format="csr")
+        self.load = np.where(self.movable, weight + shape.T @ np.concatenate(forces), 0.0)
+        first = np.cumsum([0, *(body.ports for body in bodies)])
+        ends = [[first[body] + port for body, port in of.ports] for of in contacts]
+        one, other = np.array(ends, dtype=np.intp).reshape(-1, 2).T
+        self.directions = sp.csr_array(shape[one] - shape[other])
+        self.reach = abs(self.directions)
+        self.pairs = np.array([(of.first, of.second) for of in contacts]).reshape(-1, 2)
+        self.gaps = np.array([of.gap for of in contacts])
+        self.springs = _Springs([of.law for of in contacts])
+
+    def modes(self, x: FloatArray) -> list[FloatArray]:
+        """Return the modes of each body, shape (n,), among the coordinates."""
+        ends = np.searchsorted(self.owner, np.arange(len(self._bodies)))
+        return [x[end : end + body.n] for end, body in zip(ends, self._bodies, strict=True)]
 
     @cached_property
     def first(self) -> _Configuration:
-        """The static deflection without contacts; unsprung coordinates stay."""
-        sprung = self.network.stiffness > 0.0
-        return self.at(np.where(sprung, self.load / np.where(sprung, self.network.stiffness, 1), 0))
+        """The static deflection without contacts; coordinates without stiffness stay."""
+        return self.at(
+            np.where(self.sprung, self.load / np.where(self.sprung, self.stiffness, 1), 0)
+        )
 
     @cached_property
     def slopes(self) -> FloatArray:
@@ -144,121 +204,130 @@ class _Statics:
 
     def at(self, x: FloatArray) -> _Configuration:
         """Return the configuration with coordinates x."""
-        network, directions = self.network, self.network.directions
-        depth = directions @ x - self.gaps
+        depth = self.directions @ x - self.gaps
         force, slope = self.springs.force(depth)
-        own = network.stiffness * x
-        balance = np.where(network.movable, self.load - own - directions.T @ force, 0.0)
-        present = np.abs(self.load) + np.abs(own) + network.reach.T @ force
-        energy = float(0.5 * x @ own - self.load @ x) + self.springs.energy(depth)
-        rounding = self.rounding(x, slope)
-        return _Configuration(x, balance, present, depth, force, slope, rounding, energy)
+        own = self.stiffness * x
+        balance = np.where(self.movable, self.load - own - self.directions.T @ force, 0.0)
+        present = np.abs(self.load) + np.abs(own) + self.reach.T @ force
+        return _Configuration(x, balance, present, depth, force, slope, self.rounding(x, slope))
 
     def rounding(self, x: FloatArray, slopes: FloatArray) -> FloatArray:
         """Return what the last digits of x make of the contact forces, N."""
-        reach = self.network.reach @ np.abs(x) + np.abs(self.gaps)
+        reach = self.reach @ np.abs(x) + np.abs(self.gaps)
         rounding: FloatArray = slopes * _UNITS * _EPSILON * reach
         return rounding
-
-    def balanced(self, at: _Configuration, besides: FloatArray | float = 0.0) -> bool:
-        """True if the imbalance is no more than rounding, and `besides`, N."""
-        rounding = self.network.reach.T @ at.rounding
-        return bool((np.abs(at.balance) <= _BALANCED * at.present + rounding + besides).all())
 
     def settled(self, at: _Configuration) -> bool:
         """True if the reactions balance the loads to the digits of the largest force.
 
         A contact that touches without force has none of its own to measure an imbalance by.
         """
-        holds = at.present - np.abs(self.load)
-        return self.balanced(at, np.minimum(holds, _SETTLED * self.size(at)))
+        holds = np.minimum(at.present - np.abs(self.load), _SETTLED * self.size(at))
+        rounding = _BALANCED * at.present + self.reach.T @ at.rounding
+        return bool((np.abs(at.balance) <= holds + rounding).all())
 
     def size(self, at: _Configuration) -> float:
         """The largest force, N."""
         return float(max(np.abs(self.load).max(initial=0.0), at.force.max(initial=0.0)))
 
-    @cached_property
-    def _stuck(self) -> LinearNetwork | None:
-        """The network with contacts that cannot open."""
-        return self.network.linearized(self.slopes)
-
-    def unconstrained(self, at: _Configuration) -> int | None:
-        """The coordinate of an imbalance that nothing would carry if all contacts stuck."""
-        if self._stuck is None:
-            return None
-        carried_by_none = np.abs(self._stuck.displacement(at.balance)[1])
-        least = max(
-            _UNCONSTRAINED * np.abs(at.balance).max(), _UNCONSTRAINED_OF_ALL * self.size(at)
-        )
-        return int(carried_by_none.argmax()) if carried_by_none.max() > least else None
-
-    def check_depth(self, at: _Configuration) -> None:
-        """Refuse a contact deeper than its law is valid for."""
-        limits = self.springs.limits
+    def check(self, at: _Configuration, slopes: FloatArray, size: float) -> None:
+        """Refuse contacts deeper than their laws, or of which forces of this size are rounding."""
+        limits, rounding = self.springs.limits, self.rounding(at.x, slopes)
         for i in np.flatnonzero(at.depth > limits)[:1]:
             raise LawLimitError(
                 f"preload: contact {i} is {at.depth[i]:.3g} m deep at rest, and its law is valid "
                 f"to {limits[i]:.3g} m; take a larger patch, a longer table, or less load"
             )
-
-    def check_limits(self, at: _Configuration) -> None:
-        """Refuse laws that end before they carry the load, where no equilibrium was found."""
-        limits = self.springs.limits
-        force, slope = self.springs.force(np.minimum(at.depth, limits))
-        for i in np.flatnonzero((at.depth > limits) & (slope == 0.0))[:1]:
-            raise LawLimitError(
-                f"preload: contact {i} finds no rest: its law is valid to {limits[i]:.3g} m, "
-                f"where it has {force[i]:.3g} N and rises no more; take a longer table, or less "
-                "load"
-            )
-
-    def check_stiffness(self) -> None:
-        """Refuse contacts whose stiffness leads out of the range of numbers."""
-        worst = int(np.argmax(self.slopes)) if len(self.slopes) else -1
-        if worst >= 0 and not self.slopes[worst] <= LARGEST:
+        if rounding.max(initial=0.0) > _DETERMINED * size:
+            i = int(rounding.argmax())
             raise InputError(
-                f"preload: contact {worst} is {self.slopes[worst]:.3g} N/m stiff under the loads, "
-                "which cannot be computed with; give its law in N and m, or start without preload"
+                f"preload: contact {i} is so stiff, {slopes[i]:.3g} N/m, that the last digit of "
+                f"where its bodies are makes {rounding[i]:.2g} N; take a softer law, or smaller "
+                "gaps"
             )
 
-    def check_rounding(self, at: _Configuration, slopes: FloatArray, size: float) -> None:
-        """Refuse contacts so stiff that forces of this size, N, are rounding."""
-        rounding = self.rounding(at.x, slopes)
-        if rounding.max(initial=0.0) <= _DETERMINED * size:
-            return
-        worst = int(rounding.argmax())
-        loop = (
-            "; its bodies are in a closed loop of contacts, which is statically indeterminate "
-            "where these do not deform"
-            if self._in_loop(at)
-            else ""
-        )
-        raise InputError(
-            f"preload: the forces at rest are not determined: contact {worst} is so stiff, "
-            f"{slopes[worst]:.3g} N/m, that the last digit of where its bodies are makes "
-            f"{rounding[worst]:.2g} N{loop}; take a softer law, or smaller gaps"
-        )
+    @cached_property
+    def _constant(self) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array, FloatArray]:
+        """The contacts' directions with and without stiffness, compliance between them, grounds."""
+        own, free = self.directions[:, self.sprung], self.directions[:, self.free]
+        between = own @ sp.diags_array(1.0 / self.stiffness[self.sprung]) @ own.T
+        ground = (free**2).T @ self.slopes
+        return own, free, between, _BARELY * np.where(ground > 0.0, ground, 1.0)
 
-    def _in_loop(self, at: _Configuration) -> bool:
-        """True if more contacts are closed, but for rounding, than balance determines."""
-        closed = np.flatnonzero(at.depth >= -_CLOSED * np.abs(self.gaps))
-        if not 0 < len(closed) <= _MOST_LOOPED:
-            return False
-        rows = self.network.directions[closed][:, self.network.unsprung].toarray()
-        return int(np.linalg.matrix_rank(rows)) < len(closed)
+    def step(self, at: _Configuration, damping: float) -> FloatArray:
+        """Return a step of Newton's method, damped by stiffer contacts and bodies.
+
+        K s + Dᵀ S D s = balance is solved for the forces S D s and for what has no stiffness; the
+        others follow one by one. So the cost grows with the number of contacts, and a soft spring
+        beside a stiff one keeps its digits.
+        """
+        own, free, between, ground = self._constant
+        contacts = sp.diags_array(1.0 / (at.slope + damping * self.slopes))
+        soft = between / (1.0 + damping) + contacts
+        rows = [[soft, -free], [free.T, sp.diags_array(ground)]]
+        matrix = sp.block_array(rows, format="csc")
+        compliance = 1.0 / ((1.0 + damping) * self.stiffness[self.sprung])
+        pushed = compliance * at.balance[self.sprung]
+        right = np.concatenate([own @ pushed, at.balance[self.free]])
+        force, rigid = np.split(sp.linalg.splu(matrix).solve(right), [len(self.gaps)])
+        step = np.zeros(len(at.x))
+        step[self.sprung], step[self.free] = pushed - compliance * (own.T @ force), rigid
+        return step
+
+    def descend(self) -> _Configuration:
+        """Return the configuration of least energy, or the last where it has none."""
+        at, damping, more = self.first, 1.0, _MORE_STEPS
+        for _ in range(_MOST_STEPS):
+            more -= self.settled(at)
+            if more < 0:
+                break
+            step, share = self.step(at, damping), 1.0
+            work, trial = at.balance @ step, self.at(at.x + step)
+            while (end := trial.balance @ step) < -_TOO_FAR * work and share > _EPSILON:
+                share *= float(np.clip(work / (work - end), *_SHORTER))
+                trial = self.at(at.x + share * step)
+            changed = np.linalg.norm(trial.balance - at.balance)
+            bounded = changed > _FALLS * np.linalg.norm(at.balance)
+            at, whole = trial, share == 1.0
+            if whole and damping == _LEAST_DAMPING and not bounded:
+                break
+            damping = max(_TIGHTER * damping, _LEAST_DAMPING) if whole else _LOOSER * damping
+        return at
+
+    def floating(self, at: _Configuration) -> Iterator[tuple[IntArray, FloatArray]]:
+        """Return what no force keeps in its place, and the displacement back to where it was put.
+
+        Yields
+        ------
+        where, way : ndarrays, shape (m,)
+            Coordinates of an unloaded group of bodies that press on each other, or of a body, and
+            what brings the centre of mass back.
+        """
+        count = len(self._bodies)
+        pairs = self.pairs[at.force > at.rounding + _SETTLED * self.size(at)]
+        graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count,) * 2)
+        groups, group = sp.csgraph.connected_components(graph, directed=False)
+        sizes, places = np.bincount(group), np.flatnonzero(self.free)
+        held = np.array([body.ports > 1 for body in self._bodies]) & (sizes[group] > 1)
+        held |= np.bincount(self.owner[places], minlength=count) == 0
+        kept = np.bincount(group, held) > 0.0
+        owner = group[self.owner[places]]
+        for number in range(groups):
+            where = places[owner == number]
+            load, x = self.load[where], at.x[where]
+            if kept[number] or abs(load.sum()) > _BALANCED * np.abs(load).sum():
+                continue
+            mean = np.average(x, weights=self.inertia[where])
+            yield where, -x if sizes[number] == 1 else np.full(len(x), -mean)
 
     def least_moved(self, at: _Configuration) -> _Configuration:
         """Return the equilibrium with unloaded bodies as near to their places as others allow.
 
-        Newton's steps drag along all that touches, also where contacts are open.
+        The damping drags along all that touches, also where contacts are open.
         """
-        pressed = at.force > at.rounding + _SETTLED * self.size(at)
-        x, room, columns = at.x.copy(), np.maximum(-at.depth, 0.0), self.network.directions.tocsc()
-        floating = [
-            (where, way)
-            for where, way in self.network.floating(pressed, x)
-            if abs(self.load[where].sum()) <= _BALANCED * np.abs(self.load[where]).sum()
-        ]
+        room, columns = np.maximum(-at.depth, 0.0), self.directions.tocsc()
+        x = np.where(self.sprung & (self.reach.T @ at.force == 0.0), self.first.x, at.x)
+        floating = list(self.floating(at))
         # Forward and back: in a row the first to move makes room for the next.
         for where, way in (*floating, *reversed(floating)):
             closing = columns[:, where] @ way
@@ -269,11 +338,6 @@ class _Statics:
             way *= 1.0 - share
         moved = self.at(x)
         return moved if self.settled(moved) else at
-
-    def step(self, at: _Configuration, damping: float) -> FloatArray | None:
-        """Return a damped Newton step; None where the matrix is singular with so little damping."""
-        linear = self.network.linearized(at.slope + damping * self.slopes, 1.0 + damping)
-        return None if linear is None else self.network.centred(linear.displacement(at.balance)[0])
 
 
 def equilibrium(
@@ -303,50 +367,26 @@ def equilibrium(
     LawLimitError
         If a contact is deeper than its law is valid for.
     """
-    network = ContactNetwork(bodies, [of.ports for of in contacts])
-    springs = Springs([of.law for of in contacts])
-    statics = _Statics(
-        network, network.load(gravity, forces), springs, np.array([of.gap for of in contacts])
-    )
+    statics = _Statics(bodies, contacts, gravity, forces)
     first = statics.first
-    statics.check_stiffness()
-    at, unconstrained = _descend(statics, first)
+    for i in np.flatnonzero(~(statics.slopes <= LARGEST))[:1]:
+        raise InputError(
+            f"preload: contact {i} is {statics.slopes[i]:.3g} N/m stiff under the loads, which "
+            "cannot be computed with; give its law in N and m, or start without preload"
+        )
+    at = statics.descend()
     if statics.settled(at):
         at = statics.least_moved(at)
-        size = max(statics.size(at), _NEGLIGIBLE * statics.size(first))
-        statics.check_rounding(at, at.slope, size)
-        statics.check_depth(at)
-        return Equilibrium(network.modes(at.x), network.beside(at.x))
-    statics.check_rounding(first, statics.slopes, statics.size(first))
-    statics.check_limits(at)
-    worst = int(np.abs(at.balance).argmax()) if unconstrained is None else unconstrained
+        least = _NEGLIGIBLE * statics.size(first)
+        statics.check(at, at.slope, max(statics.size(at), least))
+        return Equilibrium(statics.modes(at.x), at.force)
+    statics.check(at, np.zeros(len(at.slope)), 0.0)
+    statics.check(first, statics.slopes, statics.size(first))
+    present = np.where(at.present > 0.0, at.present, 1.0)
+    worst = int((np.abs(at.balance) / present).argmax())
     raise ConvergenceError(
         "preload: no static equilibrium found; a body that nothing supports against gravity or its "
         "load, or only a law whose force cannot be as large, falls for ever (imbalance "
-        f"{abs(at.balance[worst]):.3g} N on body {network.owner[worst]}); support it, or start "
+        f"{abs(at.balance[worst]):.3g} N on body {statics.owner[worst]}); support it, or start "
         "without preload"
     )
-
-
-def _descend(statics: _Statics, at: _Configuration) -> tuple[_Configuration, int | None]:
-    """The last configuration, and the coordinate of what nothing would carry, if any."""
-    before, damping = at, 1.0
-    for number in range(_MOST_STEPS):
-        if statics.balanced(at):
-            break
-        if (unconstrained := statics.unconstrained(at)) is not None:
-            return at, unconstrained
-        if number % _PATIENCE == _PATIENCE - 1 and at.no_nearer_than(before):
-            break
-        before = at if number % _PATIENCE == 0 else before
-        step = statics.step(at, damping)
-        if step is not None and not np.abs(at.x + step).max(initial=0.0) < HUGE:
-            break
-        trial = None if step is None else statics.at(at.x + step)
-        if trial is not None and trial.better_than(at):
-            at, damping = trial, damping * _TIGHTER
-        elif damping > _MOST_DAMPING:
-            break
-        else:
-            damping *= _LOOSER
-    return at, None

@@ -294,16 +294,9 @@ def test_less_patience_loses_a_result_and_more_waits_for_none(
         assert bounces(10, 1e-3)[0].error.time is None
 
 
-def test_bodies_at_rest_are_measured_by_their_impulses(
-    monkeypatch: pytest.MonkeyPatch, runs: Runs
-) -> None:
+def test_bodies_at_rest_are_measured_by_their_impulses(monkeypatch: pytest.MonkeyPatch) -> None:
     assert column(2).error.time == 1e-8
-    usual = len(runs)
     with monkeypatch.context() as patch:
-        patch.setattr(comparison, "AT_REST", 1e-3 * tolerances.AT_REST)
-        runs.clear()
-        assert column(2).error.time == 1e-8
-        assert len(runs) > usual
         patch.setattr(comparison, "AT_REST", 0.0)
         with pytest.warns(ao.AOImpactWarning, match="by a contact that pulls"):
             assert column(2).error.time == 1.0

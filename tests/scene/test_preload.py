@@ -294,6 +294,25 @@ def test_a_row_squeezed_between_walls_has_one_force_whatever_its_laws():
     assert at_rest(scene) == pytest.approx(np.full(count, force), rel=1e-6)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_contacts_of_every_body_in_a_tower_carry_its_weight(seed):
+    """Balls that fall on some of those below: laws, masses and gaps differ by powers of ten."""
+    rng, count = np.random.default_rng(seed), 30
+    masses = 10.0 ** rng.uniform(-2.0, 1.0, count)
+    scene = ao.Scene(gravity=EARTH)
+    bodies = [*(scene.add(ao.rigid(mass=mass)) for mass in masses), scene.add(WALL)]
+    pairs = [(i, j) for i in range(count) for j in {i + 1, int(rng.integers(i, count)) + 1}]
+    for i, j in pairs:
+        law = ao.PowerLaw(k=10.0 ** rng.uniform(4.0, 10.0), n=rng.uniform(1.0, 2.5))
+        scene.connect(bodies[i], bodies[j], law, gap=rng.uniform(-1e-4, 3e-3))
+    forces = at_rest(scene)
+    carried = np.zeros(count + 1)
+    for (i, j), force in zip(pairs, forces, strict=True):
+        carried[[i, j]] += force, -force
+    assert forces.min() >= 0.0
+    assert carried[:-1] == pytest.approx(EARTH * masses, rel=1e-8)
+
+
 @pytest.mark.parametrize("law", [ao.Hertz(k=1e9), ao.PowerLaw(k=1e10, n=2.9)])
 def test_what_touches_and_is_not_pressed_makes_room(law):
     """A free ball, pushed aside by a spring under load, is where no force is left."""
