@@ -174,7 +174,7 @@ def read(file: Path) -> RawMesh:
     for row in repeats(labels)[:1].tolist():
         at = int(np.searchsorted(raw.first, row, side="right")) - 1
         raise parts[at].table.refused(row - raw.first[at], f"element {labels[row]} is there twice")
-    cell_sets = _by_property(bulk, parts)
+    cell_sets = _by_property(bulk, parts, raw.dims)
     node_sets = {}
     for name, (kinds, text) in _sets(control, bulk).items():
         if "nodes" in kinds:
@@ -268,15 +268,13 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
         yield Entries(part, RawBlock(kind, cells, labels), properties, kinds[-1])
 
 
-def _by_property(bulk: BulkData, parts: list[Entries]) -> dict[str, IntArray]:
+def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[str, IntArray]:
     """Return the groups of elements by property.
 
     Elements of a lower dimension have a group of their own if the deck has a property of that
     number for them. Without one they are sides and edges to which a mesher gave the number.
     """
-    properties = joined(part.properties for part in parts)
-    dims = np.repeat([part.block.dim for part in parts], [len(p.properties) for p in parts])
-    found = {}
+    properties, found = joined(part.properties for part in parts), {}
     known = {dim: {card.text(0) for card in _properties(bulk, dim)} for dim in (1, 2)}
     for label in np.unique(properties[properties > 0]).tolist():
         own = properties == label
@@ -661,8 +659,7 @@ class Reader:
 
     def sections(self) -> dict[str, OneMaterial]:
         """Return the sections by group."""
-        parts = self.deck.parts
-        dims = np.repeat([part.block.dim for part in parts], [len(p.properties) for p in parts])
+        parts, dims = self.deck.parts, self.source.raw.dims
         found: dict[str, OneMaterial] = {}
         for name, members in self.source.raw.cell_sets.items():
             if not name.startswith("property "):

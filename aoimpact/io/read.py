@@ -181,15 +181,11 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     dropped = np.flatnonzero(~used[:given])
     if len(dropped):
         first = int(dropped[0])
-        warn(
-            f"{len(dropped)} of {given} nodes belong to no {_what(solids)} element and "
-            "were "
-            + (
-                f"dropped; nodes after {first} have new numbers (named sets keep their members)"
-                if raw.node_labels is None
-                else f"dropped; the first is node {raw.node_labels[first]}"
-            )
-        )
+        which = f"nodes after {first} have new numbers (named sets keep their members)"
+        if raw.node_labels is not None:
+            which = f"the first is node {raw.node_labels[first]}"
+        of = f"{len(dropped)} of {given} nodes belong to no {_what(solids)} element"
+        warn(f"{of} and were dropped; {which}")
     number = np.where(used, np.cumsum(used) - 1, -1)
     blocks: Any = []
     numbers = []
@@ -327,40 +323,29 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
 
     Those of the highest dimension, and of the groups named those of the group's own highest one.
     """
-    blocks = [
-        (block, numbers)
-        for block, numbers in zip(raw.blocks, raw.numbers, strict=True)
-        if len(block.cells)  # empty blocks, as of a header without elements, may have any shape
-    ]
-    counts: Counter[str] = Counter()
-    for block, numbers in blocks:
-        counts[block.kind] += len(numbers)
-    highest = max((block.dim for block, _ in blocks), default=0)
-    chosen = np.zeros(raw.first[-1], dtype=bool)
-    dims = raw.dims
+    dims, parts = raw.dims, []
+    chosen = dims == dims.max(initial=0)
     for name in named:
         if found := called(name, raw.cell_sets):
             members = raw.cell_sets[found]
             chosen[members[dims[members] == dims[members].max(initial=0)]] = True
-    parts = []
-    for block, numbers in blocks:
-        own = chosen[numbers] | (block.dim == highest)
-        if block.dim and own.any():
+    for block, numbers in zip(raw.blocks, raw.numbers, strict=True):
+        own = chosen[numbers]
+        if block.dim and own.any():  # empty blocks may have any shape
             parts.append((block.kind, block.cells[own], numbers[own]))
     unknown = {kind for kind, _, _ in parts}.difference(KINDS + THIN)
     if unknown or not parts:
-        listed = ", ".join(
-            f"{n} {kind}" for kind, n in sorted(counts.items()) if kind in unknown or not parts
-        )
+        counts: Counter[str] = Counter()
+        for block in raw.blocks:
+            if block.kind in unknown or (len(block.cells) and not parts):
+                counts[block.kind] += len(block.cells)
+        listed = ", ".join(f"{n} {kind}" for kind, n in sorted(counts.items()))
         if raw.deck is not None and not parts:
             listed = raw.deck.elements or listed
-        what = (
-            f"the mesh has cells of an unsupported kind: {listed}"
-            if unknown
-            else f"the mesh has no elements: it has {listed or 'no cells at all'}"
-        )
+        what = "cells of an unsupported kind:" if unknown else "no elements: it has"
         raise MeshError(
-            f"{what}; supported are {', '.join(KINDS + THIN)}{_flat_cure(unknown, listed)}"
+            f"the mesh has {what} {listed or 'no cells at all'}; supported are "
+            f"{', '.join(KINDS + THIN)}{_flat_cure(unknown, listed)}"
         )
     return [
         (kind, checked_cells(cells, reference_element(kind), len(raw.nodes)), numbers)
