@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import ExitStack
 from typing import Any
 
 from ..base import AOImpactError, InputError, InputTypeError, file_path, warn
@@ -42,19 +43,17 @@ class Checkpoint:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         name = str(file_path("checkpoint", path))
         self._places: dict[str, int] = {}
-        try:
-            # Without buffer: each line is written at once.
-            self._written = open(name, "ab", buffering=0)  # noqa: SIM115
-            self._read = open(name, "rb")  # noqa: SIM115
-        except OSError as error:
-            raise InputError(
-                f"checkpoint {name!r} cannot be opened: {error.strerror}; give another path"
-            ) from None
-        try:
+        with ExitStack() as stack:
+            try:
+                # Without buffer: each line is written at once.
+                self._written = stack.enter_context(open(name, "ab", buffering=0))
+                self._read = stack.enter_context(open(name, "rb"))
+            except OSError as error:
+                raise InputError(
+                    f"checkpoint {name!r} cannot be opened: {error.strerror}; give another path"
+                ) from None
             self._read_all(name)
-        except BaseException:
-            self.close()
-            raise
+            self._files = stack.pop_all()
 
     def _read_all(self, name: str) -> None:
         """Find all lines; cut off an incomplete last one."""
@@ -90,7 +89,9 @@ class Checkpoint:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        """Wait until everything is on the disk, and release the file."""
+        os.fsync(self._written.fileno())
+        self._files.close()
 
     def get(self, digest: str) -> Outcome:
         """Return the outcome under a digest."""
@@ -100,22 +101,17 @@ class Checkpoint:
     def put(self, digest: str, outcome: Outcome) -> None:
         """Write a line; it survives if the process is killed after that.
 
-        `get` has it when the file is opened again.
+        `get` has it when the file is opened again. Errors that are not this package's are left out.
         """
         value, messages = outcome
         record: dict[str, Any] = {"case": digest, "warnings": messages}
         if isinstance(value, AOImpactError):
             record["error"] = [type(value).__name__, value.args, vars(value)]
+        elif isinstance(value, Exception):
+            return  # it may not occur again
         else:
             record["value"] = value
         self._written.write(f"{json.dumps(record, default=str)}\n".encode())
-
-    def close(self) -> None:
-        """Wait until everything is on the disk, and release the file."""
-        if not self._written.closed:
-            os.fsync(self._written.fileno())
-            self._written.close()
-            self._read.close()
 
 
 def as_json(value: Any) -> Any:

@@ -78,31 +78,27 @@ class Digests:
         if isinstance(value, Mapping):
             keys = sorted(value, key=repr)
             return [("", keys), *((f"[{key!r}]", value[key]) for key in keys)]
-        if isinstance(value, np.ndarray):  # of objects
-            return [("", value.shape), ("", value.ravel().tolist())]
-        if isinstance(value, tuple | list | set | frozenset):
-            return [(f"[{i}]", entry) for i, entry in enumerate(value)]
         if sp.issparse(value):
             csr = value.tocsr()
-            return [("", part) for part in (csr.shape, csr.indptr, csr.indices, csr.data)]
+            value = csr.shape, csr.indptr, csr.indices, csr.data
+        elif isinstance(value, np.ndarray):  # of objects
+            value = value.shape, value.ravel().tolist()
+        if isinstance(value, tuple | list | set | frozenset):
+            return [(f"[{i}]", entry) for i, entry in enumerate(value)]
         if dataclasses.is_dataclass(value):
-            fields = [of for of in dataclasses.fields(value) if not of.metadata.get("identity")]
-            return [(f".{of.name}", getattr(value, of.name)) for of in fields]
-        if callable(value):
-            if self._key is None:
-                raise InputTypeError(
-                    f"{name}: a checkpoint cannot tell whether a function has changed; give key=, "
-                    "a text that you change with it"
-                )
+            fields = dataclasses.fields(value)
+            names = [of.name for of in fields if not of.metadata.get("identity")]
+        elif callable(value) and self._key is not None:
             where = getattr(value, "__qualname__", type(value).__qualname__)
             return [("", f"{getattr(value, '__module__', '')}.{where}")]
-        if not hasattr(value, "__dict__"):
+        elif callable(value) or not hasattr(value, "__dict__"):
             raise InputTypeError(
-                f"{name}, {type(value).__name__}: a checkpoint cannot tell whether it has changed; "
-                "make it of numbers and arrays"
+                f"{name}: a checkpoint cannot tell whether a {type(value).__name__} has changed; "
+                "of functions give key=, a text that you change with them"
             )
-        return [
-            (f".{key}", part)
-            for key, part in sorted(vars(value).items())
-            if not isinstance(getattr(type(value), key, None), cached_property)
-        ]
+        else:
+            cached, own = cached_property, type(value)
+            names = [
+                of for of in sorted(vars(value)) if not isinstance(getattr(own, of, None), cached)
+            ]
+        return [(f".{of}", getattr(value, of)) for of in names]

@@ -7,17 +7,17 @@ import os
 import pickle
 import re
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
-from contextlib import ExitStack, nullcontext
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence, Sized
+from contextlib import nullcontext
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, NamedTuple
 
 from ..accuracy import Keep, Named, keeper
 from ..base import (
-    AOImpactError,
     InputError,
     InputTypeError,
+    Progress,
     bar,
     boolean,
     held_warnings,
@@ -36,10 +36,6 @@ from .plain import PLAIN_NUMBERS, plain_numbers
 from .shared import SharedCase, share_models
 from .sharednumbers import shared_numbers
 from .workers import checked_workers, run_tasks
-
-_PARAMETERS = inspect.signature(simulate).parameters
-KEYWORDS = tuple(_PARAMETERS)
-REQUIRED = tuple(name for name in KEYWORDS if _PARAMETERS[name].default is inspect.Parameter.empty)
 
 
 @spelled
@@ -106,85 +102,76 @@ def simulate_many(
     >>> round((hits[1].peak_force / hits[0].peak_force) ** (5 / 6), 6)  # Hertz: as V^(6/5)
     2.0
     """
-    return list(
-        iterated(cases, workers, keep=keep, checkpoint=checkpoint, key=key, progress=progress)
-    )
-
-
-def iterated(
-    cases: Iterable[Any],
-    workers: Any,
-    *,
-    keep: Any,
-    checkpoint: str | os.PathLike[str] | None,
-    key: str | None,
-    progress: bool,
-) -> Iterator[Any]:
-    """Check the arguments of `simulate_many`, and return what comes of each case, one by one."""
     try:
         if isinstance(cases, (Mapping, str)) or not isinstance(cases, Iterable):
             raise TypeError
         # An array without axes, or a sparse one, has __len__ all the same, which raises TypeError.
-        empty = isinstance(cases, Sized) and len(cases) == 0
+        total = len(cases) if isinstance(cases, Sized) else None
     except TypeError:
         raise InputTypeError(
             "cases must be a list (or generator) of dicts of simulate's keywords, or of pairs "
             f"(scene, duration), got {type(cases).__name__}"
         ) from None
-    if empty:
-        raise InputError(_EMPTY)
-    boolean("progress", progress)
-    if key is not None:
-        text("key", key)
-    job = _Job(_checked(keeper(keep)), checkpoint is not None)
-    if job.stored and job.keep is None:
-        raise InputError(
-            "checkpoint keeps no whole results; name numbers, such as keep='peak_force'"
-        )
-    return _iterate(cases, checked_workers(workers), job, checkpoint, key, progress)
+    values = list(run_cases(cases, total, workers, keep, checkpoint, key, progress))
+    if not values:
+        raise InputError("cases is empty: there is nothing to simulate")
+    return values
 
 
-def _checked(keep: Keep | None) -> Keep | None:
-    """Refuse a name that is no number of a result before any case is computed."""
-    if isinstance(keep, Named):
-        mass = rigid(mass=1.0)
-        hit = simulate(mass, mass, 1.0, law=Linear(k=1.0), duration=5.0)
-        for name in keep.names:
-            if not re.search(r"\.\d", name):  # of a body or contact, which the cases have
-                look_up(hit, name, "keep")
-    return keep
-
-
-def _iterate(
+def run_cases(
     cases: Iterable[Any],
+    total: int | None,
     workers: Any,
-    job: _Job,
+    keep: Any,
     checkpoint: str | os.PathLike[str] | None,
     key: str | None,
     progress: bool,
 ) -> Iterator[Any]:
-    count, warned, first = 0, 0, ""
+    """Check the other arguments of `simulate_many`, and yield what comes of each case.
+
+    Parameters
+    ----------
+    cases : iterable
+        As of `simulate_many`; an exception stands for a case that could not be made.
+    total : int or None
+        Number of the cases, where it is known.
+    """
+    boolean("progress", progress)
+    if key is not None:
+        text("key", key)
+    job = _Job(keeper(keep), checkpoint is not None)
+    if job.stored and job.keep is None:
+        raise InputError(
+            "checkpoint keeps no whole results; name numbers, such as keep='peak_force'"
+        )
+    if isinstance(job.keep, Named):  # a name that is no number of a result
+        mass = rigid(mass=1.0)
+        hit = simulate(mass, mass, 1.0, law=Linear(k=1.0), duration=5.0)
+        for name in job.keep.names:
+            if not re.search(r"\.\d", name):  # of a body or contact, which the cases have
+                look_up(hit, name, "keep")
+    threads = checked_workers(workers)
     if isinstance(cases, Sequence):
-        cases = share_models(cases, KEYWORDS, REQUIRED)
-    with ExitStack() as stack:
-        store = None if checkpoint is None else stack.enter_context(Checkpoint(checkpoint))
-        total = len(cases) if isinstance(cases, Sized) else None
-        shown = stack.enter_context(bar("cases", total, unit="case") if progress else nullcontext())
-        for value, messages in _outcomes(cases, workers, job, store, key):
+        keywords = tuple(inspect.signature(simulate).parameters)
+        cases = share_models(cases, keywords, keywords[:3])
+    warned, first = 0, ""
+    with (
+        nullcontext() if checkpoint is None else Checkpoint(checkpoint) as store,
+        bar("cases", total, unit="case") if progress else nullcontext(Progress()) as shown,
+    ):
+        for item, outcome in run_tasks(threads, job, _items(cases, job.keep, store, key)):
+            if item.known and store is not None:
+                outcome = store.get(item.digest)
+            elif store is not None:
+                store.put(item.digest, outcome)
+            value, messages = outcome
             if messages:
-                first = first or f"case {count}: {messages[0]}"
+                first = first or f"case {shown.n}: {messages[0]}"
                 warned += 1
-            count += 1
-            if shown is not None:
-                shown.update()
+            shown.update()
             yield value
-    if count == 0:
-        raise InputError(_EMPTY)
     if warned:
-        warn(first + (f" ({warned - 1} more of {count} cases warn)" if warned > 1 else ""))
-
-
-_EMPTY = "cases is empty: there is nothing to simulate"
+        warn(first + (f" ({warned - 1} more of {shown.n} cases warn)" if warned > 1 else ""))
 
 
 class _Item(NamedTuple):
@@ -195,31 +182,17 @@ class _Item(NamedTuple):
     known: bool = False
 
 
-def _outcomes(
-    cases: Iterable[Any], workers: Any, job: _Job, store: Checkpoint | None, key: str | None
-) -> Iterator[Outcome]:
-    if store is None:
-        for _, outcome in run_tasks(workers, job, map(_Item, cases)):
-            yield outcome
-        return
-    for item, outcome in run_tasks(workers, job, _recognised(cases, job, store, key)):
-        if item.known:
-            yield store.get(item.digest)
-            continue
-        # Results and this package's own errors; other errors may not occur again.
-        if not isinstance(outcome[0], Exception) or isinstance(outcome[0], AOImpactError):
-            store.put(item.digest, outcome)
-        yield outcome
-
-
-def _recognised(
-    cases: Iterable[Any], job: _Job, store: Checkpoint, key: str | None
+def _items(
+    cases: Iterable[Any], keep: Keep | None, store: Checkpoint | None, key: str | None
 ) -> Iterator[_Item]:
     digests, ours = Digests(key), version("aoimpact")
     for i, case in enumerate(cases):
-        digest = digests.of((ours, job.keep, case), f"case {i}")
-        known = digest in store
-        yield _Item(None if known else case, digest, known)
+        if store is None or isinstance(case, Exception):
+            yield _Item(case)
+        else:
+            digest = digests.of((ours, keep, case), f"case {i}")
+            known = digest in store
+            yield _Item(None if known else case, digest, known)
 
 
 @dataclass(frozen=True)
@@ -261,28 +234,29 @@ class _Job:
         return value, tuple(messages)
 
 
-@dataclass(frozen=True)
-class Failed:
-    """A case that could not be made."""
-
-    error: Exception
+def check_keywords(where: str, function: Callable[..., Any], names: Collection[str]) -> None:
+    """Refuse keywords that a function does not have, and the lack of those that it needs."""
+    known = inspect.signature(function).parameters
+    for name in names:
+        if name not in known:
+            meant = nearest(str(name), known)
+            raise InputTypeError(f"{where}: {function.__name__} has no keyword {name!r}{meant}")
+    for name, parameter in known.items():
+        if parameter.default is parameter.empty and name not in names:
+            raise InputTypeError(f"{where}: {function.__name__} needs {name}")
 
 
 def _run(case: Any) -> Any:
-    if isinstance(case, Failed):
-        raise case.error
+    if isinstance(case, Exception):  # it could not be made
+        raise case
     if isinstance(case, SharedCase):
         return case.simulate()
     if isinstance(case, Mapping):
-        for name in case:
-            if name not in KEYWORDS:
-                raise InputTypeError(
-                    f"case: simulate has no keyword {name!r}{nearest(str(name), KEYWORDS)}"
-                )
-        for name in REQUIRED:
-            if name not in case:
-                raise InputTypeError(f"case: {name} is missing")
-        return simulate(**case)
+        try:
+            return simulate(**case)
+        except TypeError:
+            check_keywords("case", simulate, case)
+            raise
     if isinstance(case, (tuple, list)) and len(case) == 2 and hasattr(case[0], "simulate"):
         scene, duration = case
         return scene.simulate(duration=duration)

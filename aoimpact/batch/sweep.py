@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import inspect
 import itertools
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 from ..accuracy import Named, keeper
-from ..base import InputError, InputTypeError, nearest, require, sequence, spelled
+from ..base import InputError, InputTypeError, require, sequence, spelled
 from ..fem import ContactPoint
-from ..impact import SceneCase
+from ..impact import SceneCase, simulate
 from ..results import COLUMNS
 from ..scenefile import SceneFile, read_scene
-from .many import KEYWORDS, REQUIRED, Failed, iterated
+from .many import check_keywords, run_cases
 from .sweep_table import SweepTable, sweep_table
 
 # Each number stands in a column of its own and in the structured array.
@@ -76,18 +74,28 @@ def sweep(
     [1.0, 1.0, 1.0]
     """
     checked = _checked_grid(grid)
-    if keep is None:
+    kept = keeper(keep)
+    if kept is None:
         raise InputTypeError(
             "keep=None: a table holds numbers; name some, or take simulate_many for whole results"
         )
-    plan = _Plan(_maker(base, checked), checked)
-    _check_fits(checked, keep)
+    make = _maker(base, checked)
+    names = kept.names if isinstance(kept, Named) else ()
+    sizes = [len(values) for values in checked.values()]
+    count, columns = math.prod(sizes), len(checked) + max(len(names), 1)
+    require(
+        _BYTES_PER_NUMBER * columns * float(count),
+        f"a table of {' x '.join(map(str, sizes))} = {count:.4g} cases and {columns} columns",
+        "give fewer values, or sweep over parts of the grid, each with its own to_csv",
+    )
+    cases: Iterable[Any] = _cases(make, checked)
     # Cases may share the model of a contact point, for which all must be known.
-    if callable(base):  # each case is made once: it may take long
-        plan = replace(plan, made=tuple(itertools.islice(plan, 2)))
-    cases = list(plan) if _share_points(base, plan) else plan
-    values = iterated(cases, workers, keep=keep, checkpoint=checkpoint, key=key, progress=progress)
-    return sweep_table(checked, values, keep)
+    first = list(itertools.islice(cases, 2)) if callable(base) else []
+    cases = itertools.chain(first, cases)
+    if _share_points(base, checked, first):
+        cases = list(cases)
+    values = run_cases(cases, count, workers, kept, checkpoint, key, progress)
+    return sweep_table(checked, values, names)
 
 
 def sweep_file(
@@ -127,63 +135,33 @@ def _checked_grid(grid: Any) -> dict[str, list[Any]]:
         raise InputTypeError(
             f'grid must be a dict such as {{"velocity": [0.5, 1.0]}}, got {type(grid).__name__}'
         )
-    if not grid:
-        raise InputError("grid has no parameters: there is nothing to sweep over")
-    checked = {}
-    for name, values in grid.items():
+    for name in grid:
         if not isinstance(name, str) or not name:
             raise InputTypeError(f"grid: names of parameters must be text, got {name!r}")
-        checked[name] = sequence(f"grid[{name!r}]", values)
-        if not checked[name]:
-            raise InputError(f"grid[{name!r}] has no values: the sweep is empty")
+    checked = {name: sequence(f"grid[{name!r}]", values) for name, values in grid.items()}
+    empty = next((f"[{name!r}]" for name, values in checked.items() if not values), "")
+    if empty or not checked:
+        raise InputError(f"grid{empty} has no values: there is nothing to sweep over")
     return checked
 
 
-def _check_fits(grid: Mapping[str, Sequence[Any]], keep: Any) -> None:
-    cases = math.prod(len(values) for values in grid.values())
-    kept = keeper(keep)
-    columns = len(grid) + (len(kept.names) if isinstance(kept, Named) else 1)
-    sizes = " x ".join(str(len(values)) for values in grid.values())
-    require(
-        _BYTES_PER_NUMBER * columns * float(cases),
-        f"sweep: a table of {sizes} = {cases:.4g} cases and {columns} columns",
-        "give fewer values, or sweep over parts of the grid, each with its own to_csv",
-    )
+def _cases(make: Any, grid: Mapping[str, Sequence[Any]]) -> Iterator[Any]:
+    """Make each case when it is needed; yield the exception of one that cannot be made."""
+    for values in itertools.product(*grid.values()):
+        try:
+            yield make(**dict(zip(grid, values, strict=True)))
+        except Exception as error:
+            yield error
 
 
-@dataclass(frozen=True)
-class _Plan:
-    """The cases of a sweep: their number is known, each is made when it is needed.
-
-    `made` are the first ones, if they are there already.
-    """
-
-    make: Any
-    grid: dict[str, list[Any]]
-    made: tuple[Any, ...] = ()
-
-    def __len__(self) -> int:
-        return math.prod(len(values) for values in self.grid.values())
-
-    def __iter__(self) -> Iterator[Any]:
-        yield from self.made
-        for values in itertools.islice(
-            itertools.product(*self.grid.values()), len(self.made), None
-        ):
-            try:
-                yield self.make(**dict(zip(self.grid, values, strict=True)))
-            except Exception as error:  # of this case alone
-                yield Failed(error)
-
-
-def _share_points(base: Any, plan: _Plan) -> bool:
+def _share_points(base: Any, grid: Mapping[str, Sequence[Any]], first: Sequence[Any]) -> bool:
     """Return whether cases have contact points in common: of a function the first two."""
     if isinstance(base, Mapping):
-        given = itertools.chain(base.values(), *plan.grid.values())
+        given = itertools.chain(base.values(), *grid.values())
         return any(isinstance(one, ContactPoint) for one in given)
     points = [
         {id(of) for of in case.values() if isinstance(of, ContactPoint)}
-        for case in plan.made
+        for case in first
         if isinstance(case, Mapping)
     ]
     return len(points) == 2 and bool(points[0] & points[1])
@@ -194,33 +172,18 @@ def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
     if isinstance(base, (str, os.PathLike)):
         base = read_scene(base)
     if isinstance(base, SceneFile):
-        base.replaced(
-            {name: values[0] for name, values in grid.items()}
-        )  # raises if there is no such place
+        first = {name: values[0] for name, values in grid.items()}
+        base.replaced(first)  # raises if there is no such place
         return lambda **parameters: base.replaced(parameters).case()
     if isinstance(base, Mapping):
-        _check_names((*grid, *base), KEYWORDS)
-        for name in REQUIRED:
-            if name not in grid and name not in base:
-                raise InputError(f"sweep: neither the base nor the grid has {name!r}")
+        check_keywords("base and grid", simulate, [*grid, *base])
         return lambda **parameters: {**base, **parameters}
     if hasattr(base, "simulate"):
-        _check_names(grid, tuple(inspect.signature(base.simulate).parameters))
-        if "duration" not in grid:
-            raise InputError("sweep: a scene needs 'duration' among the parameters")
-        return lambda duration, **rest: (SceneCase(base, rest), duration)
+        check_keywords("grid", base.simulate, grid)
+        return lambda duration=None, **rest: (SceneCase(base, rest), duration)
     if callable(base):
         return base
     raise InputTypeError(
         "base: sweep needs a function, a dict of simulate's keywords, a scene file or a scene, "
         f"got {base!r}"
     )
-
-
-def _check_names(names: Iterable[str], known: Sequence[str]) -> None:
-    for name in names:
-        if name not in known:
-            raise InputError(
-                f"sweep: {name!r} is no keyword of simulate{nearest(str(name), known)}; it has "
-                f"{', '.join(known)}"
-            )

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..accuracy import CONTROLLED, Named, keeper
+from ..accuracy import CONTROLLED
 from ..base import (
     AOImpactError,
     Frozen,
@@ -94,10 +94,7 @@ class SweepTable(Frozen):
         >>> frame = table.to_pandas()  # with pandas
         """
         pandas = optional_package("pandas", "to_pandas", _OTHERWISE)
-        columns = {name: self.data[name] for name in self.columns}
-        if self.errors:
-            columns["error"] = self._messages()
-        return pandas.DataFrame(columns)
+        return pandas.DataFrame(self._filled())
 
     def to_xarray(self) -> Any:
         """Return an xarray Dataset: quantities over the parameters, which are its dimensions.
@@ -121,17 +118,21 @@ class SweepTable(Frozen):
             name: (name, np.moveaxis(self.data[name].reshape(self.shape), i, -1).ravel()[:count])
             for i, (name, count) in enumerate(zip(self.parameters, self.shape, strict=True))
         }
-        data: dict[str, Any] = {}
-        for name in self.quantities:
-            values = self.data[name].reshape(self.shape)
-            data[name] = self.parameters, values, {"units": quantity_unit(name)}
-        if self.errors:
-            data["error"] = self.parameters, self._messages().reshape(self.shape)
+        data = {
+            name: (self.parameters, column.reshape(self.shape), {"units": quantity_unit(name)})
+            for name, column in self._filled().items()
+            if name not in self.parameters
+        }
         return xarray.Dataset(data, coords=coordinates)
 
-    def _messages(self) -> npt.NDArray[Any]:
-        """Failure messages by row."""
-        return np.array([_message(self.errors.get(i)) for i in range(len(self))], dtype=object)
+    def _filled(self) -> dict[str, npt.NDArray[Any]]:
+        """All columns by name, and "error" where cases failed."""
+        columns = {name: self.data[name] for name in self.columns}
+        if self.errors:
+            columns["error"] = np.full(len(self), "", dtype=object)
+            for i, error in self.errors.items():
+                columns["error"][i] = _message(error)
+        return columns
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write all columns, numbers so that they read back bit for bit, and "error" at the end.
@@ -145,95 +146,77 @@ class SweepTable(Frozen):
         >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
         >>> table.to_csv(folder / "sweep.csv")
         """
-        heading = [*map(_heading, self.columns), *(["error"] if self.errors else [])]
-        told = self._messages()[:, None].tolist() if self.errors else [[]] * len(self)
-        rows = zip(self.data, told, strict=True)
-        write_csv(path, heading, ([*map(_text, row.item()), *error] for row, error in rows))
-
-    def _shown(self) -> list[list[str]]:
-        """Headings, then the rows that are printed: numbers nobody controlled are marked."""
-        names = [name for name in self.columns if not name.endswith(CONTROLLED)]
-        rows = []
-        for of in self.data[:_SHOWN]:
-            row = dict(zip(self.columns, of.item(), strict=True))
-            marks = [_MARK if row.get(name + CONTROLLED) == 0.0 else "" for name in names]
-            shown = (f"{row[n]:.6g}" if isinstance(row[n], float) else _text(row[n]) for n in names)
-            rows.append([cell + mark for cell, mark in zip(shown, marks, strict=True)])
-        return [[_heading(name) for name in names], *rows]
-
-    def _note(self) -> str:
-        text = f"{len(self)} cases"
-        if self.errors:
-            first = min(self.errors)
-            text += f", {len(self.errors)} failed; row {first}: {_message(self.errors[first])}"
-        controlled = [self.data[name] for name in self.columns if name.endswith(CONTROLLED)]
-        if any((column == 0.0).any() for column in controlled):
-            text += f"; {_MARK} not controlled: models were chosen for another number"
-        return text
+        columns = self._filled()
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        write_csv(path, map(_heading, columns), (map(_text, row) for row in rows))
 
     def __repr__(self) -> str:
+        shown, marked = [], False
+        for name in self.columns:
+            if name.endswith(CONTROLLED):
+                continue
+            values = self.data[name][:_SHOWN].tolist()
+            cells = [f"{of:.6g}" if isinstance(of, float) else _text(of) for of in values]
+            if name + CONTROLLED in self.columns:
+                loose = self.data[name + CONTROLLED] == 0.0
+                cells = [of + _MARK * int(loose[i]) for i, of in enumerate(cells)]
+                marked = marked or bool(loose.any())
+            shown.append([_heading(name), *cells])
+        note = f"{len(self)} cases"
+        if self.errors:
+            first = min(self.errors)
+            note += f", {len(self.errors)} failed; row {first}: {_message(self.errors[first])}"
+        if marked:
+            note += f"; {_MARK} not controlled: models were chosen for another number"
         more = ["..."] if len(self) > _SHOWN else []
-        return "\n".join([*aligned(self._shown()), *more, self._note()])
+        return "\n".join([*aligned(zip(*shown, strict=True)), *more, note])
 
 
-def sweep_table(grid: Mapping[str, Sequence[Any]], values: Iterable[Any], keep: Any) -> SweepTable:
+def sweep_table(
+    grid: Mapping[str, Sequence[Any]], values: Iterable[Any], names: Sequence[str]
+) -> SweepTable:
     """Fill a table with what was kept of each combination of a grid, in its order.
+
+    names: of the numbers that are kept, if they are known.
 
     Raises
     ------
     InputError, InputTypeError
         If what was kept is not the same numbers for every case, or names a parameter.
     """
-    shape = tuple(len(entries) for entries in grid.values())
-    kept = keeper(keep)
-    names = kept.names if isinstance(kept, Named) else None
-    columns: dict[str, npt.NDArray[np.float64]] = {}
+    axes = np.meshgrid(*map(_column, grid.values()), indexing="ij")
+    shape, count = axes[0].shape, axes[0].size
+    columns: dict[str, npt.NDArray[Any]] = {}
     errors: dict[int, Exception] = {}
     for i, value in enumerate(values):
         if isinstance(value, Exception):
             errors[i] = value
             continue
-        numbers = _numbers(value)
-        if not columns or names is not None:  # errors are known of some cases only
-            for name in numbers:
-                columns.setdefault(name, np.full(math.prod(shape), math.nan))
-        elif numbers.keys() != columns.keys():
+        named = value if isinstance(value, Mapping) else {"value": value}
+        try:
+            numbers = {str(name): float(number) for name, number in named.items()}
+        except (TypeError, ValueError):
+            raise InputTypeError(
+                f"keep must return a number, or a dict of numbers by name, got {value!r}"
+            ) from None
+        if columns and not names and numbers.keys() != columns.keys():
             raise InputError(
                 f"keep must give the same names for every case: {', '.join(columns)}, then "
                 f"{', '.join(numbers)}"
             )
         for name, number in numbers.items():
+            if name not in columns:  # errors are known of some cases only
+                columns[name] = np.full(count, math.nan)
             columns[name][i] = number
-    if not columns:  # all have failed
-        columns = {name: np.full(math.prod(shape), math.nan) for name in names or ("value",)}
-    return SweepTable(_structured(grid, columns), tuple(grid), tuple(columns), shape, errors)
-
-
-def _numbers(value: Any) -> dict[str, float]:
-    named = value if isinstance(value, Mapping) else {"value": value}
-    try:
-        return {str(name): float(number) for name, number in named.items()}
-    except (TypeError, ValueError):
-        raise InputTypeError(
-            f"keep must return a number, or a dict of numbers by name, got {value!r}"
-        ) from None
-
-
-def _structured(
-    grid: Mapping[str, Sequence[Any]], columns: Mapping[str, npt.NDArray[np.float64]]
-) -> npt.NDArray[Any]:
-    for name in columns:
-        if name in grid:
-            raise InputError(f"keep: {name!r} is a parameter of the grid; give it another name")
-    axes = {name: _column(entries) for name, entries in grid.items()}
-    places = np.indices([len(axis) for axis in axes.values()]).reshape(len(axes), -1)
-    filled = {name: axis[i] for (name, axis), i in zip(axes.items(), places, strict=True)}
-    filled |= columns
-    kinds = [(name, column.dtype) for name, column in filled.items()]
-    data = np.empty(places.shape[1], dtype=kinds)
+    for name in columns.keys() & grid.keys():
+        raise InputError(f"keep: {name!r} is a parameter of the grid; give it another name")
+    for name in () if columns else names or ("value",):  # all have failed
+        columns[name] = np.full(count, math.nan)
+    filled = {name: axis.ravel() for name, axis in zip(grid, axes, strict=True)} | columns
+    data = np.empty(count, dtype=[(name, column.dtype) for name, column in filled.items()])
     for name, column in filled.items():
         data[name] = column
-    return data
+    return SweepTable(data, tuple(grid), tuple(columns), shape, errors)
 
 
 def _column(values: Sequence[Any]) -> npt.NDArray[Any]:
@@ -261,7 +244,5 @@ def _text(value: Any) -> str:
     return str(getattr(value, "label", value))
 
 
-def _message(error: Exception | None) -> str:
-    if error is None:
-        return ""
+def _message(error: Exception) -> str:
     return str(error) if isinstance(error, AOImpactError) else f"{type(error).__name__}: {error}"
