@@ -82,10 +82,10 @@ def _paper(options: argparse.Namespace) -> None:
     """
     from ..paper import reproduce
 
-    done = reproduce(options.out)
-    print(done)
-    print(f"\n{len(done.files)} files in {done.files[0].parent}:")
-    print("  " + ", ".join(file.name for file in done.files))
+    files = reproduce(options.out)
+    print(files[1].read_text(encoding="utf-8"))
+    print(f"{len(files)} files in {files[0].parent}:")
+    print("  " + ", ".join(file.name for file in files))
 
 
 def _run(options: argparse.Namespace) -> None:

@@ -1,31 +1,30 @@
 """Section 4 of the paper: the sphere on a simply supported beam. Bodies, runs and tables.
 
-Every body and run is computed at its first use, and kept.
+Each body and each run is computed where it is first used, and kept.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from functools import cache
+from typing import Literal
 
 import numpy as np
 
-from ..base import FloatArray
-from ..fem import ContactPoint, FEModel, Material
-from ..impact import simulate
-from ..integrate import Newmark, find_impulse
-from ..laws import Hertz
-from ..mesh import box_mesh
-from ..reduction import AOModel, ModalModel, antioscillators, full, modal, rigid
-from ..results import Result
-from .sphere import BALL_MASS, RADIUS, STEEL, VELOCITY, SphereStudy, at_one_dof
-from .table import Table, printed
+import aoimpact as ao
 
-ALUMINIUM = Material(E=70e9, nu=0.3, rho=2400.0)
+from ..base import FloatArray
+from .sphere import BALL, RADIUS, STEEL, VELOCITY, at_one_dof, excesses, force_and_time, one_ao
+from .table import Row, beside
+
+ALUMINIUM = ao.Material(E=70e9, nu=0.3, rho=2400.0)
 LENGTH, WIDTH = 1.0, 0.02
 BEAM_MASS = ALUMINIUM.rho * LENGTH * WIDTH**2
-LAW = Hertz.between(STEEL, RADIUS, ALUMINIUM, math.inf)
+LAW = ao.Hertz.between(STEEL, RADIUS, ALUMINIUM, math.inf)
+
+COUNT = 28  # anti-oscillators of the beam
+STEP = 2e-6  # Newmark's, s; the paper's
+SHORT, LONG = 200e-6, 20e-3  # records of Figs. 9 and 10, and of Fig. 11, s
 
 PAPER_FREQUENCIES = (58.0, 233.0, 315.0, 520.0, 915.0)  # Hz
 
@@ -42,174 +41,102 @@ def bending_frequency(order: int) -> float:
     return (order * math.pi) ** 2 / (2.0 * math.pi * LENGTH**2) * speed
 
 
-def beam_model(kind: str = "hexahedron", level: float = 0.0) -> FEModel:
+def beam_model(kind: str = "hexahedron", level: float = 0.0) -> ao.FEModel:
     """Return the beam on its supports: one bottom edge pinned, the other on rollers.
 
     Three nodes each, constrained in x, y and z and in y and z: fifteen constraints, as the paper's
     1362 dofs imply. z is up, the beam lies along x; the supports are `level` m above its bottom.
     """
-    mesh = box_mesh((LENGTH, WIDTH, WIDTH), (50, 2, 2), kind=kind)
+    mesh = ao.box_mesh((LENGTH, WIDTH, WIDTH), (50, 2, 2), kind=kind)
     line = np.flatnonzero(np.isclose(mesh.nodes[:, 2], level))
     pinned, rollers = (np.intersect1d(mesh.node_sets[end], line) for end in ("xmin", "xmax"))
-    return FEModel.from_mesh(mesh, ALUMINIUM, fixed=[(pinned, "xyz"), (rollers, "yz")])
+    return ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[(pinned, "xyz"), (rollers, "yz")])
 
 
-@dataclass(frozen=True, eq=False)
-class BeamStudy:
-    """The sphere on the beam of section 4.
+@cache
+def beam() -> ao.ContactPoint:
+    """Return the centre of the beam's top surface."""
+    return at_one_dof(beam_model(), (0.5 * LENGTH, 0.5 * WIDTH, WIDTH), (0.0, 0.0, -1.0))
+
+
+@cache
+def star(order: Literal["mass", "frequency"] = "mass") -> ao.AOModel:
+    """Return the beam by its anti-oscillators of largest mass or of lowest frequency."""
+    return ao.antioscillators(beam(), n=COUNT, order=order)
+
+
+@cache
+def hit(models: str, duration: float = SHORT, step: float = STEP) -> ao.Result:
+    """Run the sphere against the beam.
 
     Parameters
     ----------
-    spheres : SphereStudy
-        Source of the projectile's anti-oscillator.
-    dt : float
-        Newmark's step, s; the paper's.
-    short, long : float
-        Lengths of the records, s: those of Figs. 9 and 10, and of Fig. 11.
-    count : int
-        Number of the beam's anti-oscillators.
+    models : str
+        "ao", one anti-oscillator on the beam's; "rigid", a rigid sphere on these; "full", one
+        anti-oscillator on the beam's finite elements.
+    duration, step : float
+        Length of the record and Newmark's step, s.
     """
-
-    spheres: SphereStudy
-    dt: float = 2e-6
-    short: float = 200e-6
-    long: float = 20e-3
-    count: int = 28
-
-    @cached_property
-    def body(self) -> FEModel:
-        """The beam's finite elements."""
-        return beam_model()
-
-    @cached_property
-    def tip(self) -> ContactPoint:
-        """The centre of the top surface."""
-        top = (0.5 * LENGTH, 0.5 * WIDTH, WIDTH)
-        return at_one_dof(self.body, top, -3)
-
-    @cached_property
-    def modes(self) -> ModalModel:
-        """The beam's natural modes below 1 kHz."""
-        return modal(self.tip, n=7)
-
-    @cached_property
-    def vertical(self) -> FloatArray:
-        """Which share of each mode's kinetic energy is vertical."""
-        assert self.body.free is not None
-        up = self.body.free % 3 == 2
-        shapes = self.modes.modes
-        share: FloatArray = np.sum((shapes * (self.body.M @ shapes))[up], axis=0)
-        return share
-
-    @cached_property
-    def locking_free(self) -> FloatArray:
-        """The lowest natural frequencies with quadratic elements, Hz."""
-        return beam_model("hexahedron20").frequencies(1)
-
-    @cached_property
-    def raised(self) -> FloatArray:
-        """The lowest natural frequencies with the supports at half the beam's height, Hz."""
-        return beam_model(level=0.5 * WIDTH).frequencies(7)
-
-    @cached_property
-    def star(self) -> AOModel:
-        """The beam by its anti-oscillators of largest mass."""
-        return antioscillators(self.tip, n=self.count)
-
-    @cached_property
-    def lowest(self) -> AOModel:
-        """The beam by its anti-oscillators of lowest frequency."""
-        return antioscillators(self.tip, n=self.count, order="frequency")
-
-    @cached_property
-    def _hits(self) -> dict[tuple[str, float, float], Result]:
-        return {}
-
-    def hit(self, models: str, duration: float, dt: float | None = None) -> Result:
-        """Run the sphere against the beam, once.
-
-        Parameters
-        ----------
-        models : str
-            "ao", one anti-oscillator on the beam's; "rigid", a rigid sphere on these; "full", one
-            anti-oscillator on the beam's finite elements.
-        duration : float
-            s.
-        dt : float, optional
-            Newmark's step, s; the paper's if left out.
-        """
-        key = models, duration, dt or self.dt
-        if key not in self._hits:
-            self._hits[key] = simulate(
-                projectile=rigid(mass=BALL_MASS) if models == "rigid" else self.spheres.oscillator,
-                target=full(self.tip) if models == "full" else self.star,
-                law=LAW,
-                velocity=VELOCITY,
-                duration=duration,
-                solver=Newmark(dt=key[-1]),
-            )
-        return self._hits[key]
+    return ao.simulate(
+        projectile=BALL if models == "rigid" else one_ao(),
+        target=ao.full(beam()) if models == "full" else star(),
+        law=LAW,
+        velocity=VELOCITY,
+        duration=duration,
+        solver=ao.Newmark(dt=step),
+    )
 
 
-# --------------------------------------------------------------------------------- tables
-
-
-def table_4(study: BeamStudy) -> Table:
+def table_4() -> list[Row]:
     """Table 4, and eqs. (16), (17): the beam and Hertz's stiffness."""
-    assert study.body.mass is not None
-    return printed("table_4", study.body.n_dofs, 1e3 * study.body.mass, LAW.k / 1e10)
+    return beside("table_4", beam().body.n_dofs, 1e3 * star().mass, LAW.k / 1e10)
 
 
-def table_5(study: BeamStudy) -> Table:
+def table_5() -> list[Row]:
     """Table 5: natural frequencies, and what they should be."""
-    frequencies = study.modes.frequencies
-    vertical = frequencies[study.vertical > _VERTICAL]
+    body, model = beam().body, ao.modal(beam(), n=7)
+    assert body.free is not None
+    kinetic = model.modes * (body.M @ model.modes)
+    vertical = np.sum(kinetic[body.free % 3 == 2], axis=0) > _VERTICAL
     nearest = []
     for paper in PAPER_FREQUENCIES:  # 315 Hz is near no vertical one
-        among = frequencies if paper == 315.0 else vertical
-        nearest.append(float(among[np.argmin(np.abs(among - paper))]))
-    return printed(
+        among = model.frequencies if paper == 315.0 else model.frequencies[vertical]
+        nearest.append(among[np.argmin(np.abs(among - paper))])
+    quadratic = beam_model("hexahedron20").frequencies(1)[0]
+    return beside(
         "table_5",
-        *(*nearest, float(study.locking_free[0]), bending_frequency(1)),
-        listed=", ".join(f"{f:.0f}" for f in frequencies),
-        raised=study.raised[-1],
+        *(*nearest, quadratic, bending_frequency(1)),
+        listed=", ".join(f"{f:.0f}" for f in model.frequencies),
+        raised=beam_model(level=0.5 * WIDTH).frequencies(7)[-1],
     )
 
 
-def oscillator_table(study: BeamStudy) -> Table:
+def oscillators() -> list[Row]:
     """Figure 8: the masses of the beam's anti-oscillators."""
-    star = study.star
-    fractions, lowest = 100.0 * star.mass_fractions, 100.0 * study.lowest.mass_fractions
-    values = 1e3 * star.static_mass, fractions.max(), lowest.sum(), fractions.sum()
-    return printed("oscillator", *values, n=star.n)
+    fractions, lowest = (100.0 * star(by).mass_fractions for by in ("mass", "frequency"))
+    values = 1e3 * star().static_mass, fractions.max(), lowest.sum(), fractions.sum()
+    return beside("oscillator", *values, n=COUNT)
 
 
-def force_table(study: BeamStudy) -> Table:
+def force() -> list[Row]:
     """Figure 9: the force."""
-    ao, hard, exact = (study.hit(models, study.short) for models in ("ao", "rigid", "full"))
-    fine = study.hit("ao", study.short, 0.01 * study.dt)
-    return printed(
-        "force",
-        *(ao.peak_force, 1e6 * ao.contact_duration),
-        *(hard.peak_force, 1e6 * hard.contact_duration),
-        apart(ao.force, exact.force),
-        100.0 * (ao.peak_force / fine.peak_force - 1.0),
-    )
+    one, fine = hit("ao"), hit("ao", step=0.01 * STEP)
+    values = *force_and_time(one), *force_and_time(hit("rigid"))
+    return beside("force", *values, apart(one.force, hit("full").force), excesses(one, fine)[0])
 
 
-def displacement_table(study: BeamStudy) -> Table:
+def displacement() -> list[Row]:
     """Figures 10 and 11: how far the beam goes."""
-    hit, exact = study.hit("ao", study.short), study.hit("full", study.short).target.displacement
-    pushed = 1e6 * find_impulse(hit.t, hit.force * (hit.t[-1] - hit.t)) / BEAM_MASS
-    long, hard, full = (
-        study.hit(models, study.long).target.centre_displacement
-        for models in ("ao", "rigid", "full")
+    one, exact = hit("ao"), hit("full").target.displacement
+    pushed = 1e6 * np.trapezoid(one.force * (one.t[-1] - one.t), one.t) / BEAM_MASS
+    long, hard, whole = (
+        hit(models, LONG).target.centre_displacement for models in ("ao", "rigid", "full")
     )
-    return printed(
+    return beside(
         "displacement",
-        1e6 * float(np.abs(hit.target.centre_displacement).max()),
-        1e6 * float(np.abs(hit.target.displacement).max()),
-        *(apart(hit.target.displacement, exact), apart(long, full), apart(hard, long)),
+        1e6 * np.abs(one.target.centre_displacement).max(),
+        1e6 * np.abs(one.target.displacement).max(),
+        *(apart(one.target.displacement, exact), apart(long, whole), apart(hard, long)),
         pushed=pushed,
     )
 
@@ -217,6 +144,3 @@ def displacement_table(study: BeamStudy) -> Table:
 def apart(first: FloatArray, second: FloatArray) -> float:
     """Return the largest difference of two histories over the largest value, in percent."""
     return 100.0 * float(np.abs(first - second).max() / np.abs(second).max())
-
-
-BEAM_TABLES = (table_4, table_5, oscillator_table, force_table, displacement_table)

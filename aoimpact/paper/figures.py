@@ -1,269 +1,200 @@
 """Figures 3 to 11 of the paper, recomputed.
 
-The paper's curves are not published as numbers; where it prints some, they are drawn as thin lines.
-Every function returns a figure of its own, which belongs to no window.
+The paper's curves are not published as numbers; where it prints some, they are drawn as thin lines
+and crosses. Each figure belongs to no window.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import COLOURS, legend, styled, with_unit
-from .beam import BeamStudy
-from .sketch import draw_sketch
-from .sphere import (
-    LAW,
-    RESOLVED_DURATION,
-    RESOLVED_FORCE,
-    SphereStudy,
-    excesses,
-    local_over_nonlocal,
-)
+from ..base import COLOURS, draw_curves, legend, styled, with_unit
+from . import beam, sphere
+from .sphere import BALL, MESH_SIZES, RESOLVED_FORCE, SPEEDS, pair
+from .table import texts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FULL: dict[str, Any] = {"color": "black", "linestyle": "-", "linewidth": 1.6}
-RIGID: dict[str, Any] = {"color": COLOURS[1], "linestyle": "--", "linewidth": 1.4}
-ONE_AO: dict[str, Any] = {"color": COLOURS[0], "linestyle": ":", "linewidth": 2.4}
+Style = dict[str, Any]
+
+FULL: Style = {"color": "black", "linestyle": "-", "linewidth": 1.6}
+RIGID: Style = {"color": COLOURS[1], "linestyle": "--", "linewidth": 1.4}
+ONE_AO: Style = {"color": COLOURS[0], "linestyle": ":", "linewidth": 2.4}
+WIDE: Style = {"color": "0.75", "linestyle": "-", "linewidth": 4.0}
+
+# Numbers that the paper prints.
+LINE: Style = {"color": "0.55", "linewidth": 0.8, "zorder": 0}
+CROSS: Style = {"color": "black", "marker": "x", "markersize": 8, "linestyle": "none"}
+
+# Runs of Figs. 9 to 11.
+ON_BEAM = {
+    "full": ("one-AO sphere, full beam", WIDE),
+    "ao": ("one-AO sphere", FULL),
+    "rigid": ("rigid sphere", RIGID),
+}
 
 
-def new_figure(
-    title: str, note: str, *, columns: int = 1, height: float = 4.4
-) -> tuple[Figure, list[Axes]]:
-    """Return a figure with axes side by side, a title, and a note below them."""
+def figure(draw: Callable[..., None]) -> Figure:
+    """Return a figure that a function draws, with its texts in data/paper.toml."""
     from matplotlib.figure import Figure
 
-    size = (6.4 if columns == 1 else 10.5, height)
+    text = texts()[draw.__name__]
     with styled():
-        figure = Figure(figsize=size, dpi=150, layout="constrained")
-        axes = figure.subplots(1, columns, squeeze=False)[0]
-    figure.suptitle(title, fontsize=11)
-    figure.supxlabel(note, fontsize=8, color="0.35")
-    return figure, list(axes)
-
-
-def printed_line(ax: Axes, value: float, text: str, *, side: str = "right") -> None:
-    """Draw a number that the paper prints, named at one end."""
-    end = {"left": (0.0, 3), "right": (1.0, -3)}[side]
-    ax.axhline(value, color="0.55", linewidth=0.8, zorder=0)
-    ax.annotate(
-        text,
-        (end[0], value),
-        xycoords=("axes fraction", "data"),
-        xytext=(end[1], 2),
-        textcoords="offset points",
-        ha=side,
-        fontsize=8,
-        color="0.35",
-    )
-
-
-def figure_3(study: SphereStudy) -> Figure:
-    """Impact force of two spheres by three models."""
-    note = "The paper prints: full 811.5 N, 72 µs; one AO 812.6 N; rigid 999.9 N."
-    figure, (ax,) = new_figure("Figure 3. Two spheres, 1 m/s: impact force", note)
-    study.full.plot_force(
-        ax, during="record", label=f"full model, 2 × {study.body.n_dofs} dofs", **FULL
-    )
-    study.rigid.plot_force(ax, during="record", label="rigid masses", **RIGID)
-    study.one_ao.plot_force(ax, during="record", label="one AO each, 2 × 2 dofs", **ONE_AO)
-    printed_line(ax, 811.5, "paper, full 811.5 N")
-    printed_line(ax, 999.9, "paper, rigid 999.9 N")
-    ax.set(xlim=(0, 100), ylim=(0, 1100))
-    legend(ax)
+        figure = Figure(figsize=text["size"], dpi=150, layout="constrained")
+        axes = figure.subplots(1, text["columns"], squeeze=False)[0]
+    figure.suptitle(text["title"], fontsize=11)
+    figure.supxlabel(text["note"], fontsize=8, color="0.35")
+    draw(*axes)
+    for ax in axes:
+        legend(ax)
     return figure
 
 
-def figure_4(study: SphereStudy) -> Figure:
+def figure_03(ax: Axes) -> None:
+    """Impact force of two spheres by three models."""
+    for body, name, style in (
+        (sphere.all_dofs(), f"full model, 2 × {sphere.all_dofs().dofs} dofs", FULL),
+        (BALL, "rigid masses", RIGID),
+        (sphere.one_ao(), "one AO each, 2 × 2 dofs", ONE_AO),
+    ):
+        pair(body).plot_force(ax, during="record", label=name, **style)
+    ax.axhline(811.5, label="paper, full 811.5 N", **LINE)
+    ax.axhline(999.9, label="paper, rigid 999.9 N", **LINE)
+    ax.set(xlim=(0, 100), ylim=(0, 1100))
+
+
+def figure_04(left: Axes, right: Axes) -> None:
     """Impact force by the modal series."""
-    note = "The paper prints, at 1000 modes: force +7 %, duration −5 %."
-    figure, (left, right) = new_figure(
-        "Figure 4. Two spheres: impact force by the modal series", note, columns=2
-    )
-    shown = (6, 100, 500, 1000)
-    for n, shade in zip(shown, np.linspace(0.25, 0.9, len(shown)), strict=True):
-        colour = {"color": (1.0 - shade, 0.45, shade), "linewidth": 1.2}
-        study.modal[n].plot_force(left, during="record", label=f"{n} modes", **colour)
-    study.full.plot_force(left, during="record", label=f"full, {study.body.n_dofs}", **FULL)
+    hits, full = sphere.by_modes(), pair(sphere.all_dofs())
+    for n, shade in ((6, 0.25), (100, 0.47), (500, 0.68), (1000, 0.9)):
+        colour = (1.0 - shade, 0.45, shade)
+        hits[n].plot_force(left, during="record", label=f"{n} modes", color=colour, linewidth=1.2)
+    full.plot_force(left, during="record", label=f"full, {sphere.all_dofs().dofs}", **FULL)
     left.set(xlim=(0, 90), ylim=(0, 1100))
-    full = study.full
-    counts = list(study.modal)
-    force, time = zip(*(excesses(hit, full) for hit in study.modal.values()), strict=True)
-    right.plot(counts, force, "o-", color=COLOURS[0], label="peak force")
-    right.plot(counts, time, "s-", color=COLOURS[1], label="duration")
-    right.plot([1000, 1000], [7, -5], "x", color="black", markersize=8, label="the paper")
+    force, time = zip(*(sphere.excesses(hit, full) for hit in hits.values()), strict=True)
+    right.plot([*hits], force, "o-", color=COLOURS[0], label="peak force")
+    right.plot([*hits], time, "s-", color=COLOURS[1], label="duration")
+    right.plot([1000, 1000], [7, -5], label="the paper", **CROSS)
     right.axhline(0.0, color="black", linewidth=0.8)
     right.set(xlabel="number of modes", ylabel="difference from the full model (%)")
     right.margins(x=0.05)
-    legend(right)
-    return figure
 
 
-def figure_5(study: SphereStudy) -> Figure:
+def figure_05(ax: Axes) -> None:
     """Energies of the sphere initially at rest."""
-    note = "The paper: after the impact both deformation energies are negligible."
-    title = "Figure 5. Sphere initially at rest, one AO: energies"
-    figure, (ax,) = new_figure(title, note)
-    study.one_ao.plot_energy(ax, body="target", color="black", linewidth=1.4)
+    pair(sphere.one_ao()).plot_energy(ax, body="target", color="black", linewidth=1.4)
     ax.set(xlim=(0, 100), ylim=(0, None))
-    return figure
 
 
-def figure_6(study: SphereStudy) -> Figure:
-    """The model: rigid masses and an interaction law."""
-    note = "m0, k1 and the Hertz spring together are the modified interaction law."
-    figure, (ax,) = new_figure("Figure 6. Rigid masses and interaction law", note, height=2.6)
-    draw_sketch(ax, study.oscillator, LAW.k)
-    return figure
+def figure_06(ax: Axes) -> None:
+    """Masses and springs between two spheres, which make the modified law."""
+    model = sphere.one_ao()
+    m0, m1 = f"m0\n{with_unit(model.m0, 'kg', 3)}", f"m1\n{with_unit(model.m[0], 'kg', 3)}"
+    k1, k = f"k1\n{with_unit(model.k[0], 'N/m', 3)}", with_unit(sphere.LAW.k, "N/m^1.5", 3)
+    for x, name in ((0, m1), (2, m0), (5, m0), (7, m1)):
+        box = {"facecolor": "0.9", "boxstyle": "square"}
+        ax.text(x, 0.0, name, ha="center", va="center", bbox=box, fontsize=9)
+    zigzag = [0.0, *(0.2, -0.2) * 8, 0.0]
+    for start, end, name in ((0, 2, k1), (2, 5, f"F = k δ^1.5\nk = {k}"), (5, 7, k1)):
+        ax.plot(np.linspace(start, end, len(zigzag)), zigzag, "-", color="black", linewidth=1.0)
+        ax.text(0.5 * (start + end), 0.4, name, ha="center", fontsize=8)
+    for left, right, y, heads, name in (
+        (-0.5, 0.7, 1.3, "->", "V"),
+        (0.5, 6.5, -1.0, "<->", "modified interaction law"),
+    ):
+        ax.annotate("", (right, y), (left, y), arrowprops={"arrowstyle": heads})
+        ax.text(0.5 * (left + right), y + 0.1, name, ha="center")
+    ax.set(xlim=(-1, 8), ylim=(-1.2, 1.8))
+    ax.axis("off")
 
 
-def figure_7(study: SphereStudy) -> Figure:
+def figure_07(left: Axes, right: Axes) -> None:
     """Force over approach for several velocities, and the share of nonlocal energy."""
-    note = (
-        "Left: force over the approach of the centres of mass. "
-        "The paper prints, right: local energy 200 times the nonlocal one at 10⁻⁴ m/s."
-    )
-    figure, (left, right) = new_figure("Figure 7. Modified interaction law", note, columns=2)
     for speed, colour in zip((2.0, 1.0, 0.5, 0.1), COLOURS, strict=False):
-        hit = study.by_speed[speed]
-        touching = np.flatnonzero(hit.force > 0.0)
-        shown, top = slice(0, int(touching[-1]) + 2), int(np.argmax(hit.force))
-        style: dict[str, Any] = {"color": colour, "linestyle": ":", "linewidth": 2.0}
-        left.plot(1e6 * hit.approach[shown], hit.force[shown], **style)
-        where = (1e6 * float(hit.approach[top]), float(hit.force[top]))
-        left.plot(*where, "o", color=colour, label=f"one AO each, up to {speed:g} m/s")
+        hit = pair(sphere.one_ao(), speed)
+        end = int(np.flatnonzero(hit.force > 0.0)[-1]) + 2
+        top = {"marker": "o", "markevery": [int(np.argmax(hit.force))]}
+        style = {"color": colour, "linestyle": ":", "label": f"one AO each, up to {speed:g} m/s"}
+        across = hit.approach[:end], "approach", "m"
+        draw_curves(left, across, "contact force", "N", [(hit.force[:end], style | top)])
     depth = np.linspace(0.0, 32e-6, 200)
-    left.plot(1e6 * depth, LAW.force(depth), color="black", label="Hertz's law")
-    left.set(xlabel="approach (µm)", ylabel="contact force (N)", xlim=(0, 45), ylim=(0, 2000))
-    legend(left)
-    speeds = list(study.by_speed)
-    ratios = [local_over_nonlocal(hit) for hit in study.by_speed.values()]
-    right.loglog(speeds, ratios, "o-", color=COLOURS[0], label="at the peak")
-    right.plot([1e-4], [200], "x", color="black", markersize=8, label="the paper")
+    law = sphere.LAW.force(depth), {"color": "black", "label": "Hertz's law"}
+    draw_curves(left, (depth, "approach", "m"), "contact force", "N", [law])
+    left.set(xlim=(0, 45), ylim=(0, 2000))
+    ratios = list(map(sphere.local_over_nonlocal, SPEEDS))
+    right.loglog(SPEEDS, ratios, "o-", color=COLOURS[0], label="at the peak")
+    right.plot([1e-4], [200], label="the paper", **CROSS)
     right.set(xlabel="velocity (m/s)", ylabel="local / nonlocal deformation energy")
     right.margins(x=0.05)
-    right.grid(True, which="both", alpha=0.3)
-    legend(right)
-    return figure
 
 
-def figure_8(study: BeamStudy) -> Figure:
+def figure_08(ax: Axes) -> None:
     """Masses of the beam's anti-oscillators."""
-    note = "The paper prints: static mass 467 g, the first AO 53 % of it, 28 AOs 98 %."
-    figure, (ax,) = new_figure("Figure 8. Masses of the beam's anti-oscillators", note)
-    number = np.arange(1, study.count + 1)
-    lowest, largest = 100.0 * study.lowest.mass_fractions, 100.0 * study.star.mass_fractions
+    number = np.arange(1, beam.COUNT + 1)
+    largest, lowest = (100.0 * beam.star(by).mass_fractions for by in ("mass", "frequency"))
     ax.bar(number, lowest, color=COLOURS[0], label="mass of one AO, by frequency")
     ax.plot(number, np.cumsum(lowest), "o-", color="black", markersize=3, label="summed up")
     ax.plot(number, np.cumsum(largest), ":", color="0.4", label="summed up, largest first")
-    printed_line(ax, 98.0, "paper, 28 AOs 98 %", side="left")
-    printed_line(ax, 53.0, "paper, first AO 53 %")
-    label = f"share of the static mass, {1e3 * study.star.static_mass:.0f} g (%)"
+    ax.axhline(98.0, label="paper, 28 AOs 98 %", **LINE)
+    ax.axhline(53.0, label="paper, first AO 53 %", **LINE)
+    label = f"share of the static mass, {1e3 * beam.star().static_mass:.0f} g (%)"
     ax.set(xlabel="anti-oscillator", ylabel=label, ylim=(0, 110), xlim=(0, 29))
-    legend(ax)
-    return figure
 
 
-def figure_9(study: BeamStudy) -> Figure:
+def figure_09(ax: Axes) -> None:
     """Impact force of the sphere on the beam."""
-    note = (
-        f"Dots: Newmark's steps of {with_unit(study.dt, 's')}. The beam by {study.count} AOs; "
-        f"grey: its {study.body.n_dofs} dofs."
-    )
-    figure, (ax,) = new_figure("Figure 9. Sphere on the beam, 1 m/s: impact force", note)
-    grey = {"color": "0.75", "linewidth": 4.0, "linestyle": "-"}
-    study.hit("full", study.short).plot_force(
-        ax, during="record", label="one-AO sphere, full beam", **grey
-    )
-    for hit, name, style in (
-        (study.hit("ao", study.short), "one-AO sphere", FULL),
-        (study.hit("rigid", study.short), "rigid sphere", RIGID),
-    ):
-        steps = style | {"linewidth": 1.0, "marker": ".", "markersize": 4}
-        hit.plot_force(ax, during="record", label=name, **steps)
+    for models, (name, style) in ON_BEAM.items():
+        beam.hit(models).plot_force(ax, during="record", label=name, marker=".", **style)
     ax.set(xlim=(0, 105), ylim=(0, None))
-    legend(ax)
-    return figure
 
 
-def figure_10(study: BeamStudy) -> Figure:
+def figure_10(ax: Axes) -> None:
     """Displacements of the centres of mass of sphere and beam, and of the beam's middle."""
-    note = "The paper prints: the beam's maximum displacement is only 25 µm."
-    title = "Figure 10. Displacements of sphere and beam"
-    figure, (ax,) = new_figure(title, note)
-    for hit, name, style in (
-        (study.hit("ao", study.short), "one-AO sphere", FULL),
-        (study.hit("rigid", study.short), "rigid sphere", RIGID),
-    ):
-        micro = 1e6 * hit.t
-        ax.plot(
-            micro, 1e6 * hit.projectile.centre_displacement, **style, label=f"centre of the {name}"
-        )
-        thin = style | {"linewidth": 0.8, "marker": ".", "markersize": 3, "markevery": 4}
-        ax.plot(
-            micro,
-            1e6 * hit.target.centre_displacement,
-            **thin,
-            label=f"beam's centre of mass, {name}",
-        )
-        middle = style | {"color": COLOURS[0], "linewidth": 1.0}
-        ax.plot(micro, 1e6 * hit.target.displacement, **middle, label=f"beam's middle, {name}")
-    printed_line(ax, 25.0, "paper, beam 25 µm")
-    ax.set(xlabel="time (µs)", ylabel="displacement (µm)", xlim=(0, 200))
-    legend(ax)
-    return figure
+    for models in ("ao", "rigid"):
+        hit, (name, style) = beam.hit(models), ON_BEAM[models]
+        for values, what, look in (
+            (hit.projectile.centre_displacement, "centre of the", {}),
+            (hit.target.centre_displacement, "beam's centre,", {"marker": ".", "markevery": 4}),
+            (hit.target.displacement, "beam's middle,", {"color": COLOURS[0]}),
+        ):
+            curve = values, style | look | {"label": f"{what} {name}"}
+            draw_curves(ax, (hit.t, "time", "s"), "displacement", "m", [curve])
+    ax.axhline(25.0, label="paper, beam 25 µm", **LINE)
 
 
-def figure_11(study: BeamStudy) -> Figure:
+def figure_11(ax: Axes) -> None:
     """Displacement of the beam's centre of mass over 20 ms."""
-    note = "The paper: the same for both models; to design the structure a rigid sphere will do."
-    title = "Figure 11. Beam: displacement of the centre of mass"
-    figure, (ax,) = new_figure(title, note)
-    grey = {"color": "0.75", "linewidth": 4.0}
-    for hit, name, style in (
-        (study.hit("full", study.long), "one-AO sphere, full beam", grey),
-        (study.hit("ao", study.long), "one-AO sphere", FULL),
-        (study.hit("rigid", study.long), "rigid sphere", RIGID),
-    ):
-        ax.plot(1e3 * hit.t, 1e6 * hit.target.centre_displacement, label=name, **style)
-    ax.set(xlabel="time (ms)", ylabel="displacement (µm)", xlim=(0, 20))
-    legend(ax)
-    return figure
+    for models, (name, style) in ON_BEAM.items():
+        hit = beam.hit(models, beam.LONG)
+        curve = hit.target.centre_displacement, style | {"label": name}
+        draw_curves(ax, (hit.t, "time", "s"), "displacement", "m", [curve])
 
 
-def figure_mesh(study: SphereStudy) -> Figure:
+def figure_mesh(left: Axes, right: Axes) -> None:
     """Not in the paper: k1 and the force follow the mesh, and not towards the truth."""
-    note = (
-        "One AO each, contact at one node. Resolved contact mechanics: "
-        f"{RESOLVED_FORCE} N, {1e6 * RESOLVED_DURATION:.2f} µs."
-    )
-    title = "The force of the paper's recipe belongs to the mesh"
-    figure, (left, right) = new_figure(title, note, columns=2)
-    cases = study.meshes.values()
-    own = (len(study.body.nodes if study.body.nodes is not None else ()), study.one_ao)
-    nodes = [case.nodes for case in cases]
-    left.semilogx(nodes, [1e-6 * case.k1 for case in cases], "o-", color=COLOURS[0])
-    left.plot([own[0]], [1e-6 * float(study.oscillator.k[0])], "D", color=COLOURS[1])
-    left.plot([1053], [275.7], "x", color="black", markersize=8)
-    left.set(xlabel="nodes", ylabel="k1 (MN/m)", ylim=(0, None))
-    forces = [case.peak_force for case in cases]
-    right.semilogx(nodes, forces, "o-", color=COLOURS[0], label="meshes of this package")
-    right.plot([own[0]], [own[1].peak_force], "D", color=COLOURS[1], label="the shipped mesh")
-    right.plot([1053], [812.6], "x", color="black", markersize=8, label="the paper")
-    right.axhline(RESOLVED_FORCE, color="black", linewidth=1.2, label="resolved contact")
-    right.axhline(study.rigid.peak_force, **RIGID, label="rigid masses")
-    right.set(xlabel="nodes", ylabel="peak force (N)", ylim=(0, 1100))
-    legend(right)
-    for ax in (left, right):
+    sizes, paper = [None, *MESH_SIZES], 1053
+    own, *nodes = map(sphere.node_count, sizes)
+    for ax, name, (shipped, *others), printed in (
+        (left, "k1 (MN/m)", [1e-6 * sphere.one_ao(size).k[0] for size in sizes], 275.7),
+        (right, "peak force (N)", [pair(sphere.one_ao(size)).peak_force for size in sizes], 812.6),
+    ):
+        ax.semilogx(nodes, others, "o-", color=COLOURS[0], label="meshes of this package")
+        ax.plot([own], [shipped], "D", color=COLOURS[1], label="the shipped mesh")
+        ax.plot([paper], [printed], label="the paper", **CROSS)
         ax.set_xticks([300, 1000, 3000, 10000], ["300", "1000", "3000", "10 000"])
         ax.minorticks_off()
-        ax.set_xlim(200, 10_000)
-    return figure
+        ax.set(xlabel="nodes", ylabel=name, xlim=(200, 10_000), ylim=(0, None))
+    right.axhline(RESOLVED_FORCE, color="black", linewidth=1.2, label="resolved contact")
+    right.axhline(pair(BALL).peak_force, label="rigid masses", **RIGID)
+    right.set(ylim=(0, 1100))
 
 
-SPHERE_FIGURES = (figure_3, figure_4, figure_5, figure_6, figure_7)
-BEAM_FIGURES = (figure_8, figure_9, figure_10, figure_11)
+FIGURES = (
+    *(figure_03, figure_04, figure_05, figure_06, figure_07, figure_08, figure_09),
+    *(figure_10, figure_11, figure_mesh),
+)

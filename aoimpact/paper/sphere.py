@@ -1,32 +1,26 @@
 """Section 3 of the paper: a steel sphere on a like sphere at 1 m/s. Bodies, runs and tables.
 
-Every body and run is computed at its first use, and kept.
+Each body and each run is computed where it is first used, and kept.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from functools import cache
 
 import numpy as np
 
-from ..base import FloatArray
-from ..fem import ContactPoint, FEModel, Material
-from ..impact import simulate
-from ..integrate import Newmark
-from ..io import paper_sphere_mesh
-from ..laws import Hertz
-from ..mesh import sphere_mesh
-from ..reduction import AOModel, FullModel, ModalModel, antioscillators, full, modal, rigid
-from ..results import Result
-from .table import Row, Table, printed
+import aoimpact as ao
 
-STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
+from ..base import FloatArray
+from .table import Row, beside
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800.0)
 RADIUS = 0.01
 VELOCITY = 1.0
 BALL_MASS = 4.0 / 3.0 * math.pi * RADIUS**3 * STEEL.rho
-LAW = Hertz.between(STEEL, RADIUS, STEEL, RADIUS)
+LAW = ao.Hertz.between(STEEL, RADIUS, STEEL, RADIUS)
+BALL = ao.rigid(mass=BALL_MASS)
 
 # Resolved contact mechanics of these two spheres: fine axisymmetric finite elements
 # (6 ... 40 µm at the contact) with unilateral contact, explicit, converged; force ± 0.5 N.
@@ -40,6 +34,12 @@ PATCH = 0.003
 MODE_COUNTS = (6, 25, 50, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000)
 SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 0.25, 0.5, 1.0, 2.0, 10.0)
 MESH_SIZES = (0.008, 0.005, 0.003)
+
+# Newmark's steps at 1 m/s, s. The paper does not give its own. Finite elements and modes: at 0.1 µs
+# the peak force has converged to some 1e-5. Rigid and one-AO spheres: the light m0 rings at about
+# half a megahertz, which at 0.1 µs is a few 1e-4 of the peak force, at 0.01 µs some 1e-6.
+_STEP, _STAR_STEP = 0.1e-6, 0.01e-6
+_DURATION = 100e-6  # of the records at 1 m/s, s
 
 
 def hertz_pair(k: float, mass: float, velocity: float) -> tuple[float, float]:
@@ -62,8 +62,10 @@ def hertz_pair(k: float, mass: float, velocity: float) -> tuple[float, float]:
     return k * depth**1.5, 2.0 * depth / velocity * integral
 
 
-def at_one_dof(body: FEModel, point: tuple[float, float, float], direction: int) -> ContactPoint:
-    """Return the paper's contact functional, eq. (1): ± the unit vector of a dof at a node.
+def at_one_dof(
+    body: ao.FEModel, point: tuple[float, float, float], direction: tuple[float, float, float]
+) -> ao.ContactPoint:
+    """Return the paper's contact functional, eq. (1): one dof of the node at a point.
 
     Made without a place on the surface, so that the law keeps all of its indentation, as the
     paper's does; `FEModel.contact` would take the compliance of the mesh out of it.
@@ -73,163 +75,84 @@ def at_one_dof(body: FEModel, point: tuple[float, float, float], direction: int)
     body : FEModel
     point : tuple of float
         Coordinates of a node, m.
-    direction : int
-        1, 2, 3 for x, y, z, or negative.
+    direction : tuple of float
+        ± the unit vector of an axis.
     """
     assert body.nodes is not None
     assert body.free is not None
-    node = int(np.linalg.norm(body.nodes - point, axis=1).argmin())
-    b, axis = np.zeros(3 * len(body.nodes)), np.zeros(3)
-    b[3 * node + abs(direction) - 1] = axis[abs(direction) - 1] = np.sign(direction)
-    return ContactPoint(body, b[body.free], axis)
+    b = np.zeros(body.nodes.shape)
+    b[np.linalg.norm(body.nodes - point, axis=1).argmin()] = direction
+    return ao.ContactPoint(body, b.ravel()[body.free], np.array(direction))
 
 
-@dataclass(frozen=True, eq=False)
-class SphereStudy:
-    """The two spheres of section 3.
+@cache
+def sphere(size: float | None = None) -> ao.ContactPoint:
+    """Return the touched point of a sphere of the paper's mesh, or of elements of a size, m.
 
     The target is the projectile's mirror image: one contact functional serves both.
-
-    Parameters
-    ----------
-    dt : float
-        Newmark's step for the finite elements and the modal series, s. The paper does not give its
-        own; at 0.1 µs the peak force has converged to some 1e-5.
-    star_dt : float
-        The step for one-AO and rigid spheres, s. The light m0 rings at about half a megahertz: at
-        0.1 µs that is a few 1e-4 of the peak force, at 0.01 µs some 1e-6.
-    duration : float
-        Length of the records, s.
     """
-
-    dt: float = 0.1e-6
-    star_dt: float = 0.01e-6
-    duration: float = 100e-6
-
-    @cached_property
-    def tip(self) -> ContactPoint:
-        """The point of the sphere that is touched."""
-        body = FEModel.from_mesh(paper_sphere_mesh(), STEEL)
-        return at_one_dof(body, (RADIUS, 0.0, 0.0), 1)
-
-    @cached_property
-    def frequencies(self) -> FloatArray:
-        """Lowest natural frequencies, Hz, six rigid modes first."""
-        return self.body.frequencies(24)
-
-    @property
-    def body(self) -> FEModel:
-        """The finite-element model of one sphere."""
-        body = self.tip.body
-        assert isinstance(body, FEModel)
-        return body
-
-    @property
-    def mass(self) -> float:
-        """Mass of the finite-element model, kg."""
-        assert self.body.mass is not None
-        return self.body.mass
-
-    @cached_property
-    def oscillator(self) -> AOModel:
-        """The sphere by one anti-oscillator (Table 3)."""
-        return antioscillators(self.tip, n=1)
-
-    @cached_property
-    def modes(self) -> ModalModel:
-        """The classical modal model with the most modes of Fig. 4."""
-        return modal(self.tip, n=max(MODE_COUNTS))
-
-    @cached_property
-    def full(self) -> Result:
-        """Both spheres by all their finite elements."""
-        return self.pair(full(self.tip))
-
-    @cached_property
-    def one_ao(self) -> Result:
-        """Both spheres by one anti-oscillator each."""
-        return self.pair(self.oscillator)
-
-    @cached_property
-    def rigid(self) -> Result:
-        """Two rigid spheres."""
-        return self.pair(rigid(mass=BALL_MASS))
-
-    @cached_property
-    def patched(self) -> Result:
-        """One anti-oscillator each, touched over a patch, whose part the law leaves out."""
-        place = (RADIUS, 0.0, 0.0)
-        tip = self.body.contact(point=place, direction=(1.0, 0.0, 0.0), radius=PATCH)
-        return self.pair(antioscillators(tip, n=1))
-
-    @cached_property
-    def modal(self) -> dict[int, Result]:
-        """Both spheres by their first natural modes, for each number of modes of Fig. 4."""
-        return {n: self.pair(self.modes.truncated(n)) for n in MODE_COUNTS}
-
-    @cached_property
-    def by_speed(self) -> dict[float, Result]:
-        """One anti-oscillator each, for each velocity of Fig. 7."""
-        return {speed: self.pair(self.oscillator, speed) for speed in SPEEDS}
-
-    @cached_property
-    def meshes(self) -> dict[float, MeshCase]:
-        """The impact on other meshes, for each size of elements."""
-        return {size: mesh_case(self, size) for size in MESH_SIZES}
-
-    def printed(self, mass: float) -> Result:
-        """One anti-oscillator each, with the numbers that the paper prints in Table 3."""
-        return self.pair(
-            AOModel(m0=0.001 * mass, m=np.array([0.999 * mass]), k=np.array([275.7e6]))
-        )
-
-    def pair(self, body: AOModel | ModalModel | FullModel, speed: float = VELOCITY) -> Result:
-        """Run two like bodies against each other; contact times go as V^(-1/5), and so does dt."""
-        slower = (VELOCITY / speed) ** 0.2
-        dt = self.star_dt if isinstance(body, AOModel) else self.dt
-        return simulate(
-            projectile=body,
-            target=body,
-            law=LAW,
-            velocity=speed,
-            duration=slower * self.duration,
-            solver=Newmark(dt=slower * dt),
-        )
+    mesh = ao.paper_sphere_mesh() if size is None else ao.sphere_mesh(RADIUS, size)
+    return at_one_dof(ao.FEModel.from_mesh(mesh, STEEL), (RADIUS, 0.0, 0.0), (1.0, 0.0, 0.0))
 
 
-@dataclass(frozen=True)
-class MeshCase:
-    """One sphere mesh: how many nodes, the k1 it gives, and the force of the impact."""
-
-    nodes: int
-    k1: float
-    peak_force: float
-    duration: float
+def node_count(size: float | None = None) -> int:
+    """Return the number of nodes of a sphere's mesh."""
+    nodes = sphere(size).body.nodes
+    assert nodes is not None
+    return len(nodes)
 
 
-def mesh_case(study: SphereStudy, size: float) -> MeshCase:
-    """Return the paper's impact, one anti-oscillator each, on a mesh with elements of `size` m."""
-    body = FEModel.from_mesh(sphere_mesh(RADIUS, size), STEEL)
-    model = antioscillators(at_one_dof(body, (RADIUS, 0.0, 0.0), 1), n=1)
-    hit = study.pair(model)
-    assert body.nodes is not None
-    return MeshCase(len(body.nodes), float(model.k[0]), hit.peak_force, hit.contact_duration)
+@cache
+def one_ao(size: float | None = None) -> ao.AOModel:
+    """Return the sphere by one anti-oscillator (Table 3)."""
+    return ao.antioscillators(sphere(size), n=1)
 
 
-# --------------------------------------------------------------------------------- tables
+@cache
+def all_dofs() -> ao.FullModel:
+    """Return the sphere by all its finite elements."""
+    return ao.full(sphere())
 
 
-def table_1(study: SphereStudy) -> Table:
+@cache
+def pair(body: ao.AOModel | ao.ModalModel | ao.FullModel, speed: float = VELOCITY) -> ao.Result:
+    """Run two like bodies against each other; contact times go as V^(-1/5), and so does dt."""
+    slower = (VELOCITY / speed) ** 0.2
+    step = _STAR_STEP if isinstance(body, ao.AOModel) else _STEP
+    return ao.simulate(
+        projectile=body,
+        target=body,
+        law=LAW,
+        velocity=speed,
+        duration=slower * _DURATION,
+        solver=ao.Newmark(dt=slower * step),
+    )
+
+
+@cache
+def by_modes() -> dict[int, ao.Result]:
+    """Run both spheres by their first natural modes, for each number of modes of Fig. 4."""
+    modes = ao.modal(sphere(), n=max(MODE_COUNTS))
+    return {n: pair(modes.truncated(n)) for n in MODE_COUNTS}
+
+
+def of_table_3(mass: float) -> ao.Result:
+    """Run one anti-oscillator each, with the numbers that the paper prints in Table 3."""
+    return pair(ao.AOModel(m0=0.001 * mass, m=np.array([0.999 * mass]), k=np.array([275.7e6])))
+
+
+def table_1() -> list[Row]:
     """Table 1, and eq. (13): the sphere and Hertz's stiffness."""
-    return printed("table_1", 1e3 * BALL_MASS, 1e3 * study.mass, LAW.k / 1e10)
+    return beside("table_1", 1e3 * BALL_MASS, 1e3 * one_ao().mass, LAW.k / 1e10)
 
 
-def table_2(study: SphereStudy) -> Table:
-    """Table 2: natural frequencies."""
-    groups = multiplets(study.frequencies[6:])[:3]
-    rigid_modes = float(np.abs(study.frequencies[:6]).max())
+def table_2() -> list[Row]:
+    """Table 2: natural frequencies, six rigid modes first."""
+    frequencies = sphere().body.frequencies(24)
+    groups = multiplets(frequencies[6:])[:3]
     counts = {f"f{i}": len(group) for i, group in enumerate(groups, 2)}
-    return printed("table_2", rigid_modes, *(1e-6 * group.mean() for group in groups), **counts)
+    rigid_modes = float(np.abs(frequencies[:6]).max())
+    return beside("table_2", rigid_modes, *(1e-6 * group.mean() for group in groups), **counts)
 
 
 def multiplets(frequencies: FloatArray, apart: float = 0.03) -> list[FloatArray]:
@@ -238,83 +161,73 @@ def multiplets(frequencies: FloatArray, apart: float = 0.03) -> list[FloatArray]
     return np.split(frequencies, gaps + 1)
 
 
-def table_3(study: SphereStudy) -> Table:
+def table_3() -> list[Row]:
     """Table 3: the anti-oscillator of the sphere."""
-    model = study.oscillator
-    m0, m1 = (100.0 * m / study.mass for m in (model.m0, float(model.m[0])))
-    return printed("table_3", model.k0, m0, 1e-6 * float(model.k[0]), m1)
+    model, percent = one_ao(), 100.0 / one_ao().mass
+    m0, m1 = percent * model.m0, percent * model.m[0]
+    return beside("table_3", model.k0, m0, 1e-6 * model.k[0], m1)
 
 
-def impact_table(study: SphereStudy) -> Table:
-    """The numbers of Figure 3 and section 3."""
-    full, one, hard = study.full, study.one_ao, study.rigid
-    return printed(
-        "impact",
-        *(full.peak_force, 1e6 * full.contact_duration, one.peak_force, hard.peak_force),
-        *excesses(hard, full),
-    )
+def impact() -> list[Row]:
+    """Return the numbers of Figure 3 and section 3."""
+    whole, one, hard = map(pair, (all_dofs(), one_ao(), BALL))
+    forces = one.peak_force, hard.peak_force
+    return beside("impact", *force_and_time(whole), *forces, *excesses(hard, whole))
 
 
-def excesses(hit: Result, base: Result) -> tuple[float, float]:
+def force_and_time(hit: ao.Result) -> tuple[float, float]:
+    """Return the peak force, N, and the contact duration, µs."""
+    return hit.peak_force, 1e6 * hit.contact_duration
+
+
+def excesses(hit: ao.Result, base: ao.Result) -> tuple[float, float]:
     """Excess of peak force and duration over those of another run, %."""
     force = hit.peak_force / base.peak_force
     duration = hit.contact_duration / base.contact_duration
     return 100.0 * (force - 1.0), 100.0 * (duration - 1.0)
 
 
-def method_table(study: SphereStudy) -> Table:
+def method() -> list[Row]:
     """Numbers that do not depend on the mesh: the method itself."""
     peak, duration = hertz_pair(LAW.k, 0.5 * BALL_MASS, VELOCITY)
-    own, light = study.printed(BALL_MASS), study.printed(0.03258)
-    return printed(
-        "method",
-        *excesses(study.one_ao, study.full),
-        *(own.peak_force, light.peak_force, 1e6 * own.contact_duration),
-        *(peak, 1e6 * duration),
-    )
+    own, light = of_table_3(BALL_MASS), of_table_3(0.03258)
+    forces = own.peak_force, light.peak_force, 1e6 * own.contact_duration
+    differences = excesses(pair(one_ao()), pair(all_dofs()))
+    return beside("method", *differences, *forces, peak, 1e6 * duration)
 
 
-def modal_table(study: SphereStudy) -> Table:
+def modal_series() -> list[Row]:
     """Figure 4: the modal series."""
-    forces = (excesses(study.modal[n], study.full)[0] for n in (50, 200, 500))
-    return printed("modal", *excesses(study.modal[1000], study.full), *forces)
+    differences = {n: excesses(hit, pair(all_dofs())) for n, hit in by_modes().items()}
+    return beside("modal", *differences[1000], *(differences[n][0] for n in (50, 200, 500)))
 
 
-def energy_table(study: SphereStudy) -> Table:
+def energy() -> list[Row]:
     """Figures 5 and 7: where the energy goes."""
-    percent = 100.0 / (0.5 * study.mass * VELOCITY**2)
-    target = study.one_ao.energy.target
-    ratios = (local_over_nonlocal(study.by_speed[speed]) for speed in (1e-4, 1.0, 10.0))
-    kept = percent * float(target.kinetic[-1]), percent * float(target.elastic[-1])
-    return printed("energy", *kept, *ratios)
+    percent = 100.0 / (0.5 * one_ao().mass * VELOCITY**2)
+    target = pair(one_ao()).energy.target
+    ratios = (local_over_nonlocal(speed) for speed in (1e-4, 1.0, 10.0))
+    return beside("energy", percent * target.kinetic[-1], percent * target.elastic[-1], *ratios)
 
 
-def local_over_nonlocal(hit: Result) -> float:
+def local_over_nonlocal(speed: float) -> float:
     """Return contact energy over the target's elastic energy, at the largest indentation."""
-    at = int(np.argmax(hit.energy.contact))
-    return float(hit.energy.contact[at] / hit.energy.target.elastic[at])
+    energy = pair(one_ao(), speed).energy
+    at = int(np.argmax(energy.contact))
+    return float(energy.contact[at] / energy.target.elastic[at])
 
 
-def resolved_table(study: SphereStudy) -> Table:
+def resolved() -> list[Row]:
     """Resolved contact mechanics, and how far off each model is."""
-    values: list[float] = []
-    for hit in (study.full, study.rigid, study.patched):
-        values += [hit.peak_force, 1e6 * hit.contact_duration]
-    return printed("resolved", *values, 811.5)
+    place = (RADIUS, 0.0, 0.0)
+    patch = sphere().body.contact(point=place, direction=(1.0, 0.0, 0.0), radius=PATCH)
+    bodies = all_dofs(), BALL, ao.antioscillators(patch, n=1)
+    values = [value for body in bodies for value in force_and_time(pair(body))]
+    return beside("resolved", *values, 811.5)
 
 
-def mesh_table(study: SphereStudy) -> Table:
+def mesh() -> list[Row]:
     """Dependence of k1 and the force on the mesh."""
-    rows = []
-    for size, case in study.meshes.items():
-        name = f"{case.nodes} nodes ({1e3 * size:g} mm)"
-        rows.append(Row(f"{name}, k1", 1e-6 * case.k1, "", "MN/m"))
-        rows.append(Row(f"{name}, peak force", case.peak_force, "", "N"))
-    return Table("k1 and the force belong to the mesh: one AO each, one loaded node", tuple(rows))
-
-
-# Those of the paper, in its order.
-SPHERE_TABLES = (
-    *(table_1, table_2, table_3, impact_table, method_table),
-    *(modal_table, energy_table),
-)
+    bodies = [one_ao(size) for size in MESH_SIZES]
+    values = [value for one in bodies for value in (1e-6 * one.k[0], pair(one).peak_force)]
+    return beside("mesh", *values, nodes=[node_count(size) for size in MESH_SIZES])
