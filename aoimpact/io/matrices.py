@@ -154,10 +154,10 @@ def read_matrices(
     called = f"{stiffness.called}, {inertia.called}"
     with _naming("dofs"):
         labels = _given_labels(dofs, stiffness, inertia)
-    pair = _without_held(called, _joined(called, stiffness, inertia, labels))
-    stiff, heavy, labels = _condensed(
-        called, _scaled(pair, *units), rotations=nodes is None and mesh is None
-    )
+    with _naming(called):
+        pair = _without_held(_joined(stiffness, inertia, labels))
+        only = nodes is None and mesh is None
+        stiff, heavy, labels = _condensed(_scaled(pair, *units), rotations=only)
     places: Places | None = None
     from_file = isinstance(mesh, (str, os.PathLike))
     with _naming("nodes"):
@@ -356,40 +356,34 @@ def _given_labels(dofs: Any, stiffness: RawMatrix, inertia: RawMatrix) -> IntArr
 _Pair = tuple[Any, Any, IntArray | None]  # K, M, and node and component of each row
 
 
-def _joined(
-    called: str, stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None
-) -> _Pair:
+def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -> _Pair:
     """Return both matrices in the same rows; refuse one given twice or in the other's place."""
     if (stiffness.labels is None) != (inertia.labels is None):
-        raise InputError(f"{called}: only one of them lists which dofs its rows are")
+        raise InputError("only one of them lists which dofs its rows are")
     if stiffness.labels is not None and inertia.labels is not None:
         labels = stiffness.labels
         rows = rows_of(codes(labels), codes(inertia.labels))
         for lost in np.flatnonzero(rows < 0)[:1].tolist():
-            lacks = at(inertia.labels, lost)
-            raise InputError(f"{called}: K lacks dofs of M, as {lacks}: is it cut short?")
+            raise InputError(f"K lacks dofs of M, as {at(inertia.labels, lost)}: is it cut short?")
         M_rows, M_cols = rows[inertia.rows], rows[inertia.cols]
         inertia = replace(inertia, size=stiffness.size, rows=M_rows, cols=M_cols, labels=labels)
     elif stiffness.size != inertia.size:
-        raise InputError(
-            f"{called}: K has {stiffness.size} rows and M {inertia.size}: is one cut short?"
-        )
+        rows_of_both = f"K has {stiffness.size} rows and M {inertia.size}"
+        raise InputError(f"{rows_of_both}: is one cut short?")
     K, M = stiffness.symmetric(), inertia.symmetric()
     for name, matrix in (("K", K), ("M", M)):
         without = np.flatnonzero((matrix.diagonal() == 0.0) & (abs(matrix).sum(axis=1) > 0.0))
         if name == "K" and labels is not None:  # internal rows of Abaqus may have none
             without = without[labels[without, 0] > 0]
-        if len(without):
-            raise InputError(
-                f"{called}: {name} lacks the diagonal of {at(labels, without[0])} and of "
-                f"{len(without) - 1} more rows: is the file cut short?"
-            )
+        for row in without[:1].tolist():
+            more = f"and of {len(without) - 1} more rows: is the file cut short?"
+            raise InputError(f"{name} lacks the diagonal of {at(labels, row)} {more}")
     if K.nnz == M.nnz and not (K - M).data.any():
-        raise InputError(f"{called}: K and M have the same entries; give M its own file")
+        raise InputError("K and M have the same entries; give M its own file")
     largest, heaviest = (float(abs(one.diagonal()).max(initial=0.0)) for one in (K, M))
     if 0.0 < largest < heaviest:  # a body that is struck has some frequency above 1 rad/s
         raise InputError(
-            f"{called}: K is up to {largest:.3g} and M up to {heaviest:.3g}, so that no "
+            f"K is up to {largest:.3g} and M up to {heaviest:.3g}, so that no "
             "frequency reaches 1 rad/s: are K and M exchanged?"
         )
     return K, M, labels
@@ -402,12 +396,12 @@ def _kept(pair: _Pair, rows: Any) -> _Pair:
     return K[rows][:, rows], M[rows][:, rows], None if labels is None else labels[rows]
 
 
-def _without_held(called: str, pair: _Pair) -> _Pair:
+def _without_held(pair: _Pair) -> _Pair:
     """Leave out dofs that are constrained, and those with neither stiffness nor mass."""
     K, M, _ = pair
     keep = (K.diagonal() < _HOLDING) & ((abs(K) + abs(M)).sum(axis=1) > 0.0)
     if not keep.any():
-        raise InputError(f"{called}: no dof has stiffness or mass and is free to move")
+        raise InputError("no dof has stiffness or mass and is free to move")
     return _kept(pair, keep)
 
 
@@ -420,7 +414,7 @@ def _scaled(pair: _Pair, length: float, mass: float) -> _Pair:
     return sp.csr_array(mass * K), sp.csr_array(mass * M), labels
 
 
-def _condensed(called: str, pair: _Pair, *, rotations: bool) -> _Pair:
+def _condensed(pair: _Pair, *, rotations: bool) -> _Pair:
     """Condense inner dofs without mass: K_aa - K_ai K_ii⁻¹ K_ia, which is exact.
 
     Larger models keep these dofs; then no coordinates are known of their rows. Rotations are inner
@@ -436,7 +430,7 @@ def _condensed(called: str, pair: _Pair, *, rotations: bool) -> _Pair:
         return pair
     if (light & ~inner).any():
         raise InputError(
-            f"{called}: {light.sum()} of {len(light)} dofs have no mass, the first is "
+            f"{light.sum()} of {len(light)} dofs have no mass, the first is "
             f"{at(labels, int(np.flatnonzero(light)[0]))}: is M cut short, or lumped? Write a "
             "consistent mass matrix"
         )
@@ -445,7 +439,7 @@ def _condensed(called: str, pair: _Pair, *, rotations: bool) -> _Pair:
         solved = factorize(K[light][:, light], what="K of the dofs without mass").solve(across)
     except SingularError as error:
         raise InputError(
-            f"{called}: {light.sum()} dofs without mass cannot be condensed ({error}); model "
+            f"{light.sum()} dofs without mass cannot be condensed ({error}); model "
             "without multipliers, as of hybrid elements and couplings"
         ) from None
     K, M, labels = _kept(pair, ~light)

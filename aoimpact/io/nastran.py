@@ -216,7 +216,7 @@ def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
     for system, own in grids.by_system(np.maximum(grids.output_systems, 0)):
         turned = np.abs(system.directions(nodes[own]) - np.eye(3)).max(axis=(1, 2)) > _TURNED
         for row in own[turned][:1].tolist():
-            raise grids.refused(
+            raise grids.table.refused(
                 row,
                 f"node {grids.labels[row]} has displacements in another system (CD), so K has its "
                 "rows in other axes than x, y and z; write K with CD = 0",
@@ -258,9 +258,8 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
         properties = part.integers(1, 1)[:, 0] * (first > 1)
         properties = np.where(part.blank[:, 1], labels, properties)
         numbers = part.integers(first, nodes_in(kind))
-        part.refuse_first((numbers[:, :corners] == 0).any(axis=1), "a corner has no node")
         missing = (numbers == 0).any(axis=1)
-        part.refuse_first(missing, "some of its midside nodes are missing; give all or none")
+        part.refuse_first(missing, "nodes are missing; give all midside nodes or none")
         rows = rows_of(grids.labels, numbers)
         for row, column in np.argwhere(rows < 0)[:1].tolist():
             raise part.refused(row, f"node {numbers[row, column]} is not there")
@@ -404,8 +403,6 @@ class Grids:
     ----------
     table : Table
         Their GRID entries.
-    entries : ndarray of int, shape (n,)
-        Row of each node in `table`.
     labels : ndarray of int, shape (n,)
     systems, output_systems : ndarray of int, shape (n,)
         Labels of the coordinate systems of coordinates (CP) and displacements (CD).
@@ -416,7 +413,6 @@ class Grids:
     """
 
     table: Table
-    entries: IntArray
     labels: IntArray
     systems: IntArray
     output_systems: IntArray
@@ -448,17 +444,13 @@ class Grids:
             raise table.refused(row, f"node {labels[row]} is there twice, at different places")
         kept = np.delete(order, again)
         own = (labels[kept], systems[0][kept], systems[1][kept], x[kept])
-        return cls(table, kept, *own, _definitions(bulk))
-
-    def refused(self, row: int, why: str) -> MeshError:
-        """Return the error for a node."""
-        return self.table.refused(int(self.entries[row]), why)
+        return cls(table.select(kept), *own, _definitions(bulk))
 
     def by_system(self, systems: IntArray) -> Iterator[tuple[Axes, IntArray]]:
         """Yield each system that nodes have by its label, and their rows."""
         for label in np.unique(systems).tolist():
             own = np.flatnonzero(systems == label)
-            yield self.axes(label, partial(self.refused, int(own[0]))), own
+            yield self.axes(label, partial(self.table.refused, int(own[0]))), own
 
     def coordinates(self) -> FloatArray:
         """Return basic coordinates of all nodes, shape (n, 3)."""

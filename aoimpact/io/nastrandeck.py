@@ -43,6 +43,7 @@ _BULK = re.compile(
 )
 _TIMES = re.compile(rb"=(?:(\d+)|\((\d+)\))")
 _INCREMENT = re.compile(rb"\*\(?([^()]+)\)?")
+_MARK = re.compile(rb"[+*](?![\d.])")  # of a continuation: "+" or "+A1", not "+1.5"
 _INTEGER = re.compile(rb"[-+]?\d{1,18}")
 
 # First characters of INCLUDE and ENDDATA, and of BEGIN and CEND.
@@ -198,7 +199,7 @@ def _file_name(file: Path, lines: list[str], i: int) -> tuple[str, int]:
 # ------------------------------------------------------------------------------- lines in columns
 
 
-def _in_columns(lines: Lines) -> tuple[Lines, IntArray, npt.NDArray[np.bool_]]:
+def _in_columns(lines: Lines) -> tuple[Lines, IntArray]:
     """Write out lines with commas and copies by replication, in columns.
 
     Returns
@@ -206,14 +207,12 @@ def _in_columns(lines: Lines) -> tuple[Lines, IntArray, npt.NDArray[np.bool_]]:
     Lines
         With fields of 8, 16 or 32 characters after the head, as the longest one needs.
     counts : ndarray of int, shape (n_lines,)
-        Number of fields in each line: 8, 4 or 2.
-    odd : ndarray of bool, shape (n_lines,)
-        Lines with more fields than eight and a mark, or with fields too long to be kept.
+        Number of fields in each line: 8, 4 or 2; negative where there are more than eight and a
+        mark, or one too long to be kept.
     """
     text: list[bytes] = []
     sources: list[int] = []
     counts: list[int] = []
-    odd: list[bool] = []
 
     def add(words: list[bytes], source: int) -> None:
         head, *fields = words
@@ -222,10 +221,10 @@ def _in_columns(lines: Lines) -> tuple[Lines, IntArray, npt.NDArray[np.bool_]]:
         data = most == 8 and len(fields) > 9 and fields[8][:1] not in (b"", b"+", b"*")
         if len(fields) > most and not data:
             fields, (tail, *more) = fields[:most], fields[most:]
-        elif fields and not data and _is_mark(fields[-1]):
+        elif fields and not data and _MARK.match(fields[-1]):
             tail = fields.pop()
         longest = max(map(len, fields), default=0)
-        surplus = any(more) or tail[:1].isdigit() or longest > _FREE
+        sign = -1 if any(more) or tail[:1].isdigit() or longest > _FREE else 1
         width = next(w for w in (64 // most, 16, _FREE) if longest <= w or w == _FREE)
         fields += [b""] * (-len(fields) % most or most * (not fields))
         columns = b"".join(one[:width].ljust(width) for one in fields)
@@ -233,8 +232,7 @@ def _in_columns(lines: Lines) -> tuple[Lines, IntArray, npt.NDArray[np.bool_]]:
         text.extend(at.ljust(8) + row for at, row in zip_longest([head[:8]], rows, fillvalue=b""))
         text[-1] += tail
         sources.extend([source] * len(rows))
-        counts.extend([64 // width] * len(rows))
-        odd.extend([surplus] * len(rows))
+        counts.extend([sign * (64 // width)] * len(rows))
 
     entry: list[bytes] = []
     rule: list[bytes] = []
@@ -251,13 +249,7 @@ def _in_columns(lines: Lines) -> tuple[Lines, IntArray, npt.NDArray[np.bool_]]:
             text.append(line)
             sources.append(i)
             counts.append(4 if b"*" in line[:8] else 8)
-            odd.append(False)
-    return Lines(text, lines.sources[sources], lines.files), np.array(counts), np.array(odd)
-
-
-def _is_mark(text: bytes) -> bool:
-    """Return whether the last field of a line marks a continuation: "+" or "+A1", not "+1.5"."""
-    return text[:1] in (b"+", b"*") and not text[1:2].isdigit() and text[1:2] != b"."
+    return Lines(text, lines.sources[sources], lines.files), np.array(counts)
 
 
 def _words(line: bytes) -> list[bytes]:
@@ -364,8 +356,7 @@ class BulkData:
     lines: Lines
     names: dict[str, IntArray]
     _columns: npt.NDArray[np.uint8]  # shape (n_lines, 80)
-    _counts: IntArray  # fields in each line
-    _odd: npt.NDArray[np.bool_]
+    _counts: IntArray  # fields in each line, as of `_in_columns`
     _ends: IntArray  # by line, the end of the entry that begins there
     _offset: IntArray  # of each line's first field in its entry
 
@@ -374,8 +365,7 @@ class BulkData:
         first = np.sort(joined(self.names[name] for name in names if name in self.names))
         lines, row = self._of(first)
         kept = self._offset[lines] < width
-        if not kept.all():
-            lines, row = lines[kept], row[kept]
+        lines, row = lines[kept], row[kept]
         longest = 8 + int(self._offset[lines].max(initial=0)) // 8 * 8
         fields = self._fields(lines, row * longest + self._offset[lines], len(first) * longest)
         return Table(self.lines, first, fields.reshape(len(first), longest)[:, :width], width)
@@ -407,10 +397,10 @@ class BulkData:
 
     def _fields(self, lines: IntArray, at: IntArray, size: int) -> npt.NDArray[Any]:
         """Return `size` fields: those of some lines from given places on, all others empty."""
-        for line in lines[self._odd[lines]][:1].tolist():
+        counts = self._counts[lines]
+        for line in lines[counts < 0][:1].tolist():
             why = "the line has too many fields, or one of more than 32 characters"
             raise self.lines.refused(line, self.lines.text[line][:8].decode().strip(), why)
-        counts = self._counts[lines]
         fields = np.zeros(size, f"S{64 // int(counts.min(initial=8))}")
         for count in (2, 4, 8):
             some = counts == count
@@ -510,28 +500,27 @@ def read_bulk_data(lines: Lines) -> BulkData:
     """
     columns = _columns_of(lines)
     if written := bool((columns[:, :10] == ord(",")).any() or (columns[:, 0] == ord("=")).any()):
-        lines, counts, odd = _in_columns(lines)
+        lines, counts = _in_columns(lines)
         columns = _columns_of(lines)
     heads, tails = _column_field(columns, 0), _column_field(columns, 72)
     marks = heads.view(np.uint8).reshape(-1, 8)
     continues = (marks[:, 0] == ord("+")) | (marks[:, 0] == ord("*")) | (marks <= 32).all(axis=1)
     if not written:
         counts = np.where((marks == ord("*")).any(axis=1), 4, 8)
-        odd = np.zeros(len(heads), dtype=bool)
     order = _in_order(lines, continues, heads, tails)
     if order is not None:
         lines = Lines([lines.text[i] for i in order.tolist()], lines.sources[order], lines.files)
-        heads, columns, continues = heads[order], columns[order], continues[order]
-        counts, odd = counts[order], odd[order]
+        heads, columns = heads[order], columns[order]
+        continues, counts = continues[order], counts[order]
     starts = np.flatnonzero(~continues)
     ends = np.full(len(heads), len(heads))
     ends[starts[:-1]] = starts[1:]
-    before = np.cumsum(counts) - counts
+    before = np.cumsum(abs(counts)) - abs(counts)
     offset = before - np.repeat(before[starts], ends[starts] - starts)
     for half in np.flatnonzero((counts == 8) & (offset % 8 != 0))[:1].tolist():
         why = "large fields before it fill only half a line; add '*'"
         raise lines.refused(half, "continuation", why)
-    return BulkData(lines, _names(lines, starts, heads[starts]), columns, counts, odd, ends, offset)
+    return BulkData(lines, _names(lines, starts, heads[starts]), columns, counts, ends, offset)
 
 
 def _columns_of(lines: Lines) -> npt.NDArray[np.uint8]:
