@@ -10,9 +10,11 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Literal
 
@@ -22,21 +24,10 @@ from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, IntArray, MeshError, require, warn
 from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
+from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
-from .raw import (
-    LINES,
-    SOLIDS,
-    SURFACES,
-    RawBlock,
-    RawMesh,
-    cylindrical,
-    joined,
-    nodes_in,
-    repeats,
-    rows_of,
-)
-from .sections import Source, across, layered, refusing, unit
+from .sections import Source, across, layered, refusing
 
 # Sets of nodes or of elements.
 Which = Literal["NSET", "ELSET"]
@@ -111,15 +102,15 @@ _ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0
 
 # Types of elements, and their kinds by their first digits.
 _TYPES = (
-    (re.compile(r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}"), SOLIDS),
+    (re.compile(r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}"), raw.SOLIDS),
     (  # shells, membranes, rigid and plane elements
         re.compile(
             r"(?:D?S|US|STRI|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(65|3|4|6|8|9)(?!\d)"
             "[A-Z0-9]*"
         ),
-        SURFACES | {65: "triangle6"},
+        raw.SURFACES | {65: "triangle6"},
     ),
-    (re.compile(r"T[23]D([23])[A-Z]{0,2}"), LINES),
+    (re.compile(r"T[23]D([23])[A-Z]{0,2}"), raw.LINES),
     # Beams in space, by their order: B33 has the nodes of B31.
     (re.compile(r"B3([123])R?H?(?:OS)?H?"), {1: "line", 2: "line3", 3: "line"}),
 )
@@ -137,7 +128,7 @@ _LISTED = re.compile(
 _PARTS = {3: re.compile("C3D"), 2: re.compile(r"S\d|STRI|US\d"), 1: re.compile(r"B3\d")}
 
 # Surface elements that meshers write for the sides of solids.
-_SIDES = re.compile(r"CP[SE]\d|CAX\d|SFM3D")
+_SIDES = r"CP[SE]\d|CAX\d|SFM3D"
 
 # Bytes that a generated node takes, Python's objects included.
 _PER_NODE = 400
@@ -164,7 +155,7 @@ _ANGLE = 1e-4
 _CURE = "write the fibres as axis 1, and 3 in the second line"
 
 
-def read(file: Path) -> RawMesh:
+def read(file: Path) -> raw.RawMesh:
     """Return the mesh of a deck of Abaqus or CalculiX.
 
     A set of an instance is called "instance.set", and "set" as well where no other has one of that
@@ -215,8 +206,9 @@ def _dim(name: str) -> int:
     return next((dim for dim, names in _PARTS.items() if names.match(name)), 0)
 
 
-def _listed(counts: Counter[str]) -> str:
-    return ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
+def _listed(names: Iterable[str] | Mapping[str, int]) -> str:
+    """Return names and how often each is there, as in "100 CPS4, 2 S4R"."""
+    return ", ".join(f"{count} {name}" for name, count in sorted(Counter(names).items()))
 
 
 # ----- parts, instances and the assembly
@@ -232,47 +224,120 @@ class AbaqusDeck:
     instances : mapping of str to list of (str, ndarray)
         By part, the beginning of the names of its sets in the mesh, such as "Bar-1.", and the
         matrix by which the instance is turned.
-    types : ndarray of str, shape (n_cells,)
-        The elements' types in capitals, through all blocks.
-    towards : ndarray of bool, shape (n_cells,)
+    counts : mapping of str to int
+        Elements by their types in capitals.
+    types : ndarray of str, shape (n_blocks,)
+        Types of the blocks of the mesh.
+    towards : ndarray of bool, shape (n_blocks,)
         Beams that name a node towards which their section is turned.
     """
 
     cards: list[Keyword]
     instances: dict[str, list[tuple[str, FloatArray]]]
+    counts: Counter[str]
     types: npt.NDArray[np.str_]
     towards: npt.NDArray[np.bool_]
 
     @property
     def sections(self) -> str:
         """Keywords on shells and beams, as in "2 *SHELLSECTION"."""
-        names = [card.name for card in self.cards]
-        return _listed(
-            Counter(f"*{of}" for of in names if of in _SECTIONS and _SECTIONS[of][1] < 3)
-        )
+        thin = [card.name for card in self.cards if _SECTIONS.get(card.name, (None, 3))[1] < 3]
+        return _listed(f"*{name}" for name in thin)
 
     @property
     def elements(self) -> str:
         """The elements by their types, as in "100 CPS4"."""
-        return _listed(Counter(self.types.tolist()))
+        return _listed(self.counts)
+
+    @cached_property
+    def normals(self) -> Keyword | None:
+        """The first card with normals, which turn beams."""
+        for card in self.cards:
+            if card.name == "NORMAL" or (
+                card.name == "NODE" and any(text.rstrip(", ").count(",") > 3 for text in card.data)
+            ):
+                return card
+        return None
+
+    @cached_property
+    def materials(self) -> dict[str, dict[str, Keyword]]:
+        """The options of each material by their names."""
+        found: dict[str, dict[str, Keyword]] = {}
+        own: dict[str, Keyword] = {}
+        for card in takewhile(lambda card: card.name != "STEP", self.cards):
+            if card.name == "MATERIAL":
+                own = found.setdefault(key(card.options.get("NAME", "")), {})
+            if card.name in own:
+                raise card.error("the material has it twice")
+            if _kind(card.name) in ("material", "inelastic"):
+                own[card.name] = card
+        return found
 
     def read(self, source: Source) -> dict[str, OneMaterial]:
-        """Return the sections by group."""
-        return _Reader(source, self).sections()
+        """Return the sections by group: those that hold elements of their kind."""
+        groups = {key(name): name for name in source.raw.cell_sets}
+        dims = np.array([_dim(name) for name in self.types.tolist()])
+        found: dict[str, OneMaterial] = {}
+        additions: list[tuple[str, Keyword]] = []
+        elset = ""
+        for card in self.cards:
+            addition = _kind(card.name) == "addition"
+            if not addition and card.name not in _SECTIONS:
+                continue
+            elset = card.options.get("ELSET", elset if addition else "")
+            for before, turn in self.instances.get(card.part, []):
+                if addition:
+                    additions.append((before + elset, card))
+                    continue
+                read, dim, options = _SECTIONS[card.name]
+                name = groups.get(key(before + elset))
+                if name is None:
+                    raise card.error(f"there is no ELSET {elset!r}")
+                members = source.raw.cell_sets[name]
+                own = members[dims[source.raw.block_of(members)] == dim]
+                if not len(own):
+                    continue  # of trusses, membranes and the like, which no body has
+                if name in found:
+                    raise card.error(f"{name} has another section")
+                found[name] = source.instead(name, dim)
+                if found[name] is None:
+                    card.check_options("ELSET", "MATERIAL", "CONTROLS", *options)
+                    with refusing(card.error):
+                        found[name] = read(_Section(source, self, card, turn, own))
+        for of, card in additions:
+            name = groups.get(key(of), "")
+            if name not in found or found[name] is not source.given.get(key(name)):
+                raise card.error(
+                    f"it is not supported; take it into the section of {of} by "
+                    "read_sections(given=), or delete it"
+                )
+        beams = any(isinstance(each, Beam) for each in found.values())
+        if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
+            source.left_out.append(
+                "normals at nodes are left out: shells have normals of their elements"
+            )
+        for card in self.cards:
+            if card.name == "RELEASE" and beams:
+                raise card.error(
+                    "hinges are not supported; delete it if the beams may be joined rigidly"
+                )
+            if _kind(card.name) == "beside":
+                source.left_out.append(f"*{card.name} is left out")
+        return found
 
 
-def _sorted(keywords: list[Keyword]) -> tuple[Scope, dict[str, Scope]]:
+def _sorted(keywords: list[Keyword]) -> Scope:
     """Give each keyword to its part, its instance or the assembly, and refuse unknown ones.
 
-    Return the assembly with its instances, or a deck without parts, and the parts.
+    Return the assembly with parts and instances, or a deck without parts.
     """
-    whole, parts = Scope(), dict[str, Scope]()
+    whole = Scope()
+    parts = whole.parts
     within = [("", whole)]
     loose: Keyword | None = None
     for keyword in keywords:
         name = keyword.name
-        if within[-1][0] == "PART":
-            keyword.part = within[-1][1].part
+        keyword.part = within[-1][1].part if within[-1][0] == "PART" else ""
         if name in _READ:
             within[-1][1].keywords.append(keyword)
             if len(within) == 1 and name in ("NODE", "ELEMENT"):
@@ -285,13 +350,10 @@ def _sorted(keywords: list[Keyword]) -> tuple[Scope, dict[str, Scope]]:
             called, of = (keyword.options.get(option, "") for option in ("NAME", "PART"))
             if not key(called) or key(called) in among:
                 raise keyword.error("it needs a NAME of its own")
-            scope = Scope(called.strip('"'), key(called))
-            if name == "INSTANCE":
-                scope = replace(scope, part=key(of), keyword=keyword)
-                if key(of) not in parts:
-                    raise keyword.error(f"there is no part {of}")
-            among[key(called)] = scope
-            within.append((name, scope))
+            if name == "INSTANCE" and key(of) not in parts:
+                raise keyword.error(f"there is no part {of}")
+            among[key(called)] = Scope(called.strip('"'), key(of or called), keyword)
+            within.append((name, among[key(called)]))
         elif name in ("ENDPART", "ENDASSEMBLY", "ENDINSTANCE"):
             if within.pop()[0] != name[3:]:
                 raise keyword.error(f"it ends no *{name[3:]}")
@@ -303,15 +365,16 @@ def _sorted(keywords: list[Keyword]) -> tuple[Scope, dict[str, Scope]]:
         raise keywords[-1].error(f"*END {within[-1][0]} is missing")
     if parts and loose is not None:
         raise loose.error("in a deck with parts, it must belong to one of them")
-    whole.inner = whole.inner or {name: replace(part, keywords=[]) for name, part in parts.items()}
-    return whole, parts
+    if not whole.inner:  # parts stand for themselves
+        whole.inner = {name: Scope(part.name, name) for name, part in parts.items()}
+    return whole
 
 
-def _joined(file: Path, cards: list[Keyword]) -> RawMesh:
+def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     """Put instances in their places, one after the other, and find all sets."""
-    whole, parts = _sorted(cards)
+    whole = _sorted(cards)
     for name, instance in whole.inner.items():
-        scope = parts[instance.part]
+        scope = whole.parts[instance.part]
         if instance.keywords:
             scope = Scope(keywords=[*scope.keywords, *instance.keywords])
         whole.inner[name] = scope.read().placed(instance, whole.first)
@@ -320,44 +383,42 @@ def _joined(file: Path, cards: list[Keyword]) -> RawMesh:
     bodies = [*whole.inner.values()] or [whole]
     every = list(whole.blocks())
     blocks = [block for block, *_ in every]
-    numbers = np.repeat(np.arange(len(blocks)), [len(block.labels) for block in blocks])
+    types = np.array([block.type for block in blocks], dtype=str)
     dims = np.array([_dim(block.type) for block in blocks], dtype=int)
-    read = [block.kind for block in blocks]
-    if not (dims == 3).any():  # a body of shells and beams: nothing else with a shape is part of it
-        read = [kind if dim else "" for kind, dim in zip(read, dims.tolist(), strict=True)]
-    unread = np.array([not kind for kind in read], dtype=bool)
+    # In a body of shells and beams nothing else with a shape is part of it.
+    kept = (dims > 0) | (dims == 3).any()
+    kinds = [block.kind if own else "" for block, own in zip(blocks, kept.tolist(), strict=True)]
+    unread = np.array([not kind for kind in kinds], dtype=bool)
     node_sets, cell_sets = _named(whole)
-    of_bodies = {body.name for body in bodies}
+    sizes = [len(block.labels) for block in blocks]
+    of = np.repeat(np.arange(len(blocks)), sizes)
     left_out = {}
     for name, members in cell_sets.items():
-        own = numbers[members]
-        solid = dims[own] == 3
-        others = own[~solid if solid.any() else unread[own]]
-        if len(others) and name not in of_bodies:
-            left_out[name] = _listed(Counter(blocks[i].type for i in others.tolist()))
-    used = {scope.part for scope in whole.inner.values()}
-    unused = [scope.name for part, scope in parts.items() if part not in used]
-    _warn(file, whole, cards, unused, blocks, read)
-    n_nodes = sum(len(body.labels) for body in bodies)
+        own = of[members]
+        others = own[dims[own] != 3 if (dims[own] == 3).any() else unread[own]]
+        if len(others) and name not in [body.name for body in bodies]:
+            left_out[name] = _listed(types[others].tolist())
     turned = {"": [("", np.eye(3))]}
     for scope in whole.inner.values():
         turned.setdefault(scope.part, []).append((f"{scope.name}.", scope.turn))
-    return RawMesh(
+    counts = Counter[str]()
+    for name, size in zip(types.tolist(), sizes, strict=True):
+        counts[name] += size
+    towards = np.array([block.towards for block in blocks], dtype=bool)
+    deck = AbaqusDeck(cards, turned, +counts, types, towards)
+    _warn(file, whole, deck, types[~unread].tolist())
+    n_nodes = sum(len(body.labels) for body in bodies)
+    return raw.RawMesh(
         np.concatenate([body.places for body in bodies]),
         tuple(
-            RawBlock(kind or "other", nodes[:, _ORDERS.get(kind, slice(None))], block.labels)
-            for kind, (block, _, nodes) in zip(read, every, strict=True)
+            raw.RawBlock(kind or "other", nodes[:, _ORDERS.get(kind, slice(None))], block.labels)
+            for kind, (block, _, nodes) in zip(kinds, every, strict=True)
         ),
         {name: members[members < n_nodes] for name, members in node_sets.items()},
         cell_sets,
         np.concatenate([body.labels for body in bodies]),
         left_out,
-        AbaqusDeck(
-            cards,
-            turned,
-            np.array([block.type for block in blocks], dtype=str)[numbers],
-            np.array([block.towards for block in blocks], dtype=bool)[numbers],
-        ),
+        deck,
     )
 
 
@@ -383,47 +444,36 @@ def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
     return found["NSET"], found["ELSET"]
 
 
-def _warn(
-    file: Path,
-    whole: Scope,
-    cards: list[Keyword],
-    unused: list[str],
-    blocks: list[_Elements],
-    read: list[str],
-) -> None:
+def _warn(file: Path, whole: Scope, deck: AbaqusDeck, shown: list[str]) -> None:
     """Name in one warning the contents of the deck that are not in the mesh."""
     said = []
-    kinds = [_kind(card.name) for card in cards]
-    counts = sum((Counter({block.type: len(block.labels)}) for block in blocks), Counter[str]())
+    counts = deck.counts
     solids = any(name.startswith("C3D") for name in counts)
-    thin = {block.type for block, kind in zip(blocks, read, strict=True) if kind}
     # No model has plane elements beside solids: a mesher wrote sides, and edges as trusses.
-    edges = ("T3D",) if any(map(_SIDES.match, counts)) else ()
-    for name in list(counts):
-        if name.startswith(("C3D", *edges)) or _SIDES.match(name):
-            del counts[name]
-    unread = Counter({name: count for name, count in counts.items() if name not in thin})
-    if "connection" in kinds:
-        names = (c.name for c, kind in zip(cards, kinds, strict=True) if kind == "connection")
+    edges = "|T3D" if any(re.match(_SIDES, name) for name in counts) else ""
+    solid = re.compile(f"C3D|{_SIDES}{edges}")
+    rest = {name: count for name, count in counts.items() if not solid.match(name)}
+    unread = {name: count for name, count in rest.items() if name not in shown}
+    if names := [f"*{card.name}" for card in deck.cards if _kind(card.name) == "connection"]:
         said.append(
             "connections between nodes were left out, and the body is computed without them: "
-            + _listed(Counter(f"*{name}" for name in names))
+            + _listed(names)
         )
-    if changes := sum(card.name == "MODELCHANGE" for card in cards):
+    if changes := sum(card.name == "MODELCHANGE" for card in deck.cards):
         said.append(f"{changes} *MODEL CHANGE were left out: the body has all elements")
-    if solids and counts != unread:
+    if solids and rest != unread:
         said.append(
             "elements that are no solids are not part of the body, unless their groups are named "
-            f"as shells and beams: {_listed(counts)}"
+            f"as shells and beams: {_listed(rest)}"
         )
     elif unread:
         what = "no solids" if solids else "no solids, shells or beams"
         said.append(f"elements that are {what} are not part of the body: {_listed(unread)}")
-    if unused:
+    used = {scope.part for scope in whole.inner.values()}
+    if unused := [part.name for at, part in whole.parts.items() if at not in used]:
         said.append(f"parts without an instance are left out: {', '.join(unused)}")
-    missing = dict(whole.missing)
-    for scope in whole.inner.values():
-        missing |= scope.missing
+    scopes = (whole, *whole.inner.values())
+    missing = {name: label for scope in scopes for name, label in scope.missing.items()}
     if missing:
         name, label = next(iter(missing.items()))
         more = f" (and {len(missing) - 1} sets more)" if len(missing) > 1 else ""
@@ -486,8 +536,8 @@ class Scope:
         *INSTANCE.
     keywords : list of Keyword
         Those of `_READ`.
-    inner : mapping of str to Scope
-        Instances of an assembly, by their names in capitals.
+    parts, inner : mapping of str to Scope
+        Parts and instances of an assembly, by their names in capitals.
     first : mapping of Which to int
         Number of the first node and element among those of all scopes.
     labels : ndarray of int, shape (n,), ascending
@@ -507,6 +557,7 @@ class Scope:
     part: str = ""
     keyword: Keyword | None = None
     keywords: list[Keyword] = field(default_factory=list)
+    parts: dict[str, Scope] = field(default_factory=dict)
     inner: dict[str, Scope] = field(default_factory=dict)
     first: dict[Which, int] = field(default_factory=lambda: {"NSET": 0, "ELSET": 0})
     labels: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
@@ -548,15 +599,10 @@ class Scope:
                 turn = points[6] * axis / np.linalg.norm(axis)
                 rotation = Rotation.from_rotvec(turn, degrees=True)
                 places = rotation.apply(places - start) + start
-        return replace(
-            self,
-            name=of.name,
-            part=of.part,
-            first=first,
-            places=places[:-4],
-            turn=(places[-3:] - places[-4]).T,
-            _found={},
-        )
+        new = copy(self)
+        new.name, new.part, new.first, new._found = of.name, of.part, first, {}
+        new.places, new.turn = places[:-4], (places[-3:] - places[-4]).T
+        return new
 
     def behind(self) -> dict[Which, int]:
         """Return the numbers, as `first`, that follow those of its nodes and elements."""
@@ -583,16 +629,12 @@ class Scope:
         what = "the points a and b in one line, and c in the next"
         points, third = keyword.lines_of(6, 3, what=what)
         origin, axes = points[:3], np.eye(3)
-        if len(keyword.rows[:1] and keyword.rows[0]) > 3:
+        if len(keyword.rows) and len(keyword.rows[0]) > 3:
             x, beside = points[3:] - origin, third - origin
             if len(keyword.rows) == 1:
                 x[2] = 0.0
                 beside = np.array([-x[1], x[0], 0.0])
-            z = np.cross(x, beside)
-            if not np.linalg.norm(z) > _PARALLEL * np.linalg.norm(x) * np.linalg.norm(beside):
-                raise keyword.error("the points a, b and c are on one line")
-            x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
-            axes = np.column_stack([x, np.cross(z, x), z])
+            axes = np.column_stack(list(_axes(keyword, x, beside, _PARALLEL)))
         self._frames.append((keyword.order, origin, axes))
 
     def _frame(self, keyword: Keyword) -> tuple[FloatArray, FloatArray]:
@@ -607,11 +649,11 @@ class Scope:
         if system not in ("R", "C", "S", "RECTANGULAR", "CYLINDRICAL", "SPHERICAL"):
             raise keyword.error(f"SYSTEM must be R, C or S, got {system}")
         if system[0] == "C":
-            places = cylindrical(*places.T)
+            places = raw.cylindrical(*places.T)
         elif system[0] == "S":  # r, the angle about z, and that from the plane of x and y
             r, turn, rise = places.T
             rise = np.radians(rise)
-            places = cylindrical(r * np.cos(rise), turn, r * np.sin(rise))
+            places = raw.cylindrical(r * np.cos(rise), turn, r * np.sin(rise))
         origin, axes = self._frame(keyword)
         self._points.append((keyword, labels, places @ axes.T + origin))
         self._define(keyword, "NSET", labels)
@@ -657,7 +699,7 @@ class Scope:
             ends += [first, last]
         labels = np.fromiter(made, dtype=np.int64)
         self._points.append((keyword, labels, np.reshape([*made.values()], (-1, 3))))
-        self._define(keyword, "NSET", joined([np.array(ends, dtype=np.int64), labels]))
+        self._define(keyword, "NSET", raw.joined([np.array(ends, dtype=np.int64), labels]))
 
     def _element(self, keyword: Keyword) -> None:
         name = key(keyword.options.get("TYPE", ""))
@@ -668,11 +710,11 @@ class Scope:
             raise keyword.error("solids belong into a part")
         if kind and not self.inner:
             try:
-                table = keyword.connectivity(nodes_in(kind))
+                table = keyword.connectivity(raw.nodes_in(kind))
             except MeshError:
                 if name[0] != "B":
                     raise
-                table, towards = keyword.connectivity(nodes_in(kind) + 1)[:, :-1], True
+                table, towards = keyword.connectivity(raw.nodes_in(kind) + 1)[:, :-1], True
         else:  # between instances, nodes have names
             kind, table = "", keyword.first_numbers()[:, None]
         new = _Elements(name, kind, table[:, 0], table[:, 1:], keyword, towards)
@@ -691,11 +733,7 @@ class Scope:
             counts, steps = numbers[0::3], np.array([numbers[1::3], numbers[2::3]]).T
             if min(counts) < 1 or math.prod(counts) > n_nodes:
                 raise keyword.error("it makes no elements, or more than there are nodes", row)
-            of = [
-                (block, i)
-                for block in self.elements
-                for i in np.flatnonzero(block.labels == master)
-            ]
+            of = [(b, i) for b in self.elements for i in np.flatnonzero(b.labels == master)]
             if not of:
                 raise keyword.error(f"element {master} is not defined", row)
             block, i = of[-1]
@@ -706,7 +744,7 @@ class Scope:
             nodes = block.nodes[i] + shifts[1:, :1]
             self.elements.append(replace(block, labels=labels[1:], nodes=nodes, keyword=keyword))
             every.append(labels)
-        self._define(keyword, "ELSET", joined(every))
+        self._define(keyword, "ELSET", raw.joined(every))
 
     def _set(self, keyword: Keyword) -> None:
         which: Which = "NSET" if keyword.name == "NSET" else "ELSET"
@@ -739,7 +777,7 @@ class Scope:
 
     def _number(self) -> None:
         """Sort the nodes by their labels, and find the rows of the elements' nodes."""
-        labels = joined(labels for _, labels, _ in self._points)
+        labels = raw.joined(labels for _, labels, _ in self._points)
         places = np.concatenate([np.zeros((0, 3)), *(places for _, _, places in self._points)])
         order = np.argsort(labels, kind="stable")
         labels, places = labels[order], places[order]
@@ -749,15 +787,15 @@ class Scope:
             raise keyword.error(f"node {label} is defined twice, at different places")
         self.labels, self.places = np.delete(labels, again), np.delete(places, again, axis=0)
         for i, block in enumerate(self.elements):
-            rows = rows_of(self.labels, block.nodes)
+            rows = raw.rows_of(self.labels, block.nodes)
             for element, node in np.argwhere(rows < 0)[:1]:
                 label, missing = block.labels[element], block.nodes[element, node]
                 raise block.keyword.error(
                     f"element {label} has node {missing}, which is not defined"
                 )
             self.elements[i] = replace(block, nodes=rows)
-        labels = joined(block.labels for block in self.elements)
-        for label in labels[repeats(labels)[:1]].tolist():
+        labels = raw.joined(block.labels for block in self.elements)
+        for label in labels[raw.repeats(labels)[:1]].tolist():
             keyword = [one.keyword for one in self.elements if (one.labels == label).any()][-1]
             raise keyword.error(f"element {label} is defined twice")
         order = np.argsort(labels, kind="stable")
@@ -769,7 +807,9 @@ class Scope:
         at = which, name
         if at not in self._found:
             self._found[at] = None
-            self._found[at] = np.unique(joined(self._resolved(which, of) for of in self.sets[at]))
+            self._found[at] = np.unique(
+                raw.joined(self._resolved(which, of) for of in self.sets[at])
+            )
         found = self._found[at]
         if found is None:
             raise self.sets[at][0].keyword.error(f"the set {name} is a part of itself")
@@ -784,19 +824,19 @@ class Scope:
             inside = known[slice(*np.searchsorted(known, [start, stop + 1]).tolist())]
             chosen = inside[(inside - start) % step == 0]
             labels.append(chosen if len(chosen) else np.array([min(start, MOST)]))
-        wanted = joined(labels)
+        wanted = raw.joined(labels)
         found = scope._numbered(which, wanted)
         for label in wanted[found < 0][:1].tolist():
             self.missing[f"{which} {options[which]}"] = label
         parts = [found[found >= 0], *(scope._named(which, name, piece) for name in piece.names)]
         if piece.keyword.name == "NSET" and options.get("ELSET"):
             parts.append(scope._nodes_of(scope._named("ELSET", options["ELSET"], piece), piece))
-        return joined(parts)
+        return raw.joined(parts)
 
     def _numbered(self, which: Which, labels: IntArray) -> IntArray:
         """Return the numbers of nodes or elements among those of all scopes; -1 for others."""
         known, order = self._known[which]
-        rows = rows_of(known, labels)
+        rows = raw.rows_of(known, labels)
         return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows
 
     def _named(self, which: Which, name: str, piece: _Piece) -> IntArray:
@@ -830,7 +870,7 @@ class Scope:
             if len(own) and not block.kind:
                 raise piece.keyword.error(f"nodes of elements of type {block.type} are not read")
             found.append(nodes[own].ravel())
-        return joined(found)
+        return raw.joined(found)
 
 
 # Keywords that are read, after those of a lower number that may come later; and their options.
@@ -844,6 +884,18 @@ _READ: dict[str, tuple[int, Callable[[Scope, Keyword], None], tuple[str, ...]]] 
     "NSET": (0, Scope._set, ("NSET", "ELSET", *_OF_SETS)),
     "ELSET": (0, Scope._set, ("ELSET", *_OF_SETS)),
 }
+
+
+def _axes(keyword: Keyword, x: FloatArray, beside: FloatArray, least: float) -> FloatArray:
+    """Return the unit axes, in rows, of a first one and a vector in the plane of it and the second.
+
+    `least` is the sine of the angle between both below which they are refused.
+    """
+    z = np.cross(x, beside)
+    if not np.linalg.norm(z) > least * np.linalg.norm(x) * np.linalg.norm(beside):
+        raise keyword.error("its points are on one line")
+    x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
+    return np.array([x, np.cross(z, x), z])
 
 
 def _arc(
@@ -877,127 +929,6 @@ def _arc(
 # ----- sections and materials
 
 
-@dataclass(frozen=True, eq=False)
-class _Reader:
-    """The sections of a deck, and its materials, each made once."""
-
-    source: Source
-    deck: AbaqusDeck
-    made: dict[str, Solid] = field(default_factory=dict)
-
-    @cached_property
-    def normals(self) -> Keyword | None:
-        """The first card with normals, which turn beams."""
-        for card in self.deck.cards:
-            if card.name == "NORMAL" or (
-                card.name == "NODE" and any(text.rstrip(", ").count(",") > 3 for text in card.data)
-            ):
-                return card
-        return None
-
-    @cached_property
-    def materials(self) -> dict[str, dict[str, Keyword]]:
-        """The options of each material by their names."""
-        found: dict[str, dict[str, Keyword]] = {}
-        own: dict[str, Keyword] = {}
-        for card in self.deck.cards:
-            if card.name == "MATERIAL":
-                own = found.setdefault(key(card.options.get("NAME", "")), {})
-            elif card.name == "STEP":
-                break
-            if card.name in own:
-                raise card.error("the material has it twice")
-            if _kind(card.name) in ("material", "inelastic"):
-                own[card.name] = card
-        return found
-
-    def sections(self) -> dict[str, OneMaterial]:
-        """Return the sections by group: those that hold elements of their kind."""
-        source, cards = self.source, self.deck.cards
-        groups = {key(name): name for name in source.raw.cell_sets}
-        found: dict[str, OneMaterial] = {}
-        additions: list[tuple[str, Keyword]] = []
-        elset = ""
-        for card in cards:
-            addition = _kind(card.name) == "addition"
-            if not addition and card.name not in _SECTIONS:
-                continue
-            elset = card.options.get("ELSET", elset if addition else "")
-            for before, turn in self.deck.instances.get(card.part, []):
-                if addition:
-                    additions.append((before + elset, card))
-                    continue
-                read, dim, options = _SECTIONS[card.name]
-                name = groups.get(key(before + elset))
-                if name is None:
-                    raise card.error(f"there is no ELSET {elset!r}")
-                members = source.raw.cell_sets[name]
-                own = [_dim(of) == dim for of in self.deck.types[members].tolist()]
-                if not any(own):
-                    continue  # of trusses, membranes and the like, which no body has
-                if name in found:
-                    raise card.error(f"{name} has another section")
-                if (of := source.instead(name, dim)) is not None:
-                    found[name] = of
-                    continue
-                card.check_options("ELSET", "MATERIAL", "CONTROLS", *options)
-                with refusing(card.error):
-                    found[name] = read(_Section(self, card, turn, members[own]))
-        for of_name, card in additions:
-            name = groups.get(key(of_name), "")
-            if name not in found or found[name] is not source.given.get(key(name)):
-                raise card.error(
-                    f"it is not supported; take it into the section of {of_name} by "
-                    "read_sections(given=), or delete it"
-                )
-        if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
-            source.left_out.append(
-                "normals at nodes are left out: shells have normals of their elements"
-            )
-        for card in cards:
-            if card.name == "RELEASE" and any(isinstance(each, Beam) for each in found.values()):
-                raise card.error(
-                    "hinges are not supported; delete it if the beams may be joined rigidly"
-                )
-            if _kind(card.name) == "beside":
-                source.left_out.append(f"*{card.name} is left out")
-        return found
-
-    def material(self, name: str, card: Keyword) -> Solid:
-        """Return a material by its name; the card is the one that names it."""
-        at = key(name)
-        given: Solid | None = self.source.instead(name)
-        if given is not None:
-            return given
-        if at not in self.made:
-            if at not in self.materials:
-                raise card.error(f"there is no *MATERIAL {name!r}")
-            own = self.materials[at]
-            if missing := {"ELASTIC", "DENSITY"}.difference(own):
-                raise own["MATERIAL"].error(
-                    f"{name} has no *{min(missing)}; write it, or give read_sections(given="
-                    f"{{{name!r}: Material(...)}})"
-                )
-            if left := [f"*{each}" for each in own if _kind(each) == "inelastic"]:
-                self.source.left_out.append(f"{name} is elastic, without its {', '.join(left)}")
-            own["DENSITY"].check_options()
-            (rho,) = _constants(own["DENSITY"], 1)
-            elastic = own["ELASTIC"]
-            elastic.check_options("TYPE", "MODULI")
-            kind = key(elastic.options.get("TYPE", "ISO"))
-            if kind not in _ELASTIC:
-                raise elastic.error(f"TYPE={kind} is none of {', '.join(_ELASTIC)}")
-            count, make = _ELASTIC[kind]
-            with refusing(elastic.error):
-                self.made[at] = make(self.source, *_constants(elastic, count), rho)
-        return self.made[at]
-
-    def differs(self, of: str, other: str, cure: str) -> None:
-        """Say what CalculiX takes otherwise, if the deck may be for it."""
-        if len(self.deck.instances) == 1:  # CalculiX has no parts
-            self.source.left_out.append(f"{of} as in Abaqus; {other} ({cure})")
-
-
 def _constants(card: Keyword, count: int) -> list[float]:
     """Return the constants of a card that holds at one temperature."""
     rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
@@ -1021,10 +952,42 @@ _ELASTIC: dict[str, tuple[int, Callable[..., Solid]]] = {
 class _Section:
     """A section's card, the turn of the instance where it is, and its cells there."""
 
-    reader: _Reader
+    source: Source
+    deck: AbaqusDeck
     card: Keyword
     turn: FloatArray
     members: IntArray
+
+    def material(self, name: str) -> Solid:
+        """Return a material by its name."""
+        given: Solid | None = self.source.instead(name)
+        if given is not None:
+            return given
+        own = self.deck.materials.get(key(name))
+        if own is None:
+            raise self.card.error(f"there is no *MATERIAL {name!r}")
+        if missing := {"ELASTIC", "DENSITY"}.difference(own):
+            raise own["MATERIAL"].error(
+                f"{name} has no *{min(missing)}; write it, or give read_sections(given="
+                f"{{{name!r}: Material(...)}})"
+            )
+        if left := [f"*{each}" for each in own if _kind(each) == "inelastic"]:
+            self.source.left_out.append(f"{name} is elastic, without its {', '.join(left)}")
+        own["DENSITY"].check_options()
+        (rho,) = _constants(own["DENSITY"], 1)
+        elastic = own["ELASTIC"]
+        elastic.check_options("TYPE", "MODULI")
+        kind = key(elastic.options.get("TYPE", "ISO"))
+        if kind not in _ELASTIC:
+            raise elastic.error(f"TYPE={kind} is none of {', '.join(_ELASTIC)}")
+        count, make = _ELASTIC[kind]
+        with refusing(elastic.error):
+            return make(self.source, *_constants(elastic, count), rho)
+
+    def differs(self, of: str, other: str, cure: str) -> None:
+        """Say what CalculiX takes otherwise, if the deck may be for it."""
+        if len(self.deck.instances) == 1:  # CalculiX has no parts
+            self.source.left_out.append(f"{of} as in Abaqus; {other} ({cure})")
 
     def axes(self, name: str) -> tuple[FloatArray, int]:
         """Return an orientation's unit axes in rows, and the number of the one in its second line.
@@ -1034,7 +997,7 @@ class _Section:
         """
         found = {
             one.part: one
-            for one in self.reader.deck.cards
+            for one in self.deck.cards
             if one.name == "ORIENTATION" and key(one.options.get("NAME", "")) == key(name)
         }
         own = found.get(self.card.part) or found.get("")
@@ -1046,14 +1009,11 @@ class _Section:
             raise own.error("only rectangular axes by coordinates are supported")
         points, turn = own.lines_of(9, 2, what="points on the axes, and an axis and an angle")
         a, b, c = points.reshape(3, 3)
-        x, z = a - c, np.cross(a - c, b - c)
-        if not np.linalg.norm(z) > _NORMAL * np.linalg.norm(x) * np.linalg.norm(b - c):
-            raise own.error("its points are on one line")
-        axes = unit(np.array([x, np.cross(z, x), z]))
+        axes = _axes(own, a - c, b - c, _NORMAL)
         about, angle = turn.tolist() if len(own.rows) > 1 else (3.0, 0.0)
         if not about and angle:
             of = f"*ORIENTATION {name}: its angle is about axis 1, which is blank: taken"
-            self.reader.differs(of, "CalculiX leaves it out", _CURE)
+            self.differs(of, "CalculiX leaves it out", _CURE)
         about = about or 1.0
         if about not in (1.0, 2.0, 3.0):
             raise own.error(f"the axis of rotation must be 1, 2 or 3, got {about:g}")
@@ -1066,7 +1026,7 @@ class _Section:
         It is the axis that follows the one near the normal, which is the third without a second
         line. Without a name it is x; z where x is the normal.
         """
-        normals = self.reader.source.directions(self.members)
+        normals = self.source.directions(self.members)
         if not name:
             level = np.linalg.norm(np.cross(normals, [1.0, 0.0, 0.0]), axis=1) < _NORMAL
             if level.any() and not level.all():
@@ -1080,12 +1040,12 @@ class _Section:
             )
         if near != 3:
             of = f"*ORIENTATION {name}: axis {near} is along the normals: taken"
-            self.reader.differs(of, "CalculiX projects axis 1 on them", _CURE)
+            self.differs(of, "CalculiX projects axis 1 on them", _CURE)
         return np.asarray(axes[near % 3])
 
     def angle(self, name: str, reference: FloatArray) -> float:
         """Return the angle, degrees, from a direction to axis 1 of a ply's own orientation."""
-        normals = self.reader.source.directions(self.members)
+        normals = self.source.directions(self.members)
         first, own = (across(v, normals) for v in (reference, self.along(name)))
         sine = np.einsum("ni,ni->n", np.cross(first, own), normals)
         angles = np.arctan2(sine, np.einsum("ni,ni->n", first, own))
@@ -1097,7 +1057,7 @@ class _Section:
 
     def solid(self) -> OneMaterial:
         options = self.card.options
-        found = self.reader.material(options.get("MATERIAL", ""), self.card)
+        found = self.material(options.get("MATERIAL", ""))
         if isinstance(found, Orthotropic) and (name := options.get("ORIENTATION")):
             axes: Any = self.axes(name)[0]
             return replace(found, axes=axes)
@@ -1112,7 +1072,7 @@ class _Section:
             rows = [[rows[0][0], "", options["MATERIAL"], ""]]
         if not rows:
             raise card.error("it has no plies")
-        made = [self.reader.material(row[2], card) for row in rows]
+        made = [self.material(row[2]) for row in rows]
         fibrous = [
             row[3] for row, of in zip(rows, made, strict=True) if isinstance(of, Orthotropic)
         ]
@@ -1125,7 +1085,7 @@ class _Section:
             length, angle = card.reals(i, [thickness, "" if _is_name(turned) else turned])
             if isinstance(own, Orthotropic) and _is_name(turned):
                 angle = self.angle(turned, self.along(axis))
-            plies.append(Ply(length * self.reader.source.length, own, angle))
+            plies.append(Ply(length * self.source.length, own, angle))
         if "SYMMETRIC" in options:
             plies += plies[::-1]
         total = sum(ply.thickness for ply in plies)
@@ -1135,11 +1095,11 @@ class _Section:
 
     def beam(self) -> OneMaterial:
         """Return a beam; its z axis is the section's axis 1, and y is against axis 2."""
-        card, source, options = self.card, self.reader.source, self.card.options
+        card, source, options = self.card, self.source, self.card.options
         shape = key(options.get("SECTION", ""))
         rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
         if "MATERIAL" in options:
-            material: Any = self.reader.material(options["MATERIAL"], card)
+            material: Any = self.material(options["MATERIAL"])
         else:
             E, G, *_ = padded(rows.pop() if rows else [], [0.0, 0.0])
             rho = float(options.get("DENSITY") or 0.0)
@@ -1161,9 +1121,9 @@ class _Section:
             section = make(*(x * source.length for x in rows[0]))
         if isinstance(section, TubularSection):
             return Beam(section, material)
-        if self.reader.deck.towards[self.members].any():
+        if self.deck.towards[self.source.raw.block_of(self.members)].any():
             raise card.error("nodes of its elements say how it is turned; write axis 1 instead")
-        if normals := self.reader.normals:
+        if normals := self.deck.normals:
             raise normals.error(
                 f"normals would turn the beams of {options['ELSET']}; write axis 1 in "
                 f"*{card.name} instead"
@@ -1175,11 +1135,11 @@ class _Section:
         """Return the radius of CIRC, which Abaqus writes; CalculiX writes one or two diameters."""
         if len(numbers) == 2 and numbers[0] != numbers[1]:
             raise self.card.error("ellipses are not supported")
-        types = self.reader.deck.types[self.members]
+        types = self.deck.types[self.source.raw.block_of(self.members)]
         if len(numbers) == 2 or any(of.endswith("R") for of in types):
             return [0.5 * numbers[0]]  # B31R and B32R are CalculiX' own
         of = f"{self.card.options['ELSET']}: SECTION=CIRC, {numbers[0]:g} is taken for a radius,"
-        self.reader.differs(of, "in CalculiX it is the diameter", "write it twice then")
+        self.differs(of, "in CalculiX it is the diameter", "write it twice then")
         return numbers
 
 

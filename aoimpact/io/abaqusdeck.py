@@ -91,7 +91,7 @@ class Keyword:
         """The fields of each data line, without empty ones at the end."""
         return [fields(line) for line in self.data]
 
-    def error(self, why: str, row: int | None = None) -> MeshError:
+    def error(self, why: str, row: int = -1) -> MeshError:
         """Return the error that names the file, the line and the keyword.
 
         Parameters
@@ -100,15 +100,10 @@ class Keyword:
         row : int, optional
             Data line that is wrong, from 0; the keyword itself if left out.
         """
-        file, line = self.file, self.line
-        if row is not None:
-            file, line = [
-                (file, i + 1)
-                for file, lines, start, stop in self.pieces
-                for i in range(start, stop)
-                if _texts(lines[i : i + 1])
-            ][row]
-        return refused(file, line, f"*{self.name}", why)
+        places = [(self.file, self.line)]
+        for file, lines, start, stop in self.pieces if row >= 0 else []:
+            places += [(file, i + 1) for i in range(start, stop) if _texts(lines[i : i + 1])]
+        return refused(*places[row + 1], f"*{self.name}", why)
 
     def check_options(self, *known: str) -> None:
         """Refuse an option that is not known: it may change the mesh."""
@@ -144,27 +139,24 @@ class Keyword:
 
         Those that are left out at the end of a line, and lines at the end, are 0.
         """
-        if len(self.rows) > len(most) or any(
-            len(row) > n for row, n in zip(self.rows, most, strict=False)
-        ):
-            raise self.error(f"give {what}")
         rows = padded(self.rows, [[]] * len(most))
+        if [len(row) > n for row, n in zip(rows, [*most, -1], strict=False)].count(True):
+            raise self.error(f"give {what}")
         return [np.array(self.reals(i, rows[i], n)) for i, n in enumerate(most)]
 
     def points(self) -> tuple[IntArray, FloatArray]:
         """Return labels and coordinates of the data lines of *NODE; the last may be left out."""
         table = _numbers([line.rstrip(", \t") for line in self.data], 4, np.float64)
-        if table is None or (np.abs(table[:, 0]) > MOST).any():
+        if table is None:
             table = np.zeros((len(self.rows), 4))
             for row, texts in enumerate(self.rows):
                 if len(texts) > 7:  # with a normal
                     raise self.error("a node has a number, three coordinates and a normal", row)
                 (label,) = self.integers(row, texts[:1] or [""])
                 table[row] = [min(label, 2 * MOST), *self.reals(row, texts[1:4], 3)]
-        labels = table[:, 0].astype(np.int64)
-        wrong = np.flatnonzero((labels != table[:, 0]) | (labels < 1) | (labels > MOST))
-        if len(wrong):
-            raise self.error("the number of a node must be a positive integer", int(wrong[0]))
+        labels = table[:, 0].clip(0, 2 * MOST).astype(np.int64)
+        for row in np.flatnonzero((labels != table[:, 0]) | (labels < 1) | (labels > MOST))[:1]:
+            raise self.error("the number of a node must be a positive integer", int(row))
         return labels, table[:, 1:]
 
     def connectivity(self, n_nodes: int) -> IntArray:
@@ -176,7 +168,21 @@ class Keyword:
         lines, width = [line.rstrip(", \t") for line in self.data], 1 + n_nodes
         table = _numbers(lines, width, np.int64)
         if table is None:
-            table = _numbers(self._whole(lines, width), width, np.int64)
+            whole, start, count = list[str](), 0, 0
+            for row, line in enumerate(lines):
+                own = line.count(",") + 1
+                count += own
+                goes_on = count < width and (own == _FULL or self.data[row].endswith(","))
+                if count == width:
+                    whole.append(",".join(lines[start : row + 1]))
+                    start, count = row + 1, 0
+                elif not goes_on or row + 1 == len(lines):
+                    raise self.error(
+                        f"the element must have {n_nodes} nodes, and end with its line; a line "
+                        "that goes on in the next one ends with a comma",
+                        start,
+                    )
+            table = _numbers(whole, width, np.int64)
         if table is None or (table < 1).any():
             for row, texts in enumerate(self.rows):
                 if not all(0 < each <= MOST for each in self.integers(row, texts)):
@@ -184,26 +190,6 @@ class Keyword:
             raise self.error("its numbers cannot be read")
         found: IntArray = table
         return found
-
-    def _whole(self, lines: list[str], width: int) -> list[str]:
-        """Return elements of so many numbers in one line each."""
-        whole: list[str] = []
-        start, count = 0, 0
-        why = (
-            f"the element must have {width - 1} nodes, and end with its line; a line that goes on "
-            "in the next one ends with a comma"
-        )
-        for row, line in enumerate(lines):
-            own = line.count(",") + 1
-            count += own
-            if count == width:
-                whole.append(",".join(lines[start : row + 1]))
-                start, count = row + 1, 0
-            elif count > width or (not self.data[row].endswith(",") and own != _FULL):
-                raise self.error(why, start)
-        if count:
-            raise self.error(why, start)
-        return whole
 
     def first_numbers(self) -> IntArray:
         """Return the first number of each data line that is not the continuation of another."""

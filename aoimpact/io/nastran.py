@@ -172,7 +172,7 @@ def read(file: Path) -> RawMesh:
     raw = RawMesh(nodes, tuple(part.block for part in parts))
     labels = joined([] if raw.cell_labels is None else [raw.cell_labels])
     for row in repeats(labels)[:1].tolist():
-        at = int(np.searchsorted(raw.first, row, side="right")) - 1
+        at = int(raw.block_of(row))
         raise parts[at].table.refused(row - raw.first[at], f"element {labels[row]} is there twice")
     cell_sets = _by_property(bulk, parts, raw.dims)
     node_sets = {}

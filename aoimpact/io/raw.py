@@ -134,6 +134,10 @@ class RawMesh:
         """Numbers of the cells of each block."""
         return [np.arange(start, stop) for start, stop in pairwise(self.first.tolist())]
 
+    def block_of(self, members: IntArray | int) -> IntArray:
+        """Return the numbers of the blocks that cells are in."""
+        return np.searchsorted(self.first, members, side="right") - 1
+
     def rows(self, members: IntArray) -> Iterator[tuple[RawBlock, IntArray]]:
         """Yield each block, and the rows in it of those members, numbers of cells, that it has."""
         for block, (start, stop) in zip(self.blocks, pairwise(self.first.tolist()), strict=True):
