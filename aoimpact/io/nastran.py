@@ -601,13 +601,6 @@ _AXES = np.array([[-1.0, 0.0], [0.0, 1.0]])
 _ISOTROPIC = 0.01
 
 
-class _Place(NamedTuple):
-    """The elements of one property: their entries, and the cells of the mesh."""
-
-    parts: list[Entries]
-    members: IntArray
-
-
 @dataclass(eq=False)
 class Reader:
     """The properties and materials of a deck by number, and its materials, each made once."""
@@ -649,27 +642,28 @@ class Reader:
                 raise card.error(f"another WTMASS is {values[0]:g}; keep one")
         return values[0] if found else 1.0
 
+    def entries(self, members: IntArray) -> list[tuple[Table, str]]:
+        """Return the entries of some elements, and their layouts."""
+        found = zip(self.deck.parts, self.source.raw.rows(members), strict=True)
+        return [(part.table.select(rows), part.layout) for part, (_, rows) in found if len(rows)]
+
     def sections(self) -> dict[str, OneMaterial]:
         """Return the sections by group."""
-        parts, dims = self.deck.parts, self.source.raw.dims
+        dims = self.source.raw.dims
         found: dict[str, OneMaterial] = {}
         for name, members in self.source.raw.cell_sets.items():
             if not name.startswith("property "):
                 continue
-            label, dim = int(name.split()[1]), int(dims[members].max())
+            dim = int(dims[members].max())
+            own = members[dims[members] == dim]  # without edges of the same number
             if (of := self.source.instead(name, dim)) is not None:
                 found[name] = of
                 continue
-            own = [  # without edges that a mesher gave the same number
-                Entries(p.table.select(rows), p.block, p.properties[rows], p.layout)
-                for p in parts
-                if p.block.dim == dim and (rows := p.properties == label).any()
-            ]
-            card = self.properties[dim].get(label)
+            card = self.properties[dim].get(int(name.split()[1]))
             if card is None:
                 if dim == dims.max():
                     why = f"its {name} is not there, or is of elements of another kind"
-                    raise own[0].table.refused(0, why)
+                    raise self.entries(own)[0][0].refused(0, why)
                 continue  # sides and edges of a mesher
             if card.name not in _PROPERTIES:
                 raise card.error(f"it is not read; give read_sections(given={{{name!r}: ...}})")
@@ -677,7 +671,7 @@ class Reader:
                 self.source.left_out.append(f"{card.name}, which carries no bending, is left out")
                 continue
             with refusing(card.error):
-                found[name] = read(self, card, _Place(own, members[dims[members] == dim]))
+                found[name] = read(self, card, own)
         bulk = self.deck.bulk
         for entry in bulk.names.keys() & {"NSM", "NSM1", "NSML", "NSML1", "NSMADD"}:
             why = "its mass is not supported; delete it, and take the mass into densities (given=)"
@@ -717,45 +711,47 @@ class Reader:
 
     # ------------------------------------------------------------ fields of elements
 
-    def offset(self, place: _Place, card: Card) -> float:
+    def offset(self, own: IntArray, card: Card) -> float:
         """Return what ZOFFS of all elements is, in metres; refuse thickness at nodes."""
-        for part in place.parts:
-            part.table.refuse_first(
-                np.any(~part.table.blank[:, _NODAL[part.layout]], axis=1),
+        found = []
+        for table, layout in self.entries(own):
+            table.refuse_first(
+                np.any(~table.blank[:, _NODAL[layout]], axis=1),
                 "thickness at the nodes is not supported; give it in the property",
             )
-        found = np.concatenate([p.table.reals(_ZOFFS[p.layout], 1)[:, 0] for p in place.parts])
-        if np.any(found != found[0]):
+            found.append(table.reals(_ZOFFS[layout], 1)[:, 0])
+        offsets = np.concatenate(found)
+        if np.any(offsets != offsets[0]):
             raise card.error("ZOFFS of its elements differs; give properties of their own")
-        return float(found[0]) * self.source.length
+        return float(offsets[0]) * self.source.length
 
-    def axes(self, label: int, place: _Place, card: Card) -> FloatArray:
+    def axes(self, label: int, own: IntArray, card: Card) -> FloatArray:
         """Return the unit axes of a rectangular system in rows."""
-        found = self.deck.grids.axes(label, partial(place.parts[0].table.refused, 0))
+        found = self.deck.grids.axes(label, partial(self.entries(own)[0][0].refused, 0))
         if found.kind != "R":
             raise card.error(f"system {label} is not rectangular")
         return found.axes
 
-    def fibres(self, place: _Place, card: Card) -> tuple[float, ...]:
+    def fibres(self, own: IntArray, card: Card) -> tuple[float, ...]:
         """Return the direction whose projection is the material's axis on all elements."""
-        normals = self.source.directions(place.members)
-        x = across(self.source.directions(place.members, edges=True), normals)
-        columns = [p.table.fields[:, _THETA[p.layout] :][:, :1] for p in place.parts]
+        normals = self.source.directions(own)
+        x = across(self.source.directions(own, edges=True), normals)
+        columns = [t.fields[:, _THETA[layout] :][:, :1] for t, layout in self.entries(own)]
         texts = [c if c.size else np.full((len(c), 1), b"") for c in columns]
         words, of = np.unique(np.char.strip(np.concatenate(texts)[:, 0]), return_inverse=True)
         angles = np.radians([0.0 if w.isdigit() or not w else number(w.decode()) for w in words])
         along = np.cos(angles)[of, None] * x + np.sin(angles)[of, None] * np.cross(normals, x)
         for i, word in enumerate(words.tolist()):
             if word.isdigit():  # MCID
-                along[of == i] = self.axes(int(word), place, card)[0]
+                along[of == i] = self.axes(int(word), own, card)[0]
         return common(along, normals)
 
-    def towards(self, place: _Place) -> tuple[FloatArray, FloatArray]:
+    def towards(self, own: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return the direction of plane 1 of each bar, and its offset; refuse hinges."""
-        table, nodes, grids = place.parts[0].table, self.source.raw.nodes, self.deck.grids
-        for part in place.parts:
-            if part.layout == "line3":
-                raise part.table.refused(0, "PBEAM3, its property, is not read")
+        nodes, grids = self.source.raw.nodes, self.deck.grids
+        for table, layout in self.entries(own):
+            if layout == "line3":
+                raise table.refused(0, "PBEAM3, its property, is not read")
         offt, ends = np.char.strip(table.fields[:, 7]), table.reals(10, 6)
         frames, rows = offt.astype("S1"), rows_of(grids.labels, table.integers(2, 1)[:, 0])
         turned = (np.char.count(offt, b"O") > 0) | (grids.output_systems[rows] > 0)
@@ -789,32 +785,32 @@ class Reader:
 # -------------------------------------------------------------------------------- properties
 
 
-def _solid(reader: Reader, card: Card, place: _Place) -> OneMaterial:
+def _solid(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
     found = reader.material(card.text(1), card)
     if card.text(6) not in ("", "SMECH"):
         raise card.error(f"FCTN={card.text(6)} is no solid")
     if isinstance(found, Orthotropic) and card.text(2) not in ("", "0"):
-        axes: Any = reader.axes(int(card.real(2, "CORDM")), place, card)
+        axes: Any = reader.axes(int(card.real(2, "CORDM")), own, card)
         return replace(found, axes=axes)
     return found
 
 
-def _shell(reader: Reader, card: Card, place: _Place) -> OneMaterial:
-    own = card.text(1)
-    material = reader.material(own, card)
-    if card.text(3) != own:
-        raise card.error(f"MID2={card.text(3)!r} of bending must be MID1={own}")
+def _shell(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
+    label = card.text(1)
+    material = reader.material(label, card)
+    if card.text(3) != label:
+        raise card.error(f"MID2={card.text(3)!r} of bending must be MID1={label}")
     for at, what in ((5, "MID3"), (10, "MID4")):
-        if card.text(at) not in ("", "0", own if at == 5 else ""):
+        if card.text(at) not in ("", "0", label if at == 5 else ""):
             raise card.error(f"{what}={card.text(at)} is not supported")
     card.must_be(4, "12I/T**3", 1.0)
     card.must_be(6, "TS/T", 5.0 / 6.0)
     card.must_be(7, "NSM", 0.0)
     plies = [Ply(card.real(2, "T") * reader.source.length, material)]
-    return layered(plies, lambda: reader.fibres(place, card), reader.offset(place, card))
+    return layered(plies, lambda: reader.fibres(own, card), reader.offset(own, card))
 
 
-def _laminate(reader: Reader, card: Card, place: _Place) -> OneMaterial:
+def _laminate(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
     """Return PCOMP, with four fields a ply, or PCOMPG, with a number before these in each line."""
     card.must_be(2, "NSM", 0.0)
     if card.text(7) not in ("", "SYM"):
@@ -834,13 +830,13 @@ def _laminate(reader: Reader, card: Card, place: _Place) -> OneMaterial:
     if card.text(7) == "SYM":
         plies += plies[::-1]
     total = sum(ply.thickness for ply in plies)
-    offset = reader.offset(place, card)
+    offset = reader.offset(own, card)
     if card.text(1):
         offset += card.real(1, "Z0") * reader.source.length + 0.5 * total
-    return layered(plies, lambda: reader.fibres(place, card), offset)
+    return layered(plies, lambda: reader.fibres(own, card), offset)
 
 
-def _bar(reader: Reader, card: Card, place: _Place, shear: float = math.inf) -> OneMaterial:
+def _bar(reader: Reader, card: Card, own: IntArray, shear: float = math.inf) -> OneMaterial:
     """Return PBAR: y of the deck is z of the section, and z of the deck is against y.
 
     It is rigid in shear where K1 and K2 are blank, or 0.
@@ -853,10 +849,10 @@ def _bar(reader: Reader, card: Card, place: _Place, shear: float = math.inf) -> 
     section = reader.source.numbers(
         area, second, J, np.diag(np.divide(1.0, factors)), np.array(points)
     )
-    return _beam(reader, card, place, section)
+    return _beam(reader, card, own, section)
 
 
-def _constant(reader: Reader, card: Card, place: _Place) -> OneMaterial:
+def _constant(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
     """Return PBEAM, of which all cross-sections must be the same, by its PBAR."""
     of = [*card.fields, *[""] * 16]
     if of[8] in _STATIONS:  # without C to F
@@ -869,10 +865,10 @@ def _constant(reader: Reader, card: Card, place: _Place) -> OneMaterial:
     for i in range(at + 2, len(of)):
         card.must_be(i, "a field after K1 and K2", 0.0)
     bar = [*of[:5], *of[6:8], "", *of[8:16], *of[at : at + 2], of[5]]
-    return _bar(reader, replace(card, fields=bar), place, 1.0)
+    return _bar(reader, replace(card, fields=bar), own, 1.0)
 
 
-def _shaped(reader: Reader, card: Card, place: _Place) -> OneMaterial:
+def _shaped(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
     """Return PBARL or PBEAML: dimensions, and a mass beside the section's that must be 0."""
     count, make = named(NASTRAN, card.text(3))
     if any(card.fields[9 + count :]):
@@ -882,13 +878,13 @@ def _shaped(reader: Reader, card: Card, place: _Place) -> OneMaterial:
     section = make(*(lengths * reader.source.length).tolist())
     if isinstance(section, Profile):  # nodes are at the centroid
         section = section.at(*section.centre)
-    return _beam(reader, card, place, section)
+    return _beam(reader, card, own, section)
 
 
-def _beam(reader: Reader, card: Card, place: _Place, section: Any) -> OneMaterial:
+def _beam(reader: Reader, card: Card, own: IntArray, section: Any) -> OneMaterial:
     material: Any = reader.material(card.text(1), card)
-    z, moved = reader.towards(place)
-    return reader.source.beam(section, material, z, place.members, _AXES, moved)
+    z, moved = reader.towards(own)
+    return reader.source.beam(section, material, z, own, _AXES, moved)
 
 
 # First field of the lines of PBEAM that have a cross-section.

@@ -33,7 +33,10 @@ _FREE = 32
 # Entries that one line of replication may stand for.
 _MOST = 1_000_000
 
-_INCLUDE = re.compile(r"\s*INCLUDE(?:\s*=\s*|\s+|(?=['\"]))(.*)", re.I)
+# Lines that a name of INCLUDE may go over.
+_LONGEST = 50
+
+_INCLUDE = re.compile(r"\s*INCLUDE(?=[\s='\"])\s*=?\s*('[^']*'|\"[^\"]*\"|[^'\"\s].*)", re.I)
 _SECTION = re.compile(rb"\s*(BEGIN|CEND)\b")
 _PART = re.compile(rb"\s*BEGIN[\s,]+(BULK\b.*=|(?!BULK\b)\S)")
 _BULK = re.compile(
@@ -155,7 +158,7 @@ def _all_lines(main: Path) -> Lines:
             take(i)
             if name == b"ENDDATA":
                 return True
-            of, done = _file_name(file, written.split("\n"), i)
+            of, done = _file_name(file, written, i)
             # os.path.isfile is False for a name that is too long, unlike Path.is_file.
             folders = (file.parent, main.parent)
             places = [folder / of for folder in folders if os.path.isfile(folder / of)]
@@ -178,22 +181,16 @@ def _all_lines(main: Path) -> Lines:
     return Lines(list(compress(text, filled)), np.concatenate(sources)[filled], files)
 
 
-def _file_name(file: Path, lines: list[str], i: int) -> tuple[str, int]:
-    """Return the name in an INCLUDE, and the number of the line after it.
+def _file_name(file: Path, text: str, i: int) -> tuple[str, int]:
+    """Return the name in the INCLUDE of line i, and the number of the line after it.
 
     A name in quotes may go on over several lines.
     """
-    found = _INCLUDE.match(lines[i].partition("$")[0])
-    name = "" if found is None else found[1].strip()
-    end = i + 1
-    while not name or (name[0] in "'\"" and name.count(name[0]) < 2):
-        if end == len(lines) or found is None:
-            raise refused(file, i + 1, "INCLUDE", "it needs the name of a file, in quotes")
-        name += lines[end].partition("$")[0].strip()
-        end += 1
-    if name[0] in "'\"":
-        name = name[1 : name.index(name[0], 1)]
-    return name.replace("\\", "/"), end
+    written = re.sub(r"\$.*", "", "\n".join(text.split("\n")[i : i + _LONGEST]))
+    if (found := _INCLUDE.match(written)) is None:
+        raise refused(file, i + 1, "INCLUDE", "it needs the name of a file, in quotes")
+    name = re.sub(r"\s*\n\s*", "", found[1].strip().strip("'\""))
+    return name.replace("\\", "/"), i + 1 + found[0].count("\n")
 
 
 # ------------------------------------------------------------------------------- lines in columns
