@@ -25,6 +25,9 @@ from .material import PAIRS, Material
 # VTK's order of a symmetric tensor.
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 
+# Angles of shear are twice the tensor's components.
+ANGLE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+
 # Elements are taken so many at a time that their gradients stay in this size, bytes.
 _BATCH = 16e6
 
@@ -107,20 +110,18 @@ def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
     components = np.full((*displacement.shape[:-2], mesh.n_cells, most, 6), np.nan)
     points = np.full((mesh.n_cells, most, 3), np.nan)
     for piece in pieces(mesh, material):
-        element = piece.element
-        shape = element.shape(element.stiffness_rule.points)
+        shape = piece.element.shape(piece.element.stiffness_rule.points)
         for batch in batches(piece):
-            cells, numbers = batch.cells, batch.numbers
-            points[numbers, : len(shape)] = shape @ mesh.nodes[cells]
-            components[..., numbers, : len(shape), :] = gauss_of(mesh, batch, displacement)
+            points[batch.numbers, : len(shape)] = shape @ mesh.nodes[batch.cells]
+            found = gauss_of(mesh, batch, displacement)
+            components[..., batch.numbers, : len(shape), :] = found
     return Stress(components, points)
 
 
 def gauss_of(mesh: Mesh, piece: Piece, displacement: FloatArray) -> FloatArray:
     """Return the components of `gauss_stress` of some elements, shape (..., n, n_gauss, 6)."""
-    slopes = _slopes(mesh.nodes[piece.cells], piece.element)
-    gradient = np.einsum("...eaj,egai->...egji", displacement[..., piece.cells, :], slopes)
-    return _hooke(gradient, piece.material)
+    strain = gauss_strain(mesh, piece, displacement)[0]
+    return np.moveaxis(hooke(strain, piece.material), 0, -1)
 
 
 def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:
@@ -141,22 +142,62 @@ def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
         Of shape (..., n_nodes, 6).
     """
     places = layout(mesh, material)
-    gradient = np.zeros((*displacement.shape[:-2], len(places.key), 3, 3))
-    for piece in pieces(mesh, material):
-        for batch in batches(piece):
-            cells = batch.cells
-            slopes = _slopes_at_nodes(mesh.nodes[cells], piece.element)
-            shares = np.einsum("...eaj,enai->...enji", displacement[..., cells, :], slopes)
-            at = places.of(batch)
-            for total, share in zip(_histories(gradient, 3), _histories(shares, 4), strict=True):
-                np.add.at(total, at, share)
-    gradient /= elements_at(mesh, material, places)[:, None, None]
     chosen = shown(places, material)
-    stress = np.empty((*displacement.shape[:-2], mesh.n_nodes, 6))
+    strain = averaged_strain(mesh, material, places, displacement)[..., chosen]
+    stress = np.empty((*strain.shape[1:], 6))
     for number, of in enumerate(each_of(material)):
         on = places.which[chosen] == number
-        stress[..., on, :] = _hooke(gradient[..., chosen[on], :, :], of)
+        stress[..., on, :] = np.moveaxis(hooke(strain[..., on], of), 0, -1)
     return Stress(stress, mesh.nodes)
+
+
+def averaged_strain(
+    mesh: Mesh, material: AnyMaterial, places: Layout, displacement: FloatArray
+) -> FloatArray:
+    """Return the mean strain of the elements that meet at each place, shape (6, ..., n_places)."""
+    count = len(places.key)
+    averaged = np.zeros((6, *displacement.shape[:-2], count))
+    for piece in pieces(mesh, material):
+        to_nodes = extrapolation(piece.element.kind).T
+        for batch in batches(piece):
+            at = places.of(batch).reshape(-1)
+            shares = (gauss_strain(mesh, batch, displacement)[0] @ to_nodes).reshape(-1, at.size)
+            for total, share in zip(averaged.reshape(-1, count), shares, strict=True):
+                total += np.bincount(at, share, count)
+    averaged /= np.maximum(elements_at(mesh, material, places), 1.0)
+    return averaged
+
+
+def gauss_strain(
+    mesh: Mesh, piece: Piece, displacement: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the strain of elements at the Gauss points, and det J, shape (n_cells, n_gauss).
+
+    The strain has the shape (6, ..., n_cells, n_gauss) for displacements (..., n_nodes, 3).
+    """
+    gradient = piece.element.gradient(piece.element.stiffness_rule.points)
+    det, cofactor = cofactors(jacobians(mesh.nodes[piece.cells], gradient))
+    moved = displacement[..., piece.cells, :]
+    shape = *moved.shape[:-2], len(gradient)
+    slope = jacobians(moved.reshape(-1, *moved.shape[-2:]), gradient).reshape(3, 3, *shape)
+    strain = np.empty((6, *shape))
+    for row, (i, j) in zip(strain, PAIRS, strict=True):
+        np.einsum("a...eg,aeg->...eg", slope[i], cofactor[j], out=row)
+        if i != j:
+            row += np.einsum("a...eg,aeg->...eg", slope[j], cofactor[i])
+            row *= 0.5
+    strain /= det
+    return strain, det
+
+
+def hooke(strain: FloatArray, material: OneMaterial) -> FloatArray:
+    """Return the stress, Pa, under strains of shape (6, ...), whose shears are the tensor's."""
+    if not isinstance(material, Material):
+        return np.asarray(np.einsum("ab,b...->a...", material.stiffness * ANGLE, strain))
+    lam, mu = material.lame
+    stress: FloatArray = 2.0 * mu * strain
+    stress[:3] += lam * strain[:3].sum(axis=0)
+    return stress
 
 
 def stress_rows(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> sp.csr_array:
@@ -177,15 +218,16 @@ def stress_rows(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> sp.csr_ar
     places = layout(mesh, material)
     wanted = shown(places, material)[nodes]
     slopes = _averaged_slopes(mesh, material, places, wanted)
-    # The stress by each ∂u_j/∂x_i, (3 i, 3 j, 6).
-    unit = np.zeros((3, 3, 3, 3))
-    for j, i in np.ndindex(3, 3):
-        unit[i, j, j, i] = 1.0
+    # The strain, and so the stress, by each ∂u_j/∂x_i, (6, 3 i, 3 j).
+    unit = np.zeros((6, 3, 3))
+    for place, (i, j) in enumerate(PAIRS):
+        unit[place, i, j] += 0.5
+        unit[place, j, i] += 0.5
     found, order = [], []
     for number, of in enumerate(each_of(material)):
         on = np.flatnonzero(places.which[wanted] == number)
-        by_slope = zip(slopes, _hooke(unit, of), strict=True)
-        one, two, three = (sp.kron(slope[on], by.T, format="csr") for slope, by in by_slope)
+        by_slope = zip(slopes, hooke(unit, of).swapaxes(0, 1), strict=True)
+        one, two, three = (sp.kron(slope[on], by, format="csr") for slope, by in by_slope)
         found.append(one + two + three)
         order.append(on)
     row = np.argsort(np.concatenate(order))
@@ -220,8 +262,7 @@ def compliances(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> FloatArra
 
     Shears are those of the tensor.
     """
-    half = np.where(np.arange(6) < 3, 1.0, 0.5)[:, None]
-    every = np.stack([half * np.linalg.inv(of.stiffness) for of in each_of(material)])
+    every = np.stack([np.linalg.inv(of.stiffness * ANGLE) for of in each_of(material)])
     places = layout(mesh, material)
     found: FloatArray = every[places.which[shown(places, material)[nodes]]]
     return found
@@ -243,20 +284,13 @@ def shown(places: Layout, material: AnyMaterial) -> IntArray:
     return stiffest
 
 
-def _slopes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
-    """∂φ_a/∂x_i at the Gauss points, shape (n_cells, n_gauss, n_local, 3)."""
+def _slopes_at_nodes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
+    """∂φ_a/∂x_i of the Gauss points at the nodes, shape (n_cells, n_local, n_local, 3)."""
     gradient = element.gradient(element.stiffness_rule.points)
     det, cof = cofactors(jacobians(corners, gradient))
-    slopes: FloatArray = np.einsum("gat,iteg->egai", gradient, cof / det)
-    return slopes
-
-
-def _slopes_at_nodes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
-    """The slopes carried on to the nodes, shape (n_cells, n_local, n_local, 3)."""
-    slopes: FloatArray = np.einsum(
-        "ng,egai->enai", extrapolation(element.kind), _slopes(corners, element)
-    )
-    return slopes
+    slopes = np.einsum("gat,iteg->egai", gradient, cof / det)
+    carried: FloatArray = np.einsum("ng,egai->enai", extrapolation(element.kind), slopes)
+    return carried
 
 
 @cache
@@ -279,26 +313,3 @@ def elements_at(mesh: Mesh, material: AnyMaterial, places: Layout) -> FloatArray
     for piece in pieces(mesh, material):
         count += np.bincount(places.of(piece).reshape(-1), minlength=len(count))
     return count
-
-
-def _histories(array: FloatArray, axes: int) -> FloatArray:
-    """The array with all but its last `axes` axes made one."""
-    return array.reshape(-1, *array.shape[array.ndim - axes :])
-
-
-def _hooke(gradient: FloatArray, material: OneMaterial) -> FloatArray:
-    """σ of displacement gradients (..., 3, 3), shape (..., 6)."""
-    if not isinstance(material, Material):
-        strain = np.empty((*gradient.shape[:-2], 6))
-        for place, (i, j) in enumerate(PAIRS):
-            both = gradient[..., i, j] + gradient[..., j, i]
-            strain[..., place] = both if i != j else 0.5 * both
-        found: FloatArray = strain @ material.stiffness
-        return found
-    lam, mu = material.lame
-    trace = np.einsum("...ii->...", gradient)
-    stress = np.empty((*gradient.shape[:-2], 6))
-    for place, (i, j) in enumerate(PAIRS):
-        stress[..., place] = mu * (gradient[..., i, j] + gradient[..., j, i])
-    stress[..., :3] += lam * trace[..., None]
-    return stress

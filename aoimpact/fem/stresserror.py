@@ -24,11 +24,20 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray
-from ..mesh import cofactors, jacobians
 from .composition import Layout, OneMaterial, each_of, layout, pieces
-from .material import PAIRS, Material
+from .material import PAIRS
 from .orthotropic import Solid
-from .stress import Stress, batches, elements_at, extrapolation, gauss_of, shown
+from .stress import (
+    ANGLE,
+    Stress,
+    averaged_strain,
+    batches,
+    extrapolation,
+    gauss_of,
+    gauss_strain,
+    hooke,
+    shown,
+)
 from .supports import constrained
 
 if TYPE_CHECKING:
@@ -66,44 +75,25 @@ def energy_error(
     mesh, material = body.mesh, body.material
     assert mesh is not None
     assert material is not None
-    places, everything = layout(mesh, material), pieces(mesh, material)
-    averaged = np.zeros((6, len(places.key)))
-    for piece in everything:
-        gradient = piece.element.gradient(piece.element.stiffness_rule.points)
-        to_nodes = extrapolation(piece.element.kind).T
-        for batch in batches(piece):
-            strain, _ = _strain(mesh.nodes[batch.cells], moved[batch.cells], gradient)
-            at = places.of(batch).reshape(-1)
-            for total, share in zip(averaged, strain @ to_nodes, strict=True):
-                total += np.bincount(at, share.reshape(-1), len(places.key))
-    averaged /= np.maximum(elements_at(mesh, material, places), 1.0)
+    places = layout(mesh, material)
+    averaged = averaged_strain(mesh, material, places, moved)
     _free_of_traction(averaged, body, places, loaded)
     difference, own = np.zeros((2, mesh.n_cells))
-    for piece in everything:
-        rule = piece.element.stiffness_rule
-        gradient, shape = piece.element.gradient(rule.points), piece.element.shape(rule.points)
+    for piece in pieces(mesh, material):
+        rule, of = piece.element.stiffness_rule, piece.material
+        shape = piece.element.shape(rule.points)
         for batch in batches(piece):
-            strain, det = _strain(mesh.nodes[batch.cells], moved[batch.cells], gradient)
-            own[batch.numbers] = (det * _energy(strain, piece.material)) @ rule.weights
+            strain, det = gauss_strain(mesh, batch, moved)
+            own[batch.numbers] = (det * _energy(strain, of)) @ rule.weights
             strain -= averaged[:, places.of(batch)] @ shape.T
-            difference[batch.numbers] = (det * _energy(strain, piece.material)) @ rule.weights
+            difference[batch.numbers] = (det * _energy(strain, of)) @ rule.weights
     return difference, own
 
 
 def _energy(strain: FloatArray, material: OneMaterial) -> FloatArray:
     """Twice the energy of a volume, J/m³, of strain of shape (6, ...)."""
-    if isinstance(material, Material):
-        lam, mu = material.lame
-        direct, shear = (strain[:3] ** 2).sum(axis=0), (strain[3:] ** 2).sum(axis=0)
-        energy: FloatArray = 2.0 * mu * (direct + 2.0 * shear) + lam * strain[:3].sum(axis=0) ** 2
-        return energy
-    return np.asarray(np.einsum("i...,ij,j...->...", strain, _of_tensor(material), strain))
-
-
-def _of_tensor(material: OneMaterial) -> FloatArray:
-    """Twice the energy of tensor components of strain, shape (6, 6): shear counts twice."""
-    angle = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
-    energy: FloatArray = angle[:, None] * material.stiffness * angle
+    direct, shear = np.split(strain * hooke(strain, material), 2)
+    energy: FloatArray = direct.sum(axis=0) + 2.0 * shear.sum(axis=0)
     return energy
 
 
@@ -125,33 +115,14 @@ def _free_of_traction(
         if not isinstance(of, Solid):
             continue
         free = np.flatnonzero(normals[0].any(axis=1) & ~kept & (places.which == number))
-        hooke = of.stiffness
-        angle = np.where(np.arange(6) < 3, 1.0, 2.0)[:, None]
-        components = hooke @ (angle * strain[:, free])
         stress, identity = np.empty((len(free), 3, 3)), np.eye(3)
-        for row, (i, j) in zip(components, PAIRS, strict=True):
+        for row, (i, j) in zip(hooke(strain[:, free], of), PAIRS, strict=True):
             stress[:, i, j] = stress[:, j, i] = row
         for normal in normals[:, free]:
             across = identity - normal[:, :, None] * normal[:, None, :]
             stress = across @ stress @ across
         components = np.stack([stress[:, i, j] for i, j in PAIRS])
-        strain[:, free] = np.linalg.solve(hooke, components) / angle
-
-
-def _strain(
-    corners: FloatArray, moved: FloatArray, gradient: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Strain xx, yy, zz, xy, yz, xz at the Gauss points, shape (6, n_cells, n_gauss), and det J."""
-    det, cofactor = cofactors(jacobians(corners, gradient))
-    slope = jacobians(moved, gradient)
-    strain = np.empty((6, *det.shape))
-    for row, (i, j) in zip(strain, PAIRS, strict=True):
-        np.einsum("aeg,aeg->eg", slope[i], cofactor[j], out=row)
-        if i != j:
-            row += np.einsum("aeg,aeg->eg", slope[j], cofactor[i])
-            row *= 0.5
-    strain /= det
-    return strain, det
+        strain[:, free] = np.linalg.solve(of.stiffness * ANGLE, components)
 
 
 def stresses_around(body: FEModel, displacement: FloatArray, node: int) -> tuple[Stress, Stress]:
