@@ -47,7 +47,7 @@ from .frequencyresponse import FrequencyResponse
 from .grounding import Grounding, VirtualMotion
 from .labels import checked_labels, translations
 from .laminate import Laminate, Layers, Ply, Shell
-from .material import PAIRS, Material, warn_of_units
+from .material import SIX, Material, warn_of_units
 from .mechanism import refuse_mechanism
 from .model import FEModel
 from .orthotropic import Orthotropic, Solid

@@ -13,6 +13,10 @@ from ..base import FloatArray, InputError, positive, real, unit_vector, warn
 # The components of strain and stress: VTK's order of a symmetric tensor.
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
+# Six components make a tensor, `components[..., PLACES]`, and come of it, `tensor[..., *SIX]`.
+PLACES = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+SIX = tuple(np.transpose(PAIRS))
+
 
 # Unit, and range among solids: from the softest rubbers to diamond, from foams to osmium. Then the
 # units in which a number below is likely to be: up to which number, its name, its size in SI.

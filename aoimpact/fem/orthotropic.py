@@ -19,7 +19,7 @@ from ..base import (
     real,
     unit_vector,
 )
-from .material import PAIRS, Material, warn_of_units
+from .material import PLACES, SIX, Material, warn_of_units
 
 _AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -125,10 +125,7 @@ class Orthotropic:
     @cached_property
     def tensor(self) -> FloatArray:
         """The elastic tensor C_ijkl in the body's coordinates, Pa, shape (3, 3, 3, 3)."""
-        matrix, own = np.linalg.inv(self._compliance), np.empty((3, 3, 3, 3))
-        for row, (i, j) in zip(matrix, PAIRS, strict=True):
-            for value, (k, m) in zip(row, PAIRS, strict=True):
-                own[i, j, k, m] = own[j, i, k, m] = own[i, j, m, k] = own[j, i, m, k] = value
+        own = np.linalg.inv(self._compliance)[PLACES][..., PLACES]
         turn = np.array(self.axes)
         tensor: FloatArray = np.einsum("ai,bj,ck,dm,abcd->ijkm", turn, turn, turn, turn, own)
         return tensor
@@ -136,7 +133,7 @@ class Orthotropic:
     @property
     def stiffness(self) -> FloatArray:
         """Hooke's matrix as `Material.stiffness`, in the body's coordinates, Pa, shape (6, 6)."""
-        matrix = np.array([[self.tensor[i, j, k, m] for k, m in PAIRS] for i, j in PAIRS])
+        matrix = self.tensor[*SIX][..., *SIX]
         symmetric: FloatArray = 0.5 * (matrix + matrix.T)
         return symmetric
 

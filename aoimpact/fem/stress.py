@@ -20,13 +20,16 @@ import scipy.sparse as sp
 from ..base import FloatArray, IntArray, choice
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
 from .composition import AnyMaterial, Layout, OneMaterial, Piece, each_of, layout, pieces
-from .material import PAIRS, Material
+from .material import PAIRS, PLACES, Material
 
 # VTK's order of a symmetric tensor.
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 
 # Angles of shear are twice the tensor's components.
 ANGLE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+
+# Tensors of each component of strain, with γ of one for shear, (6, 3, 3).
+UNIT_STRAINS = np.eye(6)[:, PLACES] / ANGLE[:, None, None]
 
 # Elements are taken so many at a time that their gradients stay in this size, bytes.
 _BATCH = 16e6
@@ -57,10 +60,7 @@ class Tensor:
     @property
     def tensor(self) -> FloatArray:
         """The symmetric tensor, shape (..., 3, 3)."""
-        tensor = np.empty((*self.components.shape[:-1], 3, 3))
-        for place, (i, j) in enumerate(PAIRS):
-            tensor[..., i, j] = tensor[..., j, i] = self.components[..., place]
-        return tensor
+        return np.asarray(self.components[..., PLACES])
 
     @property
     def principal(self) -> FloatArray:
@@ -218,15 +218,10 @@ def stress_rows(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> sp.csr_ar
     places = layout(mesh, material)
     wanted = shown(places, material)[nodes]
     slopes = _averaged_slopes(mesh, material, places, wanted)
-    # The strain, and so the stress, by each ∂u_j/∂x_i, (6, 3 i, 3 j).
-    unit = np.zeros((6, 3, 3))
-    for place, (i, j) in enumerate(PAIRS):
-        unit[place, i, j] += 0.5
-        unit[place, j, i] += 0.5
     found, order = [], []
     for number, of in enumerate(each_of(material)):
         on = np.flatnonzero(places.which[wanted] == number)
-        by_slope = zip(slopes, hooke(unit, of).swapaxes(0, 1), strict=True)
+        by_slope = zip(slopes, hooke(UNIT_STRAINS, of).swapaxes(0, 1), strict=True)
         one, two, three = (sp.kron(slope[on], by, format="csr") for slope, by in by_slope)
         found.append(one + two + three)
         order.append(on)

@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from ..base import FloatArray
 from .composition import Layout, OneMaterial, each_of, layout, pieces
-from .material import PAIRS
+from .material import PLACES, SIX
 from .orthotropic import Solid
 from .stress import (
     ANGLE,
@@ -115,14 +115,11 @@ def _free_of_traction(
         if not isinstance(of, Solid):
             continue
         free = np.flatnonzero(normals[0].any(axis=1) & ~kept & (places.which == number))
-        stress, identity = np.empty((len(free), 3, 3)), np.eye(3)
-        for row, (i, j) in zip(hooke(strain[:, free], of), PAIRS, strict=True):
-            stress[:, i, j] = stress[:, j, i] = row
+        stress = hooke(strain[:, free], of).T[:, PLACES]
         for normal in normals[:, free]:
-            across = identity - normal[:, :, None] * normal[:, None, :]
+            across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
             stress = across @ stress @ across
-        components = np.stack([stress[:, i, j] for i, j in PAIRS])
-        strain[:, free] = np.linalg.solve(of.stiffness * ANGLE, components)
+        strain[:, free] = np.linalg.solve(of.stiffness * ANGLE, stress[:, *SIX].T)
 
 
 def stresses_around(body: FEModel, displacement: FloatArray, node: int) -> tuple[Stress, Stress]:

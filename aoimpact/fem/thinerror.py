@@ -18,10 +18,13 @@ from .beams import Beam, beam_inertial_error, beam_stiffness
 from .composition import ThinPart, thin_parts
 from .laminate import Layers
 from .shells import Strains, nodal_normals, nodal_strains, strain_rows
+from .stress import UNIT_STRAINS
 from .stresserror import missing_energy
 
-# Places of the generalised strains in the tensors of membrane strain and curvature.
-_PLANE = ((0, 0, 0), (1, 1, 1), (2, 0, 1))
+# Tensors of membrane strain, curvature and shear by each of the generalised strains, (8, 3, 3, 3).
+_UNIT = np.zeros((8, 3, 3, 3))
+_UNIT[:3, 0] = _UNIT[3:6, 1] = UNIT_STRAINS[[0, 1, 3]]
+_UNIT[6:, 2] = UNIT_STRAINS[[5, 4]]
 
 # Normals at a node that differ by less belong to one surface.
 _ALIKE = 6
@@ -163,23 +166,11 @@ def thin_stiffness_error(
 
 def _tensors(strains: FloatArray, frames: FloatArray) -> FloatArray:
     """Membrane strain, curvature and shear, that with the normal, as tensors in global axes."""
-    local = np.zeros((*strains.shape[:-1], 3, 3, 3))
-    for component, i, j in _PLANE:
-        half = 1.0 if i == j else 0.5
-        local[..., 0, i, j] = local[..., 0, j, i] = half * strains[..., component]
-        local[..., 1, i, j] = local[..., 1, j, i] = half * strains[..., 3 + component]
-    local[..., 2, 0, 2] = local[..., 2, 2, 0] = strains[..., 6]
-    local[..., 2, 1, 2] = local[..., 2, 2, 1] = strains[..., 7]
+    local = np.einsum("ncs,stab->nctab", strains, _UNIT)
     return np.asarray(np.einsum("nai,nctab,nbj->nctij", frames, local, frames, optimize=True))
 
 
 def _components(tensors: FloatArray, frames: FloatArray) -> FloatArray:
     """The inverse of `_tensors`, in the axes of elements of the same surface."""
     local = np.einsum("nai,nctij,nbj->nctab", frames, tensors, frames, optimize=True)
-    strains = np.empty((*tensors.shape[:2], 8))
-    for component, i, j in _PLANE:
-        whole = 1.0 if i == j else 2.0
-        strains[..., component] = whole * local[..., 0, i, j]
-        strains[..., 3 + component] = whole * local[..., 1, i, j]
-    strains[..., 6], strains[..., 7] = local[..., 2, 0, 2], local[..., 2, 1, 2]
-    return strains
+    return np.asarray(np.einsum("nctab,stab->ncs", local, (_UNIT > 0.0).astype(np.float64)))

@@ -22,7 +22,7 @@ from ..mesh import Mesh, group, taken
 from .beams import Beam, BeamSection, beam_frames, beam_rows
 from .composition import AnyMaterial, Materials, pieces, thin_parts
 from .laminate import Layers
-from .material import PAIRS
+from .material import PLACES, SIX
 from .stress import compliances, stress_rows
 from .thinerror import shell_pieces
 
@@ -403,13 +403,9 @@ def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, Floa
 
 def _turning(frames: FloatArray) -> FloatArray:
     """Components Fᵀ σ F by those of σ, (n, 6, 6), with the rows of F the axes of σ."""
-    found = np.empty((len(frames), 6, 6))
-    for column, (a, b) in enumerate(PAIRS):
-        unit = frames[:, a, :, None] * frames[:, b, None, :]
-        unit = unit if a == b else unit + unit.swapaxes(1, 2)
-        for component, (i, j) in enumerate(PAIRS):
-            found[:, component, column] = unit[:, i, j]
-    return found
+    unit = np.eye(6)[:, PLACES]
+    found: FloatArray = np.einsum("nai,cab,nbj->ncij", frames, unit, frames)[..., *SIX]
+    return found.swapaxes(1, 2)
 
 
 def _of_beams(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import FloatArray, IntArray
-from ..fem import PAIRS, Extraction
+from ..fem import SIX, Extraction
 from ..scene import Plan, extraction_of
 
 # Radius of a contact, over that of the patch, below which the force counts as one at a point: far
@@ -64,8 +64,7 @@ class Indentation:
             width = np.maximum(self.width(force[i]), _NARROWEST * self.extraction.radius)
             moved, tensor = self.extraction.splitting.half_space_field(x, width)
             u[i] = force[i, None, None] * moved
-            six = np.stack([tensor[..., j, k] for j, k in PAIRS], axis=-1)
-            stress[i] = force[i, None, None] * six
+            stress[i] = force[i, None, None] * tensor[..., *SIX]
         return u, stress
 
     def rate(self, x: FloatArray, force: FloatArray, rate: FloatArray) -> FloatArray:
