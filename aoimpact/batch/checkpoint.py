@@ -79,9 +79,6 @@ class Checkpoint:
         if damaged:
             warn(f"checkpoint {name!r} is damaged in {damaged} lines: their cases are run again")
 
-    def __len__(self) -> int:
-        return len(self._places)
-
     def __contains__(self, digest: str) -> bool:
         return digest in self._places
 

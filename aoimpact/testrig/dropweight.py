@@ -326,6 +326,8 @@ def drop_weight(
     >>> f"{test.peak.force:.0f} N, {same.peak.force:.0f} N"
     '11869 N, 11870 N'
     """
+    from scipy.interpolate import make_interp_spline  # slow to import
+
     signal = Signal.of(source)
     if isinstance(source, Result):
         mass = source.projectile.mass if mass is None else mass
@@ -337,8 +339,6 @@ def drop_weight(
     for name, given in (("mass", mass), ("velocity", velocity)):
         if given is None:
             raise InputError(f"{name} of the impactor is not known: give {name}=")
-    from scipy.interpolate import make_interp_spline  # slow to import
-
     kilograms, speed = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
     pull = nonnegative("gravity", STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²")
     if cfc is not None:

@@ -200,9 +200,10 @@ def shock_spectrum(
             f"frequencies exceed a tenth of the rate {rate:g} Hz: at {top:g} Hz the result may be "
             f"{100.0 * lost:.0f} % too low; sample faster"
         )
-    rows = [_largest(signal, f, damping, named) for f in wanted.tolist()]
+    unit = _KINDS[named]
+    rows = [_largest(signal, f, damping, unit) for f in wanted.tolist()]
     above, below, primary, residual = np.transpose(rows)
-    return ShockSpectrum(wanted, above, below, primary, residual, named, _KINDS[named], damping)
+    return ShockSpectrum(wanted, above, below, primary, residual, named, unit, damping)
 
 
 def _base_acceleration(source: Any) -> Signal:
@@ -216,22 +217,19 @@ def _base_acceleration(source: Any) -> Signal:
     return Signal(force.t, force.values / mass, unit="m/s²", name="acceleration")
 
 
-def _largest(signal: Signal, frequency: float, damping: float, kind: str) -> tuple[float, ...]:
+def _largest(signal: Signal, frequency: float, damping: float, unit: str) -> tuple[float, ...]:
     """Largest response up and down; and of any sign while the signal lasts, and after it.
 
     The oscillator z'' + 2ζω z' + ω² z = -u is solved exactly for its eigenvalue λ: q' = λq + u, and
-    every response is 2 Re(r q). The signal is straight between samples, also of a finer step.
+    z = 2 Re(r q). The absolute acceleration z'' + u has λ² r in place of r, the pseudo-velocity
+    ω r. The signal is straight between samples, also of a finer step.
     """
     from scipy.signal import cont2discrete, lfilter  # slow to import
 
     omega = 2.0 * math.pi * frequency
     root = complex(-damping, math.sqrt(1.0 - damping * damping))  # λ over ω
-    factors = {
-        "absolute acceleration": -omega * (1.0 + 2.0 * damping * root),
-        "relative displacement": 1.0 / omega,
-        "pseudo-velocity": 1.0,
-    }
-    share = 0.5j / root.imag * factors[kind]
+    factor = {"m/s²": omega * root**2, "m": 1.0 / omega, "m/s": 1.0}[unit]
+    share = 0.5j / root.imag * factor
     parts = max(1, math.ceil(_PER_PERIOD * frequency / signal.rate))
     values = np.pad(signal.values, 1)
     samples = np.arange(parts * (len(values) - 1) + 1) / parts

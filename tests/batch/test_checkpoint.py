@@ -29,7 +29,7 @@ def test_gives_back_what_was_put(tmp_path: Path) -> None:
     path = tmp_path / "sweep"
     filled(path, 3)
     with Checkpoint(path) as store:
-        assert len(store) == 3
+        assert all(key(i) in store for i in range(3))
         assert store.get(key(1)) == ({"peak_force": 1.0}, ())
         assert key(7) not in store
         store.put(key(7), (ao.SceneFileError("no"), ("a warning",)))

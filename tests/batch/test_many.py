@@ -19,7 +19,6 @@ import pytest
 from impacts import beam_star, pair
 
 import aoimpact as ao
-from aoimpact.batch.checkpoint import Checkpoint
 
 NAMES = ("peak_force", "peak_time", "contact_duration", "impulse", "rebound_velocity")
 
@@ -210,8 +209,7 @@ def test_a_million_cases_stay_within_two_gib() -> None:
 
 
 def counted(path: Path) -> int:
-    with Checkpoint(path) as store:
-        return len(store)
+    return path.read_bytes().count(b"\n") - 1
 
 
 def test_a_second_run_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
