@@ -60,7 +60,7 @@ _AT_ONCE = 2**22
 _FIRST, _FOR_EACH = 16, 16
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FrequencyResponse(Frozen):
     """A frequency response function of a body.
 
@@ -76,20 +76,22 @@ class FrequencyResponse(Frozen):
     kind : str
         "receptance" (displacement, m/N), "mobility" (velocity) or "accelerance" (acceleration).
     modes : int
-        How many natural modes were taken; 0 where the frequencies were solved for directly.
+        How many natural modes were taken; 0 where the frequencies were solved for directly, and
+        of a measurement.
     """
 
     frequencies: FloatArray
     values: npt.NDArray[np.complex128]
     error: FloatArray
     kind: str
-    modes: int
+    modes: int = 0
 
     def __repr__(self) -> str:
         low, high = self.frequencies.min(), self.frequencies.max()
+        modes = f", {self.modes} modes" if self.modes else ""
         return (
-            f"FrequencyResponse({self.kind}, {len(self.frequencies)} frequencies from {low:g} to "
-            f"{high:g} Hz, {self.modes} modes)"
+            f"{type(self).__name__}({self.kind}, {len(self.frequencies)} frequencies from "
+            f"{low:.4g} to {high:.4g} Hz{modes})"
         )
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:

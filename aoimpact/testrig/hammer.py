@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError, choice, instance, warn, with_unit
+from ..base import FloatArray, InputError, choice, instance, warn, with_unit
+from ..fem import FrequencyResponse
 from ..fields import Probe
 from ..results import Run
 from .signal import RISEN, UNEVEN, Signal, contacts, force_at
@@ -40,8 +41,8 @@ _OUTSIDE = 0.05
 ComplexArray = npt.NDArray[np.complex128]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class MeasuredResponse(Frozen):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class MeasuredResponse(FrequencyResponse):
     """A frequency response function from measured or simulated hits; see `frf`.
 
     Attributes
@@ -52,28 +53,17 @@ class MeasuredResponse(Frozen):
         Response over force, of the `kind`, for e^{iωt}.
     error : ndarray, shape (n,)
         Estimated error of the values, in their unit; infinite above a quarter of the rate.
+    kind : str
+        "accelerance" (m/(s² N)), "mobility" (m/(s N)) or "receptance" (m/N).
     coherence : ndarray, shape (n,)
         1 where all hits give the same value, and so for a single hit.
     force : ndarray, shape (n,)
         Spectrum of the force, root mean square over the hits, N s. Where it is less than a tenth of
         its maximum, the values are mostly noise.
-    kind : str
-        "accelerance" (m/(s² N)), "mobility" (m/(s N)) or "receptance" (m/N).
     """
 
-    frequencies: FloatArray
-    values: ComplexArray
-    error: FloatArray
     coherence: FloatArray
     force: FloatArray
-    kind: str
-
-    def __repr__(self) -> str:
-        low, high = self.frequencies[[0, -1]]
-        return (
-            f"MeasuredResponse({self.kind}, {len(self.values)} frequencies from {low:.4g} to "
-            f"{high:.4g} Hz)"
-        )
 
 
 def frf(
@@ -164,7 +154,9 @@ def frf(
             "the vibration does not halve in its second half. Record for longer"
         )
     scale = (2j * np.pi * f) ** power
-    return MeasuredResponse(f, values / scale, error / np.abs(scale), coherence, strength, kind)
+    return MeasuredResponse(
+        f, values / scale, error / np.abs(scale), kind, coherence=coherence, force=strength
+    )
 
 
 def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal]]:

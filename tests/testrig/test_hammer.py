@@ -40,6 +40,8 @@ def test_a_free_mass_has_its_inverse_as_accelerance() -> None:
     found = ao.testrig.frf(hit, velocity(t, hit.at(t).target.velocity))
     struck = found.force > 0.1 * found.force.max()
     np.testing.assert_allclose(found.values[struck], 1.0 / M, rtol=1e-4)
+    drawn = np.asarray(found.plot().get_lines()[0].get_ydata())
+    np.testing.assert_allclose(drawn[struck], 1.0 / M, rtol=1e-4)
 
 
 @pytest.mark.parametrize("estimator", ["H1", "H2"])
