@@ -37,7 +37,7 @@ _ORDERS = {
     "pyramid13": (*range(6), 8, 10, 6, 7, 9, 11, 12),
 }
 
-_PART = "it holds one part of a partitioned mesh; save the whole mesh in one file"
+_PART = "it holds one part of a partitioned mesh, or says so; save all of it, without partitions"
 
 # Types of binary numbers by their names in the manual; None for a text file.
 _Types = dict[str, np.dtype[np.generic]] | None
@@ -137,8 +137,7 @@ def read(file: Path) -> RawMesh:
     for name in ("Entities", "PartitionedEntities"):
         if name in sections:
             with _named(name):
-                numbers = _Numbers(sections[name], types)
-                entities = _entities(numbers, partitioned=name == "PartitionedEntities")
+                entities = _entities(_Numbers(sections[name], types), whole=name == "Entities")
     with _named("PhysicalNames"):
         names = _names(sections.get("PhysicalNames", b"0"))
     with _named("Nodes"):
@@ -205,26 +204,27 @@ def _format(text: bytes) -> tuple[float, _Types]:
 
 
 def _names(text: bytes) -> dict[tuple[int, int], str]:
+    """Return names by dimension and tag; version 2.0 gives no dimension: -1."""
     count, *lines = (decoded(text) or "").strip().splitlines()
     found = {}
     for line in lines:
-        match = re.fullmatch(r'\s*(\d+)\s+(-?\d+)\s+"(.*)"\s*', line)
+        match = re.fullmatch(r'\s*(?:(\d+)\s+)?(-?\d+)\s*"(.*)"\s*', line)
         if match is None:
             raise ValueError(f"{line!r} is no dimension, tag and name in quotes")
-        found[int(match[1]), abs(int(match[2]))] = match[3]
+        found[int(match[1] or -1), abs(int(match[2]))] = match[3]
     raw.check_count("names", int(count), len(found))
     return found
 
 
-def _entities(numbers: _Numbers, *, partitioned: bool) -> _Entities:
+def _entities(numbers: _Numbers, *, whole: bool) -> _Entities:
     found = _Entities()
-    if partitioned:
+    if not whole:
         found.n_parts = numbers.count()
         numbers.take("i", 2 * numbers.count())  # entities of ghost elements
     for dim, count in enumerate(numbers.ints("P", 4)):
         for _ in range(count):
-            entity = dim, int(numbers.ints("i", 3 if partitioned else 1)[0])
-            if partitioned:
+            entity = dim, int(numbers.ints("i", 1 if whole else 3)[0])
+            if not whole:
                 found.parts[entity] = set(numbers.ints("i", numbers.count()).tolist())
             numbers.take("d", 6 if dim else 3)  # the box around it
             # A negative tag means that the group takes the entity in reverse.
@@ -267,17 +267,17 @@ def _width(type_: int) -> int:
 def _elements_4(numbers: _Numbers, entities: _Entities) -> list[_Elements]:
     n_blocks, n_elements, _, _ = numbers.ints("P", 4)
     found = []
-    parts: set[int] = set()
+    parts: dict[int, set[int]] = {0: set()}  # by dimension: a boundary is of several
     for _ in range(n_blocks):
         dim, tag, type_ = (int(number) for number in numbers.ints("i", 3))
         count, width = numbers.count(), 1 + _width(type_)
         rows = numbers.ints("P", width * count).reshape(count, width)
         members = {group: np.arange(count) for group in entities.groups.get((dim, tag), ())}
-        parts |= entities.parts.get((dim, tag), set()) if dim == 3 else set()
+        parts.setdefault(dim, set()).update(entities.parts.get((dim, tag), ()))
         found.append(_Elements(type_, rows[:, 0], rows[:, 1:], members))
     numbers.finish()
     raw.check_count("elements", n_elements, sum(len(block.tags) for block in found))
-    if len(parts) < entities.n_parts:
+    if len(parts[max(parts)]) < entities.n_parts:
         raise ValueError(_PART)
     return found
 
@@ -367,7 +367,8 @@ def _mesh(
         blocks.append(RawBlock(kind, cells, part.tags))
         for tag, members in part.groups.items():
             dim = blocks[-1].dim
-            groups.append((names.get((dim, tag), f"{raw.DIMENSIONS[dim]} {tag}"), first + members))
+            called = names.get((-1, tag), f"{raw.DIMENSIONS[dim]} {tag}")
+            groups.append((names.get((dim, tag), called), first + members))
         first += len(cells)
     for name, count in Counter(names.values()).items():
         if count > 1:

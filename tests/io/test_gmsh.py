@@ -82,6 +82,12 @@ def test_names_in_latin_1(tmp_path: Path) -> None:
     assert "flèche" in ao.read_mesh(file).node_sets
 
 
+def test_names_without_dimensions(tmp_path: Path) -> None:
+    """Version 2.0 of the format gives the number of a group and its name alone."""
+    text = TWO.replace('2 10 "', '10 "').replace('3 20 "', '20"')
+    assert set(ao.read_mesh(written(tmp_path, text)).node_sets) == {"fix", "surface 11", "body"}
+
+
 def test_a_group_without_elements_is_said(tmp_path: Path) -> None:
     with pytest.warns(AOImpactWarning, match="groups without elements in the file: 'fix'"):
         ao.read_mesh(
@@ -233,3 +239,19 @@ def test_a_partitioned_mesh_is_read_whole_or_not_at_all(
     }
     with pytest.raises(MeshError, match="holds one part of a partitioned mesh"):
         ao.read_mesh(tmp_path / "parts_1.msh")
+
+
+def test_a_partitioned_mesh_of_surfaces_is_read_whole(gmsh: Any, tmp_path: Path) -> None:
+    mesh_of(gmsh, 1, bricks=False)
+    gmsh.model.mesh.clear(gmsh.model.getEntities(3))
+    gmsh.option.setNumber("Mesh.SaveAll", 1)
+    gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+    triangles = len(gmsh.model.mesh.getElements(2)[1][0])
+    gmsh.model.mesh.partition(3)
+    try:
+        gmsh.write(str(tmp_path / "skin.msh"))
+    finally:
+        gmsh.model.mesh.unpartition()
+    with pytest.warns(AOImpactWarning, match="groups without elements"):  # those of volumes
+        skin = ao.read_mesh(tmp_path / "skin.msh")
+    assert (skin.thin, skin.n_cells) == (True, triangles)
