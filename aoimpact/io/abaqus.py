@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import takewhile
 from pathlib import Path
 from typing import Any, Literal
@@ -31,34 +31,6 @@ from .sections import Source, across, layered, refusing
 
 # Sets of nodes or of elements.
 Which = Literal["NSET", "ELSET"]
-
-# Kinds of keywords by their names, beyond those that are read.
-_KINDS = {
-    # They change nodes, elements or sets in ways that the reader does not follow.
-    "unsupported": re.compile(
-        "ADAPTIVEMESHREFINEMENT|ADJUST|DISPLAYBODY|ELCOPY|IMPERFECTION|IMPORT|IMPORTELSET"
-        "|IMPORTNSET|NCOPY|NFILL|NMAP|REFINEMESH|SYMMETRICMODELGENERATION"
-    ),
-    # They connect nodes, which a mesh cannot hold.
-    "connection": re.compile(
-        "COUPLING|DISTRIBUTINGCOUPLING|EMBEDDEDELEMENT|EQUATION|FASTENER|KINEMATICCOUPLING|MPC"
-        "|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
-    ),
-    "material": re.compile("MATERIAL|ELASTIC|DENSITY"),
-    # Options of a material that change its answer and are left out.
-    "inelastic": re.compile(
-        "(CYCLIC|RATEDEPENDENT|)PLASTIC|CYCLICHARDENING|RATEDEPENDENT|CREEP|DAMPING|VISCO.*"
-        "|HYSTERESIS|DAMAGE.*|.*FAIL.*|SUPERELASTIC.*|HYPER.*|.*PLASTICITY|.*CRACKING"
-        "|NOCOMPRESSION|NOTENSION|USERMATERIAL"
-    ),
-    # They add to a section: to that of their ELSET, or to the one before them.
-    "addition": re.compile(
-        "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
-        "|SHEARCENTER|BEAM(ADDED|FLUID)INERTIA|BEAMSECTIONOFFSET"
-    ),
-    # They add mass or stiffness between sections and beside them.
-    "beside": re.compile("FOUNDATION|MASSADJUST"),
-}
 
 # Beginnings of the names of all other keywords of Abaqus and CalculiX: materials, sections,
 # interactions, loads, steps, output. They have no influence on nodes, elements and sets; surfaces
@@ -94,7 +66,36 @@ _BEGINNINGS = """
     TRANSPORT TRANSVERSE TRIAXIAL TRS UEL UNCOUPLED UNDEX UNIAXIAL UNLOADING USER VALUES
     VARIABLEMASS VIEWFACTOR VISCO VOID VOLUMETRIC WAVE WIND XFEM
 """
-_HARMLESS = re.compile("|".join(_BEGINNINGS.split()))
+
+# Kinds of keywords by their names, beyond those that are read; the first that fits counts.
+_KINDS = {
+    # They change nodes, elements or sets in ways that the reader does not follow.
+    "unsupported": (
+        "ADAPTIVEMESHREFINEMENT|ADJUST|DISPLAYBODY|ELCOPY|IMPERFECTION|IMPORT|IMPORTELSET"
+        "|IMPORTNSET|NCOPY|NFILL|NMAP|REFINEMESH|SYMMETRICMODELGENERATION"
+    ),
+    # They connect nodes, which a mesh cannot hold.
+    "connection": (
+        "COUPLING|DISTRIBUTINGCOUPLING|EMBEDDEDELEMENT|EQUATION|FASTENER|KINEMATICCOUPLING|MPC"
+        "|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
+    ),
+    "material": "MATERIAL|ELASTIC|DENSITY",
+    # Options of a material that change its answer and are left out.
+    "inelastic": (
+        "(CYCLIC|RATEDEPENDENT|)PLASTIC|CYCLICHARDENING|RATEDEPENDENT|CREEP|DAMPING|VISCO.*"
+        "|HYSTERESIS|DAMAGE.*|(BRITTLE|CONNECTOR|SHEAR|TENSILE|)FAIL.*|SUPERELASTIC.*|HYPER.*"
+        "|(CAP|CASTIRON|CLAY|CONCRETEDAMAGED|CONNECTOR|POROUSMETAL)PLASTICITY|BRITTLECRACKING"
+        "|NOCOMPRESSION|NOTENSION|USERMATERIAL"
+    ),
+    # They add to a section: to that of their ELSET, or to the one before them.
+    "addition": (
+        "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
+        "|SHEARCENTER|BEAM(ADDED|FLUID)INERTIA|BEAMSECTIONOFFSET"
+    ),
+    # They add mass or stiffness between sections and beside them.
+    "beside": "FOUNDATION|MASSADJUST",
+    "harmless": f"({'|'.join(_BEGINNINGS.split())}).*",
+}
 
 # Nodes of C3D27 in meshio's order, where the middle comes before those of faces 1 to 6, and of B32,
 # where it comes before the second end.
@@ -102,21 +103,20 @@ _ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0
 
 # Types of elements, and their kinds by their first digits.
 _TYPES = (
-    (re.compile(r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}"), raw.SOLIDS),
-    (  # shells, membranes, rigid and plane elements
-        re.compile(
-            r"(?:D?S|US|STRI|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(65|3|4|6|8|9)(?!\d)"
-            "[A-Z0-9]*"
-        ),
+    (r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}", raw.SOLIDS),
+    # Shells, membranes, rigid and plane elements.
+    (
+        r"(?:D?S|US|STRI|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(65|3|4|6|8|9)(?!\d)"
+        "[A-Z0-9]*",
         raw.SURFACES | {65: "triangle6"},
     ),
-    (re.compile(r"T[23]D([23])[A-Z]{0,2}"), raw.LINES),
+    (r"T[23]D([23])[A-Z]{0,2}", raw.LINES),
     # Beams in space, by their order: B33 has the nodes of B31.
-    (re.compile(r"B3([123])R?H?(?:OS)?H?"), {1: "line", 2: "line3", 3: "line"}),
+    (r"B3([123])R?H?(?:OS)?H?", {1: "line", 2: "line3", 3: "line"}),
 )
 
 # Elements of a number of nodes that may vary, or of shapes that no mesh of solids has.
-_LISTED = re.compile(
+_LISTED = (
     r"(?:B2\d|PIPE|ELBOW|FRAME|MASS$|ROTARYI$|HEATCAP$|SPRING|DASHPOT|JOINT|CONN|GAP|DGAP|DCOUP"
     r"|ITS|ITT|ISL|IRS|LS\d|COH|GK|SC[68]R|CSS8|SFM|MAX|MCL|CCL|CIN|CPEG|CGAX|CAXA|CGPE|SAX|SAXA"
     r"|DSAX|RAX2|RB[23]D|R2D2|AC1D|AC3D|ACIN|ASI|DC1D|DCC|DC3D|Q3D|EMC|EC3D|FC3D|F3D|PC3D|PD3D|PSI"
@@ -125,7 +125,7 @@ _LISTED = re.compile(
 
 # Beginnings of the types of solids, shells and beams by their dimension; membranes, rigid and
 # plane elements are none.
-_PARTS = {3: re.compile("C3D"), 2: re.compile(r"S\d|STRI|US\d"), 1: re.compile(r"B3\d")}
+_PARTS = {3: "C3D", 2: r"S\d|STRI|US\d", 1: r"B3\d"}
 
 # Surface elements that meshers write for the sides of solids.
 _SIDES = r"CP[SE]\d|CAX\d|SFM3D"
@@ -185,9 +185,10 @@ def read(file: Path) -> raw.RawMesh:
         ) from None
 
 
+@cache
 def _kind(name: str) -> str:
     """Return the kind of a keyword; "" if it has none."""
-    return next((kind for kind, names in _KINDS.items() if names.fullmatch(name)), "")
+    return next((kind for kind, names in _KINDS.items() if re.fullmatch(names, name)), "")
 
 
 def _cells(name: str) -> str | None:
@@ -196,14 +197,14 @@ def _cells(name: str) -> str | None:
     It is "" for elements that are only listed, and None for unknown types.
     """
     for pattern, kinds in _TYPES:
-        if found := pattern.fullmatch(name):
+        if found := re.fullmatch(pattern, name):
             return kinds[int(found[1])]
-    return "" if _LISTED.fullmatch(name) else None
+    return "" if re.fullmatch(_LISTED, name) else None
 
 
 def _dim(name: str) -> int:
     """Return the dimension of a type of solids, shells or beams; 0 for others."""
-    return next((dim for dim, names in _PARTS.items() if names.match(name)), 0)
+    return next((dim for dim, names in _PARTS.items() if re.match(names, name)), 0)
 
 
 def _listed(names: Iterable[str] | Mapping[str, int]) -> str:
@@ -359,7 +360,7 @@ def _sorted(keywords: list[Keyword]) -> Scope:
                 raise keyword.error(f"it ends no *{name[3:]}")
         elif _kind(name) == "unsupported":
             raise keyword.error("it is not supported; write the mesh out without it")
-        elif not _HARMLESS.match(name):
+        elif not _kind(name):
             raise keyword.error("it is not known, and may change the mesh; leave it out")
     if len(within) > 1:
         raise keywords[-1].error(f"*END {within[-1][0]} is missing")
@@ -407,16 +408,16 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     towards = np.array([block.towards for block in blocks], dtype=bool)
     deck = AbaqusDeck(cards, turned, +counts, types, towards)
     _warn(file, whole, deck, types[~unread].tolist())
-    n_nodes = sum(len(body.labels) for body in bodies)
+    places = np.concatenate([body.places for body in bodies])
     return raw.RawMesh(
-        np.concatenate([body.places for body in bodies]),
+        places,
         tuple(
             raw.RawBlock(kind or "other", nodes[:, _ORDERS.get(kind, slice(None))], block.labels)
             for kind, (block, _, nodes) in zip(kinds, every, strict=True)
         ),
-        {name: members[members < n_nodes] for name, members in node_sets.items()},
+        {name: members[members < len(places)] for name, members in node_sets.items()},
         cell_sets,
-        np.concatenate([body.labels for body in bodies]),
+        raw.joined(body.known["NSET"][0] for body in bodies),
         left_out,
         deck,
     )
@@ -540,9 +541,8 @@ class Scope:
         Parts and instances of an assembly, by their names in capitals.
     first : mapping of Which to int
         Number of the first node and element among those of all scopes.
-    labels : ndarray of int, shape (n,), ascending
-        Numbers of the nodes.
     places : ndarray, shape (n, 3)
+        In the order of the nodes' numbers.
     turn : ndarray, shape (3, 3)
         By which it is turned as an instance.
     elements : list of _Elements
@@ -551,6 +551,8 @@ class Scope:
         By the names of sets as they are compared.
     missing : mapping of str to int
         By sets, the first of their numbers that is not defined.
+    known : mapping of Which to (ndarray of int, ndarray of int)
+        Ascending labels, and the rows of their nodes or elements.
     """
 
     name: str = ""
@@ -560,21 +562,21 @@ class Scope:
     parts: dict[str, Scope] = field(default_factory=dict)
     inner: dict[str, Scope] = field(default_factory=dict)
     first: dict[Which, int] = field(default_factory=lambda: {"NSET": 0, "ELSET": 0})
-    labels: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     places: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     turn: FloatArray = field(default_factory=lambda: np.eye(3))
     elements: list[_Elements] = field(default_factory=list)
     sets: dict[tuple[Which, str], list[_Piece]] = field(default_factory=dict)
     missing: dict[str, int] = field(default_factory=dict)
+    known: dict[Which, tuple[IntArray, IntArray]] = field(default_factory=dict)
     _points: list[tuple[Keyword, IntArray, FloatArray]] = field(default_factory=list)
-    _frames: list[tuple[int, FloatArray, FloatArray]] = field(default_factory=list)
+    _frames: list[tuple[int, FloatArray, FloatArray]] = field(
+        default_factory=lambda: [(-1, np.zeros(3), np.eye(3))]
+    )
     _found: dict[tuple[Which, str], IntArray | None] = field(default_factory=dict)
-    # Ascending labels, and the rows of their nodes or elements.
-    _known: dict[Which, tuple[IntArray, IntArray]] = field(default_factory=dict)
 
     def read(self) -> Scope:
         """Read its keywords, once, and return the scope."""
-        if not self._known:
+        if not self.known:
             for keyword in sorted(self.keywords, key=lambda keyword: _READ[keyword.name][0]):
                 _, add, options = _READ[keyword.name]
                 keyword.check_options(*options)
@@ -606,7 +608,7 @@ class Scope:
 
     def behind(self) -> dict[Which, int]:
         """Return the numbers, as `first`, that follow those of its nodes and elements."""
-        return {which: self.first[which] + len(self._known[which][0]) for which in self.first}
+        return {which: self.first[which] + len(self.known[which][0]) for which in self.first}
 
     def names(self) -> dict[tuple[Which, str], str]:
         """Return the names of its sets as they are written first."""
@@ -639,8 +641,7 @@ class Scope:
 
     def _frame(self, keyword: Keyword) -> tuple[FloatArray, FloatArray]:
         """Return origin and axes of the last *SYSTEM before a keyword."""
-        before = [of for order, *of in self._frames if order < keyword.order]
-        origin, axes = [(np.zeros(3), np.eye(3)), *before][-1]
+        _, origin, axes = [frame for frame in self._frames if frame[0] < keyword.order][-1]
         return origin, axes
 
     def _node(self, keyword: Keyword) -> None:
@@ -684,14 +685,13 @@ class Scope:
                 given = np.array(keyword.reals(row, texts[4:], 6))
                 about = where[centre] if centre else origin + axes @ given[:3]
                 normal = axes @ given[3:6] if len(texts) > 7 else None
-                between = None
-                if centre or len(texts) > 4:
-                    between = _arc(where[first], where[last], share, about, normal)
+                ends_of = np.array([where[first], where[last]])
+                between = _arc(ends_of, share, about, normal) if centre or texts[4:] else None
                 if between is None:
                     raise keyword.error("no arc leads from node to node about the centre", row)
+            elif len(texts) > 3:
+                raise keyword.error("only LINE=C takes more than three numbers", row)
             else:
-                if len(texts) > 3:
-                    raise keyword.error("only LINE=C takes more than three numbers", row)
                 between = where[first] + share * (where[last] - where[first])
             new = dict(zip(range(first + step, last, step), between, strict=True))
             where |= new
@@ -785,9 +785,10 @@ class Scope:
         for label in labels[again[(places[again] != places[again - 1]).any(axis=1)]].tolist():
             keyword = [one for one, own, _ in self._points if (own == label).any()][-1]
             raise keyword.error(f"node {label} is defined twice, at different places")
-        self.labels, self.places = np.delete(labels, again), np.delete(places, again, axis=0)
+        nodes, self.places = np.delete(labels, again), np.delete(places, again, axis=0)
+        self.known["NSET"] = nodes, np.arange(len(nodes))
         for i, block in enumerate(self.elements):
-            rows = raw.rows_of(self.labels, block.nodes)
+            rows = raw.rows_of(nodes, block.nodes)
             for element, node in np.argwhere(rows < 0)[:1]:
                 label, missing = block.labels[element], block.nodes[element, node]
                 raise block.keyword.error(
@@ -799,8 +800,7 @@ class Scope:
             keyword = [one.keyword for one in self.elements if (one.labels == label).any()][-1]
             raise keyword.error(f"element {label} is defined twice")
         order = np.argsort(labels, kind="stable")
-        self._known["NSET"] = self.labels, np.arange(len(self.labels))
-        self._known["ELSET"] = labels[order], order
+        self.known["ELSET"] = labels[order], order
 
     def members(self, which: Which, name: str) -> IntArray:
         """Return the sorted numbers, among those of all scopes, of a set's members."""
@@ -818,7 +818,7 @@ class Scope:
     def _resolved(self, which: Which, piece: _Piece) -> IntArray:
         options = piece.keyword.options
         scope = self.inner.get(key(options.get("INSTANCE", "")), self)
-        known = scope._known[which][0]
+        known = scope.known[which][0]
         labels = [piece.numbers]
         for start, stop, step in piece.ranges:
             inside = known[slice(*np.searchsorted(known, [start, stop + 1]).tolist())]
@@ -835,7 +835,7 @@ class Scope:
 
     def _numbered(self, which: Which, labels: IntArray) -> IntArray:
         """Return the numbers of nodes or elements among those of all scopes; -1 for others."""
-        known, order = self._known[which]
+        known, order = self.known[which]
         rows = raw.rows_of(known, labels)
         return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows
 
@@ -898,20 +898,19 @@ def _axes(keyword: Keyword, x: FloatArray, beside: FloatArray, least: float) -> 
     return np.array([x, np.cross(z, x), z])
 
 
-def _arc(
-    start: FloatArray, end: FloatArray, share: FloatArray, centre: FloatArray, given: Any
-) -> FloatArray | None:
+def _arc(ends: FloatArray, share: FloatArray, centre: FloatArray, given: Any) -> Any:
     """Return places on an arc, shape (n, 3), or None if there is no such arc.
 
     Parameters
     ----------
-    start, end, centre : ndarray, shape (3,)
+    ends : ndarray, shape (2, 3)
     share : ndarray, shape (n, 1)
-        Shares of the way from start to end.
+        Shares of the way from the first end to the other.
+    centre : ndarray, shape (3,)
     given : ndarray, shape (3,), or None
         A normal of the arc, needed from 180° on.
     """
-    arms = start - centre, end - centre
+    arms = ends - centre
     radii = [float(np.linalg.norm(arm)) for arm in arms]
     normal = np.cross(*arms) if given is None else given
     size = float(np.linalg.norm(normal))
@@ -922,8 +921,7 @@ def _arc(
     angle = math.atan2(float(arms[1] @ across), float(arms[1] @ arms[0])) % (2.0 * math.pi)
     if angle < _PARALLEL:
         return None
-    places: FloatArray = centre + np.cos(share * angle) * arms[0] + np.sin(share * angle) * across
-    return places
+    return centre + np.cos(share * angle) * arms[0] + np.sin(share * angle) * across
 
 
 # ----- sections and materials

@@ -45,7 +45,7 @@ class Keyword:
     ----------
     name : str
         In capitals, without star and blanks, as in "SOLIDSECTION".
-    given : tuple of str
+    given : list of str
         What follows the name, as in "ELSET=Bar".
     file : Path
     line : int
@@ -59,7 +59,7 @@ class Keyword:
     """
 
     name: str
-    given: tuple[str, ...]
+    given: list[str]
     file: Path
     line: int
     order: int
@@ -289,15 +289,17 @@ def read_keywords(main: Path) -> list[Keyword]:
         for start, stop in pairwise([-1, *starts, len(lines)]):
             after = 0
             if start >= 0:
-                keyword, after = _keyword(file, lines, start, stop, len(found))
+                text, after = _joined(lines, start, stop)
+                name, *given = fields(text[1:]) or [""]
+                keyword = Keyword(key(name), given, file, start + 1, len(found))
                 if keyword.name == "INCLUDE":
                     keyword.check_options("INPUT", "FILE")
+                    include(keyword, outer)
+
                 else:
                     found.append(keyword)
-                if keyword.name == "INCLUDE" or (
-                    keyword.name in _WITH_INPUT and "INPUT" in keyword.options
-                ):
-                    include(keyword, outer)
+                    if keyword.name in _WITH_INPUT and "INPUT" in keyword.options:
+                        include(keyword, outer)
             if found:
                 found[-1].pieces.append((file, lines, after, stop))
                 continue
@@ -315,15 +317,12 @@ def _texts(lines: list[str]) -> list[str]:
     return [text for line in lines if (text := line.strip()) and text[:2] != "**"]
 
 
-def _keyword(
-    file: Path, lines: list[str], start: int, stop: int, order: int
-) -> tuple[Keyword, int]:
-    """Return the keyword of a line, and the number of the line after it and its continuation."""
+def _joined(lines: list[str], start: int, stop: int) -> tuple[str, int]:
+    """Return the line of a keyword with its continuation, and the number of the line after it."""
     text, after = lines[start].strip(), start + 1
     while text.endswith(",") and after < stop:
         line = lines[after].strip()
         after += 1
         if line[:2] != "**":
             text += line or " "
-    name, *given = fields(text[1:]) or [""]
-    return Keyword(key(name), tuple(given), file, start + 1, order), after
+    return text, after

@@ -34,12 +34,7 @@ _SAME = 1e-4
 _ROUND = 1e-12
 
 # Kinds of sections by the dimension of their elements.
-_KINDS: dict[int | None, tuple[type[Any], ...]] = {
-    3: get_args(Solid),
-    2: (Shell, Laminate),
-    1: (Beam,),
-    None: get_args(Solid),
-}  # with None for materials
+_KINDS: dict[int, tuple[type[Any], ...]] = {3: get_args(Solid), 2: (Shell, Laminate), 1: (Beam,)}
 
 # ν13 and ν23 of fabrics: ν23 of all four unidirectional carbon and glass epoxies of P. D. Soden,
 # M. J. Hinton and A. S. Kaddour, Compos. Sci. Technol. 58, 1011 (1998), table 1.
@@ -88,7 +83,7 @@ class Source:
     wanted: dict[str, tuple[type[Any], ...]] = field(default_factory=dict)
     solids: list[tuple[float, float]] = field(default_factory=list)
 
-    def instead(self, name: str, dim: int | None = None) -> Any:
+    def instead(self, name: str, dim: int = 3) -> Any:
         """Return what is given in place of a section of 1 to 3 dimensions, or of a material."""
         kinds = _KINDS[dim]
         if (given := self.given.get(at := key(name))) is None:
@@ -233,11 +228,10 @@ def layered(
     plies: list[Ply], axis: Callable[[], tuple[float, ...]], offset: float
 ) -> Shell | Laminate:
     """Return the shell of some plies; the axis is asked for if one of them has fibres."""
-    if any(isinstance(ply.material, Orthotropic) for ply in plies):
-        return Laminate(plies, axis(), offset)
-    if len(plies) == 1:
+    fibrous = any(isinstance(ply.material, Orthotropic) for ply in plies)
+    if len(plies) == 1 and not fibrous:
         return Shell(plies[0].thickness, plies[0].material, offset)
-    return Laminate(plies, None, offset)
+    return Laminate(plies, axis() if fibrous else None, offset)
 
 
 @contextmanager
