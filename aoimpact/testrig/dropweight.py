@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -165,13 +165,7 @@ class DropWeight(Frozen):
         """
         return self._over_deflection(ax, self.force, "force", "N", kwargs)
 
-    def plot_energy(
-        self,
-        ax: Axes | None = None,
-        *,
-        over: Literal["time", "deflection"] = "time",
-        **kwargs: Any,
-    ) -> Axes:
+    def plot_energy(self, ax: Axes | None = None, *, over: str = "time", **kwargs: Any) -> Axes:
         """Draw the energy that the specimen has taken up; keywords go to ``Axes.plot``.
 
         Parameters

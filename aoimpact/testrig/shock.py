@@ -181,7 +181,15 @@ def shock_spectrum(
     if damping >= 1.0:
         raise InputError(f"damping_ratio must be below 1, got {damping:g}; 0.05 is Q = 10")
     named = choice("kind", kind, tuple(_KINDS))
-    signal = _base_acceleration(source)
+    signal = Signal.of(source)
+    if isinstance(source, Result):
+        mass = source.projectile.mass
+        if mass is None or not math.isfinite(mass):
+            raise InputError(
+                "source: the projectile's mass is not known; give a probe of one of its points, or "
+                "(t, values)"
+            )
+        signal = Signal(signal.t, signal.values / mass, unit="m/s²", name="acceleration")
     rate = signal.rate
     if frequencies is None:
         low, high = _LOWEST / float(signal.t[-1] - signal.t[0]), _HIGHEST * rate
@@ -204,17 +212,6 @@ def shock_spectrum(
     rows = [_largest(signal, f, damping, unit) for f in wanted.tolist()]
     above, below, primary, residual = np.transpose(rows)
     return ShockSpectrum(wanted, above, below, primary, residual, named, unit, damping)
-
-
-def _base_acceleration(source: Any) -> Signal:
-    if not isinstance(source, Result):
-        return Signal.of(source)
-    force, mass = Signal.of(source), source.projectile.mass
-    if mass is None or not math.isfinite(mass):
-        raise InputError(
-            "the projectile's mass is not known; give a probe of one of its points, or (t, values)"
-        )
-    return Signal(force.t, force.values / mass, unit="m/s²", name="acceleration")
 
 
 def _largest(signal: Signal, frequency: float, damping: float, unit: str) -> tuple[float, ...]:

@@ -270,7 +270,7 @@ def test_curves_and_files(tmp_path: Path) -> None:
     assert test.turn is not None
     assert y[x.argmax()] == pytest.approx(test.turn.energy, rel=1e-6)  # in J, at the turn
     with pytest.raises(ao.InputError, match="over must be one of"):
-        test.plot_energy(over="force")  # type: ignore[arg-type]
+        test.plot_energy(over="force")
     plt.close("all")
     test.to_csv(tmp_path / "test.csv")
     signal = testrig.read_signal(tmp_path / "test.csv", values="force")
