@@ -15,6 +15,7 @@ from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import takewhile
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, Literal
 
@@ -279,39 +280,37 @@ class AbaqusDeck:
         groups = {key(name): name for name in source.raw.cell_sets}
         dims = np.array([_dim(name) for name in self.types.tolist()])
         found: dict[str, OneMaterial] = {}
-        additions: list[tuple[str, Keyword]] = []
+        places: list[tuple[bool, Keyword, str, FloatArray]] = []
         elset = ""
         for card in self.cards:
             addition = _kind(card.name) == "addition"
-            if not addition and card.name not in _SECTIONS:
-                continue
-            elset = card.options.get("ELSET", elset if addition else "")
-            for before, turn in self.instances.get(card.part, []):
-                if addition:
-                    additions.append((before + elset, card))
-                    continue
-                read, dim, options = _SECTIONS[card.name]
-                name = groups.get(key(before + elset))
-                if name is None:
-                    raise card.error(f"there is no ELSET {elset!r}")
-                members = source.raw.cell_sets[name]
-                own = members[dims[source.raw.block_of(members)] == dim]
-                if not len(own):
-                    continue  # of trusses, membranes and the like, which no body has
-                if name in found:
-                    raise card.error(f"{name} has another section")
-                found[name] = source.instead(name, dim)
-                if found[name] is None:
-                    card.check_options("ELSET", "MATERIAL", "CONTROLS", *options)
-                    with refusing(card.error):
-                        found[name] = read(_Section(source, self, card, turn, own))
-        for of, card in additions:
+            if addition or card.name in _SECTIONS:
+                elset = card.options.get("ELSET", elset if addition else "")
+                at = self.instances.get(card.part, [])
+                places += [(addition, card, before + elset, turn) for before, turn in at]
+        for addition, card, of, turn in sorted(places, key=itemgetter(0)):  # to sections at last
             name = groups.get(key(of), "")
-            if name not in found or found[name] is not source.given.get(key(name)):
-                raise card.error(
-                    f"it is not supported; take it into the section of {of} by "
-                    "read_sections(given=), or delete it"
-                )
+            if addition:
+                if name not in found or found[name] is not source.given.get(key(name)):
+                    raise card.error(
+                        f"it is not supported; take it into the section of {of} by "
+                        "read_sections(given=), or delete it"
+                    )
+                continue
+            read, dim, options = _SECTIONS[card.name]
+            if name not in source.raw.cell_sets:
+                raise card.error(f"there is no ELSET {of!r}")
+            members = source.raw.cell_sets[name]
+            own = members[dims[source.raw.block_of(members)] == dim]
+            if not len(own):
+                continue  # of trusses, membranes and the like, which no body has
+            if name in found:
+                raise card.error(f"{name} has another section")
+            found[name] = source.instead(name, dim)
+            if found[name] is None:
+                card.check_options("ELSET", "MATERIAL", "CONTROLS", *options.split())
+                with refusing(card.error):
+                    found[name] = read(_Section(source, self, card, turn, own))
         beams = any(isinstance(each, Beam) for each in found.values())
         if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
             source.left_out.append(
@@ -393,11 +392,11 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     node_sets, cell_sets = _named(whole)
     sizes = [len(block.labels) for block in blocks]
     of = np.repeat(np.arange(len(blocks)), sizes)
-    left_out = {}
+    of_bodies, left_out = {body.name for body in bodies}, {}
     for name, members in cell_sets.items():
         own = of[members]
         others = own[dims[own] != 3 if (dims[own] == 3).any() else unread[own]]
-        if len(others) and name not in [body.name for body in bodies]:
+        if len(others) and name not in of_bodies:
             left_out[name] = _listed(types[others].tolist())
     turned = {"": [("", np.eye(3))]}
     for scope in whole.inner.values():
@@ -579,7 +578,7 @@ class Scope:
         if not self.known:
             for keyword in sorted(self.keywords, key=lambda keyword: _READ[keyword.name][0]):
                 _, add, options = _READ[keyword.name]
-                keyword.check_options(*options)
+                keyword.check_options(*options.split())
                 add(self, keyword)
             self._number()
         return self
@@ -874,15 +873,15 @@ class Scope:
 
 
 # Keywords that are read, after those of a lower number that may come later; and their options.
-_OF_SETS = ("GENERATE", "UNSORTED", "INTERNAL", "INSTANCE", "INPUT")
-_READ: dict[str, tuple[int, Callable[[Scope, Keyword], None], tuple[str, ...]]] = {
-    "SYSTEM": (0, Scope._system, ()),
-    "NODE": (0, Scope._node, ("NSET", "SYSTEM", "INPUT")),
-    "NGEN": (1, Scope._ngen, ("NSET", "LINE")),
-    "ELEMENT": (0, Scope._element, ("TYPE", "ELSET", "INPUT")),
-    "ELGEN": (2, Scope._elgen, ("ELSET",)),
-    "NSET": (0, Scope._set, ("NSET", "ELSET", *_OF_SETS)),
-    "ELSET": (0, Scope._set, ("ELSET", *_OF_SETS)),
+_OF_SETS = "ELSET GENERATE UNSORTED INTERNAL INSTANCE INPUT"
+_READ: dict[str, tuple[int, Callable[[Scope, Keyword], None], str]] = {
+    "SYSTEM": (0, Scope._system, ""),
+    "NODE": (0, Scope._node, "NSET SYSTEM INPUT"),
+    "NGEN": (1, Scope._ngen, "NSET LINE"),
+    "ELEMENT": (0, Scope._element, "TYPE ELSET INPUT"),
+    "ELGEN": (2, Scope._elgen, "ELSET"),
+    "NSET": (0, Scope._set, f"NSET {_OF_SETS}"),
+    "ELSET": (0, Scope._set, _OF_SETS),
 }
 
 
@@ -1146,13 +1145,10 @@ def _is_name(text: str) -> bool:
 
 
 # Sections: how they are read, the dimension of their elements, and options that they may have.
-_SHELL = (
-    *("COMPOSITE", "OFFSET", "ORIENTATION", "SYMMETRIC", "LAYUP", "SECTIONINTEGRATION"),
-    *("TEMPERATURE", "POISSON"),
-)
-_BEAM = ("SECTION", "TEMPERATURE", "POISSON", "ROTARYINERTIA", "DENSITY")
-_SECTIONS: dict[str, tuple[Callable[[_Section], OneMaterial], int, tuple[str, ...]]] = {
-    "SOLIDSECTION": (_Section.solid, 3, ("ORIENTATION",)),
+_SHELL = "COMPOSITE OFFSET ORIENTATION SYMMETRIC LAYUP SECTIONINTEGRATION TEMPERATURE POISSON"
+_BEAM = "SECTION TEMPERATURE POISSON ROTARYINERTIA DENSITY"
+_SECTIONS: dict[str, tuple[Callable[[_Section], OneMaterial], int, str]] = {
+    "SOLIDSECTION": (_Section.solid, 3, "ORIENTATION"),
     "SHELLSECTION": (_Section.shell, 2, _SHELL),
     "SHELLGENERALSECTION": (_Section.shell, 2, _SHELL),
     "BEAMSECTION": (_Section.beam, 1, _BEAM),

@@ -266,7 +266,7 @@ def test_nodes_on_an_arc(tmp_path: Path, centre: str) -> None:
     assert np.allclose(np.hypot(*mesh.nodes.T[:2]), np.repeat([1.0, 2.0, 1.0, 2.0], 4))
 
 
-PART = f"*Part, name=Bar\n{NODES}{BRICK}*Nset, nset=Left\n1,3,5,7\n*End Part\n"
+PART = f"*Part, name=Bar\n{NODES}{BRICK}*Nset, nset=Left\n1,3,5,7\n*Elset,elset=Bar\n1\n*End Part\n"
 
 
 def assembly(*instances: str, more: str = "") -> str:
