@@ -21,6 +21,9 @@ __all__ = ["existing", "load"]
 
 _Reader = Callable[[Path], RawMesh]
 
+# Bytes by which a format is recognised; decks and punched files begin with other entries.
+_HEAD = 2**20
+
 # Readers by the end of a file's name, in small letters; meshio takes the rest.
 _READERS: dict[str, _Reader] = {
     **dict.fromkeys((".bdf", ".nas"), nastran.read),
@@ -46,9 +49,9 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
     """
     file = file_path("mesh", path)
     where = f"mesh file {str(file)!r}"
-    size = existing("mesh file", file)
+    size, head = existing("mesh file", file)
     try:
-        return _reader(file)(file)
+        return _reader(file.suffix.lower(), head)(file)
     except MeshError:
         raise
     except MemoryError:
@@ -62,8 +65,8 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
         ) from None
 
 
-def existing(what: str, file: Path) -> int:
-    """Return the size of a file that is to be read, bytes.
+def existing(what: str, file: Path) -> tuple[int, bytes]:
+    """Return the size of a file that is to be read, bytes, and its beginning.
 
     Raises
     ------
@@ -72,9 +75,12 @@ def existing(what: str, file: Path) -> int:
     MeshError
         If it cannot be opened, is none, or is empty.
     """
-    where = f"{what} {str(file)!r}"
+    where, head = f"{what} {str(file)!r}", b""
     try:
         state = file.stat()
+        if stat.S_ISREG(state.st_mode):
+            with file.open("rb") as stream:
+                head = stream.read(_HEAD)
     except FileNotFoundError:
         raise MissingFileError(f"{where} does not exist (in {os.getcwd()})") from None
     except OSError as error:  # no access, or a name that is too long
@@ -84,17 +90,14 @@ def existing(what: str, file: Path) -> int:
         raise MeshError(f"{where} is {kind}")
     if state.st_size == 0:
         raise MeshError(f"{where}: it is empty")
-    return state.st_size
+    return state.st_size, head
 
 
-def _reader(file: Path) -> _Reader:
-    suffix = file.suffix.lower()
-    with file.open("rb") as stream:
-        head = stream.read(4096)
-    if looks_like_inp(head):  # CalculiX writes .msh
+def _reader(suffix: str, head: bytes) -> _Reader:
+    if looks_like_inp(head[:4096]):  # CalculiX writes .msh
         return abaqus.read
     if suffix.startswith(".msh"):
         return gmsh.read
-    if suffix not in _READERS and is_nastran(file):
+    if suffix not in _READERS and is_nastran(head):
         return nastran.read
     return _READERS.get(suffix, viameshio.read)

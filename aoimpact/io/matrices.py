@@ -49,9 +49,6 @@ _NAMES = {
 # which both triangles and their sum are held at once.
 _PER_BYTE = 12
 
-# Bytes that are searched to recognise a format; punched files begin with other entries.
-_HEAD = 2**20
-
 # Abaqus holds a dof by a stiffness of 1e36 on its diagonal.
 _HOLDING = 1e30
 
@@ -258,14 +255,12 @@ def load_matrices(file: Path) -> list[RawMatrix]:
     ------
     MissingFileError, InputError, MemoryLimitError
     """
-    size = existing("matrix file", file)
+    size, head = existing("matrix file", file)
     require(
         _PER_BYTE * size,
         f"matrix file {str(file)!r} of {size} bytes",
         "take a coarser mesh, or a reduced model of the other program",
     )
-    with file.open("rb") as stream:
-        head = stream.read(_HEAD)
     for matches, read in FORMATS.values():
         if matches(head):
             return read(file, size)

@@ -21,9 +21,6 @@ from .raw import joined, number, numbers, read_text, refused, repeats
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
 _PER_BYTE = 14
 
-# Bytes of a file by which it is recognised as a deck.
-_HEAD = 2**20
-
 # Columns of a line that Nastran reads.
 _COLUMNS = 80
 
@@ -60,10 +57,8 @@ _DIGITS = 1e-3
 _SPACES = int.from_bytes(b" " * 8, "little")
 
 
-def is_nastran(file: Path) -> bool:
-    """Return whether a file is a Nastran deck by its content."""
-    with file.open("rb") as stream:
-        content = stream.read(_HEAD)
+def is_nastran(content: bytes) -> bool:
+    """Return whether a file is a Nastran deck, by its beginning."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         content = content.replace(b"\0", b"")
     content = content.lstrip(b"\xef\xbb\xbf\xff\xfe")  # byte order marks

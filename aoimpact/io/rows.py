@@ -100,9 +100,8 @@ def read_places(nodes: Any) -> Places:
             raise InputError(f"nodes must have 3 or 4 columns, got shape {array.shape}")
         return _labelled("nodes", array)
     file = file_path("nodes", nodes)
-    existing("mesh file", file)
-    with file.open("rb") as stream:
-        head = stream.read(4096)
+    _, content = existing("mesh file", file)
+    head = content[:4096]
     if looks_like_inp(head) or (file.suffix.lower() == ".inp" and head.lstrip()[:1] == b"*"):
         with held_warnings():  # of elements, which do not matter here
             raw = load(file)
@@ -110,7 +109,7 @@ def read_places(nodes: Any) -> Places:
             raise spoilt(file, "it has no nodes")
         return _labelled(f"nodes {str(file)!r}", np.column_stack([raw.node_labels, raw.nodes]))  # type: ignore[list-item]
     if b"\0" not in head:
-        if is_nastran(file):
+        if is_nastran(content):
             return nastran_nodes(file)
         if (table := _lines(file)) is not None:
             return _labelled(f"nodes {str(file)!r}", table)
