@@ -153,7 +153,7 @@ def run_cases(
     threads = checked_workers(workers)
     if isinstance(cases, Sequence):
         keywords = tuple(inspect.signature(simulate).parameters)
-        cases = share_models(cases, keywords, keywords[:3])
+        cases = share_models(cases, keywords, keywords[:3])  # these three have no defaults
     warned, first = 0, ""
     with (
         nullcontext() if checkpoint is None else Checkpoint(checkpoint) as store,
@@ -162,7 +162,7 @@ def run_cases(
         for item, outcome in run_tasks(threads, job, _items(cases, job.keep, store, key)):
             if item.known and store is not None:
                 outcome = store.get(item.digest)
-            elif store is not None:
+            elif store is not None and item.digest:
                 store.put(item.digest, outcome)
             value, messages = outcome
             if messages:
@@ -185,7 +185,8 @@ class _Item(NamedTuple):
 def _items(
     cases: Iterable[Any], keep: Keep | None, store: Checkpoint | None, key: str | None
 ) -> Iterator[_Item]:
-    digests, ours = Digests(key), version("aoimpact")
+    ours = "" if store is None else version("aoimpact")  # slow to read
+    digests = Digests(key)
     for i, case in enumerate(cases):
         if store is None or isinstance(case, Exception):
             yield _Item(case)

@@ -79,7 +79,7 @@ def sweep(
         raise InputTypeError(
             "keep=None: a table holds numbers; name some, or take simulate_many for whole results"
         )
-    make = _maker(base, checked)
+    cases: Iterable[Any] = _cases(_maker(base, checked), checked)
     names = kept.names if isinstance(kept, Named) else ()
     sizes = [len(values) for values in checked.values()]
     count, columns = math.prod(sizes), len(checked) + max(len(names), 1)
@@ -88,7 +88,6 @@ def sweep(
         f"a table of {' x '.join(map(str, sizes))} = {count:.4g} cases and {columns} columns",
         "give fewer values, or sweep over parts of the grid, each with its own to_csv",
     )
-    cases: Iterable[Any] = _cases(make, checked)
     # Cases may share the model of a contact point, for which all must be known.
     first = list(itertools.islice(cases, 2)) if callable(base) else []
     cases = itertools.chain(first, cases)

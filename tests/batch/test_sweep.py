@@ -125,6 +125,17 @@ def test_a_failed_case_is_a_row_of_nan() -> None:
     assert np.isnan(fails["peak_force"]).all()
 
 
+def test_each_case_that_cannot_be_made_has_its_own_error_also_from_a_checkpoint(
+    tmp_path: Path,
+) -> None:
+    def made(mass: float) -> Any:
+        raise ao.InputError(f"mass {mass}")
+
+    for _ in range(2):
+        table = ao.sweep(made, {"mass": [1.0, 2.0]}, checkpoint=tmp_path / "sweep")
+        assert [str(table.errors[i]) for i in range(2)] == ["mass 1.0", "mass 2.0"]
+
+
 def test_csv_reads_back_bit_for_bit(tmp_path: Path) -> None:
     table = ao.sweep(BASE, {"velocity": [0.1, 0.0, 0.3]})
     table.to_csv(tmp_path / "sweep.csv")
