@@ -77,7 +77,7 @@ def read(file: Path) -> RawMesh:
         found = [match.groups() for match in re.finditer(pattern, text)]
         announced.append(sum(int(count[:19]) for counts in found for count in counts))
         if not found or announced[-1] > len(content):
-            raise ValueError(f"as {name}, it announces no nodes and cells, or more than fit its size")
+            raise ValueError(f"as {name}, it announces no nodes and cells that fit its size")
     said = io.StringIO()
     try:
         with (
