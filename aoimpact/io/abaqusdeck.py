@@ -295,7 +295,6 @@ def read_keywords(main: Path) -> list[Keyword]:
                 if keyword.name == "INCLUDE":
                     keyword.check_options("INPUT", "FILE")
                     include(keyword, outer)
-
                 else:
                     found.append(keyword)
                     if keyword.name in _WITH_INPUT and "INPUT" in keyword.options:

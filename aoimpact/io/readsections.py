@@ -140,14 +140,13 @@ def read_sections(
         elif source.left_out:
             cure = f"{'; '.join(dict.fromkeys(source.left_out))}. Write bars, or {cure}"
         raise MeshError(f"{where} has no sections of solids, shells or beams; {cure}")
-    for name in known:
-        if key(name) not in source.taken and (kinds := source.wanted.get(key(name))):
-            instance(f"given[{name!r}]", known[name], *kinds)
-    if unknown := [name for name in known if key(name) not in source.taken]:
-        raise InputError(
-            f"given: {unknown[0]!r} is no section or material in use{nearest(unknown[0], found)}; "
-            f"the deck's groups are {', '.join(map(repr, found))}"
-        )
+    for name, one in known.items():
+        if key(name) not in source.taken:
+            instance(f"given[{name!r}]", one, *source.wanted.get(key(name), (object,)))
+            raise InputError(
+                f"given: {name!r} is no section or material in use{nearest(name, found)}; "
+                f"the deck's groups are {', '.join(map(repr, found))}"
+            )
     if source.left_out:
         warn(f"{where}: {'; '.join(dict.fromkeys(source.left_out))}")
     return found
