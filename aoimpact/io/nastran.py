@@ -112,9 +112,9 @@ _DEEPEST = 200
 
 _SET = re.compile(r"SET\s+(\d+)\s*=(.*)")
 
-# A number of a set, or a range such as 1 THRU 20 BY 2 EXCEPT 7 9.
+# A number of a set, or a range and the numbers behind it, such as 1 THRU 20 BY 2 EXCEPT 7 9.
 _MEMBER = re.compile(
-    r"(\d+)(?: THRU (\d+)(?: BY 0*([1-9]\d*))?(?: EXCEPT((?: EXCEPT| \d+(?!\d| THRU))*))?)?(?: |$)"
+    r"(\d+)(?: THRU (\d+)(?: BY 0*([1-9]\d*))?((?: EXCEPT| \d+(?!\d| THRU))*))?(?: |$)"
 )
 
 # Members of a set of bulk data by its type; sets of other types are of neither.
@@ -522,9 +522,11 @@ def _among(text: str, labels: IntArray) -> IntArray:
     A number after EXCEPT is left out of the range before it, if it lies there; else it is in.
     """
     chosen, alone = np.zeros(len(labels), dtype=bool), list[int]()
-    for first, last, step, without in _MEMBER.findall(text):
+    for first, last, step, behind in _MEMBER.findall(text):
         of = range(int(first), int(last or first) + 1, int(step or 1))
+        more, _, without = behind.partition("EXCEPT")
         others = [int(number) for number in without.split() if number.isdigit()]
+        alone += [int(number) for number in more.split()]
         alone += [number for number in others if not of.start <= number < of.stop]
         if last:
             within = (labels >= of.start) & (labels < of.stop)
@@ -686,10 +688,8 @@ class Reader:
         if given is not None:
             return given
         if not label.isdigit() or int(label) not in self.materials:
-            raise card.error(
-                f"material {label!r} is none of {', '.join(_MATERIALS)}; give it by "
-                "read_sections(given=)"
-            )
+            why = f"material {label!r} is none of {', '.join(_MATERIALS)}"
+            raise card.error(f"{why}; give it by read_sections(given=)")
         own = self.materials[int(label)]
         if int(label) not in self._made:
             for entry in ("MATT1", "MATT8", "MATT11"):
@@ -701,10 +701,8 @@ class Reader:
             if own.real(damping, "GE", 0.0):
                 self.source.left_out.append(f"material {label} has no damping, GE is left out")
             if not (rho := own.real(at, "RHO", 0.0) * self.weight):
-                raise own.error(
-                    "RHO is 0 or blank; write it, or give read_sections(given="
-                    f"{{'material {label}': Material(...)}})"
-                )
+                cure = f"give read_sections(given={{'material {label}': Material(...)}})"
+                raise own.error(f"RHO is 0 or blank; write it, or {cure}")
             with refusing(own.error):
                 self._made[int(label)] = make(self.source, own, rho)
         return self._made[int(label)]

@@ -507,9 +507,10 @@ def read_bulk_data(lines: Lines) -> BulkData:
     starts = np.flatnonzero(~continues)
     ends = np.full(len(heads), len(heads))
     ends[starts[:-1]] = starts[1:]
-    before = np.cumsum(abs(counts)) - abs(counts)
+    sizes = abs(counts)
+    before = np.cumsum(sizes) - sizes
     offset = before - np.repeat(before[starts], ends[starts] - starts)
-    for half in np.flatnonzero((counts == 8) & (offset % 8 != 0))[:1].tolist():
+    for half in np.flatnonzero((sizes == 8) & (offset % 8 != 0))[:1].tolist():
         why = "large fields before it fill only half a line; add '*'"
         raise lines.refused(half, "continuation", why)
     return BulkData(lines, _names(lines, starts, heads[starts]), columns, counts, ends, offset)
