@@ -6,15 +6,10 @@ what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, 
 """
 
 from .choice import checked_linear_solver, checked_rtol, choose_models, time_rule
-from .hierarchy import (
-    Hierarchy,
-    KrylovHierarchy,
-    SharedPoint,
-    model_hierarchy,
-)
+from .hierarchy import Hierarchy, KrylovHierarchy, alike, model_hierarchy, shared_models
 from .interest import CONTROLLED, Keep, Named, impact_quantity, keeper, scene_quantity
 from .leftout import Met, alterations, errors_left_out, extrapolated, finer_run
-from .order import first_guess, larger_orders, models_to_compare, safety_of
+from .order import first_guess
 from .sensor import Sensor
 from .sensorat import AccelerationAt, ReactionAt, StrainAt
 from .stressat import StressAt

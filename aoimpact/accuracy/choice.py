@@ -18,7 +18,7 @@ from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import FixedModel, Models, only_models
 from .leftout import errors_left_out
-from .order import LOOSEST, Orders, Search, shared_orders
+from .order import LOOSEST, Orders, Search
 
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
@@ -159,24 +159,21 @@ def choose_models(
         run = record.run(plan_of(models, energies), timed)
         found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
     else:
-        if (known := shared_orders(bodies, trial, quantity)) is not None:
-            found, tolerance = known, known.rtol  # who shares models sees to it
-        else:
-            found = Search(
-                bodies,
-                run=trial,
-                quantity=quantity,
-                rtol=in_models,
-                solver=linear_solver,
-                factors=factors,
-                anew=None if record.given else record.reopen,
-                best=not given,
-                looser=looser if meshed and not given else None,
-            ).proven()
-            if found.rtol > in_models:
-                tolerance = found.rtol + in_time
-            if found.error > tolerance:
-                _warn_of_the_best(found, quantity, tolerance)
+        found = Search(
+            bodies,
+            run=trial,
+            quantity=quantity,
+            rtol=in_models,
+            solver=linear_solver,
+            factors=factors,
+            anew=None if record.given else record.reopen,
+            best=not given,
+            looser=looser if meshed and not given else None,
+        ).proven()
+        if found.rtol > in_models:
+            tolerance = found.rtol + in_time
+        if found.error > tolerance:
+            _warn_of_the_best(found, quantity, tolerance)
         run = record.run(plan_of(found.models, energies), timed)
     if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)

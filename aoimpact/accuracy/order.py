@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
@@ -19,7 +20,7 @@ from ..fem import own_contact_time
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel
 from ..results import Quantity, Run
-from .hierarchy import AOHierarchy, Hierarchy, Models, SharedPoint, model_hierarchy
+from .hierarchy import ElementHierarchy, Hierarchy, Models, alike, model_hierarchy
 
 # Models of n oscillators are compared with _COMPARED larger ones, the largest of which has _BEYOND
 # oscillators more, or half as many again: where errors fall slowly, 8 of 100 change little. One
@@ -58,6 +59,9 @@ LOOSEST, _WORTH = 1e-2, 4.0 / 3.0
 
 # The order of each different hierarchy.
 _Orders = tuple[int, ...]
+
+# Bodies of more dofs keep none of their models: the vectors may take hundreds of megabytes.
+_MOST_KEPT = 200_000
 
 # Where motion matters for longer than this many contact times, the bases hold slow motion as well.
 _LONG = 4.0
@@ -183,8 +187,6 @@ class Search:
             If not even the largest models tried agree to within the tolerance.
         """
         scales, fits = first_guess(self.bodies, self.run, self.quantity), 1
-        if any(isinstance(body, SharedPoint) for body in self.bodies):
-            fits = _MOST_FITS  # its vectors stay as they are
         while True:
             self._fit(scales)
             found = (_scales(self.quantity, larger, scales) for larger in self._grow())
@@ -195,18 +197,10 @@ class Search:
 
     def _fit(self, scales: TimeScales) -> None:
         """Begin with models that are fitted to these time scales."""
-        factors = self.factors if self.factors and self.solver == "auto" else {}
+        oscillators = max(1, round(-_FIRST * math.log10(self.least_rtol)))
         # Equal bodies with the same contact point, such as two equal spheres, share one basis.
         made = {
-            body: model_hierarchy(
-                body,
-                scales.contact_time,
-                scales.slow,
-                self.solver,
-                # Taken from those set up, so that their memory can be freed.
-                factors.pop(body.body, None) if isinstance(body, FullModel) else None,
-            )
-            for body in dict.fromkeys(self.bodies)
+            body: self._hierarchy(body, scales, oscillators) for body in dict.fromkeys(self.bodies)
         }
         which = {body: i for i, body in enumerate(made)}
         self.hierarchies = tuple(made.values())  # `orders` below are theirs
@@ -215,8 +209,22 @@ class Search:
         self.results: dict[_Orders, Run | None] = {}
         self.differences: dict[tuple[_Orders, _Orders], float] = {}
         self.failures: dict[_Orders, AOImpactError] = {}
-        oscillators = max(1, round(-_FIRST * math.log10(self.least_rtol)))
         self.orders = tuple(one.first + oscillators for one in self.hierarchies)
+
+    def _hierarchy(self, body: Any, scales: TimeScales, oscillators: int) -> Hierarchy:
+        """The models of a body: those that were made for an impact like this one, if any were."""
+        time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
+        make = partial(model_hierarchy, body, time, slow, self.solver)
+        if not isinstance(body, FullModel):
+            return make()
+        # The factors are taken from those set up, so that their memory can be freed.
+        factors = self.factors if self.factors and self.solver == "auto" else {}
+        make = partial(make, factors.pop(body.body, None))
+        if body.dofs > _MOST_KEPT:
+            return make()
+        key = tuple(tip.key for tip in body.tips), time, slow, self.solver, oscillators
+        found: Hierarchy = body.body.kept.get(key, make)
+        return found
 
     def _grow(self) -> Iterator[Run]:
         """Raise the orders until the error estimate is within the tolerance; yield larger runs."""
@@ -270,6 +278,9 @@ class Search:
         models = tuple(finished[place] for place in self.places)
         done = (self._at(each) for each in (orders, *self._larger()))
         run, *larger = (run for run in done if run is not None)  # all, since their errors are small
+        for one in self.hierarchies:
+            if isinstance(one, ElementHierarchy):
+                one.release()
         error = max(self._errors())
         return Orders(found, models, error, self.rtol, run, tuple(larger), self._safety())
 
@@ -373,44 +384,6 @@ def safety_of(quantity: Quantity, *, exact: bool) -> float:
     if exact:
         return 1.0
     return _SAFETY if quantity.is_history else _SAFETY_OF_NUMBERS
-
-
-def shared_orders(
-    bodies: Sequence[BodyModel], run: Callable[[Models], Run], quantity: Quantity
-) -> Orders | None:
-    """Return the models of bodies that many impacts share, and their error in this one.
-
-    None where they are yet to be chosen.
-
-    Parameters
-    ----------
-    bodies, run, quantity
-        As of `Search`.
-    """
-    shared = [body for body in bodies if isinstance(body, SharedPoint) and body.models]
-    if not shared:
-        return None
-    sets = models_to_compare(bodies)
-    # The largest models determine the length of the record.
-    largest = run(sets[-1])
-    found, *between = map(run, sets[:-1])
-    larger = (*between, largest)
-    safety = safety_of(quantity, exact=all(point.exact for point in shared))
-    error = safety * max(quantity.difference(found, other) for other in larger)
-    orders = tuple(getattr(model, "n", 0) for model in sets[0])
-    return Orders(orders, sets[0], error, shared[0].rtol, found, larger, safety)
-
-
-def models_to_compare(bodies: Sequence[BodyModel]) -> list[Models]:
-    """Return the models of bodies that many impacts share: those to take, then larger ones."""
-    of = [body.models if isinstance(body, SharedPoint) else (_given(body),) for body in bodies]
-    count = max(map(len, of))
-    return [tuple(models[min(i, len(models) - 1)] for models in of) for i in range(count)]
-
-
-def _given(body: Any) -> Any:
-    """The model of a body that was given."""
-    return body.whole if isinstance(body, AOHierarchy) else getattr(body, "given", body)
 
 
 def _beyond(order: int, share: float) -> int:

@@ -1,7 +1,6 @@
 """Many impacts: workers, checkpoints, sweeps and their tables.
 
-Plain impacts run many in one call of the core (plain.py); all others by `simulate`. Impacts on one
-contact point share its model (shared.py, sharednumbers.py). For `cli`.
+Plain impacts run many in one call of the core (plain.py); all others by `simulate`. For `cli`.
 """
 
 from .many import simulate_many

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, NamedTuple
 
-from ..accuracy import Keep, Named, keeper
+from ..accuracy import Keep, Named, keeper, shared_models
 from ..base import (
     InputError,
     InputTypeError,
@@ -26,6 +26,7 @@ from ..base import (
     text,
     warn,
 )
+from ..fem import ContactPoint
 from ..impact import simulate
 from ..laws import Linear
 from ..reduction import rigid
@@ -33,8 +34,6 @@ from ..results import look_up
 from .checkpoint import Checkpoint, Outcome, as_json
 from .digest import Digests
 from .plain import PLAIN_NUMBERS, plain_numbers
-from .shared import SharedCase, share_models
-from .sharednumbers import shared_numbers
 from .workers import checked_workers, run_tasks
 
 
@@ -53,9 +52,9 @@ def simulate_many(
     Parameters
     ----------
     cases : iterable
-        Dicts of `simulate`'s keywords, or pairs (scene, duration). Impacts in a list that name the
-        same contact point share a model of it, which is chosen for the hardest of them; each has
-        its own error. Those from a generator, which are not known in advance, share none.
+        Dicts of `simulate`'s keywords, or pairs (scene, duration). Impacts on one contact point
+        share its models where their contacts last about as long and are about as wide; each has
+        its own error. Without `quantity` and `rtol` models are chosen for the peak force.
     workers : int or executor, optional
         Threads (the core runs without Python's lock), or anything with ``.submit``: executors of
         concurrent.futures and mpi4py.futures, a dask.distributed Client. The results are the same
@@ -65,8 +64,8 @@ def simulate_many(
         numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, each with
         its error, such as "impulse_error" (`ErrorParts.total`), and "impulse_controlled",
         where models are chosen; or a function of the result, which other processes must be able
-        to import. Impacts of two AO models, or that share one, of which only named numbers are kept
-        run many in one call of the core.
+        to import. Impacts of two AO models of which only named numbers are kept run many in one
+        call of the core.
     checkpoint : path, optional
         A file that keeps finished cases, a line of JSON each: the same call resumes where an
         earlier one was stopped or killed. Cases are recognised by their content; one that has
@@ -151,9 +150,6 @@ def run_cases(
             if not re.search(r"\.\d", name):  # of a body or contact, which the cases have
                 look_up(hit, name, "keep")
     threads = checked_workers(workers)
-    if isinstance(cases, Sequence):
-        keywords = tuple(inspect.signature(simulate).parameters)
-        cases = share_models(cases, keywords, keywords[:3])  # these three have no defaults
     warned, first = 0, ""
     with (
         nullcontext() if checkpoint is None else Checkpoint(checkpoint) as store,
@@ -220,12 +216,10 @@ class _Job:
         if not isinstance(self.keep, Named) or not PLAIN_NUMBERS.issuperset(self.keep.names):
             return [None] * len(cases)
         found = plain_numbers(cases, self.keep.names)
-        for i, numbers in shared_numbers(cases, self.keep.names).items():
-            found[i] = numbers
         return [None if numbers is None else (numbers, ()) for numbers in found]
 
     def _alone(self, case: Any) -> Outcome:
-        with held_warnings() as messages:
+        with held_warnings() as messages, shared_models():
             try:
                 result = _run(case)
                 value = result if self.keep is None else self.keep(result)
@@ -250,9 +244,10 @@ def check_keywords(where: str, function: Callable[..., Any], names: Collection[s
 def _run(case: Any) -> Any:
     if isinstance(case, Exception):  # it could not be made
         raise case
-    if isinstance(case, SharedCase):
-        return case.simulate()
     if isinstance(case, Mapping):
+        points = any(isinstance(of, ContactPoint) for of in case.values())
+        if points and case.get("rtol") is None and case.get("quantity") is None:
+            case = {**case, "quantity": "peak_force"}  # all of the force takes larger models
         try:
             return simulate(**case)
         except TypeError:

@@ -10,7 +10,6 @@ from typing import Any
 
 from ..accuracy import Named, keeper
 from ..base import InputError, InputTypeError, require, sequence, spelled
-from ..fem import ContactPoint
 from ..impact import SceneCase, simulate
 from ..results import COLUMNS
 from ..scenefile import SceneFile, read_scene
@@ -88,11 +87,6 @@ def sweep(
         f"a table of {' x '.join(map(str, sizes))} = {count:.4g} cases and {columns} columns",
         "give fewer values, or sweep over parts of the grid, each with its own to_csv",
     )
-    # Cases may share the model of a contact point, for which all must be known.
-    first = list(itertools.islice(cases, 2)) if callable(base) else []
-    cases = itertools.chain(first, cases)
-    if _share_points(base, checked, first):
-        cases = list(cases)
     values = run_cases(cases, count, workers, kept, checkpoint, key, progress)
     return sweep_table(checked, values, names)
 
@@ -151,19 +145,6 @@ def _cases(make: Any, grid: Mapping[str, Sequence[Any]]) -> Iterator[Any]:
             yield make(**dict(zip(grid, values, strict=True)))
         except Exception as error:
             yield error
-
-
-def _share_points(base: Any, grid: Mapping[str, Sequence[Any]], first: Sequence[Any]) -> bool:
-    """Return whether cases have contact points in common: of a function the first two."""
-    if isinstance(base, Mapping):
-        given = itertools.chain(base.values(), *grid.values())
-        return any(isinstance(one, ContactPoint) for one in given)
-    points = [
-        {id(of) for of in case.values() if isinstance(of, ContactPoint)}
-        for case in first
-        if isinstance(case, Mapping)
-    ]
-    return len(points) == 2 and bool(points[0] & points[1])
 
 
 def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:

@@ -139,6 +139,10 @@ class ContactPoint(Frozen):
         if it is not known.
     tangents : ndarray, shape (2, 3), or None
         Along which friction acts: unit vectors across the direction and each other.
+    shift : float or None
+        s of the impact that the patch was fitted to, rad/s.
+    shift : float or None
+        s of the impact that the patch was fitted to, rad/s.
 
     Raises
     ------
@@ -167,6 +171,7 @@ class ContactPoint(Frozen):
     automatic: bool = False
     contact_radius: float | None = None
     tangents: FloatArray | None = None
+    shift: float | None = None
 
     def __post_init__(self) -> None:
         if not callable(getattr(type(self.body), "com_functional", None)):
@@ -200,11 +205,26 @@ class ContactPoint(Frozen):
             )
         return b
 
+    @cached_property
+    def key(self) -> tuple[Any, ...]:
+        """What tells it from other places on its body; equal for equal ones.
+
+        :meta private:
+        """
+        at = np.flatnonzero(self.b)
+        arrays = at, self.b[at], self.direction, self.point, self.normal, self.tangents
+        parts = (None if of is None else of.tobytes() for of in arrays)
+        return *parts, self.directed, self.automatic, self.contact_radius, self.shift
+
     def reversed(self) -> ContactPoint:
         """The same place with the direction of travel the other way round.
 
         :meta private:
         """
+        return self._reversed
+
+    @cached_property
+    def _reversed(self) -> ContactPoint:
         if self.thin is not None and self.directed and self.normal is not None:
             other = replace(self, normal=-self.normal)  # a projectile: touched on its other side
             known = vars(self).get("extraction")  # found for the impact
@@ -223,7 +243,7 @@ class ContactPoint(Frozen):
                 vars(tip)["extraction"] = replace(self.extraction, oblique=turned)
         return tip
 
-    @property
+    @cached_property
     def functionals(self) -> tuple[ContactPoint, ...]:
         """The contact point itself and, with tangents, the displacements along them.
 
@@ -394,7 +414,7 @@ class ContactPoint(Frozen):
 
         :meta private:
         """
-        tip = replace(self, contact_radius=contact_radius)
+        tip = replace(self, contact_radius=contact_radius, shift=math.sqrt(solver.s2))
         if self._on_surface:
             vars(tip)["extraction"] = tip._extracted(solver)
         return tip

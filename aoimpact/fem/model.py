@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 import os
+import uuid
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from functools import cached_property
 from typing import Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -67,6 +70,7 @@ from .doubts import (
 )
 from .frequencyresponse import FrequencyResponse, frequency_response
 from .grounding import Grounding, grounding_of
+from .kept import Kept
 from .labels import axes_of, checked_labels, labelled_nodes, node_numbers, translations
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
@@ -82,6 +86,12 @@ _ROUNDING = 1e-6
 # Share of a matrix's arrays below which what supports leave of it is copied, so that no more than a
 # tenth of their memory is held for nothing.
 _WORTH_KEEPING = 0.9
+
+
+# What is kept of bodies by their marks; and of the last that came from other processes, whose tasks
+# bring the same body again and again.
+_KEPT: WeakValueDictionary[str, Kept] = WeakValueDictionary()
+_RECEIVED: deque[Kept] = deque(maxlen=2)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -363,7 +373,27 @@ class FEModel(Frozen):
         state = {item.name: getattr(self, item.name) for item in fields(self)}
         if self.assembled:
             del state["K"], state["M"]
-        return state
+        return state | {"mark": self.mark}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        _RECEIVED.append(self.kept)
+
+    @cached_property
+    def mark(self) -> str:
+        """A name of its own, which pickles keep.
+
+        :meta private:
+        """
+        return uuid.uuid4().hex
+
+    @cached_property
+    def kept(self) -> Kept:
+        """Results derived from this body, which all its pickles in this process share.
+
+        :meta private:
+        """
+        return _KEPT.setdefault(self.mark, Kept())
 
     def __getattr__(self, name: str) -> Any:
         """K and M of an unpickled body with a mesh, assembled at their first use."""

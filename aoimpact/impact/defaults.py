@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from ..accuracy import SharedPoint
+from ..accuracy import alike
 from ..base import (
     HUGE,
     AOImpactError,
@@ -18,7 +18,7 @@ from ..base import (
     positive,
     real,
 )
-from ..fem import SHIFT_TIMES_DURATION, contact_within
+from ..fem import SHIFT_TIMES_DURATION, ContactPoint, contact_within
 from ..integrate import rigid_contact_time
 from ..laws import ContactLaw, LawFromSurfaces, law_between, round_contact
 from ..linalg import LinearSolver
@@ -252,14 +252,20 @@ def fitted(
     """
     if not isinstance(body, FullModel) or met is None or met.contact_radius is None:
         return body
-    if not body.tips[port].automatic or isinstance(body, SharedPoint):
+    tip = body.tips[port]
+    if not tip.automatic:
         return body
-    tip = contact_within(body.tips[port], met.contact_radius, wider=wider)
+    radius, time = alike(met.contact_radius, up=True), alike(met.contact_time)
     known = {} if factors is None else factors
-    if tip.body not in known:
-        known[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / met.contact_time) ** 2)
-    tip = tip.at_impact(met.contact_radius, known[tip.body])
-    return replace(body, tips=(*body.tips[:port], tip, *body.tips[port + 1 :]))
+
+    def pressed() -> ContactPoint:
+        wide = contact_within(tip, radius, wider=wider)
+        if tip.body not in known:
+            known[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / time) ** 2)
+        return wide.at_impact(radius, known[tip.body])
+
+    fit = tip.body.kept.get(("patch", tip.key, radius, time, wider), pressed)
+    return replace(body, tips=(*body.tips[:port], fit, *body.tips[port + 1 :]))
 
 
 def fitted_pair(

@@ -456,6 +456,10 @@ class InterfaceSpace:
         name = self._space.solver_name
         return of_modes(self.tips, np.sqrt(omega2), modes, name, self.contact_time)
 
+    def release(self) -> None:
+        """Give back the memory of the factors."""
+        self._space.release()
+
     @property
     def exhausted(self) -> bool:
         """True if all that the ports excite is in the space."""

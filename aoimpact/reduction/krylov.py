@@ -107,14 +107,13 @@ class KrylovSpace:
         self.tip = tip
         self.shift = fitted_shifts([tip], contact_time, None)[0]
         highest = highest_shift(tip)
-        if known is not None:
-            if instance("known", known, LinearSolver).pencil.K is not tip.body.K:
-                raise InputError("known: it solves for another body; take tip.body.inverse(s2)")
-            shift = math.sqrt(known.s2)
-            if abs(math.log(shift / self.shift)) > math.log(_AS_GOOD) or shift > highest:
-                known = None
-            else:
-                self.shift = shift
+        if known is not None and instance("known", known, LinearSolver).pencil.K is not tip.body.K:
+            raise InputError("known: it solves for another body; take tip.body.inverse(s2)")
+        shift = math.sqrt(known.s2) if known else tip.shift or self.shift
+        if abs(math.log(shift / self.shift)) > math.log(_AS_GOOD) or shift > highest:
+            known = None
+        else:
+            self.shift = shift
         self.contact_time = SHIFT_TIMES_DURATION / self.shift
         limit = highest if boolean("sharpened", sharpened) else 0.0
         self._space = Subspace([tip], [self.shift], highest=limit, solver=solver, known=known)
@@ -175,13 +174,20 @@ class KrylovSpace:
         return star_of_modes(
             self.tip,
             omega2,
-            self._space.vectors,
+            self._space.first_vectors(len(coordinates)),
             "AO",
             coordinates=coordinates,
             vectors=partial(self._space.first_vectors, len(coordinates)),
             solver=self._space.solver_name,
             contact_time=self.contact_time,
         )
+
+    def release(self) -> None:
+        """Give back the memory of the factors.
+
+        :meta private:
+        """
+        self._space.release()
 
     @property
     def exhausted(self) -> bool:

@@ -140,6 +140,10 @@ class Subspace:
         self._fastest = _WITHOUT_MASS * float((stiffness[heavy] / mass[heavy]).max())
         self._ended = False
 
+    def release(self) -> None:
+        """Give the memory of the factors back: those that are needed again are made again."""
+        self._solvers.clear()
+
     @property
     def _count(self) -> int:
         return int(self._progress[0])
@@ -185,22 +189,21 @@ class Subspace:
             If a mode that is no rigid motion has no stiffness.
         """
         omega2, coordinates = self.ritz_on_basis(count)
-        return omega2, self.vectors @ coordinates
-
-    @property
-    def vectors(self) -> FloatArray:
-        """The M-orthonormal basis, shape (n_dofs, there), as it is now."""
-        return self.first_vectors(self._count)
+        return omega2, self.first_vectors(len(coordinates)) @ coordinates
 
     def first_vectors(self, count: int) -> FloatArray:
-        """Return the first vectors of the basis: a view, which keeps its memory allocated."""
+        """Return the first of the M-orthonormal basis, shape (n_dofs, count): a view of all."""
         return self._basis[:count].T
 
     def ritz_on_basis(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return ω² and the modes' coordinates on `vectors`, shape (there, m); as `ritz`."""
+        """Return ω² and the modes' coordinates on the first vectors, shape (first, m); as `ritz`.
+
+        Only as many as there is need for: the last bits do not depend on those that came later.
+        """
         size, rigid = self.grow(count), self.rigid_count
         elastic = self._coordinates()[rigid:size]
-        there = self._stiffness[: self._count, : self._count]
+        first = max(rigid, 1 + int(np.flatnonzero(elastic.any(axis=0)).max(initial=-1)))
+        elastic, there = elastic[:, :first], self._stiffness[:first, :first]
         omega2, y = scipy.linalg.eigh(elastic @ there @ elastic.T)
         doubtful = omega2 <= _DOUBTFUL * np.abs(omega2).max(initial=0.0)
         if doubtful.any():
@@ -212,7 +215,7 @@ class Subspace:
                 "mechanism (supports missing, a piece joined along one edge or at one point); see "
                 "body.frequencies(10)"
             )
-        whole = np.eye(self._count, min(rigid, size))
+        whole = np.eye(first, min(rigid, size))
         coordinates = np.column_stack([whole, elastic.T @ y])
         return np.concatenate([np.zeros(min(rigid, size)), omega2]), coordinates
 
@@ -222,7 +225,7 @@ class Subspace:
         By K itself: the rounding of its projection is that of the stiffest motion. A value that is
         no more than rounding of K in its own motion is 0.
         """
-        motions = self._basis[: self._count].T @ coordinates
+        motions = self.first_vectors(len(coordinates)) @ coordinates
         omega2, turned = scipy.linalg.eigh(motions.T @ (self.body.K @ motions))
         sizes = np.abs(motions @ turned)
         rounding = (sizes * (abs(self.body.K) @ sizes)).sum(axis=0)
