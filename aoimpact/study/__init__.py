@@ -1,5 +1,4 @@
 """Comparison of models of one impact, and laws from measurements."""
 
-from .compare import compare
-from .comparison import Comparison
+from .compare import Comparison, compare
 from .fitlaw import LawFit, fit_law

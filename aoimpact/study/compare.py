@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 import math
+import os
 import time
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import astuple, dataclass, fields, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..accuracy import Hierarchy, first_guess, model_hierarchy
+from ..accuracy import first_guess, model_hierarchy
 from ..base import (
     AOImpactError,
     InputError,
+    aligned,
     boolean,
+    error_axes,
+    given_axes,
     held_warnings,
+    html_table,
     instance,
     integer,
     sequence,
     spelled,
     text,
     warn,
+    with_unit,
+    write_csv,
 )
 from ..impact import Impact, fitted_pair, simulate
 from ..integrate import Adaptive, Newmark
@@ -31,14 +38,16 @@ from ..laws import ContactLaw
 from ..linalg import Solver, checked_solver
 from ..reduction import BodyModel, FullModel, body_model, full, modal
 from ..results import QUANTITIES, Result
-from .comparison import Compared, Comparison
 
-_COMPARED = tuple(
-    QUANTITIES[name] for name in ("force", "contact_duration", "impulse", "target_displacement")
-)
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Errors of a row, and the quantities that they are of.
+_COMPARED = {name: name for name in ("force", "contact_duration", "impulse")}
+_COMPARED |= {"displacement": "target_displacement"}
 
 # Far below the differences between models.
-_IN_TIME = 1e-6
+_IN_TIME = Adaptive(rtol=1e-6)
 
 # Relative difference of masses above which another target is hardly the same.
 _SAME_MASS = 0.1
@@ -46,9 +55,160 @@ _SAME_MASS = 0.1
 # Distance across the direction of contacts at the same place, relative to the body's size.
 _SAME_PLACE = 0.01
 
-_AO, _MODAL = "AO({})".format, "modal({})".format  # labels
+# Names of curves.
+_KINDS = {"AO": "anti-oscillators", "modal": "natural modes"}
 
 Models = tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One pair of models.
+
+    Attributes
+    ----------
+    model : str
+        "rigid", "AO(3)", "modal(40)", "full", or the label of another target.
+    dofs : int
+        Degrees of freedom of both bodies.
+    build, run : float
+        Time to make the models, from the finite elements on, and to run them, s.
+    force, contact_duration, impulse, displacement : float
+        Relative errors; of force and of the target's contact displacement the largest over the
+        record, relative to the largest value.
+    failure : str
+        Why there are no numbers (then they are 0 and NaN); else empty.
+    """
+
+    model: str
+    dofs: int = 0
+    build: float = math.nan
+    run: float = math.nan
+    force: float = math.nan
+    contact_duration: float = math.nan
+    impulse: float = math.nan
+    displacement: float = math.nan
+    failure: str = ""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """Models of one impact.
+
+    Attributes
+    ----------
+    scene : str
+        The impact.
+    exact : str
+        The model that the errors are relative to.
+    exact_error : float or None
+        Its own relative error of time integration, as far as it is known.
+    rows : tuple of Compared
+    linear_solver : str
+        Linear solver of the reduced models; empty for dense matrices.
+
+    Examples
+    --------
+    >>> sphere = ao.AOModel(m0=3e-5, k0=0.0, m=[0.033], k=[2.8e8])
+    >>> table = ao.compare(projectile=sphere, target=sphere, law=ao.Hertz(k=1e10), velocity=1.0,
+    ...                    duration=1e-4, oscillators=(0, 1), modes=(), full=False)
+    >>> [row.model for row in table.rows], round(table["rigid"].force, 1)
+    (['rigid', 'AO(0)', 'AO(1)'], 0.4)
+    """
+
+    scene: str
+    exact: str
+    exact_error: float | None
+    rows: tuple[Compared, ...]
+    linear_solver: str = ""
+
+    def __getitem__(self, model: str) -> Compared:
+        """Return the row of a model, such as "AO(3)"."""
+        for row in self.rows:
+            if row.model == model:
+                return row
+        raise KeyError(model)
+
+    def plot(self, ax: Axes | None = None, *, error: str = "force", **kwargs: Any) -> Axes:
+        """Draw an error over the degrees of freedom; keywords go to ``Axes.plot``.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+        error : {"force", "contact_duration", "impulse", "displacement"}, optional
+
+        Returns
+        -------
+        Axes
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> table = ao.compare(
+        ...     projectile=ao.rigid(mass=0.01), target=tip, law=ao.Linear(k=1e5), velocity=1.0,
+        ...     duration=1e-3, oscillators=(0, 1, 2), modes=(), full=False,
+        ... )
+        >>> ax = table.plot()
+        """
+        ax = given_axes(ax)
+        curves: dict[str, list[Compared]] = {}
+        for row in self.rows:
+            if not row.failure and row.model != self.exact:
+                name = _KINDS.get(row.model.partition("(")[0], row.model)
+                curves.setdefault(name, []).append(row)
+        for name, rows in curves.items():
+            style = {"marker": "o", "label": name} | kwargs
+            ax.plot([row.dofs for row in rows], [getattr(row, error) for row in rows], **style)
+        return error_axes(
+            ax, "degrees of freedom", f"relative error of the {error}".replace("_", " ")
+        )
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the table: one row a model, times in s, errors relative.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> table = ao.compare(
+        ...     projectile=ao.rigid(mass=0.01), target=tip, law=ao.Linear(k=1e5), velocity=1.0,
+        ...     duration=1e-3, oscillators=(0, 1, 2), modes=(), full=False,
+        ... )
+        >>> table.to_csv(folder / "models.csv")
+        """
+        heading = [field.name for field in fields(Compared)]
+        write_csv(path, heading, (astuple(row) for row in self.rows))
+
+    def __repr__(self) -> str:
+        rows = aligned([_HEADINGS, *map(_cells, self.rows)], left={0, len(_HEADINGS) - 1})
+        return "\n".join([self.scene, self._reference(), *rows])
+
+    def _repr_html_(self) -> str:
+        caption = self.scene, self._reference()
+        return html_table(_HEADINGS, map(_cells, self.rows), caption=caption)
+
+    def _reference(self) -> str:
+        known = "" if self.exact_error is None else f" (in time right to {self.exact_error:.1g})"
+        by = f"; reduced by {self.linear_solver}" if self.linear_solver else ""
+        return f"errors relative to {self.exact}{known}{by}"
+
+
+# Failures need no heading.
+_HEADINGS = (*(field.name.replace("_", " ") for field in fields(Compared)[:-1]), "")
+
+
+def _cells(row: Compared) -> tuple[str, ...]:
+    """Format the row; the last cell is the failure message."""
+    model, dofs, build, run, *errors, failure = astuple(row)
+    if failure:
+        return (model, *("-",) * 7, failure)
+    times = with_unit(build, "s", 3), with_unit(run, "s", 3)
+    return (model, str(dofs), *times, *(f"{error:.1e}" for error in errors), "")
 
 
 @spelled
@@ -130,25 +290,25 @@ def compare(
     >>> table["shell"].impulse < 0.01
     True
     """
-    along = not isinstance(velocity, list | tuple | np.ndarray)
-    for name, given in (("velocity", velocity), ("friction", friction), ("spin", spin)):
-        if given is not None and not (along and name == "velocity"):
+    vector = velocity if isinstance(velocity, list | tuple | np.ndarray) else None
+    for name, value in (("velocity", vector), ("friction", friction), ("spin", spin)):
+        if value is not None:
             raise InputError(
-                f"{name}={given!r}: models are compared along one direction of travel; give the "
+                f"{name}={value!r}: models are compared along one direction of travel; give the "
                 "speed alone, and simulate an oblique impact with quantity= and rtol="
             )
     full = boolean("full", full)
-    orders = _ascending("oscillators", oscillators, low=0)
-    truncations = _ascending("modes", modes, low=1)
-    if not orders and not full:
+    stars = {f"AO({n})": n for n in _ascending("oscillators", oscillators, low=0)}
+    truncations = {f"modal({n})": n for n in _ascending("modes", modes, low=1)}
+    if not stars and not full:
         raise InputError("full=False without oscillators leaves no model to compare with")
-    others = (
-        {} if other_targets is None else dict(instance("other_targets", other_targets, Mapping))
-    )
-    own = ["rigid", *map(_AO, orders), *map(_MODAL, truncations), *(["full"] if full else [])]
+    exact = "full" if full else [*stars][-1]
+    labels = ["rigid", *stars, *truncations, *["full"] * full]
+    given = {} if other_targets is None else other_targets
+    others = dict(instance("other_targets", given, Mapping))
     for label, other in others.items():
         body_model(f"other_targets[{text('a label of other_targets', label)!r}]", other)
-        if label in own:
+        if label in labels:
             raise InputError(f"other_targets: {label!r} is a row of its own; give another label")
     with held_warnings():  # each run has them again
         impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
@@ -156,8 +316,7 @@ def compare(
         law, duration = impact.law, impact.duration
         if duration is None:
             duration = simulate(projectile, target, velocity, law=law, gap=gap).duration
-    velocity = impact.velocity
-    run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
+    run = partial(simulate, law=law, velocity=impact.velocity, duration=duration, gap=gap)
     bodies = _body("projectile", projectile), _body("target", target)
     for label, other in others.items():
         _warn_of_differences(bodies[1], label, body_model(label, other))
@@ -166,75 +325,72 @@ def compare(
 
     def quick(models: Models) -> Result:
         with held_warnings():
-            return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
+            return run(*models, solver=_IN_TIME)
 
     contact_time, span = first_guess(bodies, quick, QUANTITIES["target_displacement"])
     linear = checked_solver(linear_solver, name="linear_solver")
-    hierarchies = tuple(
+    hierarchies = [
         model_hierarchy(body, contact_time, max(span, duration), linear) for body in bodies
+    ]
+
+    def models_of(label: str) -> Models:
+        if label == "rigid":
+            return tuple(each.model(0) for each in hierarchies)
+        if label in stars:
+            return tuple(each.model(stars[label] + each.first) for each in hierarchies)
+        if label in truncations:
+            return tuple(
+                modal(body.tips[0], min(truncations[label], body.body.n_dofs), solver=linear)
+                if isinstance(body, FullModel)
+                else body
+                for body in bodies
+            )
+        if label in others:
+            return run(projectile=projectile, target=others[label]).models
+        return bodies
+
+    whole = Newmark() if any(isinstance(body, FullModel) for body in bodies) else _IN_TIME
+    rows: dict[str, Compared] = {}
+    results: dict[str, Result] = {}
+    spent = 0.0
+    for label in [*labels, *others]:
+        start = time.perf_counter()
+        try:
+            models = models_of(label)
+            build = time.perf_counter() - start
+            result = run(*models, solver=whole) if label == "full" else quick(models)
+        except AOImpactError as error:
+            rows[label] = Compared(label, failure=str(error))
+            continue
+        ran = time.perf_counter() - start - build
+        if label in stars:  # the bases are nested: each model adds to the one before
+            build = spent = spent + build
+        results[label] = result
+        rows[label] = Compared(label, sum(model.dofs for model in models), build, ran)
+    if exact not in results:
+        raise InputError(f"{exact}: {rows[exact].failure}")
+    for label, result in results.items():
+        errors: Any = {
+            name: QUANTITIES[of].difference(result, results[exact])
+            for name, of in _COMPARED.items()
+        }
+        rows[label] = replace(rows[label], **errors)
+    called = " on ".join(
+        body.name or (f"a body of {body.dofs} dofs" if isinstance(body, FullModel) else body.label)
+        for body in bodies
     )
-    tries = _of_oscillators(hierarchies, orders, quick)
-    for n in truncations:
-        tries.append(_try(_MODAL(n), partial(_with_modes, bodies, n, linear), quick))
-    exact = tries[len(orders)]
-    if full:
-        meshed = any(isinstance(body, FullModel) for body in bodies)
-        solver = Newmark() if meshed else Adaptive(rtol=_IN_TIME)
-        exact = _try("full", lambda: bodies, lambda pair: run(*pair, solver=solver))
-        tries.append(exact)
-    for label, other in others.items():
-        chosen = partial(run, projectile=projectile, target=other)
-        tries.append(_try(label, partial(_chosen_models, chosen), quick))
-    if exact.result is None:
-        raise InputError(f"{exact.label}: {exact.failure}")
+    solvers = [model.linear_solver for result in results.values() for model in result.models]
     return Comparison(
-        f"{_called(bodies[0])} on {_called(bodies[1])}, {law}, {velocity:g} m/s",
-        exact.label,
-        exact.result.error.time,
-        tuple(each.compared(exact.result) for each in tries),
-        ", ".join(dict.fromkeys(name for each in tries for name in each.solvers)),
+        f"{called}, {law}, {impact.velocity:g} m/s",
+        exact,
+        results[exact].error.time,
+        tuple(rows.values()),
+        ", ".join(dict.fromkeys(filter(None, solvers))),
     )
-
-
-def _chosen_models(chosen: Callable[[], Result]) -> Models:
-    return tuple(chosen().models)
-
-
-def _warn_of_differences(target: BodyModel, label: str, other: BodyModel) -> None:
-    """Warn of another target with another mass, or struck beside the target's contact point."""
-    if not (target.contact_points and other.contact_points):
-        return
-    first, second = target.contact_points[0], other.contact_points[0]
-    mass, weight, nodes, said = first.body.mass, second.body.mass, first.body.nodes, []
-    if mass and weight and abs(weight - mass) > _SAME_MASS * mass:
-        said.append(f"weighs {weight:.4g} kg in place of {mass:.4g} kg")
-    along, one, two = first.direction, first.point, second.point
-    if nodes is not None and along is not None and one is not None and two is not None:
-        away = two - one - ((two - one) @ along) * along  # without the distance by thickness
-        apart = float(np.linalg.norm(away))
-        if apart > _SAME_PLACE * float(np.ptp(nodes, axis=0).max()):
-            said.append(f"is struck {apart:.3g} m beside the target's contact point")
-    if said:
-        warn(f"other_targets[{label!r}] {' and '.join(said)}: its row compares another impact")
 
 
 def _ascending(name: str, values: Iterable[int], *, low: int) -> list[int]:
     return sorted({integer(name, n, low=low) for n in sequence(name, values)})
-
-
-def _of_oscillators(
-    hierarchies: tuple[Hierarchy, ...], orders: list[int], run: Callable[[Models], Result]
-) -> list[_Try]:
-    """Rigid bodies, and models of so many oscillators, each with the time of those before it."""
-    tries = [_try("rigid", lambda: tuple(each.model(0) for each in hierarchies), run)]
-    spent = 0.0
-    for n in orders:
-        make = partial(lambda n: tuple(each.model(n + each.first) for each in hierarchies), n)
-        tries.append(_try(_AO(n), make, run))
-        if not tries[-1].failure:
-            spent += tries[-1].build  # the bases are nested: each model adds to the one before
-            tries[-1].build = spent
-    return tries
 
 
 def _body(name: str, body: Any) -> BodyModel:
@@ -243,54 +399,19 @@ def _body(name: str, body: Any) -> BodyModel:
     return full(model.contact_points) if model.contact_points else model
 
 
-def _called(body: BodyModel) -> str:
-    if isinstance(body, FullModel):
-        return body.name or f"a body of {body.body.n_dofs} dofs"
-    return body.name or body.label
-
-
-@dataclass
-class _Try:
-    """One pair of models: the time to build and to run it, or why that failed."""
-
-    label: str
-    dofs: int = 0
-    build: float = math.nan
-    run: float = math.nan
-    result: Result | None = None
-    failure: str = ""
-    solvers: tuple[str, ...] = ()
-
-    def compared(self, exact: Result) -> Compared:
-        result = self.result
-        force, touch, impulse, displacement = (
-            math.nan if result is None else of.difference(result, exact) for of in _COMPARED
-        )
-        errors = force, touch, impulse, displacement
-        return Compared(self.label, self.dofs, self.build, self.run, *errors, self.failure)
-
-
-def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -> _Try:
-    done = _Try(label)
-    try:
-        start = time.perf_counter()
-        models = make()
-        done.build = time.perf_counter() - start
-        done.dofs = sum(model.dofs for model in models)
-        done.solvers = tuple(model.linear_solver for model in models if model.linear_solver)
-        start = time.perf_counter()
-        done.result = run(models)
-        done.run = time.perf_counter() - start
-    except AOImpactError as error:
-        done.failure = str(error)
-    return done
-
-
-def _with_modes(bodies: Models, n: int, linear: Solver) -> Models:
-    first, second = (
-        modal(body.tips[0], min(n, body.body.n_dofs), solver=linear)
-        if isinstance(body, FullModel)
-        else body
-        for body in bodies
-    )
-    return first, second
+def _warn_of_differences(target: BodyModel, label: str, other: BodyModel) -> None:
+    """Warn of another target with another mass, or struck beside the target's contact point."""
+    if not (target.contact_points and other.contact_points):
+        return
+    first, second = target.contact_points[0], other.contact_points[0]
+    mass, weight, said = first.body.mass, second.body.mass, []
+    if mass and weight and abs(weight - mass) > _SAME_MASS * mass:
+        said.append(f"weighs {weight:.4g} kg in place of {mass:.4g} kg")
+    nodes, along, place = first.body.nodes, first.direction, first.point
+    if nodes is not None and along is not None and place is not None and second.point is not None:
+        # Without the distance by thickness.
+        apart = float(np.linalg.norm(np.cross(second.point - place, along)))
+        if apart > _SAME_PLACE * float(np.ptp(nodes, axis=0).max()):
+            said.append(f"is struck {apart:.3g} m beside the target's contact point")
+    if said:
+        warn(f"other_targets[{label!r}] {' and '.join(said)}: its row compares another impact")
