@@ -262,7 +262,7 @@ class Layers:
         ndarray, shape (..., n_stations, 6)
             xx, yy, zz, xy, yz, xz, Pa; tension is positive, and zz is zero.
         """
-        places = [(number, self._z(at)) for at, (number, _) in enumerate(self.stations)]
+        places = [(ply, self.height(side, ply)) for ply, side in self.stations]
         return np.stack([self.stress_at(strains, *place) for place in places], axis=-2)
 
     def stress_at(self, strains: FloatArray, number: int, z: float) -> FloatArray:
@@ -283,9 +283,12 @@ class Layers:
         found: FloatArray = np.einsum("sij,...sj->...si", compliance, stress)
         return found
 
-    def _z(self, station: int) -> float:
-        number, side = self.stations[station]
-        low, high = self.interfaces[number : number + 2].tolist()
+    def height(self, side: str, ply: int | None = None) -> float:
+        """Return z of the bottom, middle or top of a ply by its number, or of all of them, m.
+
+        :meta private:
+        """
+        low, high = self.interfaces[[0, -1] if ply is None else [ply, ply + 1]].tolist()
         return float({"bottom": low, "middle": 0.5 * (low + high), "top": high}[side])
 
 

@@ -154,19 +154,12 @@ class StressRows:
         if not self._sections:
             return found
         place = np.concatenate([of.place for of in self._sections])
-        order = np.argsort(place, kind="stable")
-        rank = np.empty_like(place)  # among the elements that meet at a place
-        rank[order] = np.arange(len(place)) - np.searchsorted(place[order], place[order])
         strains = values[first:].T.reshape(len(found), -1, 6)
         for some in _batches(len(found), max(1, _BATCH // len(place))):
-            size, tensors = self._of_sections(strains[some])
-            largest = np.full((len(size), len(self.known)), -1.0)
-            for number in range(int(rank.max()) + 1):
-                own = np.flatnonzero(rank == number)
-                at = place[own]
-                larger = size[:, own] > largest[:, at]
-                largest[:, at] = np.where(larger, size[:, own], largest[:, at])
-                found[some, at] = np.where(larger[..., None], tensors[:, own], found[some, at])
+            each = zip(found[some], *self._of_sections(strains[some]), strict=True)
+            for at_places, size, tensors in each:
+                order = np.lexsort((size, place))
+                at_places[place[order]] = tensors[order]  # of each place the last, the largest
         return found
 
     def _of_sections(self, strains: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -324,17 +317,11 @@ def _of_shells(
         return sp.csr_array(shape), known
     found, spots = _corners(mesh, material, wanted, layer, strain)
     count = np.bincount(np.concatenate([spot for spot, *_ in found]), minlength=spots.max() + 1)
-    i, j, values = [], [], []
+    means = sp.csr_array((6 * len(count), shape[1]))
     for spot, cells, rows in found:
+        ends = mesh.cells[cells, : rows.shape[2] // 6]
         scaled = rows / count[spot][:, None, None]
-        dofs = _dofs(mesh.cells[cells, : rows.shape[2] // 6], mesh.n_nodes)
-        i.append(np.broadcast_to((6 * spot[:, None] + np.arange(6))[..., None], rows.shape))
-        j.append(np.broadcast_to(dofs[:, None], rows.shape))
-        values.append(scaled)
-    row, column, value = (
-        np.concatenate([each.ravel() for each in parts]) for parts in (i, j, values)
-    )
-    means = sp.csr_array((value, (row, column)), shape=(6 * len(count), shape[1]))
+        means += _by_dofs(spot, ends, scaled, means.shape)
     at = weights.tocoo()
     place, node = (each[known[at.coords[0]]] for each in at.coords)
     corner = (mesh.cells[chosen[place]] == node[:, None]).argmax(axis=1)
@@ -377,19 +364,10 @@ def _corners(
 
 def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, FloatArray | None]:
     """Stress or strain of unit generalised strains, (8, 6), and axes of a ply given by number."""
-    if isinstance(layer, str):
-        ends = layers.interfaces
-        middle = 0.5 * float(ends[0] + ends[-1])
-        inside = int(np.searchsorted(ends[1:-1], middle, side="right"))
-        ply, z = {
-            "bottom": (0, float(ends[0])),
-            "middle": (inside, middle),
-            "top": (len(layers.plies) - 1, float(ends[-1])),
-        }[layer]
-    else:
-        ply, side = layer
-        low, high = layers.interfaces[ply : ply + 2].tolist()
-        z = {"bottom": low, "middle": 0.5 * (low + high), "top": high}[side]
+    ply, side = (None, layer) if isinstance(layer, str) else layer
+    z = layers.height(side, ply)
+    if ply is None:
+        ply = int(np.searchsorted(layers.interfaces[1:-1], z, side="right"))
     found = layers.stress_at(np.eye(8), ply, z)
     if strain:  # shears of the tensor are half of γ
         half = np.where(np.arange(6) < 3, 1.0, 0.5)
@@ -435,10 +413,8 @@ def _of_beams(
         share = np.asarray(weights[place[own], ends[:, 1]]).ravel()
         at_ends = beam_rows(mesh.nodes[part.cells], part.of, np.array([0.0, 1.0]))[row]
         strains = at_ends[:, 0] + share[:, None, None] * (at_ends[:, 1] - at_ends[:, 0])
-        i = np.repeat(np.arange(6 * len(row)), 12)
-        j = np.broadcast_to(_dofs(ends, mesh.n_nodes)[:, None], strains.shape)
         shape = (6 * len(row), 6 * mesh.n_nodes)
-        rows = sp.csr_array((strains.ravel(), (i, j.ravel())), shape=shape)
+        rows = _by_dofs(np.arange(len(row)), ends, strains, shape)
         axes = beam_frames(mesh.nodes[part.cells], part.of)[0][row]
         yield _Sections(place[own], axes, part.of), rows
 
@@ -505,6 +481,15 @@ def _of_nodes(
     if strain:
         rows = sp.block_diag(list(compliances(mesh, material, near)), format="csr") @ rows
     return sp.csr_array(sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ rows)
+
+
+def _by_dofs(
+    place: IntArray, cells: IntArray, rows: FloatArray, shape: tuple[int, int]
+) -> sp.csr_array:
+    """Rows, (n, 6, dofs), of elements by their own dofs by all, added up at each place."""
+    i = np.broadcast_to((6 * place[:, None] + np.arange(6))[..., None], rows.shape)
+    j = np.broadcast_to(_dofs(cells, shape[1] // 6)[:, None], rows.shape)
+    return sp.csr_array((rows.ravel(), (i.ravel(), j.ravel())), shape=shape)
 
 
 def _dofs(cells: IntArray, n_nodes: int) -> IntArray:
