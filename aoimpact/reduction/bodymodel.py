@@ -418,13 +418,15 @@ class FiniteElementModel(BodyModel):
 
 
 def checked_ports(name: str, tips: Any) -> tuple[ContactPoint, ...]:
-    """Return the places on one body.
+    """Return the places on one body, one or several.
 
     Raises
     ------
     InputError, InputTypeError
         If they are not that.
     """
+    if isinstance(tips, ContactPoint):
+        return (tips,)
     if not isinstance(tips, Sequence) or isinstance(tips, str):
         raise InputTypeError(f"{name} must be a list of contact points, got {tips!r}")
     ports = tuple(tips)

@@ -233,7 +233,7 @@ def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
     >>> full(cube.contact(point=(0.005, 0.005, 0.0))).label
     'full(192)'
     """
-    return FullModel((tips,) if isinstance(tips, ContactPoint) else checked_ports("tips", tips))
+    return FullModel(checked_ports("tips", tips))
 
 
 def body_model(name: str, body: Any) -> BodyModel:
@@ -251,9 +251,7 @@ def body_model(name: str, body: Any) -> BodyModel:
         return body.star
     if isinstance(body, BodyModel):
         return body
-    if isinstance(body, ContactPoint):
-        return FullModel((body,), reducible=True)
-    if isinstance(body, list | tuple):
+    if isinstance(body, ContactPoint | list | tuple):
         return FullModel(checked_ports(name, body), reducible=True)
     if isinstance(body, FEModel):
         raise InputTypeError(

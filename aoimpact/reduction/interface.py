@@ -361,7 +361,7 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
 
 
 def interface(
-    tips: Sequence[ContactPoint],
+    tips: ContactPoint | Sequence[ContactPoint],
     n: int,
     *,
     contact_time: float | None = None,
@@ -375,7 +375,7 @@ def interface(
 
     Parameters
     ----------
-    tips : sequence of ContactPoint
+    tips : ContactPoint, or a sequence of them
         Places on one and the same body, from `FEModel.contact`.
     n : int
         Number of modes, the body's rigid motions included and at least one more for each port.
@@ -436,7 +436,7 @@ class InterfaceSpace:
 
     def __init__(
         self,
-        tips: Sequence[ContactPoint],
+        tips: ContactPoint | Sequence[ContactPoint],
         *,
         contact_time: float | None = None,
         duration: float | None = None,

@@ -296,7 +296,7 @@ def modal(
     >>> ao.modal([end, middle], n=8).participation.shape
     (2, 8)
     """
-    ports = (tips,) if isinstance(tips, ContactPoint) else checked_ports("tips", tips)
+    ports = checked_ports("tips", tips)
     refuse_massless(ports)
     omega2, modes = natural_modes(ports[0].body, n, solver=solver)
     if isinstance(tips, ContactPoint):

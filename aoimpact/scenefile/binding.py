@@ -2,7 +2,7 @@
 
 A table of a file gives keywords of a public function. Binding checks its keys and the types of its
 values by the function's annotations, and calls nothing: what comes of it is a `Call`, with all
-problems of the file on a list. `Maker` then makes the objects.
+problems of the file on a list. `SceneFile` then makes the objects.
 """
 
 from __future__ import annotations
@@ -10,18 +10,14 @@ from __future__ import annotations
 import inspect
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
-from types import NoneType, SimpleNamespace, UnionType
-from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_type_hints
+from types import SimpleNamespace, UnionType
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from ..base import nearest
 from .lines import Place
-
-# Finished objects that the runs of a sweep share: those that are needed again, not every mesh.
-_MOST_KEPT = 8
 
 
 class Numbers:
@@ -39,48 +35,16 @@ class Call:
     """
 
     function: Callable[..., Any]
-    arguments: Mapping[str, Any]
+    arguments: dict[str, Any]
     place: Place = field(repr=False)
     keep: bool = field(default=False, repr=False)
 
-
-@dataclass
-class Maker:
-    """Makes objects of calls, each once.
-
-    Attributes
-    ----------
-    located : callable
-        Context for a place of the file, which adds its line to errors.
-    kept : dict
-        Objects of earlier runs; the oldest is dropped first.
-    """
-
-    located: Callable[..., AbstractContextManager[None]]
-    kept: dict[str, Any]
-    made: dict[int, Any] = field(default_factory=dict)
-
-    def make(self, node: Any) -> Any:
-        """Return a value with all calls in it made."""
-        if isinstance(node, Mapping):
-            return {key: self.make(value) for key, value in node.items()}
-        if isinstance(node, list | tuple):
-            return type(node)(self.make(value) for value in node)
-        if not isinstance(node, Call):
-            return node
-        if id(node) in self.made:
-            return self.made[id(node)]
-        key = repr(node) if node.keep else ""
-        if key not in self.kept:
-            arguments = self.make(node.arguments)
-            with self.located(*node.place):
-                found = node.function(**arguments)
-            if not key:
-                return self.made.setdefault(id(node), found)
-            if len(self.kept) >= _MOST_KEPT:
-                del self.kept[next(iter(self.kept))]
-            self.kept[key] = found
-        return self.made.setdefault(id(node), self.kept[key])
+    @property
+    def makes(self) -> Any:
+        """The class of the object."""
+        if isinstance(self.function, type):
+            return self.function
+        return get_type_hints(self.function, None, _STAND_INS)["return"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,17 +59,30 @@ class Reader:
         Types that tomllib gives.
     read : callable
         Binder, value and place to what an argument is.
+    classes : tuple of type
+        Those of which an object may be that is called for.
     """
 
     wanted: str
     types: tuple[type, ...]
     read: Callable[[Any, Any, Place], Any] = lambda binder, value, place: value
+    classes: tuple[type, ...] = ()
 
     def fits(self, value: Any) -> bool:
         """True if a value is of these types; true and false are no numbers."""
         if isinstance(value, bool):
             return bool in self.types or object in self.types
         return isinstance(value, self.types)
+
+    def __call__(self, binder: Binder, value: Any, place: Place) -> Any:
+        """Return what an argument is; None where something is wrong with it, which is said."""
+        if not self.fits(value):
+            return binder.say(place, f"must be {self.wanted}, got {_shown(value)}")
+        found = self.read(binder, value, place)
+        if self.classes and isinstance(found, Call) and not issubclass(found.makes, self.classes):
+            wanted = " or ".join(one.__name__ for one in self.classes)
+            binder.say(place, f"{value!r} is a {found.makes.__name__}, and a {wanted} is needed")
+        return found
 
 
 def passes_on(target: Callable[..., Any], *but: str) -> Callable[[Any], Any]:
@@ -129,39 +106,36 @@ class Table:
         Names in the file of parameters that are called otherwise.
     hints : dict
         Annotations for parameters that the function leaves open.
-    beside : tuple of str
-        Keys of the table that are not for this function.
+    owner : callable, optional
+        Another function whose arguments the table gives; the tables within are for what it makes.
     """
 
     function: Callable[..., Any]
     keys: Mapping[str, str] = field(default_factory=dict)
     hints: Mapping[str, Any] = field(default_factory=dict)
-    beside: tuple[str, ...] = ()
+    owner: Callable[..., Any] | None = None
 
     @cached_property
     def parameters(self) -> dict[str, inspect.Parameter]:
-        """Parameters that a file can give, by key."""
+        """Parameters by their keys in the file, with their readers as annotations."""
         called = {name: key for key, name in self.keys.items()}
+        found = (_parameters(self.owner) if self.owner else {}) | _parameters(self.function)
         return {
-            called.get(name, name): of.replace(annotation=self.hints.get(name, of.annotation))
-            for name, of in _parameters(self.function).items()
+            called.get(name, name): of.replace(
+                annotation=reader(self.hints.get(name, of.annotation))
+            )
+            for name, of in found.items()
         }
 
-    @property
-    def makes(self) -> Any:
-        """The class of the object."""
-        if isinstance(self.function, type):
-            return self.function
-        return get_type_hints(self.function, None, _STAND_INS)["return"]
-
-    def known(self, given: Iterable[str]) -> set[str]:
-        """Keys that the table may have, where some parameters are given."""
-        return {*self.parameters, *self.beside}.difference(given)
-
-    def faults(self, value: Mapping[str, Any], given: Iterable[str]) -> int:
-        """Count unknown and missing keys."""
-        needed = {key for key, of in self.parameters.items() if of.default is of.empty}
-        return len(value.keys() - self.known(given)) + len(needed - {*value, *given})
+    def fit(
+        self, value: Mapping[str, Any], given: Mapping[str, Any]
+    ) -> tuple[list[str], list[str], list[str]]:
+        """Return the keys that the table may have, and which of a value are unknown and missing."""
+        known = {
+            key: of for key, of in self.parameters.items() if of.annotation and key not in given
+        }
+        missing = [key for key, of in known.items() if of.default is of.empty and key not in value]
+        return list(known), [key for key in value if key not in known], missing
 
 
 @cache
@@ -176,32 +150,42 @@ def _parameters(function: Any) -> dict[str, inspect.Parameter]:
     }
     if hasattr(function, "passes_on"):
         onto, but = function.passes_on
-        others = _parameters(onto).items()
-        found |= {name: of for name, of in others if name not in found and name not in but}
+        found |= {
+            name: of
+            for name, of in _parameters(onto).items()
+            if name not in found and name not in but
+        }
     return found
 
 
 class Binder:
     """Binds tables to functions, and collects what is wrong.
 
-    A subclass has `readers` of classes in annotations.
-
     Parameters
     ----------
     folder : Path
         That paths in the file start from.
-    """
 
-    readers: ClassVar[Mapping[Any, Reader]]
-    _known: ClassVar[dict[Any, Reader | None]] = {}
+    Attributes
+    ----------
+    around : dict
+        Arguments of the table around the value that is read, as far as they are read; as "self"
+        what its owner makes.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.problems: list[tuple[Place, str]] = []
+        self.around: dict[str, Any] = {}
 
     def say(self, place: Place, message: str) -> None:
         """Note a problem."""
         self.problems.append((place, message))
+
+    def say_unknown(self, place: Place, where: str, name: str, known: Iterable[str]) -> None:
+        """Note that there is nothing of a name."""
+        listed = ", ".join(known) or "nothing"
+        self.say(place, f"{where} has no {name!r}{nearest(name, known)}; it has {listed}")
 
     def bind(
         self,
@@ -220,26 +204,24 @@ class Binder:
         """
         given = given or {}
         options = [tables] if isinstance(tables, Table) else tables
-        table = min(options, key=lambda one: one.faults(value, given))
-        names = table.parameters
-        readers = {key: self.reader(of.annotation) for key, of in names.items()}
-        known = [
-            key for key in [*names, *table.beside] if key not in given and readers.get(key, True)
-        ]
-        for key in value:
-            if key not in known:
-                hint = nearest(key, known) or f"; known are {', '.join(known)}"
-                self.say((*place, key), f"unknown name {key!r}{hint}")
-        arguments = {name: of for name, of in given.items() if name in names}
-        for key, of in names.items():
-            reader = readers[key]
-            if key in given or reader is None:
-                continue
+        fits = [(one, *one.fit(value, given)) for one in options]
+        table, known, unknown, missing = min(fits, key=lambda fit: len(fit[2]) + len(fit[3]))
+        for key in unknown:
+            hint = nearest(key, known) or f"; known are {', '.join(known)}"
+            self.say((*place, key), f"unknown name {key!r}{hint}")
+        for key in missing:
+            self.say(place, f"{key!r} is missing, {table.parameters[key].annotation.wanted}")
+        calls = [Call(of, {}, place, keep) for of in (table.function, table.owner) if of]
+        around, self.around = self.around, {"self": calls[-1], **given}
+        for key in known:
             if key in value:
-                arguments[of.name] = self._read(value[key], reader, (*place, key))
-            elif of.default is of.empty:
-                self.say(place, f"{key!r} is missing, {reader.wanted}")
-        return Call(table.function, arguments, place, keep)
+                of = table.parameters[key]
+                self.around[of.name] = of.annotation(self, value[key], (*place, key))
+        for call in calls:
+            names = _parameters(call.function)
+            call.arguments.update({key: of for key, of in self.around.items() if key in names})
+        self.around = around
+        return calls[0]
 
     def tagged(
         self, value: Mapping[str, Any], place: Place, options: Mapping[str, Any]
@@ -260,87 +242,89 @@ class Binder:
         made, given = self.tagged(value, place, tables)
         return None if made is None else self.bind(made, given, place, **more)
 
-    def _read(self, value: Any, reader: Reader, place: Place) -> Any:
-        if reader.fits(value):
-            return reader.read(self, value, place)
-        self.say(place, f"must be {reader.wanted}, got {_shown(value)}")
+
+def table(*functions: Table | Callable[..., Any], added: bool = False) -> Reader:
+    """Return what reads a table that gives the arguments of one of some functions.
+
+    `added`: what it makes is added to what the owner of the table around makes.
+    """
+    tables = [of if isinstance(of, Table) else Table(of) for of in functions]
+
+    def read(binder: Binder, value: Any, place: Place) -> Call:
+        given = {"self": binder.around["self"]} if added else {}
+        return binder.bind(tables, value, place, given)
+
+    return Reader("a table", (dict,), read)
+
+
+# --------------------------------------------------------------------------------- annotations
+
+
+def reader(hint: Any) -> Reader | None:
+    """Return what reads an annotation; None for one of which a file can say nothing."""
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return next(of for of in inner if isinstance(of, Reader))
+    if origin in (Union, UnionType):
+        return _either(inner)
+    if origin is tuple and Ellipsis not in inner:
+        return _items(inner)
+    if origin in (list, tuple, Sequence):
+        return _items(inner[:1], endless=True)
+    if origin is Mapping:
+        return _entries(inner[1])
+    if origin is os.PathLike:
+        return PATH
+    found = READERS.get(hint)
+    return replace(found, classes=(hint,)) if found and isinstance(hint, type) else found
+
+
+def _either(hints: Sequence[Any]) -> Reader | None:
+    """The first of several readers whose types a value has; one of several classes of a kind."""
+    path = any(get_origin(hint) is os.PathLike for hint in hints)
+    kinds: dict[Any, Reader] = {}
+    for one in filter(None, (reader(hint) for hint in hints if not (path and hint in (str, Any)))):
+        kind = one.wanted, one.read
+        before = kinds[kind].classes if kind in kinds else ()
+        kinds[kind] = replace(one, classes=before + one.classes)
+    if len(kinds) < 2:
+        return next(iter(kinds.values()), None)
+
+    def read(binder: Binder, value: Any, place: Place) -> Any:
+        return next(one for one in kinds.values() if one.fits(value))(binder, value, place)
+
+    types = tuple(of for one in kinds.values() for of in one.types)
+    return Reader(", or ".join(one.wanted for one in kinds.values()), types, read)
+
+
+def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:
+    """A list of values of one kind, or of some kinds in their order."""
+    each = [found for hint in hints if (found := reader(hint))]
+    if len(each) < len(hints):
         return None
 
-    def reader(self, hint: Any) -> Reader | None:
-        """Return what reads an annotation; None for one of which a file can say nothing."""
-        try:
-            if hint not in self._known:
-                self._known[hint] = self._reader(hint)
-            return self._known[hint]
-        except TypeError:  # an annotation that has no hash is none of ours
-            return None
+    def read(binder: Binder, value: Any, place: Place) -> Any:
+        if not endless and len(value) != len(each):
+            binder.say(place, f"must have {len(each)} entries, got {len(value)}")
+        readers = each * len(value) if endless else each
+        pairs = enumerate(zip(value, readers, strict=False))
+        found = [one(binder, of, (*place, i)) for i, (of, one) in pairs]
+        return found if endless else tuple(found)
 
-    def _reader(self, hint: Any) -> Reader | None:
-        origin, arguments = get_origin(hint), get_args(hint)
-        if origin is Annotated:
-            return next(of for of in arguments if isinstance(of, Reader))
-        if origin in (Union, UnionType):
-            return self._either(arguments)
-        if origin is tuple and Ellipsis not in arguments:
-            return self._items(arguments)
-        if origin in (list, tuple, Sequence):
-            return self._items(arguments[:1], endless=True)
-        if origin is Mapping:
-            return self._entries(arguments[1])
-        if origin is os.PathLike:
-            return PATH
-        return self.readers.get(hint) or _LEAVES.get(hint)
-
-    def _either(self, hints: Iterable[Any]) -> Reader | None:
-        """The first of several readers whose types a value has."""
-        found = {self.reader(hint): hint for hint in hints if hint is not NoneType}
-        readers = [reader for reader in found if reader is not None]
-        if PATH in readers:
-            readers = [reader for reader in readers if reader is not TEXT]
-        if len(readers) < 2:
-            return readers[0] if readers else None
-
-        def read(binder: Any, value: Any, place: Place) -> Any:
-            return next(one for one in readers if one.fits(value)).read(binder, value, place)
-
-        types = tuple(of for reader in readers for of in reader.types)
-        return Reader(", or ".join(reader.wanted for reader in readers), types, read)
-
-    def _items(self, hints: Sequence[Any], endless: bool = False) -> Reader | None:
-        """A list of values of one kind, or of some kinds in their order."""
-        each = [self.reader(hint) for hint in hints]
-        if None in each:
-            return None
-
-        def read(binder: Any, value: Any, place: Place) -> Any:
-            if endless:
-                return [binder._read(of, each[0], (*place, i)) for i, of in enumerate(value)]
-            if len(value) != len(each):
-                binder.say(place, f"must have {len(each)} entries, got {len(value)}")
-            pairs = zip(value, each, strict=False)
-            return tuple(binder._read(of, one, (*place, i)) for i, (of, one) in enumerate(pairs))
-
-        length = "" if endless else f"{len(each)} "
-        return Reader(f"a list of {length}values, each {each[0].wanted}", (list,), read)  # type: ignore[union-attr]
-
-    def _entries(self, hint: Any) -> Reader | None:
-        """A table of values of one kind by names of the user's choice."""
-        each = self.reader(hint)
-        if each is None:
-            return None
-
-        def read(binder: Any, value: Any, place: Place) -> Any:
-            return {key: binder._read(of, each, (*place, key)) for key, of in value.items()}
-
-        return Reader(f"a table, each {each.wanted}", (dict,), read)
+    length = "" if endless else f"{len(each)} "
+    return Reader(f"a list of {length}values, each {each[0].wanted}", (list,), read)
 
 
-def table(*functions: Callable[..., Any], **keys: str) -> Reader:
-    """Return what reads a table that gives the arguments of one of some functions."""
-    tables = tuple(Table(function, keys) for function in functions)
-    return Reader(
-        "a table", (dict,), lambda binder, value, place: binder.bind(tables, value, place)
-    )
+def _entries(hint: Any) -> Reader | None:
+    """A table of values of one kind by names of the user's choice."""
+    each = reader(hint)
+    if each is None:
+        return None
+
+    def read(binder: Binder, value: Any, place: Place) -> Any:
+        return {key: each(binder, of, (*place, key)) for key, of in value.items()}
+
+    return Reader(f"a table, each {each.wanted}", (dict,), read)
 
 
 def _number(binder: Binder, value: Any, place: Place) -> Any:
@@ -360,7 +344,8 @@ TEXT = Reader("text", (str,))
 PATH = Reader("a path", (str,), lambda binder, value, place: binder.folder / value)
 NUMBER = Reader("a number", (int, float), _number)
 
-_LEAVES: dict[Any, Reader] = {
+# By annotation; tables.py adds those of classes.
+READERS: dict[Any, Reader] = {
     float: NUMBER,
     Numbers: Reader("a list of numbers", (int, float, list), _number),
     int: Reader("a whole number", (int,)),

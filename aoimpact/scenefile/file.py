@@ -29,7 +29,7 @@ from ..base import (
 from ..fem import ContactPoint
 from ..impact import simulate
 from ..results import COLUMNS, Result, Run
-from .binding import Maker
+from .binding import Call
 from .lines import Place, holds, line_of
 from .sweeping import place_of
 from .tables import SceneBinder
@@ -42,6 +42,9 @@ _ARGUMENT = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
 # Problems of a file that are shown: as many as fit on a screen.
 _SHOWN = 20
+
+# Finished objects that the runs of a sweep share: those that are needed again, not every mesh.
+_MOST_KEPT = 8
 
 
 def read_scene(path: str | os.PathLike[str]) -> SceneFile:
@@ -184,7 +187,7 @@ class SceneFile:
     def grid(self) -> dict[str, list[Any]]:
         """The grid of [sweep] as `sweep` takes it: values by place; empty without such a table."""
         sweep = self._bound.bound.get("sweep")
-        return {} if sweep is None else dict(self._maker.make(sweep.arguments["over"]))
+        return {} if sweep is None else dict(self._made(sweep.arguments["over"], {}))
 
     @property
     def swept(self) -> tuple[str, ...]:
@@ -194,7 +197,7 @@ class SceneFile:
     @property
     def members(self) -> tuple[str, ...]:
         """Names of the bodies: in their scene, in an impact in [bodies]."""
-        return tuple(self._bound.members)
+        return tuple(name for name, _ in self._bound.taking)
 
     def _refuse(self, problems: Sequence[tuple[Place, str]]) -> None:
         """Raise an error that has all problems, each with its line."""
@@ -307,11 +310,29 @@ class SceneFile:
         >>> file = ao.read_scene(path)
         >>> results = ao.simulate_many([file.case()])
         """
-        return self._maker.make(self._bound.bound[self.kind])
+        return self._made(self._bound.bound[self.kind], {})
 
-    @property
-    def _maker(self) -> Maker:
-        return Maker(self._located, self._kept)
+    def _made(self, node: Any, made: dict[int, Any]) -> Any:
+        """Return a value with all calls in it made, each once; `made` has those made before."""
+        if isinstance(node, Mapping):
+            return {key: self._made(value, made) for key, value in node.items()}
+        if isinstance(node, list | tuple):
+            return type(node)(self._made(value, made) for value in node)
+        if not isinstance(node, Call):
+            return node
+        if id(node) not in made:
+            key = repr(node) if node.keep else ""
+            found = self._kept.pop(key, None)
+            if found is None:
+                arguments = self._made(node.arguments, made)
+                with self._located(*node.place):
+                    found = node.function(**arguments)
+            if key:
+                self._kept[key] = found  # as the one that was needed last
+                if len(self._kept) > _MOST_KEPT:
+                    del self._kept[next(iter(self._kept))]
+            made[id(node)] = found
+        return made[id(node)]
 
     def simulate(self) -> Result | Run:
         """Build the scene and run it; a Result of an impact, a Run of a scene.
@@ -385,7 +406,7 @@ class SceneFile:
             )
         probes = self._bound.bound[self.kind].arguments.get("probes") or {}
         found = {}
-        for name, sensor in self._maker.make(probes).items():
+        for name, sensor in self._made(probes, {}).items():
             number = self.members.index(self.data[self.kind]["probes"][name]["body"])
             if not isinstance(sensor, ContactPoint | AccelerationAt):
                 quantity = sensor.quantity(sensor.body, number)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,14 +12,14 @@ import numpy as np
 
 from .. import accuracy, fem, impact, integrate, io, laws, reduction
 from ..accuracy import Sensor
-from ..base import FloatArray, InputError, nearest
+from ..base import FloatArray, InputError
 from ..fem import ContactPoint, Damping, Layers, OneMaterial, contact_point, thin_groups
 from ..impact import Scene, SceneCase
 from ..laws import LAWS
 from ..mesh import Mesh, box_mesh, sheet_mesh, sphere_mesh
-from ..reduction import body_model
+from ..reduction import BodyModel, body_model
 from ..results import Handle
-from .binding import PATH, Binder, Call, Numbers, Reader, Table, passes_on, table
+from .binding import PATH, READERS, Binder, Call, Numbers, Reader, Table, passes_on, table
 from .lines import Place
 from .sweeping import OVER
 
@@ -55,29 +56,13 @@ _MATERIALS = (
     Table(fem.Laminate, {"laminate": "plies"}),
     Table(fem.Beam, {"beam": "material"}),
 )
-_MADE_OF = (fem.Material, fem.Orthotropic, Layers, fem.Beam)
 
-
-def _material(*allowed: Any) -> Reader:
-    """The name of a material of some classes."""
-
-    def read(binder: SceneBinder, name: str, place: Place) -> Any:
-        known = binder.named("materials")
-        if name not in known:
-            listed = ", ".join(known) or "nothing"
-            return binder.say(
-                place, f"[materials] has no {name!r}{nearest(name, known)}; it has {listed}"
-            )
-        if not isinstance(known[name], dict):  # which is said there
-            return None
-        made = min(_MATERIALS, key=lambda one: one.faults(known[name], ())).makes
-        if not issubclass(made, allowed):
-            wanted = " or ".join(one.__name__ for one in allowed)
-            return binder.say(place, f"{name!r} is a {made.__name__}, and a {wanted} is needed")
-        return binder.material(name)
-
-    return Reader("a name from [materials]", (str,), read)
-
+_MATERIAL = Reader(
+    "a name from [materials]",
+    (str,),
+    lambda binder, name, place: binder.entry("materials", name, place),
+)
+READERS.update(dict.fromkeys((fem.Material, fem.Orthotropic, Layers, fem.Beam), _MATERIAL))
 
 # ------------------------------------------------------------------------ meshes and bodies
 
@@ -183,53 +168,53 @@ def _files(**given: Any) -> dict[str, Any]:
     return given
 
 
-_PATHS = dict.fromkeys(("dofs", "nodes", "mesh"), Annotated[Any, PATH])
-
-
-def _read_files(binder: Binder, value: Any, place: Place) -> Call:
-    return binder.bind(Table(_files, hints=_PATHS), value, place)
-
-
 def _of_matrices(
-    matrices: Annotated[Any, Reader("a table", (dict,), _read_files)],
-    damping: Damping | None = None,
-    name: str = "",
+    matrices: Annotated[Any, table(_files)], damping: Damping | None = None, name: str = ""
 ) -> fem.FEModel:
     return io.read_matrices(**matrices, damping=damping, name=name)
 
 
-_TOUCHED = ("contact", "model")
+def _read_model(binder: Binder, value: Any, place: Place) -> Call | None:
+    """What represents a body that is touched at the places read before."""
+    touched = binder.around.get("contact")
+    return binder.bind_typed(
+        _MODELS, value, place, given={"tip": touched, "tips": touched}, keep=True
+    )
+
+
+_MODELS = {
+    one.__name__: Table(one)
+    for one in (reduction.antioscillators, reduction.modal, reduction.interface, reduction.full)
+}
+_CONTACT = Annotated[Any, table(fem.FEModel.contact, added=True)]
+
+
+def _touched(
+    name: str,
+    contact: _CONTACT | Sequence[_CONTACT],
+    model: Annotated[Any, Reader("a table", (dict,), _read_model)] = None,
+) -> BodyModel:
+    return body_model(name, contact) if model is None else model
+
+
 _BODIES = (
     Table(reduction.rigid),
     Table(reduction.wall, {"wall": "material"}),
     Table(reduction.ball, {"ball": "radius"}),
     Table(reduction.AOModel),
-    Table(_meshed, beside=_TOUCHED),
-    Table(_of_matrices, beside=_TOUCHED),
+    Table(_touched, owner=_meshed),
+    Table(_touched, owner=_of_matrices),
 )
-_MODELS = {
-    one.__name__: Table(one)
-    for one in (reduction.antioscillators, reduction.modal, reduction.interface, reduction.full)
-}
-
-
-def _read_body(binder: SceneBinder, name: str, place: Place) -> Call | None:
-    """The body of [bodies] that takes part in an impact or a scene."""
-    known = binder.named("bodies")
-    if name not in known:
-        binder.say(
-            place, f"[bodies] has no {name!r}{nearest(name, known)}; it has {', '.join(known)}"
-        )
-        return None
-    found: Call | None = binder.taking.setdefault(name, binder.body(name))
-    return found
-
-
-_BODY = Annotated[Any, Reader("a name from [bodies]", (str,), _read_body)]
+_BODY = Annotated[
+    Any,
+    Reader(
+        "a name from [bodies]",
+        (str,),
+        lambda binder, name, place: binder.entry("bodies", name, place),
+    ),
+]
 
 # ---------------------------------------------------------------------------- laws and solvers
-
-_LAWS = {name: law for name, law in LAWS.items() if law is not laws.UserLaw}
 
 
 def _surface(material: OneMaterial, radius: float | Sequence[float]) -> Any:
@@ -239,16 +224,19 @@ def _surface(material: OneMaterial, radius: float | Sequence[float]) -> Any:
 _SIDE = Annotated[Any, table(_surface)]
 
 
-def _surfaces(between: tuple[_SIDE, _SIDE]) -> Any:
-    return between
+@cache
+def _of_surfaces(law: Callable[..., laws.ContactLaw]) -> Table:
+    """The table of a law between two surfaces."""
+
+    @passes_on(law, "material_1", "radius_1", "material_2", "radius_2")
+    def made(between: tuple[_SIDE, _SIDE], **more: Any) -> laws.ContactLaw:
+        return law(*between[0], *between[1], **more)
+
+    return Table(made)
 
 
-def _stiffness(law: laws.Hertz) -> float:
-    return law.k
-
-
-def _radius(law: laws.Hertz) -> float | None:
-    return law.relative_radius
+def _part_of(law: laws.ContactLaw, name: str) -> Any:
+    return getattr(law, name)
 
 
 def _read_law(binder: Binder, value: Any, place: Place) -> Any:
@@ -256,37 +244,28 @@ def _read_law(binder: Binder, value: Any, place: Place) -> Any:
     cls, given = binder.tagged(value, place, _LAWS)
     if cls is None:
         return None
-    makers = [cls, getattr(cls, "from_restitution", cls)]
-    k = given.get("k")
-    if not isinstance(k, dict):
-        return binder.bind([Table(make) for make in makers], given, place)
-    if not hasattr(cls, "relative_radius"):
-        return binder.say((*place, "k"), f"must be a number for {cls.__name__}, got a table")
-    if given.pop("n", _HERTZ_POWER) != _HERTZ_POWER:
-        binder.say((*place, "n"), "k of two surfaces belongs to n = 1.5; give a number for k")
-    of, angle = dict(given.pop("k")), {}
-    if "angle" in of:
-        angle["angle"] = of.pop("angle")
-    sides = binder.bind(Table(_surfaces), of, (*place, "k")).arguments.get("between") or ()
-    if len(sides) != 2 or None in sides:  # which is said
-        return None
-    surfaces = {
-        f"{name}_{i}": side.arguments.get(name)
-        for i, side in enumerate(sides, 1)
-        for name in ("material", "radius")
-    }
-    hertz = binder.bind(Table(laws.Hertz.between), angle, (*place, "k"), surfaces)
-    follows = {
-        name: Call(get, {"law": hertz}, place)
-        for name, get in (("k", _stiffness), ("relative_radius", _radius))
-    }
-    tables = [Table(make) for make in makers]
-    if hasattr(cls, "between"):
-        tables.insert(0, Table(cls.between))
-    given |= angle if hasattr(cls, "between") else {}
-    return binder.bind(tables, given, place, surfaces | follows)
+    follows: dict[str, Any] = {}
+    makers: tuple[Table, ...] = _LAW_TABLES[cls]
+    k, at = given.get("k"), (*place, "k")
+    if isinstance(k, dict):
+        if not hasattr(cls, "relative_radius"):
+            return binder.say(at, f"must be a number for {cls.__name__}, got a table")
+        if given.pop("n", _HERTZ_POWER) != _HERTZ_POWER:
+            binder.say((*place, "n"), "k of two surfaces belongs to n = 1.5; give a number for k")
+        hertz = binder.bind(_of_surfaces(laws.Hertz.between), given.pop("k"), at)
+        for name in ("k", "relative_radius"):
+            follows[name] = Call(_part_of, {"law": hertz, "name": name}, place)
+        if hasattr(cls, "between"):
+            makers = (_of_surfaces(cls.between), *makers)
+            follows["between"] = hertz.arguments.get("between")
+            given |= {"angle": k["angle"]} if "angle" in k else {}
+    return binder.bind(makers, given, place, follows)
 
 
+_LAWS = {name: law for name, law in LAWS.items() if law is not laws.UserLaw}
+_LAW_TABLES = {
+    law: (Table(law), Table(getattr(law, "from_restitution", law))) for law in _LAWS.values()
+}
 _SOLVERS = {one.__name__: Table(one) for one in (integrate.Adaptive, integrate.Newmark)}
 
 # ------------------------------------------------------------------------------------- sensors
@@ -301,10 +280,10 @@ def _finite(name: str, body: Any) -> fem.FEModel:
 
 
 def _read_finite(binder: SceneBinder, name: str, place: Place) -> Any:
-    known = binder.taking
-    if name in known:
-        return Call(_finite, {"name": name, "body": known[name]}, place)
-    return binder.say(place, f"the scene has no {name!r}{nearest(name, known)}")
+    known = dict(binder.taking)
+    if name not in known:
+        return binder.say_unknown(place, "the scene", name, known)
+    return Call(_finite, {"name": name, "body": known[name]}, place)
 
 
 _FINITE = Annotated[Any, Reader("the name of a body", (str,), _read_finite)]
@@ -318,12 +297,15 @@ def _place(body: _FINITE, point: Numbers, direction: Numbers) -> ContactPoint:
     return contact_point(body, point=point, direction=direction, radius=0.0)  # type: ignore[arg-type]
 
 
+_PLACE = Table(_place)
+
+
 def _read_sensor(binder: Binder, value: Any, place: Place) -> Any:
     """A sensor, or, without a type, a place whose displacement is meant."""
+    if "type" not in value:
+        return binder.bind(_PLACE, value, place)
     if "body" not in value:
         binder.say(place, "'body' is missing, the name of a body")
-    if "type" not in value:
-        return binder.bind(Table(_place), value, place)
     return binder.bind_typed(_SENSORS, value, place)
 
 
@@ -333,10 +315,19 @@ _PROBES = Mapping[str, Annotated[Any, _SENSOR]]
 # ------------------------------------------------------------------------- impacts and scenes
 
 
+def _read_role(binder: SceneBinder, name: str, place: Place) -> Any:
+    body = binder.entry("bodies", name, place)
+    binder.taking.append((name, body))
+    return body
+
+
+_ROLE = Annotated[Any, Reader("a name from [bodies]", (str,), _read_role)]
+
+
 @passes_on(impact.simulate)
 def _impact(
-    projectile: _BODY,
-    target: _BODY,
+    projectile: _ROLE,
+    target: _ROLE,
     report: Sequence[str] | None = None,
     probes: _PROBES | None = None,
     **more: Any,
@@ -344,40 +335,34 @@ def _impact(
     return {"projectile": projectile, "target": target, **more}
 
 
-@passes_on(Scene.add)
-def _member(self: Scene, body: _BODY, **more: Any) -> Handle:
-    return self.add(body, **more)
+_MEMBER = Table(Scene.add, hints={"body": _BODY})
 
 
 def _read_member(binder: SceneBinder, value: Any, place: Place) -> Any:
     name = value.get("name", value.get("body", ""))
-    given = value if "name" in value else {"name": name, **value}
-    found = binder.bind(Table(_member), given, place, {"self": binder.scene})
+    found = binder.bind(_MEMBER, {"name": name, **value}, place, {"self": binder.around["self"]})
     if isinstance(name, str):  # or it has been refused
         if name in binder.handles:
             binder.say((*place, "name"), f"{name!r} is another body of the scene; give a new name")
         binder.handles[name] = found
-        binder.taking[name] = found.arguments.get("body")
+        binder.taking.append((name, found.arguments.get("body")))
     return found
+
+
+def _port(body: Handle, port: int = 0) -> Handle:
+    return body.port(port)
+
+
+_PORT = Table(_port)
 
 
 def _read_handle(binder: SceneBinder, value: Any, place: Place) -> Any:
     """A body of the scene, or one of its places."""
     if isinstance(value, dict):
-        return binder.bind(Table(_port), value, place)
-    known = binder.handles
-    if value in known:
-        return known[value]
-    return binder.say(
-        place, f"the scene has no body {value!r}{nearest(value, known)}; it has {', '.join(known)}"
-    )
-
-
-_HANDLE = Reader("the name of a body of the scene", (str, dict), _read_handle)
-
-
-def _port(body: Handle, port: int = 0) -> Handle:
-    return body.port(port)
+        return binder.bind(_PORT, value, place)
+    if value not in binder.handles:
+        return binder.say_unknown(place, "the scene", value, binder.handles)
+    return binder.handles[value]
 
 
 @passes_on(Scene.connect, "a", "b")
@@ -385,54 +370,36 @@ def _contact(self: Scene, between: tuple[Handle, Handle], **more: Any) -> int:
     return self.connect(*between, **more)
 
 
-def _push(self: Scene, body: Handle, force: float) -> None:
-    self.apply(body, force=force)
-
-
 def _history(self: Scene, body: Handle, times: Numbers, forces: Numbers) -> None:
     self.apply(body, force=(times, forces))
 
 
-def _of_scene(*functions: Callable[..., Any]) -> Reader:
-    """A table of what is added to a scene."""
-    tables = tuple(map(Table, functions))
-    return Reader(
-        "a table",
-        (dict,),
-        lambda binder, value, place: binder.bind(tables, value, place, {"self": binder.scene}),
-    )
-
-
 def _read_wanted(binder: SceneBinder, value: Any, place: Place) -> Any:
     """The quantity of a scene: a name, a body, one of its places, or a sensor."""
-    if isinstance(value, list):
-        return [_read_wanted(binder, one, (*place, i)) for i, one in enumerate(value)]
     if isinstance(value, str):
         return binder.handles.get(value, value)
     return (_read_handle if "port" in value else _read_sensor)(binder, value, place)
 
 
-@passes_on(Scene.simulate, "self")
+_LOADS = table(Table(Scene.apply, hints={"force": float}), _history, added=True)
+
+
+@passes_on(Scene.simulate)
 def _scene(
-    scene: Scene,
+    self: Scene,
     bodies: Sequence[Annotated[Any, Reader("a table", (dict,), _read_member)]],
-    contacts: Sequence[Annotated[Any, _of_scene(_contact)]] = (),
-    loads: Sequence[Annotated[Any, _of_scene(_push, _history)]] = (),
-    gravity: float | Numbers = 0.0,
+    contacts: Sequence[Annotated[Any, table(_contact, added=True)]] = (),
+    loads: Sequence[Annotated[Any, _LOADS]] = (),
     report: Sequence[str] | None = None,
     probes: _PROBES | None = None,
-    quantity: Annotated[Any, Reader("a name or a table", (str, dict, list), _read_wanted)] = None,
     duration: float | None = None,
     **more: Any,
 ) -> tuple[SceneCase, float | None]:
-    return SceneCase(scene, more | ({} if quantity is None else {"quantity": quantity})), duration
+    return SceneCase(self, more), duration
 
 
-def _read_scene(binder: SceneBinder, value: Any, place: Place) -> Call:
-    gravity = {"gravity": value["gravity"]} if "gravity" in value else {}
-    binder.scene = Call(Scene, gravity, place)
-    return binder.bind(Table(_scene), value, place, {"scene": binder.scene})
-
+_WANTED = Annotated[Any, Reader("a name or a table", (str, dict), _read_wanted)]
+_SCENE = Table(_scene, hints={"quantity": _WANTED}, owner=Scene)
 
 # ------------------------------------------------------------------------------------ the file
 
@@ -446,13 +413,10 @@ def _sweep(
     """Read by `batch`."""
 
 
-def _read_each(binder: SceneBinder, value: Any, place: Place) -> Any:
+def _read_each(binder: SceneBinder, value: Any, place: Place) -> None:
     """All materials or bodies, whether they take part or not."""
-    for name, one in value.items():
-        if isinstance(one, dict):
-            (binder.material if place == ("materials",) else binder.body)(name)
-        else:
-            binder.say((*place, name), f"must be a table, got {one!r}")
+    for name in value:
+        binder.entry(str(place[0]), name, place)
 
 
 _EACH = Annotated[Any, Reader("a table", (dict,), _read_each)]
@@ -463,11 +427,15 @@ def _file(
     materials: _EACH = None,
     bodies: _EACH,
     impact: Annotated[Any, table(_impact)] = None,
-    scene: Annotated[Any, Reader("a table", (dict,), _read_scene)] = None,
+    scene: Annotated[Any, table(_SCENE)] = None,
     sweep: Annotated[Any, table(_sweep)] = None,
     title: str = "",
 ) -> None:
     """The tables at the top."""
+
+
+_FILE = Table(_file)
+_UNFINISHED = object()
 
 
 class SceneBinder(Binder):
@@ -477,95 +445,60 @@ class SceneBinder(Binder):
     ----------
     data : mapping
         As tomllib gives it.
-    taking : dict of str to Call
-        Bodies that take part, by name.
-    scene : Call
+    taking : list of (str, Call)
+        Bodies that take part, by name, in the order of the run.
     handles : dict of str to Call
         Bodies in the scene, by their names there.
     """
 
-    scene: Call
-
     def __init__(self, data: Mapping[str, Any], folder: Path) -> None:
         super().__init__(folder)
         self.data = data
-        self.taking: dict[str, Any] = {}
+        self.taking: list[tuple[str, Any]] = []
         self.handles: dict[str, Any] = {}
         self._found: dict[Place, Any] = {}
-        self.bound = self.bind(Table(_file), data, ()).arguments
+        self.bound = self.bind(_FILE, data, ()).arguments
         if ("impact" in data) == ("scene" in data):
             self.say((), "the file needs either an [impact] or a [scene]")
 
-    @property
-    def members(self) -> list[str]:
-        """Names of the bodies in the order of the run."""
-        if self.handles:
-            return list(self.handles)
-        return [self.data["impact"][role] for role in ("projectile", "target")]
+    def entry(self, which: str, name: str, place: Place) -> Any:
+        """Return a material or body of the file, bound once, that is named at a place."""
+        entries = self.data.get(which)
+        known = entries if isinstance(entries, dict) else {}
+        if name not in known:
+            return self.say_unknown(place, f"[{which}]", name, known)
+        at = which, name
+        if at not in self._found:
+            self._found[at] = _UNFINISHED
+            self._found[at] = _ENTRIES[which](self, known[name], at)
+        if self._found[at] is _UNFINISHED:
+            return self.say(place, f"{name!r} is made of itself")
+        return self._found[at]
 
-    def named(self, which: str) -> Mapping[str, Any]:
-        """Return the entries of a table at the top; none if it is no table."""
-        found = self.data.get(which)
-        return found if isinstance(found, dict) else {}
 
-    def material(self, name: str) -> Any:
-        """Return a material of the file, bound once."""
-        place = ("materials", name)
-        if place not in self._found:
-            self._found[place] = self.bind(_MATERIALS, self.data["materials"][name], place)
-        return self._found[place]
-
-    def body(self, name: str) -> Any:
-        """Return a body of the file, bound once."""
-        place = ("bodies", name)
-        if place not in self._found:
-            self._found[place] = self._body(self.data["bodies"][name], name, place)
-        return self._found[place]
-
-    def _body(self, value: Any, name: str, place: Place) -> Any:
-        if not isinstance(value, dict):  # which is said
-            return None
-        body = self.bind(_BODIES, value, place, {"name": name}, keep=True)
-        if body.function not in (_meshed, _of_matrices):
-            return body
-        if "contact" not in value:
-            return self.say(place, "'contact' is missing, a table or a list of tables")
-        touched, several = value["contact"], isinstance(value["contact"], list)
-        tips = []
-        for i, one in enumerate(touched if several else [touched]):
-            at = (*place, "contact", i) if several else (*place, "contact")
-            if isinstance(one, dict):
-                tips.append(self.bind(Table(fem.FEModel.contact), one, at, {"self": body}))
-            else:
-                self.say(at, f"must be a table, got {one!r}")
-        model, at = value.get("model"), (*place, "model")
-        if model is None:
-            return Call(body_model, {"name": name, "body": tips}, at, keep=True)
-        if not isinstance(model, dict):
-            return self.say(at, f"must be a table, got {model!r}")
-        one = tips[0] if tips and not several and model.get("type") != "interface" else tips
-        return self.bind_typed(_MODELS, model, at, given={"tip": one, "tips": one}, keep=True)
-
-    def _either(self, hints: Iterable[Any]) -> Reader | None:
-        """Materials of several classes are one kind of name."""
-        solid = [hint for hint in hints if hint in _MADE_OF]
-        rest = [hint for hint in hints if hint not in solid]
-        return super()._either([Annotated[Any, _material(*solid)], *rest] if solid else rest)
-
+_ENTRIES = {
+    "materials": table(*_MATERIALS),
+    "bodies": Reader(
+        "a table",
+        (dict,),
+        lambda binder, value, place: binder.bind(
+            _BODIES, value, place, {"name": place[-1]}, keep=True
+        ),
+    ),
+}
 
 _SECTIONS = fem.BeamSection, fem.RectangularSection, fem.CircularSection, fem.TubularSection
 _SOLVER = Reader(
     "a table", (dict,), lambda binder, value, place: binder.bind_typed(_SOLVERS, value, place)
 )
-
-# Readers of values by the class of the argument.
-SceneBinder.readers = {
-    **{one: _material(one) for one in _MADE_OF},
-    **dict.fromkeys(_SECTIONS, table(*_SECTIONS)),
-    **dict.fromkeys((fem.Rayleigh, fem.ModalDamping), table(fem.Rayleigh, fem.ModalDamping)),
-    **dict.fromkeys((integrate.Adaptive, integrate.Newmark), _SOLVER),
-    **dict.fromkeys((Sensor, ContactPoint), _SENSOR),
-    fem.Ply: table(fem.Ply),
-    laws.ContactLaw: Reader("a table", (dict,), _read_law),
-    Handle: _HANDLE,
-}
+READERS.update(
+    {
+        **dict.fromkeys(_SECTIONS, table(*_SECTIONS)),
+        **dict.fromkeys((fem.Rayleigh, fem.ModalDamping), table(fem.Rayleigh, fem.ModalDamping)),
+        **dict.fromkeys((integrate.Adaptive, integrate.Newmark), _SOLVER),
+        **dict.fromkeys((Sensor, ContactPoint), _SENSOR),
+        fem.Ply: table(fem.Ply),
+        laws.ContactLaw: Reader("a table", (dict,), _read_law),
+        Handle: Reader("the name of a body of the scene", (str, dict), _read_handle),
+    }
+)
