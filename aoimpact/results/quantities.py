@@ -182,7 +182,7 @@ class Quantity:
             mine, right = (self.history(one, exact.t) for one in (run, exact))
             size = np.abs(right).max(axis=1)
         else:
-            mine, right = run.compared[self.name], exact.compared[self.name]
+            mine, right = self.compared(run), self.compared(exact)
             if not len(right):  # friction of runs without
                 return np.zeros(1)
             there = ~(np.isnan(mine) & np.isnan(right))
@@ -235,16 +235,31 @@ class Quantity:
         ]
         return min((end - start for start, end in spans if end > start), default=None)
 
-    def values(self, run: Run, speeds: Speeds) -> FloatArray:
+    def values(self, run: Run) -> FloatArray:
         """Return its numbers of a run, shape (k,)."""
-        if self.of_contact is not None:
-            values = np.array([self.of_contact(of) for of in run.events], dtype=np.float64)
-        elif self.of_speeds is not None:
-            values = self.of_speeds(speeds)
-        else:
-            assert self.of_run is not None
-            values = self.of_run(run)
+        if self.of_speeds is None:
+            return self.compared(run)
+        parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
+        after = run.parting if parted else np.full(len(run.plan.bodies), np.nan)
+        values = self.of_speeds(_speeds(run, after))
         return values if run.plan.scene else values[:1]
+
+    def compared(self, run: Run) -> FloatArray:
+        """Return the numbers by which runs are compared, each found once.
+
+        As `values`, but with velocities at the record's end where contact has not ended, and the
+        mean over the static mode where a centre of mass is not known.
+        """
+        if self.name not in run.compared:
+            if self.of_contact is not None:
+                values = np.array([self.of_contact(of) for of in run.events], dtype=np.float64)
+            elif self.of_speeds is not None:
+                values = self.of_speeds(_speeds(run, run.compared_velocities))
+            else:
+                assert self.of_run is not None
+                values = self.of_run(run)
+            run.compared[self.name] = values if run.plan.scene else values[:1]
+        return run.compared[self.name]
 
     def _at_least(self, scales: FloatArray, before: FloatArray) -> FloatArray:
         return scales if self.least is None else np.maximum(scales, self.least(before))
@@ -314,8 +329,9 @@ def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[
     before, changes = np.array(run.plan.velocities), [np.zeros(len(run.numbers))]
     for other in larger:
         apart = [
-            QUANTITIES[name].relative_changes(ours, other.compared[name], before)
-            for name, ours in run.compared.items()
+            of.relative_changes(of.compared(run), of.compared(other), before)
+            for of in QUANTITIES.values()
+            if not of.is_history
         ]
         changes.append(np.concatenate(apart))
     for (name, value), most in zip(run.numbers.items(), np.max(changes, axis=0), strict=True):
@@ -327,30 +343,24 @@ def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[
     return errors
 
 
-def all_numbers(run: Run) -> tuple[dict[str, float], dict[str, FloatArray]]:
-    """Return the numbers of a run by name, and by quantity those that runs are compared by.
-
-    The latter have velocities at the record's end where contact has not ended, and the mean over
-    the static mode where a centre of mass is not known.
-    """
-    plan, compared = run.plan, {}
-    pair = (plan.contacts[0].first, plan.contacts[0].second) if len(plan.contacts) == 1 else None
-    fixed, before = np.array([of.fixed for of in plan.bodies]), np.array(plan.velocities, float)
-    any_motion = Speeds(before, run.compared_velocities, fixed, pair)
-    parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
-    after = run.parting if parted else np.full_like(before, np.nan)
-    known = Speeds(before, after, fixed, pair)
+def all_numbers(run: Run) -> dict[str, float]:
+    """Return the numbers of a run by name."""
     numbers_of = {}
     for quantity in QUANTITIES.values():
         if quantity.is_history:
             continue
-        compared[quantity.name] = values = quantity.values(run, any_motion)
-        if quantity.of_speeds is not None:
-            values = quantity.values(run, known)
-        each = quantity.each if plan.scene else ""
-        for i, value in enumerate(values.tolist()):
+        each = quantity.each if run.plan.scene else ""
+        for i, value in enumerate(quantity.values(run).tolist()):
             numbers_of[f"{each}.{i}.{quantity.name}" if each else quantity.name] = value
-    return numbers_of, compared
+    return numbers_of
+
+
+def _speeds(run: Run, after: FloatArray) -> Speeds:
+    """How the bodies of a run move, with these velocities after it."""
+    plan = run.plan
+    pair = (plan.contacts[0].first, plan.contacts[0].second) if len(plan.contacts) == 1 else None
+    fixed = np.array([of.fixed for of in plan.bodies])
+    return Speeds(np.array(plan.velocities, float), after, fixed, pair)
 
 
 def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
@@ -395,10 +405,9 @@ def _friction_peaks(run: Run) -> FloatArray:
     Between the times of the record next to the largest there it is looked for again: where slip
     begins it has a corner.
     """
-    found = []
-    for number, of in enumerate(run.each_contact):
-        if of.friction_force is None:
-            continue
+    found: list[float] = []
+    for number, of in enumerate(run.each_contact if run.plan.oblique is not None else ()):
+        assert of.friction_force is not None
         size = np.linalg.norm(of.friction_force, axis=1)
         top = int(size.argmax()) if len(size) else 0
         if run.recorder.dense and 0 < top < len(size) - 1:

@@ -487,21 +487,17 @@ class Run:
         return self.recorder.events
 
     @cached_property
-    def _all_numbers(self) -> tuple[dict[str, float], dict[str, FloatArray]]:
-        return all_numbers(self)
-
-    @property
     def numbers(self) -> Mapping[str, float]:
         """All numbers that sum up the run, by the names that `value` takes."""
-        return self._all_numbers[0]
+        return all_numbers(self)
 
-    @property
-    def compared(self) -> Mapping[str, FloatArray]:
-        """Numbers by quantity, for comparison with other runs; see `all_numbers`.
+    @cached_property
+    def compared(self) -> dict[str, FloatArray]:
+        """Numbers that were found by quantity; see `Quantity.compared`.
 
         :meta private:
         """
-        return self._all_numbers[1]
+        return {}
 
     def value(self, name: str) -> float:
         """Return a number that sums up the run, by its name.
