@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -63,16 +63,16 @@ def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
     vectors: dict[str, Any] = {}
     if result.plan.oblique is not None:
         for name in ("final_velocity", "final_spin"):
-            vectors[name] = [_vector(getattr(body, name)) for body in result.bodies]
+            vectors[name] = [_known(list(getattr(body, name))) for body in result.bodies]
         vectors["slip_intervals"] = _intervals(result, "slip_intervals")
     return {
-        "quantities": _finite(kept(result) if quantities else {}),
+        "quantities": _known(kept(result) if quantities else {}),
         "bodies": list(result.names),
         **vectors,
         "contact_names": list(result.contact_names),
         "contacts": _intervals(result, "intervals"),
         "in_contact_at_end": result.in_contact_at_end,
-        "relative_errors": _finite(errors),
+        "relative_errors": _known(errors),
         "solver": result.solver,
     }
 
@@ -81,8 +81,8 @@ def rows(table: SweepTable) -> dict[str, Any]:
     """Return what JSON can hold of a sweep; null where a number is not known, "inf" of a wall."""
     found = []
     for number, values in enumerate(table.data):
-        row = dict(zip(table.columns, map(_told, values.item()), strict=True))
-        row |= _finite({name: float(values[name]) for name in table.quantities})
+        row = _known(dict(zip(table.columns, values.item(), strict=True)), otherwise=str)
+        row |= _known({name: float(values[name]) for name in table.quantities})
         if number in table.errors:
             row["error"] = str(table.errors[number])
         found.append(row)
@@ -99,27 +99,15 @@ def _intervals(result: Run, name: str) -> list[Any]:
     return found[0] if isinstance(result, Result) else found
 
 
-def _vector(values: Any) -> list[float | None]:
-    """Components in the axes of the scene; null where they are not known."""
-    return [float(value) if math.isfinite(value) else None for value in values]
-
-
 def as_json(report: dict[str, Any]) -> str:
     """Return the text of a report; numbers with all their digits."""
     return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False)
 
 
-def _told(value: Any) -> Any:
-    """A parameter's value, with text for the numbers that JSON has not."""
+def _known(value: Any, otherwise: Callable[[float], str | None] = lambda _: None) -> Any:
+    """What JSON can hold of a value; null, or what is told otherwise, of numbers it has not."""
     if isinstance(value, dict):
-        return {name: _told(of) for name, of in value.items()}
+        return {name: _known(of, otherwise) for name, of in value.items()}
     if isinstance(value, list):
-        return [_told(of) for of in value]
-    return value if not isinstance(value, float) or math.isfinite(value) else str(value)
-
-
-def _finite(values: dict[str, Any]) -> dict[str, Any]:
-    return {
-        name: value if value is not None and math.isfinite(value) else None
-        for name, value in values.items()
-    }
+        return [_known(of, otherwise) for of in value]
+    return otherwise(value) if isinstance(value, float) and not math.isfinite(value) else value
