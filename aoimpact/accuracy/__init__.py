@@ -5,10 +5,10 @@ from hierarchy.py, that give it; leftout.py the errors by mesh and contact, and 
 what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 """
 
-from .choice import checked_linear_solver, checked_rtol, choose_models, time_rule
+from .choice import checked_linear_solver, checked_rtol, choose_models
 from .hierarchy import Hierarchy, KrylovHierarchy, alike, model_hierarchy, shared_models
 from .interest import CONTROLLED, Keep, Named, impact_quantity, keeper, scene_quantity
-from .leftout import Met, alterations, errors_left_out, extrapolated, finer_run
+from .leftout import errors_left_out, finer_run
 from .order import first_guess
 from .sensor import Sensor
 from .sensorat import AccelerationAt, ReactionAt, StrainAt

@@ -307,17 +307,29 @@ class Search:
         )
 
     def _larger(self) -> tuple[_Orders, ...]:
-        return larger_orders(self.hierarchies, self.orders)
+        """The orders of the larger models for the error estimate, the largest last."""
+        *smaller, largest = (
+            tuple(
+                one.reference_order(_beyond(n, (i + 1) / _COMPARED))
+                for one, n in zip(self.hierarchies, self.orders, strict=True)
+            )
+            for i in range(_COMPARED)
+        )
+        return (largest,) if self._are_whole(largest) else (*smaller, largest)
+
+    def _are_whole(self, orders: _Orders) -> bool:
+        return all(one.is_whole(n) for one, n in zip(self.hierarchies, orders, strict=True))
 
     def _safety(self) -> float:
-        exact = _are_whole(self.hierarchies, self._larger()[-1])
-        return safety_of(self.quantity, exact=exact)
+        """The multiple of the largest difference that is taken for the error."""
+        if self._are_whole(self._larger()[-1]):
+            return 1.0
+        return _SAFETY if self.quantity.is_history else _SAFETY_OF_NUMBERS
 
     def _errors(self) -> Iterator[float]:
         """Estimates of the error by each of the larger models, by the largest first."""
-        larger = self._larger()
-        safety = safety_of(self.quantity, exact=_are_whole(self.hierarchies, larger[-1]))
-        return (safety * self._difference(self.orders, one) for one in reversed(larger))
+        safety = self._safety()
+        return (safety * self._difference(self.orders, one) for one in reversed(self._larger()))
 
     def _difference(self, orders: _Orders, larger: _Orders) -> float:
         """Relative difference of the quantity; infinite where a run or its number is missing."""
@@ -366,32 +378,6 @@ class Search:
             f"anti-oscillators: {larger}a shorter duration, a contact over a patch (radius=), "
             "whose waves are longer, or the full finite-element models"
         )
-
-
-def larger_orders(hierarchies: Sequence[Hierarchy], orders: _Orders) -> tuple[_Orders, ...]:
-    """Return orders of the larger models for the error estimate, the largest last."""
-    *smaller, largest = (
-        tuple(
-            one.reference_order(_beyond(n, (i + 1) / _COMPARED))
-            for one, n in zip(hierarchies, orders, strict=True)
-        )
-        for i in range(_COMPARED)
-    )
-    return (largest,) if _are_whole(hierarchies, largest) else (*smaller, largest)
-
-
-def _are_whole(hierarchies: Sequence[Hierarchy], orders: _Orders) -> bool:
-    return all(one.is_whole(n) for one, n in zip(hierarchies, orders, strict=True))
-
-
-def safety_of(quantity: Quantity, *, exact: bool) -> float:
-    """Return which multiple of the largest difference is taken for the error of a quantity.
-
-    exact: whether the largest model is the whole body.
-    """
-    if exact:
-        return 1.0
-    return _SAFETY if quantity.is_history else _SAFETY_OF_NUMBERS
 
 
 def _beyond(order: int, share: float) -> int:

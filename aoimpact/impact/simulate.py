@@ -261,11 +261,6 @@ class Impact(Scene):
         return own_law(self._contacts[0].law)
 
     @property
-    def law_error(self) -> float:
-        """Relative error of its stiffness, where it was found from the surfaces."""
-        return self._law_errors[0]
-
-    @property
     def met(self) -> Meeting | None:
         """The contact that is foreseen, by rigid bodies."""
         return self._meeting(self._contacts[0], self._fastest)
