@@ -57,11 +57,17 @@ _MATERIALS = (
     Table(fem.Beam, {"beam": "material"}),
 )
 
-_MATERIAL = Reader(
-    "a name from [materials]",
-    (str,),
-    lambda binder, name, place: binder.entry("materials", name, place),
-)
+
+def _named(which: str) -> Reader:
+    """The name of a material or body."""
+
+    def read(binder: SceneBinder, name: str, place: Place) -> Any:
+        return binder.entry(which, name, place)
+
+    return Reader(f"a name from [{which}]", (str,), read)
+
+
+_MATERIAL = _named("materials")
 READERS.update(dict.fromkeys((fem.Material, fem.Orthotropic, Layers, fem.Beam), _MATERIAL))
 
 # ------------------------------------------------------------------------ meshes and bodies
@@ -205,14 +211,6 @@ _BODIES = (
     Table(_touched, owner=_meshed),
     Table(_touched, owner=_of_matrices),
 )
-_BODY = Annotated[
-    Any,
-    Reader(
-        "a name from [bodies]",
-        (str,),
-        lambda binder, name, place: binder.entry("bodies", name, place),
-    ),
-]
 
 # ---------------------------------------------------------------------------- laws and solvers
 
@@ -335,7 +333,7 @@ def _impact(
     return {"projectile": projectile, "target": target, **more}
 
 
-_MEMBER = Table(Scene.add, hints={"body": _BODY})
+_MEMBER = Table(Scene.add, hints={"body": Annotated[Any, _named("bodies")]})
 
 
 def _read_member(binder: SceneBinder, value: Any, place: Place) -> Any:
