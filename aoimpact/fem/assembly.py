@@ -20,7 +20,9 @@ import scipy.sparse as sp
 from ..base import FloatArray, IntArray, at_once, bar, require
 from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, taken
-from .composition import AnyMaterial, Materials, Piece, pieces, thin_parts
+from .beams import Beam
+from .composition import AnyMaterial, Materials, Piece, pieces
+from .laminate import Layers
 from .material import Material
 from .orthotropic import Orthotropic
 from .thin import thin_stiffness_mass
@@ -84,7 +86,7 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
         N/m and kg; of rotations also N, N m, kg m and kg m². Exactly symmetric, column indices
         sorted.
     """
-    parts = thin_parts(mesh, material)
+    parts = pieces(mesh, material, (Layers, Beam))
     if not parts:
         return _of_solids(mesh, material)
     require(
@@ -132,7 +134,7 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
 
         def add_mass() -> None:
             for batch, place in _batches(mesh, material, pattern):
-                values = batch.material.rho * _mass(batch.element, mesh.nodes[batch.cells])
+                values = batch.of.rho * _mass(batch.element, mesh.nodes[batch.cells])
                 np.add.at(mass, place.reshape(-1), values.reshape(-1))
 
         at_once([add_stiffness, add_mass])
@@ -167,7 +169,7 @@ def _batch(element: ReferenceElement) -> int:
 def _stiffness(piece: Piece, nodes: FloatArray) -> Iterator[FloatArray]:
     """Yield the blocks `_PAIRS` of the element matrices, each (n_elements, n_local, n_local)."""
     n, n_local = nodes.shape[:2]
-    element, material = piece.element, piece.material
+    element, material = piece.element, piece.of
     rule = element.stiffness_rule
     gradient = element.gradient(rule.points)
     det, cof = cofactors(jacobians(nodes, gradient))
@@ -181,7 +183,7 @@ def _stiffness(piece: Piece, nodes: FloatArray) -> Iterator[FloatArray]:
     products = (rows @ rows.transpose(0, 2, 1)).reshape(n, 3, n_local, 3, n_local)
     each = _isotropic if isinstance(material, Material) else _anisotropic
     for i, j in _PAIRS:
-        block = each(products, i, j, material)  # type: ignore[arg-type]
+        block = each(products, i, j, material)
         if i == j:
             block = 0.5 * (block + block.transpose(0, 2, 1))
         yield block

@@ -67,21 +67,19 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
         that is not for elements of its kind.
     """
     found = _of_elements(mesh, given)
-    for block in mesh.blocks:
-        wanted, fitting = _FITTING.get(block.kind, _SOLID)
-        for which, rows in _by_material(block, found):
-            one = found.materials[which] if isinstance(found, Materials) else found
-            if not isinstance(one, fitting):
-                raise InputError(
-                    f"material: {len(rows)} elements are of kind {block.kind}, which needs "
-                    f"{wanted}, got {type(one).__name__}"
-                )
-            if isinstance(one, (Layers, Beam)) and one.narrowest > mesh.size:
-                raise InputError(
-                    f"material: a {type(one).__name__} {with_unit(one.narrowest, 'm')} thick is "
-                    f"thicker than the body is long, {with_unit(mesh.size, 'm', 3)}; give both in "
-                    "metres"
-                )
+    for piece in pieces(mesh, found, OneMaterial):
+        wanted, fitting = _FITTING.get(piece.block.kind, _SOLID)
+        if not isinstance(piece.of, fitting):
+            raise InputError(
+                f"material: {len(piece.rows)} elements are of kind {piece.block.kind}, which needs "
+                f"{wanted}, got {type(piece.of).__name__}"
+            )
+        if isinstance(piece.of, (Layers, Beam)) and piece.of.narrowest > mesh.size:
+            raise InputError(
+                f"material: a {type(piece.of).__name__} {with_unit(piece.of.narrowest, 'm')} thick "
+                f"is thicker than the body is long, {with_unit(mesh.size, 'm', 3)}; give both in "
+                "metres"
+            )
     return found
 
 
@@ -158,14 +156,19 @@ def each_of(material: AnyMaterial) -> tuple[OneMaterial, ...]:
     return material.materials if isinstance(material, Materials) else (material,)
 
 
+def material_of(material: AnyMaterial, cell: int) -> OneMaterial:
+    """Return what an element is made of."""
+    return material.of(cell) if isinstance(material, Materials) else material
+
+
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """Solid elements of one kind and one material.
+    """Elements of one kind and one material.
 
     Attributes
     ----------
     block : Block
-    material : Material or Orthotropic
+    of : Material, Orthotropic, Shell, Laminate or Beam
     which : int
         Number of the material.
     rows : ndarray of int, shape (n,)
@@ -173,7 +176,7 @@ class Piece:
     """
 
     block: Block
-    material: Solid
+    of: Any
     which: int
     rows: IntArray
 
@@ -186,9 +189,9 @@ class Piece:
         for start in range(0, len(self.rows), step):
             yield self.taken(slice(start, start + step))
 
-    def taken(self, some: IntArray | slice) -> Piece:
-        """Return some of the elements."""
-        return Piece(self.block, self.material, self.which, self.rows[some])
+    def taken(self, some: Any) -> Piece:
+        """Return some of the elements, by an index, mask or slice."""
+        return Piece(self.block, self.of, self.which, self.rows[some])
 
     @property
     def cells(self) -> IntArray:
@@ -201,61 +204,33 @@ class Piece:
         return self.block.first + self.rows
 
 
-def pieces(mesh: Mesh, material: AnyMaterial) -> list[Piece]:
-    """Return the solid elements of a mesh by kind and material."""
-    found = []
-    for block in mesh.blocks:
-        for which, rows in _by_material(block, material):
-            one = material.materials[which] if isinstance(material, Materials) else material
-            if isinstance(one, Solid):
-                found.append(Piece(block, one, which, rows))
-    return found
+def pieces(mesh: Mesh, material: AnyMaterial, kind: Any = Solid) -> list[Piece]:
+    """Return the elements of a mesh by kind and material.
 
-
-@dataclass(frozen=True, eq=False)
-class ThinPart:
-    """Elements of one kind that are one shell or beam.
-
-    Attributes
+    Parameters
     ----------
-    cells : ndarray of int, shape (n, 2), (n, 3) or (n, 4)
-        Their nodes.
-    numbers : ndarray of int, shape (n,)
-        The elements' numbers among all of the mesh.
-    of : Shell, Laminate or Beam
+    mesh, material
+    kind : type or union of types, optional
+        Class of the materials wanted: solids, if left out.
     """
-
-    cells: IntArray
-    numbers: IntArray
-    of: Layers | Beam
-
-
-def thin_parts(mesh: Mesh, material: AnyMaterial) -> list[ThinPart]:
-    """Return the surface and line elements of a mesh by kind and what they are."""
-    found = []
+    found, each = [], each_of(material)
     for block in mesh.blocks:
-        for which, rows in _by_material(block, material):
-            one = material.materials[which] if isinstance(material, Materials) else material
-            if isinstance(one, (Layers, Beam)):
-                found.append(ThinPart(block.cells[rows], block.first + rows, one))
+        index = np.zeros(len(block.cells), dtype=np.int64)
+        if isinstance(material, Materials):
+            index = material.index[block.numbers]
+        for which in np.unique(index).tolist():
+            if isinstance(each[which], kind):
+                rows = np.flatnonzero(index == which)
+                found.append(Piece(block, each[which], which, rows))
     return found
 
 
 def thickness_of_cells(mesh: Mesh, material: AnyMaterial) -> FloatArray:
     """Return the thickness of each element that is a shell, m, shape (n_cells,); 0 of others."""
     found = np.zeros(mesh.n_cells)
-    for part in thin_parts(mesh, material):
-        if isinstance(part.of, Layers):
-            found[part.numbers] = part.of.total_thickness
+    for part in pieces(mesh, material, Layers):
+        found[part.numbers] = part.of.total_thickness
     return found
-
-
-def _by_material(block: Block, material: AnyMaterial) -> list[tuple[int, IntArray]]:
-    """The numbers of the materials of a block, and the rows of the elements of each."""
-    if not isinstance(material, Materials):
-        return [(0, np.arange(len(block.cells)))]
-    index = material.index[block.numbers]
-    return [(int(which), np.flatnonzero(index == which)) for which in np.unique(index)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,7 +38,7 @@ from ..linalg import LinearSolver
 from ..mesh import AT_NODE, nearest_line, surface_shape
 from .beams import Beam, beam_motion
 from .compliance import ContactCompliance
-from .composition import Materials, pieces
+from .composition import material_of, pieces
 from .contactsurface import ContactSurface, contact_surface
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
 from .extraction import Extraction, extracted, pressed
@@ -270,7 +270,7 @@ class ContactPoint(Frozen):
             return None
         if surface is None:
             cell = nearest_line(self.body.mesh, self.point)[0]
-            of = material.of(cell) if isinstance(material, Materials) else material
+            of = material_of(material, cell)
         else:
             of = of_face(surface, material, int(surface.nearest(self.point).face[0]))
         return of if isinstance(of, (Layers, Beam)) else None
@@ -774,7 +774,7 @@ def _on_beam(
     cell, place, gap = nearest_line(body.mesh, point)
     ends = body.mesh.cells[cell, :2]
     x = (1.0 - place) * body.mesh.nodes[ends[0]] + place * body.mesh.nodes[ends[1]]
-    of = body.material.of(cell) if isinstance(body.material, Materials) else body.material
+    of = material_of(body.material, cell)
     assert isinstance(of, Beam)
     if gap > math.sqrt(of.numbers.area) + AT_NODE * body.mesh.size:
         raise InputError(

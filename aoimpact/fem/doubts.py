@@ -10,7 +10,8 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, plain, warn
 from ..mesh import Mesh
-from .composition import AnyMaterial, pieces, thin_parts
+from .beams import Beam
+from .composition import AnyMaterial, pieces
 from .laminate import Layers
 from .material import Material
 
@@ -31,13 +32,11 @@ def warn_of_locking(mesh: Mesh, material: AnyMaterial) -> None:
     """Warn of elements of first order of nearly incompressible material."""
     locking = [
         piece
-        for piece in pieces(mesh, material)
-        if isinstance(piece.material, Material)
-        and piece.material.nu > _NEARLY_INCOMPRESSIBLE
-        and piece.element.linear is piece.element
+        for piece in pieces(mesh, material, Material)
+        if piece.of.nu > _NEARLY_INCOMPRESSIBLE and piece.element.linear is piece.element
     ]
     if locking:
-        nu = max(piece.material.nu for piece in locking if isinstance(piece.material, Material))
+        nu = max(piece.of.nu for piece in locking)
         count = sum(len(piece.rows) for piece in locking)
         warn(
             f"{count} elements of first order have nu={nu:g}: they resist bending and indentation "
@@ -52,12 +51,11 @@ def check_joints(mesh: Mesh, material: AnyMaterial) -> None:
     ------
     InputError
     """
-    parts = thin_parts(mesh, material)
     solids = np.zeros(mesh.n_nodes, dtype=bool)
     for piece in pieces(mesh, material):
         solids[piece.cells] = True
     shared, held = np.zeros((2, mesh.n_nodes), dtype=bool)
-    for part in parts:
+    for part in pieces(mesh, material, (Layers, Beam)):
         on = solids[part.cells]
         shared[part.cells[on]] = True
         held[part.cells[on.all(axis=1)]] = True
@@ -76,7 +74,7 @@ def warn_of_curved_offsets(mesh: Mesh, material: AnyMaterial) -> None:
 
     The middle surface is that of the nodes, moved along the mean normals of their elements.
     """
-    shells = [part for part in thin_parts(mesh, material) if isinstance(part.of, Layers)]
+    shells = pieces(mesh, material, Layers)
     if not any(part.of.offset for part in shells):
         return
     normals = np.zeros_like(mesh.nodes)

@@ -647,7 +647,7 @@ class _Load:
             difference = None
             if piece.which != own:
                 wanted[:] = True
-                difference = _tensor(piece.material, self.frame) - self.space.stiffness
+                difference = _tensor(piece.of, self.frame) - self.space.stiffness
             rows = piece.rows[wanted]
             for at in cells_towards(nodes, piece.block, rows, self.point, self.space.radius):
                 cells, y = piece.block.cells[at.rows], (at.x - self.point) @ self.frame.T
@@ -658,7 +658,7 @@ class _Load:
                     u, stress = self.space.displacement(y, rough=True), None
                 moved = chi[..., None] * u
                 instead = at.shape @ (at_nodes[cells] @ self.frame.T)
-                mass = piece.material.rho * at.weight * near[at.rows][:, None]
+                mass = piece.of.rho * at.weight * near[at.rows][:, None]
                 self._add(1, cells, mass, at.shape, moved, moved)
                 self._add(1, cells, -mass, at.shape, instead, instead)
                 if stress is None:

@@ -121,7 +121,7 @@ def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
 def gauss_of(mesh: Mesh, piece: Piece, displacement: FloatArray) -> FloatArray:
     """Return the components of `gauss_stress` of some elements, shape (..., n, n_gauss, 6)."""
     strain = gauss_strain(mesh, piece, displacement)[0]
-    return np.moveaxis(hooke(strain, piece.material), 0, -1)
+    return np.moveaxis(hooke(strain, piece.of), 0, -1)
 
 
 def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:

@@ -80,7 +80,7 @@ def energy_error(
     _free_of_traction(averaged, body, places, loaded)
     difference, own = np.zeros((2, mesh.n_cells))
     for piece in pieces(mesh, material):
-        rule, of = piece.element.stiffness_rule, piece.material
+        rule, of = piece.element.stiffness_rule, piece.of
         shape = piece.element.shape(rule.points)
         for batch in batches(piece):
             strain, det = gauss_strain(mesh, batch, moved)

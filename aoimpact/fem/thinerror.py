@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ..base import FloatArray, IntArray
 from .beams import Beam, beam_inertial_error, beam_stiffness
-from .composition import ThinPart, thin_parts
+from .composition import Piece, pieces
 from .laminate import Layers
 from .shells import Strains, nodal_normals, nodal_strains, strain_rows
 from .stress import UNIT_STRAINS
@@ -35,15 +35,14 @@ class ShellPiece:
 
     Attributes
     ----------
-    part : ThinPart
-    layers : Shell or Laminate
+    part : Piece
     strains : Strains
     places : ndarray of int, shape (n, nodes)
         For each corner the number of its node on its smooth surface, through all pieces.
     """
 
-    def __init__(self, part: ThinPart, layers: Layers, strains: Strains, places: IntArray) -> None:
-        self.part, self.layers, self.strains, self.places = part, layers, strains, places
+    def __init__(self, part: Piece, strains: Strains, places: IntArray) -> None:
+        self.part, self.strains, self.places = part, strains, places
 
 
 def shell_pieces(
@@ -57,7 +56,7 @@ def shell_pieces(
     wanted : ndarray of bool, shape (n_cells,), optional
         The elements that are needed; all if left out.
     """
-    parts = [part for part in thin_parts(mesh, material) if isinstance(part.of, Layers)]
+    parts = pieces(mesh, material, Layers)
     if not parts:
         return [], np.zeros(0, dtype=np.int64)
     normals = nodal_normals(mesh.nodes, [part.cells for part in parts])
@@ -74,36 +73,35 @@ def shell_pieces(
         )
     places, place = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
     ends = np.cumsum([part.cells.size for part in parts])[:-1]
-    pieces = []
+    found = []
     for part, normal, own in zip(parts, normals, np.split(place.reshape(-1), ends), strict=True):
-        assert isinstance(part.of, Layers)
         rows = slice(None) if wanted is None else wanted[part.numbers]
-        some = ThinPart(part.cells[rows], part.numbers[rows], part.of)
+        some = part.taken(rows)
         corners = mesh.nodes[some.cells]
         strains = strain_rows(corners, part.of, normal[rows], constant=constant)
         at = own.reshape(part.cells.shape)[rows]
-        pieces.append(ShellPiece(some, part.of, strains, at))
-    return pieces, places[:, 0].astype(np.int64)
+        found.append(ShellPiece(some, strains, at))
+    return found, places[:, 0].astype(np.int64)
 
 
-def mean_at_nodes(pieces: list[ShellPiece], moved: FloatArray, count: int) -> list[FloatArray]:
+def mean_at_nodes(shells: list[ShellPiece], moved: FloatArray, count: int) -> list[FloatArray]:
     """Return the mean strains at the elements' corners, in the elements' axes, (n, nodes, 8).
 
     Parameters
     ----------
-    pieces : list of ShellPiece
+    shells : list of ShellPiece
     moved : ndarray, shape (n_nodes, 6)
         Displacements and rotations.
     count : int
         How many places there are.
     """
     total, elements = np.zeros((count, 3, 3, 3)), np.zeros(count)
-    for piece in pieces:
+    for piece in shells:
         own = nodal_strains(piece.strains, moved[piece.part.cells])
         np.add.at(total, piece.places, _tensors(own, piece.strains.frames))
         elements += np.bincount(piece.places.ravel(), minlength=count)
     total /= elements[:, None, None, None]
-    return [_components(total[piece.places], piece.strains.frames) for piece in pieces]
+    return [_components(total[piece.places], piece.strains.frames) for piece in shells]
 
 
 def thin_energy_error(
@@ -128,21 +126,19 @@ def thin_energy_error(
         Energy of each element, J; 0 of solids.
     """
     difference, own = np.zeros((2, mesh.n_cells))
-    for part in thin_parts(mesh, material):
-        if isinstance(part.of, Beam):
-            stiffness = beam_stiffness(mesh.nodes[part.cells], part.of)
-            x = moved[part.cells].reshape(len(part.cells), -1)
-            own[part.numbers] = np.einsum("ni,nij,nj->n", x, stiffness, x)
-            lacking = beam_inertial_error(mesh.nodes[part.cells], part.of, x, s)
-            difference[part.numbers] = lacking
-    pieces, places = shell_pieces(mesh, material)
-    averaged = mean_at_nodes(pieces, moved, len(places))
-    for piece, mean in zip(pieces, averaged, strict=True):
+    for part in pieces(mesh, material, Beam):
+        stiffness = beam_stiffness(mesh.nodes[part.cells], part.of)
+        x = moved[part.cells].reshape(len(part.cells), -1)
+        own[part.numbers] = np.einsum("ni,nij,nj->n", x, stiffness, x)
+        difference[part.numbers] = beam_inertial_error(mesh.nodes[part.cells], part.of, x, s)
+    shells, places = shell_pieces(mesh, material)
+    averaged = mean_at_nodes(shells, moved, len(places))
+    for piece, mean in zip(shells, averaged, strict=True):
         x = moved[piece.part.cells].reshape(len(mean), -1)
         strain = np.einsum("nqsd,nd->nqs", piece.strains.rows[:, :, :8], x)
         off = strain - np.einsum("qa,nas->nqs", piece.strains.shape, mean)
         for values, found in ((strain, own), (off, difference)):
-            energy = np.einsum("nqi,ij,nqj->nq", values, piece.layers.stiffness, values)
+            energy = np.einsum("nqi,ij,nqj->nq", values, piece.part.of.stiffness, values)
             found[piece.part.numbers] = (piece.strains.weights * energy).sum(axis=1)
     return difference, own
 

@@ -15,7 +15,7 @@ from ..base import FloatArray, IntArray
 from ..linalg import LinearSolver
 from .beams import Beam
 from .compliance import ContactCompliance
-from .composition import thin_parts
+from .composition import pieces
 from .laminate import Layers
 from .layer import (
     contact_reach,
@@ -206,7 +206,7 @@ def _around(
     Elements belong to one surface if they share a node and their normals are alike.
     """
     mesh, loaded = body.mesh, shares != 0.0
-    parts = [part for part in thin_parts(mesh, body.material) if not isinstance(part.of, Beam)]
+    parts = pieces(mesh, body.material, Layers)
     edge = longest_edge(mesh.nodes, [part.cells for part in parts], loaded)
     away = np.linalg.norm(mesh.nodes - point, axis=1)
     close = away < contact_reach(layers, edge, s) + float(away[loaded].max())

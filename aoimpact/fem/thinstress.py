@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from ..base import FloatArray, InputError, IntArray, finite_array, text, warn
 from ..mesh import Mesh, group, taken
 from .beams import Beam, BeamSection, beam_frames, beam_rows
-from .composition import AnyMaterial, Materials, pieces, thin_parts
+from .composition import AnyMaterial, Materials, pieces
 from .laminate import Layers
 from .material import PLACES, SIX
 from .stress import compliances, stress_rows
@@ -231,13 +231,12 @@ def body_stress_rows(
 
 def _check_layer(mesh: Mesh, material: AnyMaterial, layer: Layer) -> None:
     """Refuse a ply, side or place that no part of the body has."""
-    parts = [part.of for part in thin_parts(mesh, material)]
-    plies = max((len(of.plies) for of in parts if isinstance(of, Layers)), default=0)
+    plies = max((len(part.of.plies) for part in pieces(mesh, material, Layers)), default=0)
     if layer.ply and not plies:
         raise InputError(f"{layer}: the body has no shells, and so no plies; leave layer out")
     if layer.ply and layer.of[0] >= plies:
         raise InputError(f"layer: there is no ply {layer.of[0]}, the last is {plies - 1}")
-    beams = [of for of in parts if isinstance(of, Beam)]
+    beams = [part.of for part in pieces(mesh, material, Beam)]
     if layer.of_beams and not beams:
         raise InputError(f'{layer} is of beams, and the body has none; give "top" or "bottom"')
     if layer.of_beams and not any(_has(of, layer) for of in beams):
@@ -301,8 +300,8 @@ def _of_shells(
     The mean over the elements of one smooth surface of a shell; the stiffest, where several meet.
     """
     stiffness = np.full(mesh.n_cells, -1.0)
-    for part in thin_parts(mesh, material):
-        if isinstance(part.of, Layers) and not (layer.ply and layer.of[0] >= len(part.of.plies)):
+    for part in pieces(mesh, material, Layers):
+        if not (layer.ply and layer.of[0] >= len(part.of.plies)):
             stiffness[part.numbers] = part.of.stiffness[0, 0] + part.of.stiffness[1, 1]
     cell, place = held.tocoo().coords
     cell, place = cell[stiffness[cell] >= 0.0], place[stiffness[cell] >= 0.0]
@@ -345,7 +344,7 @@ def _corners(
     wanted_cells = np.asarray(wanted[mesh.cells].any(axis=1))
     found, spots = [], np.full((mesh.n_cells, 4), -1)
     for piece in shell_pieces(mesh, material, wanted_cells)[0]:
-        of, numbers = piece.layers, piece.part.numbers
+        of, numbers = piece.part.of, piece.part.numbers
         if not len(numbers) or (layer.ply and layer.of[0] >= len(of.plies)):
             continue
         spots[numbers, : piece.places.shape[1]] = piece.places
@@ -397,11 +396,9 @@ def _of_beams(
     """Sections of beams' elements that hold a place not yet known, and rows of their strains."""
     cell, place = held.tocoo().coords
     cell, place = cell[~known[place]], place[~known[place]]
-    for part in thin_parts(mesh, material):
-        if not isinstance(part.of, Beam) or not _has(part.of, layer):
-            continue
+    for part in pieces(mesh, material, Beam):
         own = np.isin(cell, part.numbers)
-        if not own.any():
+        if not _has(part.of, layer) or not own.any():
             continue
         if isinstance(part.of.section, BeamSection) and len(part.of.section.points) == 1:
             warn(
@@ -435,13 +432,12 @@ def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> Floa
         Displacements of all nodes, then rotations.
     """
     found = np.zeros((len(moved), mesh.n_cells))
-    for part in thin_parts(mesh, material):
-        if isinstance(part.of, Beam):
-            rows = beam_rows(mesh.nodes[part.cells], part.of, np.array([0.0, 1.0]))
-            for time, x in enumerate(moved):
-                strains = np.einsum("nesd,nd->nes", rows, x[_dofs(part.cells, mesh.n_nodes)])
-                size = np.sqrt(part.of.stress(strains) ** 2 @ [1.0, 3.0, 3.0])
-                found[time, part.numbers] = size.max(axis=1)
+    for part in pieces(mesh, material, Beam):
+        rows = beam_rows(mesh.nodes[part.cells], part.of, np.array([0.0, 1.0]))
+        for time, x in enumerate(moved):
+            strains = np.einsum("nesd,nd->nes", rows, x[_dofs(part.cells, mesh.n_nodes)])
+            size = np.sqrt(part.of.stress(strains) ** 2 @ [1.0, 3.0, 3.0])
+            found[time, part.numbers] = size.max(axis=1)
     return found
 
 

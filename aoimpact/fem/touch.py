@@ -10,7 +10,7 @@ import numpy as np
 from ..base import FloatArray, InputError, IntArray, RoomError, plain, warn
 from ..mesh import Mesh, Place, Surface, nearest_line
 from .beams import Beam, beam_motion
-from .composition import AnyMaterial, Materials, OneMaterial
+from .composition import AnyMaterial, OneMaterial, material_of
 from .laminate import Layers
 from .material import Material
 from .patch import Patch, spread
@@ -162,7 +162,7 @@ def motion_between(
         cell = block.cells[number - block.first]
         corners, shape = mesh.nodes[cell], (cell[:, None] == nodes) @ weights
         if block.kind == "line":
-            of = _of_cell(body.material, number)
+            of = material_of(body.material, number)
             assert isinstance(of, Beam)
             return cell, beam_motion(corners[None], of, float(shape[1]))
         normals = surface_normals(mesh, np.array([number]))[0, : len(cell)]
@@ -185,11 +185,7 @@ def material_at(
 
 def of_face(surface: Surface, material: AnyMaterial, face: int) -> OneMaterial:
     """Return what the element of a face is made of."""
-    return _of_cell(material, int(surface.cell[face]))
-
-
-def _of_cell(material: AnyMaterial, cell: int) -> OneMaterial:
-    return material.of(cell) if isinstance(material, Materials) else material
+    return material_of(material, int(surface.cell[face]))
 
 
 def to_nodes(body: Any, point: FloatArray) -> FloatArray:
@@ -207,7 +203,7 @@ def to_nodes(body: Any, point: FloatArray) -> FloatArray:
     if surface is None:
         cell, share, gap = nearest_line(mesh, point)
         first, last = mesh.nodes[mesh.cells[cell, :2]]
-        of, x = _of_cell(material, cell), first + share * (last - first)
+        of, x = material_of(material, cell), first + share * (last - first)
     else:
         here = surface.nearest(point)
         of, x, gap = of_face(surface, material, int(here.face[0])), here.x[0], here.distance[0]
