@@ -134,7 +134,7 @@ class Named:
         error = result.error if chosen else None
         for name in self.names:
             kept[name] = look_up(result, name, "keep")
-            if error is not None and name in error:
+            if error is not None and name in error.parts:
                 kept[f"{name}_error"] = error[name].total
                 kept[f"{name}{CONTROLLED}"] = float(error[name].model <= error.rtol)
         return kept

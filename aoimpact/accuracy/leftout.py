@@ -33,8 +33,9 @@ the errors said of sensors with those by all modes of the full matrices.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,7 +50,7 @@ from ..reduction import (
     finer_model,
     softer_model,
 )
-from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
+from ..results import Found, LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, Plan, extraction_of
 from .hierarchy import model_hierarchy
 
@@ -108,14 +109,13 @@ def errors_left_out(
         plan = run.plan
     with held_warnings():  # the quantity has had its warnings
         quantity = interest()
-    met = [_met(run, i) for i in range(len(plan.contacts))]
-    altered = alterations(plan, met, law_errors, at_nodes=quantity.lasting)
+    altered = alterations(run, law_errors, at_nodes=quantity.lasting)
     if altered is None:
         return LeftOut()
     changes, name = _Changes(quantity, run, solver), quantity.name
     mesh, contact = changes.sum(altered.mesh), changes.sum(altered.contact)
     if _any_bare(plan):
-        mesh.errors.clear()
+        mesh = _Change({}, mesh.when)
     if quantity.lasting:
         series, _, across = altered.mesh
         softer, stiff = changes.sum((series, _softer(plan), across)), mesh.errors.get(name, 0.0)
@@ -125,19 +125,21 @@ def errors_left_out(
             # show that, but far from the contact mostly how they run ahead: no more counts than
             # the vibration errs, as of another cause.
             size = math.hypot(size, min(size, stiff))
-        mesh = _Change(mesh.errors | {name: size}, softer.when)
-    for each in mesh.errors:
-        mesh.errors[each] += altered.lag
+        errors = mesh.errors
+        mesh = _Change(Found(lambda: errors, lambda each: errors[each], {name: size}), softer.when)
     larger = max(mesh, contact, key=lambda change: change.errors.get(name, 0.0))
-    if quantity.local is not None:
-        mesh.errors[name] += quantity.local(run)
-    return LeftOut(mesh.errors, contact.errors, larger.when)
+    local = 0.0 if quantity.local is None else quantity.local(run)
+
+    def by_mesh(each: str) -> float:
+        return mesh.errors[each] + altered.lag + (local if each == name else 0.0)
+
+    return LeftOut(Found(lambda: mesh.errors, by_mesh), contact.errors, larger.when)
 
 
 class _Change(NamedTuple):
     """Relative changes of numbers by name, and when a history changes most, s."""
 
-    errors: dict[str, float]
+    errors: Mapping[str, float]
     when: float | None
 
 
@@ -153,8 +155,10 @@ class _Changes:
         name = self._quantity.name
         changes = [self._first(ways) for ways in causes]
         largest = max(changes, key=lambda change: change.errors[name])
-        errors = {one: math.fsum(of.errors[one] for of in changes) for one in largest.errors}
-        return _Change(errors, largest.when)
+        total = Found(
+            lambda: largest.errors, lambda one: math.fsum(of.errors[one] for of in changes)
+        )
+        return _Change(total, largest.when)
 
     def _first(self, ways: Iterable[Altered]) -> _Change:
         """The change by the first alteration that can run."""
@@ -168,19 +172,18 @@ class _Changes:
         quantity, run = self._quantity, self._run
         other = run if altered.plan is None else self._altered(altered.plan)
         if other is run or other is None:
-            names = [*number_errors(run, ()), quantity.name]
-            return _Change(dict.fromkeys(names, 0.0 if other is run else math.inf), None)
-
-        def extended(change: float) -> float:
-            return float(extrapolated(change, altered.size, altered.scale))
-
+            size = 0.0 if other is run else math.inf
+            errors = number_errors(run, (), known={quantity.name: size})
+            return _Change(Found(lambda: errors, lambda name: errors[name] + size), None)
+        extended = partial(extrapolated, size=altered.size, scale=altered.scale)
         changes = np.abs(quantity.deviation(run, other))
         change = extended(changes.max(initial=0.0))
         when = None
         if quantity.is_history and change:
             when = float(other.t[changes.argmax() % len(other.t)])
-        errors = {name: extended(error) for name, error in number_errors(run, [other]).items()}
-        return _Change(errors | {quantity.name: change}, when)
+        errors = number_errors(run, [other])
+        known = {quantity.name: change}
+        return _Change(Found(lambda: errors, lambda name: extended(errors[name]), known), when)
 
     def _altered(self, plan: Plan) -> Run | None:
         """The run of an altered plan; None where it cannot run."""
@@ -266,14 +269,14 @@ class Altered:
     scale: float = 1.0
 
 
-def extrapolated(change: Any, size: Any, scale: Any) -> Any:
+def extrapolated(change: float, size: float, scale: float) -> float:
     """Return the change for an alteration of that size from one `scale` times smaller.
 
     Forces go with powers of stiffness below 1, so that (1 + change) does with (1 + size). Other
     quantities go up in proportion at most.
     """
     power = np.log1p(change) / np.log1p(size / scale)
-    return np.minimum(np.expm1(power * np.log1p(size)), change * scale)
+    return float(np.minimum(np.expm1(power * np.log1p(size)), change * scale))
 
 
 class Met(NamedTuple):
@@ -305,26 +308,18 @@ class Alterations(NamedTuple):
     lag: float
 
 
-def alterations(
-    plan: Plan,
-    met: Sequence[Met],
-    law_errors: Sequence[float] = (),
-    *,
-    at_nodes: bool = False,
-) -> Alterations | None:
+def alterations(run: Run, law_errors: Sequence[float], *, at_nodes: bool) -> Alterations | None:
     """Return the plans that show the errors of a run by meshes and laws; None if not known.
 
     Parameters
     ----------
-    plan : Plan
-        The plan of the run.
-    met : sequence of Met
-        Duration and depth of each of its contacts.
-    law_errors : sequence of float, optional
+    run : Run
+    law_errors : sequence of float
         See `errors_left_out`.
-    at_nodes : bool, optional
+    at_nodes : bool
         True to count the mesh's indentation at nodes as its error under laws that leave it.
     """
+    plan, met = run.plan, [_met(run, i) for i in range(len(run.plan.contacts))]
     ends: list[list[_End]] = []
     for number, of in enumerate(met):
         found = _of_contact(plan, number, of, at_nodes=at_nodes)

@@ -4,13 +4,6 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 `scenefile`, `batch`, `study` and `paper`.
 """
 
-from .defaults import (
-    Meeting,
-    checked_duration,
-    checked_numbers,
-    contact_width,
-    fitted,
-    fitted_pair,
-)
+from .defaults import checked_numbers
 from .scene import Scene, SceneCase
 from .simulate import Impact, plan_impact, simulate

@@ -242,9 +242,9 @@ def fitted(
     body: BodyModel,
     port: int,
     met: Meeting | None,
-    factors: dict[Any, LinearSolver] | None = None,
+    factors: dict[Any, LinearSolver],
     *,
-    wider: bool = False,
+    wider: bool,
 ) -> BodyModel:
     """Return a body with a patch wide enough for an impact, where its radius was left out.
 
@@ -256,27 +256,12 @@ def fitted(
     if not tip.automatic:
         return body
     radius, time = alike(met.contact_radius, up=True), alike(met.contact_time)
-    known = {} if factors is None else factors
 
     def pressed() -> ContactPoint:
         wide = contact_within(tip, radius, wider=wider)
-        if tip.body not in known:
-            known[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / time) ** 2)
-        return wide.at_impact(radius, known[tip.body])
+        if tip.body not in factors:
+            factors[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / time) ** 2)
+        return wide.at_impact(radius, factors[tip.body])
 
     fit = tip.body.kept.get(("patch", tip.key, radius, time, wider), pressed)
     return replace(body, tips=(*body.tips[:port], fit, *body.tips[port + 1 :]))
-
-
-def fitted_pair(
-    projectile: BodyModel,
-    target: BodyModel,
-    met: Meeting | None,
-    factors: dict[Any, LinearSolver] | None = None,
-) -> tuple[BodyModel, BodyModel]:
-    """Return projectile and target with the patches that suit their impact, as `fitted`.
-
-    Like bodies stay one.
-    """
-    first = fitted(projectile, 0, met, factors)
-    return first, first if target == projectile else fitted(target, 0, met, factors)

@@ -18,7 +18,7 @@ from ..linalg import Solver
 from ..reduction import BodyModel, body_model
 from ..results import Quantity, RecordLength, Result, TimeSolver, warn_of_exchange
 from ..scene import Plan
-from .defaults import Meeting, checked_numbers, turns
+from .defaults import checked_numbers, turns
 from .oblique import checked_spin, vector_or_number
 from .scene import Scene
 
@@ -238,11 +238,12 @@ class Impact(Scene):
         first, second = self._bodies
         return first, second
 
-    def with_bodies(self, bodies: Sequence[BodyModel]) -> Impact:
-        """Return the same impact of others in the place of its bodies."""
+    def fitted(self, bodies: Sequence[BodyModel]) -> tuple[BodyModel, BodyModel]:
+        """Return bodies in the place of its own with the patches that suit this impact."""
         other = copy.copy(self)
         other._bodies = list(bodies)
-        return other
+        first, second = other._fitted({}, wider=False)
+        return first, second
 
     @property
     def turned(self) -> tuple[bool, bool]:
@@ -259,11 +260,6 @@ class Impact(Scene):
     def law(self) -> ContactLaw:
         """The law between the bodies themselves."""
         return own_law(self._contacts[0].law)
-
-    @property
-    def met(self) -> Meeting | None:
-        """The contact that is foreseen, by rigid bodies."""
-        return self._meeting(self._contacts[0], self._fastest)
 
     @property
     def record(self) -> RecordLength:

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..base import FloatArray, InputError, InputTypeError
 from ..integrate import Events
-from .errors import suggestion
+from .errors import Found, suggestion
 
 if TYPE_CHECKING:
     from .run import Run
@@ -316,31 +316,43 @@ def look_up(result: Any, name: str, argument: str) -> float:
     return float(found)
 
 
-def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[str, float]:
+def number_errors(
+    run: Run,
+    larger: Sequence[Run],
+    safety: float = 1.0,
+    known: Mapping[str, float] | None = None,
+) -> Mapping[str, float]:
     """Return by how much the force, and each number that sums up a run, may be wrong, relative.
 
     The largest of its changes to more exact runs, times `safety`, by the names by which the numbers
     are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of a number that
     there is not. "contacts" ("contacts.0.intervals") is infinite where the runs have not as many of
-    them.
+    them. Errors that are known already are taken as they are.
     """
-    forces = (QUANTITIES["force"].difference(run, other) for other in larger)
-    errors = {"force": safety * max(forces, default=0.0)}
-    before, changes = np.array(run.plan.velocities), [np.zeros(len(run.numbers))]
-    for other in larger:
-        apart = [
-            of.relative_changes(of.compared(run), of.compared(other), before)
-            for of in QUANTITIES.values()
-            if not of.is_history
-        ]
-        changes.append(np.concatenate(apart))
-    for (name, value), most in zip(run.numbers.items(), np.max(changes, axis=0), strict=True):
-        errors[name] = math.nan if math.isnan(value) else safety * float(most)
-    for i, events in enumerate(run.events):
-        as_many = all(len(other.events[i].contacts) == len(events.contacts) for other in larger)
-        name = f"contacts.{i}.intervals" if run.plan.scene else "contacts"
-        errors[name] = 0.0 if as_many else math.inf
-    return errors
+    scene, before = run.plan.scene, np.array(run.plan.velocities)
+    counts = [f"contacts.{i}.intervals" if scene else "contacts" for i in range(len(run.events))]
+
+    def find(name: str) -> float:
+        if name in counts:
+            at = counts.index(name)
+            touches = [len(of.events[at].contacts) for of in (run, *larger)]
+            return 0.0 if len(set(touches)) == 1 else math.inf
+        each, _, last = name.rpartition(".")
+        quantity = QUANTITIES[last]
+        if quantity.is_history:
+            if name != "force":
+                raise KeyError(name)
+            return safety * max((quantity.difference(run, of) for of in larger), default=0.0)
+        at, values = int(each.rpartition(".")[2] or 0), quantity.values(run)
+        owner = f"{quantity.each}.{at}" if scene and quantity.each else ""
+        if at >= len(values) or each != owner:
+            raise KeyError(name)
+        ours = quantity.compared(run)
+        apart = (quantity.relative_changes(ours, quantity.compared(of), before) for of in larger)
+        most = np.max([np.zeros(len(ours)), *apart], axis=0)
+        return math.nan if math.isnan(values[at]) else safety * float(most[at])
+
+    return Found(lambda: ["force", *run.numbers, *counts], find, known)
 
 
 def all_numbers(run: Run) -> dict[str, float]:

@@ -36,7 +36,7 @@ from ..reduction import FullModel
 from ..scene import Plan, RecordLayout
 from . import plot
 from .advice import follows, warn_of_ledger, warn_of_mesh
-from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
+from .errors import Chosen, ErrorEstimate, ErrorParts, Found, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
 from .picture import shown_bodies, times_of_contact
 from .plot import During
@@ -567,22 +567,21 @@ class Run:
                 warn_of_ledger(energy, self.time_error)
         names = number_errors(self, ())
         quantity = rtol = None
-        models: Mapping[str, float] = dict.fromkeys(names, 0.0) if self._whole else {}
+        models: Mapping[str, float] = names if self._whole else {}
         if self.chosen is not None:
             quantity, rtol, models = self.chosen.quantity, self.chosen.rtol, self.chosen.numbers
         out = self._left_out
         numeric = not any(body.contact_points for body in self.plan.bodies)
         absent = 0.0 if numeric and self.chosen is not None else None  # there are no meshes
-        parts = {
-            name: ErrorParts(
-                out.mesh.get(name, absent),
-                out.contact.get(name, absent),
-                models.get(name),
-                self.time_error,
-            )
-            for name in {**names, **models}
-        }
-        estimate = ErrorEstimate(parts, energy, quantity, rtol, out.worst_time)
+
+        def parts(name: str) -> ErrorParts:
+            if name not in names and name not in models:
+                raise KeyError(name)
+            mesh, contact = out.mesh.get(name, absent), out.contact.get(name, absent)
+            return ErrorParts(mesh, contact, models.get(name), self.time_error)
+
+        found = Found(lambda: {**names, **models}, parts)
+        estimate = ErrorEstimate(found, energy, quantity, rtol, out.worst_time)
         warn_of_mesh(self, estimate)
         return estimate
 

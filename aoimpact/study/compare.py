@@ -32,7 +32,7 @@ from ..base import (
     with_unit,
     write_csv,
 )
-from ..impact import Impact, fitted_pair, simulate
+from ..impact import Impact, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw
 from ..linalg import Solver, checked_solver
@@ -321,7 +321,7 @@ def compare(
     for label, other in others.items():
         _warn_of_differences(bodies[1], label, body_model(label, other))
     # Over the same patches: `simulate` would fit those of full models alone.
-    bodies = fitted_pair(*bodies, impact.with_bodies(bodies).met)
+    bodies = impact.fitted(bodies)
 
     def quick(models: Models) -> Result:
         with held_warnings():
