@@ -42,7 +42,7 @@ from .picture import shown_bodies, times_of_contact
 from .plot import During
 from .quantities import all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
-from .table import ROLES, as_dataframe, as_dataset, body_names, columns, different
+from .table import ROLES, as_dataframe, as_dataset, columns, different
 from .validity import Advice, advice_of
 
 if TYPE_CHECKING:
@@ -660,7 +660,7 @@ class Run:
         >>> data.force.attrs["units"], float(data.force.max()) == hit.peak_force
         ('N', True)
         """
-        return as_dataset(self, body_names(self, names))
+        return as_dataset(self, names)
 
     def plot_force(
         self, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any

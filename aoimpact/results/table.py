@@ -12,78 +12,69 @@ from ..base import FloatArray, InputError, optional_package, texts
 from ..laws import own_law
 
 if TYPE_CHECKING:
-    from .motion import BodyResult
     from .run import Run
 
 
 # Names of the bodies of an impact that have none of their own.
 ROLES = ("projectile", "target")
 
-# Unit and description of each kind of history.
-_UNITS = {
-    "force": ("N", "contact force, positive in compression"),
-    "friction_force": ("N", "on the second body, in three directions"),
-    "stuck": ("1", "share of the contact's radius within which it sticks"),
-    "indentation": ("m", "of the contact law; negative while the bodies are apart"),
-    "displacement": ("m", "of the contact coordinate"),
-    "velocity": ("m/s", "of the contact coordinate"),
-    "centre_displacement": ("m", "of the centre of mass"),
-    "centre_velocity": ("m/s", "of the centre of mass"),
-    "spin": ("rad/s", "of each body, in three directions"),
-    "kinetic_energy": ("J", "of each body"),
-    "elastic_energy": ("J", "strain energy of each body"),
-    "contact_energy": ("J", "stored in the contact laws"),
-    "dissipated_energy": ("J", "lost in contact laws and damping since t = 0"),
-    "friction_energy": ("J", "the part of it lost by friction"),
-    "total_energy": ("J", "constant in an exact run"),
+# Every history of a contact, of a body and of the run in the order of the CSV file: name, unit and
+# description. An energy is one of their ``energy``.
+_HISTORIES = {
+    "contact": (
+        ("force", "N", "contact force, positive in compression"),
+        ("indentation", "m", "of the contact law; negative while the bodies are apart"),
+        ("friction_force", "N", "on the second body, in three directions"),
+        ("stuck", "1", "share of the contact's radius within which it sticks"),
+    ),
+    "body": (
+        ("displacement", "m", "of the contact coordinate"),
+        ("velocity", "m/s", "of the contact coordinate"),
+        ("centre_displacement", "m", "of the centre of mass"),
+        ("centre_velocity", "m/s", "of the centre of mass"),
+        ("kinetic_energy", "J", "of each body"),
+        ("elastic_energy", "J", "strain energy of each body"),
+        ("spin", "rad/s", "of each body, in three directions"),
+    ),
+    "run": (
+        ("contact_energy", "J", "stored in the contact laws"),
+        ("dissipated_energy", "J", "lost in contact laws and damping since t = 0"),
+        ("total_energy", "J", "constant in an exact run"),
+        ("friction_energy", "J", "the part of it lost by friction"),
+    ),
 }
+
+
+def _history(run: Run, kind: str, number: int, name: str) -> FloatArray | None:
+    """A history by its name, shape (n,) or (n, 3); None where the run has none."""
+    of: Any = {"contact": run.each_contact, "body": run.bodies, "run": (run,)}[kind][number]
+    if name in ("spin", "friction_energy") and run.plan.oblique is None:
+        return None
+    if name == "spin" and run.plan.bodies[number].fixed:
+        return None
+    if not name.endswith("_energy"):
+        found: FloatArray | None = getattr(of, name)
+        return found
+    return getattr(of.energy, name.removesuffix("_energy")) if run.energies else None
 
 
 def columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
     """Return every history by its heading, "name [unit]", in the order of the CSV file."""
     table = {"t [s]": run.t}
-    for contact in run.each_contact:
-        called = f"{contact.name} " if run.plan.scene else ""
-        table[f"{called}force [N]"] = contact.force
-        table[f"{called}indentation [m]"] = contact.indentation
-        if contact.friction_force is not None:
-            for axis, force in zip("xyz", contact.friction_force.T, strict=True):
-                table[f"{called}friction force {axis} [N]"] = force
-        if contact.stuck is not None:
-            table[f"{called}stuck [1]"] = contact.stuck
-    for number, name in enumerate(body_names(run, names)):
-        table |= _body_columns(name, run.bodies[number])
-        if turns(run, number):
-            for axis, spin in zip("xyz", run.bodies[number].spin.T, strict=True):
-                table[f"{name} spin {axis} [rad/s]"] = spin
-    if run.energies:
-        table |= {
-            "contact energy [J]": run.energy.contact,
-            "dissipated energy [J]": run.energy.dissipated,
-            "total energy [J]": run.energy.total,
-        }
-        if run.plan.oblique is not None:
-            table["friction energy [J]"] = run.energy.friction
-    return table
-
-
-def turns(run: Run, body: int) -> bool:
-    """True of a body that has a spin: in three directions, and not held."""
-    return run.plan.oblique is not None and not run.plan.bodies[body].fixed
-
-
-def _body_columns(name: str, body: BodyResult) -> dict[str, FloatArray]:
-    table = {
-        f"{name} displacement [m]": body.displacement,
-        f"{name} velocity [m/s]": body.velocity,
-        f"{name} centre displacement [m]": body.centre_displacement,
-        f"{name} centre velocity [m/s]": body.centre_velocity,
-    }
-    if body.energy is not None:
-        table |= {
-            f"{name} kinetic energy [J]": body.energy.kinetic,
-            f"{name} elastic energy [J]": body.energy.elastic,
-        }
+    contacts = run.contact_names if run.plan.scene else ("",)
+    owners = {"contact": contacts, "body": body_names(run, names), "run": ("",)}
+    for kind, called in owners.items():
+        for number, owner in enumerate(called):
+            for name, unit, _ in _HISTORIES[kind]:
+                heading = f"{owner} {name.replace('_', ' ')}".lstrip()
+                values = _history(run, kind, number, name)
+                if values is None:
+                    continue
+                if values.ndim == 1:
+                    table[f"{heading} [{unit}]"] = values
+                    continue
+                for axis, component in zip("xyz", values.T, strict=True):
+                    table[f"{heading} {axis} [{unit}]"] = component
     return table
 
 
@@ -121,44 +112,31 @@ def as_dataframe(table: Mapping[str, FloatArray]) -> Any:
     return pandas.DataFrame({name: table[name] for name in others}, index=index)
 
 
-def as_dataset(run: Run, names: Sequence[str]) -> Any:
+def as_dataset(run: Run, names: Sequence[str] | None) -> Any:
     """Return a run as an xarray Dataset with dimensions time, contact and body."""
     xarray = optional_package("xarray", "to_xarray", "take .to_csv(path) or the arrays themselves")
+    called = {"contact": run.contact_names, "body": body_names(run, names), "run": ("",)}
     data: dict[str, Any] = {}
-
-    def add(name: str, dims: tuple[str, ...], values: Any) -> None:
-        unit, meaning = _UNITS[name]
-        data[name] = (dims, np.array(values), {"units": unit, "long_name": meaning})
-
-    for name in ("force", "indentation"):
-        rows = [getattr(contact, name) for contact in run.each_contact]
-        add(name, ("contact", "time"), np.reshape(rows, (len(rows), len(run.t))))
-    if run.each_contact and all(of.friction_force is not None for of in run.each_contact):
-        rows = [of.friction_force for of in run.each_contact]
-        add("friction_force", ("contact", "time", "axis"), rows)
-        add("stuck", ("contact", "time"), [of.stuck for of in run.each_contact])
-    for name in ("displacement", "velocity", "centre_displacement", "centre_velocity"):
-        add(name, ("body", "time"), [getattr(body, name) for body in run.bodies])
-    if run.plan.oblique is not None:
-        unknown = np.full((len(run.t), 3), np.nan)
-        spins = [of.spin if turns(run, i) else unknown for i, of in enumerate(run.bodies)]
-        add("spin", ("body", "time", "axis"), spins)
-    if run.energies:
-        for name in ("kinetic", "elastic"):
-            rows = [getattr(share, name) for share in run.energy.bodies]
-            add(f"{name}_energy", ("body", "time"), rows)
-        for name in ("contact", "dissipated", "total"):
-            add(f"{name}_energy", ("time",), getattr(run.energy, name))
-        if run.plan.oblique is not None:
-            add("friction_energy", ("time",), run.energy.friction)
+    for kind, owners in called.items():
+        for name, unit, meaning in _HISTORIES[kind]:
+            rows = [_history(run, kind, number, name) for number in range(len(owners))]
+            known = [row for row in rows if row is not None]
+            if rows and not known:
+                continue
+            unknown = np.full_like(known[0], np.nan) if known else np.empty((0, len(run.t)))
+            values = np.array([unknown if row is None else row for row in rows] or unknown)
+            dims = (kind, "time", "axis")[: values.ndim]
+            if kind == "run":
+                values, dims = values[0], ("time",)
+            data[name] = (dims, values, {"units": unit, "long_name": meaning})
     coordinates = {
         "time": ("time", run.t, {"units": "s", "long_name": "time"}),
-        "contact": list(run.contact_names),
-        "body": list(names),
+        "contact": list(called["contact"]),
+        "body": list(called["body"]),
     }
     dataset = xarray.Dataset(data, coordinates, {"solver": run.solver})
     if run.plan.scene:
         return dataset
-    known = {"velocity": run.plan.velocities[0], "gap": run.plan.contacts[0].gap}
+    given = {"velocity": run.plan.velocities[0], "gap": run.plan.contacts[0].gap}
     dataset = dataset.squeeze("contact", drop=True)  # of the one contact of an impact
-    return dataset.assign_attrs(known | {"law": str(own_law(run.plan.contacts[0].law))})
+    return dataset.assign_attrs(given | {"law": str(own_law(run.plan.contacts[0].law))})
