@@ -41,7 +41,7 @@ from .compliance import ContactCompliance
 from .composition import material_of, pieces
 from .contactsurface import ContactSurface, contact_surface
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time
-from .extraction import Extraction, extracted, pressed
+from .extraction import Extraction, extracted
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
 from .laminate import Layers, Shell
 from .layer import bending_length, shared_edges
@@ -106,6 +106,13 @@ _NEARLY = 1e-3
 _SMALLEST, _LARGEST = 1e-50, 1e50
 
 
+def _unit_direction(name: str, value: Any) -> FloatArray:
+    unit = finite_array(name, value, shape=(3,))
+    if abs(math.hypot(*unit) - 1.0) > _UNIT:
+        raise InputError(f"{name} must be a unit vector, got {plain(unit)}")
+    return unit
+
+
 @dataclass(frozen=True, eq=False)
 class ContactPoint(Frozen):
     """A place on a body, and the direction in which it is touched there.
@@ -141,8 +148,6 @@ class ContactPoint(Frozen):
         Along which friction acts: unit vectors across the direction and each other.
     shift : float or None
         s of the impact that the patch was fitted to, rad/s.
-    shift : float or None
-        s of the impact that the patch was fitted to, rad/s.
 
     Raises
     ------
@@ -176,24 +181,18 @@ class ContactPoint(Frozen):
     def __post_init__(self) -> None:
         if not callable(getattr(type(self.body), "com_functional", None)):
             raise InputTypeError(f"body must be an FEModel, got {self.body!r}")
-        checked(self, b=self._functional, patch=(Patch, type(None)))
-        if self.direction is not None:
-            unit = finite_array("direction", self.direction, shape=(3,))
-            if abs(math.hypot(*unit) - 1.0) > _UNIT:
-                raise InputError(f"direction must be a unit vector, got {plain(unit)}")
-            object.__setattr__(self, "direction", unit)
-        if self.point is not None:
-            checked(self, point=place)
-        if self.node is not None:
-            nodes = 0 if self.body.nodes is None else len(self.body.nodes)
-            checked(self, node=partial(integer, low=0, high=nodes - 1))
-        if self.normal is not None:
-            checked(self, normal=partial(finite_array, shape=(3,)))
-        checked(self, directed=boolean, automatic=boolean)
-        if self.contact_radius is not None:
-            checked(self, contact_radius=partial(positive, unit="m"))
-        if self.tangents is not None:
-            checked(self, tangents=partial(finite_array, shape=(2, 3)))
+        n_nodes = 0 if self.body.nodes is None else len(self.body.nodes)
+        checks: dict[str, Any] = {
+            "direction": _unit_direction,
+            "point": place,
+            "node": partial(integer, low=0, high=n_nodes - 1),
+            "normal": partial(finite_array, shape=(3,)),
+            "contact_radius": partial(positive, unit="m"),
+            "tangents": partial(finite_array, shape=(2, 3)),
+        }
+        known = {name: of for name, of in checks.items() if getattr(self, name) is not None}
+        always: dict[str, Any] = {"directed": boolean, "automatic": boolean}
+        checked(self, b=self._functional, patch=(Patch, type(None)), **known, **always)
         super().__post_init__()
 
     def _functional(self, name: str, value: Any) -> FloatArray:
@@ -252,8 +251,8 @@ class ContactPoint(Frozen):
         if self.tangents is None:
             return (self,)
         assert self.direction is not None
-        shares = self._nodal_forces @ self.direction
-        along = [pressed(self.body, shares, tangent) for tangent in self.tangents]
+        shares = self._forces[0] @ self.direction
+        along = [self.body.on_dofs(np.outer(shares, tangent)) for tangent in self.tangents]
         given: dict[str, Any] = {"tangents": None, "automatic": False, "directed": True}
         return self, *(
             replace(self, b=b, direction=tangent, **given)
@@ -359,7 +358,7 @@ class ContactPoint(Frozen):
         if not solids:
             return False
         both = np.intersect1d(np.concatenate(solids), mesh.thin_nodes)
-        pressed_on = self._nodal_forces.any(axis=1)
+        pressed_on = self._forces[0].any(axis=1)
         return bool(np.isin(np.flatnonzero(pressed_on), both).all())
 
     def _extracted(self, solver: LinearSolver) -> ContactCompliance:
@@ -378,13 +377,14 @@ class ContactPoint(Frozen):
             assert self.normal is not None
             layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
             cosine = float(self.direction @ self.normal)
-            shares, couples = self._nodal_forces @ self.normal / cosine, self._couples / cosine
+            forces, couples = self._forces
+            shares, couples = forces @ self.normal / cosine, couples / cosine
             load, at = (self.b, shares, couples, cosine), (self.point, self.normal, self._width)
             return extracted_from_shell(self.body, layers, *load, *at, solver)
         found = extracted(
             self.body,
             self.b,
-            self._nodal_forces @ self.direction,
+            self._forces[0] @ self.direction,
             self.direction,
             self.point,
             normal,
@@ -517,7 +517,7 @@ class ContactPoint(Frozen):
     @property
     def resultant(self) -> FloatArray:
         """Sum of the nodes' forces for a unit contact force, shape (3,): the direction."""
-        forces: FloatArray = self._nodal_forces.sum(axis=0)
+        forces: FloatArray = self._forces[0].sum(axis=0)
         return forces
 
     @property
@@ -527,34 +527,22 @@ class ContactPoint(Frozen):
         Zero along the surface's normal; an oblique force acts where the patch is, which on a curved
         surface lies a little below the point.
         """
-        forces = self._nodal_forces
+        forces, couples = self._forces
         assert self.body.nodes is not None
         if self.point is None:
             raise InputError("moment: this contact point was made without a point")
         moment: FloatArray = np.cross(self.body.nodes - self.point, forces).sum(axis=0)
-        return np.asarray(moment + self._couples.sum(axis=0))
+        return np.asarray(moment + couples.sum(axis=0))
 
     @property
-    def _nodal_forces(self) -> FloatArray:
-        if self.body.nodes is None or self.body.free is None:
+    def _forces(self) -> FloatArray:
+        """Forces, and couples, m, on the nodes for a unit contact force, (2, n_nodes, 3)."""
+        if self.body.nodes is None:
             raise InputError(
                 "a resultant needs nodes: make the model with FEModel.from_mesh(...) or "
                 "FEModel(K=, M=, nodes=)"
             )
-        n = 3 * len(self.body.nodes)
-        moved = self.body.free < n
-        forces = np.zeros(n)
-        forces[self.body.free[moved]] = self.b[moved]
-        return forces.reshape(-1, 3)
-
-    @property
-    def _couples(self) -> FloatArray:
-        """Couples on nodes of a shell or beam for a unit contact force, m, shape (n_nodes, 3)."""
-        assert self.body.nodes is not None
-        assert self.body.free is not None
-        full = np.zeros((2, len(self.body.nodes), 3))
-        full.reshape(-1)[self.body.free] = self.b
-        return np.asarray(full[1])
+        return self.body.at_nodes(self.b)
 
     def __repr__(self) -> str:
         body = repr(self.body.name) if self.body.name else f"a body of {self.body.n_dofs} dofs"
@@ -605,57 +593,73 @@ def contact_point(
             raise InputError(f'expected is for radius="auto", but radius={radius!r} was given')
         expected = positive("expected", expected, unit="m")
     _check_one({"point": point, "node": node, "dof": dof, "b": b}, direction)
+    if radius not in ("auto", 0.0) and (dof is not None or body.surface is None):
+        what = "a single dof" if dof is not None else "a body without faces of elements"
+        raise InputError(
+            f"radius={radius}: {what} has no patch; give radius=0, or point on a body from "
+            "FEModel.from_mesh(mesh, material)"
+        )
     if b is not None:
         return _of_functional(body, b, radius)
     if dof is not None:
-        if radius not in ("auto", 0.0):
-            raise InputError(f"radius={radius}: a single dof has no patch; give point, or radius=0")
         return _at_dof(body, integer("dof", dof, low=0, high=body.n_dofs - 1))
-    if node is not None:
-        if body.nodes is None:
-            return _at_label(body, node, direction, radius)
-        labelled, count = body.node_labels, len(body.nodes)
-        low, high = (0, count - 1) if labelled is None else (None, None)
-        wanted = integer("node", node, low=low, high=high)
-        where = body.nodes[nodes_by_number("node", wanted, count, labelled)[0]]
-        try:
-            return contact_point(body, where, direction, radius=radius, expected=expected)
-        except InputError as error:
-            raise InputError(f"node {node}: {error}") from error
-    return _at_point(body, point, direction, radius, expected)
+    if body.nodes is None and (node is None or body.labels is None):
+        name, missing = ("point", "nodes") if node is None else ("node", "labels")
+        raise InputError(
+            f"{name}: this body has no {missing}; give dof, or build it with "
+            f"FEModel(K=, M=, {missing}=)"
+        )
+    along = None if direction is None else unit_vector("direction", direction)
+    if along is None and body.mesh is None:
+        raise InputTypeError("contact needs direction: a body without a mesh has no normal")
+    if node is None:
+        return _at_point(body, place("point", point), along, radius, expected)
+    if body.nodes is None:
+        return _at_label(body, integer("node", node), along)
+    labelled, count = body.node_labels, len(body.nodes)
+    low, high = (0, count - 1) if labelled is None else (None, None)
+    wanted = integer("node", node, low=low, high=high)
+    where = body.nodes[nodes_by_number("node", wanted, count, labelled)[0]]
+    try:
+        return _at_point(body, where, along, radius, expected)
+    except InputError as error:
+        raise InputError(f"node {node}: {error}") from error
 
 
 def _at_point(
-    body: FEModel, point: Any, direction: Any, radius: float | str, expected: float | None
+    body: FEModel,
+    where: FloatArray,
+    along: FloatArray | None,
+    radius: float | str,
+    expected: float | None,
 ) -> ContactPoint:
-    if body.nodes is None or body.free is None:
-        raise InputError(
-            "point: this body has no nodes; give dof, or build it with FEModel(K=, M=, nodes=)"
-        )
-    where = place("point", point)
-    along = None if direction is None else unit_vector("direction", direction)
-    if body.mesh is not None and body.surface is None:
-        return _on_beam(body, where, along, radius, expected)
-    if body.surface is None or body.material is None:
-        return _without_faces(body, where, along, radius)
+    if body.mesh is None:
+        assert along is not None
+        return _made(body, _on_node(body, _nearest_node(body, where), along))
+    automatic = isinstance(radius, str)
+    how: dict[str, Any] = {
+        "directed": along is not None,
+        "automatic": automatic,
+        "contact_radius": expected,
+    }
+    surface = body.surface
+    if surface is None:
+        return _made(body, _on_beam(body, where, along), **how)
     where = to_nodes(body, where)
-    node, gap = _closest(body.nodes, where)
-    if along is not None and radius == 0.0 and _at_a_node(body.nodes, gap):
-        normal = pressed_normal(body.surface, body.nodes[node], along)
-        return replace(_at_node(body, node, along), normal=normal)
-    if isinstance(radius, str) and body.surface.thin(body.surface.nearest(where).face)[0]:
-        tip = _at_touch(body, touched(body.surface, where, along, 0.0))
-        return replace(tip, directed=along is not None, automatic=True, contact_radius=expected)
-    if isinstance(radius, str):
-        wide = edge_length(body.surface, where)
-        normal = body.surface.smooth_normal(body.surface.nearest(where))
-        if normal is not None:
-            wide = min(wide, _OF_DEPTH * thickness(body.surface, where, normal))
-        wide = wide if expected is None else PATCH_OVER_CONTACT * expected
-        tip = _with_room(body, where, along, wide)
-        return replace(tip, directed=along is not None, automatic=True, contact_radius=expected)
-    touch = touched(body.surface, where, along, radius)
-    return replace(_at_touch(body, touch), directed=along is not None)
+    node, gap = _closest(body, where)
+    if along is not None and radius == 0.0 and gap == 0.0:
+        touch = _on_node(body, node, along)
+        normal = pressed_normal(surface, touch.point, along)
+        return _made(body, replace(touch, normal=normal))
+    if not isinstance(radius, str) or surface.thin(surface.nearest(where).face)[0]:
+        touch = touched(surface, where, along, 0.0 if isinstance(radius, str) else radius)
+        return _made(body, touch, **how)
+    wide = edge_length(surface, where)
+    normal = surface.smooth_normal(surface.nearest(where))
+    if normal is not None:
+        wide = min(wide, _OF_DEPTH * thickness(surface, where, normal))
+    wide = wide if expected is None else PATCH_OVER_CONTACT * expected
+    return _with_room(body, where, along, wide, how)
 
 
 def _check_one(given: dict[str, Any], direction: Any) -> None:
@@ -718,18 +722,21 @@ def contact_within(
         radius = max(patch_on_shell(side, contact_radius, whole=wider) for side in sides)
     elif wider:
         radius *= _WIDER
+    kept = {name: getattr(tip, name) for name in ("directed", "automatic", "tangents")}
     try:
-        found = _with_room(tip.body, tip.point, tip.direction, radius)
+        return _with_room(tip.body, tip.point, tip.direction, radius, kept)
     except InputError:
         if layers is None:
             raise
         return tip
-    kept: dict[str, Any] = {"directed": tip.directed, "automatic": tip.automatic}
-    return replace(found, tangents=tip.tangents, **kept)
 
 
 def _with_room(
-    body: FEModel, point: FloatArray, along: FloatArray | None, radius: float
+    body: FEModel,
+    point: FloatArray,
+    along: FloatArray | None,
+    radius: float,
+    how: dict[str, Any],
 ) -> ContactPoint:
     """The contact with a patch of that radius, or of one that has room."""
     assert body.surface is not None
@@ -737,8 +744,7 @@ def _with_room(
         least = min(radius, _LEAST_PATCH * edge_length(body.surface, point))
         while True:
             try:
-                touch = touched(body.surface, point, along, radius)
-                return _at_touch(body, touch)
+                return _made(body, touched(body.surface, point, along, radius), **how)
             except RoomError as error:
                 radius = min(_WITHIN * error.room, _SMALLER * radius)
                 if radius < least:
@@ -748,29 +754,11 @@ def _with_room(
                     ) from None
 
 
-def _without_faces(
-    body: FEModel, point: FloatArray, along: FloatArray | None, radius: float | str
-) -> ContactPoint:
-    assert body.nodes is not None
-    if radius not in ("auto", 0.0):
-        raise InputError(
-            f"radius={radius}: a patch needs the faces of a mesh; make the body with "
-            "FEModel.from_mesh(mesh, material), or give radius=0"
-        )
-    if along is None:
-        raise InputTypeError("contact needs direction: a body without a mesh has no normal")
-    return _at_node(body, _nearest_node(body, point), along)
-
-
-def _on_beam(
-    body: FEModel, point: FloatArray, along: FloatArray | None, radius: float | str, expected: Any
-) -> ContactPoint:
+def _on_beam(body: FEModel, point: FloatArray, along: FloatArray | None) -> Touch:
     """A place on a beam, whose axis moves as its element does; off the axis it faces that."""
     assert body.mesh is not None
     assert body.material is not None
-    if radius not in ("auto", 0.0):
-        raise InputError(f"radius={radius}: a beam has no patch; leave radius out")
-    given, point, directed = point, to_nodes(body, point), along is not None
+    given, point = point, to_nodes(body, point)
     cell, place, gap = nearest_line(body.mesh, point)
     ends = body.mesh.cells[cell, :2]
     x = (1.0 - place) * body.mesh.nodes[ends[0]] + place * body.mesh.nodes[ends[1]]
@@ -790,15 +778,8 @@ def _on_beam(
             )
         along = (x - given) / away
     shares = beam_motion(body.mesh.nodes[ends][None], of, place)
-    full = np.zeros((2, body.mesh.n_nodes, 3))
-    full[0, ends], full[1, ends] = np.einsum("i,ineJ->enJ", along, shares)
-    assert body.free is not None
-    b = full.reshape(-1)[body.free]
-    if np.abs(b).max(initial=0.0) <= _HELD:
-        raise InputError(
-            f"point {plain(point)} m with direction {plain(along)}: supports hold the beam there; "
-            "choose another point or direction"
-        )
+    forces = np.zeros((2, body.mesh.n_nodes, 3))
+    forces[:, ends] = np.einsum("i,ineJ->enJ", along, shares)
     node = int(ends[round(place)]) if min(place, 1.0 - place) < AT_NODE else None
     members = ends[None]
     if node is not None:
@@ -811,9 +792,7 @@ def _on_beam(
             "its side, and the contact law is that of this side; give a direction across the beam, "
             "or a point at its end"
         )
-    automatic = isinstance(radius, str)
-    known: dict[str, Any] = {"automatic": automatic, "contact_radius": expected}
-    return ContactPoint(body, b, along, x, node, None, -along, directed, **known)
+    return Touch(x, along, forces, -along)
 
 
 def _at_dof(body: FEModel, dof: int) -> ContactPoint:
@@ -824,7 +803,7 @@ def _at_dof(body: FEModel, dof: int) -> ContactPoint:
     node, component = divmod(int(body.free[dof]), 3)
     if node >= len(body.nodes):
         return ContactPoint(body, b, None, body.nodes[node - len(body.nodes)], None)
-    return _on_surface(ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node))
+    return _placed(ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node))
 
 
 def _of_functional(body: FEModel, b: Any, radius: float | str) -> ContactPoint:
@@ -846,23 +825,38 @@ def _of_functional(body: FEModel, b: Any, radius: float | str) -> ContactPoint:
         if abs(length - 1.0) <= _MEAN:
             tip = replace(tip, direction=tip.resultant / length)
         _warn_of_no_mean(tip, length)
-    if radius in ("auto", 0.0):
-        return _on_surface(tip)
-    return _with_patch(tip, float(radius))
+    return _placed(tip, 0.0 if isinstance(radius, str) else radius)
 
 
-def _on_surface(tip: ContactPoint) -> ContactPoint:
-    """The same functional with the place of the surface that its force presses on, if it does."""
+def _placed(tip: ContactPoint, radius: float = 0.0) -> ContactPoint:
+    """The same functional with the place of the surface that its force presses on, if it does.
+
+    With a radius the patch of which it is said to carry the pressure.
+    """
     surface = tip.body.surface
-    if surface is None or tip.body.material is None or tip.direction is None:
+    if radius and tip.direction is None:
+        length = float(np.linalg.norm(tip.resultant))
+        raise InputError(
+            f"radius={radius}: a patch carries the whole force, but b sums up to {length:.4g} "
+            "along its direction; scale b so that it is 1, or leave radius out"
+        )
+    if surface is None or tip.direction is None:
         return tip
     assert tip.body.nodes is not None
-    forces = tip._nodal_forces @ tip.direction
+    forces = tip._forces[0] @ tip.direction
     centre = forces @ tip.body.nodes
     spread = float(np.sqrt(np.abs(forces) @ ((tip.body.nodes - centre) ** 2).sum(axis=1)))
     place = surface.nearest(centre)
-    if float(place.distance[0]) > spread + AT_NODE * surface.mesh.size:
+    if float(place.distance[0]) > (radius or spread + AT_NODE * surface.mesh.size):
+        if radius:
+            raise InputError(
+                f"radius={radius}: the forces of b act about {plain(centre)} m, farther than that "
+                "from the surface of the mesh; leave radius out"
+            )
         return tip
+    if radius:
+        touch = touched(surface, place.x[0], tip.direction, radius)
+        return replace(tip, point=touch.point, patch=touch.patch, normal=touch.normal)
     try:
         normal = pressed_normal(surface, place.x[0], tip.direction)
     except InputError:  # along the surface
@@ -880,7 +874,7 @@ def _warn_of_no_mean(tip: ContactPoint, length: float) -> None:
         )
         return
     assert tip.body.nodes is not None
-    forces, along = tip._nodal_forces, tip.resultant / length
+    forces, along = tip._forces[0], tip.resultant / length
     arms = tip.body.nodes - (forces @ along / length) @ tip.body.nodes
     couple = float(np.linalg.norm(np.cross(arms, forces).sum(axis=0)))
     if couple > _NEARLY * float(np.ptp(tip.body.nodes, axis=0).max()):
@@ -891,45 +885,10 @@ def _warn_of_no_mean(tip: ContactPoint, length: float) -> None:
         )
 
 
-def _with_patch(tip: ContactPoint, radius: float) -> ContactPoint:
-    """The same functional with the patch of which it is said to carry the pressure."""
-    body = tip.body
-    if body.surface is None or body.material is None:
-        raise InputError(
-            f"radius={radius}: a patch needs the faces of a mesh; make the body with "
-            "FEModel.from_mesh(mesh, material), or leave radius out"
-        )
-    if tip.direction is None:
-        length = float(np.linalg.norm(tip.resultant))
-        raise InputError(
-            f"radius={radius}: a patch carries the whole force, but b sums up to {length:.4g} "
-            "along its direction; scale b so that it is 1, or leave radius out"
-        )
-    assert body.nodes is not None
-    centre = (tip._nodal_forces @ tip.direction) @ body.nodes
-    place = body.surface.nearest(centre)
-    if float(place.distance[0]) > radius:
-        raise InputError(
-            f"radius={radius}: the forces of b act about {plain(centre)} m, farther than that from "
-            "the surface of the mesh; leave radius out"
-        )
-    touch = touched(body.surface, place.x[0], tip.direction, radius)
-    return replace(tip, point=touch.point, patch=touch.patch, normal=touch.normal)
-
-
-def _at_label(body: FEModel, node: Any, direction: Any, radius: float | str) -> ContactPoint:
+def _at_label(body: FEModel, label: int, along: FloatArray | None) -> ContactPoint:
     """A node of a body whose nodes are known by their labels only."""
-    label = integer("node", node)
-    if body.labels is None:
-        raise InputError(
-            "node: this body has neither nodes nor labels; give dof, or build it with "
-            "FEModel(K=, M=, labels=)"
-        )
-    if radius not in ("auto", 0.0):
-        raise InputError(f"radius={radius}: a body without a mesh has no patch; give radius=0")
-    if direction is None:
-        raise InputTypeError("contact needs direction: a body without a mesh has no normal")
-    along = unit_vector("direction", direction)
+    assert body.labels is not None
+    assert along is not None
     rows = labelled_rows(body.labels, label)
     b = np.zeros(body.n_dofs)
     b[rows] = along[body.labels[rows, 1] - 1]
@@ -941,65 +900,44 @@ def _at_label(body: FEModel, node: Any, direction: Any, radius: float | str) -> 
     return ContactPoint(body, b, along)
 
 
-def _at_node(body: FEModel, node: int, along: FloatArray) -> ContactPoint:
+def _on_node(body: FEModel, node: int, along: FloatArray) -> Touch:
     assert body.nodes is not None
-    assert body.free is not None
-    shares = np.zeros(len(body.nodes))
-    shares[node] = 1.0
-    b = _on_dofs(body, shares, along)
-    if np.linalg.norm(b) < 1e-12:
-        raise InputError(
-            f"point {plain(body.nodes[node])} m with direction {plain(along)}: node "
-            f"{label_of(node, body.node_labels)} is "
-            "constrained by the supports in that direction, so no impact there can move it; choose "
-            "another node or direction, or release the node in fixed"
-        )
-    return ContactPoint(body, b, along, body.nodes[node], node)
+    forces = np.zeros((2, *body.nodes.shape))
+    forces[0, node] = along
+    return Touch(body.nodes[node], along, forces)
 
 
-def _at_touch(body: FEModel, touch: Touch) -> ContactPoint:
-    """Put the touch's shares of a unit force on the dofs that are free."""
-    assert body.free is not None
-    b = _on_dofs(body, touch.weights, touch.direction, touch.couples)
+def _made(body: FEModel, touch: Touch, **how: Any) -> ContactPoint:
+    """The contact point of a touch, its forces on the dofs that are free."""
+    b = body.on_dofs(touch.forces)
     if np.abs(b).max(initial=0.0) <= _HELD:
         raise InputError(
             f"point {plain(touch.point)} m with direction {plain(touch.direction)}: supports hold "
-            "all nodes of the contact; choose another point, or release the nodes in fixed"
+            "all nodes of the contact; choose another point or direction, or release the nodes in "
+            "fixed"
         )
-    node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - AT_NODE else None
+    shares = touch.forces[0] @ touch.direction
+    node = int(shares.argmax()) if shares.max() > 1.0 - AT_NODE else None
     return ContactPoint(
-        body, b, touch.direction, touch.point, node, touch.patch, normal=touch.normal
+        body, b, touch.direction, touch.point, node, touch.patch, touch.normal, **how
     )
 
 
-def _on_dofs(
-    body: FEModel, shares: FloatArray, along: FloatArray, couples: FloatArray | None = None
-) -> FloatArray:
-    """The free dofs of nodal forces along a direction, and of couples."""
-    assert body.free is not None
-    forces = np.zeros((2, len(shares), 3))
-    forces[0] = np.outer(shares, along)
-    if couples is not None:
-        forces[1] = couples
-    return np.asarray(forces.reshape(-1)[body.free])
-
-
-def _closest(nodes: FloatArray, point: FloatArray) -> tuple[int, float]:
-    distance = np.linalg.norm(nodes - point, axis=1)
+def _closest(body: FEModel, point: FloatArray) -> tuple[int, float]:
+    """The node next to a point, and how far off it is, m; 0 for a point that is the node."""
+    assert body.nodes is not None
+    distance = np.linalg.norm(body.nodes - point, axis=1)
     node = int(np.argmin(distance))
-    return node, float(distance[node])
-
-
-def _at_a_node(nodes: FloatArray, gap: float) -> bool:
-    return gap <= AT_NODE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    at = distance[node] <= AT_NODE * np.linalg.norm(np.ptp(body.nodes, axis=0))
+    return node, 0.0 if at else float(distance[node])
 
 
 def _nearest_node(body: FEModel, point: FloatArray) -> int:
     """Return the node that is meant by a point of a body without faces."""
     assert body.nodes is not None
     nodes = body.nodes
-    node, gap = _closest(nodes, point)
-    if _at_a_node(nodes, gap):
+    node, gap = _closest(body, point)
+    if gap == 0.0:
         return node
     called = label_of(node, body.node_labels)
     around = np.linalg.norm(nodes - nodes[node], axis=1)

@@ -117,10 +117,9 @@ class Extraction(ContactCompliance):
 
     def of_truncated(self, tip: Any, deflection: FloatArray) -> Extraction:
         """Return the compliances of a model that leaves some of the body's modes out."""
-        missing = np.zeros(self.mesh_field.size)
         inward = math.copysign(1.0, self.splitting.frame[2] @ tip.direction)
-        missing[tip.body.free] = inward * self.missing(tip, deflection)
-        field = self.mesh_field - missing.reshape(self.mesh_field.shape)
+        missing = inward * self.missing(tip, deflection)
+        field = self.mesh_field - tip.body.at_nodes(missing, len(self.mesh_field))
         known = super().of_truncated(tip, deflection)
         return replace(known, mesh_field=field, sheared=None)
 
@@ -163,7 +162,7 @@ def extracted(
     splitting = split(body, point, normal, radius, solver)
     cosine = float(direction @ normal)
     straight = 1.0 - abs(cosine) < _ALONG
-    along = b if straight else pressed(body, weights, normal)
+    along = b if straight else body.on_dofs(np.outer(weights, normal))
     x = solver.solve(along)
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
@@ -183,8 +182,7 @@ def extracted(
     if not straight:
         nu = splitting.space.nu
         removed *= cosine**2 + (1.0 - cosine**2) * (2.0 - nu) / (2.0 - 2.0 * nu)
-    moved = np.zeros(splitting.w.size)
-    moved[body.free] = np.copysign(1.0, -cosine) * x if straight else -x
+    moved = np.copysign(1.0, -cosine) * x if straight else -x
     with_tangents: dict[str, Any] = {}
     if tangents is not None:
         with_tangents = _oblique(body, weights, direction, tangents, splitting, beyond, solver)
@@ -198,7 +196,7 @@ def extracted(
         radius=radius,
         beyond=beyond,
         splitting=splitting,
-        mesh_field=moved.reshape(splitting.w.shape) - splitting.w,
+        mesh_field=body.at_nodes(moved, len(splitting.w)) - splitting.w,
         **with_tangents,
     )
 
@@ -269,13 +267,6 @@ def field_error(
     return difference + of_thin[0], own + of_thin[1]
 
 
-def pressed(body: Any, weights: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the load on a body's free dofs of nodal forces `weights` along a direction."""
-    full = np.zeros((2, body.mesh.n_nodes, 3))
-    full[0] = np.outer(weights, direction)
-    return np.asarray(full.reshape(-1)[body.free])
-
-
 def _oblique(
     body: Any,
     weights: FloatArray,
@@ -294,7 +285,7 @@ def _oblique(
     tenth.
     """
     axes, a = np.vstack([direction, tangents]), splitting.space.radius
-    loads = np.array([pressed(body, weights, axis) for axis in axes])
+    loads = np.array([body.on_dofs(np.outer(weights, axis)) for axis in axes])
     moved = np.array([solver.solve(load) for load in loads])
     point, inward = splitting.point, splitting.frame[2]
     sheared = [split(body, point, -inward, a, solver, tangent) for tangent in tangents]
@@ -314,11 +305,9 @@ def _oblique(
     beyond[1:, 0] = beyond[0, 1:]
     along = [of.compliance + apart for of, (_, apart) in zip(sheared, lacking, strict=True)]
     np.fill_diagonal(beyond, [straight, *along])
-    field = np.zeros((2, splitting.w.size))
-    field[:, body.free] = moved[1:]
     return {
         "oblique": loads @ moved.T - beyond,
-        "sheared": field.reshape(2, *splitting.w.shape) - [of.w for of in sheared],
+        "sheared": body.at_nodes(moved[1:], len(splitting.w)) - [of.w for of in sheared],
         "sideways": max(of for of, _ in lacking),
         "crosswise": crosswise,
     }
@@ -504,10 +493,9 @@ def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArra
 
 def _supported(body: Any) -> IntArray:
     """Nodes with a constrained dof."""
-    held = np.ones((2, body.mesh.n_nodes, 3), dtype=bool)
-    held.reshape(-1)[body.free] = False
+    held = (body.at_nodes(np.ones(body.n_dofs)) == 0.0).any(axis=2)
     turns = np.isin(np.arange(body.mesh.n_nodes), body.mesh.thin_nodes)
-    return np.flatnonzero(held[0].any(axis=1) | (turns & held[1].any(axis=1)))
+    return np.flatnonzero(held[0] | (turns & held[1]))
 
 
 def _at_contact(body: Any, point: FloatArray) -> tuple[Solid, int | None]:

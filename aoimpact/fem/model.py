@@ -470,6 +470,36 @@ class FEModel(Frozen):
             raise InputError("a translation needs nodes: make the model with FEModel(..., nodes=)")
         return axes @ along
 
+    def at_nodes(self, x: FloatArray, parts: int = 2) -> FloatArray:
+        """Return values on the free dofs, (..., n_dofs), as those of nodes, 0 where supports hold.
+
+        Parameters
+        ----------
+        parts : int, optional
+            2 with rotations, 1 with displacements alone.
+
+        Returns
+        -------
+        ndarray, shape (..., parts, n_nodes, 3)
+
+        :meta private:
+        """
+        assert self.nodes is not None
+        assert self.free is not None
+        full = np.zeros((*x.shape[:-1], 6 * len(self.nodes)))
+        full[..., self.free] = x
+        return full.reshape(*x.shape[:-1], 2, *self.nodes.shape)[..., :parts, :, :]
+
+    def on_dofs(self, field: FloatArray) -> FloatArray:
+        """Return the free dofs, (n_dofs,), of values at nodes, ([parts,] n_nodes, 3).
+
+        :meta private:
+        """
+        assert self.nodes is not None
+        full = np.zeros(6 * len(self.nodes))
+        full[: field.size] = field.reshape(-1)
+        return full[self.free]
+
     def com_functional(self, direction: npt.ArrayLike) -> FloatArray:
         """Return h, shape (n_dofs,), with hᵀx the displacement of the centre of mass.
 

@@ -215,7 +215,7 @@ def whole_motion(body: FEModel) -> tuple[FloatArray, FloatArray]:
     functionals, momenta = np.full((6, body.n_dofs), np.nan), np.zeros((body.n_dofs, 6))
     functionals[:3], momenta[:, :3] = centre, body.mass * centre.T
     if len(body.free) == body.nodes.size and body.springs is None:
-        middle = centre @ body.nodes.reshape(-1)[body.free]
+        middle = centre @ body.on_dofs(body.nodes)
         turned = motions_at(body.nodes - middle).reshape(-1, 6)[body.free, 3:]
         momenta[:, 3:] = body.M @ turned
         functionals[3:] = np.linalg.solve(turned.T @ momenta[:, 3:], momenta[:, 3:].T)

@@ -40,21 +40,18 @@ class Touch:
     point : ndarray, shape (3,)
         On the surface, m.
     direction : ndarray, shape (3,)
-    weights : ndarray, shape (n_nodes,)
-        Shares of the nodes; their sum is 1.
+    forces : ndarray, shape (2, n_nodes, 3)
+        On the nodes; and couples on those of shells, about places between them, m.
     normal : ndarray, shape (3,), or None
         Outward; None on a sharp edge.
     patch : Patch or None
-    couples : ndarray, shape (n_nodes, 3), or None
-        On the nodes of shells, about places between them, m.
     """
 
     point: FloatArray
     direction: FloatArray
-    weights: FloatArray
+    forces: FloatArray
     normal: FloatArray | None = None
     patch: Patch | None = None
-    couples: FloatArray | None = None
 
 
 def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radius: float) -> Touch:
@@ -81,7 +78,8 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
         direction = _pressing(surface, here, normal, along)
         facing = None if normal is None else sign * normal
         couples = _couples(surface, here.face[:1], here.uv[:1], np.ones(1), direction)
-        return Touch(here.x[0], direction, weights, facing, couples=couples)
+        forces = np.stack([np.outer(weights, direction), couples])
+        return Touch(here.x[0], direction, forces, facing)
     if normal is None:
         raise _on_edge(point, "a point farther from the edge, or radius=0 for the edge itself")
     if radius >= (most := 0.5 * surface.mesh.size):
@@ -93,21 +91,22 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
     direction = _facing(point, along, on.normal)
     patch = Patch(radius, len(np.unique(on.under.face)))
     couples = _couples(surface, on.under.face, on.under.uv, on.share, direction)
-    return Touch(here.x[0], direction, on.weights, sign * on.normal, patch, couples)
+    forces = np.stack([np.outer(on.weights, direction), couples])
+    return Touch(here.x[0], direction, forces, sign * on.normal, patch)
 
 
 def _couples(
     surface: Surface, face: IntArray, uv: FloatArray, share: FloatArray, direction: FloatArray
-) -> FloatArray | None:
+) -> FloatArray:
     """Return the couples of a force that acts with shares of it at places of shell elements.
 
-    They do the force's work on the deflection between the nodes, see `linked`. None of a solid.
+    They do the force's work on the deflection between the nodes, see `linked`. Zero on a solid.
     """
     faces = np.unique(face)
     faces = faces[surface.thin(faces)]
-    if not len(faces):
-        return None
     couples, cells = np.zeros((surface.mesh.n_nodes, 3)), surface.cell[faces]
+    if not len(faces):
+        return couples
     normals = surface_normals(surface.mesh, cells)
     for one, nodes, normal in zip(faces, surface.mesh.cells[cells], normals, strict=True):
         on, count = face == one, np.count_nonzero(normal.any(axis=1))

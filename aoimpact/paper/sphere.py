@@ -79,10 +79,9 @@ def at_one_dof(
         ± the unit vector of an axis.
     """
     assert body.nodes is not None
-    assert body.free is not None
     b = np.zeros(body.nodes.shape)
     b[np.linalg.norm(body.nodes - point, axis=1).argmin()] = direction
-    return ao.ContactPoint(body, b.ravel()[body.free], np.array(direction))
+    return ao.ContactPoint(body, body.on_dofs(b), np.array(direction))
 
 
 @cache

@@ -367,9 +367,8 @@ class ReducedModel(BodyModel):
                 if known.sheared is None:
                     return 0.0
                 field, sign = known.sheared[axis - 1], 1.0
-            moved = np.zeros(field.size)
-            moved[point.body.free] = math.copysign(1.0, sign) * deflection
-            beyond = moved.reshape(field.shape) - field
+            moved = math.copysign(1.0, sign) * deflection
+            beyond = point.body.at_nodes(moved, len(field)) - field
             false, own = field_error(point.body, beyond, ~known.splitting.smooth, 2.0**octave)
             whole = float(own.sum())
             found[key] = missing_energy(false, own) / whole if whole else 0.0

@@ -148,11 +148,12 @@ class FullModel(Frozen, FiniteElementModel):
         """
         if not isinstance(velocity, np.ndarray):
             return velocity * self.moving if velocity else np.zeros(self.dofs)
-        nodes, free = self.body.nodes, self.body.free
+        nodes = self.body.nodes
         assert nodes is not None
-        centre = [self.body.com_functional(axis) @ nodes.reshape(-1)[free] for axis in np.eye(3)]
+        place = self.body.on_dofs(nodes)
+        centre = [self.body.com_functional(axis) @ place for axis in np.eye(3)]
         moved: FloatArray = velocity[:3] + np.cross(velocity[3:], nodes - centre)
-        return moved.reshape(-1)[free]
+        return self.body.on_dofs(moved)
 
     def weight(self, gravity: Pull) -> FloatArray:
         """Return the forces of gravity, m/s², on the dofs, N.

@@ -45,7 +45,7 @@ def softer_model(model: AOModel | InterfaceModel) -> InterfaceModel:
     rigid = body.rigid_modes.shape[1]
     modes, omega2 = space @ within, np.maximum(omega2, 0.0)
     omega2[:rigid] = 0.0
-    pressed = _at_nodes(body, np.sum([np.abs(tip.b) for tip in tips], axis=0)) > 0.0
+    pressed = body.at_nodes(np.sum([np.abs(tip.b) for tip in tips], axis=0)) > 0.0
     loaded = np.asarray(pressed.any(axis=(0, 2)))
     for j in range(rigid, len(omega2)):
         omega2[j] *= 1.0 - _false_share(body, modes[:, j], loaded, math.sqrt(omega2[j]))
@@ -60,14 +60,6 @@ def _false_share(
 ) -> float:
     """The share of a mode's energy by which it is too stiff."""
     assert body.mesh is not None
-    false, own = field_error(body, _at_nodes(body, mode), loaded, omega)
+    false, own = field_error(body, body.at_nodes(mode), loaded, omega)
     share = min(float(false.sum() / own.sum()), 1.0 - _LEAST)
     return share * (1.0 + (_SAFETY[body.mesh.thin] - 1.0) * (1.0 - share) ** 2)
-
-
-def _at_nodes(body: FEModel, dofs: FloatArray) -> FloatArray:
-    """Values on the free dofs as displacements and rotations of the nodes, (2, n_nodes, 3)."""
-    assert body.nodes is not None
-    full = np.zeros((2, len(body.nodes), 3))
-    full.reshape(-1)[body.free] = dofs
-    return full

@@ -121,7 +121,7 @@ def test_messages_call_nodes_by_their_labels() -> None:
     first = int(LABELS[ENDS[0]].max())  # the first of the list: labels descend
     with pytest.raises(ao.InputError, match=f"the first is {first}, are constrained in x"):
         ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "x")], springs=[("xmin", "x", 1e6)])
-    with pytest.raises(ao.InputError, match=f"node {first} is constrained"):
+    with pytest.raises(ao.InputError, match=f"node {first}: point"):
         ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")]).contact(
             node=first, direction=(0, 0, -1), radius=0
         )
