@@ -32,4 +32,4 @@ from .quantities import (
 )
 from .run import Handle, Result, Run
 from .solve import AS_LONG_AGAIN, RecordLength, TimeSolver, solve
-from .validity import Advice
+from .validity import Advice, limits

@@ -10,9 +10,8 @@ its cure. What is not known of a body is not checked, so models given by numbers
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,26 +20,18 @@ from ..fem import (
     SHIFT_TIMES_DURATION,
     ContactPoint,
     Layers,
-    Material,
     Materials,
     Orthotropic,
     Rayleigh,
     edge_length,
     rim_distance,
 )
-from ..laws import (
-    ContactLaw,
-    HertzianLaw,
-    RoundContact,
-    own_law,
-    round_contact,
-    yield_force,
-    yield_pressure,
-)
-from ..reduction import AOModel, BodyModel, is_valid_for
+from ..laws import HertzianLaw, own_law
+from ..reduction import BodyModel, is_valid_for
+from .validity import Limit, contact_name, limits, touched
 
 if TYPE_CHECKING:
-    from ..scene import Contact, Plan
+    from ..scene import Plan
     from .errors import ErrorEstimate
     from .run import Run
 
@@ -280,12 +271,11 @@ MESH_LIMIT = 0.1
 def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
     """Warn of a large error by meshes or contacts, and name the cure."""
     quantity = error.quantity or "force"
-    touched = {end for contact in run.plan.contacts for end in contact.ports}
+    tips = {(b, at): tip for of in run.plan.contacts for b, at, tip in touched(run.plan, of)}
     meshed: dict[bool, list[str]] = {True: [], False: []}  # names; True: second order
     thin, flat = False, ""
-    for body, port in sorted(touched):
-        tip = run.plan.bodies[body].touched_at(port)
-        if tip is not None and tip.body.mesh is not None:
+    for (body, _), tip in sorted(tips.items()):
+        if tip.body.mesh is not None:
             thin |= tip.thin is not None
             meshed[tip.body.mesh.quadratic].append(run.names[body])
             if _as_a_shell(tip):
@@ -351,27 +341,11 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
         )
 
 
-# ------------------------------------------------------------------- limits of linear elasticity
-
-# Radius of a contact over that of curvature. Sneddon's punch with the shape of a sphere, instead of
-# Hertz's paraboloid, has 1 % less force here and 3 % at .5; strains are .2 of it (Tabor).
-_WIDTH, _STRAIN = 0.3, 0.2
-
-# Velocity over that of waves in a bar: the strain of two bars that meet, as large as the tolerance.
-SPEED = 0.01
+# ------------------------------------------------------------------- limits and misses
 
 # Longest element over the length of a bending wave, (D/(m s²))^(1/4) at s = 10/T. With elements
 # half as long again a force is 1 % off by quadrilaterals, and 6 % by triangles.
 _WAVES = 2.0
-
-# Deflection over thickness of a body constrained on both sides, where the linear one is 12 % off:
-# the load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
-# section 100). And over the size of any body.
-_THICKNESS, _SIZE = 0.5, 0.1
-
-# Supports along an axis that is no more along the contact's direction than this keep a body from
-# drawing in.
-_ACROSS = 0.5
 
 # Share of the displacements below which gaps are rounding.
 _ROUNDING = 1e-12
@@ -381,75 +355,18 @@ _ROUNDING = 1e-12
 _EACH_PERIOD, _SAMPLES, _MOST_SAMPLES = 8, 121, 20_000
 
 
-class Limits(NamedTuple):
-    """Limits up to which a contact needs no warning.
-
-    Attributes
-    ----------
-    pressure, width : float
-        Forces, N: of yield, and of a contact too wide.
-    speed : float
-        m/s, at which the bodies meet.
-    deflection : float
-        Energy, J, of all bodies: from there on a body may deflect too far.
-    thickness : float
-        Force, N, of a contact that is wider than a shell is thick.
-    """
-
-    pressure: float
-    width: float
-    speed: float
-    deflection: float
-    thickness: float = math.inf
-
-
-_UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf)
-
-
-def limits(plan: Plan, contact: Contact) -> Limits:
-    """Return the limits of a contact, as far as its law and bodies are known."""
-    own, materials = own_law(contact.law), plan.materials(contact)
-    if not any(materials):
-        return _UNLIMITED if own.relative_radius is None else _limits_of_numbers(own)
-    pressure = width = thickness = math.inf
-    if (surface := round_contact(own, materials)) is not None:
-        width = surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5
-        half = 0.5 * min(_thicknesses(plan, contact), default=math.inf)
-        thickness = surface.k * (half * half / surface.radius) ** 1.5
-        if not own.has_memory:
-            pressure = _yield(surface, materials)[0]
-    slowest = min((of.bar_speed for of in materials if of is not None), default=math.inf)
-    deflection = min(_deflecting(plan, contact), default=math.inf)
-    return Limits(pressure, width, SPEED * slowest, deflection, thickness)
-
-
-def _thicknesses(plan: Plan, contact: Contact) -> Iterator[float]:
-    """Thicknesses of the shells and of beams' walls at a contact, m."""
-    for body, port in contact.ports:
-        tip = plan.bodies[body].touched_at(port)
-        if tip is not None and tip.thin is not None:
-            yield tip.thin.narrowest
-
-
-@lru_cache
-def _limits_of_numbers(law: ContactLaw) -> Limits:
-    """Limits of bodies given by numbers, of which nothing is known but the law."""
-    surface = round_contact(law, ())
-    if surface is None:
-        return _UNLIMITED
-    return _UNLIMITED._replace(width=surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5)
-
-
 def warning_limits(plan: Plan) -> tuple[float, float]:
     """Return up to which force, N, and velocity, m/s, an impact needs no warning; 0 of none."""
-    most, mass = limits(plan, plan.contacts[0]), plan.bodies[0].known_mass
-    speed = most.speed
-    if most.deflection < math.inf:
-        speed = min(speed, math.sqrt(2.0 * most.deflection / mass) if mass else 0.0)
-    tips = [plan.bodies[body].touched_at(port) for body, port in plan.contacts[0].ports]
-    if any(tip is not None and _as_a_shell(tip) for tip in tips):
+    contact, mass = plan.contacts[0], plan.bodies[0].known_mass
+    if any(_as_a_shell(tip) for _, _, tip in touched(plan, contact)):
         return 0.0, 0.0
-    return min(most.pressure, most.width, most.thickness), speed
+    most = {"force": math.inf, "speed": math.inf}
+    for limit in limits(plan, contact).values():
+        of, value = limit.of, limit.most
+        if of == "energy":
+            of, value = "speed", math.sqrt(2.0 * value / mass) if mass else 0.0
+        most[of] = min(most[of], value)
+    return most["force"], most["speed"]
 
 
 def warn_of_run(run: Run) -> None:
@@ -461,59 +378,23 @@ def warn_of_run(run: Run) -> None:
     ----------
     run : Run
     """
-    plan, pressed = run.plan, False
-    worst: dict[str, tuple[float, int]] = {}
-    for number, (contact, events) in enumerate(zip(plan.contacts, run.events, strict=True)):
-        if not events.contacts:
-            continue
-        pressed = True
-        if (most := limits(plan, contact)) is _UNLIMITED:
-            continue
-        force = events.peak_force
+    plan, energy = run.plan, _energy(run.plan)
+    worst: dict[str, tuple[float, float, Limit]] = {}
+    for contact, events in zip(plan.contacts, run.events, strict=True):
         speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
-        energy = _energy(plan) if most.deflection < math.inf else 0.0
-        reached = force, force, speed, energy, force
-        for kind, value, limit in zip(Limits._fields, reached, most, strict=True):
-            if value > limit:
-                excess = value / limit if limit else math.inf
-                worst[kind] = max(worst.get(kind, (0.0, 0)), (excess, number))
+        reached = {"force": events.peak_force, "speed": speed, "energy": energy}
+        for name, limit in limits(plan, contact).items() if events.contacts else ():
+            value = reached[limit.of]
+            excess = value / limit.most if limit.most else math.inf
+            if value > limit.most and excess >= worst.get(name, (0.0,))[0]:
+                worst[name] = excess, value, limit
+    pressed = any(events.contacts for events in run.events)
     texts = [_missed(run)] if plan.contacts and not pressed else []
-    texts += [_TEXTS[kind](run, number) for kind, (_, number) in worst.items()]
+    texts += [limit.said(run, value) for _, value, limit in worst.values()]
     for number in range(len(plan.contacts)):
         texts += _said_of_shells(run, number)
     for text in filter(None, texts):
         warn(text)
-
-
-def _yield(
-    surface: RoundContact, materials: Sequence[Material | None]
-) -> tuple[float, Material | None]:
-    """The force, N, at which the first of the bodies begins to yield below the surface, and its
-    material; infinite where no yield strength is known.
-    """
-    forces = [
-        (yield_force(surface.modulus, surface.radius, yield_pressure(of)), of)
-        for of in materials
-        if of is not None and of.yield_strength
-    ]
-    return min(forces, key=lambda pair: pair[0], default=(math.inf, None))
-
-
-def _deflecting(plan: Plan, contact: Contact) -> Iterator[float]:
-    """The energy, J, below which each constrained body of a contact has a small deflection.
-
-    k0 u²/2 is the least energy of a deflection u; 0 where no such limit is known.
-    """
-    for body, port in contact.ports:
-        model = plan.bodies[body]
-        tip = model.touched_at(port)
-        if tip is None or not model.constrained or _allowed(tip) == math.inf:
-            continue
-        alone = not plan.weighed and not plan.loads
-        if alone and isinstance(model, AOModel):
-            yield 0.5 * model.k0 * _allowed(tip) ** 2
-        else:
-            yield 0.0
 
 
 def _energy(plan: Plan) -> float:
@@ -524,129 +405,16 @@ def _energy(plan: Plan) -> float:
     return math.fsum(0.5 * (math.inf if mass is None else mass) * v * v for mass, v in moving)
 
 
-def _allowed(tip: ContactPoint) -> float:
-    """The least deflection that may be too large, m; infinite for a body without a mesh."""
-    mesh = tip.body.mesh
-    return math.inf if mesh is None else min(_THICKNESS * tip.depth, _SIZE * mesh.size)
-
-
-def small_deflection(tip: ContactPoint) -> tuple[float, str, float]:
-    """Return what a deflection is small beside, m, its name, and the share up to which it is."""
-    assert tip.body.mesh is not None
-    if _stretches(tip):
-        return tip.depth, "thickness", _THICKNESS
-    return tip.body.mesh.size, "size", _SIZE
-
-
-def _stretches(tip: ContactPoint) -> bool:
-    """True if supports on two sides of the point keep the body from drawing in as it deflects."""
-    body = tip.body
-    if body.nodes is None or body.free is None or tip.point is None or tip.direction is None:
-        return False
-    constrained = np.setdiff1d(np.arange(3 * len(body.nodes)), body.free)
-    for axis in np.flatnonzero(np.abs(tip.direction) < _ACROSS):
-        offset = body.nodes[constrained[constrained % 3 == axis] // 3] - tip.point
-        along = offset[:, axis]
-        straight = 2.0 * along**2 > (offset**2).sum(axis=1)  # within 45° of the axis
-        if (straight & (along < 0.0)).any() and (straight & (along > 0.0)).any():
-            return True
-    return False
-
-
-def _said_of_pressure(run: Run, number: int) -> str:
-    contact, force = run.plan.contacts[number], run.events[number].peak_force
-    materials, surface = run.plan.materials(contact), run.plan.round_contact(contact)
-    assert surface is not None
-    limit, material = _yield(surface, materials)
-    assert material is not None
-    assert material.yield_strength is not None
-    pressure = with_unit(surface.pressure(force), "Pa", 3)
-    ratio = yield_pressure(material) / material.yield_strength
-    return (
-        f"{_contact(run, number)}: the largest pressure, {pressure}, exceeds {ratio:.3g} times "
-        f"yield_strength={with_unit(material.yield_strength, 'Pa', 3)}, so that a body yields from "
-        f"{with_unit(limit, 'N', 3)} on. Use ElasticPlastic(k={surface.k:.6g}, "
-        f"yield_force={limit:.4g}, hardness={2.8 * material.yield_strength:.4g}, "
-        f"relative_radius={surface.radius:.6g})."
-    )
-
-
-def _said_of_width(run: Run, number: int) -> str:
-    contact, force = run.plan.contacts[number], run.events[number].peak_force
-    surface = run.plan.round_contact(contact)
-    assert surface is not None
-    radius = surface.radius
-    width = float(surface.width(force)) / radius
-    return (
-        f"{_contact(run, number)}: at the peak the contact has a radius of {width:.2g} "
-        f"times the radius of curvature R={with_unit(radius, 'm', 3)}, with strains of about "
-        f"{_STRAIN * width:.1%}: Hertz's law and linear elasticity are for small ones; take a "
-        "lower velocity, or a measured law, Tabulated(...), and check that R is in metres"
-    )
-
-
-def _said_of_deflection(run: Run, number: int) -> str:
-    """The warning, if the motion itself confirms it."""
-    contact = run.plan.contacts[number]
-    for body, port in contact.ports:
-        tip = run.plan.bodies[body].touched_at(port)
-        if tip is None or not run.plan.bodies[body].constrained or _allowed(tip) == math.inf:
-            continue
-        assert tip.body.mesh is not None
-        size = tip.body.mesh.size
-        most = float(np.abs(run.bodies[body].port_displacements[port]).max(initial=0.0))
-        if most > _THICKNESS * tip.depth and _stretches(tip):
-            return (
-                f"{run.names[body]} deflects by {with_unit(most, 'm', 3)}, and is "
-                f"{with_unit(tip.depth, 'm', 3)} thick: constrained on both sides it stretches, "
-                "and is stiffer than linear elasticity has it; take a lower velocity, or do not "
-                "trust deflection and stress to better than tens of percent"
-            )
-        if most > _SIZE * size:
-            return (
-                f"{run.names[body]} deflects by {with_unit(most, 'm', 3)}, and is "
-                f"{with_unit(size, 'm', 3)} long: linear elasticity is for small rotations; take a "
-                "lower velocity, or check units and supports"
-            )
-    return ""
-
-
-def _said_of_speed(run: Run, number: int) -> str:
-    plan, contact = run.plan, run.plan.contacts[number]
-    speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
-    materials = plan.materials(contact)
-    slowest = min(material.bar_speed for material in materials if material is not None)
-    return (
-        f"{_contact(run, number)}: the bodies meet at {speed:.4g} m/s, "
-        f"{speed / slowest:.1%} of the speed of waves, {slowest:.4g} m/s: strains are as large, "
-        "and linear elasticity is for small ones; take a lower velocity, and check E and rho"
-    )
-
-
-def _said_of_thickness(run: Run, number: int) -> str:
-    contact, force = run.plan.contacts[number], run.events[number].peak_force
-    surface = run.plan.round_contact(contact)
-    assert surface is not None
-    thin = min(_thicknesses(run.plan, contact))
-    return (
-        f"{_contact(run, number)}: at the peak the contact has a radius of "
-        f"{with_unit(float(surface.width(force)), 'm', 3)}, more than half the thickness of the "
-        f"shell or beam, {with_unit(thin, 'm', 3)}: its law is that of a half-space, and so thin a "
-        "wall is none; take solids, or a measured law, Tabulated(...)"
-    )
-
-
 def _said_of_shells(run: Run, number: int) -> Iterator[str]:
     """Say where solids should be shells, and where the mesh of a shell is too coarse at a contact.
 
     For bending waves, or at a rim.
     """
     contact, events = run.plan.contacts[number], run.events[number]
-    for body, port in contact.ports:
-        tip = run.plan.bodies[body].touched_at(port)
-        if tip is not None and (shell := _as_a_shell(tip)):
+    for body, _, tip in touched(run.plan, contact):
+        if shell := _as_a_shell(tip):
             yield f"{run.names[body]}: {shell}"
-        if tip is None or not isinstance(tip.thin, Layers) or tip.body.surface is None:
+        if not isinstance(tip.thin, Layers) or tip.body.surface is None:
             continue
         assert tip.point is not None
         edge = edge_length(tip.body.surface, tip.point)
@@ -668,23 +436,6 @@ def _said_of_shells(run: Run, number: int) -> Iterator[str]:
             )
 
 
-_TEXTS: dict[str, Callable[[Run, int], str]] = {
-    "pressure": _said_of_pressure,
-    "width": _said_of_width,
-    "deflection": _said_of_deflection,
-    "speed": _said_of_speed,
-    "thickness": _said_of_thickness,
-}
-
-
-def _contact(run: Run, number: int) -> str:
-    """Name of a contact."""
-    contact = run.plan.contacts[number]
-    if contact.name:
-        return contact.name
-    return f"{run.names[contact.first]} on {run.names[contact.second]}"
-
-
 def _missed(run: Run) -> str:
     """The warning of bodies that never pressed on each other, for those that came closest."""
     recorder, layout = run.recorder, run.plan.layout
@@ -692,20 +443,20 @@ def _missed(run: Run) -> str:
     rows = recorder.rows(t, energies=False)
     gaps = 0.0 - layout.indentations(rows)
     number = int(gaps.min(axis=1).argmin())
-    gap, first = gaps[number], run.plan.contacts[number].first
+    gap, contact = gaps[number], run.plan.contacts[number]
     at = int(gap.argmin())
-    moved = float(np.abs(layout.body(rows, first).port_displacements).max())
+    moved = float(np.abs(layout.body(rows, contact.first).port_displacements).max())
     if gap.max() <= _ROUNDING * moved:  # side by side
         return ""
 
     def gap_at(sample: int) -> str:
         return with_unit(float(gap[sample]), "m", 3)
 
-    text = f"{_contact(run, number)}: no contact in {with_unit(run.duration, 's')}"
+    text = f"{contact_name(run, contact)}: no contact in {with_unit(run.duration, 's')}"
     if gap.max() == gap[at]:
         return f"{text}: they stay {gap_at(0)} apart, and nothing moves them; give one a velocity"
     if at == 0:
-        speeds = [run.plan.velocities[body] for body, _ in run.plan.contacts[number].ports]
+        speeds = [run.plan.velocities[body] for body, _ in contact.ports]
         cure = (
             "their spin parts the points of contact faster than their velocities bring them "
             "together: change its sign, or take less"

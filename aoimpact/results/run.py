@@ -881,7 +881,7 @@ class Result(Eventful, Run):
         >>> [(of.name, of.within) for of in hit.advice]
         [('yield', True), ('speed', True)]
         """
-        return advice_of(self)
+        return tuple(advice_of(self))
 
     @property
     def hertz_pressure(self) -> float:

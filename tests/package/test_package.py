@@ -220,7 +220,7 @@ OPENED = """
     integrate.newmark integrate.roughness integrate.tolerances linalg.blocks
     linalg.coarsening linalg.davidson linalg.dissection linalg.multigrid linalg.smoother
     paper.beam paper.figures paper.sphere paper.table reduction.subspace
-    reduction.validity results.advice scenefile.lines
+    reduction.validity scenefile.lines
 """
 
 
