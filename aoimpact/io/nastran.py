@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, MeshError, warn
@@ -49,6 +50,14 @@ _ELEMENTS = {
     ("CBAR", "CBEAM", "CBEND", "CROD", "CTUBE"): ("line",),
     ("CONROD",): ("line",),
     ("CBEAM3",): ("line", "line3"),
+}
+
+# Fields of elements: those of solids are number, property and nodes. One entry may have two rods.
+_FIELDS = {
+    **dict.fromkeys(("CTRIA3", "CTRIAR"), 13),
+    **dict.fromkeys(("CQUAD4", "CQUADR", "CTRIA6"), 14),
+    **{"CQUAD8": 17, "CSHEAR": 6, "CBAR": 16, "CBEAM": 18, "CBEAM3": 23},
+    **dict.fromkeys(("CBEND", "CROD", "CTUBE", "CONROD"), 8),
 }
 _SOLIDS = {"tetra", "hexahedron", "wedge", "pyramid"}
 _READ = {name for names in _ELEMENTS for name in names} | {
@@ -85,7 +94,7 @@ _SKIPPED = re.compile(
     "|BJOIN|BLD|BLSEG|BMFACE|BN|BOLT|BOUTPUT|BRKSQL|BS|CO(NCTL|HESIV|HFRIC|HSEIV|MBINE|MBWLD"
     "|MPUDS|NTPRM|NTRLT|NV|NVM|NV3|NTACT|NTSET|UCOHF|UOPT|UP1FL|UP1INT|UPINT|UPLE1?)$"
     "|C(AERO|AMPBL|BARAO$|CELL|ELLBOX|ELLWNG|FASTG|INTC|LOAD|NGRNT|REEP|SET|SSCHD|SUP|YAX|YC|YJ|YL"
-    "|YS)|D2R|DAMP|DAREA|DAVDIS|DC|DDVAL|DEACTEL|DEFORM|DEFUSET|DELAY|DELETE|DEQATN|DES|DETSPH"
+    "|YS)|D2R|DAMP|DAREA|DAVDIS|DC|DDVAL|DEACTEL|DEBUG$|DEFORM|DEFUSET|DELAY|DELETE|DEQATN|DES|DETSPH"
     "|DGLOBAL|DISTORT|DIVERG|DLINK|DLOAD|DM|DO|DPHASE|DR|DSCONS|DSCREEN|DSHAPE|DT|DV|DY|EBDSET"
     "|ECHO|EIG|ELAR|ELEMUDS|ELIST|ENDDYNA|ENTUDS|EOS|EPOINT|EPSD|ERP|EUL|EVENT|EXPLSV|EXT|FAIL"
     "|FATDEF|FATEVNT|FATLOAD|FATPARM|FATSEQ|FBA|FBODY|FFCONTR|FL|FORC|FR[EFSS]|FSI|FSLIST|FTG"
@@ -98,7 +107,7 @@ _SKIPPED = re.compile(
     "|SEEL|SELA|SELO|SEMP|SENQSET|SEQ|SESET|SESUP|SET[23]$|SETREE|SEU|SHREL|SHRPOL|SHRUDS|SLBDY"
     "|SLOAD|SNORM|SP[BCHLR]|SPOINT$|STFLOW|STOCHAS|SU|SW|TA|TCNTPRM|TEMP|TERMIN|TF|THPAD|TIC|TIM"
     "|TLOAD|TMCPARA|TMPSET|TO|TR[IM]|TST|TTEMP|UD|UNBALNC|UNGLUE|UPDATE|USET|UXVEC|VA|VC|VE"
-    "|VIEW|WALL|WET|WINDOW|YLD|YZONE)"
+    "|VIEW|WALL|WET|WINDOW|YLD|YPARAM$|YZONE)"
 )
 
 # Largest difference between axes of displacements and the basic ones.
@@ -109,6 +118,9 @@ _COLLINEAR = 1e-8
 
 # Largest number of coordinate systems that refer to each other, one after the other.
 _DEEPEST = 200
+
+# Matrices that the case control adds to those of the elements.
+_ADDED = re.compile(rb"\s*([ABKM]4?2(?:GG|PP))\b")
 
 _SET = re.compile(r"SET\s+(\d+)\s*=(.*)")
 
@@ -183,8 +195,10 @@ def read(file: Path) -> RawMesh:
             cell_sets[f"{name} elements"] = _among(text, labels)
     beside = "are not part of the body, unless their groups are named as shells and beams"
     connected = "connect nodes and were left out; the body is computed without them"
+    added = {match[1].decode() for line in control.text if (match := _ADDED.match(line))}
     for what, said in (
         (beside, _beside(raw, bulk)),
+        ("add matrices to those of the elements and were left out", ", ".join(sorted(added))),
         ("are no part of the mesh and were left out", _counted(bulk, _OTHERS)),
         (connected, _counted(bulk, _CONNECTIONS)),
     ):
@@ -243,11 +257,11 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
     """Yield the elements of some entries: those of corners, and those with midside nodes."""
     kinds = _ELEMENTS[names]
     corners, most = nodes_in(kinds[0]), nodes_in(kinds[-1])
-    table = bulk.table(*names, width=2 + most + 14)
+    table = bulk.table(**{name: _FIELDS.get(name, 2 + most) for name in names})
     first = 1 if names == ("CONROD",) else 2  # rods without a property
-    if kinds[0] in _SOLIDS:
-        surplus = np.any(~table.blank[:, 2 + most :], axis=1)
-        table.refuse_first(surplus, f"it has fields after its {most} nodes")
+    rods = joined(bulk.names[name] for name in {"CROD", "CTUBE"} & {*names} & bulk.names.keys())
+    if len(rods):
+        table = _one_each(table, np.isin(table.first, rods))
     quadratic = np.any(~table.blank[:, first + corners : first + most], axis=1)
     for kind, own in zip(kinds, (~quadratic, quadratic), strict=False):
         if not own.any():
@@ -265,6 +279,16 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
             raise part.refused(row, f"node {numbers[row, column]} is not there")
         cells = rows[:, UPRIGHT_FIRST.get(kind, slice(None))]
         yield Entries(part, RawBlock(kind, cells, labels), properties, kinds[-1])
+
+
+def _one_each(table: Table, rods: npt.NDArray[np.bool_]) -> Table:
+    """Return a table with rods one by one, of which an entry may have two."""
+    fields, second = table.fields.copy(), np.zeros_like(table.fields)
+    second[:, :4] = fields[:, 4:8]
+    fields[rods, 4:8] = b""
+    rods &= np.any(~table.blank[:, 4:8], axis=1)
+    first = np.concatenate([table.first, table.first[rods]])
+    return Table(table.lines, first, np.concatenate([fields, second[rods]]), table.width)
 
 
 def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[str, IntArray]:
@@ -428,12 +452,8 @@ class Grids:
             known = (_CONNECTIONS.fullmatch, _OTHERS.fullmatch, _SKIPPED.match)
             if name not in _READ and not any(match(name) for match in known):
                 raise bulk.lines.refused(int(first[0]), name, "no entry of this name is known")
-        table, defaults = (bulk.table(name, width=8) for name in ("GRID", "GRDSET"))
-        systems = []
-        for column in (1, 5):
-            default = int(defaults.integers(column, 1)[:1].sum())
-            given = table.integers(column, 1)[:, 0]
-            systems.append(np.where(table.blank[:, column], default, given))
+        table = bulk.table(GRID=8)
+        systems = [table.integers(column, 1)[:, 0] for column in (1, 5)]
         labels, x = table.integers(0, 1)[:, 0], table.reals(2, 3)
         table.refuse_first(labels < 1, "a node needs a number greater than 0")
         order = np.argsort(labels, kind="stable")
@@ -501,12 +521,12 @@ def _definitions(bulk: BulkData) -> dict[int, _Definition]:
             raise one.error(f"coordinate system {label} is there twice, or not > 0")
 
     for kind in "RCS":
-        table = bulk.table(f"CORD1{kind}", width=8)
+        table = bulk.table(**{f"CORD1{kind}": 8})
         for row, (label, *nodes) in enumerate(table.integers(0, 8).tolist()):
             add(table, row, label, kind, nodes[:3], 0, [])
             if not table.blank[row, 4:].all():  # an entry may define two
                 add(table, row, nodes[3], kind, nodes[4:], 0, [])
-        table = bulk.table(f"CORD2{kind}", width=11)
+        table = bulk.table(**{f"CORD2{kind}": 11})
         labels, points = table.integers(0, 2).tolist(), table.reals(2, 9).tolist()
         for row, (label, reference) in enumerate(labels):
             add(table, row, label, kind, [], reference, points[row])

@@ -46,6 +46,9 @@ _INCREMENT = re.compile(rb"\*\(?([^()]+)\)?")
 _MARK = re.compile(rb"[+*](?![\d.])")  # of a continuation: "+" or "+A1", not "+1.5"
 _INTEGER = re.compile(rb"[-+]?\d{1,18}")
 
+# Entries with defaults for the blank fields of others.
+_DEFAULTS = {"GRID": "GRDSET", "CBAR": "BAROR", "CBEAM": "BEAMOR"}
+
 # First characters of INCLUDE and ENDDATA, and of BEGIN and CEND.
 _STOPS, _SECTIONS = frozenset((b"I", b"E", b" ")), frozenset((b"B", b"C", b" "))
 
@@ -352,15 +355,42 @@ class BulkData:
     _ends: IntArray  # by line, the end of the entry that begins there
     _offset: IntArray  # of each line's first field in its entry
 
-    def table(self, *names: str, width: int) -> Table:
-        """Return the entries of some names, with their first `width` data fields."""
-        first = np.sort(joined(self.names[name] for name in names if name in self.names))
+    def table(self, **widths: int) -> Table:
+        """Return the entries of some names, which have so many data fields at most.
+
+        Blank fields have the values of GRDSET, BAROR and BEAMOR.
+        """
+        found = [(self.names[name], most) for name, most in widths.items() if name in self.names]
+        first = joined(own for own, _ in found)
+        most = joined(np.full(len(own), most) for own, most in found)[np.argsort(first)]
+        first = np.sort(first)
         lines, row = self._of(first)
-        kept = self._offset[lines] < width
+        kept = self._offset[lines] < most[row]
+        behind = np.any(self._columns[lines[~kept], 8:72] > ord(" "), axis=1)
+        surplus = np.isin(np.arange(len(first)), row[~kept][behind])
         lines, row = lines[kept], row[kept]
         longest = 8 + int(self._offset[lines].max(initial=0)) // 8 * 8
         fields = self._fields(lines, row * longest + self._offset[lines], len(first) * longest)
-        return Table(self.lines, first, fields.reshape(len(first), longest)[:, :width], width)
+        width = max(longest, *widths.values())
+        table = Table(self.lines, first, fields.reshape(len(first), longest), width)
+        surplus |= np.any(~table.blank & (np.arange(width) >= most[:, None]), axis=1)
+        table.refuse_first(surplus, "it has more fields than entries of this kind")
+        for name in _DEFAULTS.keys() & widths.keys() & self.names.keys():
+            if _DEFAULTS[name] in self.names:
+                table = self._with_defaults(table, name, self.table(**{_DEFAULTS[name]: 8}))
+        return table
+
+    def _with_defaults(self, table: Table, name: str, given: Table) -> Table:
+        """Return a table with the fields of an entry where those of one name are blank."""
+        given.refuse_first(np.arange(len(given)) > 0, "another one is there")
+        blank = table.blank[:, :8] & np.isin(table.first, self.names[name])[:, None]
+        if name != "GRID":  # an integer X1 is the node G0, without X2 and X3
+            blank[:, 5:7] &= (table.blank[:, 4] | (np.char.count(table.fields[:, 4], b".") > 0))[
+                :, None
+            ]
+        fields = table.fields.astype(np.promote_types(table.fields.dtype, given.fields.dtype))
+        fields[:, :8] = np.where(blank, given.fields[0, :8], fields[:, :8])
+        return Table(table.lines, table.first, fields, table.width)
 
     def quads(self, name: str) -> tuple[Table, IntArray]:
         """Return the data fields of entries of any length by fours, and the entry of each four."""
@@ -529,7 +559,7 @@ def _names(lines: Lines, starts: IntArray, heads: npt.NDArray[Any]) -> dict[str,
     """Return the lines where entries begin by their names."""
     unique, inverse = np.unique(heads.view(np.uint64), return_inverse=True)
     order = np.argsort(inverse, kind="stable")
-    parts = np.split(starts[order], np.cumsum(np.bincount(inverse, minlength=len(unique)))[:-1])
+    parts = np.split(starts[order], np.cumsum(np.bincount(inverse))[:-1])[: len(unique)]
     found: dict[str, list[IntArray]] = {}
     for head, own in zip(unique.view("S8"), parts, strict=True):
         # meshio writes CTETRA_, CHEXA_ and so on for elements with midside nodes.

@@ -391,11 +391,28 @@ def test_a_set_given_twice_is_left_out(tmp_path: Path) -> None:
     [
         ("CELAS2,9,1.,1,1\nCELAS2,10,1.,2,1\nCONM2,11,1,,5.\n", "2 CELAS2, 1 CONM2"),
         ("RBE2,9,1,123,2,3\nMPC,1,1,1,1.,2,1,-1.\n", "1 MPC, 1 RBE2 connect nodes"),
+        ("DMIG,KX,0,6,1,0\nDMIG,KX,1,1,,1,1,1.+6\n", "K2GG, M2PP add matrices"),
     ],
 )
 def test_what_is_left_out_is_said(entries: str, words: str, tmp_path: Path) -> None:
+    head = "SOL 103\nCEND\nK2GG = KX\n M2PP=KX\n" if "DMIG" in entries else ""
     with pytest.warns(ao.AOImpactWarning, match=words):
-        assert_two_bricks(read(tmp_path, PLAIN.replace("ENDDATA", entries + "ENDDATA")))
+        assert_two_bricks(read(tmp_path, head + PLAIN.replace("ENDDATA", entries + "ENDDATA")))
+
+
+@pytest.mark.parametrize("name", ["CROD", "CTUBE"])
+def test_an_entry_may_have_two_rods(name: str, tmp_path: Path) -> None:
+    """NASTRAN-95's manual: one or two elements may be defined on a single card."""
+    mesh = read(tmp_path, f"GRID,1\nGRID,2,,1.\nGRID,3,,2.\n{name},5,8,1,2,6,9,2,3\nCBAR,4,7,1,3\n")
+    assert mesh.cell_labels is not None
+    nodes = dict(zip(mesh.cell_labels.tolist(), mesh.cells.tolist(), strict=True))
+    assert nodes == {5: [0, 1], 6: [1, 2], 4: [0, 2]}
+    assert list(mesh.cell_sets) == ["property 7", "property 8", "property 9"]
+
+
+def test_parameters_of_solvers_are_no_part_of_the_mesh(tmp_path: Path) -> None:
+    more = "DEBUG,192,1\nYPARAM,A,1\nENDDATA"
+    assert_two_bricks(read(tmp_path, PLAIN.replace("ENDDATA", more)))
 
 
 def test_replication(tmp_path: Path) -> None:
@@ -433,6 +450,10 @@ REFUSED = {
     "missing node": ("CTETRA,3,1,1,2,4,99", 18),
     "missing corner": ("CTETRA,3,1,1,2,4", 18),
     "too many nodes": ("CTETRA,3,1,1,2,4,7,1,2\n,3,4,5,6,7", 18),
+    "two quadrilaterals": ("CSHEAR,3,1,1,2,5,4,4,1", 18),
+    "two lines too many": ("CBAR,3,1,1,2,0.,0.,1.\n,,,0.,0.,0.\n,\n,7,8,9", 18),
+    "a node more": ("CTRIA3,3,1,1,2,5\n,,0,.1,.1,.1,7", 18),
+    "two defaults": ("BAROR,,2,,,0.,0.,1.\nBAROR,,2,,,0.,0.,1.\nCBAR,3,1,1,2", 19),
     "midside nodes": ("CTETRA,3,1,1,2,4,7,3,5\n,6,8,,9", 18),
     "no such system": ("GRID,13,8,1.", 18),
     "system on a line": ("CORD2R,8,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\nGRID,13,8", 18),
@@ -469,6 +490,7 @@ def test_what_is_not_understood_is_refused_by_line(entries: str, line: int, tmp_
         ("SOL 101\nCEND\n" + grids(), r"line 2, CEND: BEGIN BULK is missing"),
         ("BEGIN BULK\n,1,2\n" + grids(), r"line 2, continuation: there is no entry before it"),
         ("BEGIN BULK\n" + grids(), "no elements"),
+        ("SOL 100\nCEND\nBEGIN BULK\nENDDATA\n", "no elements"),
         ("BEGIN BULK\n\0" + grids(), "binary|cannot be read"),
     ],
 )

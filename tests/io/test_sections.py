@@ -514,3 +514,27 @@ def test_a_section_that_is_given_holds_what_cards_add(tmp_path: Path) -> None:
     assert list(both.values()) == [heavy, heavy]
     with pytest.raises(ao.MeshError, match=r"\*TRANSVERSESHEARSTIFFNESS: .*section of b\.ALL"):
         ao.read_sections(tmp_path / "b.inp", given={"a.ALL": heavy})
+
+
+@pytest.mark.parametrize("kind", ["BAR", "BEAM"])
+@pytest.mark.parametrize(
+    ("written", "defaults", "whole"),
+    [
+        (",,1,2", ",9,,,0.,3.,4.", ",9,1,2,0.,3.,4."),
+        (",9,1,2,,3.", ",8,,,0.,5.,4.", ",9,1,2,0.,3.,4."),  # each field by itself
+        (",9,1,2,3", ",8,,,0.,3.,4.", ",9,1,2,3"),  # G0
+        (",,1,2", ",9,,,3,,,GGG", ",9,1,2,3,,,GGG"),
+    ],
+)
+def test_blank_fields_of_bars_are_those_of_their_defaults(
+    kind: str, written: str, defaults: str, whole: str, tmp_path: Path
+) -> None:
+    more = "GRID,1\nGRID,2,,1.\nGRID,3,,0.,1.,1.\n" + MAT1
+    for label, area in ((8, 2), (9, 1), (5, 3)):
+        more += f"\nP{kind},{label},1,{area}.-4,1.-9,2.-9,{',' * (kind == 'BEAM')}1.-9"
+    found = []
+    for text in (f"C{kind},5{written}\n{kind}OR,{defaults}", f"C{kind},5{whole}"):
+        (tmp_path / "a.bdf").write_text(f"BEGIN BULK\n{text}\n{more}\n")
+        found.append(ao.read_sections(tmp_path / "a.bdf"))
+    assert list(found[1]) == ["property 9"]
+    assert found[0] == found[1]
