@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -15,7 +15,6 @@ import scipy.sparse as sp
 from ..base import (
     FloatArray,
     InputError,
-    InputTypeError,
     IntArray,
     checked,
     inertia_tensor,
@@ -26,7 +25,7 @@ from ..base import (
 from ..linalg import LARGEST
 from ..mesh import Mesh, motions_at
 from .labels import label_of
-from .supports import Selector, components, constrained, nodes_of_mesh
+from .supports import Selector, components, constrained, entries, nodes_of_mesh
 
 # A rotation that nodes tell less well than this from none, by singular values of their motions.
 _UNKNOWN = 1e-5
@@ -79,7 +78,7 @@ class RigidMass:
     inertia: npt.ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        checked(self, mass=_mass)
+        checked(self, mass=partial(_bounded, unit="kg"))
         if self.centre is not None:
             checked(self, centre=place)
         if self.inertia is not None:
@@ -108,15 +107,14 @@ def added_mass(mesh: Mesh, masses: Sequence[Mounted] | None, free: IntArray) -> 
     """
     how = 'give a list of pairs such as [("carriage", 5.0)], or of RigidMass'
     added = None
-    for i, entry in enumerate(_listed("masses", masses, how)):
-        name = f"masses[{i}]"
+    for name, entry in entries("masses", masses, (2,), how, RigidMass):
         if isinstance(entry, RigidMass):
             one = _rigid(name, entry, mesh)
         else:
-            selector, mass = _tuple(name, entry, 2, how)
+            selector, mass = entry
             ids = nodes_of_mesh(name, selector, mesh)
             share = np.zeros((mesh.n_nodes, 3))
-            share[ids] = _mass(f"{name}: the mass", mass) / len(ids)
+            share[ids] = _bounded(f"{name}: the mass", mass, "kg") / len(ids)
             one = sp.diags_array(share.reshape(-1), format="csr")
             one.eliminate_zeros()
         on = np.unique(np.flatnonzero(one.diagonal()) // 3)
@@ -160,32 +158,23 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
             "it, which has inertia there; give nodes spread over the seat, or leave centre and "
             "inertia out"
         )
-    _warn_of_millimetres(name, mount.mass, nodes, centre, inertia)
+    body, radius = float(np.ptp(nodes, axis=0).max()), math.sqrt(np.trace(inertia))
+    radius /= math.sqrt(mount.mass)
+    off = float(np.linalg.norm(centre - nodes.mean(axis=0)))
+    for what, value in (
+        (f"centre is {off:.3g} m from", off),
+        (f"inertia reaches {radius:.3g} m beyond", radius),
+    ):
+        if value > _FAR * body > 0.0:
+            warn(
+                f"{name}: its {what} a body of {body:.3g} m: centre is in m, inertia in kg m² "
+                "(1 kg mm² is 1e-6)"
+            )
     block = fit.T @ weights @ fit
     dofs = (3 * ids[:, None] + np.arange(3)).reshape(-1)
     row, column = np.repeat(dofs, len(dofs)), np.tile(dofs, len(dofs))
     entries = (0.5 * (block + block.T)).reshape(-1)
     return sp.csr_array((entries, (row, column)), shape=(nodes.size, nodes.size))
-
-
-def _warn_of_millimetres(
-    name: str, mass: float, nodes: FloatArray, centre: FloatArray, inertia: FloatArray
-) -> None:
-    """Warn of a rigid mass that is as far off, or as large, as only other units make it."""
-    middle, size = nodes.mean(axis=0), float(np.ptp(nodes, axis=0).max())
-    off, radius = (
-        float(np.linalg.norm(centre - middle)),
-        math.sqrt(np.trace(inertia)) / math.sqrt(mass),
-    )
-    for what, value in (
-        (f"centre is {off:.3g} m from", off),
-        (f"inertia reaches {radius:.3g} m beyond", radius),
-    ):
-        if value > _FAR * size > 0.0:
-            warn(
-                f"{name}: its {what} a body of {size:.3g} m: centre is in m, inertia in kg m² "
-                "(1 kg mm² is 1e-6)"
-            )
 
 
 def spring_stiffness(
@@ -210,9 +199,7 @@ def spring_stiffness(
     how = 'give a list such as [("mounts", "z", 1e6)]: nodes, letters, N/m'
     total = np.zeros((mesh.n_nodes, 3))
     held = constrained(free, mesh.n_nodes)
-    for i, entry in enumerate(_listed("springs", springs, how)):
-        name = f"springs[{i}]"
-        selector, letters, stiffness = _tuple(name, entry, 3, how)
+    for name, (selector, letters, stiffness) in entries("springs", springs, (3,), how):
         ids = nodes_of_mesh(name, selector, mesh)
         share = _bounded(f"{name}: the stiffness", stiffness, "N/m") / len(ids)
         for component in components(name, letters):
@@ -228,20 +215,6 @@ def spring_stiffness(
     return total.reshape(-1) if total.any() else None
 
 
-def _listed(name: str, entries: Any, how: str) -> Sequence[Any]:
-    if entries is None:
-        return ()
-    if isinstance(entries, (str, Mapping)) or not isinstance(entries, Sequence):
-        raise InputTypeError(f"{name}: {how}; got {type(entries).__name__}")
-    return entries
-
-
-def _tuple(name: str, entry: Any, length: int, how: str) -> Sequence[Any]:
-    if isinstance(entry, str) or not isinstance(entry, Sequence) or len(entry) != length:
-        raise InputTypeError(f"{name}: {how}; got {entry!r}")
-    return entry
-
-
 def _bounded(name: str, value: Any, unit: str) -> float:
     number = positive(name, value, unit=unit)
     if number > LARGEST:
@@ -250,7 +223,3 @@ def _bounded(name: str, value: Any, unit: str) -> float:
             "and what does not move as a support, fixed"
         )
     return number
-
-
-def _mass(name: str, value: Any) -> float:
-    return _bounded(name, value, "kg")

@@ -251,7 +251,7 @@ class ContactPoint(Frozen):
         if self.tangents is None:
             return (self,)
         assert self.direction is not None
-        shares = self._forces[0] @ self.direction
+        shares = self.shares
         along = [self.body.on_dofs(np.outer(shares, tangent)) for tangent in self.tangents]
         given: dict[str, Any] = {"tangents": None, "automatic": False, "directed": True}
         return self, *(
@@ -358,14 +358,14 @@ class ContactPoint(Frozen):
         if not solids:
             return False
         both = np.intersect1d(np.concatenate(solids), mesh.thin_nodes)
-        pressed_on = self._forces[0].any(axis=1)
+        pressed_on = self.forces[0].any(axis=1)
         return bool(np.isin(np.flatnonzero(pressed_on), both).all())
 
     def _extracted(self, solver: LinearSolver) -> ContactCompliance:
         assert self.point is not None
         assert self.direction is not None
         if isinstance(self.thin, Beam):
-            return extracted_from_beam(self.body, self.thin, self.b, self._width, solver)
+            return extracted_from_beam(self, self.thin, self._width, solver)
         assert self.body.surface is not None
         normal = normal_at(self.body.surface, self.point)
         if self._covered:
@@ -376,22 +376,8 @@ class ContactPoint(Frozen):
         if self.thin is not None:
             assert self.normal is not None
             layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
-            cosine = float(self.direction @ self.normal)
-            forces, couples = self._forces
-            shares, couples = forces @ self.normal / cosine, couples / cosine
-            load, at = (self.b, shares, couples, cosine), (self.point, self.normal, self._width)
-            return extracted_from_shell(self.body, layers, *load, *at, solver)
-        found = extracted(
-            self.body,
-            self.b,
-            self._forces[0] @ self.direction,
-            self.direction,
-            self.point,
-            normal,
-            self._width,
-            solver,
-            self.tangents,
-        )
+            return extracted_from_shell(self, layers, self._width, solver)
+        found = extracted(self, normal, self._width, solver)
         given = self.patch is not None and not self.automatic
         if given and -found.removed > found.error:  # more than the mesh explains
             assert self.patch is not None
@@ -517,7 +503,7 @@ class ContactPoint(Frozen):
     @property
     def resultant(self) -> FloatArray:
         """Sum of the nodes' forces for a unit contact force, shape (3,): the direction."""
-        forces: FloatArray = self._forces[0].sum(axis=0)
+        forces: FloatArray = self.forces[0].sum(axis=0)
         return forces
 
     @property
@@ -527,7 +513,7 @@ class ContactPoint(Frozen):
         Zero along the surface's normal; an oblique force acts where the patch is, which on a curved
         surface lies a little below the point.
         """
-        forces, couples = self._forces
+        forces, couples = self.forces
         assert self.body.nodes is not None
         if self.point is None:
             raise InputError("moment: this contact point was made without a point")
@@ -535,14 +521,26 @@ class ContactPoint(Frozen):
         return np.asarray(moment + couples.sum(axis=0))
 
     @property
-    def _forces(self) -> FloatArray:
-        """Forces, and couples, m, on the nodes for a unit contact force, (2, n_nodes, 3)."""
+    def forces(self) -> FloatArray:
+        """Forces, and couples, m, on the nodes for a unit contact force, (2, n_nodes, 3).
+
+        :meta private:
+        """
         if self.body.nodes is None:
             raise InputError(
                 "a resultant needs nodes: make the model with FEModel.from_mesh(...) or "
                 "FEModel(K=, M=, nodes=)"
             )
         return self.body.at_nodes(self.b)
+
+    @property
+    def shares(self) -> FloatArray:
+        """The nodes' shares of the force, along its direction, shape (n_nodes,).
+
+        :meta private:
+        """
+        shares: FloatArray = self.forces[0] @ self.direction
+        return shares
 
     def __repr__(self) -> str:
         body = repr(self.body.name) if self.body.name else f"a body of {self.body.n_dofs} dofs"
@@ -843,7 +841,7 @@ def _placed(tip: ContactPoint, radius: float = 0.0) -> ContactPoint:
     if surface is None or tip.direction is None:
         return tip
     assert tip.body.nodes is not None
-    forces = tip._forces[0] @ tip.direction
+    forces = tip.shares
     centre = forces @ tip.body.nodes
     spread = float(np.sqrt(np.abs(forces) @ ((tip.body.nodes - centre) ** 2).sum(axis=1)))
     place = surface.nearest(centre)
@@ -874,7 +872,7 @@ def _warn_of_no_mean(tip: ContactPoint, length: float) -> None:
         )
         return
     assert tip.body.nodes is not None
-    forces, along = tip._forces[0], tip.resultant / length
+    forces, along = tip.forces[0], tip.resultant / length
     arms = tip.body.nodes - (forces @ along / length) @ tip.body.nodes
     couple = float(np.linalg.norm(np.cross(arms, forces).sum(axis=0)))
     if couple > _NEARLY * float(np.ptp(tip.body.nodes, axis=0).max()):

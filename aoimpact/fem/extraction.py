@@ -124,45 +124,30 @@ class Extraction(ContactCompliance):
         return replace(known, mesh_field=field, sheared=None)
 
 
-def extracted(
-    body: Any,
-    b: FloatArray,
-    weights: FloatArray,
-    direction: FloatArray,
-    point: FloatArray,
-    normal: FloatArray,
-    radius: float,
-    solver: LinearSolver,
-    tangents: FloatArray | None = None,
-) -> Extraction:
-    """Return the compliances of a body at a place of its surface.
+def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver) -> Extraction:
+    """Return the compliances of a body at a contact point on its surface.
 
     Parameters
     ----------
-    body : FEModel
-        With a mesh.
-    b : ndarray, shape (n_dofs,)
-        The contact functional.
-    weights : ndarray, shape (n_nodes,)
-        Shares of the force that the nodes take.
-    direction, point, normal : ndarray, shape (3,)
-        Direction of the force; point of the surface, m; outward normal.
+    tip : ContactPoint
+        On a body with a mesh. With tangents a force acts along these as well.
+    normal : ndarray, shape (3,)
+        Outward.
     radius : float
         a, of the contact itself, m.
     solver : LinearSolver
         Factors of K + s²M.
-    tangents : ndarray, shape (2, 3), optional
-        Along which a force acts as well.
 
     Notes
     -----
     A force at an angle θ to the normal moves a half-space along itself by cos²θ of what it does
     along the normal, and by sin²θ (2 - ν)/(2 - 2ν) of it, Mindlin's ratio of the compliances.
     """
+    body, b, point, direction = tip.body, tip.b, tip.point, tip.direction
     splitting = split(body, point, normal, radius, solver)
     cosine = float(direction @ normal)
     straight = 1.0 - abs(cosine) < _ALONG
-    along = b if straight else body.on_dofs(np.outer(weights, normal))
+    along = b if straight else body.on_dofs(np.outer(tip.shares, normal))
     x = solver.solve(along)
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
@@ -184,8 +169,8 @@ def extracted(
         removed *= cosine**2 + (1.0 - cosine**2) * (2.0 - nu) / (2.0 - 2.0 * nu)
     moved = np.copysign(1.0, -cosine) * x if straight else -x
     with_tangents: dict[str, Any] = {}
-    if tangents is not None:
-        with_tangents = _oblique(body, weights, direction, tangents, splitting, beyond, solver)
+    if tip.tangents is not None:
+        with_tangents = _oblique(tip, splitting, beyond, solver)
     return Extraction(
         removed=removed,
         error=error,
@@ -268,13 +253,7 @@ def field_error(
 
 
 def _oblique(
-    body: Any,
-    weights: FloatArray,
-    direction: FloatArray,
-    tangents: FloatArray,
-    splitting: Splitting,
-    straight: float,
-    solver: LinearSolver,
+    tip: Any, splitting: Splitting, straight: float, solver: LinearSolver
 ) -> dict[str, Any]:
     """`oblique`, `sheared`, `sideways` and `crosswise` of an `Extraction`.
 
@@ -284,11 +263,12 @@ def _oblique(
     a quarter of what w_i + w_j lacks more than w_i - w_j does. With it the error is a third to a
     tenth.
     """
-    axes, a = np.vstack([direction, tangents]), splitting.space.radius
+    body, weights, direction = tip.body, tip.shares, tip.direction
+    axes, a = np.vstack([direction, tip.tangents]), splitting.space.radius
     loads = np.array([body.on_dofs(np.outer(weights, axis)) for axis in axes])
     moved = np.array([solver.solve(load) for load in loads])
     point, inward = splitting.point, splitting.frame[2]
-    sheared = [split(body, point, -inward, a, solver, tangent) for tangent in tangents]
+    sheared = [split(body, point, -inward, a, solver, tangent) for tangent in tip.tangents]
     lacking = [_missing(body, of.w, of, solver) for of in sheared]
     try:
         under = spread(body.surface, point, -inward, a).weights

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -42,17 +42,19 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
     """
     left = np.zeros((2, mesh.n_nodes, 3), dtype=bool)
     left[0], left[1, mesh.thin_nodes] = True, True
-    for i, (selector, *letters) in enumerate(_entries(fixed)):
+    how = (
+        'give a list such as [("xmin", "xyz"), ([0, 7], "z")], of shells and beams also '
+        '("rim", "xyz", "xyz"), or ("rim", "", "xyz"), to hold rotations'
+    )
+    for name, (selector, *letters) in entries("fixed", fixed, (2, 3), how):
         wanted = [
-            []
-            if each == "" and (place, len(letters)) == (0, 2)
-            else components(f"fixed[{i}]", each)
+            [] if each == "" and (place, len(letters)) == (0, 2) else components(name, each)
             for place, each in enumerate(letters)
         ]
-        selected = nodes_of_mesh(f"fixed[{i}]", selector, mesh)
+        selected = nodes_of_mesh(name, selector, mesh)
         if len(letters) == 2 and not np.isin(selected, mesh.thin_nodes).any():
             raise InputError(
-                f"fixed[{i}]: letters of rotations are for shells and beams, none of which has "
+                f"{name}: letters of rotations are for shells and beams, none of which has "
                 "these nodes; give the displacements alone"
             )
         for which, axes in enumerate(wanted):
@@ -62,19 +64,35 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
     return np.flatnonzero(left)
 
 
-def _entries(fixed: Any) -> Sequence[Support]:
-    how = (
-        'give a list such as [("xmin", "xyz"), ([0, 7], "z")], of shells and beams also '
-        '("rim", "xyz", "xyz"), or ("rim", "", "xyz"), to hold rotations'
-    )
-    if fixed is None:
-        return ()
-    if isinstance(fixed, (str, Mapping)) or not isinstance(fixed, Sequence):
-        raise InputTypeError(f"fixed: {how}; got {type(fixed).__name__}")
-    for i, entry in enumerate(fixed):
-        if isinstance(entry, str) or not isinstance(entry, Sequence) or len(entry) not in (2, 3):
-            raise InputTypeError(f"fixed[{i}] is not a pair of nodes and letters: {how}")
-    return fixed
+def entries(
+    name: str, given: Any, lengths: tuple[int, ...], how: str, alone: Any = ()
+) -> Iterator[tuple[str, Any]]:
+    """Yield the entries of a list of tuples of so many items, and the name of each for messages.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    given : sequence or None
+    lengths : tuple of int
+    how : str
+        An example, for messages.
+    alone : type, optional
+        Class of entries that are no tuples.
+
+    Raises
+    ------
+    InputTypeError
+    """
+    if given is None:
+        return
+    if isinstance(given, (str, Mapping)) or not isinstance(given, Sequence):
+        raise InputTypeError(f"{name}: {how}; got {type(given).__name__}")
+    for i, entry in enumerate(given):
+        several = isinstance(entry, Sequence) and not isinstance(entry, str)
+        if not isinstance(entry, alone) and not (several and len(entry) in lengths):
+            raise InputTypeError(f"{name}[{i}]: {how}; got {entry!r}")
+        yield f"{name}[{i}]", entry
 
 
 def components(name: str, letters: Any) -> list[int]:
@@ -151,46 +169,38 @@ def selected_nodes(
                 f"it has {known}"
             )
         return node_sets[found]
+    of_mask, given = "the mask of nodes", selector
     if callable(selector):
-        return _from_mask(f"{name}: the function", _returned(name, selector, nodes), nodes)
+        of_mask = "the function"
+        try:
+            given = selector(nodes)
+        except Exception as error:
+            raise InputError(
+                f"{name}: the function raised {type(error).__name__}: {error}; it is called with "
+                f"the coordinates of all nodes, an array of shape {nodes.shape}, and should return "
+                "one bool for each"
+            ) from error
     try:
-        array = np.asarray(selector)
+        mask = np.asarray(given)
     except ValueError as error:
-        raise InputTypeError(f"{name}: nodes must be a flat list of numbers: {error}") from None
-    if array.dtype != bool:
-        return nodes_by_number(f"{name}: nodes", selector, len(nodes), labels)
-    return _from_mask(f"{name}: the mask of nodes", array, nodes)
-
-
-def _returned(name: str, function: Any, nodes: FloatArray) -> npt.NDArray[np.bool_]:
-    wanted = "the function must return one bool for each node"
-    try:
-        value = function(nodes)
-    except Exception as error:
-        raise InputError(
-            f"{name}: the function raised {type(error).__name__}: {error}; it is called with the "
-            f"coordinates of all nodes, an array of shape {nodes.shape}, and should return one "
-            "bool for each"
-        ) from error
-    try:
-        mask = np.asarray(value)
-    except ValueError as error:
-        raise InputTypeError(f"{name}: {wanted}: {error}") from error
+        wanted = "the function must return one bool for each node"
+        wanted = wanted if callable(selector) else "nodes must be a flat list of numbers"
+        raise InputTypeError(f"{name}: {wanted}: {error}") from None
+    if mask.dtype != bool and callable(selector):
+        what = type(given).__name__ if mask.ndim == 0 else f"dtype {mask.dtype}"
+        raise InputTypeError(f"{name}: the function must return one bool for each node, got {what}")
     if mask.dtype != bool:
-        what = type(value).__name__ if mask.ndim == 0 else f"dtype {mask.dtype}"
-        raise InputTypeError(f"{name}: {wanted}, got {what}")
-    return mask
-
-
-def _from_mask(name: str, mask: npt.NDArray[np.bool_], nodes: FloatArray) -> IntArray:
+        return nodes_by_number(f"{name}: nodes", selector, len(nodes), labels)
     if mask.shape != (len(nodes),):
         raise InputError(
-            f"{name} must give one bool for each of {len(nodes)} nodes, got shape {mask.shape}"
+            f"{name}: {of_mask} must give one bool for each of {len(nodes)} nodes, got shape "
+            f"{mask.shape}"
         )
     if not mask.any():
         low, high = nodes.min(axis=0), nodes.max(axis=0)
         box = ", ".join(f"{c} {a:g}…{b:g}" for c, a, b in zip("xyz", low, high, strict=True))
         raise InputError(
-            f"{name} selects no nodes; the mesh spans {box} m: compare coordinates with a tolerance"
+            f"{name}: {of_mask} selects no nodes; the mesh spans {box} m: compare coordinates with "
+            "a tolerance"
         )
     return np.flatnonzero(mask)

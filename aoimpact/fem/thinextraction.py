@@ -101,36 +101,24 @@ def patch_on_shell(layers: Layers, contact_radius: float, *, whole: bool = False
 
 
 def extracted_from_shell(
-    body: Any,
-    layers: Layers,
-    b: FloatArray,
-    shares: FloatArray,
-    couples: FloatArray,
-    cosine: float,
-    point: FloatArray,
-    normal: FloatArray,
-    radius: float,
-    solver: LinearSolver,
+    tip: Any, layers: Layers, radius: float, solver: LinearSolver
 ) -> ThinExtraction:
-    """Return the compliances at a place of a shell.
+    """Return the compliances at a contact point on a shell.
 
     Parameters
     ----------
-    body : FEModel
+    tip : ContactPoint
     layers : Shell or Laminate
-        Under the contact, which presses on its top.
-    b : ndarray, shape (n_dofs,)
-        The contact functional.
-    shares, couples : ndarray, shape (n_nodes,) and (n_nodes, 3)
-        Nodal forces and couples of the functional for a unit force along the normal.
-    cosine : float
-        Cosine of the angle between force and normal: along the surface the shell does not yield so.
-    point, normal : ndarray, shape (3,)
+        Under the contact, which presses on their top.
     radius : float
         a, of the contact itself, m.
     solver : LinearSolver
         Factors of K + s²M.
     """
+    body, point, normal = tip.body, tip.point, tip.normal
+    # Of a unit force along the normal. Along the surface the shell does not yield so.
+    cosine = float(tip.direction @ normal)
+    shares, couples = tip.forces[0] @ normal / cosine, tip.forces[1] / cosine
     mesh, s = body.mesh, math.sqrt(solver.pencil.s2)
     groups, near = _around(body, layers, shares, point, normal, min(_SPAN) * s)
     several = s * np.array(_SPAN)
@@ -158,29 +146,17 @@ def extracted_from_shell(
         lagging=share * float(np.abs(steps / np.diff(np.log(_SPAN))).max()),
         radius=radius,
         near=near,
-        **_deflected(body, b, solver),
+        **_deflected(tip, solver),
     )
 
 
 def extracted_from_beam(
-    body: Any, beam: Beam, b: FloatArray, radius: float, solver: LinearSolver
+    tip: Any, beam: Beam, radius: float, solver: LinearSolver
 ) -> ThinExtraction:
-    """Return the compliances at a place of a beam.
+    """Return the compliances at a contact point on a beam.
 
     A full section yields less between the contact and its axis than the half-space of a law:
-    `varying` is by how much at most.
-
-    Parameters
-    ----------
-    body : FEModel
-    beam : Beam
-        At the contact.
-    b : ndarray, shape (n_dofs,)
-        The contact functional.
-    radius : float
-        a, of the contact itself, m.
-    solver : LinearSolver
-        Factors of K + s²M.
+    `varying` is by how much at most. Parameters as for `extracted_from_shell`.
     """
     section = _OF_SECTION / (beam.material.plane_strain_modulus * math.sqrt(beam.numbers.area))
     return ThinExtraction(
@@ -188,14 +164,14 @@ def extracted_from_beam(
         error=0.0,
         varying=0.0 if beam.hollow else section,
         radius=radius,
-        near=np.zeros(body.mesh.n_cells, dtype=bool),
-        **_deflected(body, b, solver),
+        near=np.zeros(tip.body.mesh.n_cells, dtype=bool),
+        **_deflected(tip, solver),
     )
 
 
-def _deflected(body: Any, b: FloatArray, solver: LinearSolver) -> dict[str, Any]:
-    x = solver.solve(b)
-    return {"deflection": x, "strain": float(x @ (body.K @ x)), "s": math.sqrt(solver.pencil.s2)}
+def _deflected(tip: Any, solver: LinearSolver) -> dict[str, Any]:
+    x, s = solver.solve(tip.b), math.sqrt(solver.pencil.s2)
+    return {"deflection": x, "strain": float(x @ (tip.body.K @ x)), "s": s}
 
 
 def _around(
