@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, Frozen, InputError, positive, with_unit
-from ..fem import checked_layer
+from ..fem import checked_layer, whole_motion
 from ..fields import (
     Field,
     Gauge,
@@ -27,6 +27,11 @@ from ..fields import (
 )
 from ..integrate import Events
 from ..laws import ContactLaw, Dent
+from ..reduction import FullModel
+from .advice import follows
+
+if TYPE_CHECKING:
+    from .run import Run
 
 # Even times of a record beyond which dt is taken for a mistake.
 _MOST_SAMPLES = 20_000_000
@@ -127,15 +132,8 @@ class BodyResult(Frozen):
     port_velocities: FloatArray
     _centre: FloatArray = field(repr=False)
     _centre_rate: FloatArray = field(repr=False)
-    _times: FloatArray = field(repr=False)
-    _respond: Callable[[], Response | None] = field(repr=False)
-    # The same body by finer models: over its record, and at the same times.
-    _finer: Callable[[], tuple[BodyResult, BodyResult] | None] = field(repr=False)
-    _follows: Callable[[], bool] = field(repr=False)
-    # Velocity of the centre of mass and spin after the last contact, shape (6,).
-    _after: Callable[[], FloatArray] = field(repr=False)
-    # The same at any times, shape (6, times).
-    _whole: Callable[[FloatArray], FloatArray] = field(repr=False)
+    _run: Run = field(repr=False)
+    _number: int = field(repr=False)  # of the body
 
     def __repr__(self) -> str:
         mass = "" if self.mass in (None, math.inf) else f", {self.mass:.4g} kg"
@@ -188,13 +186,58 @@ class BodyResult(Frozen):
     @cached_property
     def spin(self) -> FloatArray:
         """Angular velocity over time, rad/s, shape (n, 3), as `final_spin` has it at the end."""
-        spin = self._whole(self._times)[3:].T
+        spin = self._whole_motion(self._run.t)[3:].T
         spin.flags.writeable = False
         return spin
 
     @cached_property
     def _at_end(self) -> FloatArray:
-        return self._after()
+        """Velocity of the centre of mass and spin after the last contact, shape (6,)."""
+        run, model = self._run, self._run.plan.bodies[self._number]
+        dense = run.recorder.dense or model.constrained or bool(model.damping)
+        if run.plan.oblique is None or dense or isinstance(model, FullModel):
+            return self._cleared(self._whole_motion(np.array([run._parted]))[:, 0])
+        modal = model.modal
+        assert modal.rigid is not None
+        rates = modal.rates(run.plan.start(self._number)) + self._gain()
+        return self._cleared(modal.rigid.velocity @ rates)
+
+    def _cleared(self, motion: FloatArray) -> FloatArray:
+        """A velocity and a spin, shape (6,), with 0 for the rounding of the largest of the run."""
+        oblique = self._run.plan.oblique
+        assert oblique is not None
+        found = np.reshape(motion, (2, 3))
+        sizes = [np.reshape(of, (2, 3)) for of in oblique.velocities]
+        largest = np.abs([found, *sizes]).max(axis=(0, 2), keepdims=True)[0]
+        return np.where(np.abs(found) < np.finfo(float).eps * largest, 0.0, found).ravel()
+
+    def _whole_motion(self, times: FloatArray) -> FloatArray:
+        """Velocity of a body's centre of mass and its spin at times, s, shape (6, times)."""
+        run, model = self._run, self._run.plan.bodies[self._number]
+        if run.plan.oblique is None:
+            raise InputError(
+                "this run has one direction of travel; give velocity as a vector and friction= for "
+                "velocities and spins in three directions"
+            )
+        if isinstance(model, FullModel):
+            rows = whole_motion(model.body)[0]
+        else:
+            assert model.modal.rigid is not None
+            rows = model.modal.rigid.velocity
+        _, rates = run.recorder.motion(self._number).observed(rows, times)
+        return np.asarray(rates)
+
+    def _gain(self) -> FloatArray:
+        """Rates that forces and gravity add to rigid modes, and to others as if they were rigid."""
+        run = self._run
+        modal, times = run.plan.modal[self._number], run.recorder.times
+        until = times[: int(np.searchsorted(times, run._parted)) + 1]
+        pushes = run.recorder.pushes(times)[:, : len(until)]
+        forces = run.plan.port_forces(self._number, until, pushes)[: modal.ports]
+        gain = modal.push.T @ np.trapezoid(forces, until, axis=1)
+        falls = np.concatenate([np.zeros(3) + run.plan.pull, np.zeros(3)])
+        assert modal.rigid is not None
+        return np.asarray(gain + until[-1] * (modal.rigid.momentum @ falls) * (modal.inertia > 0.0))
 
     @property
     def centre_velocity(self) -> FloatArray:
@@ -218,10 +261,10 @@ class BodyResult(Frozen):
         >>> hit.target.error["velocity"].shape == hit.t.shape
         True
         """
-        if (finer := self._finer()) is None:
+        if (finer := self._run._of_finer(self._number)) is None:
             return {}
         whole, same = (of._histories for of in finer)
-        slowest = rest(whole["displacement"], finer[0]._times[-1])
+        slowest = rest(whole["displacement"], finer[0]._run.t[-1])
         return {
             name: relative_error(
                 history, same[name], whole[name], slowest if name.endswith("velocity") else 0.0
@@ -240,9 +283,9 @@ class BodyResult(Frozen):
 
     def _told(self, name: str) -> FloatArray:
         """Return a history, and warn if it may be badly wrong; displacements often need no run."""
-        if name.endswith("velocity") or not self._follows():
+        if name.endswith("velocity") or not follows(self._run, self._number):
             what = f"{name.replace('_', ' ')} of {self.name}"
-            warn_if_wrong(what, self._times, self.error.get(name))
+            warn_if_wrong(what, self._run.t, self.error.get(name))
         return self._histories[name]
 
     def probe(
@@ -292,8 +335,8 @@ class BodyResult(Frozen):
         True
         """
         wanted = self._sampled(times, dt)
-        where = checked_layer(layer, part)
-        return self._responding.probe(point, direction, nodes, wanted, self._follows, where)
+        where, known = checked_layer(layer, part), partial(follows, self._run, self._number)
+        return self._responding.probe(point, direction, nodes, wanted, known, where)
 
     def gauge(
         self,
@@ -383,10 +426,10 @@ class BodyResult(Frozen):
     def _sampled(self, times: npt.ArrayLike | None, dt: float | None) -> Any:
         """The times that are asked for, s."""
         if dt is None:
-            return self._times if times is None else times
+            return self._run.t if times is None else times
         if times is not None:
             raise InputError("give either times or dt, not both")
-        end, step = float(self._times[-1]), positive("dt", dt, unit="s")
+        end, step = float(self._run.t[-1]), positive("dt", dt, unit="s")
         if not end / _MOST_SAMPLES <= step <= end:
             raise InputError(
                 f"dt={step:g} s must be from {end / _MOST_SAMPLES:.2g} s to the record's {end:g} s"
@@ -441,15 +484,15 @@ class BodyResult(Frozen):
 
         :meta private:
         """
-        response = self._respond()
+        response = self._run._response(self._number)
         if response is None:
-            places: FloatArray = np.interp(times, self._times, self.port_displacements[0])
+            places: FloatArray = np.interp(times, self._run.t, self.port_displacements[0])
             return places
         return response.displacement_of(functional, times)
 
     @cached_property
     def _responding(self) -> Response:
-        response = self._respond()
+        response = self._run._response(self._number)
         if response is None:
             raise InputError(
                 f"the body {self.label!r} was given by numbers and has no finite elements: make "

@@ -86,14 +86,34 @@ def _span(run: Run, during: During) -> tuple[float, float]:
     return float(start), float(end)
 
 
-def plot_panels(result: Result, during: During) -> Any:
-    """Draw force, indentation, displacements and energies; see `Result.plot`."""
+def plot(result: Result, *, during: During = "contact") -> Any:
+    """Draw force, indentation, displacements and energies in four panels.
+
+    Parameters
+    ----------
+    during : {"contact", "record"} or (float, float), optional
+        Span to draw: the contacts with a little before and after, all of the record, or from
+        one time to another, s.
+
+    Returns
+    -------
+    ndarray of Axes, shape (2, 2)
+        ``axes[0, 0].figure`` is the figure, to be saved or changed.
+
+    Examples
+    --------
+    >>> import aoimpact as ao
+    >>> ball = ao.rigid(mass=0.0327)
+    >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+    >>> axes = hit.plot()
+    >>> axes[0, 0].figure.savefig("impact.png")  # doctest: +SKIP
+    """
     axes = new_axes(2, 2, figsize=(10.0, 6.6), sharex=True)
-    result.plot_force(axes[0, 0], during=during)
-    result.plot_indentation(axes[0, 1], during=during)
-    result.plot_displacement(axes[1, 0], during=during)
+    plot_force(result, axes[0, 0], during=during)
+    plot_indentation(result, axes[0, 1], during=during)
+    plot_displacement(result, axes[1, 0], during=during)
     if result.energies:
-        result.plot_energy(axes[1, 1], during=during)
+        plot_energy(result, axes[1, 1], during=during)
     else:
         axes[1, 1].set_axis_off()
     for ax in axes[0]:
@@ -112,7 +132,14 @@ def _told(body: Any) -> str:
 def plot_indentation(
     result: Result, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
 ) -> Axes:
-    """Draw the indentation over time; while the bodies are apart there is none."""
+    """Draw the indentation over time; `during` is as for `plot`. Returns the axes.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+    >>> ax = hit.plot_indentation()
+    """
     run, which = shown(result, during)
     depth, force = run.indentation[which], run.force[which]
     apart = (depth < 0.0) & (force == 0.0)
@@ -128,12 +155,18 @@ def plot_energy(
     during: During = "contact",
     **kwargs: Any,
 ) -> Axes:
-    """Draw energies over time: of everything, or of one body beside the contact's (Fig. 5).
+    """Draw the energies over time, of all bodies or of one (paper, Fig. 5).
 
-    Raises
-    ------
-    InputError
-        If `body` is no body, or the run recorded no energies.
+    `body` is the handle of a body, its number or, in an impact, "projectile" or "target".
+
+    Examples
+    --------
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+    >>> run = scene.simulate(duration=1e-3)
+    >>> ax = run.plot_energy()
     """
     run, which = shown(run, during)
     energy = run.energy
@@ -167,9 +200,18 @@ def plot_displacement(
     during: During = "contact",
     **kwargs: Any,
 ) -> Axes:
-    """Draw displacements over time: contact points and, of an impact, centres of mass dashed.
+    """Draw how far each body's contact coordinate has moved over time.
 
-    Of a rigid body both are one curve.
+    Of an impact also the centres of mass, dashed (paper, Fig. 10).
+
+    Examples
+    --------
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+    >>> run = scene.simulate(duration=1e-3)
+    >>> ax = run.plot_displacement()
     """
     called = body_names(run, names)
     run, which = shown(run, during)
@@ -190,9 +232,13 @@ def plot_displacement(
 
 
 def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
-    """Draw the force over the approach of the centres of mass, and the law itself (Fig. 7).
+    """Draw the force over the approach of the centres of mass (paper, Fig. 7).
 
-    The first is the modified interaction law of the paper: what rigid masses would need.
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+    >>> ax = hit.plot_interaction()
     """
     at, which = shown(result, "contact")
     touching = np.flatnonzero(at.force > 0.0)
@@ -208,10 +254,23 @@ def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> A
     return ax
 
 
-def plot_forces(
+def plot_force(
     run: Run, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
 ) -> Axes:
-    """Draw the force of each contact over time (paper, Figs. 3 and 9)."""
+    """Draw the force of each contact over time; keywords go to ``Axes.plot``.
+
+    `during` is "contact", from the first touch to the last with a little before and after,
+    "record", or (start, end), s.
+
+    Examples
+    --------
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+    >>> run = scene.simulate(duration=1e-3)
+    >>> ax = run.plot_force()
+    """
     run, which = shown(run, during)
     several = len(run.each_contact) > 1
     curves: list[Curve] = [

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -28,26 +28,20 @@ from ..base import (
     with_unit,
     write_csv,
 )
-from ..fem import whole_motion
 from ..fields import Picture, Response, movie_path, response_of
 from ..integrate import Events, Recorder
 from ..laws import Dent, own_law
 from ..reduction import FullModel
 from ..scene import Plan, RecordLayout
-from . import plot
-from .advice import follows, warn_of_ledger, warn_of_mesh
+from . import plot as figures
+from .advice import warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, Found, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
 from .picture import shown_bodies, times_of_contact
-from .plot import During
 from .quantities import all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
 from .table import ROLES, as_dataframe, as_dataset, columns, different
 from .validity import Advice, advice_of
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 _NOTHING_KNOWN = LeftOut()
 
@@ -273,59 +267,9 @@ class Run:
             rates=rates,
             port_displacements=rows.port_displacements,
             port_velocities=rows.port_velocities,
-            _times=self.t,
-            _respond=partial(self._response, index),
-            _finer=partial(self._of_finer, index),
-            _follows=partial(follows, self, index),
-            _after=partial(self._after, index),
-            _whole=partial(self._whole_motion, index),
+            _run=self,
+            _number=index,
         )
-
-    def _after(self, index: int) -> FloatArray:
-        """Velocity of a body's centre of mass and its spin after the last contact, shape (6,)."""
-        model = self.plan.bodies[index]
-        dense = self.recorder.dense or model.constrained or bool(model.damping)
-        if self.plan.oblique is None or dense or isinstance(model, FullModel):
-            return self._cleared(self._whole_motion(index, np.array([self._parted]))[:, 0])
-        modal = model.modal
-        assert modal.rigid is not None
-        rates = modal.rates(self.plan.start(index)) + self._gain(index)
-        return self._cleared(modal.rigid.velocity @ rates)
-
-    def _cleared(self, motion: FloatArray) -> FloatArray:
-        """A velocity and a spin, shape (6,), with 0 for the rounding of the largest of the run."""
-        assert self.plan.oblique is not None
-        found = np.reshape(motion, (2, 3))
-        sizes = [np.reshape(of, (2, 3)) for of in self.plan.oblique.velocities]
-        largest = np.abs([found, *sizes]).max(axis=(0, 2), keepdims=True)[0]
-        return np.where(np.abs(found) < np.finfo(float).eps * largest, 0.0, found).ravel()
-
-    def _whole_motion(self, index: int, times: FloatArray) -> FloatArray:
-        """Velocity of a body's centre of mass and its spin at times, s, shape (6, times)."""
-        model = self.plan.bodies[index]
-        if self.plan.oblique is None:
-            raise InputError(
-                "this run has one direction of travel; give velocity as a vector and friction= for "
-                "velocities and spins in three directions"
-            )
-        if isinstance(model, FullModel):
-            rows = whole_motion(model.body)[0]
-        else:
-            assert model.modal.rigid is not None
-            rows = model.modal.rigid.velocity
-        _, rates = self.recorder.motion(index).observed(rows, times)
-        return np.asarray(rates)
-
-    def _gain(self, index: int) -> FloatArray:
-        """Rates that forces and gravity add to rigid modes, and to others as if they were rigid."""
-        modal, times = self.plan.modal[index], self.recorder.times
-        until = times[: int(np.searchsorted(times, self._parted)) + 1]
-        pushes = self.recorder.pushes(times)[:, : len(until)]
-        forces = self.plan.port_forces(index, until, pushes)[: modal.ports]
-        gain = modal.push.T @ np.trapezoid(forces, until, axis=1)
-        falls = np.concatenate([np.zeros(3) + self.plan.pull, np.zeros(3)])
-        assert modal.rigid is not None
-        return np.asarray(gain + until[-1] * (modal.rigid.momentum @ falls) * (modal.inertia > 0.0))
 
     @property
     def _parted(self) -> float:
@@ -351,7 +295,8 @@ class Run:
 
         NaN where a centre of mass is not known.
         """
-        speeds = self._of_known_centres(self.compared_velocities)
+        known = [body.centre_known for body in self.plan.bodies]
+        speeds = np.where(known, self.compared_velocities, np.nan)
         speeds.flags.writeable = False
         return speeds
 
@@ -371,12 +316,6 @@ class Run:
         speeds = self._layout.centre_velocities(rows)[:, 0]
         speeds.flags.writeable = False
         return speeds
-
-    def _of_known_centres(self, speeds: FloatArray) -> FloatArray:
-        """A copy of velocities, (bodies, ...), with NaN for bodies whose centre is not known."""
-        found = speeds.copy()
-        found[[not body.centre_known for body in self.plan.bodies]] = np.nan
-        return found
 
     @property
     def contacts(self) -> Any:
@@ -662,70 +601,9 @@ class Run:
         """
         return as_dataset(self, names)
 
-    def plot_force(
-        self, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
-    ) -> Axes:
-        """Draw the force of each contact over time; keywords go to ``Axes.plot``.
-
-        `during` is "contact", from the first touch to the last with a little before and after,
-        "record", or (start, end), s.
-
-        Examples
-        --------
-        >>> scene = ao.Scene()
-        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
-        >>> wall = scene.add(ao.rigid(mass=float("inf")))
-        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
-        >>> run = scene.simulate(duration=1e-3)
-        >>> ax = run.plot_force()
-        """
-        return plot.plot_forces(self, ax, during=during, **kwargs)
-
-    def plot_displacement(
-        self,
-        ax: Axes | None = None,
-        *,
-        names: Sequence[str] | None = None,
-        during: During = "contact",
-        **kwargs: Any,
-    ) -> Axes:
-        """Draw how far each body's contact coordinate has moved over time.
-
-        Of an impact also the centres of mass, dashed (paper, Fig. 10).
-
-        Examples
-        --------
-        >>> scene = ao.Scene()
-        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
-        >>> wall = scene.add(ao.rigid(mass=float("inf")))
-        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
-        >>> run = scene.simulate(duration=1e-3)
-        >>> ax = run.plot_displacement()
-        """
-        return plot.plot_displacement(self, ax, names=names, during=during, **kwargs)
-
-    def plot_energy(
-        self,
-        ax: Axes | None = None,
-        *,
-        body: Handle | int | str | None = None,
-        during: During = "contact",
-        **kwargs: Any,
-    ) -> Axes:
-        """Draw the energies over time, of all bodies or of one (paper, Fig. 5).
-
-        `body` is the handle of a body, its number or, in an impact, "projectile" or "target".
-
-        Examples
-        --------
-        >>> scene = ao.Scene()
-        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
-        >>> wall = scene.add(ao.rigid(mass=float("inf")))
-        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
-        >>> run = scene.simulate(duration=1e-3)
-        >>> ax = run.plot_energy()
-        """
-        return plot.plot_energy(self, ax, body=body, during=during, **kwargs)
+    plot_force = figures.plot_force
+    plot_displacement = figures.plot_displacement
+    plot_energy = figures.plot_energy
 
     def __repr__(self) -> str:
         return summary_text(f"Run of {with_unit(self.duration, 's')}", scene_rows(self), 12)
@@ -908,53 +786,9 @@ class Result(Eventful, Run):
         """
         return self.value("restitution")
 
-    def plot(self, *, during: During = "contact") -> Any:
-        """Draw force, indentation, displacements and energies in four panels.
-
-        Parameters
-        ----------
-        during : {"contact", "record"} or (float, float), optional
-            Span to draw: the contacts with a little before and after, all of the record, or from
-            one time to another, s.
-
-        Returns
-        -------
-        ndarray of Axes, shape (2, 2)
-            ``axes[0, 0].figure`` is the figure, to be saved or changed.
-
-        Examples
-        --------
-        >>> import aoimpact as ao
-        >>> ball = ao.rigid(mass=0.0327)
-        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
-        >>> axes = hit.plot()
-        >>> axes[0, 0].figure.savefig("impact.png")  # doctest: +SKIP
-        """
-        return plot.plot_panels(self, during)
-
-    def plot_indentation(
-        self, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
-    ) -> Axes:
-        """Draw the indentation over time; `during` is as for `plot`. Returns the axes.
-
-        Examples
-        --------
-        >>> ball = ao.rigid(mass=0.1)
-        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
-        >>> ax = hit.plot_indentation()
-        """
-        return plot.plot_indentation(self, ax, during=during, **kwargs)
-
-    def plot_interaction(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the force over the approach of the centres of mass (paper, Fig. 7).
-
-        Examples
-        --------
-        >>> ball = ao.rigid(mass=0.1)
-        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
-        >>> ax = hit.plot_interaction()
-        """
-        return plot.plot_interaction(self, ax, **kwargs)
+    plot = figures.plot
+    plot_indentation = figures.plot_indentation
+    plot_interaction = figures.plot_interaction
 
     def movie(
         self,

@@ -21,7 +21,7 @@ def arrays_of(thing: object) -> list[np.ndarray]:
     found = []
     if isinstance(thing, Result):
         _ = thing.force, thing.projectile, thing.energies and thing.energy
-    held = {} if isinstance(thing, tuple) else {**vars(thing), "plan": None}
+    held = {} if isinstance(thing, tuple) else {**vars(thing), "plan": None, "_run": None}
     for value in thing if isinstance(thing, tuple) else held.values():
         if isinstance(value, tuple):
             found += arrays_of(value)
