@@ -13,11 +13,11 @@ from ..base import FloatArray, plain, with_unit
 from ..fem import ContactPoint
 from .errors import ROUNDING, ErrorParts, percent
 from .quantities import QUANTITIES, Quantity
+from .table import ROLES
 
 if TYPE_CHECKING:
-    from ..reduction import BodyModel
     from ..scene import Contact
-    from .motion import BodyResult, ContactResult
+    from .motion import ContactResult
     from .run import Result, Run
 
 
@@ -35,28 +35,42 @@ _NOTHING = 1e-12
 
 def impact_rows(result: Result) -> list[tuple[str, str]]:
     """Return (name, value with unit) for everything that a user asks first."""
+    oblique, contact = result.plan.oblique, result.plan.contacts[0]
+    velocity = f"{result.velocity:.6g} m/s"
+    if oblique is not None:
+        way, spin = np.split(oblique.velocities[0], 2)
+        velocity = f"{_vector(way)} m/s" + (f", spin {_vector(spin)} rad/s" if spin.any() else "")
+    gap = f", gap {with_unit(result.gap, 'm')}" if result.gap else ""
     rows = [
-        ("projectile", _body(result, "projectile")),
-        ("target", _body(result, "target")),
-        ("law", str(result.plan.contacts[0].law)),
-        ("velocity", _velocity(result) + _gap(result)),
+        ("projectile", _body(result, 0)),
+        ("target", _body(result, 1)),
+        ("law", str(contact.law)),
+        ("velocity", velocity + gap),
     ]
-    if result.plan.oblique is not None:
-        rows.append(("friction", _friction(result.plan.contacts[0])))
+    if oblique is not None:
+        rows.append(("friction", _friction(contact)))
     if not result.contacts:
         rows.append(("contact", f"none in {with_unit(result.duration, 's')}"))
     else:
         rows += [
-            ("peak force", _force(result)),
+            ("peak force", _peak(result, "")),
             ("contact", _contact(result)),
-            ("impulse", with_unit(result.impulse, "N s") + within(result.error["impulse"])),
+            ("impulse", _told(result, "impulse")),
         ]
     rows += [
         ("rebound velocity", _rebound(result, "rebound_velocity")),
         ("restitution", _rebound(result, "restitution")),
     ]
-    if result.plan.oblique is not None:
-        rows += _oblique(result)
+    if "tangential_restitution" in result.numbers:
+        rows.append(("tangential restit.", _rebound(result, "tangential_restitution")))
+    if oblique is not None:
+        of, error = result.projectile, within(result.error["final_spin"])
+        friction = _told(result, "peak_friction_force", 5) + _slips(result.each_contact[0])
+        rows += [
+            ("final velocity", f"{_vector(of.final_velocity)} m/s"),
+            ("final spin", f"{_vector(of.final_spin)} rad/s{error}"),
+            ("peak friction", friction),
+        ]
     if (dent := result.dent).depth > 0.0:
         wide = "" if math.isnan(dent.diameter) else f", {with_unit(dent.diameter, 'm', 3)} wide"
         rows.append(("residual dent", f"{with_unit(dent.depth, 'm', 3)} deep{wide}"))
@@ -71,37 +85,28 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
 
 def scene_rows(run: Run) -> list[tuple[str, str]]:
     """Return (name, value with unit) of the bodies and contacts of a scene."""
-    rows = []
-    for name, body in zip(run.names[:SHOWN], run.plan.bodies, strict=False):
-        tips = body.contact_points[:: 3 if run.plan.oblique else 1][:_PLACES]
-        places = "".join(place_words(tip, rigid=body.label == "rigid") for tip in tips)
-        rows.append((name, f"{body.label}{support_words(body)}{places}"))
-    if run.plan.oblique is not None:
+    bodies, contacts, oblique = run.plan.bodies, len(run.events), run.plan.oblique
+    rows = [(name, _body(run, i)) for i, name in enumerate(run.names[:SHOWN])]
+    if oblique is not None:
         rows += [
             (f"{name}, after", f"{_vector(of.final_velocity)} m/s, {_vector(of.final_spin)} rad/s")
-            for name, of, body in zip(run.names[:SHOWN], run.bodies, run.plan.bodies, strict=False)
+            for name, of, body in zip(run.names[:SHOWN], run.bodies, bodies, strict=False)
             if not body.fixed
         ]
-    error = run.error
-    for i, events in enumerate(run.events[:SHOWN]):
-        peak = with_unit(events.peak_force, "N", 5)
-        peak += within(error[f"contacts.{i}.peak_force"], listed=True)
-        peak += f" at {with_unit(events.peak_time, 's')}"
-        peak += within(error[f"contacts.{i}.peak_time"])
-        count = len(events.contacts)
-        uncertain = error[f"contacts.{i}.intervals"].least == math.inf
+    for i, contact in enumerate(run.each_contact[:SHOWN]):
+        count, owner = contact.contact_count, f"contacts.{i}."
+        text = _peak(run, owner)
         times = f"{count} contact{'s' if count > 1 else ''}"
-        times += " (the count is uncertain)" if uncertain else ""
-        if (sliding := f"contacts.{i}.peak_friction_force") in run.numbers:
-            of = run.each_contact[i]
-            peak += f", friction {with_unit(run.value(sliding), 'N', 5)}{within(error[sliding])}"
-            times += _slips(of)
-        dent = run.each_contact[i].dent.depth
+        if run.error[f"{owner}intervals"].least == math.inf:
+            times += " (the count is uncertain)"
+        if oblique is not None:
+            text += f", friction {_told(run, f'{owner}peak_friction_force', 5)}"
+            times += _slips(contact)
+        dent = contact.dent.depth
         times += f", dent of {with_unit(dent, 'm', 3)}" if dent > 0.0 else ""
-        rows.append((run.contact_names[i], f"{peak}, {times}" if count else "none"))
-    bodies, contacts = len(run.plan.bodies), len(run.events)
-    if max(bodies, contacts) > SHOWN:
-        rows.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
+        rows.append((contact.name, f"{text}, {times}" if count else "none"))
+    if max(len(bodies), contacts) > SHOWN:
+        rows.append(("…", f"{len(bodies)} bodies and {contacts} contacts in all"))
     if run.chosen is not None:
         rows.append(error_row(run))
     return [*rows, ("solver", run.solver), ("cost", str(run.cost))]
@@ -131,20 +136,16 @@ def _friction(contact: Contact) -> str:
     return f"coefficient {of.mu:g}, tangential over normal stiffness {of.ratio:.3g}"
 
 
-def _oblique(result: Result) -> list[tuple[str, str]]:
-    """Rows that only an impact in three directions has."""
-    rows = []
-    if "tangential_restitution" in result.numbers:
-        rows.append(("tangential restit.", _rebound(result, "tangential_restitution")))
-    spin, error = result.projectile.final_spin, within(result.error["final_spin"])
-    peak = with_unit(result.value("peak_friction_force"), "N", 5)
-    peak += within(result.error["peak_friction_force"])
-    return [
-        *rows,
-        ("final velocity", f"{_vector(result.projectile.final_velocity)} m/s"),
-        ("final spin", f"{_vector(spin)} rad/s{error}"),
-        ("peak friction", f"{peak}{_slips(result.each_contact[0])}"),
-    ]
+def _told(run: Run, name: str, digits: int = 4, *, listed: bool = False) -> str:
+    """A number of a run with its unit and error."""
+    value, unit = run.numbers[name], QUANTITIES[name.rpartition(".")[2]].unit
+    return with_unit(value, unit, digits) + within(run.error[name], listed=listed)
+
+
+def _peak(run: Run, owner: str) -> str:
+    """The largest force of a contact, and when it acts."""
+    force = _told(run, f"{owner}peak_force", 5, listed=True)
+    return f"{force} at {_told(run, f'{owner}peak_time')}"
 
 
 def _slips(contact: ContactResult) -> str:
@@ -157,39 +158,27 @@ def _slips(contact: ContactResult) -> str:
     return f", slips from {' and '.join(shown)}{' …' if len(slips) > SHOWN else ''}"
 
 
-def _velocity(result: Result) -> str:
-    oblique = result.plan.oblique
-    if oblique is None:
-        return f"{result.velocity:.6g} m/s"
-    velocity, spin = np.split(oblique.velocities[0], 2)
-    return f"{_vector(velocity)} m/s" + (f", spin {_vector(spin)} rad/s" if spin.any() else "")
-
-
 def _vector(values: FloatArray) -> str:
     return f"({', '.join(f'{value:.4g}' for value in values + 0.0)})"
 
 
-def _body(result: Result, which: str) -> str:
-    body = result.projectile if which == "projectile" else result.target
-    mass = ", mass not known" if body.mass is None else f", {with_unit(body.mass, 'kg')}"
-    if body.mass == math.inf:
-        mass = ""
-    name = "" if body.name == which else f"{body.name}: "
-    model = result.plan.bodies[0 if which == "projectile" else 1]
-    place = place_words(model.touched_at(), rigid=body.label in _RIGID)
-    return f"{name}{body.label}{mass}{support_words(body)}{place}"
+def _body(run: Run, number: int) -> str:
+    """How a body is modelled and held, and where it is touched; of an impact its mass, too."""
+    body, scene = run.plan.bodies[number], run.plan.scene
+    rigid, name, mass = body.label in _RIGID, run.names[number], ""
+    tips = body.contact_points[:: 3 if run.plan.oblique else 1][: _PLACES if scene else 1]
+    if not scene and body.known_mass != math.inf:
+        known = "not known" if body.known_mass is None else with_unit(body.known_mass, "kg")
+        mass = f", {'mass ' if body.known_mass is None else ''}{known}"
+    called = "" if scene or name == ROLES[number] else f"{name}: "
+    held = "" if rigid else ", constrained" if body.constrained else ", free"
+    places = "".join(_place(tip, rigid=rigid) for tip in tips)
+    return f"{called}{body.label}{mass}{held}{places}"
 
 
-def support_words(body: BodyResult | BodyModel) -> str:
-    """Return whether a body is constrained, for those that can be."""
-    if body.label in _RIGID:
-        return ""
-    return ", constrained" if body.constrained else ", free"
-
-
-def place_words(tip: ContactPoint | None, *, rigid: bool = False) -> str:
+def _place(tip: ContactPoint, *, rigid: bool) -> str:
     """Return where and over what a body is touched, along which direction."""
-    if tip is None or tip.point is None or tip.direction is None:
+    if tip.point is None or tip.direction is None:
         return ""
     what = "point" if tip.node is None else f"node {tip.node_label}"
     if tip.patch is not None:
@@ -207,30 +196,16 @@ def _rebound(result: Result, name: str) -> str:
     interest, value, error = QUANTITIES[name], result.value(name), result.error[name]
     if math.isnan(value):
         return "none" if result.in_contact_at_end or not result.contacts else "not known"
-    absolute = _absolute(result, interest, value, error)
-    oblique = result.plan.oblique
-    along = (
-        "" if name != "rebound_velocity" or oblique is None else f" along {plain(oblique.axes[0])}"
-    )
+    absolute, along = _absolute(result, interest, value, error), ""
+    if name == "rebound_velocity" and result.plan.oblique is not None:
+        along = f" along {plain(result.plan.oblique.axes[0])}"
     return f"{_number(interest, value)}{along}{absolute or within(error)}"
 
 
-def _gap(result: Result) -> str:
-    return f", gap {with_unit(result.gap, 'm')}" if result.gap else ""
-
-
-def _force(result: Result) -> str:
-    error = result.error
-    force = f"{with_unit(result.peak_force, 'N', 5)}{within(error['peak_force'], listed=True)}"
-    return f"{force} at {with_unit(result.peak_time, 's')}{within(error['peak_time'])}"
-
-
 def _contact(result: Result) -> str:
-    start = result.contacts[0][0]
-    error = result.error
-    text = f"{with_unit(result.contact_duration, 's')}{within(error['contact_duration'])}"
-    text += f" from {with_unit(start, 's')}"
-    uncertain = error["contacts"].least == math.inf
+    start = with_unit(result.contacts[0][0], "s")
+    text = f"{_told(result, 'contact_duration')} from {start}"
+    uncertain = result.error["contacts"].least == math.inf
     if len(result.contacts) > 1 or uncertain:
         text += f", the first of {len(result.contacts)}{' (uncertain)' if uncertain else ''}"
     if result.in_contact_at_end:
