@@ -302,7 +302,8 @@ class Beam:
     material : Material
     orientation : array_like, shape (3,), optional
         The section's z axis is the projection of this direction across the beam; y = z × x, with x
-        from the first node to the second. Not needed by round sections.
+        from the first node to the second. Not needed by round sections, nor by numbers without
+        points that are the same along both axes.
     offset : (float, float), optional
         Where the section's centroid is along its y and z axes, seen from the nodes, m: of a
         stiffener on a shell, half of both heights.
@@ -337,7 +338,7 @@ class Beam:
             if not axis.any():
                 raise InputError("orientation must not be zero")
             object.__setattr__(self, "orientation", tuple(axis.tolist()))
-        elif not isinstance(self.section, TubularSection) or any(self.offset):
+        elif not _without_axes(self.section) or any(self.offset):
             raise InputError("orientation: the section needs the direction of its z axis")
 
     @property
@@ -449,6 +450,14 @@ class Beam:
         size = stress**2 @ [1.0, 3.0, 3.0]  # von Mises' stress squared
         largest = size.argmax(axis=-1)[..., None, None]
         return np.asarray(np.take_along_axis(stress, largest, axis=-2)[..., 0, :])
+
+
+def _without_axes(section: Section) -> bool:
+    """Return whether a section is the same along all directions across the beam."""
+    if isinstance(section, BeamSection):
+        y, z = section.shear_factors
+        return section.Iy == section.Iz and y == z and not np.any(section.points)
+    return isinstance(section, TubularSection)
 
 
 def beam_frames(ends: FloatArray, beam: Beam) -> tuple[FloatArray, FloatArray]:

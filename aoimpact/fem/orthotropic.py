@@ -15,6 +15,7 @@ from ..base import (
     InputError,
     checked,
     finite_array,
+    held_warnings,
     positive,
     real,
     unit_vector,
@@ -157,7 +158,8 @@ class Orthotropic:
         old, along = np.array(self.axes), np.array(self.axes) @ axis
         new = math.cos(turn) * old + math.sin(turn) * np.cross(axis, old)
         new += (1.0 - math.cos(turn)) * np.outer(along, axis)
-        return replace(self, axes=_axes("axes", new))
+        with held_warnings():  # of its values, which were said
+            return replace(self, axes=_axes("axes", new))
 
     def half_space(self, normal: npt.ArrayLike) -> Material:
         """Return the isotropic material whose half-space deflects as this one's, on average.

@@ -11,6 +11,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
@@ -345,6 +346,8 @@ def _sorted(keywords: list[Keyword]) -> Scope:
         elif name == "ASSEMBLY":
             within.append((name, whole))
         elif name in ("PART", "INSTANCE"):
+            if within[-1][0] in ("PART", "INSTANCE"):
+                raise keyword.error(f"it stands within *{within[-1][0]}")
             among = parts if name == "PART" else whole.inner
             keyword.check_options("NAME", *(["PART"] if name == "INSTANCE" else []))
             called, of = (keyword.options.get(option, "") for option in ("NAME", "PART"))
@@ -355,11 +358,11 @@ def _sorted(keywords: list[Keyword]) -> Scope:
             among[key(called)] = Scope(called.strip('"'), key(of or called), keyword)
             within.append((name, among[key(called)]))
         elif name in ("ENDPART", "ENDASSEMBLY", "ENDINSTANCE"):
-            if within.pop()[0] != name[3:]:
+            if (len(within) > 1 or name != "ENDASSEMBLY") and within.pop()[0] != name[3:]:
                 raise keyword.error(f"it ends no *{name[3:]}")
         elif _kind(name) == "unsupported":
             raise keyword.error("it is not supported; write the mesh out without it")
-        elif not _kind(name):
+        elif not _kind(name) and (name not in ("", "END") or keyword.data):
             raise keyword.error("it is not known, and may change the mesh; leave it out")
     if len(within) > 1:
         raise keywords[-1].error(f"*END {within[-1][0]} is missing")
@@ -401,11 +404,8 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     turned = {"": [("", np.eye(3))]}
     for scope in whole.inner.values():
         turned.setdefault(scope.part, []).append((f"{scope.name}.", scope.turn))
-    counts = Counter[str]()
-    for name, size in zip(types.tolist(), sizes, strict=True):
-        counts[name] += size
     towards = np.array([block.towards for block in blocks], dtype=bool)
-    deck = AbaqusDeck(cards, turned, +counts, types, towards)
+    deck = AbaqusDeck(cards, turned, Counter(types[of].tolist()), types, towards)
     _warn(file, whole, deck, types[~unread].tolist())
     places = np.concatenate([body.places for body in bodies])
     return raw.RawMesh(
@@ -711,9 +711,11 @@ class Scope:
             try:
                 table = keyword.connectivity(raw.nodes_in(kind))
             except MeshError:
-                if name[0] != "B":
+                with suppress(MeshError):
+                    table = keyword.connectivity(raw.nodes_in(kind) + 1)[:, :-1]
+                    towards = name[0] == "B"
+                if not towards:
                     raise
-                table, towards = keyword.connectivity(raw.nodes_in(kind) + 1)[:, :-1], True
         else:  # between instances, nodes have names
             kind, table = "", keyword.first_numbers()[:, None]
         new = _Elements(name, kind, table[:, 0], table[:, 1:], keyword, towards)
@@ -873,7 +875,7 @@ class Scope:
 
 
 # Keywords that are read, after those of a lower number that may come later; and their options.
-_OF_SETS = "ELSET GENERATE UNSORTED INTERNAL INSTANCE INPUT"
+_OF_SETS = "ELSET GENERATE UNSORTED INTERNAL INSTANCE INPUT FREQUENCY"
 _READ: dict[str, tuple[int, Callable[[Scope, Keyword], None], str]] = {
     "SYSTEM": (0, Scope._system, ""),
     "NODE": (0, Scope._node, "NSET SYSTEM INPUT"),
@@ -931,7 +933,7 @@ def _constants(card: Keyword, count: int) -> list[float]:
     rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
     numbers = [x for row in rows for x in row]
     if len(rows) > -(-(count + 1) // 8) or len(numbers) > count + 1:
-        raise card.error(f"it depends on temperature; write its {count} constants for one")
+        raise card.error("it depends on temperature; write its constants for one temperature")
     if len(numbers) < count:
         raise card.error(f"it has {len(numbers)} of its {count} constants")
     return numbers[:count]

@@ -109,7 +109,8 @@ class Keyword:
         """Refuse an option that is not known: it may change the mesh."""
         for name in self.options:
             if name not in known:
-                raise self.error(f"the option {name} is not supported")
+                why = "; is there a comma too many?" if name.isdigit() else ""
+                raise self.error(f"the option {name} is not supported{why}")
 
     def integers(self, row: int, texts: Collection[str]) -> list[int]:
         """Return integers of a data line; the row is the line's number, for errors."""

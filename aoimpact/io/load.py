@@ -98,6 +98,7 @@ def _reader(suffix: str, head: bytes) -> _Reader:
         return abaqus.read
     if suffix.startswith(".msh"):
         return gmsh.read
-    if suffix not in _READERS and is_nastran(head):
+    foreign = suffix not in _READERS or (suffix == ".inp" and head.lstrip()[:1] != b"*")
+    if foreign and is_nastran(head):
         return nastran.read
     return _READERS.get(suffix, viameshio.read)

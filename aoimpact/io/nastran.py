@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, MeshError, warn
@@ -52,14 +51,13 @@ _ELEMENTS = {
     ("CBEAM3",): ("line", "line3"),
 }
 
-# Fields of elements: those of solids are number, property and nodes. One entry may have two rods.
+# Fields of elements: those of solids are number, property and nodes.
 _FIELDS = {
     **dict.fromkeys(("CTRIA3", "CTRIAR"), 13),
     **dict.fromkeys(("CQUAD4", "CQUADR", "CTRIA6"), 14),
     **{"CQUAD8": 17, "CSHEAR": 6, "CBAR": 16, "CBEAM": 18, "CBEAM3": 23},
     **dict.fromkeys(("CBEND", "CROD", "CTUBE", "CONROD"), 8),
 }
-_SOLIDS = {"tetra", "hexahedron", "wedge", "pyramid"}
 _READ = {name for names in _ELEMENTS for name in names} | {
     *("GRID", "SET", "SET1", "SET3"),
     *(f"CORD{i}{kind}" for i in "12" for kind in "RCS"),
@@ -227,7 +225,7 @@ def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
     """
     grids = Grids.of(read_deck(file)[1])
     nodes = grids.coordinates()
-    for system, own in grids.by_system(np.maximum(grids.output_systems, 0)):
+    for system, own in grids.by_system(np.maximum(grids.output_systems, 0), grids.table):
         turned = np.abs(system.directions(nodes[own]) - np.eye(3)).max(axis=(1, 2)) > _TURNED
         for row in own[turned][:1].tolist():
             raise grids.table.refused(
@@ -259,9 +257,6 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
     corners, most = nodes_in(kinds[0]), nodes_in(kinds[-1])
     table = bulk.table(**{name: _FIELDS.get(name, 2 + most) for name in names})
     first = 1 if names == ("CONROD",) else 2  # rods without a property
-    rods = joined(bulk.names[name] for name in {"CROD", "CTUBE"} & {*names} & bulk.names.keys())
-    if len(rods):
-        table = _one_each(table, np.isin(table.first, rods))
     quadratic = np.any(~table.blank[:, first + corners : first + most], axis=1)
     for kind, own in zip(kinds, (~quadratic, quadratic), strict=False):
         if not own.any():
@@ -279,16 +274,6 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
             raise part.refused(row, f"node {numbers[row, column]} is not there")
         cells = rows[:, UPRIGHT_FIRST.get(kind, slice(None))]
         yield Entries(part, RawBlock(kind, cells, labels), properties, kinds[-1])
-
-
-def _one_each(table: Table, rods: npt.NDArray[np.bool_]) -> Table:
-    """Return a table with rods one by one, of which an entry may have two."""
-    fields, second = table.fields.copy(), np.zeros_like(table.fields)
-    second[:, :4] = fields[:, 4:8]
-    fields[rods, 4:8] = b""
-    rods &= np.any(~table.blank[:, 4:8], axis=1)
-    first = np.concatenate([table.first, table.first[rods]])
-    return Table(table.lines, first, np.concatenate([fields, second[rods]]), table.width)
 
 
 def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[str, IntArray]:
@@ -466,16 +451,16 @@ class Grids:
         own = (labels[kept], systems[0][kept], systems[1][kept], x[kept])
         return cls(table.select(kept), *own, _definitions(bulk))
 
-    def by_system(self, systems: IntArray) -> Iterator[tuple[Axes, IntArray]]:
-        """Yield each system that nodes have by its label, and their rows."""
+    def by_system(self, systems: IntArray, of: Table) -> Iterator[tuple[Axes, IntArray]]:
+        """Yield each system that entries have by its label, and their rows."""
         for label in np.unique(systems).tolist():
             own = np.flatnonzero(systems == label)
-            yield self.axes(label, partial(self.table.refused, int(own[0]))), own
+            yield self.axes(label, partial(of.refused, int(own[0]))), own
 
     def coordinates(self) -> FloatArray:
         """Return basic coordinates of all nodes, shape (n, 3)."""
         x = self.x.copy()
-        for system, own in self.by_system(self.systems):
+        for system, own in self.by_system(self.systems, self.table):
             x[own] = system.basic(self.x[own])
         return x
 
@@ -522,10 +507,8 @@ def _definitions(bulk: BulkData) -> dict[int, _Definition]:
 
     for kind in "RCS":
         table = bulk.table(**{f"CORD1{kind}": 8})
-        for row, (label, *nodes) in enumerate(table.integers(0, 8).tolist()):
-            add(table, row, label, kind, nodes[:3], 0, [])
-            if not table.blank[row, 4:].all():  # an entry may define two
-                add(table, row, nodes[3], kind, nodes[4:], 0, [])
+        for row, (label, *nodes) in enumerate(table.integers(0, 4).tolist()):
+            add(table, row, label, kind, nodes, 0, [])
         table = bulk.table(**{f"CORD2{kind}": 11})
         labels, points = table.integers(0, 2).tolist(), table.reals(2, 9).tolist()
         for row, (label, reference) in enumerate(labels):
@@ -629,7 +612,7 @@ class Reader:
 
     source: Source
     deck: NastranDeck
-    _made: dict[int, Solid] = field(default_factory=dict)
+    _made: dict[tuple[int, bool], Solid] = field(default_factory=dict)
 
     def cards(self, cards: Iterable[Card]) -> dict[int, Card]:
         """Return entries by their numbers."""
@@ -710,22 +693,25 @@ class Reader:
         if not label.isdigit() or int(label) not in self.materials:
             why = f"material {label!r} is none of {', '.join(_MATERIALS)}"
             raise card.error(f"{why}; give it by read_sections(given=)")
-        own = self.materials[int(label)]
-        if int(label) not in self._made:
+        own, bar = self.materials[int(label)], _DIMENSIONS[1].fullmatch(card.name) is not None
+        at = int(label), bar
+        if at not in self._made:
             for entry in ("MATT1", "MATT8", "MATT11"):
                 if int(label) in self.cards(self.deck.bulk.cards(entry)):
                     raise own.error(f"it depends on temperature by {entry}, which is not supported")
             if int(label) in self.cards(self.deck.bulk.cards("MATS1")):
                 self.source.left_out.append(f"material {label} is elastic, without its MATS1")
-            make, at, damping = _MATERIALS[own.name]
+            make, density, damping = _MATERIALS[own.name]
             if own.real(damping, "GE", 0.0):
                 self.source.left_out.append(f"material {label} has no damping, GE is left out")
-            if not (rho := own.real(at, "RHO", 0.0) * self.weight):
+            if not (rho := own.real(density, "RHO", 0.0) * self.weight):
                 cure = f"give read_sections(given={{'material {label}': Material(...)}})"
                 raise own.error(f"RHO is 0 or blank; write it, or {cure}")
+            if bar and own.name == "MAT1" and own.text(1) and own.real(2, "G", 0.0):
+                own = replace(own, fields=[*own.fields[:3], "", *own.fields[4:]])  # whatever NU is
             with refusing(own.error):
-                self._made[int(label)] = make(self.source, own, rho)
-        return self._made[int(label)]
+                self._made[at] = make(self.source, own, rho)
+        return self._made[at]
 
     # ------------------------------------------------------------ fields of elements
 
@@ -790,12 +776,10 @@ class Reader:
         table.refuse_first(by_node & (third < 0), "its node G0 is not there")
         vectors = nodes[third] - nodes[rows]
         vectors[~by_node] = table.select(~by_node).reals(4, 3)
-        systems = np.where(by_node | (frames == b"B"), 0, grids.output_systems[rows])
-        for label in np.unique(systems[systems > 0]).tolist():  # X1 to X3 are in that of GA
-            own = np.flatnonzero(systems == label)
-            axes = grids.axes(label, partial(table.refused, int(own[0]))).directions(
-                nodes[rows[own]]
-            )
+        basic = by_node | (frames == b"B") | (grids.output_systems[rows] < 0)
+        systems = np.where(basic, 0, grids.output_systems[rows])
+        for system, own in grids.by_system(systems, table):  # X1 to X3 are in that of GA
+            axes = system.directions(nodes[rows[own]])
             vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
         return vectors, ends[:, :3] * self.source.length
 
@@ -932,10 +916,11 @@ def _isotropic(source: Source, card: Card, rho: float) -> Material:
         nu = 0.5 * E / G - 1.0
     elif not card.text(1):
         E = 2.0 * G * (1.0 + nu)
-    elif G and abs(G - 0.5 * E / (1.0 + nu)) > _ISOTROPIC * G:
-        raise card.error(
-            f"G={G:g} is not E/(2 (1 + NU)) = {0.5 * E / (1.0 + nu):g}; leave NU blank for bars, "
-            "and G for shells and solids"
+    elif G and abs(G - (isotropic := 0.5 * E / (1.0 + nu))) > _ISOTROPIC * G:
+        if float(f"{isotropic:.1e}") != G:  # to two digits
+            raise card.error(f"G={G:g} is not E/(2 (1 + NU)) = {isotropic:g}; leave G blank")
+        source.left_out.append(
+            f"material {card.text(0)} has G={isotropic:g} by E and NU, not {G:g}"
         )
     return source.isotropic(E, nu, rho)
 

@@ -49,6 +49,9 @@ _INTEGER = re.compile(rb"[-+]?\d{1,18}")
 # Entries with defaults for the blank fields of others.
 _DEFAULTS = {"GRID": "GRDSET", "CBAR": "BAROR", "CBEAM": "BEAMOR"}
 
+# Entries of four fields, of which one may have two.
+_PAIRS = {"CROD", "CTUBE", "CORD1R", "CORD1C", "CORD1S"}
+
 # First characters of INCLUDE and ENDDATA, and of BEGIN and CEND.
 _STOPS, _SECTIONS = frozenset((b"I", b"E", b" ")), frozenset((b"B", b"C", b" "))
 
@@ -358,7 +361,8 @@ class BulkData:
     def table(self, **widths: int) -> Table:
         """Return the entries of some names, which have so many data fields at most.
 
-        Blank fields have the values of GRDSET, BAROR and BEAMOR.
+        Blank fields have the values of GRDSET, BAROR and BEAMOR. Two rods or systems in one entry
+        are two, the second ones at the end.
         """
         found = [(self.names[name], most) for name, most in widths.items() if name in self.names]
         first = joined(own for own, _ in found)
@@ -375,19 +379,19 @@ class BulkData:
         table = Table(self.lines, first, fields.reshape(len(first), longest), width)
         surplus |= np.any(~table.blank & (np.arange(width) >= most[:, None]), axis=1)
         table.refuse_first(surplus, "it has more fields than entries of this kind")
-        for name in _DEFAULTS.keys() & widths.keys() & self.names.keys():
-            if _DEFAULTS[name] in self.names:
-                table = self._with_defaults(table, name, self.table(**{_DEFAULTS[name]: 8}))
-        return table
+        for name, entry in _DEFAULTS.items():
+            if name in widths and {name, entry} <= self.names.keys():
+                table = self._with_defaults(table, name, self.table(**{entry: 8}))
+        own = [self.names[name] for name in widths if name in _PAIRS and name in self.names]
+        return table.singly(np.isin(first, joined(own))) if own else table
 
     def _with_defaults(self, table: Table, name: str, given: Table) -> Table:
         """Return a table with the fields of an entry where those of one name are blank."""
         given.refuse_first(np.arange(len(given)) > 0, "another one is there")
         blank = table.blank[:, :8] & np.isin(table.first, self.names[name])[:, None]
         if name != "GRID":  # an integer X1 is the node G0, without X2 and X3
-            blank[:, 5:7] &= (table.blank[:, 4] | (np.char.count(table.fields[:, 4], b".") > 0))[
-                :, None
-            ]
+            real = table.blank[:, 4] | (np.char.count(table.fields[:, 4], b".") > 0)
+            blank[:, 5:7] &= real[:, None]
         fields = table.fields.astype(np.promote_types(table.fields.dtype, given.fields.dtype))
         fields[:, :8] = np.where(blank, given.fields[0, :8], fields[:, :8])
         return Table(table.lines, table.first, fields, table.width)
@@ -466,6 +470,13 @@ class Table:
     def select(self, rows: IntArray | npt.NDArray[np.bool_]) -> Table:
         """Return some of the entries."""
         return Table(self.lines, self.first[rows], self.fields[rows], self.width)
+
+    def singly(self, pairs: npt.NDArray[np.bool_]) -> Table:
+        """Return a table in which entries of twice four fields, where `pairs` are, are two."""
+        second = pairs & ~self.blank[:, 4:8].all(axis=1)
+        fields = np.concatenate([self.fields, np.roll(self.fields[second], -4, axis=1)])
+        fields[np.append(pairs, second[second]), 4:] = b""
+        return Table(self.lines, np.append(self.first, self.first[second]), fields, self.width)
 
     def refused(self, row: int, why: str) -> MeshError:
         """Return the error for an entry."""

@@ -280,8 +280,8 @@ def _warn_of_sections(raw: RawMesh, body: list[Solids], named: bool) -> None:
         groups = [name for name, own in raw.cell_sets.items() if lines[own].any()]
         of = f" of {', '.join(map(repr, groups))}" if groups else ""
         warn(
-            f"{count} line elements{of} beside the shells are not part of the body, since no Beam "
-            "is given for their group; give one, or leave it so if they carry nothing"
+            f"{count} line elements{of} are not part of the body, since no Beam is given for their "
+            "group; give one, or leave it so if they carry nothing"
         )
 
 
@@ -325,10 +325,11 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
     """
     dims, parts = raw.dims, []
     chosen = dims == dims.max(initial=0)
-    for name in named:
-        if found := called(name, raw.cell_sets):
-            members = raw.cell_sets[found]
-            chosen[members[dims[members] == dims[members].max(initial=0)]] = True
+    groups = [raw.cell_sets[found] for name in named if (found := called(name, raw.cell_sets))]
+    if groups and raw.deck is not None and dims.max() == 1:  # beside bars there may be rods
+        chosen[:] = False
+    for members in groups:
+        chosen[members[dims[members] == dims[members].max(initial=0)]] = True
     for block, numbers in zip(raw.blocks, raw.numbers, strict=True):
         own = chosen[numbers]
         if block.dim and own.any():  # empty blocks may have any shape

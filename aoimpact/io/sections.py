@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any, get_args
 
@@ -164,7 +164,13 @@ class Source:
             ky, kz = (1.0 / k if k else math.inf for k in np.diag(axes @ of.compliance @ axes.T))
             centre, points = axes @ of.centre, (of.points @ axes.T).tolist()
             of = BeamSection(of.area, Iy, Iz, of.J, (ky, kz), points)
-        orientation = common(z, x)
+        try:
+            orientation = common(z, x)
+        except InputError:
+            with suppress(InputError):  # a round section on its nodes has no axes
+                if not np.any(to):
+                    return Beam(of, material, None, (centre[0], centre[1]))
+            raise
         z = across(np.array(orientation), x)
         places = np.sum(np.array([x, np.cross(z, x), z]) * to, axis=-1).T
         if np.abs(places - [0.0, *places[0, 1:]]).max() > _SAME * np.abs(to).max():

@@ -157,6 +157,8 @@ def test_comments_and_blank_lines_lose_no_elements(tmp_path: Path) -> None:
         NODES + BRICK + "*SOLID SECTION, ELSET=BAR, MATERIAL=S\n*MATERIAL, NAME=S\n*ELASTIC\n1,2\n",
         NODES + BRICK + "*STEP\n*STATIC\n*BOUNDARY,\n1,1,1,\n*NODE PRINT\nU\n*END STEP\n",
         NODES + LINES[0] + BRICK,  # the same node again
+        "*\n" + NODES + BRICK + "*NSET,NSET=S,FREQUENCY=9\n1,2\n",  # which CalculiX takes, too
+        NODES + BRICK + "*END ASSEMBLY\n*END\n",
     ],
 )
 def test_a_brick_is_read_however_it_is_written(tmp_path: Path, deck: str | bytes) -> None:
@@ -467,6 +469,11 @@ def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
         (assembly("*INSTANCE,NAME=I,PART=BAR,LIBRARY=x\n"), "option LIBRARY is not supported"),
         (assembly("*INSTANCE,NAME=I,PART=BAR\n0,0,0\n1,1,1,1,1,1,90\n*END INSTANCE\n"), "axis"),
         (NODES + BRICK + "*END PART\n", r"it ends no \*PART"),
+        (NODES + BRICK + "*\n9,1,0,0\n", r"line 12, \*: it is not known"),
+        (NODES + BRICK + "*NSET,NSET=S,\n1,2\n", r"line 12, \*NSET: the option 1 .*comma"),
+        (NODES + "*ELEMENT,TYPE=B32\n1,1,2\n", "must have 3 nodes"),
+        (PART.replace("*End Part\n", "*INSTANCE,NAME=I,PART=BAR\n*END INSTANCE\n*End Part\n"),
+         r"\*INSTANCE: it stands within \*PART"),
     ],
 )  # fmt: skip
 def test_what_is_not_understood_is_refused_by_line_and_keyword(

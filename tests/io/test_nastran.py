@@ -134,7 +134,9 @@ def test_a_mesh_may_be_written_in_many_ways(text: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-8-sig", "utf-16"])
-@pytest.mark.parametrize("name", ["deck.nas", "deck.dat", "deck.fem", "deck.blk", "DECK.BDF"])
+@pytest.mark.parametrize(
+    "name", ["deck.nas", "deck.inp", "deck.dat", "deck.fem", "deck.blk", "DECK.BDF"]
+)
 def test_a_deck_is_known_by_its_content(name: str, encoding: str, tmp_path: Path) -> None:
     assert_two_bricks(read(tmp_path, "$ Größe in Metern\n" + PLAIN, name, encoding))
 

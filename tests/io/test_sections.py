@@ -538,3 +538,41 @@ def test_blank_fields_of_bars_are_those_of_their_defaults(
         found.append(ao.read_sections(tmp_path / "a.bdf"))
     assert list(found[1]) == ["property 9"]
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize(
+    "card",
+    ["PBAR,7,1,1.E-4,1.E-9,1.E-9,2.E-9", "PBARL,7,1,,ROD\n,.01", "PBARL,7,1,,TUBE\n,.01,.009"],
+)
+def test_a_round_bar_may_be_turned_as_it_likes(card: str, tmp_path: Path) -> None:
+    """One of several directions has the stiffness of one that is across both bars."""
+    nodes = "BEGIN BULK\nGRID,1\nGRID,2,,1.\nGRID,3,,1.,1.\nCBAR,1,7,1,2,0.,0.,1.\n"
+    bodies = []
+    for vector in ("0.,0.,1.", "1.,0.,.5"):
+        path = tmp_path / "a.bdf"
+        path.write_text(f"{nodes}CBAR,2,7,2,3,{vector}\n{card}\n{MAT1}\n")
+        bodies.append(ao.FEModel.from_mesh(path, ao.read_sections(path)))
+    K, turned = (body.K.toarray() for body in bodies)
+    assert turned == pytest.approx(K, rel=1e-12, abs=1e-12 * K.max())
+
+
+def test_bars_take_G_as_it_is_and_solids_as_it_was_rounded(tmp_path: Path) -> None:
+    of = "MAT1,1,7.+10,{},.33,2700.".format
+    path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,1,.001,1", of("2.6+10")])
+    with pytest.warns(ao.AOImpactWarning, match="by E and NU"):
+        assert read(path).material == ao.Material(7e10, 0.33, 2700)
+    nastran(path, SHEET, ["PSHELL,7,1,.001,1", of("2.7+10")])
+    with pytest.raises(ao.MeshError, match="MAT1"):
+        ao.read_sections(path)
+    nastran(path, line(), ["PBARL,7,1,,ROD\n,.01", of("2.9+10")], ",0.,0.,1.")
+    assert read(path).material.shear_modulus == pytest.approx(2.9e10, rel=1e-12)
+
+
+def test_rods_beside_bars_are_left_out_aloud(tmp_path: Path) -> None:
+    more = ["PBARL,7,1,,ROD\n,.01", MAT1, "GRID,99,,,1.", "CROD,99,8,1,99", "PROD,8,1,.1"]
+    path = nastran(tmp_path / "a.bdf", line(), more, ",0.,0.,1.")
+    with pytest.warns(ao.AOImpactWarning, match="PROD, which carries no bending"):
+        sections = ao.read_sections(path)
+    with pytest.warns(ao.AOImpactWarning, match="1 line elements of 'property 8' are not part"):
+        body = ao.FEModel.from_mesh(path, sections)
+    assert body.mass == pytest.approx(7800 * np.pi * 1e-4, rel=1e-12)

@@ -237,7 +237,7 @@ def test_sections_of_decks_are_named_unless_the_groups_are(
     first, second = (str(each.message) for each in caught)
     assert re.search(said, first)
     assert "read_sections(path)" in first
-    assert f"2 line elements of {rib!r} beside the shells" in second
+    assert f"2 line elements of {rib!r} are not part of the body" in second
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ao.FEModel.from_mesh(path, {skin: SHEET, rib: RIB})
