@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any
 
 from ..base import InputError, nearest, text
@@ -130,6 +130,10 @@ class ErrorParts:
     time: float | None = None
 
     @property
+    def _sources(self) -> dict[str, float | None]:
+        return {"mesh": self.mesh, "contact": self.contact, "model": self.model, "time": self.time}
+
+    @property
     def total(self) -> float:
         """Sum of the parts; NaN where one of them is not known, `least` being the others' sum.
 
@@ -141,12 +145,12 @@ class ErrorParts:
     @property
     def least(self) -> float:
         """Sum of the parts that are known."""
-        return sum(getattr(self, one.name) or 0.0 for one in fields(self))
+        return sum(part or 0.0 for part in self._sources.values())
 
     @property
     def unknown(self) -> tuple[str, ...]:
         """Names of the parts that are not known."""
-        return tuple(one.name for one in fields(self) if getattr(self, one.name) is None)
+        return tuple(name for name, part in self._sources.items() if part is None)
 
     def listed(self) -> str:
         """Return the parts in percent, in words.
@@ -155,8 +159,8 @@ class ErrorParts:
         """
         *others, last = self.unknown or ("",)
         missing = f"{', '.join(others)}{' and ' if others else ''}{last} not known"
-        known = [one.name for one in fields(self) if one.name not in self.unknown]
-        parts = [f"{name} {percent(getattr(self, name))}" for name in known]
+        known = {name: part for name, part in self._sources.items() if part is not None}
+        parts = [f"{name} {percent(part)}" for name, part in known.items()]
         return ", ".join([missing, *parts] if last else parts)
 
     def bound(self) -> str:
@@ -173,7 +177,7 @@ class ErrorParts:
 
 
 @dataclass(frozen=True, repr=False)
-class ErrorEstimate:
+class ErrorEstimate(ErrorParts):
     """Errors of a run: ``error["restitution"].total`` of any number that the summary prints.
 
     ``error.mesh``, ``.contact``, ``.model``, ``.time`` and ``.total`` are those of the quantity of
@@ -207,7 +211,7 @@ class ErrorEstimate:
     True
     """
 
-    parts: Mapping[str, ErrorParts] = field(hash=False)
+    parts: Mapping[str, ErrorParts] = field(default_factory=dict, hash=False)
     energy: float | None = None
     quantity: str | None = None
     rtol: float | None = None
@@ -221,46 +225,14 @@ class ErrorEstimate:
     def __iter__(self) -> Iterator[str]:
         return iter(self.parts)
 
-    @property
-    def _of_interest(self) -> ErrorParts:
-        return self.parts[self.quantity or "force"]
-
-    @property
-    def mesh(self) -> float | None:
-        """Error from the finite elements; see `ErrorParts`."""
-        return self._of_interest.mesh
-
-    @property
-    def contact(self) -> float | None:
-        """Error from the contact; see `ErrorParts`."""
-        return self._of_interest.contact
-
-    @property
-    def model(self) -> float | None:
-        """Error from the reduced models; see `ErrorParts`."""
-        return self._of_interest.model
-
-    @property
-    def time(self) -> float | None:
-        """Error from the integration in time; see `ErrorParts`."""
-        return self._of_interest.time
-
-    @property
-    def least(self) -> float:
-        """Sum of the parts that are known; see `ErrorParts`."""
-        return self._of_interest.least
-
-    @property
-    def total(self) -> float:
-        """Sum of the parts, NaN where one is not known; see `ErrorParts`."""
-        return self._of_interest.total
-
     def __repr__(self) -> str:
         energy = "None" if self.energy is None else f"{self.energy:.3g}"
         return (
-            f"ErrorEstimate({self.quantity or 'force'}: {self._of_interest}, energy={energy}); "
-            "error[name] of each other number"
+            f"ErrorEstimate({self.quantity or 'force'}: {self.bound()} ({self.listed()}), "
+            f"energy={energy}); error[name] of each other number"
         )
+
+    __str__ = __repr__
 
 
 def percent(share: float | None) -> str:

@@ -192,20 +192,7 @@ class Quantity:
             size = np.abs(right)
         scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
         before = np.array(exact.plan.velocities)
-        return _relative(mine - right, self._at_least(scales, before)).ravel()
-
-    def relative_changes(
-        self, ours: FloatArray, theirs: FloatArray, before: FloatArray
-    ) -> FloatArray:
-        """Return by how much numbers differ from more exact ones, of a run or of many impacts.
-
-        Parameters
-        ----------
-        ours, theirs : ndarrays, shape (k,)
-        before : ndarray, shape (bodies,) or (bodies, k)
-            As `Speeds.before`.
-        """
-        return np.abs(_relative(ours - theirs, self._at_least(np.abs(theirs), before)))
+        return _relative(mine - right, self.at_least(scales, before)).ravel()
 
     def span(self, run: Run) -> float:
         """Return the time, s, over which the motion affects this quantity.
@@ -261,7 +248,8 @@ class Quantity:
             run.compared[self.name] = values if run.plan.scene else values[:1]
         return run.compared[self.name]
 
-    def _at_least(self, scales: FloatArray, before: FloatArray) -> FloatArray:
+    def at_least(self, scales: FloatArray, before: FloatArray) -> FloatArray:
+        """Return scales of relative errors, none below the `least` of these velocities, m/s."""
         return scales if self.least is None else np.maximum(scales, self.least(before))
 
 
@@ -347,9 +335,11 @@ def number_errors(
         owner = f"{quantity.each}.{at}" if scene and quantity.each else ""
         if at >= len(values) or each != owner:
             raise KeyError(name)
-        ours = quantity.compared(run)
-        apart = (quantity.relative_changes(ours, quantity.compared(of), before) for of in larger)
-        most = np.max([np.zeros(len(ours)), *apart], axis=0)
+        ours, apart = quantity.compared(run), [np.zeros(len(values))]
+        for theirs in (quantity.compared(of) for of in larger):
+            scales = quantity.at_least(np.abs(theirs), before)
+            apart.append(np.abs(_relative(ours - theirs, scales)))
+        most = np.max(apart, axis=0)
         return math.nan if math.isnan(values[at]) else safety * float(most[at])
 
     return Found(lambda: ["force", *run.numbers, *counts], find, known)

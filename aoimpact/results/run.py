@@ -520,7 +520,10 @@ class Run:
             return ErrorParts(mesh, contact, models.get(name), self.time_error)
 
         found = Found(lambda: {**names, **models}, parts)
-        estimate = ErrorEstimate(found, energy, quantity, rtol, out.worst_time)
+        of = found[quantity or "force"]
+        estimate = ErrorEstimate(
+            of.mesh, of.contact, of.model, of.time, found, energy, quantity, rtol, out.worst_time
+        )
         warn_of_mesh(self, estimate)
         return estimate
 

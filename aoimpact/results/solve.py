@@ -10,8 +10,9 @@ from ..base import InputError, InputTypeError, LawLimitError, warn, with_unit
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import PatchLaw, wider
 from ..reduction import FullModel
-from ..scene import Contact, Plan
+from ..scene import Plan
 from .run import Result, Run
+from .validity import touched
 
 TimeSolver = Adaptive | Newmark
 
@@ -31,21 +32,23 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
     LawLimitError
         If a contact grows wider than its patches, or deeper than its table; with its number.
     """
+    damped = any(contact.law.depends_on_rate for contact in plan.contacts)
+    damped_friction = plan.oblique is not None and damped
     if solver is None:
         full = any(isinstance(body, FullModel) for body in plan.bodies)
         solver = _BY_DEFAULT if plan.oblique is None else _RUBBING
-        if full or (plan.oblique is not None and _damped(plan)):
+        if full or damped_friction:
             solver = Newmark()
     if not isinstance(solver, (Adaptive, Newmark)):
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
+    if isinstance(solver, Adaptive) and damped_friction:
+        raise InputError(
+            f"solver={solver!r} takes friction of elastic laws only, and a law is damped; "
+            "take Newmark(), or leave it out"
+        )
+    kind = Run if plan.scene else Result
     try:
-        kind = Run if plan.scene else Result
         if isinstance(solver, Adaptive):
-            if plan.oblique is not None and _damped(plan):
-                raise InputError(
-                    f"solver={solver!r} takes friction of elastic laws only, and a law is damped; "
-                    "take Newmark(), or leave it out"
-                )
             return kind(plan, *solve_adaptive(plan, solver))
         return kind(plan, *solve_newmark(plan, solver))
     except LawLimitError as error:
@@ -57,27 +60,15 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
         factor = wider(contact.law, plan.reduced_mass(contact), plan.fastest)
         if factor is None:
             raise
-        raise _too_narrow(error, plan, contact, factor) from None
-
-
-def _damped(plan: Plan) -> bool:
-    """True if a law depends on the rate."""
-    return any(contact.law.depends_on_rate for contact in plan.contacts)
-
-
-def _too_narrow(error: LawLimitError, plan: Plan, contact: Contact, factor: float) -> LawLimitError:
-    """The error of a contact that is stiffer than the meshes under it, with the cure."""
-    assert isinstance(contact.law, PatchLaw)
-    tips = [plan.bodies[body].touched_at(port) for body, port in contact.ports]
-    radii = [tip.patch.radius for tip in tips if tip is not None and tip.patch is not None]
-    cure = "leave radius out, so that a patch carries the contact"
-    if radii:
-        cure = f"give the contact points radius={factor * max(radii):.2g} m or more"
-    return LawLimitError(
-        f"{error.args[0].partition(': ')[0]}: the compliance of the mesh, "
-        f"{contact.law.compliance:.3g} m/N, leaves nothing of the law; {cure}",
-        error.contact,
-    )
+        radii = [tip.patch.radius for _, _, tip in touched(plan, contact) if tip.patch is not None]
+        cure = "leave radius out, so that a patch carries the contact"
+        if radii:
+            cure = f"give the contact points radius={factor * max(radii):.2g} m or more"
+        raise LawLimitError(
+            f"{error.args[0].partition(': ')[0]}: the compliance of the mesh, "
+            f"{contact.law.compliance:.3g} m/N, leaves nothing of the law; {cure}",
+            error.contact,
+        ) from None
 
 
 # Longest record in units of the first guess, for contacts that do not end, as under gravity.
