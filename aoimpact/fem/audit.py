@@ -13,6 +13,7 @@ import scipy
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, aligned, with_unit
+from ..mesh import motions_at
 
 # Mean densities of solids, kg/m³, over the box around them: from foam and rings to tungsten.
 _DENSITIES = 10.0, 25e3
@@ -25,9 +26,16 @@ _SPEEDS = 500.0, 20e3
 # for kilograms.
 _TYPICAL_SPEED = 5e3
 
-# Speeds over the typical one where millimetres were taken for metres, and the other way round:
-# about a thousand times the range of solids, and a thousandth of it.
-_MILLIMETRES, _METRES = (200.0, 1e4), (1e-4, 5e-3)
+# Likely causes of a speed, up to these multiples of the typical one: about a thousand times the
+# range of solids where millimetres were taken for metres, and a thousandth of it the other way.
+_SOFT = "of foam, soft rubber or much added mass; else, K in N/mm beside M in kg?"
+_CAUSES = {
+    1e-4: _SOFT,
+    5e-3: "coordinates in metres, and length=1e-3 given?",
+    1.0: _SOFT,
+    200.0: "of no solid; K in N/m beside M in tonnes, or not the files' unit of length?",
+    1e4: "coordinates in millimetres? Give length=1e-3 (with N and tonnes, mass=1e3)",
+}
 
 # Least thickness of the box around a body, of its largest extent: nodes may lie in a plane.
 _THINNEST = 1e-3
@@ -193,18 +201,16 @@ def _residuals(body: Any, axes: FloatArray | None) -> tuple[float, ...]:
     """‖K r‖ over ‖|K| |r|‖ of the rigid motions that are known."""
     if axes is None:
         return ()
-    motions = [axes[:, c] for c in range(3)]
+    motions = axes
     if body.nodes is not None:
-        at = body.nodes[_node(body)] - body.nodes.mean(axis=0)
-        motions += [np.sum(np.cross(turn, at) * axes, axis=1) for turn in np.eye(3)]
-        turned = body.free >= 3 * len(body.nodes)
-        for axis, motion in enumerate(motions[3:]):
-            motion[turned & (body.free % 3 == axis)] = 1.0
+        n = len(body.nodes)
+        moved = motions_at(body.nodes - body.nodes.mean(axis=0)).reshape(3 * n, 6)
+        motions = np.vstack([moved, np.tile(np.eye(3, 6, 3), (n, 1))])[body.free]
     size = abs(body.K)
-    forces = [float(np.linalg.norm(size @ np.abs(r))) for r in motions]
+    forces = [float(np.linalg.norm(size @ np.abs(r))) for r in motions.T]
     return tuple(
         float(np.linalg.norm(body.K @ r)) / force if force else 0.0
-        for r, force in zip(motions, forces, strict=True)
+        for r, force in zip(motions.T, forces, strict=True)
     )
 
 
@@ -261,34 +267,16 @@ def _doubts(density: float | None, speed: float | None) -> list[str]:
     """Signs of wrong units, and which would put it right."""
     said = []
     if speed is not None and not _SPEEDS[0] <= speed <= _SPEEDS[1]:
-        said.append(_doubt_of_speed(speed))
+        known = (of for most, of in _CAUSES.items() if speed <= most * _TYPICAL_SPEED)
+        cause = next(known, "are the units of length, K and M consistent?")
+        said.append(f"K and M have waves at {speed:.3g} m/s: {cause}")
     if density is not None and not _DENSITIES[0] <= density <= _DENSITIES[1]:
-        said.append(_doubt_of_density(density, speed))
-    return said
-
-
-def _doubt_of_speed(speed: float) -> str:
-    ratio = speed / _TYPICAL_SPEED
-    cause = "are the units of length, K and M consistent?"
-    if _MILLIMETRES[0] < ratio < _MILLIMETRES[1]:
-        cause = "coordinates in millimetres? Give length=1e-3 (with N and tonnes, mass=1e3)"
-    elif _METRES[0] < ratio < _METRES[1]:
-        cause = "coordinates in metres, and length=1e-3 given?"
-    elif ratio < 1.0:
-        cause = "of foam, soft rubber or much added mass; else, K in N/mm beside M in kg?"
-    elif ratio <= _MILLIMETRES[0]:
-        cause = "of no solid; K in N/m beside M in tonnes, or not the files' unit of length?"
-    return f"K and M have waves at {speed:.3g} m/s: {cause}"
-
-
-def _doubt_of_density(density: float, speed: float | None) -> str:
-    cause = "is M in kg, and are the coordinates in m?"
-    if speed is not None and speed > 100.0 * _TYPICAL_SPEED:
-        fitting = density * 1e9  # with millimetres
-        tonnes = " and mass=1e3" if fitting < 1e3 * _DENSITIES[0] else ""
-        cause = f"coordinates in millimetres? Give length=1e-3{tonnes}"
-    elif density < _DENSITIES[0]:
-        cause = "M in tonnes and K in N/mm? Give mass=1e3 (or is the body mostly air?)"
-    elif density > _DENSITIES[1]:
         cause = "M in grams, or coordinates in other units than metres?"
-    return f"mass over the box around the nodes is {density:.3g} kg/m³: {cause}"
+        if speed is not None and speed > 100.0 * _TYPICAL_SPEED:
+            fitting = density * 1e9  # with millimetres
+            tonnes = " and mass=1e3" if fitting < 1e3 * _DENSITIES[0] else ""
+            cause = f"coordinates in millimetres? Give length=1e-3{tonnes}"
+        elif density < _DENSITIES[0]:
+            cause = "M in tonnes and K in N/mm? Give mass=1e3 (or is the body mostly air?)"
+        said.append(f"mass over the box around the nodes is {density:.3g} kg/m³: {cause}")
+    return said

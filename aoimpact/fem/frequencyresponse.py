@@ -132,11 +132,11 @@ def frequency_response(
     mu, _ = _without_damping(body.damping, omega)
     direct = not isinstance(body.damping, ModalDamping)
     most = _FOR_EACH * len(hertz) if direct else body.n_dofs
-    modes = _Modes.up_to(body, math.sqrt(float(np.abs(mu).max())), most)
+    modes = _modes(body, math.sqrt(float(np.abs(mu).max())), most)
     if modes is None:
         values, error = _solved(body, b, c, omega)
     else:
-        values, error = modes.receptance(b, c, omega)
+        values, error = _by_modes(body, modes, b, c, omega)
     if not np.isfinite(values).all():
         at = hertz[~np.isfinite(values)][0]
         raise InputError(
@@ -149,7 +149,7 @@ def frequency_response(
         "accelerance": -(omega**2),
     }
     found = np.asarray(factor[of] * values, dtype=np.complex128)
-    taken = 0 if modes is None else len(modes.omega)
+    taken = 0 if modes is None else len(modes[0])
     return FrequencyResponse(hertz, found, np.abs(factor[of]) * error, of, taken)
 
 
@@ -197,93 +197,80 @@ def _functional(body: FEModel, name: str, point: Any) -> FloatArray:
     return point.b
 
 
-@dataclass(frozen=True, eq=False)
-class _Modes:
-    """The lowest modes of a body, none missed.
+def _modes(body: FEModel, highest: float, most: int) -> tuple[FloatArray, FloatArray, float] | None:
+    """Return the modes up to well above √|μ|, rad/s, so that the series in μ/ω² converges.
 
-    Attributes
-    ----------
-    body : FEModel
-    omega : ndarray, shape (m,)
-        rad/s.
-    shapes : ndarray, shape (n_dofs, m)
-    above : float
-        A frequency below which there is no other, rad/s; infinite where there is none.
+    Frequencies, rad/s, shapes, and a frequency below which there is no other mode.
+    None where these are more than `most`.
     """
+    beyond = _BEYOND_DAMPED if isinstance(body.damping, ModalDamping) else _BEYOND
+    dofs, rigid = body.n_dofs, body.rigid_modes
+    count = dofs if dofs <= _ALL else min(dofs, rigid.shape[1] + _FIRST)
+    while count == dofs or count <= max(most, rigid.shape[1] + _FIRST):
+        omega2, shapes = lowest(body.K, body.M, count, known=rigid, invert=body.inverse)
+        omega = np.sqrt(omega2)
+        if len(omega) < count or count == dofs:
+            return omega, shapes, math.inf
+        if omega[-1] > beyond * highest:
+            # The last one found is the first that is left out.
+            return omega[:-1], shapes[:, :-1], float(omega[-1])
+        count = dofs if 10 * count > dofs else 2 * count
+    return None
 
-    body: FEModel
-    omega: FloatArray
-    shapes: FloatArray
-    above: float
 
-    @classmethod
-    def up_to(cls, body: FEModel, highest: float, most: int) -> _Modes | None:
-        """Return the modes up to well above √|μ|, rad/s, so that the series in μ/ω² converges.
+def _by_modes(
+    body: FEModel,
+    modes: tuple[FloatArray, FloatArray, float],
+    b: FloatArray,
+    c: FloatArray,
+    omega: FloatArray,
+) -> tuple[npt.NDArray[np.complex128], FloatArray]:
+    """Return the receptance and its bound, m/N, each of shape (n,)."""
+    (natural, shapes, above), damping = modes, body.damping
+    moved = body.M @ shapes
 
-        None where these are more than `most`.
-        """
-        beyond = _BEYOND_DAMPED if isinstance(body.damping, ModalDamping) else _BEYOND
-        dofs, rigid = body.n_dofs, body.rigid_modes
-        count = dofs if dofs <= _ALL else min(dofs, rigid.shape[1] + _FIRST)
-        while count == dofs or count <= max(most, rigid.shape[1] + _FIRST):
-            omega2, shapes = lowest(body.K, body.M, count, known=rigid, invert=body.inverse)
-            omega = np.sqrt(omega2)
-            if len(omega) < count or count == dofs:
-                return cls(body, omega, shapes, math.inf)
-            if omega[-1] > beyond * highest:
-                # The last one found is the first that is left out.
-                return cls(body, omega[:-1], shapes[:, :-1], float(omega[-1]))
-            count = dofs if 10 * count > dofs else 2 * count
-        return None
-
-    def receptance(
-        self, b: FloatArray, c: FloatArray, omega: FloatArray
-    ) -> tuple[npt.NDArray[np.complex128], FloatArray]:
-        """Return the receptance and its bound, m/N, each of shape (n,)."""
-        damping: Damping | None = self.body.damping
-        product = self.shapes.T @ (self.body.M @ self.shapes)
-        eps = float(np.finfo(float).eps)
-        skew = float(np.linalg.norm(product - np.eye(len(product)))) + eps
-        sizes, row = np.abs(self.shapes), float(np.diff(self.body.K.indptr).max(initial=1))
-        rounding = math.sqrt(row) * eps * np.einsum("ij,ij->j", sizes, abs(self.body.K) @ sizes)
-        rounding[self.omega == 0.0] = 0.0
-        of_force, of_response = self.shapes.T @ b, self.shapes.T @ c
-        seen = of_force * of_response != 0.0  # others may be at resonance without damping
-        own, weight = self.omega[seen], (of_force * of_response)[seen]
-        decay = np.zeros_like(own) if damping is None else damping.decay(own)
-        squares = np.stack(
-            [np.abs(weight) * rounding[seen], of_force[seen] ** 2, of_response[seen] ** 2]
-        )
-        found, error = np.empty(len(omega), dtype=np.complex128), np.empty(len(omega))
-        for some in np.array_split(np.arange(len(omega)), 1 + len(omega) * len(own) // _AT_ONCE):
-            of = omega[some, None]
-            with np.errstate(divide="ignore", invalid="ignore"):  # at a resonance without damping
-                gain = 1.0 / (own**2 - of**2 + 2j * decay * of)
-                found[some] = gain @ weight
-                sharp, force, response = squares @ np.abs(gain.T) ** 2
-                error[some] = sharp + skew * of[:, 0] ** 2 * np.sqrt(force * response)
-        mu, stiffer = _without_damping(damping, omega)
-        ratio = np.abs(mu) / self.above**2
-        residual = self._static(b)
-        other = residual if c is b else self._static(c)
-        size = math.sqrt(abs(float(b @ residual)) * abs(float(c @ other)))
-        terms, largest = 1, float(ratio.max())
-        if largest > 0.0:
-            terms = max(1, math.ceil(math.log(_NEGLIGIBLE) / math.log(largest)))
-        power = np.ones_like(mu)
-        for _ in range(terms):
-            found = found + power * (c @ residual) / stiffer
-            residual, power = self._static(self.body.M @ residual), power * mu
-        error = error + size * ratio**terms / (1.0 - ratio)
-        if isinstance(damping, ModalDamping):
-            error = error + size * 2.0 * damping.ratio * np.sqrt(ratio) / (1.0 - ratio) ** 2
-        return found, error
-
-    def _static(self, load: FloatArray) -> FloatArray:
+    def static(load: FloatArray) -> FloatArray:
         """K⁻¹ of a load without the modes, shape (n_dofs,)."""
-        moved = self.body.M @ self.shapes
-        rest = load - moved @ (self.shapes.T @ load)
+        rest = load - moved @ (shapes.T @ load)
         if not np.abs(rest).max(initial=0.0) > 1e-12 * np.abs(load).max(initial=0.0):
             return np.zeros_like(load)
-        found = displacement(self.body, rest, self.body.inverse)
-        return np.asarray(found - self.shapes @ (moved.T @ found))
+        found = displacement(body, rest, body.inverse)
+        return np.asarray(found - shapes @ (moved.T @ found))
+
+    product = shapes.T @ moved
+    eps = float(np.finfo(float).eps)
+    skew = float(np.linalg.norm(product - np.eye(len(product)))) + eps
+    sizes, row = np.abs(shapes), float(np.diff(body.K.indptr).max(initial=1))
+    rounding = math.sqrt(row) * eps * np.einsum("ij,ij->j", sizes, abs(body.K) @ sizes)
+    rounding[natural == 0.0] = 0.0
+    of_force, of_response = shapes.T @ b, shapes.T @ c
+    seen = of_force * of_response != 0.0  # others may be at resonance without damping
+    own, weight = natural[seen], (of_force * of_response)[seen]
+    decay = np.zeros_like(own) if damping is None else damping.decay(own)
+    squares = np.stack(
+        [np.abs(weight) * rounding[seen], of_force[seen] ** 2, of_response[seen] ** 2]
+    )
+    found, error = np.empty(len(omega), dtype=np.complex128), np.empty(len(omega))
+    for some in np.array_split(np.arange(len(omega)), 1 + len(omega) * len(own) // _AT_ONCE):
+        of = omega[some, None]
+        with np.errstate(divide="ignore", invalid="ignore"):  # at a resonance without damping
+            gain = 1.0 / (own**2 - of**2 + 2j * decay * of)
+            found[some] = gain @ weight
+            sharp, force, response = squares @ np.abs(gain.T) ** 2
+            error[some] = sharp + skew * of[:, 0] ** 2 * np.sqrt(force * response)
+    mu, stiffer = _without_damping(damping, omega)
+    ratio = np.abs(mu) / above**2
+    residual = static(b)
+    other = residual if c is b else static(c)
+    size = math.sqrt(abs(float(b @ residual)) * abs(float(c @ other)))
+    terms, largest = 1, float(ratio.max())
+    if largest > 0.0:
+        terms = max(1, math.ceil(math.log(_NEGLIGIBLE) / math.log(largest)))
+    power = np.ones_like(mu)
+    for _ in range(terms):
+        found = found + power * (c @ residual) / stiffer
+        residual, power = static(body.M @ residual), power * mu
+    error = error + size * ratio**terms / (1.0 - ratio)
+    if isinstance(damping, ModalDamping):
+        error = error + size * 2.0 * damping.ratio * np.sqrt(ratio) / (1.0 - ratio) ** 2
+    return found, error

@@ -50,7 +50,8 @@ class Mechanism:
     """
 
     motions: FloatArray
-    _joints: _Joints | None = None
+    _parts: _Parts | None = None
+    _turns: FloatArray | None = None  # of the parts, (n_parts, 3, m)
 
     def moved_by(self, b: FloatArray) -> bool:
         """True if a force along b, shape (n_dofs,), moves the parts against each other."""
@@ -59,9 +60,23 @@ class Mechanism:
 
     def where(self, b: FloatArray) -> str:
         """Name the joint that a force along b turns most, and what hangs on it, if it is known."""
-        if self._joints is None:
+        parts = self._parts
+        if parts is None or self._turns is None:
             return "see body.mechanism.motions"
-        return self._joints.most_turned(b @ self.motions)
+        turn = self._turns @ (b @ self.motions)
+        apart = np.linalg.norm(turn[parts.one] - turn[parts.other], axis=1)
+        pair = [int(side[apart.argmax()]) for side in (parts.one, parts.other)]
+        sizes = np.bincount(parts.part)
+        small, large = sorted(pair, key=sizes.__getitem__)
+        first = int(np.flatnonzero(parts.part == small)[0])
+        here = np.isin(parts.one, pair) & np.isin(parts.other, pair)
+        nodes = np.unique(parts.joint[here])
+        place = ", ".join(f"{x:.4g}" for x in parts.surface.mesh.nodes[nodes[0]])
+        shared = f"node {nodes[0]}" if len(nodes) == 1 else f"{len(nodes)} nodes on a line"
+        return (
+            f"{sizes[small]} of {len(parts.part)} elements, the first is element {first}, share no "
+            f"side with the others, but {shared} near ({place}) m with {sizes[large]} of them"
+        )
 
 
 def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
@@ -120,7 +135,7 @@ def mechanism_of(
     size, y = np.linalg.eigh(motions.T @ (M @ motions))
     y = y[:, -count:] / np.sqrt(size[-count:])
     turns = unresisted.reshape(-1, 6, unresisted.shape[1])[:, 3:] / parts.size[:, None, None]
-    return Mechanism(motions @ y, _Joints(turns @ y, parts))
+    return Mechanism(motions @ y, parts, turns @ y)
 
 
 def _null_space(gram: sp.csr_array) -> FloatArray:
@@ -166,32 +181,6 @@ def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mecha
     if np.linalg.norm(K @ motion) > _NO_FORCE * np.linalg.norm(abs(K) @ np.abs(motion)):
         return None
     return Mechanism((motion / np.sqrt(motion @ (M @ motion)))[:, None])
-
-
-@dataclass(frozen=True, eq=False)
-class _Joints:
-    """How the parts of a mesh turn in the motions of a mechanism: turns, shape (n_parts, 3, m)."""
-
-    turns: FloatArray
-    parts: _Parts
-
-    def most_turned(self, amounts: FloatArray) -> str:
-        """Name the joint that so much of each motion, shape (m,), turns most."""
-        parts = self.parts
-        turn = self.turns @ amounts
-        apart = np.linalg.norm(turn[parts.one] - turn[parts.other], axis=1)
-        pair = [int(side[apart.argmax()]) for side in (parts.one, parts.other)]
-        sizes = np.bincount(parts.part)
-        small, large = sorted(pair, key=sizes.__getitem__)
-        first = int(np.flatnonzero(parts.part == small)[0])
-        here = np.isin(parts.one, pair) & np.isin(parts.other, pair)
-        nodes = np.unique(parts.joint[here])
-        place = ", ".join(f"{x:.4g}" for x in parts.surface.mesh.nodes[nodes[0]])
-        shared = f"node {nodes[0]}" if len(nodes) == 1 else f"{len(nodes)} nodes on a line"
-        return (
-            f"{sizes[small]} of {len(parts.part)} elements, the first is element {first}, share no "
-            f"side with the others, but {shared} near ({place}) m with {sizes[large]} of them"
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,10 +245,9 @@ class _Parts:
 
     def field(self, combinations: FloatArray) -> FloatArray:
         """Return the nodes' motions, shape (3 n_nodes, m), of the parts' (6 n_parts, m)."""
-        each = combinations.reshape(-1, 6, combinations.shape[1])[self.owner]
-        return (self._at(np.arange(len(self.owner)), self.owner) @ each).reshape(
-            -1, combinations.shape[1]
-        )
+        count = combinations.shape[1]
+        each = combinations.reshape(-1, 6, count)[self.owner]
+        return (self._at(np.arange(len(self.owner)), self.owner) @ each).reshape(-1, count)
 
     def _at(self, node: IntArray, part: IntArray) -> FloatArray:
         """The motions of parts at nodes, shape (n, 3, 6)."""
