@@ -10,26 +10,8 @@ from .attached import RigidMass
 from .audit import Audit, audited
 from .beams import Beam, BeamSection, CircularSection, RectangularSection, TubularSection
 from .compliance import ContactCompliance
-from .composition import (
-    AnyMaterial,
-    Layout,
-    Materials,
-    OneMaterial,
-    Piece,
-    each_of,
-    layout,
-    materials_of,
-    pieces,
-    thickness_of_cells,
-    thin_groups,
-)
-from .contact import (
-    PATCH_OVER_CONTACT,
-    ContactPoint,
-    contact_point,
-    contact_within,
-    rim_distance,
-)
+from .composition import AnyMaterial, Materials, OneMaterial, thickness_of_cells, thin_groups
+from .contact import ContactPoint, contact_point, contact_within, rim_distance
 from .contactsurface import ContactSurface
 from .contacttime import (
     SHIFT_TIMES_DURATION,
@@ -42,10 +24,10 @@ from .contacttime import (
     slow_shift,
 )
 from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
-from .extraction import Extraction, Splitting, field_error
+from .extraction import Extraction, field_error
 from .frequencyresponse import FrequencyResponse
 from .grounding import Grounding, VirtualMotion
-from .labels import checked_labels, translations
+from .labels import checked_labels
 from .laminate import Laminate, Layers, Ply, Shell
 from .material import SIX, Material, warn_of_units
 from .mechanism import refuse_mechanism

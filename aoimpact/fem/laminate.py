@@ -239,34 +239,20 @@ class Layers:
         stress: FloatArray = self._below[number] + self._change(number, self.interfaces[number], z)
         return stress
 
-    @property
-    def stations(self) -> tuple[tuple[int, str], ...]:
-        """Places at which stress is given: number of the ply, and its "bottom" or "top"."""
-        return tuple(
-            (number, side) for number in range(len(self.plies)) for side in ("bottom", "top")
-        )
+    def stress_at(self, strains: FloatArray, number: int, z: float) -> FloatArray:
+        """Return the stress at a height in a ply, in the element's axes, Pa, shape (..., 6).
 
-    def stress(self, strains: FloatArray) -> FloatArray:
-        """Return the stress at the `stations`, in the element's axes.
-
-        The shear stresses xz and yz are those in equilibrium with the others: parabolas of z that
-        vanish on both faces.
+        xx, yy, zz, xy, yz, xz; tension is positive, and zz is zero. The shear stresses xz and yz
+        are those in equilibrium with the others: parabolas of z that vanish on both faces.
 
         Parameters
         ----------
         strains : ndarray, shape (..., 8)
             Generalised strains.
-
-        Returns
-        -------
-        ndarray, shape (..., n_stations, 6)
-            xx, yy, zz, xy, yz, xz, Pa; tension is positive, and zz is zero.
-        """
-        places = [(ply, self.height(side, ply)) for ply, side in self.stations]
-        return np.stack([self.stress_at(strains, *place) for place in places], axis=-2)
-
-    def stress_at(self, strains: FloatArray, number: int, z: float) -> FloatArray:
-        """Return the stress at a height in a ply, shape (..., 6).
+        number : int
+            Of the ply.
+        z : float
+            m.
 
         :meta private:
         """
@@ -274,13 +260,6 @@ class Layers:
         found = np.zeros((*strains.shape[:-1], 6))
         found[..., _PLANE] = (strains[..., :3] + z * strains[..., 3:6]) @ self._moduli[number]
         found[..., _SHEAR] = forces @ self._shear_stress(number, z).T
-        return found
-
-    def strain(self, strains: FloatArray) -> FloatArray:
-        """Return the strain at the `stations`, as `stress`; xy, yz and xz are γ = 2ε."""
-        stress = self.stress(strains)
-        compliance = np.array([self.plies[number].compliance for number, _ in self.stations])
-        found: FloatArray = np.einsum("sij,...sj->...si", compliance, stress)
         return found
 
     def height(self, side: str, ply: int | None = None) -> float:
@@ -339,11 +318,6 @@ class Shell(Layers):
         :meta private:
         """
         return np.array(self.material.axes[0]) if isinstance(self.material, Orthotropic) else None
-
-    @property
-    def stations(self) -> tuple[tuple[int, str], ...]:
-        """Places at which stress is given: the bottom, the middle and the top."""
-        return ((0, "bottom"), (0, "middle"), (0, "top"))
 
 
 @dataclass(frozen=True)
