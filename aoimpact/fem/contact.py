@@ -251,7 +251,7 @@ class ContactPoint(Frozen):
         if self.tangents is None:
             return (self,)
         assert self.direction is not None
-        shares = self.shares
+        shares = self.forces[0] @ self.direction
         along = [self.body.on_dofs(np.outer(shares, tangent)) for tangent in self.tangents]
         given: dict[str, Any] = {"tangents": None, "automatic": False, "directed": True}
         return self, *(
@@ -532,15 +532,6 @@ class ContactPoint(Frozen):
                 "FEModel(K=, M=, nodes=)"
             )
         return self.body.at_nodes(self.b)
-
-    @property
-    def shares(self) -> FloatArray:
-        """The nodes' shares of the force, along its direction, shape (n_nodes,).
-
-        :meta private:
-        """
-        shares: FloatArray = self.forces[0] @ self.direction
-        return shares
 
     def __repr__(self) -> str:
         body = repr(self.body.name) if self.body.name else f"a body of {self.body.n_dofs} dofs"
@@ -841,7 +832,7 @@ def _placed(tip: ContactPoint, radius: float = 0.0) -> ContactPoint:
     if surface is None or tip.direction is None:
         return tip
     assert tip.body.nodes is not None
-    forces = tip.shares
+    forces = tip.forces[0] @ tip.direction
     centre = forces @ tip.body.nodes
     spread = float(np.sqrt(np.abs(forces) @ ((tip.body.nodes - centre) ** 2).sum(axis=1)))
     place = surface.nearest(centre)

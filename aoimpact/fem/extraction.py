@@ -147,7 +147,7 @@ def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver)
     splitting = split(body, point, normal, radius, solver)
     cosine = float(direction @ normal)
     straight = 1.0 - abs(cosine) < _ALONG
-    along = b if straight else body.on_dofs(np.outer(tip.shares, normal))
+    along = b if straight else body.on_dofs(np.outer(tip.forces[0] @ direction, normal))
     x = solver.solve(along)
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
@@ -263,7 +263,8 @@ def _oblique(
     a quarter of what w_i + w_j lacks more than w_i - w_j does. With it the error is a third to a
     tenth.
     """
-    body, weights, direction = tip.body, tip.shares, tip.direction
+    body, direction = tip.body, tip.direction
+    weights = tip.forces[0] @ direction
     axes, a = np.vstack([direction, tip.tangents]), splitting.space.radius
     loads = np.array([body.on_dofs(np.outer(weights, axis)) for axis in axes])
     moved = np.array([solver.solve(load) for load in loads])
