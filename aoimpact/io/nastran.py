@@ -19,7 +19,7 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, MeshError, warn
 from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
-from ..mesh import reference_element
+from ..mesh import jacobian_range, reference_element
 from .matrix import RawMatrix, labelled, passed_over
 from .nastrandeck import BulkData, Card, Lines, Table, read_deck
 from .profiles import NASTRAN, Profile, named
@@ -330,13 +330,7 @@ def _beside(raw: RawMesh, bulk: BulkData) -> str:
 def _make_right_handed(nodes: FloatArray, block: RawBlock) -> None:
     """Renumber the nodes of left-handed solids, which Nastran accepts as well."""
     element = reference_element(block.kind)
-    corners = nodes[block.cells[:, : element.n_corners]]
-    n_bottom = 3 if block.kind.startswith(("tetra", "wedge")) else 4
-    bottom, top = corners[:, :n_bottom], corners[:, n_bottom:]
-    middle = bottom.mean(axis=1)
-    around = bottom - middle[:, None]
-    normal = np.cross(around, np.roll(around, -1, axis=1)).sum(axis=1)
-    left = np.einsum("ij,ij->i", normal, top.mean(axis=1) - middle) < 0.0
+    left = jacobian_range(nodes, block.cells, element)[1] < 0.0
     block.cells[left] = block.cells[left][:, element.mirror]
 
 

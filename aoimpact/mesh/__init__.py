@@ -27,6 +27,7 @@ from .mesh import (
     check_reach,
     checked_cells,
     group,
+    jacobian_range,
     renumbered,
     replace_nodes,
     right_handed,
