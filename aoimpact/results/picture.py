@@ -22,9 +22,9 @@ _SIZE = 0.35
 
 def times_of_contact(hit: Result, count: int) -> FloatArray:
     """Return times from shortly before the first contact to shortly after the last one, s."""
-    if not hit.contacts:
+    if hit.touching is None:
         return np.linspace(0.0, hit.duration, count)
-    start, end = hit.contacts[0][0], hit.contacts[-1][1]
+    start, end = hit.touching
     length = end - start
     first, last = max(0.0, start - _BEFORE * length), min(hit.duration, end + _AFTER * length)
     return np.linspace(first, last, count)

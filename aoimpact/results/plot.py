@@ -71,10 +71,9 @@ def shown(run: AnyRun, during: During) -> tuple[AnyRun, slice]:
 def _span(run: Run, during: During) -> tuple[float, float]:
     if isinstance(during, str):
         word = choice("during", during, ("contact", "record"))
-        spans = [span for events in run.events for span in events.contacts]
-        if word == "record" or not spans:
+        if word == "record" or run.touching is None:
             return 0.0, run.duration
-        first, last = min(span[0] for span in spans), max(span[1] for span in spans)
+        first, last = run.touching
         margin = _MARGIN * (last - first)
         return max(0.0, first - margin), min(run.duration, last + margin)
     start, end = finite_array("during", during, shape=(2,), unit="s")

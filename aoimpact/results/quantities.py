@@ -199,13 +199,10 @@ class Quantity:
 
         Bodies without gravity, loads or preload do not deform until the first contact.
         """
-        touched = [of.contacts for of in run.events if of.contacts]
-        plan = run.plan
-        loaded = plan.preload or plan.weighed or plan.loads
-        first = 0.0 if loaded else min((each[0][0] for each in touched), default=0.0)
-        if self.lasting:
-            return run.duration - first
-        return max((each[-1][1] for each in touched), default=first) - first
+        first, last = run.touching or (0.0, 0.0)
+        if run.plan.preload or run.plan.weighed or run.plan.loads:
+            first = 0.0
+        return (run.duration if self.lasting else last) - first
 
     def contact_time(self, run: Run) -> float | None:
         """Return the duration of the first contact, s, or None where none ends in the record.

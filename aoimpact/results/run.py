@@ -274,8 +274,7 @@ class Run:
     @property
     def _parted(self) -> float:
         """The end of the last contact, or of the record without any, s."""
-        ends = [events.contacts[-1][1] for events in self.events if events.contacts]
-        return min(max(ends, default=self.duration), self.duration)
+        return self.duration if self.touching is None else min(self.touching[1], self.duration)
 
     @cached_property
     def _finer(self) -> Run | None:
@@ -424,6 +423,15 @@ class Run:
     def events(self) -> tuple[Events, ...]:
         """Events of each contact, from the solver, or interpolated between fixed steps."""
         return self.recorder.events
+
+    @property
+    def touching(self) -> tuple[float, float] | None:
+        """Start of the first contact and end of the last one, s; None without any.
+
+        :meta private:
+        """
+        spans = [span for events in self.events for span in events.contacts]
+        return (min(spans)[0], max(end for _, end in spans)) if spans else None
 
     @cached_property
     def numbers(self) -> Mapping[str, float]:

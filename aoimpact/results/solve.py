@@ -155,14 +155,13 @@ def _lasting(plan: Plan, length: float) -> Plan:
 
 def _until_over(run: Run) -> float:
     """How long the record must be, s; infinite where that is not known yet."""
-    intervals = [interval for events in run.events for interval in events.contacts]
+    touching = run.touching
     forced = run.plan.preload or run.plan.weighed or run.plan.loads
-    if not intervals and not forced and run.each_contact:
+    if touching is None and not forced and run.each_contact:
         part = (of.indentation[-1] < of.indentation[0] for of in run.each_contact)
         if all(part):
             return run.duration  # bodies move on as they began: a spin may part them at once
-    if not intervals or run.in_contact_at_end:
+    if touching is None or run.in_contact_at_end:
         return math.inf
-    start = min(first for first, _ in intervals)
-    end = max(last for _, last in intervals)
+    start, end = touching
     return start + AS_LONG_AGAIN * (end - start)

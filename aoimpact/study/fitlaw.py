@@ -123,9 +123,8 @@ class LawFit(Frozen):
         """The law, and each parameter with its standard error."""
         lines = [str(self.law)]
         for name, error in self.standard_errors.items():
-            value = self.start_time if name == "start_time" else getattr(self.law, name)
-            assert value is not None
-            unit = "s" if name == "start_time" else self.law.units[name]
+            of: Any = self if name == "start_time" else self.law
+            value, unit = getattr(of, name), self.law.units.get(name, "s")
             lines.append(f"  {name} = {with_unit(value, unit)} ± {with_unit(error, unit, 2)}")
         return "\n".join(lines)
 
@@ -380,9 +379,8 @@ def _warn_of_a_poor_fit(
             f"the measurement is hardly more than noise, {residual / largest:.0%} of the largest "
             "value: the fit means nothing; measure with more gain, or check start and units"
         )
-    ends = zip(problem.names, x, problem.low, problem.high, strict=False)
-    at_bound = [name for name, at, low, high in ends if min(at - low, high - at) < _AT_BOUND]
-    bound = [name for name in at_bound if name not in poor]
+    near = np.minimum(x - problem.low, problem.high - x) < _AT_BOUND
+    bound = [name for name, at in zip(problem.names, near, strict=False) if at and name not in poor]
     if bound:
         warn(f"{', '.join(bound)}: the best fit is at the bound of the range; take another law")
 
@@ -401,12 +399,16 @@ def _uncertainty(jacobian: FloatArray, variance: float) -> tuple[FloatArray, Flo
     return share, covariance / np.outer(errors, errors)
 
 
+def _needed(law: Any) -> list[str]:
+    """Return the names of the parameters that a law, or its class, must be given."""
+    return [entry.name for entry in fields(law) if entry.default is MISSING]
+
+
 def _free(law: ContactLaw, free: Iterable[str] | None) -> list[str]:
     """Return the names of the parameters to fit."""
-    entries = {entry.name: entry for entry in fields(cast(Any, law))}
+    entries = [entry.name for entry in fields(cast(Any, law))]
     if free is None:
-        needed = [name for name, entry in entries.items() if entry.default is MISSING]
-        chosen = [name for name in needed if name not in _OF_THE_TEST]
+        chosen = [name for name in _needed(law) if name not in _OF_THE_TEST]
     else:
         chosen = [free] if isinstance(free, str) else list(texts("free", free))
     for name in chosen:
@@ -426,10 +428,13 @@ def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
     """Return a law of that class to begin with, from the size of what was measured."""
     if not (isinstance(cls, type) and issubclass(cls, ContactLaw)):
         raise InputTypeError(f"law must be a contact law or its class, got {cls!r}")
-    given: dict[str, Any] = {"mass": mass, "velocity": data.velocity}
-    for entry in fields(cast(Any, cls)):
-        name, unit = entry.name, cls._units.get(entry.name, "")
-        if entry.default is not MISSING or name in ("mass", "velocity"):
+    known = {"mass": mass, "velocity": data.velocity}
+    given: dict[str, Any] = {
+        of.name: known[of.name] for of in fields(cast(Any, cls)) if of.name in known
+    }
+    for name in _needed(cls):
+        unit = cls._units.get(name, "")
+        if name in given:
             continue
         if name == "k":
             given[name] = data.force / data.depth ** given.get("n", cls._power)
@@ -443,8 +448,7 @@ def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
                 f"law={cls.__name__} has no first guess of {name} from this measurement; give a "
                 f"law to begin with, {cls.__name__}(...)"
             )
-    names = {entry.name for entry in fields(cast(Any, cls))}
-    law: ContactLaw = cls(**{name: v for name, v in given.items() if name in names})
+    law: ContactLaw = cls(**given)
     return law
 
 
@@ -488,7 +492,7 @@ def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, ta
     if not top > 0.0:
         raise InputError(f"signal has no force above 0, the largest is {top:g} {channel.unit}")
     foot = np.flatnonzero(channel.values[:peak] <= _FOOT * top)
-    start = float(channel.t[foot[-1] if foot.size else 0])
+    start = float(channel.t[foot.max(initial=0)])
     sample = 1.0 / channel.mean_rate
     depth = max(float(channel.t[peak]) - start, sample) * speed / _RISE
 
