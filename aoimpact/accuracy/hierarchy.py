@@ -166,7 +166,6 @@ class ElementHierarchy(Hierarchy):
     known: LinearSolver | None = None
     _most: int = field(init=False)
     _models: dict[int, Any] = field(init=False, default_factory=dict)
-    _finished: dict[int, Any] = field(init=False, default_factory=dict)
     _lock: Any = field(init=False, default_factory=RLock)
 
     def __post_init__(self) -> None:
@@ -234,9 +233,7 @@ class KrylovHierarchy(ElementHierarchy):
         return 0 if moves_rigidly(self.tips[0]) else 1
 
     def finished(self, order: int) -> AOModel:
-        if order not in self._finished:
-            self._finished[order] = self.model(order).multiplied_out()
-        found: AOModel = self._finished[order]
+        found: AOModel = self.model(order).multiplied_out
         return found
 
     def _made(self, order: int) -> tuple[AOModel, bool]:

@@ -88,10 +88,10 @@ _ROUNDING = 1e-6
 _WORTH_KEEPING = 0.9
 
 
-# What is kept of bodies by their marks; and of the last that came from other processes, whose tasks
-# bring the same body again and again.
-_KEPT: WeakValueDictionary[str, Kept] = WeakValueDictionary()
-_RECEIVED: deque[Kept] = deque(maxlen=2)
+# The bodies of this process by their marks, and the last that came from another one, whose tasks
+# bring the same body again and again: it stays one, with all that has been derived from it.
+_BODIES: WeakValueDictionary[str, FEModel] = WeakValueDictionary()
+_RECEIVED: deque[FEModel] = deque(maxlen=2)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -368,16 +368,13 @@ class FEModel(Frozen):
         model._set(damping=self.damping, name=self.name)
         return model
 
-    def __getstate__(self) -> dict[str, Any]:
-        """State without caches, and without matrices that follow from a mesh."""
+    def __reduce__(self) -> Any:
+        """Pickle without caches, and without matrices that follow from a mesh."""
+        _BODIES[self.mark] = self
         state = {item.name: getattr(self, item.name) for item in fields(self)}
         if self.assembled:
             del state["K"], state["M"]
-        return state | {"mark": self.mark}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        super().__setstate__(state)
-        _RECEIVED.append(self.kept)
+        return _received, (type(self), self.mark, state)
 
     @cached_property
     def mark(self) -> str:
@@ -389,11 +386,11 @@ class FEModel(Frozen):
 
     @cached_property
     def kept(self) -> Kept:
-        """Results derived from this body, which all its pickles in this process share.
+        """Patches and reduced models of this body for the next impact on it.
 
         :meta private:
         """
-        return _KEPT.setdefault(self.mark, Kept())
+        return Kept()
 
     def __getattr__(self, name: str) -> Any:
         """K and M of an unpickled body with a mesh, assembled at their first use."""
@@ -408,8 +405,13 @@ class FEModel(Frozen):
     def __copy__(self) -> FEModel:
         """A body of its own that shares all that is known of this one."""
         copied = object.__new__(type(self))
-        vars(copied).update(vars(self))
+        known = {name: of for name, of in vars(self).items() if name not in ("mark", "kept")}
+        vars(copied).update(known)
         return copied
+
+    def __deepcopy__(self, memo: Any) -> FEModel:
+        """A body of its own; what it holds does not change."""
+        return self.__copy__()
 
     @cached_property
     def grounding(self) -> Grounding:
@@ -898,3 +900,14 @@ def _warn_of_units(mass: float, size: float, volume: float = 0.0) -> None:
             f"the body is {size:.4g} m long and weighs {mass:.4g} kg{elements}: coordinates are "
             "taken in metres; for millimetres use read_mesh(path, scale=1e-3)"
         )
+
+
+def _received(kind: type[FEModel], mark: str, state: dict[str, Any]) -> FEModel:
+    """The body of that mark, if this process has it, or a new one in that state."""
+    body = _BODIES.get(mark)
+    if body is None:
+        body = object.__new__(kind)
+        body.__setstate__(state | {"mark": mark})
+        _BODIES[mark] = body
+        _RECEIVED.append(body)
+    return body

@@ -16,7 +16,7 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, own_law
 from ..linalg import Solver
 from ..reduction import BodyModel, body_model
-from ..results import Quantity, RecordLength, Result, TimeSolver, warn_of_exchange
+from ..results import Quantity, Result, TimeSolver, warn_of_exchange
 from ..scene import Plan
 from .defaults import checked_numbers, turns
 from .oblique import checked_spin, vector_or_number
@@ -141,7 +141,7 @@ def simulate(
         impact_quantity(quantity, *impact.bodies)
     impact.touch(law, friction)
     result = impact._run(
-        impact.record,
+        impact._record(impact.duration),
         quantity=quantity,
         rtol=rtol,
         solver=solver,
@@ -261,16 +261,6 @@ class Impact(Scene):
         """The law between the bodies themselves."""
         return own_law(self._contacts[0].law)
 
-    @property
-    def record(self) -> RecordLength:
-        """The length of the record, or a first guess of it."""
-        return self._record(self.duration)
-
-    def plan(self, models: Sequence[Any], length: float, *, energies: bool = False) -> Plan:
-        """Return the plan of models of its bodies over a time, s."""
-        record, around = RecordLength(length, given=True), self._turns()
-        return self._plan(record, False, models, energies, around=around, widths=self._widths())
-
     def _role(self, body: int) -> str:
         return _NAMES[body]
 
@@ -297,4 +287,6 @@ def plan_impact(
     """
     impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
     impact.touch(law)
-    return impact.plan(impact.bodies, impact.record.length, energies=boolean("energies", energies))
+    record, kept = impact._record(impact.duration), boolean("energies", energies)
+    around, widths = impact._turns(), impact._widths()
+    return impact._plan(record, False, impact.bodies, kept, around=around, widths=widths)

@@ -159,7 +159,7 @@ class KrylovSpace:
 
         :meta private:
         """
-        return self.factored(n).multiplied_out()
+        return self.factored(n).multiplied_out
 
     def factored(self, n: int) -> AOModel:
         """Return the model of `of_vectors` with shapes that are multiplied out when needed.

@@ -563,6 +563,7 @@ class AOModel(Frozen, ReducedModel):
             made[factor] = replace(self, k0=factor * self.k0, k=factor * self.k)
         return made[factor]
 
+    @cached_property
     def multiplied_out(self) -> AOModel:
         """The same model, with shapes of its own: see `Origin.vectors`.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 from concurrent.futures import Future
 from functools import cache
@@ -127,3 +128,25 @@ def test_a_wrong_case_is_its_own_exception() -> None:
     first, wrong, last = ao.simulate_many(cases, keep="peak_force")
     assert isinstance(wrong, ao.InputError)
     assert [first, last] == ao.simulate_many([cases[0], cases[2]], keep="peak_force")
+
+
+def test_a_copy_of_a_body_has_models_of_its_own() -> None:
+    (case,) = balls(1)
+    first = ao.simulate(**case)
+    other = copy.copy(tip().body)
+    point = other.contact(point=(0.045, 0.035, 0.01))
+    second = ao.simulate(**case | {"target": point, "quantity": point})
+    assert second.models[1].contact_points[0].body is other
+    assert first.models[1].contact_points[0].body is tip().body
+
+
+def displacement(hit: ao.Result) -> float:
+    """Near a corner of the plate."""
+    corner = hit.models[1].contact_points[0].body.contact(point=(0.02, 0.02, 0.01))
+    return float(np.abs(hit.target.probe(corner).displacement).max())
+
+
+def test_a_body_that_comes_to_a_worker_again_is_the_same() -> None:
+    cases = [case | {"quantity": tip()} for case in balls(2)]
+    kept = [ao.simulate_many(cases, Pickled(), keep=displacement) for _ in range(2)]
+    assert kept[0] == kept[1] == ao.simulate_many(cases, keep=displacement)

@@ -189,7 +189,7 @@ def test_what_is_seen_of_a_model_is_the_model(block):
     np.testing.assert_allclose(seen.expand(np.arange(6.0)), star.expand(np.arange(6.0)))
     few = seen.truncated(2)
     np.testing.assert_allclose(few.weights(place), star.truncated(2).weights(place), rtol=1e-9)
-    assert star.origin.vectors is None is seen.multiplied_out().origin.vectors
+    assert star.origin.vectors is None is seen.multiplied_out.origin.vectors
 
 
 @pytest.mark.filterwarnings("ignore:.*with_mesh")
