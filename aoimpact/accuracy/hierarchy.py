@@ -234,8 +234,7 @@ class KrylovHierarchy(ElementHierarchy):
         return 0 if moves_rigidly(self.tips[0]) else 1
 
     def finished(self, order: int) -> AOModel:
-        found: AOModel = self.model(order).multiplied_out
-        return found
+        return self.model(order).multiplied_out  # type: ignore[no-any-return]
 
     def _made(self, order: int) -> tuple[AOModel, bool]:
         tip = self.tips[0]

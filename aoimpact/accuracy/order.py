@@ -223,8 +223,7 @@ class Search:
         if body.dofs > _MOST_KEPT:
             return make()
         key = tuple(tip.key for tip in body.tips), time, slow, self.solver, oscillators
-        found: Hierarchy = body.body.kept.get(key, make)
-        return found
+        return body.body.kept.get(key, make)
 
     def _grow(self) -> Iterator[Run]:
         """Raise the orders until the error estimate is within the tolerance; yield larger runs."""
