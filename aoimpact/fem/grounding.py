@@ -23,6 +23,7 @@ import scipy.sparse as sp
 from ..base import FloatArray, InputError, IntArray
 from ..mesh import motions_at
 from .assembly import stiffness_mass
+from .labels import axes_of
 from .statics import displacement
 from .supports import selected_nodes
 
@@ -109,9 +110,8 @@ class Grounding:
     @cached_property
     def inertia(self) -> FloatArray:
         """Inertia of the constrained dofs in unit accelerations along x, y, z, (held, 3), kg."""
-        axes = np.zeros((self.M.shape[1], 3))
         assert self.body.nodes is not None
-        axes[: self.body.nodes.size] = np.tile(np.eye(3), (len(self.body.nodes), 1))
+        axes = axes_of(np.arange(self.M.shape[1]), None, len(self.body.nodes))
         return np.asarray(self.M @ axes)
 
     def virtual(self, motions: FloatArray) -> VirtualMotion:

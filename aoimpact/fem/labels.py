@@ -53,13 +53,6 @@ def axes_of(free: IntArray | None, labels: IntArray | None, n_nodes: int) -> Flo
     return axes
 
 
-def translations(n_dofs: int, n_nodes: int) -> FloatArray:
-    """Return those of all nodes along each axis, without rotation, shape (n_dofs, 3)."""
-    moved = np.zeros((n_dofs, 3))
-    moved[: 3 * n_nodes] = np.tile(np.eye(3), (n_nodes, 1))
-    return moved
-
-
 def labelled_nodes(labels: IntArray, free: IntArray, n_nodes: int) -> IntArray:
     """Return the label of each node, shape (n_nodes,), from those of the rows of K; -1: no row."""
     of_nodes = np.full(n_nodes, -1)

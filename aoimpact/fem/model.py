@@ -71,7 +71,7 @@ from .doubts import (
 from .frequencyresponse import FrequencyResponse, frequency_response
 from .grounding import Grounding, grounding_of
 from .kept import Kept
-from .labels import axes_of, checked_labels, labelled_nodes, node_numbers, translations
+from .labels import axes_of, checked_labels, labelled_nodes, node_numbers
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
 
@@ -292,7 +292,7 @@ class FEModel(Frozen):
         stiffer = spring_stiffness(solid, springs, free)
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             K, M = stiffness_mass(solid, made_of)
-            moves = translations(K.shape[0], solid.n_nodes)
+            moves = axes_of(np.arange(K.shape[0]), None, solid.n_nodes)
             if heavier is not None:
                 heavier.resize(M.shape)
             momentum = M @ moves
