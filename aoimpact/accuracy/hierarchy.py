@@ -243,9 +243,8 @@ class KrylovHierarchy(ElementHierarchy):
         if order == self.dofs <= _SMALL_BODY:
             return antioscillators(tip, order="frequency"), False
         if order == 0:
-            modes, time = tip.body.rigid_modes, self.resolved
-            still = np.zeros(modes.shape[1])
-            return star_of_modes(tip, still, modes, "AO", contact_time=time), False
+            modes, still = tip.body.rigid_modes, np.zeros(tip.body.rigid_modes.shape[1])
+            return star_of_modes(tip, still, modes, "AO", contact_time=self.resolved), False
         return self._space.factored(order - self.first), self._space.exhausted
 
     def reference_order(self, order: int) -> int:
