@@ -52,7 +52,7 @@ print(repr(results[7]))
 # Many impacts on one body
 # ------------------------
 # Impacts on the same contact point share its models: those whose contacts last about as long and are about as wide have one.
-# Once they are made, a case takes some fifty milliseconds of one core with all its errors. Balls and speeds may be random:
+# Once they are made, a case takes about twenty milliseconds of one core with all its errors. Balls and speeds may be random:
 
 mesh = ao.box_mesh((0.1, 0.1, 0.01), (8, 8, 1), kind="hexahedron20")
 point = ao.FEModel.from_mesh(mesh, steel).contact(point=(0.055, 0.045, 0.01))
