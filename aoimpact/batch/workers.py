@@ -66,7 +66,8 @@ def run_tasks(workers: Any, task: Task, items: Iterable[Any]) -> Iterator[tuple[
             submit, most = None, 1
         elif isinstance(workers, int):
             threads = ThreadPoolExecutor(workers, thread_name_prefix="aoimpact")
-            submit, most = stack.enter_context(threads).submit, _AHEAD * workers
+            stack.callback(threads.shutdown, wait=False)  # nor does an interrupt wait
+            submit, most = threads.submit, _AHEAD * workers
         else:
             submit, most = workers.submit, _AHEAD * _width(workers)
         stack.callback(lambda: [future.cancel() for _, future in under_way])

@@ -32,8 +32,7 @@ class Found(Mapping[str, Any]):
         find: Callable[[str], Any],
         known: Mapping[str, Any] | None = None,
     ) -> None:
-        self._names, self._find, self._known = names, find, dict(known or {})
-        self._found = dict(self._known)
+        self._names, self._find, self._found = names, find, dict(known or {})
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._found:
@@ -41,7 +40,7 @@ class Found(Mapping[str, Any]):
         return self._found[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(dict.fromkeys([*self._names(), *self._known]))
+        return iter(dict.fromkeys([*self._names(), *self._found]))
 
     def __len__(self) -> int:
         return len(list(iter(self)))
