@@ -60,9 +60,6 @@ LOOSEST, _WORTH = 1e-2, 4.0 / 3.0
 # The order of each different hierarchy.
 _Orders = tuple[int, ...]
 
-# Bodies of more dofs keep none of their models: the vectors may take hundreds of megabytes.
-_MOST_KEPT = 200_000
-
 # Where motion matters for longer than this many contact times, the bases hold slow motion as well.
 _LONG = 4.0
 
@@ -220,8 +217,6 @@ class Search:
         # The factors are taken from those set up, so that their memory can be freed.
         factors = self.factors if self.factors and self.solver == "auto" else {}
         make = partial(make, factors.pop(body.body, None))
-        if body.dofs > _MOST_KEPT:
-            return make()
         key = tuple(tip.key for tip in body.tips), time, slow, self.solver, oscillators
         return body.body.kept.get(key, make)
 

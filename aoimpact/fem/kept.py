@@ -8,14 +8,16 @@ from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-# A body's patches and reduced models for this many different impacts.
-_MOST = 32
+# Memory that the models of a body may take, bytes, if each is made of so many vectors; the number of
+# different impacts that are kept at most, and on large bodies at least: two with their patches.
+_BYTES, _VECTORS, _MOST, _LEAST = 2**29, 64, 32, 4
 
 
 class Kept:
-    """The results that were last asked for, by their keys."""
+    """The results of a body of so many dofs that were last asked for, by their keys."""
 
-    def __init__(self) -> None:
+    def __init__(self, dofs: int) -> None:
+        self._most = max(_LEAST, min(_MOST, _BYTES // (8 * _VECTORS * dofs)))
         self._found: dict[Hashable, Any] = {}
         self._lock = RLock()
 
@@ -24,6 +26,6 @@ class Kept:
         with self._lock:
             found: T = self._found.pop(key) if key in self._found else make()
             self._found[key] = found
-            while len(self._found) > _MOST:
+            while len(self._found) > self._most:
                 del self._found[next(iter(self._found))]
         return found

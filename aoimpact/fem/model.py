@@ -390,7 +390,7 @@ class FEModel(Frozen):
 
         :meta private:
         """
-        return Kept()
+        return Kept(self.n_dofs)
 
     def __getattr__(self, name: str) -> Any:
         """K and M of an unpickled body with a mesh, assembled at their first use."""
