@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-# Memory that the models of a body may take, bytes, if each is made of so many vectors; the number of
-# different impacts that are kept at most, and on large bodies at least: two with their patches.
-_BYTES, _VECTORS, _MOST, _LEAST = 2**29, 64, 32, 4
+# Memory that the models of a body may take, bytes, if each is made of so many vectors; how many
+# results are kept at most, and on large bodies at least: two models with their patches.
+_BYTES, _VECTORS, _MOST, _LEAST = 2**30, 64, 32, 4
 
 
 class Kept:
