@@ -183,8 +183,7 @@ def choose_models(
 
 def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
     """How models were chosen: the quantity, its tolerance, and the errors of all numbers."""
-    known = {quantity.name: found.error}
-    numbers = number_errors(found.run, found.larger, found.safety, known)
+    numbers = number_errors(found.run, found.larger, found.safety, {quantity.name: found.error})
     largest, most = "", math.nan
     if quantity.history is not None:
         most = float(np.abs(quantity.history(found.run, found.run.t)).max(initial=0.0))

@@ -28,7 +28,6 @@ from ..reduction import (
     KrylovSpace,
     antioscillators,
     rigid,
-    star_of_modes,
 )
 
 Model = AOModel | InterfaceModel
@@ -242,10 +241,8 @@ class KrylovHierarchy(ElementHierarchy):
             return rigid(mass=math.inf, name=tip.name), False
         if order == self.dofs <= _SMALL_BODY:
             return antioscillators(tip, order="frequency"), False
-        if order == 0:
-            modes, still = tip.body.rigid_modes, np.zeros(tip.body.rigid_modes.shape[1])
-            return star_of_modes(tip, still, modes, "AO", contact_time=self.resolved), False
-        return self._space.factored(order - self.first), self._space.exhausted
+        model = self._space.factored(order - self.first)
+        return model if order > 0 else _rigid(model), self._space.exhausted
 
     def reference_order(self, order: int) -> int:
         small = self.dofs <= _SMALL_BODY

@@ -119,11 +119,19 @@ def first_guess(
     meshed = (body for body in bodies if isinstance(body, FullModel))
     own = [own_contact_time(point) for body in meshed for point in body.tips]
     otherwise = TimeScales(min((time for time in own if math.isfinite(time)), default=1.0), 0.0)
-    rigid = tuple(model_hierarchy(body, otherwise.contact_time, None).model(0) for body in bodies)
+    rigid = tuple(_rigid(body, otherwise.contact_time) for body in bodies)
     try:
         return _scales(quantity, run(rigid), otherwise)
     except (InputError, ConvergenceError):  # e.g. of two walls
         return otherwise
+
+
+def _rigid(body: BodyModel, contact_time: float) -> Any:
+    """A body that deforms as little as any model of it."""
+    make = model_hierarchy(body, contact_time, None).model
+    if not isinstance(body, FullModel):
+        return make(0)
+    return body.body.kept.get(("rigid", *(tip.key for tip in body.tips)), partial(make, 0))
 
 
 def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:

@@ -215,8 +215,7 @@ class _Job:
         """The outcomes of the plain impacts, from one call of the core; None for the others."""
         if not isinstance(self.keep, Named) or not PLAIN_NUMBERS.issuperset(self.keep.names):
             return [None] * len(cases)
-        found = plain_numbers(cases, self.keep.names)
-        return [None if numbers is None else (numbers, ()) for numbers in found]
+        return [None if of is None else (of, ()) for of in plain_numbers(cases, self.keep.names)]
 
     def _alone(self, case: Any) -> Outcome:
         with held_warnings() as messages, shared_models():

@@ -12,7 +12,7 @@ from .full import FullModel, body_model, full
 from .interface import InterfaceModel, InterfaceSpace, interface
 from .krylov import KrylovSpace
 from .modalbody import ModalBody, Pull, Velocity
-from .modes import ModalModel, modal, star_of_modes
+from .modes import ModalModel, modal
 from .recovery import PACE, SOLVED, GeneralizedCoordinates, Recovery
 from .reduction import antioscillators
 from .softer import softer_model
