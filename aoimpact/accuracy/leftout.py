@@ -125,8 +125,8 @@ def errors_left_out(
             # show that, but far from the contact mostly how they run ahead: no more counts than
             # the vibration errs, as of another cause.
             size = math.hypot(size, min(size, stiff))
-        errors = mesh.errors
-        mesh = _Change(Found(lambda: errors, lambda each: errors[each], {name: size}), softer.when)
+        by_name = Found(mesh.errors.keys, mesh.errors.__getitem__, {name: size})
+        mesh = _Change(by_name, softer.when)
     larger = max(mesh, contact, key=lambda change: change.errors.get(name, 0.0))
     local = 0.0 if quantity.local is None else quantity.local(run)
 
@@ -155,9 +155,7 @@ class _Changes:
         name = self._quantity.name
         changes = [self._first(ways) for ways in causes]
         largest = max(changes, key=lambda change: change.errors[name])
-        total = Found(
-            lambda: largest.errors, lambda one: math.fsum(of.errors[one] for of in changes)
-        )
+        total = Found(largest.errors.keys, lambda one: math.fsum(of.errors[one] for of in changes))
         return _Change(total, largest.when)
 
     def _first(self, ways: Iterable[Altered]) -> _Change:

@@ -105,7 +105,7 @@ def as_json(report: dict[str, Any]) -> str:
 
 
 def _known(value: Any, otherwise: Callable[[float], str | None] = lambda _: None) -> Any:
-    """What JSON can hold of a value; null, or what is told otherwise, of numbers it has not."""
+    """The value in JSON's types; null, or the replacement given, for NaN and infinity."""
     if isinstance(value, dict):
         return {name: _known(of, otherwise) for name, of in value.items()}
     if isinstance(value, list):

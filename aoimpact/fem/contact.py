@@ -206,7 +206,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def key(self) -> tuple[Any, ...]:
-        """What tells it from other places on its body; equal for equal ones.
+        """A key that is equal for equal places on one body.
 
         :meta private:
         """

@@ -250,7 +250,7 @@ class Layers:
         strains : ndarray, shape (..., 8)
             Generalised strains.
         number : int
-            Of the ply.
+            Number of the ply.
         z : float
             m.
 

@@ -72,7 +72,7 @@ def entries(
     Parameters
     ----------
     name : str
-        Of the argument.
+        Name of the argument, for messages.
     given : sequence or None
     lengths : tuple of int
     how : str

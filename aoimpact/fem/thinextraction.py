@@ -116,7 +116,7 @@ def extracted_from_shell(
         Factors of K + s²M.
     """
     body, point, normal = tip.body, tip.point, tip.normal
-    # Of a unit force along the normal. Along the surface the shell does not yield so.
+    # A unit force along the normal: along the surface the shell does not yield in this way.
     cosine = float(tip.direction @ normal)
     shares, couples = tip.forces[0] @ normal / cosine, tip.forces[1] / cosine
     mesh, s = body.mesh, math.sqrt(solver.pencil.s2)

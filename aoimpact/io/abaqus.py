@@ -150,7 +150,7 @@ _AXES = np.array([[0.0, -1.0], [1.0, 0.0]])
 # Largest difference of an angle between two orientations over a shell, rad.
 _ANGLE = 1e-4
 
-# Of an orientation that CalculiX takes otherwise.
+# Advice for an orientation that Abaqus and CalculiX interpret differently.
 _CURE = "write the fibres as axis 1, and 3 in the second line"
 
 

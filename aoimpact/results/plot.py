@@ -201,7 +201,7 @@ def plot_displacement(
 ) -> Axes:
     """Draw how far each body's contact coordinate has moved over time.
 
-    Of an impact also the centres of mass, dashed (paper, Fig. 10).
+    An impact also shows the centres of mass, dashed (paper, Fig. 10).
 
     Examples
     --------

@@ -61,8 +61,8 @@ class Limit(NamedTuple):
     Attributes
     ----------
     of : {"force", "speed", "energy"}
-        What is limited: the force of the contact, N, the speed at which its bodies meet, m/s, or
-        the energy of all bodies, J, with which one may move too far.
+        Quantity that is limited: the force of the contact, N, the speed at which its bodies meet,
+        m/s, or the energy of all bodies, J, with which one may move too far.
     most : float
     said : callable
         The warning, from the run and the value reached; empty if the motion does not confirm it.
@@ -74,7 +74,7 @@ class Limit(NamedTuple):
 
 
 class _Joint(NamedTuple):
-    """What is known of a contact before it is run."""
+    """Properties of a contact that are known before the run."""
 
     plan: Plan
     contact: Contact

@@ -137,7 +137,7 @@ class _Statics:
     Attributes
     ----------
     stiffness, inertia, load : ndarrays, shape (n,)
-        Of the coordinates: N/m; kg, 0 of massless ones; and N, 0 of a wall's.
+        Properties of the coordinates: N/m; kg, 0 if massless; N, 0 if part of a wall.
     owner : ndarray of int, shape (n,)
         The body of each coordinate.
     movable, sprung, free : ndarrays of bool, shape (n,)

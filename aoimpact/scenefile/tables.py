@@ -181,7 +181,7 @@ def _of_matrices(
 
 
 def _read_model(binder: Binder, value: Any, place: Place) -> Call | None:
-    """What represents a body that is touched at the places read before."""
+    """The model of a body that is touched at the places read before."""
     touched = binder.around.get("contact")
     return binder.bind_typed(
         _MODELS, value, place, given={"tip": touched, "tips": touched}, keep=True
