@@ -20,7 +20,7 @@ Where they are touched
     FEModel.contact, ContactPoint, Patch
 Models, from a rigid mass to all finite elements
     rigid, antioscillators, modal, interface, full, KrylovSpace
-    AOModel, ModalModel, InterfaceModel, FullModel
+    AOModel, Body, FullModel
 Contact laws
     Hertz, Linear, PowerLaw, Tabulated, UserLaw, ContactLaw
     HuntCrossley, Tsuji, KuwabaraKono, KelvinVoigt, Thornton, ElasticPlastic, YangSun; restitution

@@ -63,10 +63,9 @@ from .mesh import box_mesh as box_mesh
 from .mesh import sheet_mesh as sheet_mesh
 from .mesh import sphere_mesh as sphere_mesh
 from .reduction import AOModel as AOModel
+from .reduction import Body as Body
 from .reduction import FullModel as FullModel
-from .reduction import InterfaceModel as InterfaceModel
 from .reduction import KrylovSpace as KrylovSpace
-from .reduction import ModalModel as ModalModel
 from .reduction import antioscillators as antioscillators
 from .reduction import ball as ball
 from .reduction import full as full

@@ -339,7 +339,7 @@ def measure(
     for rtol in sorted(tolerances):  # the strictest knows best how long the contact lasts
         seconds, hit = simulated(case, size, quantity, rtol)
         orders = [model.n for model in hit.models]
-        taken = {model.origin.solver for model in hit.models if model.origin} - {""}
+        taken = {model.linear_solver for model in hit.models} - {""}
         times = {
             name: building(case, size, name, orders, hit.contact_duration)
             for name in worth_timing(target, max(orders))

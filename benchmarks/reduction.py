@@ -70,7 +70,7 @@ def against_solutions(tip: ao.ContactPoint) -> None:
         calls: list[Callable[[], object]] = [partial(krylov, n), partial(yardstick, tip, n + 2)]
         built, alone = best_times(*calls, enough=3.0)
         lines.append(Line(f"{n} AOs", built, f"a factorisation and {n + 2} solves", alone))
-    print_table(f"Sphere, {tip.body.n_dofs} dofs, {krylov(1).origin.solver}", lines)
+    print_table(f"Sphere, {tip.body.n_dofs} dofs, {krylov(1).origin.linear_solver}", lines)
 
 
 def clamped(

@@ -52,12 +52,19 @@ class _Half:
     centre: FloatArray
 
 
+def centre_weights(star: AOModel) -> FloatArray:
+    """Return the weights of a star's coordinates in the displacement of its centre of mass."""
+    if star.origin is None:
+        return np.concatenate([[star.m0], star.m]) / star.static_mass
+    return np.asarray(star.origin.centre_of_mass[0] @ star.expand(np.eye(star.n + 1)))
+
+
 def _half(star: AOModel) -> _Half:
     if math.isinf(star.m0):
         nothing = np.zeros(0)
         return _Half(nothing, np.zeros((0, 0)), nothing, 0.0, nothing)
     sum_k = star.k0 + star.k.sum()
-    weights = star.centre_weights
+    weights = centre_weights(star)
     if star.m0 > 0.0:
         stiffness = np.diag(np.concatenate([[sum_k], star.k]))
         stiffness[0, 1:] = stiffness[1:, 0] = -star.k

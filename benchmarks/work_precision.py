@@ -19,13 +19,14 @@ from typing import Any, NamedTuple
 
 from impacts import SCENES
 from precision_table import Measurement, Reference, WorkPrecision
-from scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
+from scipy_solvers import METHODS, OdeScene, Outcome, centre_weights, ode_scene
 
 from aoimpact import (
     Adaptive,
     AOImpactError,
     AOImpactWarning,
     AOModel,
+    Body,
     ContactLaw,
     InputError,
     InputTypeError,
@@ -126,8 +127,9 @@ def work_precision(
         "energies": False,
     }
     exact = _given(reference) if reference is not None else _reference(scene)
-    width = contact_width(law, bodies, velocity)
-    between = Contact(0, 0, 1, 0, law, 0.0).of_models(bodies, width).law
+    models = [body.modal for body in bodies]
+    width = contact_width(law, models, velocity)
+    between = Contact(0, 0, 1, 0, law, 0.0).of_models(models, width).law
     contact_time = _contact_time(bodies, between, velocity)
     ode = None
     if names:
@@ -161,12 +163,12 @@ class _Run(NamedTuple):
 
 def _star(name: str, body: Any) -> AOModel:
     made = body_model(name, body)
-    if not isinstance(made, AOModel):
+    if not isinstance(made, Body) or made.ports > 1:
         raise InputTypeError(
             f"{name} must be an AOModel or a modal model, got {body!r}: reduce it by "
             "antioscillators(...) first"
         )
-    return made
+    return made.star
 
 
 def _methods(scipy: Iterable[str]) -> tuple[str, ...]:
@@ -185,7 +187,7 @@ def _settings(
 
 
 def _contact_time(bodies: tuple[AOModel, AOModel], law: ContactLaw, velocity: float) -> float:
-    return rigid_contact_time(law, reduced_mass(*bodies), abs(velocity))
+    return rigid_contact_time(law, reduced_mass(*(body.modal for body in bodies)), abs(velocity))
 
 
 def _newmark_runs(
@@ -210,7 +212,9 @@ def _scipy_run(
     ode: OdeScene | None, projectile: AOModel, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
-    omitted = projectile.omitted[0] * velocity
+    # A body struck off its centre keeps a part of its velocity that the star does not contain.
+    free = projectile.origin is not None and not projectile.constrained
+    omitted = (1.0 - centre_weights(projectile).sum()) * velocity if free else 0.0
 
     def run() -> Outcome:
         done = ode.run(method, rtol, _LONGEST)

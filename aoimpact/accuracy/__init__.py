@@ -6,7 +6,7 @@ what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, 
 """
 
 from .choice import checked_linear_solver, checked_rtol, choose_models
-from .hierarchy import Hierarchy, KrylovHierarchy, alike, model_hierarchy, shared_models
+from .hierarchy import Hierarchy, alike, model_hierarchy, shared_models
 from .interest import CONTROLLED, Keep, Named, impact_quantity, keeper, scene_quantity
 from .leftout import errors_left_out, finer_run
 from .order import first_guess

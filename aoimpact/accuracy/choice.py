@@ -13,10 +13,10 @@ import numpy as np
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn, with_unit
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
-from ..reduction import AOModel
+from ..reduction import Body
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
-from .hierarchy import FixedModel, Models, only_models
+from .hierarchy import Models, fixed_model, only_models
 from .leftout import errors_left_out
 from .order import LOOSEST, Orders, Search
 
@@ -133,8 +133,8 @@ def choose_models(
     meshed = any(body.contact_points for body in bodies)
     kept = {
         body: body
-        if body.reducible or (truncated and isinstance(body, AOModel))
-        else FixedModel(body)
+        if body.reducible or (truncated and isinstance(body, Body) and body.ports == 1)
+        else fixed_model(body)
         for body in bodies
     }
     bodies = [kept[body] for body in bodies]

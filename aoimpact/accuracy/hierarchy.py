@@ -6,32 +6,18 @@ The bases are nested: every order up to the largest that was made costs no furth
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
-from functools import cached_property
 from threading import RLock
 from typing import Any
 
-import numpy as np
-
 from ..fem import ContactPoint, moves_rigidly, shortest_contact_time
 from ..linalg import LinearSolver, Solver
-from ..reduction import (
-    AOModel,
-    BodyModel,
-    FullModel,
-    InterfaceModel,
-    InterfaceSpace,
-    KrylovSpace,
-    antioscillators,
-    rigid,
-)
+from ..reduction import Body, BodyModel, FullModel, KrylovSpace, antioscillators, rigid
 
-Model = AOModel | InterfaceModel
-Models = tuple[Model, ...]
+Models = tuple[Body, ...]
 
 # A body of at most this many dofs is its own reference where the reference would take more than
 # this share of its dofs as Krylov vectors: the full body is then faster.
@@ -80,215 +66,134 @@ def alike(scale: float, *, up: bool = False) -> float:
     return float(2.0 ** (math.ceil(octave) if up else round(octave)))
 
 
-class Hierarchy(ABC):
-    """One body's models of rising order: 0 is rigid (a fixed wall, if the body is constrained)."""
+@dataclass(eq=False)
+class Hierarchy:
+    """One body's models of rising order: 0 is rigid (a fixed wall, if the body is constrained).
 
-    @property
-    @abstractmethod
-    def first(self) -> int:
-        """The order of the model without oscillators: 0, of a constrained body 1."""
+    Attributes
+    ----------
+    first : int
+        The order of the model without oscillators: 0, of a constrained body 1.
+    most : int
+        The largest order that there is.
+    make : callable
+        Returns the model of an order.
+    space : KrylovSpace or None
+        From which they are made: once all that the ports excite is in it, there are no larger ones.
+    small : bool
+        True of a body that is its own reference where that would take a large share of its dofs.
+    whole : int, optional
+        An order that costs nothing, for references.
+    """
 
-    @abstractmethod
-    def model(self, order: int) -> Model:
-        """Return the model to run; it need not give the body's own displacements."""
+    first: int
+    most: int
+    make: Callable[[int], Body]
+    space: KrylovSpace | None = None
+    small: bool = False
+    whole: int | None = None
+    _models: dict[int, Body] = field(init=False, default_factory=dict)
+    _lock: Any = field(init=False, default_factory=RLock)
 
-    def finished(self, order: int) -> Model:
+    def model(self, order: int) -> Body:
+        """Return the model to run; it may hold vectors that others share."""
+        with self._lock:  # many impacts share it, in several threads
+            order = self.at_most(order)
+            if order not in self._models:
+                self._models[order] = self.make(order)
+                if order >= self.first and self.space is not None and self.space.exhausted:
+                    self.most = order
+            return self._models[order]
+
+    def finished(self, order: int) -> Body:
         """Return the model for the caller."""
-        return self.model(order)
+        return self.model(order).alone
 
-    @abstractmethod
     def at_most(self, order: int) -> int:
         """Return the order itself, or the largest that there is, if that is less."""
+        return min(order, self.most)
 
     def reference_order(self, order: int) -> int:
         """Return the order of a reference no smaller than that: itself, or the whole body's."""
-        return order
+        if self.whole is not None:
+            return self.whole
+        return self.most if self.small and order > _SHARE_OF_DOFS * self.most else order
 
     def is_whole(self, order: int) -> bool:
         """True if the model of this order has the body's exact response at its contact."""
         return self.at_most(order + 1) == self.at_most(order)
 
-
-@dataclass(eq=False)
-class AOHierarchy(Hierarchy):
-    """The truncations of an AO model given by numbers, or of a modal model."""
-
-    whole: AOModel
-
-    @property
-    def first(self) -> int:
-        return 1 if self.whole.constrained else 0
-
-    def model(self, order: int) -> AOModel:
-        kept = self.at_most(order)
-        if kept == 0:
-            return _rigid(self.whole.truncated(0))
-        return self.whole.truncated(kept - self.first)
-
-    def at_most(self, order: int) -> int:
-        return 0 if math.isinf(self.whole.m0) else min(order, self.whole.n + self.first)
-
-    def reference_order(self, order: int) -> int:
-        return self.at_most(self.whole.n + self.first)  # it costs nothing
-
-
-@dataclass(eq=False)
-class FixedModel(Hierarchy):
-    """A model that stays as it is."""
-
-    given: Any
-    first: int = 0
-
-    def model(self, order: int) -> Any:
-        return self.given
-
-    def at_most(self, order: int) -> int:
-        return 0
-
-    def reference_order(self, order: int) -> int:
-        return 0
-
-
-@dataclass(eq=False)
-class ElementHierarchy(Hierarchy):
-    """A finite-element body: models that are fitted to a scene, each made once.
-
-    Attributes
-    ----------
-    tips : tuple of ContactPoint
-    contact_time : float
-        That the models are fitted to, s.
-    duration : float or None
-        How long their motion must be right after that, s.
-    solver : str or callable
-        The linear solver.
-    known : LinearSolver or None
-        One that has been set up; see `KrylovSpace`.
-    """
-
-    tips: tuple[ContactPoint, ...]
-    contact_time: float
-    duration: float | None
-    solver: Solver = "auto"
-    known: LinearSolver | None = None
-    _most: int = field(init=False)
-    _models: dict[int, Any] = field(init=False, default_factory=dict)
-    _lock: Any = field(init=False, default_factory=RLock)
-
-    def __post_init__(self) -> None:
-        self._most = self.dofs
-
-    @property
-    def dofs(self) -> int:
-        """Number of degrees of freedom of the body."""
-        return self.tips[0].body.n_dofs
-
-    @property
-    def resolved(self) -> float:
-        """The contact time, s, or the shortest that the mesh resolves."""
-        return max(self.contact_time, *map(shortest_contact_time, self.tips))
-
-    def model(self, order: int) -> Any:
-        with self._lock:  # many impacts share it, in several threads
-            order = self.at_most(order)
-            if order not in self._models:
-                self._models[order], exhausted = self._made(order)
-                if exhausted:
-                    self._most = order
-            return self._models[order]
-
-    @cached_property
-    @abstractmethod
-    def _space(self) -> KrylovSpace | InterfaceSpace:
-        """The space from which the models are made."""
-
     def release(self) -> None:
         """Give back memory that only larger models need."""
         with self._lock:  # another thread may be making one
-            if "_space" in vars(self):
-                self._space.release()
-
-    @abstractmethod
-    def _made(self, order: int) -> tuple[Model, bool]:
-        """The model, and whether there is none of a higher order."""
-
-    def at_most(self, order: int) -> int:
-        return min(order, self._most)
+            if self.space is not None:
+                self.space.release()
 
 
-class KrylovHierarchy(ElementHierarchy):
-    """A body touched in one place: AO models, and the whole body where it is small."""
-
-    @cached_property
-    def _space(self) -> KrylovSpace:
-        space = KrylovSpace(
-            self.tips[0],
-            contact_time=self.resolved,
-            sharpened=True,
-            solver=self.solver,
-            known=self.known,
-        )
-        self.known = None  # the space keeps it as long as it is needed
-        if self.duration is not None:
-            # A second factorisation, where the body has any mode slower than the contact.
-            natural = space.of_vectors(_FEW).natural_frequencies
-            if (natural > 0.0).any() and 2.0 * np.pi * natural[natural > 0.0][0] < space.shift:
-                space.include(self.duration)
-        return space
-
-    @cached_property
-    def first(self) -> int:
-        return 0 if moves_rigidly(self.tips[0]) else 1
-
-    def finished(self, order: int) -> AOModel:
-        return self.model(order).multiplied_out  # type: ignore[no-any-return]
-
-    def _made(self, order: int) -> tuple[AOModel, bool]:
-        tip = self.tips[0]
-        if order < self.first:
-            return rigid(mass=math.inf, name=tip.name), False
-        if order == self.dofs <= _SMALL_BODY:
-            return antioscillators(tip, order="frequency"), False
-        model = self._space.factored(order - self.first)
-        return model if order > 0 else _rigid(model), self._space.exhausted
-
-    def reference_order(self, order: int) -> int:
-        small = self.dofs <= _SMALL_BODY
-        return self.dofs if small and order > _SHARE_OF_DOFS * self.dofs else order
+def fixed_model(given: Any) -> Hierarchy:
+    """Return the models of a body that has only one."""
+    return Hierarchy(0, 0, lambda order: given, whole=0)
 
 
-def _rigid(model: AOModel) -> AOModel:
-    """A model without oscillators as a rigid body: a wall, if it is constrained."""
-    return rigid(mass=math.inf, name=model.name) if model.k0 > 0.0 else model
+def truncations(given: Body) -> Hierarchy:
+    """Return the truncations of a body of one port, by its anti-oscillators."""
+    star, first = given.star, 1 if given.constrained else 0
+
+    def make(order: int) -> Body:
+        if order > 0:
+            return star.truncated(order - first).modal
+        return _rigid(star.truncated(0).modal)
+
+    most = 0 if given.wall else star.n + first
+    return Hierarchy(first, most, make, whole=most)
 
 
-class InterfaceHierarchy(ElementHierarchy):
-    """A body touched in several places: as many vectors for each as the order.
+def _of_elements(
+    tips: tuple[ContactPoint, ...],
+    contact_time: float,
+    duration: float | None,
+    solver: Solver,
+    known: LinearSolver | None,
+) -> Hierarchy:
+    """The models of a finite-element body that are fitted to a scene, each made once.
 
-    A constrained one has at least one vector for each place, and is no wall.
+    Of a body touched in one place AO models, and the whole body where it is small; in several
+    places as many vectors for each as the order, of a constrained one at least one.
     """
+    resolved = max(contact_time, *map(shortest_contact_time, tips))
+    tip, dofs, single = tips[0], tips[0].body.n_dofs, len(tips) == 1
+    space = KrylovSpace(tips, contact_time=resolved, sharpened=True, solver=solver, known=known)
+    if duration is not None and single:
+        # A second factorisation, where the body has any mode slower than the contact.
+        natural = space.of_vectors(_FEW).omega
+        if not (natural > 0.0).any() or natural[natural > 0.0][0] >= space.shift:
+            duration = None
+    if duration is not None:
+        space.include(duration)
+    free = moves_rigidly(tip) if single else bool(space.rigid_count)
+    first, small = 0 if free else 1, single and dofs <= _SMALL_BODY
 
-    @cached_property
-    def _space(self) -> InterfaceSpace:
-        return InterfaceSpace(
-            self.tips,
-            contact_time=self.resolved,
-            duration=self.duration,
-            sharpened=True,
-            solver=self.solver,
-        )
+    def make(order: int) -> Body:
+        if not single:
+            vectors = space.rigid_count + max(order, first) * len(tips)
+            return space.of_all(min(vectors, dofs))
+        if order < first:
+            return rigid(mass=math.inf, name=tip.name).modal
+        if order == dofs and small:
+            return antioscillators(tip, order="frequency").modal
+        return space.of_vectors(order - first)
 
-    @cached_property
-    def first(self) -> int:
-        return 0 if self._space.rigid_count else 1
+    return Hierarchy(first, dofs, make, space, small)
 
-    def _made(self, order: int) -> tuple[InterfaceModel, bool]:
-        vectors = self._space.rigid_count + max(order, self.first) * len(self.tips)
-        return self._space.of_vectors(min(vectors, self.dofs)), self._space.exhausted
+
+def _rigid(model: Body) -> Body:
+    """A model without oscillators as a rigid body: a wall, if it is constrained."""
+    gives = model.constrained and not model.wall
+    return rigid(mass=math.inf, name=model.name).modal if gives else model
 
 
 def model_hierarchy(
-    body: BodyModel,
+    body: BodyModel | Hierarchy,
     contact_time: float,
     duration: float | None,
     solver: Solver = "auto",
@@ -298,8 +203,8 @@ def model_hierarchy(
 
     Parameters
     ----------
-    body : AOModel, FullModel, InterfaceModel or Hierarchy
-        Models of other kinds stay as they are.
+    body : Body, FullModel or Hierarchy
+        Models of several ports stay as they are.
     contact_time : float
         That the models are fitted to, s.
     duration : float, optional
@@ -311,15 +216,13 @@ def model_hierarchy(
     """
     if isinstance(body, Hierarchy):
         return body
-    if isinstance(body, AOModel):
-        return AOHierarchy(body)
-    if not isinstance(body, FullModel):
-        return FixedModel(body)
-    kind = KrylovHierarchy if len(body.tips) == 1 else InterfaceHierarchy
-    return kind(body.tips, contact_time, duration, solver, known)
+    if isinstance(body, FullModel):
+        return _of_elements(body.tips, contact_time, duration, solver, known)
+    assert isinstance(body, Body)
+    return truncations(body) if body.ports == 1 else fixed_model(body)
 
 
-def only_models(bodies: Sequence[Any]) -> Models | None:
+def only_models(bodies: Sequence[Any]) -> tuple[Body, ...] | None:
     """Return the models of bodies that have only one each, such as rigid ones.
 
     None where there is a choice, as for a contact point.
@@ -329,6 +232,8 @@ def only_models(bodies: Sequence[Any]) -> Models | None:
     bodies : sequence
         As of `model_hierarchy`.
     """
+    if any(isinstance(body, FullModel) for body in bodies):
+        return None
     every = [model_hierarchy(body, math.nan, None) for body in bodies]
     return (
         tuple(one.finished(0) for one in every) if all(one.is_whole(0) for one in every) else None

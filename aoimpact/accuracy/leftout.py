@@ -9,7 +9,7 @@ two bodies, and of several contacts, act in the same run.
 
 A sensor away from the contact sees other motion than that at the contact, whose error says little
 of it: vibration that runs ahead or behind, more with each period. For it, and for all that lasts
-after the contact, each mode of the model is softer by its own error (reduction/softer.py).
+after the contact, each mode of the model is softer by its own error (reduction/finer.py).
 
 A law that is not like Hertz's is taken as it is at a node. The indentation of the mesh there is
 then part of the result: that of solids doubles where elements are halved. Of what lasts it is the
@@ -44,9 +44,9 @@ from ..base import AOImpactError, FloatArray, held_warnings
 from ..fem import ContactPoint, Extraction, ThinExtraction
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law, removable
 from ..reduction import (
+    Body,
     BodyModel,
     FullModel,
-    ReducedModel,
     finer_model,
     softer_model,
 )
@@ -379,7 +379,7 @@ def _of_contact(plan: Plan, number: int, met: Met, *, at_nodes: bool) -> list[_E
         if bare:
             found.append(_End(body, abs(known.removed) + known.error, 0.0, 0.0, 0.0))
             continue
-        assert isinstance(model, ReducedModel)
+        assert isinstance(model, Body)
         assert tip.body.mesh is not None
         safety = _SAFETY[tip.body.mesh.quadratic]
         stiffness = safety * max(
@@ -450,7 +450,7 @@ def _stiffer(
     bodies = list(plan.bodies)
     for body, share in shares.items():
         model = bodies[body]
-        assert isinstance(model, ReducedModel)
+        assert isinstance(model, Body)
         bodies[body] = model.stiffened(1.0 / (1.0 + sign * share / scale))
     contacts = [
         contact._replace(law=_with_compliance(contact.law, -change / scale))
@@ -496,8 +496,8 @@ def _softer(plan: Plan) -> Iterable[Altered]:
             model, softer, tip = plan.bodies[body], bodies[body], plan.bodies[body].touched_at(port)
             known = extraction_of(own_law(contact.law), model, port)
             if known is not None and tip is not None and softer is not model:
-                assert isinstance(model, ReducedModel)
-                assert isinstance(softer, ReducedModel)
+                assert isinstance(model, Body)
+                assert isinstance(softer, Body)
                 moved = softer.deflection(known.s, port) - model.deflection(known.s, port)
                 change += float(tip.b @ moved)
         contacts.append(contact._replace(law=_with_compliance(contact.law, -change)))
@@ -605,4 +605,4 @@ def _derived(model: BodyModel, name: str, make: Callable[[Any], BodyModel]) -> B
 
 def _of_elements(model: BodyModel) -> bool:
     """True if it has a finer model, or is that of a whole body."""
-    return bool(model.contact_points) and not math.isinf(getattr(model, "m0", 0.0))
+    return bool(model.contact_points)

@@ -20,7 +20,7 @@ from ..fem import own_contact_time
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel
 from ..results import Quantity, Run
-from .hierarchy import ElementHierarchy, Hierarchy, Models, alike, model_hierarchy
+from .hierarchy import Hierarchy, Models, alike, model_hierarchy
 
 # Models of n oscillators are compared with _COMPARED larger ones, the largest of which has _BEYOND
 # oscillators more, or half as many again: where errors fall slowly, 8 of 100 change little. One
@@ -72,7 +72,7 @@ class Orders:
     ----------
     orders : tuple of int
         Order of each body; 0 is rigid.
-    models : tuple of AOModel or InterfaceModel
+    models : tuple of Body
     error : float
         Estimated relative error of the quantity from the models' orders.
     rtol : float
@@ -148,7 +148,7 @@ class Search:
     Parameters
     ----------
     bodies : sequence
-        AOModel, InterfaceModel, FullModel or Hierarchy.
+        Body, FullModel or Hierarchy.
     run : callable
         Simulates with given models, one for each body.
     quantity : Quantity
@@ -281,8 +281,7 @@ class Search:
         done = (self._at(each) for each in (orders, *self._larger()))
         run, *larger = (run for run in done if run is not None)  # all, since their errors are small
         for one in self.hierarchies:
-            if isinstance(one, ElementHierarchy):
-                one.release()
+            one.release()
         error = max(self._errors())
         return Orders(found, models, error, self.rtol, run, tuple(larger), self._safety())
 

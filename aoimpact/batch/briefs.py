@@ -12,7 +12,7 @@ from .. import _core
 from ..base import FloatArray
 from ..integrate import Events
 from ..laws import ContactLaw
-from ..reduction import BodyModel, ModalBody
+from ..reduction import Body, BodyModel
 from ..results import Speeds
 
 
@@ -46,11 +46,10 @@ class Briefs:
     """
 
     def __init__(self) -> None:
-        self._bodies: list[ModalBody] = []
+        self._bodies: list[Body] = []
         self._laws: list[ContactLaw] = []
         self._places: dict[int, int] = {}
         self._pairs: list[tuple[int, int, int]] = []
-        self._drifts: list[float] = []
         self._fixed: list[tuple[bool, bool]] = []
         self._rows: list[int] = []
         self.numbers: list[tuple[float, ...]] = []
@@ -61,9 +60,6 @@ class Briefs:
         first, second = bodies
         places = (self._place(self._bodies, first.modal), self._place(self._bodies, second.modal))
         self._pairs.append((*places, self._place(self._laws, law)))
-        share, mass = first.omitted
-        # The share of the velocity that the centre of mass keeps whatever happens.
-        self._drifts.append(share if mass else 0.0)
         self._fixed.append((first.fixed, second.fixed))
         return len(self._pairs) - 1
 
@@ -104,11 +100,10 @@ class Briefs:
 
     @property
     def speeds(self) -> Speeds:
-        """The velocities before and after, of which the projectile keeps a share in any case."""
+        """The velocities before and after."""
         velocity = np.array([numbers[0] for numbers in self.numbers])
-        after = self.answers[:, Answer.FIRST] + np.array(self._drifts)[self._rows] * velocity
         return Speeds(
             np.array([velocity, np.zeros_like(velocity)]),
-            np.array([after, self.answers[:, Answer.SECOND]]),
+            self.answers[:, [Answer.FIRST, Answer.SECOND]].T,
             np.array(self._fixed)[self._rows].T,
         )

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from ..base import AOImpactError, boolean, held_warnings
+from ..base import AOImpactError, InputTypeError, boolean, held_warnings
 from ..impact import checked_numbers, plan_impact
 from ..integrate import Adaptive
 from ..laws import ContactLaw
-from ..reduction import AOModel, ModalModel, fitted_times, is_valid_for
+from ..reduction import Body, body_model, fitted_times, is_valid_for
 from ..results import QUANTITIES, warning_limits
 from ..scene import normal_gap
 from .briefs import Answer, Briefs
@@ -68,8 +68,12 @@ class _Pair:
 
 def _pair(case: Mapping[str, Any], calls: Briefs) -> _Pair | None:
     """The bodies and the law of a case; None where they are not plain, or wrong."""
-    models, law = (case["projectile"], case["target"]), case["law"]
-    if not all(isinstance(model, (AOModel, ModalModel)) for model in models):
+    law = case["law"]
+    try:
+        models = tuple(body_model(name, case[name]) for name in ("projectile", "target"))
+    except InputTypeError:
+        return None  # simulate raises it
+    if not all(isinstance(model, Body) and model.ports == 1 for model in models):
         return None
     tips = [model.extraction_at() for model in models]
     if any(tip is not None and tip.by_width for tip in tips):
@@ -78,7 +82,7 @@ def _pair(case: Mapping[str, Any], calls: Briefs) -> _Pair | None:
         return None
     with held_warnings() as messages:
         try:
-            plan = plan_impact(*models, law, velocity=1.0, duration=1.0)
+            plan = plan_impact(models[0], models[1], law, velocity=1.0, duration=1.0)
             number = calls.pair(plan.bodies, plan.contacts[0].law)
         except Exception:
             return None  # simulate raises it

@@ -11,7 +11,7 @@ import numpy as np
 from ..base import FloatArray, IntArray
 from ..fem import Damping, Grounding, Rayleigh, VirtualMotion, displacement
 from ..integrate import Motion
-from ..reduction import GeneralizedCoordinates
+from ..reduction import Recovery
 from .historyerror import warn_if_wrong
 
 
@@ -24,7 +24,7 @@ class Held:
     grounding : Grounding
     motion : Motion
         Of the reduced model's coordinates, or of the body's own dofs.
-    reduced : GeneralizedCoordinates or None
+    recovery : Recovery or None
         None where `motion` has the dofs.
     damping : Damping or None
         That of modes acts on the free dofs alone.
@@ -34,17 +34,17 @@ class Held:
 
     grounding: Grounding
     motion: Motion
-    reduced: GeneralizedCoordinates | None
+    recovery: Recovery | None
     damping: Damping | None
     gravity: FloatArray
 
     def work(self, of: VirtualMotion, times: FloatArray) -> FloatArray:
         """Return what the ground's forces do along m motions of it, N or N m, shape (m, times)."""
         own = (of.weight @ self.gravity)[:, None]
-        if self.reduced is None:
+        if self.recovery is None:
             return self._by_rows(of.ground.T, of.springs.T, times) - own
-        found: FloatArray = (of.inertia.T @ self.reduced.basis) @ self._accelerations(times)
-        return found - (of.phi.T @ self.reduced.loads) @ self.motion.force(times) - own
+        found: FloatArray = (of.inertia.T @ self.recovery.model.modes) @ self._accelerations(times)
+        return found - (of.phi.T @ self.recovery.loads) @ self.motion.force(times) - own
 
     def at_nodes(self, nodes: IntArray, times: FloatArray) -> FloatArray:
         """Return the forces of the ground on nodes, N, shape (times, nodes, 3)."""
@@ -59,14 +59,14 @@ class Held:
         if body.springs is not None:
             stiff[np.arange(len(free)), free] = body.springs[free]
         ground = np.eye(len(held))[fixed]
-        if self.reduced is None:
+        if self.recovery is None:
             supports = self._by_rows(ground, np.zeros((len(ground), len(body.free))), times)
             springs = self._by_rows(np.zeros((len(free), len(held))), stiff, times)
         else:
             # K⁻¹ of the forces less the inertia, each without its part that moves the body as one.
             r, M = body.rigid_modes, body.M
-            inertia = M @ self.reduced.basis
-            columns = np.hstack([self.reduced.loads, -inertia])
+            inertia = M @ self.recovery.model.modes
+            columns = np.hstack([self.recovery.loads, -inertia])
             columns = columns - M @ (r @ (r.T @ columns))
             moved = np.stack(
                 [displacement(body, one.copy(), body.inverse) for one in columns.T], axis=1
@@ -74,7 +74,9 @@ class Held:
             a = self._accelerations(times)
             causes = np.vstack([self.motion.force(times), a])
             rows = self.grounding.M[fixed][:, body.free]
-            supports = (self.grounding.K[fixed] @ moved) @ causes + (rows @ self.reduced.basis) @ a
+            supports = (self.grounding.K[fixed] @ moved) @ causes + (
+                rows @ self.recovery.model.modes
+            ) @ a
             springs = -(stiff @ moved) @ causes
         found[held[fixed]] = supports - own[:, None]
         found[body.free[free]] = springs
@@ -85,12 +87,13 @@ class Held:
 
         Modal damping acts on the free dofs, and so is left out: M Ẍ + C Ẋ is what is wanted.
         """
-        assert self.reduced is not None
-        by_springs, by_forces = self.reduced.accelerations
+        assert self.recovery is not None
+        model = self.recovery.model
         q, rates = self.motion.observed(None, times)
         if isinstance(self.damping, Rayleigh):
             q = q + self.damping.beta * rates
-        found: FloatArray = by_springs @ q + by_forces @ self.motion.force(times)
+        pushed = (model.modes.T @ self.recovery.loads) @ self.motion.force(times)
+        found: FloatArray = pushed - model.omega[:, None] ** 2 * q
         return found
 
     def _by_rows(self, ground: FloatArray, springs: FloatArray, times: FloatArray) -> FloatArray:

@@ -10,10 +10,10 @@ import numpy as np
 from ..base import FloatArray
 from ..integrate import Events, Motion, Recorder
 from ..linalg import LinearSolver
-from ..reduction import PACE, BodyModel, FullModel, Recovery, ReducedModel
-from ..scene import FreeMotion, Plan
+from ..reduction import PACE, BodyModel, FullModel, Recovery
+from ..scene import Plan
 from .indentation import indentations
-from .response import OmittedMotion, Response
+from .response import Response
 
 Span = tuple[float, float]
 
@@ -51,22 +51,19 @@ def response_of(
             model.body,
             motion,
             None,
-            None,
             peak_time,
             indentations=indentations(plan, body),
             damping=model.damping,
             gravity=_gravity(plan, model),
         )
-    reduced = _reduced(model).coordinates(plan.pull)
-    if reduced is None:
+    if not model.tips:
         return None
-    motion = recorder.motion(body)
-    recovery = Recovery(reduced, _shift(largest[1] - largest[0]), inverse)
+    motion, modal = recorder.motion(body), model.modal
+    recovery = Recovery(modal, modal.loads(plan.pull), _shift(largest[1] - largest[0]), inverse)
     return Response(
-        reduced.body,
+        modal.body,
         motion,
         recovery,
-        _omitted_motion(plan, body),
         peak_time,
         static_deflection=_static_deflection(motion, recovery) if plan.preload else None,
         indentations=indentations(plan, body),
@@ -83,13 +80,6 @@ def _gravity(plan: Plan, model: BodyModel) -> FloatArray:
     if not plan.gravity or tip is None or tip.direction is None or model.weightless:
         return np.zeros(3)
     return plan.gravity * tip.direction
-
-
-def _reduced(model: BodyModel) -> ReducedModel:
-    """The model whose modes a dense run is recorded in."""
-    found = model.whole if isinstance(model, FullModel) else model
-    assert isinstance(found, ReducedModel)
-    return found
 
 
 def _shift(contact_time: float) -> float:
@@ -115,21 +105,12 @@ def _static_deflection(motion: Motion, recovery: Recovery) -> FloatArray | None:
 
     At rest all modes follow the forces, the slow ones too: X = K⁻¹ B f.
     """
-    reduced = recovery.reduced
-    if reduced.body.rigid_modes.shape[1] > 0:
+    body = recovery.model.body
+    if body.rigid_modes.shape[1] > 0:
         return None
     start = np.zeros(1)
     forces = motion.force(start)
-    rest = reduced.body.inverse().solve(np.ascontiguousarray(reduced.loads @ forces))
+    rest = body.inverse().solve(np.ascontiguousarray(recovery.loads @ forces))
     found = recovery.displacement(motion.observed(None, start)[0], forces)
     deflection: FloatArray = (rest - found)[:, 0]
     return deflection
-
-
-def _omitted_motion(plan: Plan, body: int) -> OmittedMotion | None:
-    """The motion of a free body struck off its centre that its AO model does not contain."""
-    velocity = plan.velocities[body]
-    if velocity == 0.0 and plan.gravity == 0.0:
-        return None
-    omitted = _reduced(plan.bodies[body]).omitted_translation
-    return None if omitted is None else OmittedMotion(omitted, FreeMotion(velocity, plan.gravity))

@@ -27,7 +27,6 @@ from ..fem import (
 from ..integrate import Motion
 from ..mesh import node_at, weights_at
 from ..reduction import Recovery
-from ..scene import FreeMotion
 from .channel import Channel, filtered_acceleration
 from .fields import Field, Filtered, Probe, solid
 from .gauge import Gauge, gauge_ends
@@ -47,20 +46,6 @@ _DIFFERENCES = 2.0
 
 # Times of the record at which the largest motion is looked for.
 _LOOKS = 200
-
-
-@dataclass(frozen=True, eq=False)
-class OmittedMotion:
-    """A rigid motion that a reduced model does not contain, since no contact excites it.
-
-    Attributes
-    ----------
-    shape : ndarray, shape (n_dofs,)
-    motion : FreeMotion
-    """
-
-    shape: FloatArray
-    motion: FreeMotion
 
 
 def stress_rows_at(body: FEModel, point: FloatArray, layer: Layer) -> StressRows:
@@ -209,8 +194,6 @@ class Response:
         Of the body's own dofs, or of its reduced model's coordinates.
     recovery : Recovery or None
         From the reduced model's coordinates to the dofs; None where `motion` has these.
-    omitted : OmittedMotion or None
-        The motion of a free body that its model does not contain.
     peak_time : float
         When the largest force acts, s.
     static_deflection : ndarray, shape (n_dofs,), or None
@@ -228,7 +211,6 @@ class Response:
     body: FEModel
     motion: Motion
     recovery: Recovery | None
-    omitted: OmittedMotion | None
     peak_time: float
     static_deflection: FloatArray | None = None
     finer: Callable[[], Response | None] | None = field(default=None, repr=False)
@@ -349,8 +331,7 @@ class Response:
     @property
     def held(self) -> Held:
         """The body as it is held, for the forces of its supports."""
-        reduced = None if self.recovery is None else self.recovery.reduced
-        return Held(self.body.grounding, self.motion, reduced, self.damping, self.gravity)
+        return Held(self.body.grounding, self.motion, self.recovery, self.damping, self.gravity)
 
     def _compared_with(
         self, history: Callable[[Response, FloatArray], FloatArray], times: FloatArray
@@ -422,11 +403,8 @@ class Response:
         times : ndarray, shape (k,)
             s.
         """
-        row = functional if self.recovery is None else functional @ self.recovery.reduced.basis
-        found: FloatArray = self.motion.observed(row[None], times)[0][0]
-        if self.omitted is None:
-            return found
-        return found + float(functional @ self.omitted.shape) * self.omitted.motion.at(times)[0]
+        row = functional if self.recovery is None else self.recovery.model.seen(functional)
+        return np.asarray(self.motion.observed(row[None], times)[0][0])
 
     def _errors(self, rows: Any, times: FloatArray) -> dict[str, FloatArray]:
         """Relative errors of rows @ X, of its rate and of the stress anywhere, each (times,)."""
@@ -470,15 +448,16 @@ class Response:
         """The shapes that deform the body, (n_dofs, k)."""
         assert self.recovery is not None
         at_rest = [] if self.static_deflection is None else [self.static_deflection[:, None]]
-        return np.hstack([self.recovery.reduced.basis, self.recovery.shapes, *at_rest])
+        return np.hstack([self.recovery.basis, self.recovery.shapes, *at_rest])
 
     def _amounts(self, times: FloatArray) -> FloatArray:
         """How much of each of the `_shapes` there is, (k, times)."""
         assert self.recovery is not None
         coordinates = self.motion.observed(None, times)[0]
-        added = self.recovery.amounts(coordinates, self.motion.force(times))
+        forces = self.motion.force(times)
+        added = self.recovery.amounts(coordinates, forces)
         at_rest = [] if self.static_deflection is None else [np.ones((1, len(times)))]
-        return np.vstack([coordinates, added, *at_rest])
+        return np.vstack([coordinates, forces, added, *at_rest])
 
     @cached_property
     def _free(self) -> IntArray:
@@ -552,10 +531,6 @@ class Response:
         if self.static_deflection is not None:
             at_rest = self.static_deflection if rows is None else rows @ self.static_deflection
             u = u + at_rest[:, None]
-        if self.omitted is not None:
-            way, speed = self.omitted.motion.at(times)
-            moved = self.omitted.shape if rows is None else rows @ self.omitted.shape
-            u, v = u + np.outer(moved, way), v + np.outer(moved, speed)
         return u, v
 
     @cached_property

@@ -121,7 +121,7 @@ def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = 
         return False
     if like:
         return True
-    if (tip.directed and tip.thin is None) or not body.turnable:
+    if tip.directed and tip.thin is None:
         way, opposite = ("out of", "into") if outward else ("into", "out of")
         raise InputError(
             f"{name}: direction {plain(tip.direction)} goes {opposite} the body at point "

@@ -17,7 +17,7 @@ from ..base import FloatArray, InputError, finite_array, nonnegative, plain
 from ..fem import ContactPoint
 from ..laws import ContactLaw
 from ..mesh import plane_of
-from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel
+from ..reduction import Body, BodyModel, FullModel, turning
 
 # Directions of travel within 5° are one; a contact point's is along its normal within 1°.
 _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
@@ -68,7 +68,9 @@ def checked_spin(value: Any) -> FloatArray | None:
 def refuse_held(name: str, model: BodyModel) -> None:
     """Refuse the spin of a body that cannot turn."""
     held = model.constrained or model.wall
-    if held or (isinstance(model, AOModel) and model.inertia is None):
+    if held or (
+        isinstance(model, Body) and model.numbers is not None and model.numbers.inertia is None
+    ):
         why = "is held" if held else "has no inertia to turn with"
         raise InputError(
             f"spin: {name} {why}; give the spin of a free body: ao.ball(...), "
@@ -189,17 +191,18 @@ def with_functionals(
     if isinstance(model, FullModel):
         tips = [one for tip in model.tips for one in tip.functionals]
         return replace(model, tips=tuple(tips))
-    if isinstance(model, InterfaceModel) and _moves_along(model, axes):
+    assert isinstance(model, Body)
+    if model.numbers is not None and model.kind in ("rigid", "wall"):
+        return turning(model.numbers, axes, roles or ROLES[:1])
+    if model.tips and _moves_along(model, axes):
         return model
-    if isinstance(model, AOModel) and model.n == 0 and model.k0 == 0.0 and model.origin is None:
-        return model.turning(axes, roles or ROLES[:1])
     raise InputError(
         f"{name}: {model!r} moves along one direction only; for friction give its contact point "
         "(body.contact(point=...)), full(...) of it, ball(...) or rigid(mass, inertia=)"
     )
 
 
-def _moves_along(model: InterfaceModel, axes: FloatArray) -> bool:
+def _moves_along(model: Body, axes: FloatArray) -> bool:
     """True if it was chosen for an impact with friction along these axes."""
     given = [tip.tangents for tip in model.tips[::3]]
     return all(one is not None and np.allclose(one, axes[1:], atol=0.1) for one in given)

@@ -164,7 +164,7 @@ class Scene:
 
         Parameters
         ----------
-        body : ContactPoint or list of ContactPoint, AOModel, ModalModel, InterfaceModel, FullModel
+        body : ContactPoint or list of ContactPoint, AOModel, Body, FullModel
             A ContactPoint (``body.contact(...)``) is reduced as far as the quantity of interest
             allows, a list of them on one body is one that is touched in several places, ``full``
             of them the full finite-element model, a `rigid` body of infinite mass a wall.

@@ -49,7 +49,7 @@ def simulate(
 
     Parameters
     ----------
-    projectile, target : ContactPoint, AOModel, ModalModel or FullModel
+    projectile, target : ContactPoint, AOModel, Body or FullModel
         A contact point (``body.contact(...)``) is reduced as far as the quantity of interest
         allows; ``full(tip)`` is the full finite-element model. A model of a given number of
         oscillators is best made by ``antioscillators(tip, n, method="krylov", contact_time=)``. A

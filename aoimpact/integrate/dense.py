@@ -213,13 +213,12 @@ class DenseRecorder:
 
     def modes(self, times: FloatArray, body: int) -> tuple[FloatArray, FloatArray]:
         """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
-        found = self.track.states(times, body, self.plan.modal[body].n)
+        found = self.track.states(times, body, len(self.plan.modal[body].omega))
         return found[:, 0].T, found[:, 1].T
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
-        modal, ours = self.plan.modal[body], slice(*self.plan.first_modes[body : body + 2])
-        x, v = (np.frombuffer(of)[ours] for of in (self.x, self.v))
-        return modal.coordinates(x), modal.coordinates(v)
+        ours = slice(*self.plan.first_modes[body : body + 2])
+        return np.frombuffer(self.x)[ours], np.frombuffer(self.v)[ours]
 
     def motion(self, body: int) -> DenseMotion:
         return DenseMotion(self, body)

@@ -18,7 +18,6 @@ from ..base import (
     warn,
 )
 from ..laws import ContactLaw, check_width
-from ..reduction import AOModel
 from ..scene import Plan, coordinates
 from .events import Events, find_events, find_slips
 from .motion import ForcedMotion
@@ -98,11 +97,6 @@ class SteppedRecorder:
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         model = self.plan.bodies[body]
         u, v = (coordinates(model, of) for of in self.record.final[body])
-        if (
-            isinstance(model, AOModel) and model.modal.antiresonance is not None
-        ):  # whose first coordinate is the contact, massless or not
-            rows = self.plan.layout.body(self.record.rows, body)
-            u[0], v[0] = rows.port_displacements[0, -1], rows.port_velocities[0, -1]
         return u, v
 
     @cached_property
@@ -131,14 +125,12 @@ class SteppedRecorder:
         plan, model = self.plan, self.plan.bodies[body]
         forces = plan.port_forces(body, self.times, plan.layout.pushes(self.record.rows))
         equations = plan.stepped(body).equations
-        residual = model.modal.residual if isinstance(model, AOModel) else None
         return ForcedMotion(
             equations,
             self.rule,
             self.record.dt,
             forces[: equations.B.shape[1]],  # a wall has no weight
             partial(coordinates, model),
-            0.0 if residual is None else float(residual[0, 0]),
         )
 
 

@@ -51,12 +51,7 @@ class DenseMotion:
 
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return rows @ q and rows @ q̇ at `times`, s; q and q̇ themselves where rows is None."""
-        modal = self.run.plan.modal[self.body]
-        u, v = (modal.coordinates(of) for of in self.run.modes(times, self.body))
-        if modal.residual is not None and modal.ports == 1:
-            residual = float(modal.residual[0, 0])  # a massless contact follows at once
-            u[0] += residual * self.force(times)[0]
-            v[0] += residual * self.force_rate(times)[0]
+        u, v = self.run.modes(times, self.body)
         return (u, v) if rows is None else (rows @ u, rows @ v)
 
     def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
@@ -99,8 +94,6 @@ class ForcedMotion:
         As `Plan.port_forces` gives them.
     model : callable
         The model's coordinates from those that are stepped, (n,) or (n, times).
-    residual : float, optional
-        Compliance of a massless contact, the model's first coordinate, m/N.
     """
 
     equations: Equations
@@ -108,7 +101,6 @@ class ForcedMotion:
     dt: float
     forces: FloatArray
     model: Callable[[FloatArray], FloatArray]
-    residual: float = 0.0
 
     @property
     def duration(self) -> float:
@@ -121,11 +113,6 @@ class ForcedMotion:
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return rows @ q and rows @ q̇, as `DenseMotion.observed` does."""
         u, v, _ = self._seen(rows, times)
-        if self.residual:
-            contact = np.eye(len(self.model(self.equations.u0)), 1)
-            column = self.residual * (contact if rows is None else rows @ contact)
-            u = u + column * self.force(times)[:1]
-            v = v + column * self.force_rate(times)[:1]
         return u, v
 
     def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
@@ -133,7 +120,7 @@ class ForcedMotion:
         return np.asarray(self._seen(rows, times)[2])
 
     def _seen(self, rows: Any, times: FloatArray) -> FloatArray:
-        """rows @ q, q̇ and q̈, without what a massless contact adds, shape (3, rows, times).
+        """rows @ q, q̇ and q̈, shape (3, rows, times).
 
         Between two steps everything is linear in time. The equations of motion, which are linear
         too, hold there as they do at the steps, and the error is of the rule's own order.

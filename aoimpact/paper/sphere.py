@@ -114,7 +114,7 @@ def all_dofs() -> ao.FullModel:
 
 
 @cache
-def pair(body: ao.AOModel | ao.ModalModel | ao.FullModel, speed: float = VELOCITY) -> ao.Result:
+def pair(body: ao.AOModel | ao.Body | ao.FullModel, speed: float = VELOCITY) -> ao.Result:
     """Run two like bodies against each other; contact times go as V^(-1/5), and so does dt."""
     slower = (VELOCITY / speed) ** 0.2
     step = _STAR_STEP if isinstance(body, ao.AOModel) else _STEP

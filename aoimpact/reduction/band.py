@@ -12,12 +12,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..base import FloatArray, warn, with_unit
-from ..fem import SHIFT_TIMES_DURATION, ContactPoint, highest_shift, near_static
-from .recovery import GeneralizedCoordinates, Recovery
+from ..fem import SHIFT_TIMES_DURATION, highest_shift, near_static
+from .recovery import Recovery
+
+if TYPE_CHECKING:
+    from .body import Body
 
 # Error of the receptance at iω up to which a frequency is in the band. A mode that gives a tenth of
 # the receptance there is then right to 1 %.
@@ -78,20 +82,20 @@ class Band:
         )
 
 
-def band_of(reduced: GeneralizedCoordinates, tips: tuple[ContactPoint, ...]) -> Band:
-    """Return the band of a model, from its coordinates and its ports."""
-    slow = math.sqrt(near_static(reduced.body))
-    fast = max(map(highest_shift, tips))
+def band_of(model: Body) -> Band:
+    """Return the band of a model of a finite-element body."""
+    slow = math.sqrt(near_static(model.body))
+    fast = max(map(highest_shift, model.tips))
     decades = math.log10(max(fast / slow, 10.0))
     omega = np.geomspace(slow, fast, math.ceil(_EACH_DECADE * decades))
-    recovery = Recovery(reduced, slow)
-    shapes, body = recovery.shapes, reduced.body
+    recovery = Recovery(model, model.loads(), slow)
+    shapes, body = recovery.shapes, model.body
     energy = shapes.T @ (body.K @ shapes) + slow**2 * (shapes.T @ (body.M @ shapes))
-    forces, loads = np.eye(len(tips)), reduced.basis.T @ reduced.loads
+    own = 0.0 if model.residual is None else model.residual.diagonal()
     error = np.empty(len(omega))
     for i, s2 in enumerate(omega**2):
-        motion = np.linalg.solve(reduced.stiffness + s2 * np.diag(reduced.mass), loads)
-        left = recovery.amounts(motion, forces)
+        motion = (model.push / (model.omega**2 + s2)).T
+        left = recovery.amounts(motion, np.eye(model.ports))
         missing = np.einsum("ip,ij,jp->p", left, energy, left)
-        error[i] = (missing / np.einsum("ip,ip->p", loads, motion)).max()
+        error[i] = (missing / (np.einsum("pi,ip->p", model.shape, motion) + own)).max()
     return Band(omega, error)

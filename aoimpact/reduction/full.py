@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from ..base import FloatArray, Frozen, InputError, InputTypeError, boolean, checked
-from ..fem import (
-    ContactPoint,
-    FEModel,
-    ModalDamping,
-    centre_of,
-    moves_rigidly,
-    static_mode,
-    translates,
-)
-from .bodymodel import BodyModel, FiniteElementModel, checked_ports
-from .interface import InterfaceModel
-from .modalbody import ModalBody, Pull, Velocity
-from .modes import ModalModel, modal, whole_interface
+from ..fem import ContactPoint, FEModel, ModalDamping, moves_rigidly, static_mode, translates
+from .body import Body, BodyModel, Pull, Velocity, checked_ports
+from .modes import all_modes, modal
 from .reduction import antioscillators
 from .star import AOModel
 
@@ -31,7 +21,7 @@ _MODAL_MOST = 3000
 
 
 @dataclass(frozen=True, repr=False)
-class FullModel(Frozen, FiniteElementModel):
+class FullModel(Frozen, BodyModel):
     """All degrees of freedom of a finite-element body. Made by `full`.
 
     Two of them are equal if they have the same contact points.
@@ -63,35 +53,17 @@ class FullModel(Frozen, FiniteElementModel):
         return f"full({self.tips[0] if len(self.tips) == 1 else list(self.tips)})"
 
     @property
-    def contact_points(self) -> tuple[ContactPoint, ...]:
-        """The places where it is touched."""
-        return self.tips
-
-    @property
     def dofs(self) -> int:
         """Number of the body's free degrees of freedom."""
         return self.body.n_dofs
 
-    @cached_property
-    def centre(self) -> tuple[FloatArray, float, bool]:
-        """Functional of the centre of mass, mass, kg, and whether they are known.
+    @property
+    def static_mode(self) -> FloatArray:
+        """φ_st at the first port, eqs. (2), (3), shape (n_dofs,).
 
         :meta private:
         """
-        return centre_of(self.tips[0], lambda: static_mode(self.tips[0]).phi)
-
-    @property
-    def centre_known(self) -> bool:
-        """True if its centre of mass is known; else the mean over the static mode stands in."""
-        return self.centre[2]
-
-    @property
-    def known_mass(self) -> float | None:
-        """Mass of the whole body, kg; None where its centre of mass is not known.
-
-        :meta private:
-        """
-        return self.centre[1] if self.centre_known else None
+        return static_mode(self.tips[0]).phi
 
     @cached_property
     def constrained(self) -> bool:
@@ -104,28 +76,12 @@ class FullModel(Frozen, FiniteElementModel):
         return min(static_mode(tip).mass for tip in self.tips)
 
     @cached_property
-    def whole(self) -> AOModel | InterfaceModel:
-        """The reduced model that leaves nothing out which acts at its contact points.
-
-        :meta private:
-        """
-        return antioscillators(self.tips[0]) if self.ports == 1 else whole_interface(self.tips)
-
-    @property
-    def modal(self) -> ModalBody:
+    def modal(self) -> Body:
         """All natural modes that its contact points excite.
 
         :meta private:
         """
-        return self.whole.modal
-
-    @property
-    def massless(self) -> bool:
-        """Not as it is stepped: an implicit step resolves what its matrices have.
-
-        :meta private:
-        """
-        return False
+        return antioscillators(self.tips[0]).modal if self.ports == 1 else all_modes(self.tips)
 
     @cached_property
     def moving(self) -> FloatArray:
@@ -139,10 +95,10 @@ class FullModel(Frozen, FiniteElementModel):
         tip = self.tips[0]
         if tip.direction is not None and (self.ports > 1 or translates(tip)):
             return self.body.translation(tip.direction)
-        return static_mode(tip).phi
+        return self.static_mode
 
     def rates(self, velocity: Velocity) -> FloatArray:
-        """Return the velocities of the dofs at the start, shape (n_dofs,); see `ModalBody.rates`.
+        """Return the velocities of the dofs at the start, shape (n_dofs,); see `Body.rates`.
 
         :meta private:
         """
@@ -165,7 +121,7 @@ class FullModel(Frozen, FiniteElementModel):
         if isinstance(gravity, np.ndarray):
             along = [self.body.com_functional(axis) for axis in np.eye(3)]
             return np.asarray(self.body.mass * (gravity @ along))
-        forces: FloatArray = gravity * self.body.mass * self.centre[0]
+        forces: FloatArray = gravity * self.body.mass * self.centre_of_mass[0]
         return forces
 
     def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
@@ -183,7 +139,7 @@ class FullModel(Frozen, FiniteElementModel):
         return np.outer(ports, ports), ports * root[-1] if weighed else np.zeros(self.ports)
 
     @cached_property
-    def damped_modes(self) -> ModalModel | None:
+    def damped_modes(self) -> Body | None:
         """All natural modes, where damping is given by them; else None.
 
         :meta private:
@@ -202,16 +158,6 @@ class FullModel(Frozen, FiniteElementModel):
     def label(self) -> str:
         """Kind of the model, "full(3159)"."""
         return f"full({self.dofs})"
-
-    def turned(self, ports: Sequence[int]) -> Self:
-        """Return the model with the direction of travel turned round at some ports.
-
-        :meta private:
-        """
-        if not ports:
-            return self
-        tips = (tip.reversed() if i in ports else tip for i, tip in enumerate(self.tips))
-        return replace(self, tips=tuple(tips))
 
 
 def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
@@ -240,16 +186,15 @@ def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
 def body_model(name: str, body: Any) -> BodyModel:
     """Return the model that a caller's body is or stands for.
 
-    A contact point, or a list of them, stands for a full model that may be reduced; a modal model
-    is the AO model that it is in other coordinates.
+    A contact point, or a list of them, stands for a full model that may be reduced.
 
     Raises
     ------
     InputError, InputTypeError
         If it is no model of a body, or the contact points are on different ones.
     """
-    if isinstance(body, ModalModel):
-        return body.star
+    if isinstance(body, AOModel):
+        return body.modal
     if isinstance(body, BodyModel):
         return body
     if isinstance(body, ContactPoint | list | tuple):
@@ -260,7 +205,7 @@ def body_model(name: str, body: Any) -> BodyModel:
             f"{name}=body.contact(point=(x, y, z))"
         )
     raise InputTypeError(
-        f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
+        f"{name} must be an AOModel (antioscillators, rigid), a Body (modal, interface), "
         "the full model (full(tip)), or a ContactPoint (body.contact(...); a list of them where it "
         f"is touched in several places), got {body!r}"
     )

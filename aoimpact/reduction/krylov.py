@@ -1,28 +1,21 @@
-"""Anti-oscillators fitted to the contact time: the paper's, on a rational Krylov subspace.
+"""Models fitted to the contact time: a body projected on what impacts at its ports excite.
 
 The paper takes the constraint modes of the whole body. A short contact does not excite most of
 them. Here the body is first projected on the vectors that a contact of duration T excites,
 (K + s²M)⁻¹ b, (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … with s ~ 1/T, each of which costs one solve; and, if
-it is constrained, on its static mode, without which the model of few vectors is far too stiff.
+it is constrained, on its static modes, without which the model of few vectors is far too stiff.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from ..base import (
-    InputError,
-    InputTypeError,
-    bar,
-    boolean,
-    instance,
-    integer,
-    warn,
-)
+from ..base import InputError, bar, boolean, instance, integer, warn
 from ..fem import (
     SHIFT_TIMES_DURATION,
     ContactPoint,
@@ -31,9 +24,9 @@ from ..fem import (
     moves_rigidly,
     slow_shift,
 )
-from ..linalg import LinearSolver, Solver
-from .modes import star_of_modes
-from .star import AOModel
+from ..linalg import EQUAL, LinearSolver, Solver
+from .body import Body, checked_ports, of_modes, ways_of
+from .star import AOModel, excited
 from .subspace import Subspace
 
 # A shift is as good as the best within this factor: on the paper's beam 8 to 14 over the contact
@@ -45,18 +38,18 @@ _MOST_IDLE = 2
 
 
 class KrylovSpace:
-    """The space from which scene-fitted anti-oscillators of a body are made; it grows.
+    """The space from which models of a body that are fitted to a scene are made; it grows.
 
-    `antioscillators(tip, n, method="krylov")` makes one and uses it once. Kept, it gives
-    models of any order, the next one for a single solve more; up to three on symmetric bodies once
-    the model is right to rounding, which then adds motions that b does not excite. The static mode
-    of a constrained body is, in compact bodies, a combination of some six to ten vectors that
+    `antioscillators(tip, n, method="krylov")` and `interface` make one and use it once. Kept, it
+    gives models of any order, the next one for a single solve more; up to three on symmetric bodies
+    once the model is right to rounding, which then adds motions that no port excites. The static
+    mode of a constrained body is, in compact bodies, a combination of some six to ten vectors that
     larger models take anyway. In slender and thin ones it takes another factorisation, of K.
 
     Parameters
     ----------
-    tip : ContactPoint
-        From `FEModel.contact`.
+    tips : ContactPoint, or a sequence of them
+        Places on one and the same body, from `FEModel.contact`.
     contact_time : float, optional
         How long the contact lasts, s; a factor of two or three does not matter. By default half a
         period of the body's mass on the stiffness of its contact coordinate, which is far too short
@@ -79,9 +72,9 @@ class KrylovSpace:
     Raises
     ------
     InputError
-        If `contact_time` is shorter than what the mesh resolves.
+        If the tips are not on one body, or `contact_time` is shorter than what the mesh resolves.
     SingularError
-        If the contact moves part of the body as a mechanism.
+        If a port moves part of the body as a mechanism.
 
     Examples
     --------
@@ -94,7 +87,7 @@ class KrylovSpace:
 
     def __init__(
         self,
-        tip: ContactPoint,
+        tips: ContactPoint | Sequence[ContactPoint],
         *,
         contact_time: float | None = None,
         duration: float | None = None,
@@ -102,25 +95,26 @@ class KrylovSpace:
         solver: Solver = "auto",
         known: LinearSolver | None = None,
     ) -> None:
-        if not isinstance(tip, ContactPoint):
-            raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
-        self.tip = tip
-        self.shift = fitted_shifts([tip], contact_time, None)[0]
-        highest = highest_shift(tip)
-        if known is not None and instance("known", known, LinearSolver).pencil.K is not tip.body.K:
+        self.tips = checked_ports("tips", tips)
+        body = self.tips[0].body
+        self.shift = fitted_shifts(self.tips, contact_time, None)[0]
+        highest = min(map(highest_shift, self.tips))
+        if known is not None and instance("known", known, LinearSolver).pencil.K is not body.K:
             raise InputError("known: it solves for another body; take tip.body.inverse(s2)")
-        shift = math.sqrt(known.s2) if known else tip.shift or self.shift
-        if abs(math.log(shift / self.shift)) > math.log(_AS_GOOD) or shift > highest:
-            known = None
-        else:
+        shift = math.sqrt(known.s2) if known else self.tips[0].shift or self.shift
+        near = abs(math.log(shift / self.shift)) <= math.log(_AS_GOOD)
+        if near and shift <= highest and len(self.tips) == 1:
             self.shift = shift
+        else:
+            known = None
         self.contact_time = SHIFT_TIMES_DURATION / self.shift
         limit = highest if boolean("sharpened", sharpened) else 0.0
-        self._space = Subspace([tip], [self.shift], highest=limit, solver=solver, known=known)
+        self._space = Subspace(self.tips, [self.shift], highest=limit, solver=solver, known=known)
+        self.rigid_count = self._space.rigid_count
         if duration is not None:
             self.include(duration)
         # A constrained body's static mode is one more vector; a free one's is a rigid motion.
-        self._first = self._space.rigid_count + (0 if moves_rigidly(tip) else 1)
+        self._first = self.rigid_count + (0 if moves_rigidly(self.tips[0]) else 1)
 
     @property
     def solves(self) -> int:
@@ -143,42 +137,41 @@ class KrylovSpace:
         >>> [space.antioscillators(n).n for n in (2, 3)]
         [2, 3]
         """
-        wanted = integer("n", n, low=0, high=self.tip.body.n_dofs - 1)
+        wanted = integer("n", n, low=0, high=self.tips[0].body.n_dofs - 1)
         vectors = wanted
-        star = self.of_vectors(vectors)
+        star = self.of_vectors(vectors).alone.star
         while star.n < wanted and not self.exhausted and vectors < _MOST_IDLE * wanted:
             # Where b excites only some modes, rounding adds vectors of the others.
             vectors += wanted - star.n
-            star = self.of_vectors(vectors)
+            star = self.of_vectors(vectors).alone.star
         if star.n < wanted:
             warn(f"n={n}: only {star.n} anti-oscillators carry mass at this contact")
         return star if star.n <= wanted else _of_largest_mass(star, wanted)
 
-    def of_vectors(self, n: int) -> AOModel:
+    def of_vectors(self, n: int) -> Body:
         """Return the model of `n` vectors beside the static one: of `n` oscillators, or fewer.
 
-        :meta private:
-        """
-        return self.factored(n).multiplied_out
-
-    def factored(self, n: int) -> AOModel:
-        """Return the model of `of_vectors` with shapes that are multiplied out when needed.
-
-        It is made for much less, and holds the whole space as long as it lives.
+        Its modes are multiplied out when they are needed. It is made for much less than one whose
+        are, and holds the whole space as long as it lives.
 
         :meta private:
         """
-        vectors = integer("n", n, low=0)
-        with bar(f"model of {self.tip.body.n_dofs} dofs", unit="solution"):
-            omega2, coordinates = self._space.ritz_on_basis(self._first + vectors)
-        return star_of_modes(
-            self.tip,
+        return only_excited(self.of_all(self._first + integer("n", n, low=0), "AO"))
+
+    def of_all(self, n: int, kind: str = "interface") -> Body:
+        """Return the model of `n` vectors, rigid motions included, or of as many as there are.
+
+        :meta private:
+        """
+        with bar(f"model of {self.tips[0].body.n_dofs} dofs", unit="solution"):
+            omega2, coordinates = self._space.ritz_on_basis(n)
+        return of_modes(
+            self.tips,
             omega2,
-            self._space.first_vectors(len(coordinates)),
-            "AO",
-            coordinates=coordinates,
-            vectors=partial(self._space.first_vectors, len(coordinates)),
-            solver=self._space.solver_name,
+            partial(self._space.first_vectors, len(coordinates)),
+            coordinates,
+            kind=kind,
+            linear_solver=self._space.solver_name,
             contact_time=self.contact_time,
         )
 
@@ -191,7 +184,7 @@ class KrylovSpace:
 
     @property
     def exhausted(self) -> bool:
-        """True if all that b excites is in the space."""
+        """True if all that the ports excite is in the space."""
         return self._space.exhausted
 
     def include(self, duration: float) -> None:
@@ -199,15 +192,103 @@ class KrylovSpace:
 
         :meta private:
         """
-        slow = slow_shift(self.tip, duration)
+        slow = slow_shift(self.tips[0], duration)
         if slow < self.shift:
             self._space.shifts = (self.shift, slow)
+
+
+def only_excited(body: Body) -> Body:
+    """Return a body of one port without the modes that an impact on it does not excite.
+
+    Two rigid motions are left at most: that which the port excites, and the rest of a translation
+    along the direction of travel, with which an impact off the centre begins.
+    """
+    tip, r, still = body.tips[0], body.shape[0], body.omega == 0.0
+    on = np.eye(len(r)) if body.coordinates is None else body.coordinates
+    moved = excited(body)
+    rigid = ways_of(tip, np.where(moved, r, 0.0)[still], body.spanning @ on[:, still])
+    elastic = moved & ~still
+    coordinates = np.hstack([on[:, still] @ rigid, on[:, elastic]])
+    shape = np.concatenate([r[still] @ rigid, r[elastic]])[None]
+    shape[0, 1 : rigid.shape[1]] = 0.0
+    omega = np.concatenate([np.zeros(rigid.shape[1]), body.omega[elastic]])
+    omega2 = omega[rigid.shape[1] :] ** 2
+    distinct = np.count_nonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
+    n = distinct + min(rigid.shape[1], 1) - 1
+    return replace(
+        body,
+        kind="AO" if n or not rigid.shape[1] else "rigid",
+        n=n,
+        omega=omega,
+        shape=shape,
+        push=shape,
+        inertia=np.ones(len(omega)),
+        coordinates=coordinates,
+    )
 
 
 def _of_largest_mass(star: AOModel, n: int) -> AOModel:
     """The `n` oscillators of the largest mass, in the star's order; the others' joins m0."""
     by_mass = np.argsort(-star.m, kind="stable")
     order = np.concatenate([np.sort(by_mass[:n]), by_mass[n:]])
-    assert star.origin is not None  # it was made from modes
-    origin = replace(star.origin, oscillators=star.origin.oscillators[:, order])
-    return replace(star, m=star.m[order], k=star.k[order], origin=origin).truncated(n)
+    return replace(star, m=star.m[order], k=star.k[order]).truncated(n)
+
+
+def interface(
+    tips: ContactPoint | Sequence[ContactPoint],
+    n: int,
+    *,
+    contact_time: float | None = None,
+    duration: float = math.inf,
+    solver: Solver = "auto",
+) -> Body:
+    """Return the model of a body touched in several places.
+
+    Its modes are those of the body projected on the rigid motions and on what impacts at the ports
+    excite, port by port in turn: (K + s²M)⁻¹ B, (K + s²M)⁻¹ M (K + s²M)⁻¹ B, …
+
+    Parameters
+    ----------
+    tips : ContactPoint, or a sequence of them
+        Places on one and the same body, from `FEModel.contact`.
+    n : int
+        Number of modes, the body's rigid motions included and at least one more for each port.
+    contact_time : float, optional
+        The shortest contact that the modes are fitted to, s; by default the shortest of those that
+        the ports have by themselves.
+    duration : float, optional
+        How long the body's motion is to be right, s. By default for ever: every other vector is
+        static, so that the lowest natural modes are right. ``duration=contact_time`` fits all
+        vectors to the contact, which spares a factorisation and is best for its force alone.
+    solver : str or callable, optional
+        See `FEModel.inverse`.
+
+    Raises
+    ------
+    InputError
+        If the tips are not on one body, or `n` is out of range.
+    SingularError
+        If a port moves part of the body as a mechanism.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the ports excite fewer than `n` modes.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.03, 0.07)]
+    >>> model = ao.interface(places, n=8, contact_time=1e-4)
+    >>> len(model.tips), model.participation.shape
+    (2, (2, 8))
+    """
+    space = KrylovSpace(tips, contact_time=contact_time, duration=duration, solver=solver)
+    body = space.tips[0].body
+    least = min(space.rigid_count + len(space.tips), body.n_dofs)
+    n = integer("n", n, low=least, high=body.n_dofs)
+    model = space.of_all(n).alone
+    if model.n < n:
+        warn(f"n={n}: the ports excite only {model.n} modes")
+    return model

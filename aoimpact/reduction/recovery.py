@@ -1,8 +1,8 @@
-"""From a reduced model's few coordinates back to the whole body, with the correction they need.
+"""From a model's few modes back to the whole body, with the correction that they need.
 
-X_r = λ₀ φ_st + Σ (λ_i - λ₀) Ψ_i, eq. (8), is only a part of the displacement. The rest responds to
-the forces that the reduced motion leaves unbalanced, r = b F - K X_r - M Ẍ_r with the acceleration
-Ẍ_r that F and the model's springs give:
+X_r = Σ q_j φ_j, eq. (8) in other coordinates, is only a part of the displacement. The rest responds
+to the forces that the reduced motion leaves unbalanced, r = b F - K X_r - M Ẍ_r with the
+acceleration Ẍ_r that F and the model's springs give:
 
     X = X_r + (K + s²M)⁻¹ r.
 
@@ -20,13 +20,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..base import FloatArray
-from ..fem import FEModel
 from ..linalg import ROUGH, LinearSolver
+
+if TYPE_CHECKING:
+    from .body import Body
 
 # s T for a contact of duration T. Measured on beams struck at midspan and at the end, supported and
 # free: between 3 and 20 errors hardly change, below they grow where slow modes are left out.
@@ -44,41 +46,6 @@ _BALANCED = ROUGH
 
 
 @dataclass(frozen=True, eq=False)
-class GeneralizedCoordinates:
-    """X = basis q with mass q̈ + stiffness q = basisᵀ loads f.
-
-    Attributes
-    ----------
-    body : FEModel
-    basis : ndarray, shape (n_dofs, n)
-    mass : ndarray, shape (n,)
-        Diagonal; may have zeros, whose coordinates have no inertia.
-    stiffness : ndarray, shape (n, n)
-    loads : ndarray, shape (n_dofs, p)
-        Forces on the dofs per unit of each of the forces f: the functionals b of the ports; under
-        gravity the weight, N, after them.
-    """
-
-    body: FEModel
-    basis: FloatArray
-    mass: FloatArray
-    stiffness: FloatArray
-    loads: FloatArray
-
-    @property
-    def n(self) -> int:
-        """Number of coordinates."""
-        return len(self.mass)
-
-    @property
-    def accelerations(self) -> tuple[FloatArray, FloatArray]:
-        """q̈ of the coordinates, shape (n, n), and of the forces, (n, p), without damping."""
-        with np.errstate(divide="ignore"):
-            inverse = np.where(self.mass > 0.0, 1.0 / self.mass, 0.0)[:, None]
-        return -inverse * self.stiffness, inverse * (self.basis.T @ self.loads)
-
-
-@dataclass(frozen=True, eq=False)
 class Recovery:
     """The map from a reduced model's coordinates and the forces on it to its body's displacement.
 
@@ -86,20 +53,23 @@ class Recovery:
 
     Attributes
     ----------
-    reduced : GeneralizedCoordinates
+    model : Body
+    loads : ndarray, shape (n_dofs, p)
+        Forces on the dofs per unit of each of the forces f: see `Body.loads`.
     s : float
         Frequency of the correction, rad/s; positive.
     inverse : callable or None
         s² ↦ the solver of K + s²M, where models of one body share it.
     """
 
-    reduced: GeneralizedCoordinates
+    model: Body
+    loads: FloatArray
     s: float
     inverse: Callable[[float], LinearSolver] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         # Do not pickle what is cheap to recompute.
-        return {"reduced": self.reduced, "s": self.s}
+        return {"model": self.model, "loads": self.loads, "s": self.s}
 
     def displacement(self, coordinates: FloatArray, forces: FloatArray) -> FloatArray:
         """Return X on the free dofs, m.
@@ -114,9 +84,17 @@ class Recovery:
         -------
         ndarray, shape (n_dofs, times)
         """
-        found: FloatArray = self.reduced.basis @ coordinates
+        found: FloatArray = self.basis @ np.vstack([coordinates, forces])
         found += self.shapes @ self.amounts(coordinates, forces)
         return found
+
+    @cached_property
+    def basis(self) -> FloatArray:
+        """Displacement by coordinates, and at once by forces, shape (n_dofs, n + p)."""
+        at_once = np.zeros_like(self.loads)
+        if (following := self.model.following) is not None:
+            at_once[:, : following.shape[1]] = following
+        return np.hstack([self.model.modes, at_once])
 
     def functionals(
         self, rows: Any, dual: FloatArray | None = None
@@ -134,19 +112,17 @@ class Recovery:
         of_coordinates, of_forces : ndarrays, shapes (m, n), (m, p)
             rows @ X = of_coordinates @ q + of_forces @ f.
         """
-        n, basis, body = self.reduced.n, self.reduced.basis, self.reduced.body
+        n, body = len(self.model.omega), self.model.body
         if dual is None:
             shapes, weights = self._correction
             added = (rows @ shapes) @ weights
         else:
             inertia = (body.M @ dual.T).T
-            added = self._unbalanced(
-                (body.K @ dual.T).T @ basis,
-                inertia @ basis,
-                dual @ self.reduced.loads,
-                inertia @ body.rigid_modes,
-            )
-        return rows @ basis + added[:, :n], added[:, n:]
+            strained = (body.K @ dual.T).T @ self.basis
+            parts = inertia @ self.basis, dual @ self.loads, inertia @ body.rigid_modes
+            added = self._unbalanced(strained, *parts)
+        found = rows @ self.basis + added
+        return found[:, :n], found[:, n:]
 
     @property
     def shapes(self) -> FloatArray:
@@ -155,8 +131,7 @@ class Recovery:
 
     def amounts(self, coordinates: FloatArray, forces: FloatArray) -> FloatArray:
         """How much of each of the `shapes` the correction adds, (k, times)."""
-        weights, n = self._correction[1], self.reduced.n
-        amounts: FloatArray = weights[:, :n] @ coordinates + weights[:, n:] @ forces
+        amounts: FloatArray = self._correction[1] @ np.vstack([coordinates, forces])
         return amounts
 
     @cached_property
@@ -167,11 +142,12 @@ class Recovery:
         leave only one direction of it for each force, however many they are: K times their space
         lies in M times it and the loads. So one solution for each force serves all.
         """
-        body, loads, s2 = self.reduced.body, self.reduced.loads, self.s**2
+        body, loads, s2 = self.model.body, self.loads, self.s**2
         scale = np.sqrt(body.K.diagonal() + s2 * body.M.diagonal())[:, None]
-        strained, inertia = body.K @ self.reduced.basis, body.M @ self.reduced.basis
+        strained, inertia = body.K @ self.basis, body.M @ self.basis
         r = self._unbalanced(strained, inertia, loads, body.M @ body.rigid_modes)
-        parts = np.hstack([strained + s2 * inertia, loads])
+        parts = strained + s2 * inertia
+        parts[:, -loads.shape[1] :] += loads
         size = np.linalg.norm(parts / scale, axis=0)
         size[size == 0.0] = 1.0
         directions, weights = _directions(r / (scale * size))
@@ -188,18 +164,19 @@ class Recovery:
 
         Parameters
         ----------
-        strained, inertia : ndarrays, shape (n_dofs, n)
+        strained, inertia : ndarrays, shape (n_dofs, n + p)
             K and M times the basis, or what the matrix makes of these,
         loads, rigid : ndarrays, shapes (n_dofs, p), (n_dofs, 0 … 6)
             and so of the loads, and of M times the rigid modes.
         """
-        reduced, modes = self.reduced, self.reduced.body.rigid_modes
-        springs, push = reduced.accelerations
-        # Weight on rigid modes that the model does not contain: their motion is `OmittedMotion`.
-        omitted = modes.T @ reduced.loads
-        omitted -= ((reduced.body.M @ modes).T @ reduced.basis) @ push
-        of_forces = loads - inertia @ push - rigid @ omitted
-        return np.hstack([-strained - inertia @ springs, of_forces])
+        model, rigid_modes, n = self.model, self.model.body.rigid_modes, len(self.model.omega)
+        push = model.modes.T @ self.loads
+        # Rigid motions that the model does not contain: no force of its ports moves them.
+        omitted = rigid_modes.T @ (self.loads - model.body.M @ (model.modes @ push))
+        found = -strained
+        found[:, :n] += inertia[:, :n] * model.omega**2
+        found[:, n:] += loads - inertia[:, :n] @ push - rigid @ omitted
+        return found
 
 
 def _directions(columns: FloatArray) -> tuple[FloatArray, FloatArray]:

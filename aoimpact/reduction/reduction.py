@@ -35,8 +35,7 @@ from ..linalg import (
     warn_of_rounding,
 )
 from .krylov import KrylovSpace
-from .origin import origin_of
-from .star import AOModel
+from .star import AOModel, with_shapes
 
 # Dofs up to which LAPACK finds all oscillators: a minute or so; beyond, minutes and gigabytes.
 _DENSE_MOST = 6000
@@ -322,21 +321,13 @@ def antioscillators(
             warn(f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact")
         found = found.take(np.arange(min(wanted, len(found.m))))
         warn_of_rounding(tip.body.K, found.shapes, f"{len(found.m)} anti-oscillators")
-    return _model(tip, static, found, "AO", solvers.name)
+    return _model(tip, static, found, solvers.name)
 
 
-def _model(
-    tip: ContactPoint, static: StaticMode, found: _Oscillators, label: str, solver: str
-) -> AOModel:
+def _model(tip: ContactPoint, static: StaticMode, found: _Oscillators, solver: str) -> AOModel:
     """Put the star together; what its oscillators do not hold is the residual mass, eq. (10)."""
     residual = static.mass - math.fsum(found.m)
     if abs(residual) < _ROUNDING_OF_MASS * static.mass:
         residual = 0.0
-    return AOModel(
-        m0=residual,
-        k0=static.k0,
-        m=found.m,
-        k=found.k,
-        origin=origin_of(tip, static.phi, found.shapes, label, solver),
-        damping=tip.body.damping,
-    )
+    numbers = AOModel(m0=residual, k0=static.k0, m=found.m, k=found.k)
+    return with_shapes(numbers, tip, static.phi, found.shapes, linear_solver=solver)

@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -29,19 +29,9 @@ from ..base import (
     text,
     written_file,
 )
-from ..fem import (
-    ContactCompliance,
-    ContactPoint,
-    ContactSurface,
-    Damping,
-    Material,
-    Patch,
-    damping_or_none,
-)
-from .bodymodel import ReducedModel
-from .modalbody import ModalBody, Pull, RigidMotion, oscillator_gain
-from .origin import Origin
-from .recovery import GeneralizedCoordinates
+from ..fem import ContactPoint, ContactSurface, Damping, Material, damping_or_none
+from ..linalg import EQUAL
+from .body import AsWhole, Body, ways_of
 
 # Masses, kg, and stiffnesses, N/m, beside each other: their squares and ratios are numbers.
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
@@ -53,12 +43,15 @@ _MOST_TURNING = 1e5
 # Masses of a rigid body, kg, whose weight, momentum and energy are numbers.
 _HEAVIEST, _LIGHTEST = 1e200, 1e-200
 
+# Modes and oscillators with less than this share of the whole count as not excited by the contact.
+_NOT_EXCITED = 1e-13
+
 # ω² that differ by no more than their rounding, two units in the last place, are one.
 _ONE_FREQUENCY = 4e-16
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class AOModel(Frozen, ReducedModel):
+class AOModel(Frozen):
     """Contact mass m0 on a ground spring k0, and oscillators (m, k) attached to the contact mass.
 
     Parameters
@@ -70,12 +63,12 @@ class AOModel(Frozen, ReducedModel):
         Ground spring, N/m, eq. (11); 0 for a free body.
     m, k : array_like, shape (n,), optional
         Masses, kg, eq. (9), and stiffnesses, N/m, eq. (12), of the anti-oscillators, all positive.
-    origin : Origin, optional
-        The body that the numbers came from; set by `antioscillators` and `modal`.
+    origin : Body, optional
+        The body of finite elements that the numbers came from; set by `antioscillators`.
     damping : Rayleigh or ModalDamping, optional
         Damping of the model's natural modes.
     surface : ContactSurface, optional
-        Material and curvatures at the contact; by default those of `origin`.
+        Material and curvatures at the contact of a body given by numbers.
     name : str, optional
         Name in results, tables and plots; by default that of `origin`.
     inertia : array_like, shape (3, 3), optional
@@ -104,7 +97,7 @@ class AOModel(Frozen, ReducedModel):
     k0: float = 0.0
     m: FloatArray = field(default_factory=lambda: np.zeros(0))
     k: FloatArray = field(default_factory=lambda: np.zeros(0))
-    origin: Origin | None = field(default=None, repr=False)
+    origin: Body | None = field(default=None, repr=False)
     damping: Damping | None = None
     surface: ContactSurface | None = field(default=None, repr=False)
     name: str = ""
@@ -116,9 +109,9 @@ class AOModel(Frozen, ReducedModel):
         set_field(self, "m0", nonnegative("m0", self.m0, unit="kg", infinite=True))
         set_field(self, "k0", nonnegative("k0", self.k0, unit="N/m"))
         set_field(self, "damping", damping_or_none(self.damping))
-        checked(self, origin=(Origin, type(None)), surface=(ContactSurface, type(None)), name=text)
+        checked(self, origin=(Body, type(None)), surface=(ContactSurface, type(None)), name=text)
         if not self.name and self.origin is not None:
-            set_field(self, "name", self.origin.tip.body.name)
+            set_field(self, "name", self.origin.name)
         for name, unit in (("m", "kg"), ("k", "N/m")):
             values = finite_array(name, getattr(self, name), ndim=1, unit=unit).copy()
             if (values <= 0.0).any():
@@ -184,30 +177,11 @@ class AOModel(Frozen, ReducedModel):
             )
 
     def __repr__(self) -> str:
-        return described(self, f"{self.n} oscillators" if self.n else "no oscillators")
-
-    def turning(self, axes: FloatArray, sides: Sequence[float]) -> TurningBody:
-        """Return the rigid body with its motion in three directions.
-
-        Parameters
-        ----------
-        axes : ndarray, shape (3, 3)
-            Direction of travel and two tangents, as rows.
-        sides : sequence of float
-            For each place of contact 1 where it is on the far side along the direction of travel,
-            -1 where it is on the near side.
-
-        :meta private:
-        """
-        arm = np.zeros(3) if self.arm is None else self.arm
-        arms = [
-            arm
-            if self.arm is not None or self.surface is None or self.inertia is None
-            else side * abs(self.surface.radii[0]) * axes[0]
-            for side in sides
-        ]
-        given = {one.name: getattr(self, one.name) for one in fields(AOModel)}
-        return TurningBody(**given, axes=np.tile(axes, (len(arms), 1)), arms=np.repeat(arms, 3, 0))
+        parts = [repr(self.name)] if self.name else []
+        if math.isinf(self.m0):
+            return f"AOModel({', '.join([*parts, 'wall'])})"
+        parts += [f"{self.n or 'no'} oscillators", f"{self.mass:.4g} kg"]
+        return f"AOModel({', '.join([*parts, 'constrained' if self.constrained else 'free'])})"
 
     @property
     def n(self) -> int:
@@ -215,20 +189,9 @@ class AOModel(Frozen, ReducedModel):
         return len(self.m)
 
     @property
-    def dofs(self) -> int:
-        """Number of coordinates λ: the contact's and the oscillators'; 0 of a wall."""
-        return 0 if math.isinf(self.m0) else self.n + 1
-
-    @property
     def constrained(self) -> bool:
         """True if the body is constrained: by its ground spring, or as a wall."""
         return self.k0 > 0.0 or math.isinf(self.m0)
-
-    @property
-    def weightless(self) -> bool:
-        """True if its weight is not known: constrained, and given by numbers or without nodes."""
-        known = self.origin is not None and self.origin.centre_known
-        return self.constrained and not known and not math.isinf(self.m0)
 
     @cached_property
     def static_mass(self) -> float:
@@ -238,64 +201,18 @@ class AOModel(Frozen, ReducedModel):
     @property
     def mass(self) -> float:
         """Mass of the body, kg; where that is not known, or there is no body, its static mass."""
-        return self.static_mass if self.origin is None else self.origin.mass
+        found = None if self.origin is None else self.origin.mass
+        return self.static_mass if found is None else found
 
     @property
-    def most_mass(self) -> float:
-        """The static mass; infinite for a constrained body.
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """The contact point on the body that the model was made from; none if given by numbers."""
+        return self.modal.tips
 
-        :meta private:
-        """
-        return math.inf if self.constrained else self.static_mass
-
-    @property
-    def centre_known(self) -> bool:
-        """True if mass and centre of mass are known: not of a body of K and M hit off its centre.
-
-        A model given by numbers is its own body.
-        """
-        return self.origin is None or self.origin.centre_known
-
-    @property
-    def patch(self) -> Patch | None:
-        """The patch over which the body is touched; None for a node, or without a body."""
-        found: Patch | None = None if self.origin is None else self.origin.tip.patch
-        return found
-
-    def extraction_at(self, port: int = 0) -> ContactCompliance | None:
-        """Return the compliances at the contact; None of a rigid body, and if they are not known.
-
-        :meta private:
-        """
-        if self.n == 0 and self.k0 == 0.0 and not self.truncates:
-            return None
-        if self.origin is not None and self.origin.series is not None:
-            of_series: ContactCompliance | None = self.origin.series.extraction_at(port)
-            return of_series
-        return super().extraction_at(port)
-
-    @property
-    def truncates(self) -> bool:
-        """True for the first natural modes of a body.
-
-        :meta private:
-        """
-        return self.origin is not None and self.origin.label == "modal"
-
-    @property
-    def contact_surface(self) -> ContactSurface | None:
-        """Material and curvatures at the contact; None where they are not known."""
-        if self.surface is not None or self.origin is None:
-            return self.surface
-        found: ContactSurface | None = self.origin.tip.contact_surface
-        return found
-
-    def surface_at(self, port: int = 0) -> ContactSurface | None:
-        """Return `contact_surface`: there is one contact point.
-
-        :meta private:
-        """
-        return self.contact_surface
+    @cached_property
+    def modal(self) -> Body:
+        """The body in its natural modes, which scenes take."""
+        return _body_of(self) if self.origin is None else self.origin
 
     @property
     def mass_fractions(self) -> FloatArray:
@@ -321,74 +238,18 @@ class AOModel(Frozen, ReducedModel):
 
     @property
     def label(self) -> str:
-        """Kind of the model: "rigid", "wall", "AO(3)", "modal(40)"."""
+        """Kind of the model: "rigid", "wall", "AO(3)"."""
         if math.isinf(self.m0):
             return "wall"
-        if self.origin is not None and self.origin.label == "modal":
-            return f"modal({self.n + 1})"
-        if self.n == 0 and self.k0 == 0.0:
-            return "rigid"
-        return f"AO({self.n})"
-
-    @cached_property
-    def centre_weights(self) -> FloatArray:
-        """Weights w of the coordinates λ in the centre of mass's displacement, shape (n+1,).
-
-        The contact coordinate first. Of a model given by numbers: the masses over their sum.
-        """
-        if math.isinf(self.m0):
-            weights = np.ones(1)
-        elif self.origin is None:
-            weights = np.concatenate([[self.m0], self.m]) / self.static_mass
-        else:
-            weights = self.weights(self.origin.centre)
-        weights.flags.writeable = False
-        return weights
-
-    def weights(self, functional: FloatArray) -> FloatArray:
-        """Return w, shape (n+1,), with functionalᵀX = w λ: a place's share in the coordinates.
-
-        Parameters
-        ----------
-        functional : ndarray, shape (n_dofs,)
-
-        Raises
-        ------
-        InputError
-            If the model was given by numbers.
-
-        :meta private:
-        """
-        if self.origin is None:
-            raise InputError("weights: this model was given by numbers and has no body")
-        dofs = self.origin.tip.body.n_dofs
-        along = finite_array("functional", functional, shape=(dofs,))
-        of_static, of_oscillators = self.origin.observed_by(along)
-        return np.concatenate([[of_static - of_oscillators.sum()], of_oscillators])
+        return "rigid" if self.n == 0 and self.k0 == 0.0 else f"AO({self.n})"
 
     @property
-    def contact_points(self) -> tuple[ContactPoint, ...]:
-        """The contact point on the body that the model was made from; none if given by numbers."""
-        return () if self.origin is None else (self.origin.tip,)
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency, Hz, between which it has the receptance of its body.
 
-    @property
-    def contact_time(self) -> float | None:
-        """The contact's duration that the model was fitted to, s; None where it fits any."""
-        return None if self.origin is None else self.origin.contact_time
-
-    @property
-    def linear_solver(self) -> str:
-        """The linear solver that the model was made with; empty where none was needed."""
-        return "" if self.origin is None else self.origin.solver
-
-    def deflection(self, s: float, port: int = 0) -> FloatArray:
-        """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
-
-        :meta private:
+        See `Body.band`.
         """
-        follow = self.k / (self.k + s**2 * self.m)
-        force = self.k0 + s**2 * self.m0 + float(self.k @ (1.0 - follow))
-        return self.expand(np.concatenate([[1.0], follow]) / force)
+        return self.modal.band
 
     def receptance(self, omega: npt.ArrayLike) -> Any:
         """Return displacement over force at the contact coordinate.
@@ -419,7 +280,7 @@ class AOModel(Frozen, ReducedModel):
         1e-05
         """
         frequency = finite_array("omega", omega, unit="rad/s")
-        self._warn_outside_band(frequency)
+        self.modal.warn_outside_band(frequency)
         if self.damping is not None and not math.isinf(self.m0):
             return self._damped_receptance(self.damping, frequency)
         result = np.empty(frequency.shape)
@@ -435,59 +296,6 @@ class AOModel(Frozen, ReducedModel):
         result = real + 1j * imaginary
         return result if result.ndim else complex(result)
 
-    def coordinates(self, gravity: Pull = 0.0) -> GeneralizedCoordinates | None:
-        """Return X = (φ_st - Σ Ψ_i) λ₀ + Σ Ψ_i λ_i, eq. (8); None of a model given by numbers.
-
-        :meta private:
-        """
-        origin = self.origin
-        if origin is None:
-            return None
-        loads = origin.tip.b[:, None]
-        if gravity:
-            weight = 0.0 if self.weightless else gravity * origin.mass
-            loads = np.column_stack([loads, weight * origin.centre])
-        stiffness = np.diag(np.concatenate([[self.k0 + self.k.sum()], self.k]))
-        stiffness[0, 1:] = stiffness[1:, 0] = -self.k
-        basis = np.column_stack([origin.static_mode - origin.shapes.sum(axis=1), origin.shapes])
-        mass = np.concatenate([[self.m0], self.m])
-        return GeneralizedCoordinates(origin.tip.body, basis, mass, stiffness, loads)
-
-    @property
-    def omitted_translation(self) -> FloatArray | None:
-        """The motion of a free body struck off its centre beyond its static mode, eq. (3).
-
-        :meta private:
-        """
-        origin = self.origin
-        if origin is None or not origin.translates:
-            return None
-        whole: FloatArray = origin.tip.body.translation(origin.tip.direction)
-        return whole - origin.static_mode
-
-    @cached_property
-    def _reversed(self) -> AOModel:
-        origin = self.origin
-        return self if origin is None else replace(self, origin=origin.reversed())
-
-    @property
-    def omitted(self) -> tuple[float, float]:
-        """A free body struck off its centre also turns, which its AO model does not contain.
-
-        :meta private:
-        """
-        if self.origin is None or not self.origin.translates:
-            return 0.0, 0.0
-        return 1.0 - float(self.centre_weights.sum()), self.mass - self.static_mass
-
-    @property
-    def massless(self) -> bool:
-        """True if the contact has no mass.
-
-        :meta private:
-        """
-        return self.m0 == 0.0
-
     @property
     def residual(self) -> float:
         """Compliance that no mode has, m/N: where the contact has no mass.
@@ -496,82 +304,15 @@ class AOModel(Frozen, ReducedModel):
         """
         return 0.0 if self.m0 > 0.0 else 1.0 / (self.k0 + math.fsum(self.k))
 
-    @cached_property
-    def modal(self) -> ModalBody:
-        """The model in its natural modes; a wall has one that no force moves.
+    def _moved(self, omega2: FloatArray) -> FloatArray:
+        """Coordinates λ per unit of the contact in modes of these ω², shape (n + 1, modes).
 
-        :meta private:
+        1 of the contact, and ω_i²/(ω_i² - ω_j²) of oscillator i.
         """
-        if math.isinf(self.m0):
-            one, still = np.ones(1), np.zeros(1)
-            return ModalBody(
-                omega=still,
-                decay=None,
-                shape=np.ones((1, 1)),
-                push=np.zeros((1, 1)),
-                residual=None,
-                weight=still,
-                inertia=still,
-                centre=one,
-                centre_residual=None,
-                moving=one,
-                antiresonance=self.k,
-            )
-        omega2, participation = self.to_modal()
-        omega, push, weights = np.sqrt(omega2), participation**2, self.centre_weights
-        antiresonance = self.k / self.m
-        if self.constrained:
-            centre = weights[0] + weights[1:] @ oscillator_gain(antiresonance, omega)
-            moving = push * self.k0 / omega**2
-            # Its own weight acts on a star's coordinates by their share in the centre of mass. The
-            # supports of one given by numbers are not known, so neither is its deflection.
-            weight = np.zeros(len(omega)) if self.weightless else self.mass * push * centre
-        else:  # elastic modes do not move the centre of mass
-            centre = np.where(omega == 0.0, weights.sum(), 0.0)
-            # A free star falls as a whole: exactly, or bodies that fall side by side would press
-            # on each other by rounding.
-            weight = moving = np.where(omega == 0.0, 1.0, 0.0)
-        by_force = np.array([weights[0] * self.residual]) if self.constrained else np.zeros(1)
-        return ModalBody(
-            omega=omega,
-            decay=None if self.damping is None else np.ascontiguousarray(self.damping.decay(omega)),
-            shape=np.ones((1, len(omega))),
-            push=push[None, :],
-            residual=np.array([[self.residual]]) if self.massless else None,
-            weight=weight,
-            inertia=1.0 / push,
-            centre=np.ascontiguousarray(centre),
-            centre_residual=by_force if self.massless else None,
-            moving=moving,
-            antiresonance=antiresonance,
-        )
-
-    def turned(self, ports: Sequence[int]) -> AOModel:
-        """Return the same model with its body's direction of travel the other way round.
-
-        :meta private:
-        """
-        return self._reversed if ports else self
-
-    def stiffened(self, factor: float) -> AOModel:
-        """Return the model with all its springs stiffer by a factor.
-
-        :meta private:
-        """
-        made: dict[float, AOModel] = self.kept.setdefault("stiffened", {})
-        if factor not in made:
-            made[factor] = replace(self, k0=factor * self.k0, k=factor * self.k)
-        return made[factor]
-
-    @cached_property
-    def multiplied_out(self) -> AOModel:
-        """The same model, with shapes of its own: see `Origin.vectors`.
-
-        :meta private:
-        """
-        if self.origin is None or self.origin.vectors is None:
-            return self
-        return replace(self, origin=self.origin.multiplied_out())
+        own = self.k / self.m
+        distance = np.subtract.outer(own, omega2)
+        gain = own[:, None] / np.where(distance == 0.0, np.inf, distance)
+        return np.vstack([np.ones((1, len(omega2))), gain])
 
     def truncated(self, n: int) -> AOModel:
         """Return the model of the first `n` oscillators; the others' mass joins m0, eq. (10).
@@ -583,22 +324,31 @@ class AOModel(Frozen, ReducedModel):
         0.2
         """
         kept = integer("n", n, low=0, high=self.n)
-        origin = self.origin
-        if origin is not None:
-            series = self if self.truncates else origin.series
-            oscillators = origin.oscillators[:, :kept]
-            origin = replace(origin, label="AO", oscillators=oscillators, series=series)
-        elif kept == self.n:
+        if kept == self.n and self.origin is None:
             return self
-        return AOModel(
+        numbers = AOModel(
             m0=self.m0 + math.fsum(self.m[kept:]),
             k0=self.k0,
             m=self.m[:kept],
             k=self.k[:kept],
-            origin=origin,
             damping=self.damping,
             surface=self.surface,
             name=self.name,
+        )
+        if self.origin is None:
+            return numbers
+        of = self.origin
+        shapes = [self.expand(one) for one in np.eye(self.n + 1)[1 : kept + 1]]
+        static = self.expand(np.ones(self.n + 1))
+        series = of if of.kind == "modal" else of.series
+        return with_shapes(
+            numbers,
+            of.tips[0],
+            static,
+            np.stack(shapes, axis=1) if shapes else np.zeros((len(static), 0)),
+            linear_solver=of.linear_solver,
+            contact_time=of.contact_time,
+            series=series,
         )
 
     def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -702,9 +452,40 @@ class AOModel(Frozen, ReducedModel):
                 f"coordinates must have shape ({self.n + 1},) or ({self.n + 1}, times), "
                 f"got {values.shape}"
             )
-        full: FloatArray = np.multiply.outer(self.origin.static_mode, values[0])
-        full += self.origin.shapes @ (values[1:] - values[0])
+        # Amplitudes of M-orthonormal modes: φᵀM of a motion, and M is diagonal in λ.
+        of, masses = self.origin, np.concatenate([[self.m0], self.m])
+        q = of.shape[0] * (self._moved(of.omega**2).T @ (values.T * masses).T).T
+        full: FloatArray = of.expand(q.T)
+        if of.residual is not None and of.following is not None:
+            rest = values[0] - of.shape[0] @ q.T
+            full = full + np.multiply.outer(of.following[:, 0] / of.residual[0, 0], rest)
         return full
+
+    def coordinates(self, amplitudes: npt.ArrayLike) -> FloatArray:
+        """Return the coordinates λ of given amplitudes of `modal`, the other way round.
+
+        Parameters
+        ----------
+        amplitudes : array_like, shape (modes,) or (modes, times)
+            Such as `hit.target.coordinates`, the state at the end of an impact.
+
+        Returns
+        -------
+        ndarray, shape (n+1,) or (n+1, times)
+            λ, contact coordinate first, m; without what a massless contact moves at once.
+
+        Examples
+        --------
+        >>> model = ao.AOModel(m0=0.1, m=[0.2], k=[1e6])
+        >>> model.coordinates(model.modal.moving)  # as one
+        array([1., 1.])
+        """
+        of = self.modal
+        q = finite_array("amplitudes", amplitudes)
+        if q.ndim not in (1, 2) or len(q) != len(of.omega):
+            raise InputError(f"amplitudes must be {len(of.omega)} in number, got shape {q.shape}")
+        found: FloatArray = (self._moved(of.omega**2) * of.shape[0]) @ q
+        return found
 
     def to_modal(self) -> tuple[FloatArray, FloatArray]:
         """Return the model's natural modes by the secular equation.
@@ -737,63 +518,174 @@ class AOModel(Frozen, ReducedModel):
         return omega2[:count], participation[:count]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class TurningBody(AOModel):
-    """A rigid body or a wall in three directions: ports at places of it, along given axes.
+def _body_of(numbers: AOModel) -> Body:
+    """The body of numbers in its natural modes, measured by the displacement of the contact.
 
-    Attributes
-    ----------
-    axes, arms : ndarrays, shape (p, 3)
-        Direction of each port, and where it is from the centre of mass, m.
+    So masses of any size stay apart. A wall has one mode that no force moves.
     """
-
-    axes: FloatArray
-    arms: FloatArray
-
-    @property
-    def ports(self) -> int:
-        """Three for each place of contact.
-
-        :meta private:
-        """
-        return len(self.axes)
-
-    @property
-    def places(self) -> int:
-        """Number of places of contact: one, for all ports.
-
-        :meta private:
-        """
-        return 1
-
-    @cached_property
-    def modal(self) -> ModalBody:
-        """Three translations, and three rotations about the principal axes if it may turn.
-
-        :meta private:
-        """
-        wall, turns = math.isinf(self.m0), self.inertia is not None
-        moments, principal = np.linalg.eigh(np.eye(3) if self.inertia is None else self.inertia)
-        shape = np.hstack([self.axes, np.cross(self.arms, self.axes) @ principal])
-        inertia = np.concatenate([np.full(3, 0.0 if wall else self.m0), moments])
-        velocity = np.zeros((6, 6))
-        velocity[:3, :3], velocity[3:, 3:] = np.eye(3), principal
-        kept = slice(6 if turns and not wall else 3)
-        shape, inertia, velocity = shape[:, kept].copy(), inertia[kept], velocity[:, kept]
-        centre = velocity[:3].T @ self.axes[0]
-        return ModalBody(
-            omega=np.zeros(len(inertia)),
-            decay=None,
-            shape=shape,
-            push=np.zeros_like(shape) if wall else shape / inertia,
-            residual=None,
-            weight=np.zeros_like(inertia) if wall else centre,
-            inertia=inertia,
-            centre=centre,
-            centre_residual=None,
-            moving=centre,
-            rigid=RigidMotion(velocity, velocity.T),
+    made: dict[str, Any] = {"kind": numbers.label.split("(")[0], "n": numbers.n, "numbers": numbers}
+    one = np.ones(1)
+    if math.isinf(numbers.m0):
+        still = np.zeros(1)
+        return Body(
+            omega=still,
+            shape=one[None],
+            push=np.zeros((1, 1)),
+            inertia=still,
+            as_whole=AsWhole(one, one, still),
+            **made,
         )
+    omega2, participation = numbers.to_modal()
+    push = participation**2
+    if numbers.constrained:
+        masses = np.concatenate([[numbers.m0], numbers.m])
+        centre = (masses / numbers.static_mass) @ numbers._moved(omega2)
+        # Its supports are not known, so neither is its deflection by its own weight.
+        as_whole = AsWhole(centre, push * numbers.k0 / omega2, np.zeros(len(omega2)))
+    else:
+        # Exactly, or bodies that fall side by side would press on each other by rounding.
+        rigid = np.where(omega2 == 0.0, 1.0, 0.0)
+        as_whole = AsWhole(rigid, rigid, rigid)
+    return Body(
+        omega=np.sqrt(omega2),
+        shape=np.ones((1, len(omega2))),
+        push=push[None],
+        inertia=1.0 / push,
+        residual=np.array([[numbers.residual]]) if numbers.m0 == 0.0 else None,
+        as_whole=as_whole,
+        **made,
+    )
+
+
+def turning(numbers: AOModel, axes: FloatArray, sides: Sequence[float]) -> Body:
+    """Return a rigid body or a wall in three directions: three ports for each place of contact.
+
+    Three translations, and three rotations about the principal axes if it may turn.
+
+    Parameters
+    ----------
+    numbers : AOModel
+        Without oscillators.
+    axes : ndarray, shape (3, 3)
+        Direction of travel and two tangents, as rows.
+    sides : sequence of float
+        For each place of contact 1 where it is on the far side along the direction of travel,
+        -1 where it is on the near side.
+    """
+    arm, surface = numbers.arm, numbers.surface
+    arms = np.zeros((len(sides), 3)) if arm is None else np.tile(arm, (len(sides), 1))
+    if arm is None and surface is not None and numbers.inertia is not None:
+        arms = np.outer(sides, abs(surface.radii[0]) * axes[0])
+    axes, arms = np.tile(axes, (len(sides), 1)), np.repeat(arms, 3, 0)
+    wall, turns = math.isinf(numbers.m0), numbers.inertia is not None
+    moments, principal = np.linalg.eigh(np.eye(3) if numbers.inertia is None else numbers.inertia)
+    shape = np.hstack([axes, np.cross(arms, axes) @ principal])
+    inertia = np.concatenate([np.full(3, 0.0 if wall else numbers.m0), moments])
+    velocity = np.zeros((6, 6))
+    velocity[:3, :3], velocity[3:, 3:] = np.eye(3), principal
+    kept = slice(6 if turns and not wall else 3)
+    shape, inertia, velocity = shape[:, kept].copy(), inertia[kept], velocity[:, kept]
+    centre = velocity[:3].T @ axes[0]
+    weight = np.zeros_like(inertia) if wall else centre
+    return Body(
+        kind="wall" if wall else "rigid",
+        n=0,
+        omega=np.zeros(len(inertia)),
+        shape=shape,
+        push=np.zeros_like(shape) if wall else shape / inertia,
+        inertia=inertia,
+        as_whole=AsWhole(centre, centre, weight, velocity, velocity.T),
+        numbers=numbers,
+    )
+
+
+def star_of(body: Body) -> AOModel:
+    """Return the star of a body's modes: its antiresonances by the secular equation.
+
+    Modes of one frequency act as one; those that the contact does not excite are left out. Both
+    have the same receptance Σ r_j²/(ω_j² - ω²).
+    """
+    if body.numbers is not None:
+        return body.numbers
+    if body.ports > 1:
+        raise InputError(f"star: {body!r} is touched in several places, and a star in one")
+    moved = excited(body)
+    omega2, weight = body.omega[moved] ** 2, body.shape[0, moved] ** 2
+    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
+    omega2, weight = omega2[starts], np.add.reduceat(weight, starts)
+    m, k = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
+    m0, k0 = _core.star_from_modal(omega2, weight, m, k)
+    kept = m > _NOT_EXCITED * (m0 + m.sum())
+    return AOModel(m0=m0, k0=k0, m=m[kept], k=k[kept], origin=body, damping=body.damping)
+
+
+def excited(body: Body) -> npt.NDArray[np.bool_]:
+    """True of the modes of a body that an impact on its first port excites by more than rounding.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    there, on = body.spanning, body.coordinates
+    # Sizes as if the vectors were at right angles: of what is rounding.
+    size2 = np.einsum("ij,ij->j", there, there)
+    size2 = size2 if on is None else size2 @ on**2
+    weight = body.shape[0] ** 2
+    rounding2 = (1e-12 * np.linalg.norm(body.tips[0].b)) ** 2 * size2
+    found = (weight > _NOT_EXCITED * weight.sum()) & (weight > rounding2)
+    if not found.any():
+        raise InputError(f"none of the {len(weight)} modes moves the contact: take a larger n")
+    return np.asarray(found)
+
+
+def with_shapes(
+    numbers: AOModel, tip: ContactPoint, static: FloatArray, shapes: FloatArray, **how: Any
+) -> AOModel:
+    """Return a star of a finite-element body, with the body in its natural modes as its origin.
+
+    Parameters
+    ----------
+    numbers : AOModel
+    tip : ContactPoint
+    static : ndarray, shape (n_dofs,)
+        φ_st, eqs. (2), (3).
+    shapes : ndarray, shape (n_dofs, n)
+        Ψ_i = c_i φ_i, eq. (8).
+    **how
+        Further attributes of `Body`.
+    """
+    omega2, r = numbers.to_modal()
+    still = tip.body.rigid_modes
+    within = still.T @ (tip.body.M @ static) * (numbers.k0 == 0.0)
+    others = ways_of(tip, within, still)[:, 1:]
+    coordinates = numbers._moved(omega2)
+    coordinates[1:] -= 1.0
+    count, n = len(r), numbers.n
+    placed = np.zeros((n + 1 + still.shape[1], others.shape[1] + count))
+    placed[n + 1 : n + 1 + len(others), : others.shape[1]] = others
+    placed[: n + 1, others.shape[1] :] = coordinates * r
+    shape = np.concatenate([np.zeros(others.shape[1]), r])[None]
+    follow = None
+    if numbers.m0 == 0.0:  # the contact alone moves, and no oscillator
+        follow = numbers.residual * np.concatenate([[1.0], -np.ones(n), np.zeros(len(still.T))])
+    body = Body(
+        kind="AO" if n or numbers.k0 else "rigid",
+        n=n,
+        omega=np.concatenate([np.zeros(others.shape[1]), np.sqrt(omega2)]),
+        shape=shape,
+        push=shape,
+        inertia=np.ones(shape.shape[1]),
+        tips=(tip,),
+        residual=None if follow is None else np.array([[numbers.residual]]),
+        vectors=np.column_stack([static, shapes, still]),
+        coordinates=placed,
+        follow=None if follow is None else follow[:, None],
+        **how,
+    )
+    found = replace(numbers, origin=body, damping=tip.body.damping, name=tip.body.name)
+    vars(body)["star"] = found  # with all of its digits
+    return found
 
 
 def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
@@ -814,18 +706,6 @@ def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, 
     if len(starts) == len(m):
         return np.ascontiguousarray(m), np.ascontiguousarray(k)
     return np.add.reduceat(m, starts), np.add.reduceat(k, starts)
-
-
-def described(model: Any, size: str) -> str:
-    """Return what a model is in one line: name, size, mass, whether supports constrain it."""
-    mass = model.mass
-    parts = [repr(model.name)] if model.name else []
-    if mass is not None and math.isinf(mass):
-        parts.append("wall")
-    else:
-        parts += [size, "mass not known" if mass is None else f"{mass:.4g} kg"]
-        parts.append("constrained" if model.constrained else "free")
-    return f"{type(model).__name__}({', '.join(parts)})"
 
 
 def rigid(

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from ..fem import SHIFT_TIMES_DURATION
-from .bodymodel import BodyModel, ReducedModel
+from .body import Body, BodyModel
 
 # Factor by which a contact may be shorter than what was fitted before it is checked: measured on
 # twelve impacts with three and eight oscillators, down to there the force is hardly worse.
@@ -37,7 +37,7 @@ def is_valid_for(model: BodyModel, lasted: float, port: int = 0, most: float = _
     fitted = model.contact_time
     if fitted is None or fitted / _SHORTER <= lasted <= fitted or lasted == 0.0:
         return True
-    assert isinstance(model, ReducedModel)
+    assert isinstance(model, Body)
     if lasted < fitted:
         return unbalanced(model, SHIFT_TIMES_DURATION / lasted, port) <= most
     wanted = math.ceil(math.log(lasted / fitted) / math.log(_LONGER))
@@ -48,7 +48,7 @@ def is_valid_for(model: BodyModel, lasted: float, port: int = 0, most: float = _
     return max(found[:wanted], default=0.0) <= most
 
 
-def unbalanced(model: ReducedModel, s: float, port: int = 0) -> float:
+def unbalanced(model: Body, s: float, port: int = 0) -> float:
     """Return what a model leaves unbalanced at i s under a force at a port, relative.
 
     √(rᵀD⁻¹r / bᵀX) of the residual r = b - (K + s²M) X, D the diagonal of K + s²M.

@@ -198,9 +198,9 @@ class BodyResult(Frozen):
         if run.plan.oblique is None or dense or isinstance(model, FullModel):
             return self._cleared(self._whole_motion(np.array([run._parted]))[:, 0])
         modal = model.modal
-        assert modal.rigid is not None
+        assert modal.whole.velocity is not None
         rates = modal.rates(run.plan.start(self._number)) + self._gain()
-        return self._cleared(modal.rigid.velocity @ rates)
+        return self._cleared(modal.whole.velocity @ rates)
 
     def _cleared(self, motion: FloatArray) -> FloatArray:
         """A velocity and a spin, shape (6,), with 0 for the rounding of the largest of the run."""
@@ -222,8 +222,8 @@ class BodyResult(Frozen):
         if isinstance(model, FullModel):
             rows = whole_motion(model.body)[0]
         else:
-            assert model.modal.rigid is not None
-            rows = model.modal.rigid.velocity
+            assert model.modal.whole.velocity is not None
+            rows = model.modal.whole.velocity
         _, rates = run.recorder.motion(self._number).observed(rows, times)
         return np.asarray(rates)
 
@@ -236,8 +236,8 @@ class BodyResult(Frozen):
         forces = run.plan.port_forces(self._number, until, pushes)[: modal.ports]
         gain = modal.push.T @ np.trapezoid(forces, until, axis=1)
         falls = np.concatenate([np.zeros(3) + run.plan.pull, np.zeros(3)])
-        assert modal.rigid is not None
-        return np.asarray(gain + until[-1] * (modal.rigid.momentum @ falls) * (modal.inertia > 0.0))
+        assert modal.whole.velocity is not None
+        return np.asarray(gain + until[-1] * (modal.whole.momentum @ falls) * (modal.inertia > 0.0))
 
     @property
     def centre_velocity(self) -> FloatArray:

@@ -213,12 +213,8 @@ class Run:
         return rows
 
     def _recorded(self, times: FloatArray, energies: bool) -> FloatArray:
-        """The record at ascending times, with what the reduced bodies leave out."""
-        rows = self.recorder.rows(times, energies)
-        for body, omitted in enumerate(self.plan.omitted):
-            if omitted is not None:
-                omitted.add_to(self._layout.body(rows, body), times)
-        return rows
+        """The record at ascending times."""
+        return self.recorder.rows(times, energies)
 
     @property
     def _layout(self) -> RecordLayout:

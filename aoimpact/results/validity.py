@@ -26,7 +26,7 @@ from ..laws import (
     yield_force,
     yield_pressure,
 )
-from ..reduction import AOModel
+from ..reduction import Body
 
 if TYPE_CHECKING:
     from ..scene import Contact, Plan
@@ -176,7 +176,9 @@ def _deflection(joint: _Joint) -> Limit | None:
         if model.constrained and mesh is not None:
             least = min(_THICKNESS * tip.depth, _SIZE * mesh.size)
             energies.append(
-                0.5 * model.k0 * least**2 if alone and isinstance(model, AOModel) else 0.0
+                0.5 * model.star.k0 * least**2
+                if alone and isinstance(model, Body) and model.ports == 1
+                else 0.0
             )
 
     def said(run: Run, _: float) -> str:

@@ -7,7 +7,6 @@ reads them; what a user calls a `Scene` stands in `impact`.
 from .bodies import coordinates, stepped
 from .contact import (
     Contact,
-    FreeMotion,
     Friction,
     Load,
     Port,

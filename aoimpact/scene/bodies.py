@@ -29,7 +29,7 @@ def stepped(
     ----------
     model : BodyModel
     velocity : float or ndarray, shape (6,), optional
-        As of `ModalBody.rates`.
+        As of `Body.rates`.
     gravity : float or ndarray, shape (3,), optional
         m/s², along the direction of travel or in three directions.
     load : (times, forces), optional
@@ -41,17 +41,14 @@ def stepped(
         return _stepped_full(model, velocity, gravity, load, rest)
     modal = model.modal
     parts = dict(zip(PARTS, modal.for_core(gravity, load), strict=True))
-    return SteppedBody(parts, np.zeros(modal.n) if rest is None else rest, modal.rates(velocity))
+    return SteppedBody(
+        parts, np.zeros(len(modal.omega)) if rest is None else rest, modal.rates(velocity)
+    )
 
 
 def coordinates(model: BodyModel, values: FloatArray) -> FloatArray:
-    """Return a model's coordinates (or rates) from those that are stepped.
-
-    Without what a massless contact moves under the force of the moment.
-    """
-    if not isinstance(model, FullModel):
-        return model.modal.coordinates(values)
-    modes = model.damped_modes
+    """Return a model's coordinates (or rates) from those that are stepped."""
+    modes = model.damped_modes if isinstance(model, FullModel) else None
     return values if modes is None else modes.modes @ values
 
 
@@ -63,17 +60,17 @@ def _stepped_full(
     rest: FloatArray | None,
 ) -> SteppedBody:
     body, modes = model.body, model.damped_modes
-    u = np.zeros(model.dofs) if rest is None else model.whole.expand(model.modal.coordinates(rest))
+    u = np.zeros(model.dofs) if rest is None else model.modal.expand(rest)
     v = model.rates(velocity)
     B = np.ascontiguousarray([tip.b for tip in model.tips])
     times, forces = (None, None) if load is None else load
     parts: dict[str, Any] = {"shape": B, "push": B, "load_time": times, "load_force": forces}
     parts["gravity"] = model.weight(gravity) if np.any(gravity) else None
-    parts["centre"] = np.ascontiguousarray(model.centre[0])
+    parts["centre"] = np.ascontiguousarray(model.centre_of_mass[0])
     if modes is None:
         damping = body.damping if isinstance(body.damping, Rayleigh) else Rayleigh()
         return SteppedFull(parts, u, v, body.K, body.M, damping)
-    phi, omega = modes.modes, modes.angular_frequencies
+    phi, omega = modes.modes, modes.omega
     assert body.damping is not None
     shape = np.ascontiguousarray(B @ phi)
     parts |= {"omega": omega, "decay": body.damping.decay(omega), "shape": shape, "push": shape}

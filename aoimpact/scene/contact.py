@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ from ..base import HUGE, FloatArray, InputError
 from ..fem import ContactCompliance, Extraction, Material, ThinExtraction
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, effective_law, own_law
 from ..reduction import BodyModel
-from .rows import BodyRows, ContactRows
+from .rows import ContactRows
 
 
 def normal_gap(gap: float) -> float:
@@ -240,48 +239,3 @@ class Load(NamedTuple):
     port: int
     times: FloatArray
     forces: FloatArray
-
-
-@dataclass(frozen=True)
-class FreeMotion:
-    """The motion of a mass that nothing but gravity acts on.
-
-    Attributes
-    ----------
-    velocity, acceleration : float
-        At t = 0, m/s, and constant, m/s².
-    """
-
-    velocity: float
-    acceleration: float
-
-    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return displacement, m, and velocity, m/s, at `times`, s."""
-        displacement = times * (self.velocity + 0.5 * self.acceleration * times)
-        return displacement, self.velocity + self.acceleration * times
-
-
-@dataclass(frozen=True)
-class OmittedMass:
-    """Mass that a reduced body does not contain, since no contact excites its motion.
-
-    Attributes
-    ----------
-    share : float
-        Share of its motion in that of the centre of mass.
-    mass : float
-        kg.
-    motion : FreeMotion
-    """
-
-    share: float
-    mass: float
-    motion: FreeMotion
-
-    def add_to(self, rows: BodyRows, times: FloatArray) -> None:
-        """Add its motion and energy to what was recorded of the body at `times`, s."""
-        displacement, velocity = self.motion.at(times)
-        rows.displacement[:] += self.share * displacement
-        rows.velocity[:] += self.share * velocity
-        rows.kinetic[:] += 0.5 * self.mass * velocity**2
-        rows.work[:] += self.mass * self.motion.acceleration * displacement

@@ -13,9 +13,9 @@ import numpy as np
 from ..base import FloatArray
 from ..fem import Material
 from ..laws import RoundContact, own_law, round_contact
-from ..reduction import BodyModel, ModalBody, Pull, Velocity
+from ..reduction import Body, BodyModel, Pull, Velocity
 from .bodies import stepped
-from .contact import Contact, FreeMotion, Load, OmittedMass
+from .contact import Contact, Load
 from .preload import Equilibrium, equilibrium
 from .rows import RecordLayout
 from .stepped import SteppedBody
@@ -85,7 +85,7 @@ class Plan:
     oblique: Oblique | None = None
 
     def start(self, body: int) -> Velocity:
-        """Return the velocity of a body at t = 0, as `ModalBody.rates` takes it."""
+        """Return the velocity of a body at t = 0, as `Body.rates` takes it."""
         return self.velocities[body] if self.oblique is None else self.oblique.velocities[body]
 
     @property
@@ -122,31 +122,20 @@ class Plan:
         return round_contact(own_law(contact.law), self.materials(contact))
 
     @cached_property
-    def modal(self) -> tuple[ModalBody, ...]:
+    def modal(self) -> tuple[Body, ...]:
         """The bodies in their natural modes."""
         return tuple([body.modal for body in self.bodies])
 
     @cached_property
     def first_modes(self) -> tuple[int, ...]:
         """Number of the first mode of each body among those of all, and the number of all."""
-        return tuple(itertools.accumulate((body.n for body in self.modal), initial=0))
+        return tuple(itertools.accumulate((len(body.omega) for body in self.modal), initial=0))
 
     @cached_property
     def layout(self) -> RecordLayout:
         """Places of the rows of a record."""
         sliding = tuple(contact.friction is not None for contact in self.contacts)
         return RecordLayout(len(self.contacts), tuple(body.ports for body in self.bodies), sliding)
-
-    @cached_property
-    def omitted(self) -> tuple[OmittedMass | None, ...]:
-        """Moving mass that each of the bodies, where it is reduced, does not contain."""
-        found: list[OmittedMass | None] = []
-        for body, velocity in zip(self.bodies, self.velocities, strict=True):
-            share, mass = body.omitted
-            moves = mass != 0.0 and (velocity != 0.0 or self.gravity != 0.0)
-            motion = FreeMotion(velocity, self.gravity)
-            found.append(OmittedMass(share, mass, motion) if moves else None)
-        return tuple(found)
 
     @cached_property
     def _loads_of(self) -> dict[int, list[Load]]:

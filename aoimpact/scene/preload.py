@@ -21,7 +21,7 @@ from .. import _core
 from ..base import ConvergenceError, FloatArray, InputError, IntArray, LawLimitError
 from ..laws import ContactLaw
 from ..linalg import LARGEST
-from ..reduction import ModalBody
+from ..reduction import Body
 from .contact import Contact
 
 _EPSILON = float(np.finfo(np.float64).eps)
@@ -148,7 +148,7 @@ class _Statics:
 
     def __init__(
         self,
-        bodies: Sequence[ModalBody],
+        bodies: Sequence[Body],
         contacts: Sequence[Contact],
         gravity: float,
         forces: Sequence[FloatArray],
@@ -160,10 +160,15 @@ class _Statics:
             soft = compliance > 0.0
             none = np.zeros(int(soft.sum()))
             shapes.append(np.hstack([body.shape, beside[:, soft]]))
-            own = body.inertia, body.inertia * body.omega**2, gravity * body.weight * body.inertia
+            own = (
+                body.inertia,
+                body.inertia * body.omega**2,
+                gravity * body.whole.weight * body.inertia,
+            )
             more = none, 1.0 / compliance[soft], none
             values = [np.concatenate(both) for both in zip(own, more, strict=True)]
-            movable = np.concatenate([body.inertia > 0.0, none == 0.0])
+            held = (body.omega > 0.0) | body.shape.any(axis=0)  # else no contact holds it
+            movable = np.concatenate([held & (body.inertia > 0.0), none == 0.0])
             columns.append([*values, movable, np.full(len(movable), number)])
         self.inertia, self.stiffness, weight, self.movable, self.owner = map(
             np.concatenate, zip(*columns, strict=True)
@@ -184,7 +189,9 @@ class _Statics:
     def modes(self, x: FloatArray) -> list[FloatArray]:
         """Return the modes of each body, shape (n,), among the coordinates."""
         ends = np.searchsorted(self.owner, np.arange(len(self._bodies)))
-        return [x[end : end + body.n] for end, body in zip(ends, self._bodies, strict=True)]
+        return [
+            x[end : end + len(body.omega)] for end, body in zip(ends, self._bodies, strict=True)
+        ]
 
     @cached_property
     def first(self) -> _Configuration:
@@ -341,7 +348,7 @@ class _Statics:
 
 
 def equilibrium(
-    bodies: Sequence[ModalBody],
+    bodies: Sequence[Body],
     contacts: Sequence[Contact],
     *,
     gravity: float,
@@ -351,7 +358,7 @@ def equilibrium(
 
     Parameters
     ----------
-    bodies : sequence of ModalBody
+    bodies : sequence of Body
     contacts : sequence of Contact
     gravity : float
         m/s².

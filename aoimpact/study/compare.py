@@ -234,7 +234,7 @@ def compare(
 
     Parameters
     ----------
-    projectile, target : ContactPoint, FullModel, AOModel or ModalModel
+    projectile, target : ContactPoint, FullModel, AOModel or Body
         A reduced model stands for the finite-element body that it was made of.
     velocity, law, duration, gap
         As in `simulate`, also where `law` or `duration` is left out.

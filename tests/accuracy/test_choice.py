@@ -233,7 +233,7 @@ def test_a_body_too_large_to_be_known_whole(rtol):
     hit = run(target=target, quantity="force", rtol=rtol)
     one, other = (
         run(
-            target=KrylovSpace(target, contact_time=time, sharpened=True).factored(n),
+            target=KrylovSpace(target, contact_time=time, sharpened=True).of_vectors(n),
             solver=ao.Adaptive(rtol=1e-8),
         )
         for time, n in ((hit.contact_duration, 300), (hit.contact_duration / 3, 260))
@@ -345,7 +345,7 @@ def test_the_linear_solver_is_the_users_and_named(own_solver):
     )
     hit = run(linear_solver=own_solver)
     assert set(own_solver.calls) == {375, 513}  # dofs of both bodies
-    assert {model.origin.solver for model in hit.models} == {"Own"}
+    assert {model.linear_solver for model in hit.models} == {"Own"}
     assert "linear solver" in str(hit)
     assert "Own" in str(hit)
     same = run(linear_solver="superlu")
@@ -359,9 +359,9 @@ def test_scenes_take_a_linear_solver_too(own_solver):
     scene.connect(ball, scene.add(beam(ENDS)), law(STEEL, 0.01, ALUMINIUM))
     run = scene.simulate(duration=2e-4, rtol=5e-2, linear_solver=own_solver)
     assert set(own_solver.calls) == {513}
-    assert run.models[1].origin.solver == "Own"
+    assert run.models[1].linear_solver == "Own"
     assert (
-        scene.simulate(duration=2e-4, linear_solver="superlu").models[1].origin.solver == "superlu"
+        scene.simulate(duration=2e-4, linear_solver="superlu").models[1].linear_solver == "superlu"
     )
 
 

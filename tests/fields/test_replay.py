@@ -56,7 +56,7 @@ def uncorrected(hit: ao.Result, times: FloatArray) -> FloatArray:
     assert body.mesh is not None
     assert body.material is not None
     moved = np.zeros((len(times), body.mesh.nodes.size))
-    moved[:, body.free] = (response.recovery.reduced.basis @ coordinates).T
+    moved[:, body.free] = (response.recovery.model.modes @ coordinates).T
     moved = moved.reshape(len(times), -1, 3)
     return nodal_stress(body.mesh, body.material, moved).components
 

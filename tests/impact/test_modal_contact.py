@@ -36,7 +36,7 @@ def body(kind: str) -> tuple[ao.FEModel, tuple[float, ...]]:
 
 
 @pytest.fixture(scope="module", params=["block", "plate", "tilted", "sheet"])
-def modes(request: pytest.FixtureRequest) -> ao.ModalModel:
+def modes(request: pytest.FixtureRequest) -> ao.Body:
     """All natural modes of a body, which are its full model."""
     made, place = body(request.param)
     tilted = (0.6, 0.0, -0.8) if request.param == "tilted" else None
@@ -46,32 +46,33 @@ def modes(request: pytest.FixtureRequest) -> ao.ModalModel:
 
 
 @pytest.mark.parametrize("n", [20, 40, 100])
-def test_its_force_is_that_of_all_modes_within_its_error(modes: ao.ModalModel, n: int) -> None:
+def test_its_force_is_that_of_all_modes_within_its_error(modes: ao.Body, n: int) -> None:
     whole, hit = struck(modes), struck(modes.truncated(n))
     error = hit.error["peak_force"]
     assert abs(hit.peak_force / whole.peak_force - 1.0) < min(error.mesh + error.contact, 3e-3)
     assert hit.contact_duration == pytest.approx(whole.contact_duration, rel=3e-3)
 
 
-def test_it_yields_with_the_law_as_the_body_does(modes: ao.ModalModel) -> None:
+def test_it_yields_with_the_law_as_the_body_does(modes: ao.Body) -> None:
     """At the frequency s, where Σ r²/(ω² + s²) of all modes is the body's compliance."""
-    whole = modes.tip.extraction
-    terms = modes.participation**2 / (modes.omega2 + whole.s**2)
+    whole = modes.tips[0].extraction
+    terms = modes.participation[0] ** 2 / (modes.omega**2 + whole.s**2)
     for n in (8, 40, modes.n):
-        own = modes.truncated(n).star.extraction_at()
+        own = modes.truncated(n).extraction_at()
         assert own.removed == pytest.approx(whole.removed - terms[n:].sum(), abs=1e-6 * terms.sum())
         assert own.error == whole.error
         assert own.varying >= whole.varying * (1.0 - 1e-6)
 
 
-def test_oscillators_of_it_leave_as_much_to_the_law(modes: ao.ModalModel) -> None:
-    star = modes.truncated(20).star
-    assert star.truncated(1).extraction_at().removed == star.extraction_at().removed
+def test_oscillators_of_it_leave_as_much_to_the_law(modes: ao.Body) -> None:
+    first = modes.truncated(20)
+    one = first.star.truncated(1).modal
+    assert one.extraction_at().removed == first.extraction_at().removed
 
 
-def test_the_surface_under_the_contact_moves_as_by_all_modes(modes: ao.ModalModel) -> None:
+def test_the_surface_under_the_contact_moves_as_by_all_modes(modes: ao.Body) -> None:
     """Under patches about as wide as an element: the field of narrower ones takes more modes."""
-    tip = modes.tip
+    (tip,) = modes.tips
     if tip.patch is not None:
         wide = tip.body.contact(point=tip.point, direction=tip.direction, expected=0.01)
         modes = ao.modal(wide, modes.n)
@@ -86,5 +87,5 @@ def test_of_several_places_each_has_its_own() -> None:
     tips = [made.contact(point=at) for at in (place, (0.03, 0.02, 0.01))]
     several = ao.modal(tips, 20)
     for port, tip in enumerate(tips):
-        alone = ao.modal(tip, 20).star.extraction_at().removed
+        alone = ao.modal(tip, 20).extraction_at().removed
         assert several.extraction_at(port).removed == pytest.approx(alone, rel=1e-9)

@@ -14,6 +14,7 @@ from aoimpact import laws
 from aoimpact.base import LawLimitError, units
 from aoimpact.batch.digest import Digests
 from aoimpact.laws import PatchLaw, effective_law, own_law
+from aoimpact.reduction import body_model
 from aoimpact.results import QUANTITIES
 from aoimpact.scene import Contact
 
@@ -45,7 +46,8 @@ def sphere(mesh: str, radius: float) -> ao.AOModel:
 
 
 def between(law: ao.ContactLaw, *models: Any) -> ao.ContactLaw:
-    return Contact(0, 0, 1, 0, law, 0.0).of_models(models).law
+    bodies = [body_model("target", model) for model in models]
+    return Contact(0, 0, 1, 0, law, 0.0).of_models(bodies).law
 
 
 def test_bodies_without_meshes_leave_the_law_as_it_is() -> None:
@@ -81,12 +83,12 @@ def test_a_node_is_part_of_laws_like_hertz_s_only() -> None:
 def test_every_model_of_a_body_remembers_its_patch() -> None:
     patch = tip("coarse", 0.0045).patch
     assert patch is not None
-    assert sphere("coarse", 0.0045).patch is patch
-    assert ao.antioscillators(tip("coarse", 0.0045), n=1).patch is patch
-    assert sphere("coarse", 0.0045).truncated(0).patch is patch
+    assert sphere("coarse", 0.0045).modal.touched_at().patch is patch
+    assert ao.antioscillators(tip("coarse", 0.0045), n=1).modal.touched_at().patch is patch
+    assert sphere("coarse", 0.0045).truncated(0).modal.touched_at().patch is patch
     modes = ao.modal(tip("coarse", 0.0045), n=12)
-    assert modes.patch is modes.star.patch is patch
-    assert ao.rigid(mass=1.0).patch is None
+    assert modes.touched_at().patch is patch
+    assert ao.rigid(mass=1.0).modal.touched_at() is None
 
 
 # ------------------------------------------------------------------------- the impact
@@ -199,7 +201,8 @@ def test_models_chosen_for_a_tolerance_meet_as_the_whole_bodies_do(
         assert hit.error.model <= rtol
         assert hit.models is not None
         for model, body in zip(hit.models, (projectile, struck), strict=True):
-            assert model.patch is (None if model.label in ("rigid", "wall") else body.patch)
+            tip = model.touched_at()
+            assert (tip and tip.patch) is (None if model.label == "wall" else body.patch)
 
 
 # ------------------------------------------------------------------------- too wide a contact

@@ -23,9 +23,9 @@ ALUMINIUM = ao.Material(E=70e9, nu=0.33, rho=2700)
 def test_rigid_balls() -> None:
     one, two = ao.ball(0.01, STEEL), ao.ball(0.03, ALUMINIUM)
     assert one.mass == pytest.approx(4 / 3 * math.pi * 0.01**3 * 7800, rel=1e-14)
-    assert one.contact_surface is not None
-    assert two.contact_surface is not None
-    found = law_between(one.contact_surface, two.contact_surface)
+    assert one.modal.surface_at() is not None
+    assert two.modal.surface_at() is not None
+    found = law_between(one.modal.surface_at(), two.modal.surface_at())
     expected = ao.Hertz.between(STEEL, 0.01, ALUMINIUM, 0.03)
     assert found.law.k == pytest.approx(expected.k, rel=1e-14)
     assert found.law.relative_radius == pytest.approx(0.0075, rel=1e-14)
@@ -37,8 +37,8 @@ def test_rigid_balls() -> None:
 )
 def test_copies_keep_the_surface(remade) -> None:  # type: ignore[no-untyped-def]
     ball = ao.ball(0.01, STEEL)
-    assert remade(ball).contact_surface == ball.contact_surface
-    assert ball.truncated(0).contact_surface == ball.contact_surface
+    assert remade(ball).surface == ball.surface
+    assert ball.truncated(0).surface == ball.surface
 
 
 def test_meshed_ball_on_a_plate() -> None:
@@ -182,7 +182,7 @@ def test_surfaces_are_checked() -> None:
         ContactSurface(STEEL, (1.0, 1.0), None, -1.0)
     with pytest.raises(ao.InputError, match=r"^radius"):
         ao.ball(1e90, STEEL)
-    assert ao.rigid(1.0).contact_surface is None
+    assert ao.rigid(1.0).surface is None
 
 
 def test_models_of_a_contact_point_know_its_surface() -> None:
@@ -191,9 +191,9 @@ def test_models_of_a_contact_point_know_its_surface() -> None:
     star = ao.antioscillators(tip, n=2, method="krylov")
     surface = tip.contact_surface
     assert surface is not None
-    assert star.contact_surface is surface
-    assert star.truncated(1).contact_surface is surface
-    assert ao.modal(tip, n=8).contact_surface is surface
+    assert star.modal.surface_at() is surface
+    assert star.truncated(1).modal.surface_at() is surface
+    assert ao.modal(tip, n=8).surface_at() is surface
 
 
 def test_curvatures_that_a_mesh_does_not_show_are_the_first_to_mend() -> None:

@@ -186,7 +186,7 @@ def test_oscillators_by_multigrid_are_those_of_factors():
     tip = body.contact(point=(0.4, 0.01, 0.02), direction=(0, 0, 1), radius=0)
     direct = ao.antioscillators(tip, 3, order="frequency", solver="superlu")
     star = ao.antioscillators(tip, 3, order="frequency", solver="multigrid")
-    assert star.origin.solver == "multigrid"
+    assert star.origin.linear_solver == "multigrid"
     # The impact hardly excites two of the three modes: masses are known relative to the body's.
     np.testing.assert_allclose(star.m, direct.m, rtol=0.0, atol=1e-10 * direct.m.sum())
     np.testing.assert_allclose(star.frequencies, direct.frequencies, rtol=1e-9)

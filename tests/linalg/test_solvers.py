@@ -107,11 +107,11 @@ def factorised(block, bar):
 )
 def test_anti_oscillators_do_not_depend_on_the_solver_and_name_it(factorised, solver):
     for tip, reference in factorised:
-        assert reference.origin.solver == "superlu"
+        assert reference.origin.linear_solver == "superlu"
         star = ao.antioscillators(tip, 3, order="frequency", solver=solver)
         np.testing.assert_allclose(star.m, reference.m, rtol=1e-7)
         np.testing.assert_allclose(star.k, reference.k, rtol=1e-7)
-        assert star.origin.solver == getattr(solver, "__name__", solver)
+        assert star.origin.linear_solver == getattr(solver, "__name__", solver)
 
 
 def test_the_matrices_are_neither_changed_nor_copied(bar):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.reduction import BodyModel, ReducedModel, body_model
+from aoimpact.reduction import BodyModel, body_model
 
 MESH = ao.box_mesh((0.2, 0.02, 0.01), (10, 2, 1), kind="hexahedron20")
 BAR = ao.FEModel.from_mesh(MESH, ao.Material(E=70e9, nu=0.33, rho=2700), fixed=[("xmin", "xyz")])
@@ -39,15 +38,15 @@ def test_each_kind_knows_its_body(kind: str) -> None:
 
 
 def test_degrees_of_freedom_are_the_coordinates_of_the_model() -> None:
-    assert STAR.dofs == len(STAR.matrices()[0])
+    assert STAR.modal.dofs == len(STAR.matrices()[0])
     assert PORTS.dofs == len(PORTS.omega)
     assert ao.full(TIP).dofs == BAR.K.shape[0]
-    assert ao.rigid(1.0).dofs == 1
-    assert ao.rigid(np.inf).dofs == 0
+    assert ao.rigid(1.0).modal.dofs == 1
+    assert ao.rigid(np.inf).modal.dofs == 0
 
 
-@pytest.mark.parametrize("model", [STAR, PORTS], ids=["AO", "interface"])
-def test_stiffer_springs_deflect_less(model: ReducedModel) -> None:
+@pytest.mark.parametrize("model", [STAR.modal, PORTS], ids=["AO", "interface"])
+def test_stiffer_springs_deflect_less(model: ao.Body) -> None:
     """At so low a frequency that inertia plays no part, in inverse proportion."""
     first, second = (TIP.b @ of.deflection(1.0) for of in (model, model.stiffened(1.25)))
     assert first / second == pytest.approx(1.25, rel=1e-6)
@@ -67,11 +66,3 @@ def test_a_body_in_modes_with_one_port_is_hit_as_its_AO_model() -> None:
     assert other.peak_force == pytest.approx(one.peak_force, rel=1e-7)
     assert other.impulse == pytest.approx(one.impulse, rel=1e-7)
     assert other.restitution == pytest.approx(one.restitution, rel=1e-6)
-
-
-def test_participations_that_are_not_those_of_the_modes_are_refused() -> None:
-    with pytest.raises(ao.InputError, match=r"^participation"):
-        replace(PORTS, participation=2.0 * PORTS.participation)
-    nothing = np.zeros_like(PORTS.participation)
-    with pytest.raises(ao.InputError, match=r"^modes"):
-        replace(PORTS, participation=nothing, modes=np.zeros_like(PORTS.modes))

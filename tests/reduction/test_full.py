@@ -45,7 +45,7 @@ def test_a_contact_point_stands_for_a_model_that_gives_the_force_to_a_percent() 
     """The full model is what its force is right to; the tolerance is that asked for by name."""
     whole, by_point = struck(ao.full(TIP), rtol=1e-3), struck(TIP)
     model = by_point.plan.bodies[1]
-    assert isinstance(model, ao.AOModel)
+    assert model.label.startswith("AO(")
     assert model.n < BODY.n_dofs / 4
     assert QUANTITIES["force"].difference(by_point, whole) <= 1e-2
     assert by_point.error.model is not None
@@ -66,7 +66,7 @@ def test_of_several_places_a_list_stands_for_a_model_as_good_as_that() -> None:
         runs.append(scene.simulate(duration=2e-4))
     whole, by_list = runs
     assert whole[0].label == f"full({BODY.n_dofs})"
-    assert isinstance(by_list.plan.bodies[0], ao.InterfaceModel)
+    assert by_list.plan.bodies[0].label.startswith("interface(")
     times = np.linspace(0.0, 2e-4, 801)
     right, found = (
         np.stack([np.interp(times, run.t, contact.force) for contact in run.contacts])

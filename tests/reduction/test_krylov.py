@@ -113,7 +113,7 @@ def block():
 
 
 def test_a_free_body_keeps_its_mass_and_the_motion_of_its_centre(block):
-    """Seen from the contact its mass is 1/Σr² of its rigid motions; its centre moves by φ_st's."""
+    """Seen from the contact its mass is 1/Σr² of its rigid motions; its centre by its velocity."""
     whole = ao.antioscillators(block, 0)
     for n in (1, 3, 8):
         star = ao.antioscillators(block, n, method="krylov", contact_time=20e-6)
@@ -121,10 +121,9 @@ def test_a_free_body_keeps_its_mass_and_the_motion_of_its_centre(block):
         assert star.mass == pytest.approx(STEEL.rho * 12e-6, rel=1e-10)
         assert star.static_mass == pytest.approx(whole.static_mass, rel=1e-10)
         # Oscillators that vibrate about a centre at rest: their weights are their masses' shares.
-        weights = star.centre_weights
-        assert weights.sum() == pytest.approx(whole.centre_weights.sum(), rel=1e-10)
-        shares = np.concatenate([[star.m0], star.m]) / star.static_mass * weights.sum()
-        np.testing.assert_allclose(weights, shares, atol=1e-10)
+        body = star.modal
+        assert body.whole.centre @ body.moving == pytest.approx(1.0, rel=1e-10)
+        np.testing.assert_allclose(body.whole.centre[body.omega > 0.0], 0.0, atol=1e-10)
 
 
 def test_momentum_of_a_free_body_is_the_impulse(block):
@@ -178,18 +177,17 @@ def test_more_than_one_solve_is_taken_only_where_nothing_is_left_to_gain():
 
 
 def test_what_is_seen_of_a_model_is_the_model(block):
-    """Before its shapes are multiplied out: the star, places seen by it, and shapes asked for."""
+    """Before its shapes are multiplied out: the star, places seen by it, and displacements."""
     space = ao.KrylovSpace(block, contact_time=20e-6)
-    star, seen = space.of_vectors(5), space.factored(5)
+    seen = space.of_vectors(5)
+    alone = seen.alone
     space.of_vectors(40)  # grown since
     for name in ("m0", "k0", "m", "k"):
-        np.testing.assert_array_equal(getattr(seen, name), getattr(star, name))
+        np.testing.assert_allclose(getattr(seen.star, name), getattr(alone.star, name), rtol=1e-9)
     place = np.random.default_rng(0).standard_normal(block.body.n_dofs)
-    np.testing.assert_allclose(seen.weights(place), star.weights(place), rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(seen.expand(np.arange(6.0)), star.expand(np.arange(6.0)))
-    few = seen.truncated(2)
-    np.testing.assert_allclose(few.weights(place), star.truncated(2).weights(place), rtol=1e-9)
-    assert star.origin.vectors is None is seen.multiplied_out.origin.vectors
+    np.testing.assert_allclose(seen.seen(place), alone.seen(place), rtol=1e-9, atol=1e-9)
+    moved = [of.star.expand(np.arange(6.0)) for of in (seen, alone)]
+    np.testing.assert_allclose(*moved, atol=1e-9)
 
 
 @pytest.mark.filterwarnings("ignore:.*with_mesh")
@@ -208,15 +206,15 @@ def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits()
             solver=ao.Adaptive(rtol=1e-10),
             energies=False,
         )
-        for star in (space.factored(140), ao.antioscillators(tip))
+        for star in (space.of_vectors(140), ao.antioscillators(tip))
     ]
     few, full = (hit.at(hits[1].t).forces[0] for hit in hits)
     np.testing.assert_allclose(few, full, atol=1e-8 * full.max())
     # The same space, however it has grown.
     small = ao.KrylovSpace(tip, contact_time=0.1, sharpened=True)
     for n in (5, 30, 60, 140):
-        grown = small.factored(n)
-    np.testing.assert_allclose(grown.m, space.factored(140).m, rtol=1e-9)
+        grown = small.of_vectors(n).star
+    np.testing.assert_allclose(grown.m, space.of_vectors(140).star.m, rtol=1e-9)
 
 
 def test_a_basis_that_does_not_fit_is_refused(block, monkeypatch):
@@ -478,7 +476,7 @@ def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monk
     s = factors.shift * np.array([0.1, 1.0, 3.0])
     for n in range(4, 40, 4):
         star = space.antioscillators(n)
-        made.append(star.origin.solver)
+        made.append(star.origin.linear_solver)
         same = star_at(factors.antioscillators(n), s)
         np.testing.assert_allclose(star_at(star, s), same, rtol=ROUGH**2)
     slow = made.count("multigrid")
@@ -574,7 +572,7 @@ def test_one_factorisation_and_a_solve_a_vector_by_the_users_own_solver(block, o
     settings = {"method": "krylov", "contact_time": 20e-6, "solver": own_solver}
     star = ao.antioscillators(block, 4, **settings)
     assert (len(own_solver.calls), own_solver.solutions) == (1, 4)
-    assert star.origin.solver == "Own"
+    assert star.origin.linear_solver == "Own"
     # Held: the static mode of a compact body takes solves with the same factors.
     mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
     held = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])

@@ -18,7 +18,9 @@ def test_several_places_have_the_modes_of_each() -> None:
     model = ao.modal(ENDS, 12)
     np.testing.assert_allclose(model.frequencies, BAR.frequencies(12), rtol=1e-9)
     for row, tip in zip(model.participation, ENDS, strict=True):
-        np.testing.assert_allclose(np.abs(row), np.abs(ao.modal(tip, 12).participation), rtol=1e-6)
+        np.testing.assert_allclose(
+            np.abs(row), np.abs(ao.modal(tip, 12).participation[0]), rtol=1e-6
+        )
 
 
 def test_a_list_of_one_place_gives_the_impact_of_that_place() -> None:

@@ -61,7 +61,7 @@ def test_models_are_called_as_their_body() -> None:
 def test_models_say_in_a_line_what_they_are() -> None:
     star = ao.antioscillators(tip(""), 3)
     assert repr(star) == "AOModel(3 oscillators, 0.108 kg, constrained)"
-    assert repr(ao.modal(tip(), 4)) == "ModalModel('bar', 4 modes, 0.108 kg, constrained)"
+    assert repr(ao.modal(tip(), 4)) == "Body('bar', modal(4), 0.108 kg, constrained)"
     assert repr(BALL) == "AOModel('ball', no oscillators, 0.01 kg, free)"
     assert repr(ao.rigid(mass=float("inf"), name="floor")) == "AOModel('floor', wall)"
     assert repr(bar()).startswith("FEModel('bar', 60 dofs, 24 nodes, ")

@@ -368,7 +368,7 @@ model = { type = "antioscillators", n = 2, method = "krylov", duration = 1e-3, s
     assert tip.patch.radius == same.patch.radius
     np.testing.assert_allclose(tip.direction, [0, 0, -1], atol=1e-12)
     assert target.damping == ao.Rayleigh(beta=1e-8)
-    assert target.origin.solver == "superlu"
+    assert target.origin.linear_solver == "superlu"
 
 
 SENSORS = """

@@ -1,0 +1,1020 @@
+"""A body in its natural modes: the one form in which the core takes every body.
+
+All reduced models are Galerkin's: the motion of the body is X = Σ q_j φ_j, and each mode has its
+share in the displacement of every port, a contact functional u = bᵀX. Anti-oscillator models
+(star.py) are the same models of one port in other coordinates.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import _core
+from ..base import HUGE, FloatArray, Frozen, InputError, InputTypeError, finite_array, integer
+from ..fem import (
+    ContactCompliance,
+    ContactPoint,
+    ContactSurface,
+    Damping,
+    Extraction,
+    FEModel,
+    ThinExtraction,
+    centre_of,
+    field_error,
+    missing_energy,
+    thin_stiffness_error,
+    translates,
+    whole_motion,
+)
+from .band import Band, band_of
+
+if TYPE_CHECKING:
+    from .star import AOModel
+
+# The parts of a body as the core takes it, in its order.
+_PARTS = itemgetter(*_core.MODES.split())
+
+# Share of a translation beside the motion that a port excites that is rounding of a mesh.
+_STRAIGHT = 1e-6
+
+# Along the direction of travel; or of the centre of mass in three directions, and spin, shape (6,).
+Velocity = float | FloatArray
+
+# Gravity along the direction of travel; or in three directions, shape (3,).
+Pull = float | FloatArray
+
+
+class BodyModel(ABC):
+    """A model of a body, and the places where it is touched: its ports."""
+
+    tips: tuple[ContactPoint, ...]
+    contact_time: float | None = None
+    linear_solver: str = ""
+    reducible: bool = False
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle and copy without what is derived from the fields: it is cheap to find again."""
+        return {one.name: vars(self)[one.name] for one in fields(self)}  # type: ignore[arg-type]
+
+    @cached_property
+    def kept(self) -> dict[Any, Any]:
+        """Results of others that are derived from this model alone, which does not change.
+
+        :meta private:
+        """
+        return {}
+
+    @property
+    def alone(self) -> Self:
+        """The model, so that it holds no others' vectors.
+
+        :meta private:
+        """
+        return self
+
+    @property
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """Contact points, one for each port; none of a body given by numbers."""
+        return self.tips
+
+    @property
+    def body(self) -> FEModel:
+        """The finite-element body; not of one given by numbers."""
+        return self.tips[0].body
+
+    @property
+    def name(self) -> str:
+        """Name of the body in results, tables and plots; empty if it has none."""
+        return self.body.name
+
+    @property
+    def damping(self) -> Damping | None:
+        """Damping of the natural modes; None where nothing is damped."""
+        return self.body.damping
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Kind of the model, such as "rigid" or "AO(3)"."""
+
+    @property
+    @abstractmethod
+    def dofs(self) -> int:
+        """Number of degrees of freedom of the model; 0 of a wall."""
+
+    @property
+    @abstractmethod
+    def constrained(self) -> bool:
+        """True if no port can move without a deformation, or it is a wall."""
+
+    @property
+    @abstractmethod
+    def static_mass(self) -> float:
+        """The mass that an impact on its lightest port moves statically, kg, eq. (10)."""
+
+    @property
+    @abstractmethod
+    def modal(self) -> Body:
+        """The body in its natural modes; of a full model in all of them.
+
+        :meta private:
+        """
+
+    @property
+    @abstractmethod
+    def static_mode(self) -> FloatArray:
+        """φ_st at the first port, eqs. (2), (3), shape (n_dofs,).
+
+        :meta private:
+        """
+
+    @cached_property
+    def centre_of_mass(self) -> tuple[FloatArray, float, bool]:
+        """Functional of the centre of mass, shape (n_dofs,), mass, kg, and whether they are known.
+
+        :meta private:
+        """
+        return centre_of(self.tips[0], lambda: self.static_mode)
+
+    @property
+    def mass(self) -> float | None:
+        """Mass of the whole body, kg; where it is not known, that of its static mode."""
+        return self.centre_of_mass[1]
+
+    @property
+    def most_mass(self) -> float:
+        """A mass not below the static mass, kg; infinite for a constrained body.
+
+        :meta private:
+        """
+        if self.body.rigid_modes.shape[1] == 0:
+            return math.inf
+        mass = self.body.mass
+        return float(self.body.M.diagonal().sum()) if mass is None else mass
+
+    @property
+    def centre_known(self) -> bool:
+        """True if its centre of mass is known; else the mean over the static mode stands in."""
+        return self.centre_of_mass[2]
+
+    @property
+    def known_mass(self) -> float | None:
+        """Mass of the whole body, kg; None where its centre of mass is not known.
+
+        :meta private:
+        """
+        return self.mass if self.centre_known else None
+
+    @property
+    def wall(self) -> bool:
+        """True if it is of infinite mass.
+
+        :meta private:
+        """
+        return False
+
+    @property
+    def fixed(self) -> bool:
+        """True if it stays in its place: constrained, or a wall.
+
+        :meta private:
+        """
+        return self.constrained or self.wall
+
+    @property
+    def ports(self) -> int:
+        """Number of its contact functionals.
+
+        :meta private:
+        """
+        return len(self.tips)
+
+    @property
+    def places(self) -> int:
+        """Number of places where it may be touched: with tangents each has three ports.
+
+        :meta private:
+        """
+        rubs = self.tips and self.tips[0].tangents is not None
+        return self.ports // 3 if rubs else self.ports
+
+    @property
+    def weightless(self) -> bool:
+        """True if gravity has no effect on it, since its supports are not known.
+
+        :meta private:
+        """
+        return False
+
+    @property
+    def massless(self) -> bool:
+        """True if a port moves at once with the force on it.
+
+        :meta private:
+        """
+        return False
+
+    @abstractmethod
+    def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
+        """Return Σ |r_p| |r_q| / ω² of modes above a frequency, rad/s, or a bound of it.
+
+        Returns
+        -------
+        by_forces : ndarray, shape (ports, ports)
+            m/N.
+        by_weight : ndarray, shape (ports,)
+            m per m/s² of gravity; zero unless `weighed`.
+
+        :meta private:
+        """
+
+    def touched_at(self, port: int = 0) -> ContactPoint | None:
+        """Return the contact point of a port; None of a body given by numbers.
+
+        :meta private:
+        """
+        return self.tips[port] if self.tips else None
+
+    def extraction_at(self, port: int = 0) -> ContactCompliance | None:
+        """Return the compliances at a port; None of a rigid body, and where they are not known.
+
+        :meta private:
+        """
+        return self.tips[port].extraction if self.tips else None
+
+    def surface_at(self, port: int = 0) -> ContactSurface | None:
+        """Return material and curvatures at a port; None where they are not known.
+
+        :meta private:
+        """
+        return self.tips[port].contact_surface if self.tips else None
+
+    def turned(self, ports: Sequence[int]) -> Self:
+        """Return the model with the direction of travel turned round at some ports.
+
+        :meta private:
+        """
+        if not ports or not self.tips:
+            return self
+        key = "turned", tuple(ports)
+        if key not in self.kept:
+            tips = (tip.reversed() if i in ports else tip for i, tip in enumerate(self.tips))
+            self.kept[key] = self._with_tips(tuple(tips))
+        found: Self = self.kept[key]
+        return found
+
+    def _with_tips(self, tips: tuple[ContactPoint, ...]) -> Self:
+        return replace(self, tips=tips)  # type: ignore[type-var]
+
+
+class AsWhole(NamedTuple):
+    """A body's motion as a whole, by its modes.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (n,)
+        Displacement of the centre of mass along the direction of travel.
+    moving : ndarray, shape (n,)
+        q̇ of the body moving undeformed with unit velocity.
+    weight : ndarray, shape (n,)
+        q̈ under unit gravity along the direction of travel.
+    velocity : ndarray, shape (6, n), or None
+        Velocity of the centre of mass and mean spin, in the axes of its mesh; without spin, shape
+        (3, n), where supports leave none. None where the ports have one direction.
+    momentum : ndarray, shape (n, 6), or None
+        q̇ of the undeformed body for a unit velocity and spin.
+    """
+
+    centre: FloatArray
+    moving: FloatArray
+    weight: FloatArray
+    velocity: FloatArray | None = None
+    momentum: FloatArray | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Body(Frozen, BodyModel):
+    """A body in its natural modes: q̈_j + 2σ_j q̇_j + ω_j² q_j = g_j + Σ_p push_pj f_p.
+
+    The ports move by u_p = Σ_j shape_pj q_j + Σ_q R_pq f_q. Made by `antioscillators`, `modal`,
+    `interface`, `rigid`, `ball` and `wall`; `expand` gives the displacement of its elements.
+
+    Attributes
+    ----------
+    kind : str
+        "AO", "modal", "interface", "rigid" or "wall".
+    n : int
+        Number of anti-oscillators of a model of that kind, or of modes.
+    omega : ndarray, shape (n,)
+        ω, rad/s, ascending; rigid motions come first, as zeros.
+    shape, push : ndarrays, shape (p, n)
+        Of M-orthonormal modes both are bᵀφ, 1/√kg.
+    inertia : ndarray, shape (n,)
+        Kinetic energy is Σ inertia q̇²/2: 1 of M-orthonormal modes, 0 of a wall.
+    tips : tuple of ContactPoint
+        The ports; none of a body given by numbers.
+    residual : ndarray, shape (p, p), or None
+        R, the compliance that no mode has (of a massless contact), m/N.
+    vectors : ndarray, shape (n_dofs, r), or callable that returns it
+        Vectors of which the modes are combinations; None of a body given by numbers.
+    coordinates : ndarray, shape (r, n)
+        The modes on these vectors; None where they are the modes.
+    follow : ndarray, shape (r, p), or None
+        Displacement at once with forces on the ports, on the vectors, m/N.
+    linear_solver : str
+        The linear solver that it was made with; empty where none was needed.
+    contact_time : float or None
+        The duration of the contact that it was fitted to, s; None where it fits any.
+    numbers : AOModel or None
+        The numbers of a body that was given by these.
+    as_whole : AsWhole or None
+        The motion as a whole of a body given by numbers.
+    series : Body or None
+        The natural modes that an anti-oscillator model is made of, with its compliances.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.03, 0.07)]
+    >>> ao.interface(places, n=8, contact_time=1e-4).participation.shape
+    (2, 8)
+    """
+
+    kind: str
+    n: int
+    omega: FloatArray
+    shape: FloatArray
+    push: FloatArray
+    inertia: FloatArray
+    tips: tuple[ContactPoint, ...] = ()
+    residual: FloatArray | None = None
+    vectors: FloatArray | Callable[[], FloatArray] | None = None
+    coordinates: FloatArray | None = None
+    follow: FloatArray | None = None
+    linear_solver: str = ""
+    contact_time: float | None = None
+    numbers: AOModel | None = None
+    as_whole: AsWhole | None = None
+    series: Body | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return super().__getstate__() if not callable(self.vectors) else self.alone.__getstate__()
+
+    @property
+    def alone(self) -> Self:
+        """The same model with modes that are multiplied out: it holds no others' vectors.
+
+        :meta private:
+        """
+        if not callable(self.vectors):
+            return self
+        return replace(self, vectors=self.modes, coordinates=None)
+
+    def __repr__(self) -> str:
+        parts = [repr(self.name), self.label] if self.name else [self.label]
+        if not self.wall:
+            parts += ["mass not known" if self.known_mass is None else f"{self.known_mass:.4g} kg"]
+            parts.append("constrained" if self.constrained else "free")
+        return f"Body({', '.join(parts)})"
+
+    # ------------------------------------------------------------------ the kind
+
+    @property
+    def label(self) -> str:
+        """Kind of the model: "rigid", "wall", "AO(3)", "modal(40)", "interface(40)"."""
+        return self.kind if self.kind in ("rigid", "wall") else f"{self.kind}({self.n})"
+
+    @property
+    def wall(self) -> bool:
+        """True if it is of infinite mass.
+
+        :meta private:
+        """
+        return self.kind == "wall"
+
+    @property
+    def dofs(self) -> int:
+        """Number of coordinates; 0 of a wall."""
+        if self.wall:
+            return 0
+        return self.n + 1 if self.kind in ("AO", "rigid") else self.n
+
+    @property
+    def name(self) -> str:
+        """Name of the body in results, tables and plots; empty if it has none."""
+        return self.body.name if self.numbers is None else self.numbers.name
+
+    @property
+    def damping(self) -> Damping | None:
+        """Damping of the natural modes; None where nothing is damped."""
+        return self.body.damping if self.numbers is None else self.numbers.damping
+
+    @cached_property
+    def constrained(self) -> bool:
+        """True if no port can move without a deformation, or it is a wall."""
+        return self.wall or not self.shape[:, self.omega == 0.0].any()
+
+    @property
+    def mass(self) -> float | None:
+        """Mass of the whole body, kg; where it is not known, that of its static mode."""
+        return super().mass if self.numbers is None else self.numbers.static_mass
+
+    @property
+    def most_mass(self) -> float:
+        """The largest static mass; infinite for a constrained body.
+
+        :meta private:
+        """
+        if self.constrained:
+            return math.inf
+        return self.static_mass if self.ports == 1 or not self.tips else super().most_mass
+
+    @property
+    def static_mass(self) -> float:
+        """The mass that an impact on its lightest port moves statically, kg, eq. (10)."""
+        if self.numbers is not None:
+            return self.numbers.static_mass
+        return min(float(q @ q) for q in map(self._static, range(self.ports)))
+
+    @property
+    def centre_known(self) -> bool:
+        """True if its centre of mass is known; a body given by numbers is all there is of it."""
+        return self.numbers is not None or super().centre_known
+
+    @property
+    def weightless(self) -> bool:
+        """True if gravity has no effect on it, since its supports are not known.
+
+        :meta private:
+        """
+        known = self.numbers is None and self.centre_known
+        return self.constrained and not known and not self.wall
+
+    @property
+    def massless(self) -> bool:
+        """True if a port moves at once with the force on it.
+
+        :meta private:
+        """
+        return self.residual is not None
+
+    @property
+    def ports(self) -> int:
+        """Number of its contact functionals.
+
+        :meta private:
+        """
+        return len(self.shape)
+
+    @property
+    def places(self) -> int:
+        """Number of places where it may be touched: one of a rigid body.
+
+        :meta private:
+        """
+        return super().places if self.tips else 1
+
+    @property
+    def modal(self) -> Body:
+        """The model itself.
+
+        :meta private:
+        """
+        return self
+
+    # -------------------------------------------------------------- its modes
+
+    @property
+    def participation(self) -> FloatArray:
+        """r_pj = b_pᵀφ_j, 1/√kg, shape (p, n)."""
+        return self.shape
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Natural frequencies, Hz, ascending, shape (n,)."""
+        return self.omega / (2.0 * np.pi)
+
+    @cached_property
+    def decay(self) -> FloatArray | None:
+        """σ, 1/s, shape (n,); None where nothing is damped.
+
+        :meta private:
+        """
+        damping = None if self.wall else self.damping
+        return None if damping is None else np.ascontiguousarray(damping.decay(self.omega))
+
+    @cached_property
+    def modes(self) -> FloatArray:
+        """φ_j, M-orthonormal, shape (n_dofs, n)."""
+        return self._on_dofs(np.eye(len(self.omega)))
+
+    def _on_dofs(self, q: FloatArray) -> FloatArray:
+        """Displacement of the body for amplitudes of the modes, shape (n_dofs,) or (n_dofs, k)."""
+        q = q if self.coordinates is None else self.coordinates @ q
+        return np.asarray(self.spanning @ q)
+
+    @property
+    def spanning(self) -> FloatArray:
+        """The vectors that the modes are combinations of, shape (n_dofs, r).
+
+        :meta private:
+        """
+        if self.vectors is None:
+            raise InputError("expand: this model was given by numbers and has no body to expand to")
+        return self.vectors() if callable(self.vectors) else self.vectors
+
+    def seen(self, functionals: FloatArray) -> FloatArray:
+        """Return functionals @ modes, shape (n,) or (m, n).
+
+        :meta private:
+        """
+        on = functionals @ self.spanning
+        return np.ascontiguousarray(on if self.coordinates is None else on @ self.coordinates)
+
+    @cached_property
+    def following(self) -> FloatArray | None:
+        """Displacement at once with forces on the ports, m/N, shape (n_dofs, p), or None.
+
+        :meta private:
+        """
+        return None if self.follow is None else np.asarray(self.spanning @ self.follow)
+
+    def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
+        """Return the full displacement X = Σ q_j φ_j.
+
+        Parameters
+        ----------
+        coordinates : array_like, shape (n,) or (n, times)
+            q, m √kg.
+
+        Returns
+        -------
+        ndarray, shape (n_dofs,) or (n_dofs, times)
+            On the free dofs, in the order of the rows of K, m.
+
+        Raises
+        ------
+        InputError
+            If the shape is wrong, or the body was given by numbers.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.05, 0.09)]
+        >>> ao.interface(places, n=4).expand(np.zeros(4)).shape == (bar.n_dofs,)
+        True
+        """
+        values, n = finite_array("coordinates", coordinates), len(self.omega)
+        if values.ndim not in (1, 2) or values.shape[0] != n:
+            raise InputError(
+                f"coordinates must have shape ({n},) or ({n}, times), got {values.shape}"
+            )
+        return self._on_dofs(values)
+
+    def truncated(self, n: int) -> Body:
+        """Return the model of the first `n` natural modes.
+
+        Examples
+        --------
+        >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+        >>> chain = ao.FEModel(K=K, M=M)
+        >>> ao.modal(chain.contact(dof=1), n=2).truncated(1).n
+        1
+        """
+        kept = slice(integer("n", n, low=1, high=len(self.omega)))
+        first: dict[str, Any] = {"omega": self.omega[kept], "inertia": self.inertia[kept]}
+        first |= {"shape": self.shape[:, kept].copy(), "push": self.push[:, kept].copy()}
+        return replace(self, n=n, vectors=self.modes[:, kept], coordinates=None, **first)
+
+    @cached_property
+    def star(self) -> AOModel:
+        """The anti-oscillator model that this is in other coordinates: the same receptance.
+
+        Raises
+        ------
+        InputError
+            If it has more ports than one.
+        """
+        from .star import star_of
+
+        return star_of(self)
+
+    def stiffened(self, factor: float) -> Body:
+        """Return the model with all its springs stiffer by a factor.
+
+        :meta private:
+        """
+        made: dict[float, Body] = self.kept.setdefault("stiffened", {})
+        if factor not in made:
+            residual = None if self.residual is None else self.residual / factor
+            follow = None if self.follow is None else self.follow / factor
+            made[factor] = replace(
+                self, omega=math.sqrt(factor) * self.omega, residual=residual, follow=follow
+            )
+        return made[factor]
+
+    # ------------------------------------------------------- its motion as a whole
+
+    def _static(self, port: int = 0) -> FloatArray:
+        """Amplitudes of the modes in φ_st at a port, eqs. (2), (3), without what follows at once.
+
+        Of a body that a force there moves as a whole, the rigid motion that has u = 1.
+        """
+        r, still = self.shape[port], self.omega == 0.0
+        if r[still].any():
+            return np.where(still, r, 0.0) / float(r[still] @ r[still])
+        yielding = r / np.where(still, np.inf, self.omega) ** 2
+        own = 0.0 if self.residual is None else float(self.residual[port, port])
+        return np.asarray(yielding / (float(r @ yielding) + own))
+
+    @cached_property
+    def static_mode(self) -> FloatArray:
+        """φ_st at the first port, eqs. (2), (3), shape (n_dofs,).
+
+        :meta private:
+        """
+        q = self._static()
+        found = self._on_dofs(q)
+        if self.residual is None or self.following is None:
+            return found
+        rest = (1.0 - float(self.shape[0] @ q)) / float(self.residual[0, 0])
+        return np.asarray(found + rest * self.following[:, 0])
+
+    @cached_property
+    def whole(self) -> AsWhole:
+        """Its motion as a whole.
+
+        Raises
+        ------
+        InputError
+            If it has several ports, and its centre of mass is not known.
+
+        :meta private:
+        """
+        if self.as_whole is not None:
+            return self.as_whole
+        functional, mass, known = self.centre_of_mass
+        if self.ports > 1 and not known:
+            raise InputError(
+                "the mass of a body touched in several places is not known: make it with nodes"
+            )
+        centre, tip = self.seen(functional), self.tips[0]
+        if free := translates(tip):  # elastic modes do not move the centre of mass then
+            centre = np.where(self.omega == 0.0, centre, 0.0)
+        moving = mass * centre if free or self.ports > 1 else self._static()
+        weight = np.zeros_like(centre) if self.weightless else mass * centre
+        if tip.tangents is None:
+            return AsWhole(centre, moving, weight)
+        functionals, momenta = whole_motion(self.body)
+        return AsWhole(centre, moving, weight, self.seen(functionals), self.seen(momenta.T).T)
+
+    @property
+    def moving(self) -> FloatArray:
+        """q̇ of the body moving undeformed with unit velocity, shape (n,).
+
+        :meta private:
+        """
+        return self.whole.moving
+
+    def rates(self, velocity: Velocity) -> FloatArray:
+        """Return q̇ of the body moving undeformed, shape (n,).
+
+        Parameters
+        ----------
+        velocity : float or ndarray, shape (6,)
+            Along the direction of travel, m/s; or of the centre of mass in three directions, m/s,
+            and spin, rad/s.
+
+        :meta private:
+        """
+        if not isinstance(velocity, np.ndarray):
+            return velocity * self.whole.moving
+        assert self.whole.momentum is not None
+        found: FloatArray = self.whole.momentum @ velocity
+        return found
+
+    def loads(self, gravity: Pull = 0.0) -> FloatArray:
+        """Return the forces on the dofs per unit of each force, shape (n_dofs, p) or (…, p + 1).
+
+        The functionals of the ports; under gravity, m/s², the weight, N, after them.
+
+        :meta private:
+        """
+        columns = [tip.b for tip in self.tips]
+        if isinstance(gravity, np.ndarray):
+            along = [self.body.com_functional(axis) for axis in np.eye(3)]
+            columns.append((self.mass or 0.0) * (gravity @ along))
+        elif gravity:
+            functional, mass, _ = self.centre_of_mass
+            columns.append((0.0 if self.weightless else gravity * mass) * functional)
+        return np.stack(columns, axis=1)
+
+    # --------------------------------------------------------------- for the core
+
+    def for_core(
+        self, gravity: Pull = 0.0, load: tuple[FloatArray, FloatArray] | None = None
+    ) -> tuple[Any, ...]:
+        """Return the core's tuple (aoi_modes).
+
+        Parameters
+        ----------
+        gravity : float or ndarray, shape (3,), optional
+            Along the direction of travel, or in three directions, m/s².
+        load : (times, forces), optional
+            Shapes (m,) and (m, p); forces on the ports, N, straight between the times, s.
+
+        :meta private:
+        """
+        if isinstance(gravity, np.ndarray):
+            falls = self.rates(np.concatenate([gravity, np.zeros(3)]))
+            pulled = falls if falls.any() and self.inertia.any() else None
+        else:
+            weight = self.whole.weight
+            pulled = gravity * weight if gravity and weight.any() else None
+        if pulled is None and load is None:
+            return self._still
+        return self._tuple(pulled, *(load if load is not None else (None, None)))
+
+    @cached_property
+    def _still(self) -> tuple[Any, ...]:
+        return self._tuple(None, None, None)
+
+    def _tuple(
+        self, gravity: FloatArray | None, times: FloatArray | None, forces: FloatArray | None
+    ) -> tuple[Any, ...]:
+        acting = {"gravity": gravity, "load_time": times, "load_force": forces, "full": None}
+        centre = self.whole.centre
+        moved = None
+        if self.residual is not None:
+            moved = np.zeros(self.ports)
+            if self.following is not None and not translates(self.tips[0]):
+                moved = self.centre_of_mass[0] @ self.following
+            elif self.numbers is not None and self.constrained:
+                moved = self.numbers.m0 / self.numbers.static_mass * self.residual[0]
+        own = {"centre": centre, "decay": self.decay, "centre_residual": moved}
+        found: tuple[Any, ...] = _PARTS(vars(self) | own | acting)
+        return found
+
+    # ---------------------------------------------------------------- compliances
+
+    def receptance(self, omega: npt.ArrayLike) -> npt.NDArray[Any]:
+        """Return the displacements of the ports over forces there, m/N.
+
+        Σ_j r_pj r_qj/(ω_j² - ω² + 2iσ_jω) + R; real without damping.
+
+        Parameters
+        ----------
+        omega : array_like
+            Angular frequency, rad/s, any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., p, p)
+            `[..., p, q]`: of port p for a force at port q; infinite at a resonance.
+
+        Warns
+        -----
+        AOImpactWarning
+            At frequencies outside the model's `band`.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.05, 0.09)]
+        >>> G = ao.interface(places, n=4).receptance(0.0)
+        >>> bool(np.allclose(G, G.T))  # Maxwell and Betti
+        True
+        """
+        frequency = finite_array("omega", omega, unit="rad/s", most=HUGE)
+        self.warn_outside_band(frequency)
+        stiffness: Any = self.omega**2 - frequency[..., None] ** 2
+        if self.decay is not None:
+            stiffness = stiffness + 2j * self.decay * frequency[..., None]
+        with np.errstate(divide="ignore"):
+            gain = 1.0 / stiffness
+        found: npt.NDArray[Any] = np.einsum("pj,...j,qj->...pq", self.shape, gain, self.push)
+        return found if self.residual is None else found + self.residual
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency, Hz, between which it has the receptance of its body.
+
+        There the receptance, averaged over neighbouring frequencies, is right to 1e-3. It takes a
+        static solution for each contact point. A model given by numbers is right everywhere.
+        """
+        return (0.0, math.inf) if self._band is None else self._band.limits
+
+    @cached_property
+    def _band(self) -> Band | None:
+        return band_of(self) if self.tips else None
+
+    def warn_outside_band(self, omega: FloatArray) -> None:
+        """Warn where a receptance is asked for at frequencies, rad/s, that it does not know.
+
+        :meta private:
+        """
+        if self._band is not None:
+            self._band.warn_outside(omega, fitted=self.contact_time is not None)
+
+    def deflection(self, s: float, port: int = 0) -> FloatArray:
+        """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
+
+        Parameters
+        ----------
+        s : float
+            rad/s, positive.
+        port : int, optional
+            Where the force acts.
+
+        :meta private:
+        """
+        found = self._on_dofs(self.push[port] / (self.omega**2 + s**2))
+        return found if self.following is None else found + self.following[:, port]
+
+    def extraction_at(self, port: int = 0) -> ContactCompliance | None:
+        """Return the compliances at a port, of natural modes their own; None if not known.
+
+        None of a rigid body, too.
+
+        :meta private:
+        """
+        if self.kind == "rigid" or not self.tips:
+            return None
+        if self.series is not None:
+            return self.series.extraction_at(port)
+        known = self.tips[port].extraction
+        if known is None or self.kind != "modal":
+            return known
+        found: dict[int, ContactCompliance] = self.kept.setdefault("extraction", {})
+        if port not in found:
+            found[port] = known.of_truncated(self.tips[port], self.deflection(known.s, port))
+        return found[port]
+
+    def surface_at(self, port: int = 0) -> ContactSurface | None:
+        """Return material and curvatures at a port; None where they are not known.
+
+        :meta private:
+        """
+        return super().surface_at(port) if self.numbers is None else self.numbers.surface
+
+    def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
+        """Return Σ |r_p| |r_q| / ω² of modes above a frequency, rad/s.
+
+        :meta private:
+        """
+        fast = self.omega > slowest
+        shape = np.abs(self.shape[:, fast]) / self.omega[fast] ** 2
+        weight = self.whole.weight[fast]
+        by_weight = shape @ np.abs(weight) if weighed else np.zeros(self.ports)
+        return shape @ np.abs(self.push[:, fast].T), by_weight
+
+    def stiffness_error(self, s: float, port: int = 0, axis: int = 0) -> float:
+        """Return how much too stiff the mesh is for motion at the frequency i s, relative.
+
+        The energy that the field beyond the half-space lacks, over its strain energy. Frequencies
+        within a factor of √2 share one estimate.
+
+        Parameters
+        ----------
+        s : float
+            rad/s, positive.
+        port : int, optional
+            Where the force acts.
+        axis : int, optional
+            1 or 2 for a force along the first or second tangent there, if these are known.
+
+        :meta private:
+        """
+        octave = round(math.log2(s))
+        key = octave, port + axis
+        found: dict[tuple[int, int], float] = self.kept.setdefault("stiffness", {})
+        if key not in found:
+            point, known = self.tips[port], self.extraction_at(port)
+            if known is None:
+                return 0.0
+            assert point.direction is not None
+            deflection = self.deflection(2.0**octave, port + axis)
+            if isinstance(known, ThinExtraction):
+                found[key] = thin_stiffness_error(point.body, deflection, known.near, 2.0**octave)
+                return found[key]
+            assert isinstance(known, Extraction)
+            field, sign = known.mesh_field, known.splitting.frame[2] @ point.direction
+            if axis:
+                if known.sheared is None:
+                    return 0.0
+                field, sign = known.sheared[axis - 1], 1.0
+            moved = math.copysign(1.0, sign) * deflection
+            beyond = point.body.at_nodes(moved, len(field)) - field
+            false, own = field_error(point.body, beyond, ~known.splitting.smooth, 2.0**octave)
+            whole = float(own.sum())
+            found[key] = missing_energy(false, own) / whole if whole else 0.0
+        return found[key]
+
+    def _with_tips(self, tips: tuple[ContactPoint, ...]) -> Body:
+        # One on a sheet that was given its direction keeps it, and turns to the other side.
+        changed = [one is not was for one, was in zip(tips, self.tips, strict=True)]
+        sign = np.array([np.sign(one.b @ was.b) for one, was in zip(tips, self.tips, strict=True)])
+        shape, push = sign[:, None] * self.shape, sign[:, None] * self.push
+        follow = None if self.follow is None else self.follow * sign
+        residual = None if self.residual is None else sign[:, None] * self.residual * sign
+        series = (
+            None if self.series is None else self.series.turned(np.flatnonzero(changed).tolist())
+        )
+        return replace(
+            self, tips=tips, shape=shape, push=push, follow=follow, residual=residual, series=series
+        )
+
+
+def of_modes(
+    tips: tuple[ContactPoint, ...],
+    omega2: FloatArray,
+    vectors: FloatArray | Callable[[], FloatArray],
+    coordinates: FloatArray | None = None,
+    *,
+    kind: str,
+    linear_solver: str = "",
+    contact_time: float | None = None,
+) -> Body:
+    """Return the body in M-orthonormal modes, of ω² ascending, and as combinations of vectors."""
+    there = vectors() if callable(vectors) else vectors
+    r = np.stack([tip.b for tip in tips]) @ there
+    r = np.ascontiguousarray(r if coordinates is None else r @ coordinates)
+    return Body(
+        kind=kind,
+        n=len(omega2),
+        omega=np.sqrt(omega2),
+        shape=r,
+        push=r,
+        inertia=np.ones(len(omega2)),
+        tips=tips,
+        vectors=vectors,
+        coordinates=coordinates,
+        linear_solver=linear_solver,
+        contact_time=contact_time,
+    )
+
+
+def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArray:
+    """Return the rigid motions that matter to a port, by all of these, shape (k, 0 … 2).
+
+    The motion that the port excites, and what is left of a translation along the direction of
+    travel, with which an impact off the centre begins.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    push : ndarray, shape (k,)
+        Rates of rigid motions by a force on the port.
+    rigid : ndarray, shape (n_dofs, k)
+        These motions, M-orthonormal.
+    """
+    size = float(np.linalg.norm(push))
+    if size == 0.0:
+        return np.zeros((len(push), 0))
+    first = push / size
+    if not translates(tip):
+        return first[:, None]
+    assert tip.direction is not None  # it translates along it
+    way = rigid.T @ (tip.body.M @ tip.body.translation(tip.direction))
+    rest = way - (first @ way) * first
+    rest -= (first @ rest) * first
+    if np.linalg.norm(rest) <= _STRAIGHT * np.linalg.norm(way):
+        return first[:, None]
+    return np.stack([first, rest / np.linalg.norm(rest)], axis=1)
+
+
+def checked_ports(name: str, tips: Any) -> tuple[ContactPoint, ...]:
+    """Return the places on one body, one or several.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If they are not that.
+    """
+    if isinstance(tips, ContactPoint):
+        return (tips,)
+    if not isinstance(tips, Sequence) or isinstance(tips, str):
+        raise InputTypeError(f"{name} must be a list of contact points, got {tips!r}")
+    ports = tuple(tips)
+    for tip in ports:
+        if not isinstance(tip, ContactPoint):
+            raise InputTypeError(f"{name} must come from FEModel.contact(...), got {tip!r}")
+    if not ports:
+        raise InputError(f"{name} is empty: a body needs a place where it is touched")
+    if any(tip.body is not ports[0].body for tip in ports):
+        raise InputError(
+            f"{name} has contact points on different bodies: make one model for each body"
+        )
+    return ports
