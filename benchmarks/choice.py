@@ -282,7 +282,7 @@ def exact_run(case: str, size: float, hit: ao.Result) -> ao.Result:
     for body, model in zip(bodies, hit.models, strict=True):
         if isinstance(body, ao.ContactPoint):
             space = KrylovSpace(body, contact_time=hit.contact_duration, sharpened=True)
-            body = space.factored(max(REFERENCE, TIMES_AS_MANY * model.n))
+            body = space.of_vectors(max(REFERENCE, TIMES_AS_MANY * model.n))
         models.append(body)
     return ao.simulate(
         projectile=models[0],

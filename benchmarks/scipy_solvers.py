@@ -68,8 +68,7 @@ def _half(star: AOModel) -> _Half:
     if star.m0 > 0.0:
         stiffness = np.diag(np.concatenate([[sum_k], star.k]))
         stiffness[0, 1:] = stiffness[1:, 0] = -star.k
-        contact = np.zeros(star.n + 1)
-        contact[0] = 1.0
+        contact = np.eye(star.n + 1)[0]
         return _Half(np.concatenate([[star.m0], star.m]), stiffness, contact, 0.0, weights)
     # A massless contact is where its springs hold it: u0 = (Σ k_i u_i - F) / (k0 + Σ k_i).
     contact = star.k / sum_k

@@ -130,7 +130,7 @@ def work_precision(
     models = [body.modal for body in bodies]
     width = contact_width(law, models, velocity)
     between = Contact(0, 0, 1, 0, law, 0.0).of_models(models, width).law
-    contact_time = _contact_time(bodies, between, velocity)
+    contact_time = rigid_contact_time(between, reduced_mass(*models), abs(velocity))
     ode = None
     if names:
         ode = ode_scene(
@@ -144,7 +144,10 @@ def work_precision(
         exact = _with_independent(exact, ode, bodies[0], velocity)
     runs = [
         *_newmark_runs(scene, newmark, contact_time),
-        *_adaptive_runs(scene, adaptive),
+        *(
+            _Run("Adaptive", f"rtol={rtol:.3g}", _simulation(scene, Adaptive(rtol=rtol)))
+            for rtol in _settings("adaptive", adaptive, _ADAPTIVE)
+        ),
         *(_scipy_run(ode, bodies[0], velocity, name, rtol) for name in names for rtol in _SCIPY),
     ]
     rows = tuple(_measure(run, exact.outcome, velocity, count) for run in runs)
@@ -186,10 +189,6 @@ def _settings(
     return tuple(positive(name, value) for value in sequence(name, values))
 
 
-def _contact_time(bodies: tuple[AOModel, AOModel], law: ContactLaw, velocity: float) -> float:
-    return rigid_contact_time(law, reduced_mass(*(body.modal for body in bodies)), abs(velocity))
-
-
 def _newmark_runs(
     scene: dict[str, Any], steps: Iterable[float] | None, contact_time: float
 ) -> list[_Run]:
@@ -201,24 +200,16 @@ def _newmark_runs(
     ]
 
 
-def _adaptive_runs(scene: dict[str, Any], tolerances: Iterable[float] | None) -> list[_Run]:
-    return [
-        _Run("Adaptive", f"rtol={rtol:.3g}", _simulation(scene, Adaptive(rtol=rtol)))
-        for rtol in _settings("adaptive", tolerances, _ADAPTIVE)
-    ]
-
-
 def _scipy_run(
     ode: OdeScene | None, projectile: AOModel, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
     # A body struck off its centre keeps a part of its velocity that the star does not contain.
-    free = projectile.origin is not None and not projectile.constrained
-    omitted = (1.0 - centre_weights(projectile).sum()) * velocity if free else 0.0
+    left = 0.0 if projectile.constrained else 1.0 - centre_weights(projectile).sum()
 
     def run() -> Outcome:
         done = ode.run(method, rtol, _LONGEST)
-        return Outcome(done.peak_force, done.contact_duration, done.rebound_velocity + omitted)
+        return replace(done, rebound_velocity=done.rebound_velocity + left * velocity)
 
     return _Run(f"SciPy {method}", f"rtol={rtol:.3g}", run)
 
