@@ -61,8 +61,7 @@ def centre_weights(star: AOModel) -> FloatArray:
 
 def _half(star: AOModel) -> _Half:
     if math.isinf(star.m0):
-        nothing = np.zeros(0)
-        return _Half(nothing, np.zeros((0, 0)), nothing, 0.0, nothing)
+        return _Half(np.zeros(0), np.zeros((0, 0)), np.zeros(0), 0.0, np.zeros(0))
     sum_k = star.k0 + star.k.sum()
     weights = centre_weights(star)
     if star.m0 > 0.0:

@@ -205,11 +205,11 @@ def _scipy_run(
 ) -> _Run:
     assert ode is not None
     # A body struck off its centre keeps a part of its velocity that the star does not contain.
-    left = 0.0 if projectile.constrained else 1.0 - centre_weights(projectile).sum()
+    kept = 0.0 if projectile.constrained else velocity * (1.0 - centre_weights(projectile).sum())
 
     def run() -> Outcome:
         done = ode.run(method, rtol, _LONGEST)
-        return replace(done, rebound_velocity=done.rebound_velocity + left * velocity)
+        return Outcome(done.peak_force, done.contact_duration, done.rebound_velocity + kept)
 
     return _Run(f"SciPy {method}", f"rtol={rtol:.3g}", run)
 
