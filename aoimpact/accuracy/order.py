@@ -128,10 +128,13 @@ def first_guess(
 
 def _rigid(body: BodyModel, contact_time: float) -> Any:
     """A body that deforms as little as any model of it."""
-    make = model_hierarchy(body, contact_time, None).model
+
+    def make() -> Any:
+        return model_hierarchy(body, contact_time, None).model(0)
+
     if not isinstance(body, FullModel):
-        return make(0)
-    return body.body.kept.get(("rigid", *(tip.key for tip in body.tips)), partial(make, 0))
+        return make()
+    return body.body.kept.get(("rigid", *(tip.key for tip in body.tips)), make)
 
 
 def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:

@@ -370,7 +370,7 @@ class Body(Frozen, BodyModel):
     def __getstate__(self) -> dict[str, Any]:
         return super().__getstate__() if not callable(self.vectors) else self.alone.__getstate__()
 
-    @property
+    @cached_property
     def alone(self) -> Self:
         """The same model with modes that are multiplied out: it holds no others' vectors.
 
