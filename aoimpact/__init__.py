@@ -14,32 +14,33 @@ Bodies
     Material, Orthotropic, FEModel, RigidMass, read_mesh, read_sections, read_matrices
     ball, rigid, wall
     Shell, Laminate, Ply; Beam, RectangularSection, CircularSection, TubularSection, BeamSection
-    Mesh, box_mesh, sheet_mesh, sphere_mesh, paper_sphere_mesh; write_matrices, Audit
+    Mesh, box_mesh, sheet_mesh, sphere_mesh, paper_sphere_mesh; write_matrices
     Rayleigh, ModalDamping
 Where they are touched
-    FEModel.contact, ContactPoint, Patch
+    FEModel.contact, ContactPoint
 Models, from a rigid mass to all finite elements
-    rigid, antioscillators, modal, interface, full, KrylovSpace
+    rigid, antioscillators, modal, interface, full
     AOModel, Body, FullModel
 Contact laws
     Hertz, Linear, PowerLaw, Tabulated, UserLaw, ContactLaw
     HuntCrossley, Tsuji, KuwabaraKono, KelvinVoigt, Thornton, ElasticPlastic, YangSun; restitution
 Impacts, scenes of many bodies, and what integrates them
-    simulate, Scene, Handle; Adaptive, Newmark
+    simulate, Scene; Adaptive, Newmark
     StressAt, StrainAt, AccelerationAt, ReactionAt
 Results
-    Result, Run
+    Result
 Many impacts, and files
-    sweep, SweepTable, simulate_many, read_scene, SceneFile
+    sweep, simulate_many, read_scene
 Which model, and which law
-    compare, Comparison, fit_law, LawFit
+    compare, fit_law
 Errors
-    AOImpactError and InputError, InputTypeError, MeshError, MissingFileError, SceneFileError,
-    SingularError, ConvergenceError, MemoryLimitError, MissingPackageError, WorkerError;
+    AOImpactError and InputError, InputTypeError, MeshError, SingularError, ConvergenceError;
     AOImpactWarning
 
 On the command line: ``aoimpact run file.toml``, ``compare``, ``paper``; ``--help`` has more.
-Quantities of test rigs are in `ao.testrig`. ``sphinx-build docs site`` makes the documentation.
+Types that functions return, and rare errors, are in the modules that make them, such as
+`aoimpact.results.Run`. Quantities of test rigs are in `ao.testrig`.
+``sphinx-build docs site`` makes the documentation.
 """
 
 import sys as _sys

@@ -8,17 +8,10 @@ from .base import AOImpactWarning as AOImpactWarning
 from .base import ConvergenceError as ConvergenceError
 from .base import InputError as InputError
 from .base import InputTypeError as InputTypeError
-from .base import MemoryLimitError as MemoryLimitError
 from .base import MeshError as MeshError
-from .base import MissingFileError as MissingFileError
-from .base import MissingPackageError as MissingPackageError
-from .base import SceneFileError as SceneFileError
 from .base import SingularError as SingularError
-from .base import WorkerError as WorkerError
-from .batch import SweepTable as SweepTable
 from .batch import simulate_many as simulate_many
 from .batch import sweep as sweep
-from .fem import Audit as Audit
 from .fem import Beam as Beam
 from .fem import BeamSection as BeamSection
 from .fem import CircularSection as CircularSection
@@ -28,7 +21,6 @@ from .fem import Laminate as Laminate
 from .fem import Material as Material
 from .fem import ModalDamping as ModalDamping
 from .fem import Orthotropic as Orthotropic
-from .fem import Patch as Patch
 from .fem import Ply as Ply
 from .fem import Rayleigh as Rayleigh
 from .fem import RectangularSection as RectangularSection
@@ -65,7 +57,6 @@ from .mesh import sphere_mesh as sphere_mesh
 from .reduction import AOModel as AOModel
 from .reduction import Body as Body
 from .reduction import FullModel as FullModel
-from .reduction import KrylovSpace as KrylovSpace
 from .reduction import antioscillators as antioscillators
 from .reduction import ball as ball
 from .reduction import full as full
@@ -73,13 +64,8 @@ from .reduction import interface as interface
 from .reduction import modal as modal
 from .reduction import rigid as rigid
 from .reduction import wall as wall
-from .results import Handle as Handle
 from .results import Result as Result
-from .results import Run as Run
-from .scenefile import SceneFile as SceneFile
 from .scenefile import read_scene as read_scene
-from .study import Comparison as Comparison
-from .study import LawFit as LawFit
 from .study import compare as compare
 from .study import fit_law as fit_law
 

@@ -31,9 +31,9 @@ os.environ.setdefault("MKL_NUM_THREADS", "1")
 import numpy as np
 
 import aoimpact as ao
-from aoimpact import KrylovSpace
 from aoimpact.base import choice, held_warnings
 from aoimpact.linalg import METHODS, Pencil
+from aoimpact.reduction import KrylovSpace
 from aoimpact.results import QUANTITIES
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)

@@ -36,6 +36,7 @@ from aoimpact.base import held_warnings
 from aoimpact.linalg import Pencil, factorize, pardiso
 from aoimpact.paper.beam import ALUMINIUM
 from aoimpact.paper.sphere import BALL_MASS, LAW, RADIUS, STEEL
+from aoimpact.reduction import KrylovSpace
 from aoimpact.results import QUANTITIES
 
 CONTACT_TIME = 80e-6
@@ -163,7 +164,7 @@ def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
     mine, theirs = Factors(), Factors()  # K + s²M, of a slender body K too; K or a shifted one
     krylov = partial(ao.antioscillators, tip, method="krylov", contact_time=CONTACT_TIME)
     eigen = partial(ao.antioscillators, tip, order="frequency")
-    space = ao.KrylovSpace(tip, contact_time=CONTACT_TIME, solver=mine)
+    space = KrylovSpace(tip, contact_time=CONTACT_TIME, solver=mine)
     exact = space.antioscillators(REFERENCE)
     fitted = [space.antioscillators(n) for n in range(1, 25)]
     modes = eigen(MOST, solver=theirs)

@@ -80,7 +80,7 @@ class KrylovSpace:
     --------
     >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
     >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
-    >>> space = ao.KrylovSpace(bar.contact(point=(0.1, 0.005, 0.005)), contact_time=1e-4)
+    >>> space = KrylovSpace(bar.contact(point=(0.1, 0.005, 0.005)), contact_time=1e-4)
     >>> [space.antioscillators(n).n for n in (2, 3)]  # the second costs one more solution
     [2, 3]
     """
@@ -133,7 +133,7 @@ class KrylovSpace:
         --------
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-        >>> space = ao.KrylovSpace(bar.contact(point=(0.09, 0.005, 0.01)), contact_time=1e-4)
+        >>> space = KrylovSpace(bar.contact(point=(0.09, 0.005, 0.01)), contact_time=1e-4)
         >>> [space.antioscillators(n).n for n in (2, 3)]
         [2, 3]
         """

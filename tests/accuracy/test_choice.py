@@ -8,13 +8,13 @@ import pytest
 import scipy.linalg as la
 
 import aoimpact as ao
-from aoimpact import KrylovSpace
 from aoimpact.accuracy import choice, order
 from aoimpact.base import held_warnings
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper.sphere import BALL_MASS, RADIUS
 from aoimpact.paper.sphere import LAW as SPHERES_LAW
 from aoimpact.paper.sphere import STEEL as SPHERE_STEEL
+from aoimpact.reduction import KrylovSpace
 from aoimpact.results import IMPACT_CHOICES, QUANTITIES
 
 from twelve import ALUMINIUM, ENDS, IMPACTS, STEEL, beam, box, cube, law

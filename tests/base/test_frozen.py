@@ -12,6 +12,7 @@ import numpy.typing as npt
 import pytest
 
 import aoimpact as ao
+from aoimpact.batch import SweepTable
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
@@ -25,7 +26,7 @@ def tip(along: float = 0.04) -> ao.ContactPoint:
     return body().contact(point=(along, 0.01, 0.02), direction=(0, 0, -1), radius=0)
 
 
-def table() -> ao.SweepTable:
+def table() -> SweepTable:
     case = {"projectile": ao.rigid(mass=0.03), "target": ao.rigid(mass=0.05), "duration": 1e-4}
     return ao.sweep(case | {"law": ao.Hertz(k=1e10)}, {"velocity": [0.5, 1.0]}, keep="peak_force")
 

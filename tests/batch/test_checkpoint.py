@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import aoimpact as ao
-from aoimpact.base import LawLimitError, RoomError
+from aoimpact.base import LawLimitError, RoomError, SceneFileError
 from aoimpact.batch.checkpoint import Checkpoint
 
 
@@ -32,10 +32,10 @@ def test_gives_back_what_was_put(tmp_path: Path) -> None:
         assert all(key(i) in store for i in range(3))
         assert store.get(key(1)) == ({"peak_force": 1.0}, ())
         assert key(7) not in store
-        store.put(key(7), (ao.SceneFileError("no"), ("a warning",)))
+        store.put(key(7), (SceneFileError("no"), ("a warning",)))
     with Checkpoint(path) as store:
         error, messages = store.get(key(7))
-        assert (type(error), str(error), messages) == (ao.SceneFileError, "no", ("a warning",))
+        assert (type(error), str(error), messages) == (SceneFileError, "no", ("a warning",))
 
 
 def test_errors_have_their_attributes_again(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from every_law import LAWS, law_of
 
 import aoimpact as ao
 from aoimpact.batch.digest import Digests
+from aoimpact.results import Handle
 
 STAR = {"m0": 0.1, "k0": 1e5, "m": [0.2, 0.3], "k": [1e6, 2e6]}
 
@@ -114,7 +115,7 @@ def test_what_cannot_be_looked_into_is_refused_by_name() -> None:
 def test_scenes_built_anew_are_the_same() -> None:
     """Their handles belong to different ones, which says nothing of what is simulated."""
 
-    def built(gap: float) -> tuple[ao.Scene, ao.Handle]:
+    def built(gap: float) -> tuple[ao.Scene, Handle]:
         scene = ao.Scene()
         ball, wall = scene.add(ao.rigid(mass=1.0), velocity=1.0), scene.add(ao.rigid(mass=math.inf))
         scene.connect(ball, wall, ao.Hertz(k=1e9), gap=gap)

@@ -19,6 +19,7 @@ import pytest
 from impacts import beam_star, pair
 
 import aoimpact as ao
+from aoimpact.base import WorkerError
 
 NAMES = ("peak_force", "peak_time", "contact_duration", "impulse", "rebound_velocity")
 
@@ -351,7 +352,7 @@ def test_a_lost_worker_is_said_and_what_is_finished_is_kept(tmp_path: Path) -> N
     cases = [balls(float(v)) for v in range(1, 11)]
     with (
         ProcessPoolExecutor(1, mp_context=context) as executor,
-        pytest.raises(ao.WorkerError, match="worker was lost"),
+        pytest.raises(WorkerError, match="worker was lost"),
     ):
         ao.simulate_many(cases, executor, keep=die, checkpoint=path, key="1")
     # The cases of the batch that died with its worker are the only ones to be done again.
@@ -410,6 +411,6 @@ def test_a_checkpoint_takes_what_json_holds(tmp_path: Path) -> None:
 def test_what_cannot_be_sent_is_said() -> None:
     with (
         ProcessPoolExecutor(1) as executor,
-        pytest.raises(ao.WorkerError, match="must be picklable"),
+        pytest.raises(WorkerError, match="must be picklable"),
     ):
         ao.simulate_many([balls(1.0)], executor, keep=lambda result: result.impulse)

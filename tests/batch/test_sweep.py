@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact.base import MemoryLimitError, SceneFileError
 
 from scenes import BAR
 
@@ -84,7 +85,7 @@ def test_a_scene_file_s_places_are_parameters(tmp_path: Path) -> None:
 def test_a_scene_file_knows_its_places(grid: Any, text: str, tmp_path: Path) -> None:
     path = tmp_path / "bar.toml"
     path.write_text(BAR, encoding="utf-8")
-    with pytest.raises(ao.SceneFileError, match=text):
+    with pytest.raises(SceneFileError, match=text):
         ao.sweep(path, grid)
 
 
@@ -237,7 +238,7 @@ def test_bad_columns_are_refused(keep: Any, text: str) -> None:
 
 def test_a_table_that_memory_cannot_hold_is_refused_at_once() -> None:
     many = [1.0] * 1_000_000
-    with pytest.raises(ao.MemoryLimitError, match=r"1000000 x 1000000 = 1e\+12 cases"):
+    with pytest.raises(MemoryLimitError, match=r"1000000 x 1000000 = 1e\+12 cases"):
         ao.sweep(BASE, {"velocity": many, "duration": many})
 
 

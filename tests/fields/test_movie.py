@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact.base import MissingPackageError
 from aoimpact.fields import Shown, enlargement
 from aoimpact.results import shown_bodies
 
@@ -89,7 +90,7 @@ def test_a_path_that_is_no_place_for_a_movie_is_refused(path: str) -> None:
 
 def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyvista", None)
-    with pytest.raises(ao.MissingPackageError, match="pyvista"):
+    with pytest.raises(MissingPackageError, match="pyvista"):
         strike(ao.ball(0.01, STEEL)).movie(tmp_path / "movie.gif")
 
 

@@ -10,6 +10,7 @@ resource = pytest.importorskip("resource")  # of Unix
 ENDLESS = """
 import re, resource
 import aoimpact as ao
+from aoimpact.base import MemoryLimitError
 
 scene = ao.Scene(gravity=9.81)
 ball = scene.add(ao.rigid(mass=0.03))
@@ -20,7 +21,7 @@ used = int(re.search(r"VmSize:\\s+(\\d+)", open("/proc/self/status").read())[1])
 resource.setrlimit(resource.RLIMIT_AS, (used + (64 << 20), -1))
 try:
     scene.simulate(duration=1e5, solver=ao.Adaptive(rtol=1e-6))
-except ao.MemoryLimitError as error:
+except MemoryLimitError as error:
     print(error)
 """
 

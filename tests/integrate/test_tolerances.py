@@ -15,6 +15,7 @@ from test_comparison import bouncing as bounces
 import aoimpact as ao
 from aoimpact.integrate import comparison, to_tolerance, tolerances
 from aoimpact.integrate.dense import DenseRecorder, adaptive_run
+from aoimpact.results import Run
 
 MASS = 0.0327
 
@@ -150,14 +151,14 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> Runs:
     return made
 
 
-def chaotic(rtol: float) -> ao.Run:
+def chaotic(rtol: float) -> Run:
     scene, _ = swinging_table()
     with warnings.catch_warnings(record=True):
         warnings.simplefilter("always")
         return scene.simulate(duration=8.0, solver=ao.Adaptive(rtol=rtol), energies=False)
 
 
-def column(count: int) -> ao.Run:
+def column(count: int) -> Run:
     """Bodies at rest on the floor under their weight, held by a law that pulls as well."""
     scene, law = ao.Scene(gravity=9.81), ao.KelvinVoigt(k=1e7, c=10.0, end="indentation")
     below = scene.add(ao.rigid(mass=math.inf))

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact import AOImpactWarning, InputError, MeshError, MissingFileError
+from aoimpact import AOImpactWarning, InputError, MeshError
+from aoimpact.base import MemoryLimitError, MissingFileError
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800.0)
 
@@ -485,7 +486,7 @@ def test_what_is_not_understood_is_refused_by_line_and_keyword(
 
 def test_a_generated_node_that_memory_has_no_room_for_is_refused(tmp_path: Path) -> None:
     deck = "*NODE\n1,0,0,0\n1000000000001,1,0,0\n*NGEN\n1,1000000000001\n"
-    with pytest.raises(ao.MemoryLimitError, match="memory"):
+    with pytest.raises(MemoryLimitError, match="memory"):
         read(tmp_path, deck)
 
 

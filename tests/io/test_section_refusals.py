@@ -9,6 +9,7 @@ import pytest
 from decks import MAT1, MAT8, PLY, STEEL, abaqus, line, nastran
 
 import aoimpact as ao
+from aoimpact.base import MissingFileError
 
 SHEET = ao.sheet_mesh((0.2, 0.1), (4, 2))
 SHELL = "*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL\n.001\n"
@@ -200,7 +201,7 @@ def test_what_is_no_deck_has_no_sections(tmp_path: Path) -> None:
     )
     with pytest.raises(ao.MeshError, match="is no deck of Abaqus, CalculiX or Nastran"):
         ao.read_sections(tmp_path / "a.msh")
-    with pytest.raises(ao.MissingFileError):
+    with pytest.raises(MissingFileError):
         ao.read_sections(tmp_path / "none.inp")
     with pytest.raises(ao.InputError, match="scale must be"):
         ao.read_sections(tmp_path / "a.msh", scale=0.0)

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 from aoimpact import _core
+from aoimpact.base import MemoryLimitError
 from aoimpact.linalg import factorize
 
 from slender import beam, rod
@@ -29,7 +30,7 @@ def test_factors_that_run_out_of_memory_name_what_takes_less(monkeypatch):
         raise MemoryError
 
     monkeypatch.setattr(sp.linalg, "splu", splu)
-    with pytest.raises(ao.MemoryLimitError, match=r"^solver"):
+    with pytest.raises(MemoryLimitError, match=r"^solver"):
         factorize(rod(100, fixed=[0])[0])
 
 

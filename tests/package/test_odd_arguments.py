@@ -24,6 +24,10 @@ from every_law import law_of
 
 import aoimpact as ao
 from aoimpact import testrig
+from aoimpact.fem import Patch
+from aoimpact.reduction import KrylovSpace
+from aoimpact.results import Handle
+from aoimpact.scenefile import SceneFile
 
 
 class Index:
@@ -157,7 +161,7 @@ def _again(made: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
 
 
 def _space(**given: Any) -> Any:
-    return ao.KrylovSpace(TIP, contact_time=1e-4, **given)
+    return KrylovSpace(TIP, contact_time=1e-4, **given)
 
 
 # Keywords of these go to matplotlib.
@@ -394,7 +398,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "interface": call(
         ao.interface, tips=[TIP], n=8, contact_time=None, duration=None, solver="auto"
     ),
-    "KrylovSpace": call(ao.KrylovSpace, tips=TIP, contact_time=1e-4, duration=None, solver="auto"),
+    "KrylovSpace": call(KrylovSpace, tips=TIP, contact_time=1e-4, duration=None, solver="auto"),
     "AOModel.to_json": call(STAR.to_json, path="model.json"),
     "FEModel.with_mesh": call(BARE.with_mesh, mesh=BAR.mesh, material=STEEL),
     "FEModel.audit": call(BAR.audit, frequencies=2),
@@ -532,9 +536,9 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Body.truncated": call(MODAL.truncated, n=1),
     "Body.receptance": call(PORTS.receptance, omega=1.0),
     "Body.expand": call(PORTS.expand, coordinates=np.zeros(PORTS.n)),
-    "Patch": call(ao.Patch, radius=1e-3, faces=1),
-    "Handle": call(ao.Handle, body=0, at=0, name="a", scene="b"),
-    "Handle.port": call(ao.Handle(0).port, at=0),
+    "Patch": call(Patch, radius=1e-3, faces=1),
+    "Handle": call(Handle, body=0, at=0, name="a", scene="b"),
+    "Handle.port": call(Handle(0).port, at=0),
     "Run.at": call(HIT.at, times=[1e-4]),
     "Run.to_csv": call(HIT.to_csv, path="run.csv", names=None),
     "Result.movie": call(
@@ -574,7 +578,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "SweepTable.to_csv": call(SWEEP.to_csv, path=None),
     "Comparison.to_csv": call(COMPARED.to_csv, path=None),
-    "SceneFile": (ao.SceneFile, {name: getattr(FILE, name) for name in ("path", "data", "text")}),
+    "SceneFile": (SceneFile, {name: getattr(FILE, name) for name in ("path", "data", "text")}),
     "SceneFile.probes": call(FILE.probes, result=HIT),
     "SceneFile.replaced": call(FILE.replaced, values={"velocity": 2.0}),
     "values of SceneFile.replaced": call(lambda **values: FILE.replaced(values), velocity=1.0),

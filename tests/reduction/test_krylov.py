@@ -12,10 +12,11 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 from aoimpact import box_mesh
-from aoimpact.base import memory
+from aoimpact.base import MemoryLimitError, memory
 from aoimpact.linalg import METHODS, ROUGH, pardiso, solvers
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper.sphere import BALL_MASS
+from aoimpact.reduction import KrylovSpace
 from aoimpact.reduction.subspace import Subspace
 
 from slender import beam, in_a_row, rod
@@ -60,7 +61,7 @@ def beam_force(target):
 def test_few_antioscillators_give_the_force_on_the_papers_beam(paper_beam):
     """The paper takes 28 by their mass for .3 %; largest difference over 250 µs to all of them."""
     tip, full, _ = paper_beam
-    space = ao.KrylovSpace(tip, contact_time=90e-6)
+    space = KrylovSpace(tip, contact_time=90e-6)
     error = {
         n: np.abs(beam_force(space.antioscillators(n)) - full).max() / full.max()
         for n in (3, 5, 8, 28)
@@ -150,12 +151,12 @@ def test_receptance_is_right_over_the_band(block):
 
 
 def test_order_n_plus_one_costs_one_solve(block):
-    space = ao.KrylovSpace(block, contact_time=20e-6)
+    space = KrylovSpace(block, contact_time=20e-6)
     for n in range(1, 5):
         assert space.antioscillators(n).n == n
         assert space.solves == n  # a free body's static mode costs none
     # Smaller models are still what they were.
-    again = ao.KrylovSpace(block, contact_time=20e-6).antioscillators(2)
+    again = KrylovSpace(block, contact_time=20e-6).antioscillators(2)
     np.testing.assert_array_equal(space.antioscillators(2).m, again.m)
 
 
@@ -165,7 +166,7 @@ def test_more_than_one_solve_is_taken_only_where_nothing_is_left_to_gain():
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
     tip = body.contact(point=(0.2, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     T = 5e-5
-    space = ao.KrylovSpace(tip, contact_time=T)
+    space = KrylovSpace(tip, contact_time=T)
     n = 6
     while space.antioscillators(n).n == n and space.solves == n + 1:
         n += 2
@@ -178,7 +179,7 @@ def test_more_than_one_solve_is_taken_only_where_nothing_is_left_to_gain():
 
 def test_what_is_seen_of_a_model_is_the_model(block):
     """Before its shapes are multiplied out: the star, places seen by it, and displacements."""
-    space = ao.KrylovSpace(block, contact_time=20e-6)
+    space = KrylovSpace(block, contact_time=20e-6)
     seen = space.of_vectors(5)
     alone = seen.alone
     space.of_vectors(40)  # grown since
@@ -195,7 +196,7 @@ def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits()
     """A wave runs up a rod for a tenth of the time that it takes to the other end."""
     K, M = rod(800, fixed=[0])
     tip = ao.FEModel(K=K, M=M).contact(dof=799)
-    space = ao.KrylovSpace(tip, contact_time=0.1, sharpened=True)
+    space = KrylovSpace(tip, contact_time=0.1, sharpened=True)
     hits = [
         ao.simulate(
             projectile=ao.rigid(mass=0.02),
@@ -211,7 +212,7 @@ def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits()
     few, full = (hit.at(hits[1].t).forces[0] for hit in hits)
     np.testing.assert_allclose(few, full, atol=1e-8 * full.max())
     # The same space, however it has grown.
-    small = ao.KrylovSpace(tip, contact_time=0.1, sharpened=True)
+    small = KrylovSpace(tip, contact_time=0.1, sharpened=True)
     for n in (5, 30, 60, 140):
         grown = small.of_vectors(n).star
     np.testing.assert_allclose(grown.m, space.of_vectors(140).star.m, rtol=1e-9)
@@ -219,10 +220,10 @@ def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits()
 
 def test_a_basis_that_does_not_fit_is_refused(block, monkeypatch):
     """With memory for thirty vectors left."""
-    space = ao.KrylovSpace(block, contact_time=20e-6)
+    space = KrylovSpace(block, contact_time=20e-6)
     space.of_vectors(10)
     monkeypatch.setattr(memory, "available", lambda: 30.0 * 8.0 * block.body.n_dofs)
-    with pytest.raises(ao.MemoryLimitError, match=r"vectors of .* dofs .* fewer oscillators"):
+    with pytest.raises(MemoryLimitError, match=r"vectors of .* dofs .* fewer oscillators"):
         space.of_vectors(100)
     assert space.of_vectors(12).n == 12
 
@@ -329,7 +330,7 @@ def test_no_more_oscillators_than_asked_for():
     """Rounding's modes come several at a time; those of the least mass join the contact mass."""
     mesh = ao.sphere_mesh(0.01, 0.005)
     ball = ao.FEModel.from_mesh(mesh, ao.Material(E=210e9, nu=0.3, rho=7800))
-    space = ao.KrylovSpace(
+    space = KrylovSpace(
         ball.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0), contact_time=3e-5
     )
     few = space.antioscillators(10)
@@ -466,13 +467,13 @@ def test_a_body_without_contact_is_refused(block):
 
 def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monkeypatch):
     """When all iterations together have taken as long as factors would."""
-    factors = ao.KrylovSpace(block, contact_time=20e-6, solver="superlu")
+    factors = KrylovSpace(block, contact_time=20e-6, solver="superlu")
     each = METHODS["multigrid"].iteration(block.body._pencil)
     factored = replace(METHODS["superlu"], seconds=lambda pencil, count, cost: 120.0 * each)
     monkeypatch.delitem(METHODS, "pardiso")
     monkeypatch.setitem(METHODS, "superlu", factored)
     monkeypatch.setattr(solvers, "_quickest", lambda pencil, count: METHODS["multigrid"])
-    space, made = ao.KrylovSpace(block, contact_time=20e-6), []
+    space, made = KrylovSpace(block, contact_time=20e-6), []
     s = factors.shift * np.array([0.1, 1.0, 3.0])
     for n in range(4, 40, 4):
         star = space.antioscillators(n)
@@ -491,7 +492,7 @@ def test_many_oscillators_by_multigrid_are_those_of_factors():
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
     tip = body.contact(point=(0.1, 0.1, 0.01), radius=0)
     one, other = (
-        ao.KrylovSpace(tip, contact_time=9e-5, sharpened=True, solver=solver).antioscillators(70)
+        KrylovSpace(tip, contact_time=9e-5, sharpened=True, solver=solver).antioscillators(70)
         for solver in ("superlu", "multigrid")
     )
     assert other.k0 == pytest.approx(one.k0, rel=1e-8)
@@ -504,7 +505,7 @@ def test_models_on_vectors_that_are_solved_roughly_are_as_exact():
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=ENDS)
     tip = body.contact(point=(0.04, 0.02, 0.005), direction=(0, 0, -1), radius=0)
     roughly, exactly = (
-        ao.KrylovSpace(tip, contact_time=50e-6, solver=name) for name in ("multigrid", "superlu")
+        KrylovSpace(tip, contact_time=50e-6, solver=name) for name in ("multigrid", "superlu")
     )
     s = roughly.shift * np.array([0.03, 0.1, 0.3, 1.0, 2.0, 4.0])
     true = laplace_receptance(body, tip.b, s)
@@ -537,7 +538,7 @@ def test_constrained_bodies_keep_their_static_stiffness(name, solver):
     body = ao.FEModel.from_mesh(box_mesh(size, divisions, kind=kind), STEEL, fixed=ENDS)
     tip = body.contact(point=(size[0] / 2, size[1] / 2, size[2]), direction=(0, 0, -1), radius=0)
     exact = 1.0 / (tip.b @ body.inverse(0.0).solve(tip.b))
-    space = ao.KrylovSpace(tip, contact_time=contact_time, solver=solver)
+    space = KrylovSpace(tip, contact_time=contact_time, solver=solver)
     for n in (1, 4, 12):
         star = space.antioscillators(n)
         assert star.n == n
@@ -627,7 +628,7 @@ def test_vectors_of_rough_solutions_are_as_good_as_exact_ones() -> None:
         return hit.at(times).force
 
     exact, rough = (
-        ao.KrylovSpace(tip, contact_time=4.6e-5, sharpened=True, solver=solver)
+        KrylovSpace(tip, contact_time=4.6e-5, sharpened=True, solver=solver)
         for solver in ("superlu", "multigrid")
     )
     for of in (exact, rough):

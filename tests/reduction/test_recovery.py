@@ -13,7 +13,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.reduction import Recovery
+from aoimpact.reduction import KrylovSpace, Recovery
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -153,7 +153,7 @@ def test_what_rough_solutions_leave_of_their_vectors_is_nothing_to_correct() -> 
     mesh = ao.box_mesh((0.1, 0.1, 0.02), (8, 8, 2), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, MATERIAL, fixed=(("xmin", "xyz"),))
     tip = body.contact(point=(0.05, 0.05, 0.02), direction=(0, 0, -1), radius=0)
-    space = ao.KrylovSpace(tip, contact_time=1e-4, solver="multigrid")
+    space = KrylovSpace(tip, contact_time=1e-4, solver="multigrid")
     star, force = space.of_vectors(5), np.array([[1e3, -2e3]])
     recovery = recovery_of(star, 1e5, partial(body.inverse, solver="multigrid"))
     found = recovery.displacement(some_motion(star), force)

@@ -10,9 +10,11 @@ import pytest
 from records import HalfSine
 
 import aoimpact as ao
+from aoimpact.base import MissingPackageError
+from aoimpact.results import Run
 
 
-def scene() -> ao.Run:
+def scene() -> Run:
     scene = ao.Scene()
     first = scene.add(ao.rigid(mass=0.1), velocity=1.0)
     second = scene.add(ao.rigid(mass=0.2))
@@ -80,5 +82,5 @@ def test_a_missing_package_is_named(
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     call = {"frame": HalfSine().result().to_dataframe, "xarray": HalfSine().result().to_xarray}
-    with pytest.raises(ao.MissingPackageError, match=f"pip install {package}, or take"):
+    with pytest.raises(MissingPackageError, match=f"pip install {package}, or take"):
         call[method]()

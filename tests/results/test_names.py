@@ -14,6 +14,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.cli import main
+from aoimpact.results import Run
 
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
 LAW = ao.Hertz(k=1e9)
@@ -93,7 +94,7 @@ def test_bodies_of_one_name_are_told_apart() -> None:
     assert hit.names == ("ball (projectile)", "ball (target)")
 
 
-def row() -> ao.Run:
+def row() -> Run:
     scene = ao.Scene()
     first = scene.add(BALL, velocity=1.0, name="striker")
     second, third = scene.add(BALL), scene.add(ao.rigid(mass=0.05))

@@ -14,6 +14,7 @@ from records import HalfSine
 
 import aoimpact as ao
 from aoimpact import Result
+from aoimpact.results import Run
 
 
 def arrays_of(thing: object) -> list[np.ndarray]:
@@ -232,7 +233,7 @@ def test_contacts_of_a_scene_have_the_law_of_the_bodies() -> None:
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)
     block = ao.FEModel.from_mesh(ao.box_mesh((0.05, 0.05, 0.05), (3, 3, 3)), steel, order=2)
 
-    def run(law: ao.ContactLaw | None) -> ao.Run:
+    def run(law: ao.ContactLaw | None) -> Run:
         scene = ao.Scene()
         ball = scene.add(ao.ball(0.01, steel), velocity=1.0)
         target = scene.add(block.contact(point=(0.025, 0.025, 0.05)))

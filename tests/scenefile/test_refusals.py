@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 import aoimpact as ao
+from aoimpact.base import SceneFileError
 
 from scenes import BAR, ROW, STARS
 
@@ -169,7 +170,7 @@ def refused(folder: Path, text: str, at: str, name: str, *, run: bool) -> None:
     number = text[: text.index(at)].count("\n") + 1
     if run:
         file = ao.read_scene(path)
-    with pytest.raises(ao.SceneFileError) as error:
+    with pytest.raises(SceneFileError) as error:
         file.simulate() if run else ao.read_scene(path)
     assert f"{path}:{number}: " in str(error.value), str(error.value)
     assert re.search(rf"(?<!\w)({name})(?!\w)" if name.isidentifier() else name, str(error.value))
@@ -194,7 +195,7 @@ def test_when_it_is_run(right: str, old: str, new: str, at: str, name: str, tmp_
 def test_all_problems_at_once(tmp_path: Path) -> None:
     wrong = STARS.replace("mass", "mas").replace("gap", "gab").replace("m0 = 0.1", 'm0 = "x"')
     (tmp_path / "a.toml").write_text(wrong)
-    with pytest.raises(ao.SceneFileError) as error:
+    with pytest.raises(SceneFileError) as error:
         ao.read_scene(tmp_path / "a.toml")
     assert {2, 5, 15} <= {int(text.split(":")[1]) for text in str(error.value).splitlines()}
 
@@ -204,7 +205,7 @@ def test_the_first_of_thousands_of_problems_are_shown(count: int, tmp_path: Path
     """Where the text is long as well, without lines, which would take minutes to find."""
     unknown = "\n".join(f"x{i} = {i}" for i in range(count))
     (tmp_path / "a.toml").write_text(STARS.replace("[bodies.ball]", f"[bodies.ball]\n{unknown}"))
-    with pytest.raises(ao.SceneFileError) as raised:
+    with pytest.raises(SceneFileError) as raised:
         ao.read_scene(tmp_path / "a.toml")
     *shown, more = str(raised.value).splitlines()
     assert len(shown) == 20
@@ -229,7 +230,7 @@ def test_the_first_of_thousands_of_problems_are_shown(count: int, tmp_path: Path
 )
 def test_files_that_are_no_scenes(text: bytes, tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_bytes(text)
-    with pytest.raises(ao.SceneFileError, match=r"a\.toml"):
+    with pytest.raises(SceneFileError, match=r"a\.toml"):
         ao.read_scene(tmp_path / "a.toml")
 
 
@@ -240,7 +241,7 @@ def test_what_is_no_path_is_refused(path: Any) -> None:
 
 
 def test_a_file_that_does_not_exist_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ao.SceneFileError, match=r"none\.toml"):
+    with pytest.raises(SceneFileError, match=r"none\.toml"):
         ao.read_scene(tmp_path / "none.toml")
 
 

@@ -16,6 +16,7 @@ from every_law import LAWS as EVERY_LAW
 from every_law import law_of
 
 import aoimpact as ao
+from aoimpact.scenefile import SceneFile
 
 from scenes import BAR, ROW, STARS
 
@@ -59,7 +60,7 @@ law = { type = "Hertz", k = 1e9 }
 """
 
 
-def read(folder: Path, text: str) -> ao.SceneFile:
+def read(folder: Path, text: str) -> SceneFile:
     """The scene file of a text."""
     (folder / "scene.toml").write_text(text, encoding="utf-8")
     return ao.read_scene(folder / "scene.toml")

@@ -9,6 +9,7 @@ import pytest
 import scipy.sparse as sp
 
 import aoimpact as ao
+from aoimpact.reduction import KrylovSpace
 
 # Matrices without a mesh have the indentation of the half-space twice, which is no matter here.
 pytestmark = pytest.mark.filterwarnings("ignore:.*with_mesh")
@@ -65,7 +66,7 @@ def test_every_model_of_a_body_of_singular_mass_gives_its_force() -> None:
 def test_vectors_without_mass_end_a_krylov_space() -> None:
     """Once, their rounding put the modes before them out of place."""
     K, M = rod_integrated_at_one_point(60)
-    space = ao.KrylovSpace(ao.FEModel(K=K, M=M).contact(dof=60), contact_time=20.0)
+    space = KrylovSpace(ao.FEModel(K=K, M=M).contact(dof=60), contact_time=20.0)
     model = space.of_vectors(80)
     exact = np.tan(np.arange(6) * np.pi / 120) / np.pi
     assert model.frequencies[:6] == pytest.approx(exact, rel=1e-7, abs=1e-9)

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import aoimpact as ao
+from aoimpact.results import Run
 
 Force = Callable[[float, float], float]  # of indentation and its rate, in contact
 
@@ -48,7 +49,7 @@ def scene_of(
     return scene
 
 
-def forces_of(run: ao.Run, times: np.ndarray) -> np.ndarray:
+def forces_of(run: Run, times: np.ndarray) -> np.ndarray:
     few = run.at(times)
     return np.array([contact.force for contact in few.contacts])
 

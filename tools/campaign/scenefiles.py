@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import aoimpact as ao
+from aoimpact.scenefile import SceneFile
 
 from .meshes import grouped
 from .mutate import NUMBERS, damaged
@@ -346,7 +347,7 @@ class Given:
         return self.saved.name in message or bool(_IN_A_RUN.search(message))
 
 
-def _soon(scene: ao.SceneFile) -> bool:
+def _soon(scene: SceneFile) -> bool:
     """Whether a run is as short as those of the sound files: one of extreme bodies, that takes
     long, is not malformed."""
     table = scene.data[scene.kind]
