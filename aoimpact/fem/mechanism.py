@@ -17,7 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, SingularError
-from ..linalg import DENSE_DOFS, factorize
+from ..linalg import DENSE_DOFS, factorize, m_orthonormal
 from ..mesh import Surface, motions_at
 
 if TYPE_CHECKING:
@@ -176,11 +176,12 @@ def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mecha
     rigid : ndarray, shape (n_dofs, r)
         M-orthonormal.
     """
-    for _ in range(2):
-        motion = motion - rigid @ (rigid.T @ (M @ motion))
-    if np.linalg.norm(K @ motion) > _NO_FORCE * np.linalg.norm(abs(K) @ np.abs(motion)):
+    found = m_orthonormal(rigid, motion[:, None], M)
+    if not found.size or np.linalg.norm(K @ found) > _NO_FORCE * np.linalg.norm(
+        abs(K) @ np.abs(found)
+    ):
         return None
-    return Mechanism((motion / np.sqrt(motion @ (M @ motion)))[:, None])
+    return Mechanism(found)
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,18 +43,18 @@ from ..linalg import (
     check_stiffness,
     linear_solver,
     lowest,
+    m_orthonormal,
     motion_without_force,
     null_space,
     symmetric_pair,
+    unresisted_motions,
     warn_of_rounding,
 )
 from ..mesh import (
     Mesh,
     Surface,
     boundary,
-    every_motion,
     rigid_motions,
-    unresisted_motions,
 )
 from .assembly import stiffness_mass
 from .attached import Mounted, SpringSupport, added_mass, spring_stiffness
@@ -540,7 +540,7 @@ class FEModel(Frozen):
         elif self.K.data.any():
             modes = null_space(self.K, self.M)
         else:
-            modes = every_motion(self.M)
+            modes = m_orthonormal(None, np.eye(self.n_dofs), self.M)
         modes.flags.writeable = False
         return modes
 

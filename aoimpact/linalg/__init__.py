@@ -17,6 +17,7 @@ from .matrices import (
 )
 from .method import ROUGH
 from .pencil import Pencil
+from .rigidity import m_orthonormal, unresisted_motions
 from .rows import ENTRIES_AT_ONCE
 from .solvers import (
     FEW_SOLUTIONS,

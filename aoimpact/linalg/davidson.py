@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 
 from ..base import ConvergenceError, FloatArray, bar
+from .rigidity import m_orthonormal
 
 # r·T r / ω² of a pair that has converged: the relative error of its ω², with T about (K + s²M)⁻¹;
 # that of the mode is the root of it.
@@ -32,9 +33,6 @@ _MOST_BLOCKS = 12
 # Cubes and beams take 13 to 21 steps for 4 and 16 modes; a sheet 150 times as long as thick takes
 # 98 for 16, and more for 4.
 _MOST_STEPS = 100
-
-# A vector of which less than this is new adds rounding to the basis.
-_DEPENDENT = 1e-10
 
 
 def davidson(
@@ -74,7 +72,6 @@ def davidson(
     ConvergenceError
         If it takes more than 100 steps, or `most` preconditionings.
     """
-    m_known = M @ away_from
     width = n + max(_SPARE, int(_SPARE_SHARE * n))
     start = np.random.default_rng(5).standard_normal((M.shape[0], width))
     block = _each(precondition, M @ start)
@@ -83,10 +80,11 @@ def davidson(
     made = width
     with bar(f"{n} modes, {M.shape[0]} dofs", n, unit="mode") as progress:
         for _ in range(_MOST_STEPS):
-            block = _new_directions(M, block, away_from, m_known, basis)
-            if basis.shape[1] + block.shape[1] < n:  # all lean towards far lower modes
-                block = np.column_stack([block, start])
-                block = _new_directions(M, block, away_from, m_known, basis)
+            known = np.column_stack([away_from, basis])
+            new = m_orthonormal(known, block, M)
+            if basis.shape[1] + new.shape[1] < n:  # all lean towards far lower modes
+                new = m_orthonormal(known, np.column_stack([block, start]), M)
+            block = new
             stiffness = _bordered(stiffness, basis, block, K @ block)
             basis = np.column_stack([basis, block])
             omega2, within = scipy.linalg.eigh(stiffness)
@@ -116,23 +114,6 @@ def davidson(
 
 def _each(precondition: Callable[[FloatArray], FloatArray], columns: FloatArray) -> FloatArray:
     return np.column_stack([precondition(np.ascontiguousarray(column)) for column in columns.T])
-
-
-def _new_directions(
-    M: Any, block: FloatArray, known: FloatArray, m_known: FloatArray, basis: FloatArray
-) -> FloatArray:
-    """Return an M-orthonormal basis of what is new in a block.
-
-    Twice: what is left after the first pass may be small, and rounding large beside it.
-    """
-    for _ in range(2):
-        block = block / np.linalg.norm(block, axis=0)
-        block = block - known @ (m_known.T @ block)
-        block = block - basis @ (basis.T @ (M @ block))
-        values, vectors = scipy.linalg.eigh(block.T @ (M @ block))
-        kept = values > _DEPENDENT * values[-1]
-        block = block @ (vectors[:, kept] / np.sqrt(values[kept]))
-    return block
 
 
 def _bordered(

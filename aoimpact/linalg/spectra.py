@@ -12,6 +12,7 @@ from ..base import ConvergenceError, FloatArray, SingularError, warn
 from .davidson import davidson
 from .dense import NO_MASS, dense_modes
 from .pencil import Pencil
+from .rigidity import m_orthonormal
 from .solvers import LinearSolver, linear_solver
 
 # Up to here LAPACK on the whole pencil is quicker than setting up an iteration.
@@ -96,12 +97,9 @@ def _first_shift(K: Any, M: Any) -> float:
 
 def _first_elastic(K: Any, M: Any, current: LinearSolver, rigid: FloatArray) -> float:
     """An upper bound of the first elastic ω², by Lanczos; see `_INVERSE_STEPS`."""
-    known, x = rigid, np.random.default_rng(1).standard_normal(K.shape[0])
+    known, x = rigid, np.random.default_rng(1).standard_normal((K.shape[0], 1))
     for _ in range(_INVERSE_STEPS):
-        x = current.solve(M @ x)
-        for _ in range(2):  # once more for what rounding leaves
-            x -= known @ (known.T @ (M @ x))
-        x /= np.sqrt(x @ (M @ x))
+        x = m_orthonormal(known, current.solve(M @ x), M)
         known = np.column_stack([known, x])
     basis = known[:, rigid.shape[1] :]
     return float(np.linalg.eigvalsh(basis.T @ (K @ basis))[0])
@@ -132,10 +130,7 @@ def _without_strain(K: Any, M: Any, modes: FloatArray) -> FloatArray:
         near_k = linear_solver(Pencil(K, M, s2))
         for _ in range(_STRAIN_PASSES):
             modes = modes - near_k.solve(K @ modes)
-        modes = scipy.linalg.solve_triangular(
-            scipy.linalg.cholesky(modes.T @ (M @ modes)), modes.T, trans="T"
-        ).T
-    return np.ascontiguousarray(modes)
+    return np.ascontiguousarray(m_orthonormal(None, modes, M))
 
 
 def lowest(

@@ -35,5 +35,5 @@ from .mesh import (
     taken,
 )
 from .orient import against_neighbours
-from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
+from .rigidity import motions_at, rigid_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of

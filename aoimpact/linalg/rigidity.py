@@ -1,0 +1,127 @@
+"""M-orthonormal bases, and the motions that a stiffness matrix leaves free."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..base import FloatArray, SingularError
+
+# A vector of which no more than this is new, in length, lies in the space but for rounding.
+_NEW = 1e-9
+
+# Largest |K r|_i of an unresisted rigid motion, over K_ii max |r|. Rounding of a mesh's own K gives
+# some 1e-15, a K printed with ten digits 1e-10; a spring to the ground gives its share of the
+# stiffness at its dof.
+_RESISTED = 1e-9
+
+# Relative difference below which motions are the same one (rotation of a line about itself).
+_DEPENDENT = 1e-9
+
+
+def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> FloatArray:
+    """Return an M-orthonormal basis of the part of `vectors` that `space` does not span.
+
+    Gram-Schmidt, twice: the first pass may leave little, and rounding is large beside that
+    (Giraud, Langou and Rozložník, Comput. Math. Appl. 50 (2005) 1069).
+
+    Parameters
+    ----------
+    space : ndarray, shape (n, r), or None
+        M-orthonormal; None if empty.
+    vectors : ndarray, shape (n, m)
+    M : matrix, shape (n, n)
+        Symmetric positive semidefinite; sparse or dense.
+
+    Returns
+    -------
+    basis : ndarray, shape (n, k), k ≤ m
+        Column by column, `space` and the first columns span what `space` and the first vectors do.
+        A vector has no column if the space and the vectors before it span it (to 1e-9 of its
+        length), or if it has no mass.
+
+    Examples
+    --------
+    >>> m_orthonormal(None, np.array([[2.0, 2.0], [0.0, 1.0]]), np.eye(2))
+    array([[1., 0.],
+           [0., 1.]])
+    """
+    basis = vectors
+    for _ in range(2):
+        whole = np.sqrt(np.einsum("ij,ij->j", basis, M @ basis).clip(0.0))
+        if space is not None and space.shape[1]:
+            basis = basis - space @ (space.T @ (M @ basis))
+        found: list[tuple[FloatArray, FloatArray]] = []
+        for x, size in zip(basis.T, whole, strict=True):
+            for unit, momentum in found:
+                x = x - unit * (momentum @ x)
+            mx = M @ x
+            length = float(np.sqrt(max(x @ mx, 0.0)))
+            if length > _NEW * size:
+                found.append((x / length, mx / length))
+        basis = np.stack([x for x, _ in found], axis=1) if found else vectors[:, :0]
+    return basis
+
+
+def unresisted_motions(
+    K: Any, M: Any, motions: FloatArray, springs: FloatArray | None = None
+) -> FloatArray:
+    """Return an M-orthonormal basis of the rigid motions with K r = 0, shape (n, r).
+
+    Every combination of the motions is tested (a body hinged about any line turns about it),
+    for each part of the body that K does not connect with the rest.
+
+    Parameters
+    ----------
+    K, M : scipy.sparse.csr_array, shape (n, n)
+    motions : ndarray, shape (n, 6)
+        Rigid motions on the dofs of K, of magnitude one.
+    springs : ndarray, shape (n,), optional
+        Springs to the ground, which K contains. They resist however soft they are.
+
+    Raises
+    ------
+    SingularError
+        If one of them has no mass.
+    """
+    forces = K @ motions
+    if springs is not None:  # apart from rounding of the forces in the body
+        forces -= springs[:, None] * motions
+    stiffness = K.diagonal()[:, None]
+    np.divide(forces, stiffness, out=forces, where=stiffness > 0.0)
+    if springs is not None:
+        forces = np.where(springs[:, None] > 0.0, motions, forces)
+    # K is symmetric, so that strong connection is connection; it needs no transpose.
+    n_parts, part = sp.csgraph.connected_components(K, connection="strong")
+    order = np.argsort(part, kind="stable")
+    bounds = np.searchsorted(part[order], np.arange(n_parts + 1))
+    found = []
+    for first, last in pairwise(bounds):
+        rows = order[first:last]
+        local = _null_combinations(motions[rows], forces[rows])
+        columns = np.zeros((len(motions), local.shape[1]))
+        columns[rows] = local
+        found.append(columns)
+    unresisted = np.concatenate(found, axis=1)
+    basis = m_orthonormal(None, unresisted, M)
+    if basis.shape != unresisted.shape:
+        raise SingularError(
+            "M is not positive for a motion without stiffness, or its entries lie too far "
+            "apart. Check rho, masses, their centres and inertias"
+        )
+    return basis
+
+
+def _null_combinations(motions: FloatArray, forces: FloatArray) -> FloatArray:
+    """Return motions · c of all combinations c with forces · c = 0 to rounding."""
+    _, size, right = np.linalg.svd(motions, full_matrices=False)
+    kept = size > _DEPENDENT * size[0]
+    combination = right[kept].T / size[kept]
+    combination = combination @ np.linalg.svd(forces @ combination, full_matrices=False)[2].T
+    basis: FloatArray = motions @ combination
+    residual = np.abs(forces @ combination).max(axis=0)
+    unresisted: FloatArray = basis[:, residual <= _RESISTED * np.abs(basis).max(axis=0)]
+    return unresisted
