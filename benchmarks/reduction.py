@@ -165,8 +165,7 @@ def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
     krylov = partial(ao.antioscillators, tip, method="krylov", contact_time=CONTACT_TIME)
     eigen = partial(ao.antioscillators, tip, order="frequency")
     space = KrylovSpace(tip, contact_time=CONTACT_TIME, solver=mine)
-    exact = space.antioscillators(REFERENCE)
-    fitted = [space.antioscillators(n) for n in range(1, 25)]
+    exact, *fitted = map(space.antioscillators, (REFERENCE, *range(1, 25)))
     modes = eigen(MOST, solver=theirs)
     lowest = [modes.truncated(n) for n in range(1, modes.n + 1)]
     print(

@@ -343,7 +343,7 @@ def test_no_more_oscillators_than_asked_for():
         np.testing.assert_allclose(star.receptance(omega), few.receptance(omega), rtol=1e-6)
         coordinates = np.random.default_rng(0).standard_normal(n + 1)
         x = star.expand(coordinates)
-        np.testing.assert_allclose(x @ space.tip.b, coordinates[0], rtol=1e-9)
+        np.testing.assert_allclose(x @ space.tips[0].b, coordinates[0], rtol=1e-9)
 
 
 def test_a_contact_without_stiffness_is_a_mass():

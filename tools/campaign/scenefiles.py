@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import aoimpact as ao
-from aoimpact.scenefile import SceneFile
 
 from .meshes import grouped
 from .mutate import NUMBERS, damaged
@@ -347,7 +346,7 @@ class Given:
         return self.saved.name in message or bool(_IN_A_RUN.search(message))
 
 
-def _soon(scene: SceneFile) -> bool:
+def _soon(scene: Any) -> bool:
     """Whether a run is as short as those of the sound files: one of extreme bodies, that takes
     long, is not malformed."""
     table = scene.data[scene.kind]
