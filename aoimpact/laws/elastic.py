@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from ..base import InputError, nonnegative, real
 from ..fem import Laminate, Material, Orthotropic, Shell
@@ -17,10 +17,10 @@ from .curvature import (
     relative_curvatures,
     relative_radius,
 )
-from .law import MOST_SHARE, ContactLaw, HertzianLaw
+from .law import ContactLaw, HertzianLaw, parameter
 
 
-def exponent(name: str, value: Any, unit: str) -> float:
+def exponent(name: str, value: Any) -> float:
     """Return n of k δⁿ as a float, at least 1."""
     n = real(name, value)
     if n < 1.0:
@@ -28,7 +28,7 @@ def exponent(name: str, value: Any, unit: str) -> float:
     return n
 
 
-def _eccentricity(name: str, value: Any, unit: str) -> float:
+def _eccentricity(name: str, value: Any) -> float:
     eccentricity = nonnegative(name, value)
     if eccentricity >= 1.0:
         raise InputError(f"{name} must be in [0, 1), got {eccentricity:g}")
@@ -36,7 +36,7 @@ def _eccentricity(name: str, value: Any, unit: str) -> float:
 
 
 @dataclass(frozen=True, repr=False)
-class Hertz(HertzianLaw):
+class Hertz(HertzianLaw, kind="hertz"):
     """Hertz's law F = k δ^(3/2): equations (13) to (15) of the paper.
 
     Parameters
@@ -60,15 +60,7 @@ class Hertz(HertzianLaw):
     """
 
     k: float
-    eccentricity: float = field(default=0.0, kw_only=True)
-    _name = "hertz"
-    _units: ClassVar[dict[str, str]] = {"relative_radius": "m", "eccentricity": ""}
-    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {"eccentricity": _eccentricity}
-
-    def _steepest(self, compliance: float) -> float:
-        """The own indentation at which c dF/dδ reaches the share allowed, in closed form."""
-        root = MOST_SHARE / (1.5 * self.k) / compliance
-        return root * root
+    eccentricity: float = field(default=0.0, kw_only=True, metadata=parameter(_eccentricity))
 
     @classmethod
     def between(
@@ -121,8 +113,8 @@ class Hertz(HertzianLaw):
         return cls(k, relative_radius=radius, eccentricity=eccentricity)
 
 
-@dataclass(frozen=True)
-class PowerLaw(ContactLaw):
+@dataclass(frozen=True, repr=False)
+class PowerLaw(ContactLaw, kind="power"):
     """F = k δⁿ.
 
     Parameters
@@ -139,17 +131,11 @@ class PowerLaw(ContactLaw):
     """
 
     k: float
-    n: float
-    _units: ClassVar[dict[str, str]] = {"n": ""}
-    _checks: ClassVar[dict[str, Any]] = {"n": exponent}
-    _name = "power"
-
-    def _parameters(self) -> tuple[float, ...]:
-        return (self.k, self.n)
+    n: float = field(metadata=parameter(exponent))
 
 
-@dataclass(frozen=True)
-class Linear(ContactLaw):
+@dataclass(frozen=True, repr=False)
+class Linear(ContactLaw, kind="linear", power=1.0):
     """F = k δ: a linear spring that only pushes.
 
     Parameters
@@ -164,5 +150,3 @@ class Linear(ContactLaw):
     """
 
     k: float
-    _name = "linear"
-    _power = 1.0

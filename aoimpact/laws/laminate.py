@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Any
 
 from ..base import InputError, positive
-from .law import HertzianLaw
+from .law import HertzianLaw, parameter
 
 
-def _share(name: str, value: Any, unit: str) -> float | None:
+def _share(name: str, value: Any) -> float | None:
     if value is None:
         return None
     share = positive(name, value)
@@ -20,7 +20,7 @@ def _share(name: str, value: Any, unit: str) -> float | None:
 
 
 @dataclass(frozen=True, repr=False)
-class YangSun(HertzianLaw):
+class YangSun(HertzianLaw, kind="yang_sun", has_memory=True, unloading_power=2.5):
     """The indentation of a laminate, which leaves a dent beyond a critical one.
 
     S. H. Yang, C. T. Sun, ASTM STP 787 (1982) 425-449; T. M. Tan, C. T. Sun, J. Appl. Mech. 52
@@ -54,19 +54,8 @@ class YangSun(HertzianLaw):
     """
 
     k: float
-    critical_indentation: float
-    beta: float | None = None
-    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {
-        "critical_indentation": "m",
-        "beta": "",
-    }
-    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {
-        "critical_indentation": positive,
-        "beta": _share,
-    }
-    _name = "yang_sun"
-    _has_memory = True
-    _unloading_power = 2.5
+    critical_indentation: float = field(metadata=parameter(positive, "m"))
+    beta: float | None = field(default=None, metadata=parameter(_share))
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.critical_indentation, self.beta or 0.0)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields, replace
 from functools import partial
-from typing import Any, ClassVar, NamedTuple, cast
+from typing import Any, ClassVar, NamedTuple, Self, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,6 @@ import scipy
 
 from .. import _core
 from ..base import (
-    HUGE,
     FloatArray,
     InputError,
     InputTypeError,
@@ -25,7 +24,7 @@ from ..base import (
     real,
     with_unit,
 )
-from .rebound import integrated_restitution
+from .rebound import damping_for, integrated_restitution
 
 
 class CoreLaw(NamedTuple):
@@ -85,20 +84,46 @@ _SYMBOLS = {"relative_radius": "R", "yield_force": "F_y"}
 _DECADE = 40
 _INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
+# Smallest restitution: below it, a rebound velocity in double precision has less than four digits.
+_LEAST_RESTITUTION = 1e-12
+
 _NO_NOTE = np.full(3, math.nan)
 
-# Logarithms: where the search for the deepest indentation begins, and how it goes on up; a user's
-# law may end not far beyond what it is for.
-_SHALLOW, _STRIDE, _SHORT_STRIDE = -28.0, 4.0, 0.35
+# Start and step, in log δ, of the search for the stroke; a user's law may end not far beyond the
+# indentations that it is meant for.
+_SHALLOW, _STRIDE = -28.0, 0.35
 
-# Logarithm of the longest indentation, m, and the least work, J, that count as finite and above 0.
+# Largest magnitude of log δ in that search, and the least work, J, that counts as above 0.
 _LONGEST, _LEAST_WORK = 300.0, 1e-300
+
+
+def parameter(check: Callable[..., Any], unit: str = "", **options: Any) -> dict[str, Any]:
+    """Return the metadata of a law's field: the check of its value, and its unit.
+
+    Parameters
+    ----------
+    check : callable
+        Takes the name, the value, the unit if there is one, and `options` by keyword; returns the
+        value that is kept.
+    unit : str, optional
+        For messages and summaries.
+    """
+    return {"check": partial(check, **options, **({"unit": unit} if unit else {})), "unit": unit}
 
 
 class ContactLaw:
     """The force between two bodies as a function of indentation, its rate, and its history.
 
-    Every law is a frozen value; its formulas are the core's (csrc/law).
+    Every law is a frozen value; its formulas are the core's (csrc/law). A law is a dataclass. Its
+    field `k` is positive, others have a `parameter` as metadata. Numbers that are not keyword-only
+    are the parameters of the core's row, and the line of the class names that row and its traits.
+
+    Attributes
+    ----------
+    depends_on_rate : bool
+        True if the force depends on the rate of the indentation.
+    has_memory : bool
+        True if the force depends on what the contact went through before.
 
     Examples
     --------
@@ -109,39 +134,50 @@ class ContactLaw:
     [1000.0, 1000.0]
     """
 
-    _name: ClassVar[str]
-    _depends_on_rate: ClassVar[bool] = False
-    _has_memory: ClassVar[bool] = False
-    _by_caller: ClassVar[bool] = False
+    # Name of the law's row in csrc/law.
+    kind: str = ""
 
-    # Units of the parameters, by name, for summaries; that of k follows from the power.
-    _units: ClassVar[dict[str, str]] = {}
+    depends_on_rate: bool = False
+    has_memory: bool = False
 
-    # Checks of parameters, by name and in their order; k is positive.
-    _checks: ClassVar[dict[str, Callable[..., Any]]] = {}
-    # Exponent of the indentation, for laws without a parameter n.
-    _power: ClassVar[float] = 1.5
+    # True if functions of the caller's give the force: slow, rough or wrong as they may be.
+    by_caller: bool = False
 
-    # Exponent of the indentation in the unloading force of a law with memory.
-    _unloading_power: ClassVar[float] = 1.5
+    # True if the contact ends with the indentation, and pulls before.
+    pulls: bool = False
+
+    # Exponents of the indentation: of a law without a parameter n, and of unloading with memory.
+    power: ClassVar[float] = 1.5
+    unloading_power: ClassVar[float] = 1.5
+
+    # The parameter in proportion to which a law with a closed form of its restitution is damped.
+    damped_by: ClassVar[str] = ""
 
     # R, m, of a law with a contact radius, √(R δ).
     relative_radius: float | None = None
 
+    def __init_subclass__(cls, **traits: Any) -> None:
+        super().__init_subclass__()
+        for name, value in traits.items():
+            setattr(cls, name, value)
+
     def __post_init__(self) -> None:
-        for name, check in (self._checks | {"k": positive}).items():
-            unit = self.units["k"] if name == "k" else self._units[name]
-            object.__setattr__(self, name, check(name, getattr(self, name), unit=unit))
+        checks = {e.name: e.metadata["check"] for e in self._fields() if "check" in e.metadata}
+        for name, check in checks.items():
+            object.__setattr__(self, name, check(name, getattr(self, name)))
+        if hasattr(self, "k"):
+            object.__setattr__(self, "k", positive("k", self.k, unit=self.units["k"]))
+        try:
+            self.force(0.0)
+        except InputError:
+            raise InputError(self._refused()) from None
 
-    @property
-    def depends_on_rate(self) -> bool:
-        """True if the force depends on the rate of the indentation."""
-        return self._depends_on_rate
+    def _refused(self) -> str:
+        """Return why the core cannot make the law."""
+        return f"{self!r} has powers of parameters beyond the range of numbers"
 
-    @property
-    def has_memory(self) -> bool:
-        """True if the force depends on what the contact went through before."""
-        return self._has_memory
+    def _fields(self) -> tuple[Field[Any], ...]:
+        return fields(cast(Any, self))
 
     @property
     def units(self) -> dict[str, str]:
@@ -149,18 +185,26 @@ class ContactLaw:
 
         :meta private:
         """
-        power = getattr(self, "n", self._power)
-        return self._units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
+        power = getattr(self, "n", self.power)
+        units = {e.name: e.metadata["unit"] for e in self._fields() if "unit" in e.metadata}
+        return units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
+
+    def _given(self) -> dict[str, Any]:
+        """Fields by name; last those by keyword, and only where they are given."""
+        entries = {e.name: getattr(self, e.name) for e in self._fields() if not e.kw_only}
+        options = {e.name: getattr(self, e.name) for e in self._fields() if e.kw_only}
+        return entries | {name: value for name, value in options.items() if value}
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self._given().items())})"
 
     def __str__(self) -> str:
         """The law and its parameters with units, for summaries."""
-        units = self.units
-        given = {entry.name: getattr(self, entry.name) for entry in fields(cast(Any, self))}
-        for name in ("relative_radius", "eccentricity"):
-            if (value := given.pop(name, None)) and (name != "eccentricity" or value > _ROUND):
-                given[name] = value
+        units, given = self.units, self._given()
         if not given.keys() <= units.keys():
             return repr(self)
+        if given.get("eccentricity", 0.0) <= _ROUND:
+            given.pop("eccentricity", None)
         parts = [
             f"{_SYMBOLS.get(name, name)} = "
             + (value if isinstance(value, str) else with_unit(value, units[name], 3))
@@ -169,29 +213,10 @@ class ContactLaw:
         ]
         return ", ".join([type(self).__name__, *parts])
 
-    @property
-    def by_caller(self) -> bool:
-        """True if functions of the caller's give the force: slow, rough or wrong as they may be.
-
-        :meta private:
-        """
-        return self._by_caller
-
-    @property
-    def pulls(self) -> bool:
-        """True if the contact ends with the indentation, and pulls before.
-
-        :meta private:
-        """
-        return False
-
     def _parameters(self) -> tuple[float, ...]:
         """Return what the core makes the law from, in the order of its row in csrc/law."""
-        return (self.k,)  # type: ignore[attr-defined]
-
-    def _kind(self) -> str:
-        """The core's name of the law."""
-        return self._name
+        values = (getattr(self, entry.name) for entry in self._fields() if not entry.kw_only)
+        return tuple(value for value in values if isinstance(value, float))
 
     def _data(self) -> Any:
         """The objects that the core needs besides numbers: a table, or the user's functions."""
@@ -209,7 +234,7 @@ class ContactLaw:
         """
         # A note is the core's word on where and why a law gave no force.
         note = _NO_NOTE.copy()
-        return CoreLaw(self._kind(), self._parameters(), 0.0, self.limit, note, self._data())
+        return CoreLaw(self.kind, self._parameters(), 0.0, self.limit, note, self._data())
 
     def force(
         self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0, *, along: bool = False
@@ -309,7 +334,7 @@ class ContactLaw:
         """Return dF/dδ, N/m, of loading or, where that is steeper, of unloading."""
         force, steepest, _ = self._evaluate(indentation, np.zeros(indentation.shape))
         if self.has_memory:  # F* x^n with n F*/(δ* - δ_p) at its start
-            n = self._unloading_power
+            n = self.unloading_power
             unloading = n / (n + 1.0) * force**2 / self._potential(indentation)
             steepest = np.maximum(steepest, unloading)
         return steepest
@@ -367,19 +392,16 @@ class ContactLaw:
             work = max(self._work(math.exp(log_indentation)), _LEAST_WORK)
             return math.log(work) - math.log(wanted)
 
-        high, stride = min(end, _SHALLOW), _SHORT_STRIDE if self.by_caller else _STRIDE
+        high = min(end, _SHALLOW)
         while excess(high) < 0.0 and high < end:
-            high = min(high + stride, end)
+            high = min(high + _STRIDE, end)
         if excess(high) < 0.0:
             if high == _LONGEST:
                 raise InputError(f"{self!r} never takes an energy of {wanted:g} J")
             return math.exp(high)
-        low = high - _STRIDE
-        while excess(low) > 0.0:
-            low -= _STRIDE
-            if low < -_LONGEST:
-                raise InputError(f"{self!r} takes an energy of {wanted:g} J at no indentation")
-        return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-15))
+        if excess(-_LONGEST) > 0.0:
+            raise InputError(f"{self!r} takes an energy of {wanted:g} J at no indentation")
+        return math.exp(scipy.optimize.brentq(excess, -_LONGEST, high, xtol=1e-15))
 
     def dent(self, indentation: float) -> Dent:
         """Return the dent that remains after a deepest indentation.
@@ -408,7 +430,7 @@ class ContactLaw:
         if force == 0.0:
             return Dent(0.0, 0.0)
         # The energy of unloading is F* (δ* - δ_p)/(n + 1).
-        depth = deepest - (self._unloading_power + 1.0) * self.potential(deepest) / force
+        depth = deepest - (self.unloading_power + 1.0) * self.potential(deepest) / force
         if depth < _NO_DENT * deepest:
             return Dent(0.0, 0.0)
         return Dent(depth, 2.0 * self._contact_radius(deepest))
@@ -428,13 +450,42 @@ class ContactLaw:
         >>> round(law.rigid_restitution(0.1, 1.0), 6)
         0.5
         """
+        mass = positive("mass", mass, unit="kg")
+        velocity = positive("velocity", velocity, unit="m/s")
+        if self.damped_by:
+            closed_form, scale = self._closed_form(mass, velocity)
+            return closed_form(scale * getattr(self, self.damped_by))
         if not self.depends_on_rate and not self.has_memory:
             return 1.0
-        mass, velocity = positive("mass", mass), positive("velocity", velocity)
         deepest = self.stroke(0.5 * mass * velocity * velocity)
         if self.depends_on_rate:
             return integrated_restitution(self.force, mass, velocity, deepest)
         return math.sqrt(float(self.potential(deepest)) / self._work(deepest))
+
+    def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
+        """Return the restitution as a function of one number, and this over the damping."""
+        raise NotImplementedError
+
+    def _delivering(
+        self,
+        restitution: float,
+        mass: float,
+        velocity: float,
+        number: Callable[[float], float] | None = None,
+    ) -> Self:
+        """Return the law with the damping for a restitution; number: of a published formula."""
+        e = positive("restitution", restitution)
+        if not _LEAST_RESTITUTION <= e <= 1.0:
+            raise InputError(
+                f"restitution must be from {_LEAST_RESTITUTION:g} (double precision) to 1, "
+                f"got {e:g}"
+            )
+        mass = positive("mass", mass, unit="kg")
+        velocity = positive("velocity", velocity, unit="m/s")
+        closed_form, scale = self._closed_form(mass, velocity)
+        reached = damping_for(closed_form, e) if number is None else number(e)
+        law: Self = replace(cast(Any, self), **{self.damped_by: reached / scale})
+        return law
 
 
 def _first_beyond(
@@ -464,12 +515,7 @@ def removable(law: ContactLaw, indentation: float) -> float:
 
 
 def _radius(name: str, value: Any, unit: str) -> float | None:
-    if value is None:
-        return None
-    radius = positive(name, value, unit=unit)
-    if radius > HUGE:
-        raise InputError(f"{name}={radius:g} m is larger than any body: give it in metres")
-    return radius
+    return None if value is None else positive(name, value, unit=unit)
 
 
 @dataclass(frozen=True, repr=False)
@@ -482,16 +528,9 @@ class HertzianLaw(ContactLaw):
         R, m, of a contact of radius √(R δ).
     """
 
-    relative_radius: float | None = field(default=None, kw_only=True)
-    _units: ClassVar[dict[str, str]] = {"relative_radius": "m"}
-    _checks: ClassVar[dict[str, Any]] = {"relative_radius": _radius}
-
-    def __repr__(self) -> str:
-        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        for name in ("relative_radius", "eccentricity"):  # last, and only where they are given
-            if value := values.pop(name, None):
-                values[name] = value
-        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in values.items())})"
+    relative_radius: float | None = field(
+        default=None, kw_only=True, metadata=parameter(_radius, "m")
+    )
 
 
 @dataclass(frozen=True)
@@ -520,14 +559,8 @@ class PatchLaw(ContactLaw):
             )
         checked(self, compliance=_series)
         checked(self, limit=partial(positive, unit="m", infinite=True))
-
-    @property
-    def depends_on_rate(self) -> bool:
-        return self.law.depends_on_rate
-
-    @property
-    def has_memory(self) -> bool:
-        return self.law.has_memory
+        for trait in ("depends_on_rate", "has_memory", "by_caller", "pulls"):
+            object.__setattr__(self, trait, getattr(self.law, trait))
 
     def __str__(self) -> str:
         done = "removed" if self.compliance > 0.0 else "added"
@@ -535,14 +568,6 @@ class PatchLaw(ContactLaw):
             f"{self.law} (compliance of the mesh {done}: "
             f"{with_unit(abs(self.compliance), 'm/N', 3)})"
         )
-
-    @property
-    def by_caller(self) -> bool:
-        return self.law.by_caller
-
-    @property
-    def pulls(self) -> bool:
-        return self.law.pulls
 
     def for_core(self) -> CoreLaw:
         return self.law.for_core()._replace(compliance=self.compliance, limit=self.limit)

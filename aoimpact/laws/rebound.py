@@ -40,27 +40,11 @@ def _loss(ratio: float) -> float:
     return 2.0 * ratio * math.asinh(root) / root
 
 
-def oscillator_damping(restitution: float) -> float:
-    """Return the ζ with which `oscillator_restitution` is e, 0 < e ≤ 1."""
-    wanted = -math.log(restitution)
-    if wanted == 0.0:
-        return 0.0
-    # The loss lies between 2 ζ (0.6 π/2 at ζ = 0.3, say) and π ζ, or grows like 2 log 2 ζ.
-    high = 1.0 + math.exp(wanted)
-    return float(scipy.optimize.brentq(lambda z: _loss(z) - wanted, wanted / 4.0, high, xtol=1e-16))
-
-
 def swing_restitution(ratio: float) -> float:
     """Return e of x'' + 2 ζ x' + x = 0 from x = 0 to x = 0: exp(-π ζ / √(1-ζ²)), 0 where ζ ≥ 1."""
     if ratio >= 1.0:
         return 0.0
     return math.exp(-math.pi * ratio / math.sqrt((1.0 - ratio) * (1.0 + ratio)))
-
-
-def swing_damping(restitution: float) -> float:
-    """Return the ζ with which `swing_restitution` is e, 0 < e ≤ 1."""
-    loss = -math.log(restitution)
-    return loss / math.hypot(math.pi, loss)
 
 
 def _lead(x: float) -> float:
@@ -102,65 +86,17 @@ def hunt_crossley_restitution(damping: float) -> float:
     return kept / damping
 
 
-def hunt_crossley_damping(restitution: float) -> float:
-    """Return the χ V with which `hunt_crossley_restitution` is e, 0 < e ≤ 1."""
-    e = restitution
-    if e == 1.0:
-        return 0.0
-
-    def excess(logit: float) -> float:
-        kept, lead = _kept_and_lead(logit)
-        return lead / _lead(kept / e) - 1.0
-
-    # At small u the ratio is e² < 1; it is infinite at u e = 1.
-    low, high = -40.0, 1.0
-    while excess(high) < 0.0:
-        high *= 2.0
-    logit = scipy.optimize.brentq(excess, low, high, xtol=1e-15, rtol=_RTOL_ROOT)
-    return _kept_and_lead(logit)[0] / e
-
-
 def kuwabara_kono_restitution(lag: float) -> float:
-    """Return e of x'' = -(x^1.5 + a √x x') from x = 0 at x' = 1, a = `lag`.
+    """Return e of x'' = -(x^1.5 + a √x x') from x = 0 at x' = 1, a = `lag`."""
 
-    With z = √x and a clock τ, dt = 2 z dτ, the motion is polynomial, without a singular start:
-    dz/dτ = v, dv/dτ = -2 z² (z² + a v); the force ends where z² + a v = 0.
-    """
-    if lag == 0.0:
-        return 1.0
+    def push(z: float, v: float) -> float:
+        return z * (z * z + lag * v)
 
-    def motion(_: float, state: FloatArray) -> list[float]:
-        z, v = state
-        return [v, -2.0 * z * z * (z * z + lag * v)]
+    def released(z: float, v: float) -> float:
+        # As z, not z²: a step may reach far beyond the end.
+        return z - math.sqrt(-lag * v) if v < 0.0 else 1.0
 
-    def released(_: float, state: FloatArray) -> float:
-        z, v = state  # as z, not z²: a step may reach far beyond the end
-        return float(z - math.sqrt(-lag * v)) if v < 0.0 else 1.0
-
-    released.terminal = True  # type: ignore[attr-defined]
-    with np.errstate(all="ignore"):  # the caller checks whether e is a number
-        run = scipy.integrate.solve_ivp(
-            motion, (0.0, 1e6), [0.0, 1.0], method="DOP853", rtol=_RTOL, atol=1e-18, events=released
-        )
-    return float(-run.y[1, -1]) if run.t_events[0].size else math.nan
-
-
-@lru_cache(maxsize=16)  # some 20 integrations
-def kuwabara_kono_lag(restitution: float) -> float:
-    """Return the a with which `kuwabara_kono_restitution` is e, 0 < e ≤ 1."""
-    if restitution == 1.0:
-        return 0.0
-    wanted = math.log(restitution)
-
-    def excess(log_lag: float) -> float:
-        return math.log(kuwabara_kono_restitution(math.exp(log_lag))) / wanted - 1.0
-
-    # 1 - e is a to first order, within a factor of a few
-    low = math.log1p(-restitution) - 2.0
-    high = low + 1.0
-    while excess(high) < 0.0:
-        high += 1.0
-    return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-13))
+    return _integrated(push, released) if lag > 0.0 else 1.0
 
 
 def integrated_restitution(
@@ -168,22 +104,55 @@ def integrated_restitution(
 ) -> float:
     """Return e of m δ'' = -F(δ, δ') by integration, for any force that is 0 where it has ended.
 
-    As in `kuwabara_kono_restitution` the clock is dt = 2 z dτ with δ = z²: a force that starts like
-    a power n/2 of the indentation is smooth in z. `stroke`, m: about how deep it goes.
+    `stroke`, m: about how deep it goes.
     """
     scale = stroke / (mass * velocity**2)
 
+    def push(z: float, v: float) -> float:
+        return force(stroke * z * z, velocity * v) * scale if z > 0.0 else 0.0
+
+    return max(0.0, _integrated(push, lambda z, v: z))
+
+
+def _integrated(
+    push: Callable[[float, float], float], ended: Callable[[float, float], float]
+) -> float:
+    """Return e of x'' = -push(√x, x'), x' = 1 at x = 0, to where `ended` falls to 0; 0 if never.
+
+    With z = √x and a clock τ, dt = 2 z dτ, it is dz/dτ = v, dv/dτ = -2 z push(z, v). The motion is
+    smooth, without a singular start, under a force that starts like a power n/2 of x.
+    """
+
     def motion(_: float, state: FloatArray) -> list[float]:
         z, v = state
-        push = force(stroke * z * z, velocity * v) * scale if z > 0.0 else 0.0
-        return [v, -2.0 * z * push]
+        return [v, -2.0 * z * push(z, v)]
 
-    def parted(_: float, state: FloatArray) -> float:
-        return float(state[0])
+    def event(_: float, state: FloatArray) -> float:
+        return float(ended(*state))
 
-    parted.terminal = True  # type: ignore[attr-defined]
-    parted.direction = -1.0  # type: ignore[attr-defined]
-    run = scipy.integrate.solve_ivp(
-        motion, (0.0, 1e4), [0.0, 1.0], method="DOP853", rtol=_RTOL, atol=1e-18, events=parted
-    )
-    return max(0.0, float(-run.y[1, -1])) if run.t_events[0].size else 0.0
+    event.terminal = True  # type: ignore[attr-defined]
+    event.direction = -1.0  # type: ignore[attr-defined]
+    with np.errstate(all="ignore"):  # the caller checks whether e is a number
+        run = scipy.integrate.solve_ivp(
+            motion, (0.0, 1e6), [0.0, 1.0], method="DOP853", rtol=_RTOL, atol=1e-18, events=event
+        )
+    return float(-run.y[1, -1]) if run.t_events[0].size else 0.0
+
+
+@lru_cache(maxsize=16)  # some 20 integrations, where the restitution is one
+def damping_for(restitution: Callable[[float], float], wanted: float) -> float:
+    """Return the number of damping x at which a restitution is one that is wanted, 0 < e ≤ 1.
+
+    The restitution falls from 1 at x = 0, by at most 4 x.
+    """
+    if wanted == 1.0:
+        return 0.0
+
+    def excess(log_x: float) -> float:
+        return restitution(math.exp(log_x)) - wanted
+
+    low = math.log(0.25 * (1.0 - wanted))
+    high = low + 1.0
+    while excess(high) > 0.0:
+        low, high = high, high + 1.0
+    return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-15))

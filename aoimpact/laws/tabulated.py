@@ -15,7 +15,7 @@ from .law import ContactLaw
 
 
 @dataclass(frozen=True, repr=False)
-class Tabulated(ContactLaw):
+class Tabulated(ContactLaw, kind="table"):
     """A law through points, by monotone cubic interpolation (PCHIP).
 
     F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246, with the slopes of
@@ -42,7 +42,6 @@ class Tabulated(ContactLaw):
 
     indentation: tuple[float, ...]
     force_values: tuple[float, ...]
-    _name = "table"
 
     def __init__(self, indentation: npt.ArrayLike, force: npt.ArrayLike) -> None:
         depth = finite_array("indentation", indentation, ndim=1, unit="m")
@@ -75,9 +74,6 @@ class Tabulated(ContactLaw):
             f"Tabulated({len(self.indentation)} points up to {self.indentation[-1]:g} m, "
             f"{self.force_values[-1]:g} N)"
         )
-
-    def _parameters(self) -> tuple[float, ...]:
-        return ()
 
     @property
     def limit(self) -> float:

@@ -19,7 +19,7 @@ _SIGNATURE = "double (double, double)"
 
 
 @dataclass(frozen=True)
-class UserLaw(ContactLaw):
+class UserLaw(ContactLaw, kind="user", by_caller=True):
     """A law of the user's own, F = f(δ, δ̇).
 
     All functions take indentation, m, which is positive, and rate, m/s, and return a number. They
@@ -62,8 +62,6 @@ class UserLaw(ContactLaw):
     energy: Any = None
     depends_on_rate: bool = True
     pulls: bool = False
-    _name = "user"
-    _by_caller = True
 
     def __post_init__(self) -> None:
         boolean("depends_on_rate", self.depends_on_rate)
@@ -78,9 +76,6 @@ class UserLaw(ContactLaw):
     def _entries(self) -> tuple[Any, ...]:
         names = ("function", "stiffness", "damping", "energy")
         return tuple(_entry(name, getattr(self, name)) for name in names)
-
-    def _parameters(self) -> tuple[float, ...]:
-        return ()
 
     def _data(self) -> Any:
         # The objects themselves go along: they must outlive the call.

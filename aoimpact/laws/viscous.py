@@ -8,39 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
 
-from ..base import InputError, choice, nonnegative, positive
+from ..base import choice, nonnegative, positive
 from .elastic import exponent
-from .law import ContactLaw, HertzianLaw
+from .law import ContactLaw, HertzianLaw, parameter
 from .rebound import (
-    hunt_crossley_damping,
     hunt_crossley_restitution,
-    kuwabara_kono_lag,
     kuwabara_kono_restitution,
-    oscillator_damping,
     oscillator_restitution,
-    swing_damping,
     swing_restitution,
 )
-
-# Smallest restitution: below it, a rebound velocity in double precision has less than four digits.
-_LEAST_RESTITUTION = 1e-12
-
-
-def _restitution_of(value: Any) -> float:
-    """Return e as a float in (0, 1]."""
-    e = positive("restitution", value)
-    if e > 1.0:
-        raise InputError(f"restitution must be from above 0 to 1, got {e:g}")
-    if e < _LEAST_RESTITUTION:
-        raise InputError(
-            f"restitution={e:g} is nothing beside the rounding of a run; give "
-            f"{_LEAST_RESTITUTION:g} or more"
-        )
-    return e
-
 
 # χ V of a nominal restitution e by published formulas.
 _FORMULAS: dict[str, Callable[[float], float]] = {
@@ -53,7 +31,7 @@ _FORMULAS: dict[str, Callable[[float], float]] = {
 
 
 @dataclass(frozen=True, repr=False)
-class HuntCrossley(HertzianLaw):
+class HuntCrossley(HertzianLaw, kind="hunt_crossley", depends_on_rate=True, damped_by="damping"):
     """F = k δⁿ (1 + χ δ̇).
 
     K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975) 440-445, with any χ (theirs was
@@ -78,15 +56,8 @@ class HuntCrossley(HertzianLaw):
     """
 
     k: float
-    damping: float
-    n: float = 1.5
-    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"n": "", "damping": "s/m"}
-    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {
-        "n": exponent,
-        "damping": nonnegative,
-    }
-    _name = "hunt_crossley"
-    _depends_on_rate = True
+    damping: float = field(metadata=parameter(nonnegative, "s/m"))
+    n: float = field(default=1.5, metadata=parameter(exponent))
 
     @classmethod
     def from_restitution(
@@ -130,22 +101,18 @@ class HuntCrossley(HertzianLaw):
         >>> round(ao.restitution(law, mass=0.1, velocity=1.0), 2)
         0.47
         """
-        e, speed = _restitution_of(restitution), positive("velocity", velocity, unit="m/s")
-        if formula is None:
-            product = hunt_crossley_damping(e)
-        else:
-            product = _FORMULAS[choice("formula", formula, tuple(_FORMULAS))](e)
-        return cls(k, product / speed, n, relative_radius=relative_radius)
+        published = None
+        if formula is not None:
+            published = _FORMULAS[choice("formula", formula, tuple(_FORMULAS))]
+        law = cls(k, 0.0, n, relative_radius=relative_radius)
+        return law._delivering(restitution, 1.0, velocity, published)
 
-    def _parameters(self) -> tuple[float, ...]:
-        return (self.k, self.damping, self.n)
-
-    def rigid_restitution(self, mass: float, velocity: float) -> float:
-        return hunt_crossley_restitution(self.damping * positive("velocity", velocity, unit="m/s"))
+    def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
+        return hunt_crossley_restitution, velocity
 
 
 @dataclass(frozen=True, repr=False)
-class Tsuji(HertzianLaw):
+class Tsuji(HertzianLaw, kind="tsuji", depends_on_rate=True, damped_by="alpha"):
     """F = k δ^(3/2) + α √(m k) δ^(1/4) δ̇: a restitution that does not depend on the velocity.
 
     Y. Tsuji, T. Tanaka, T. Ishida, Powder Technology 71 (1992) 239-250.
@@ -169,15 +136,8 @@ class Tsuji(HertzianLaw):
     """
 
     k: float
-    alpha: float
-    mass: float
-    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"alpha": "", "mass": "kg"}
-    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {
-        "alpha": nonnegative,
-        "mass": positive,
-    }
-    _name: ClassVar[str] = "tsuji"
-    _depends_on_rate: ClassVar[bool] = True
+    alpha: float = field(metadata=parameter(nonnegative))
+    mass: float = field(metadata=parameter(positive, "kg"))
 
     @classmethod
     def from_restitution(
@@ -203,19 +163,18 @@ class Tsuji(HertzianLaw):
         >>> round(ao.restitution(law, mass=0.1, velocity=2.0), 6)  # at any velocity
         0.5
         """
-        alpha = math.sqrt(5.0) * oscillator_damping(_restitution_of(restitution))
-        return cls(k, alpha, mass, relative_radius=relative_radius)
+        law = cls(k, 0.0, mass, relative_radius=relative_radius)
+        return law._delivering(restitution, law.mass, 1.0)
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.alpha * math.sqrt(self.mass) * math.sqrt(self.k))
 
-    def rigid_restitution(self, mass: float, velocity: float) -> float:
-        ratio = math.sqrt(self.mass / positive("mass", mass, unit="kg"))
-        return oscillator_restitution(self.alpha / math.sqrt(5.0) * ratio)
+    def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
+        return oscillator_restitution, math.sqrt(self.mass / mass / 5.0)
 
 
 @dataclass(frozen=True, repr=False)
-class KuwabaraKono(HertzianLaw):
+class KuwabaraKono(HertzianLaw, kind="kuwabara_kono", depends_on_rate=True, damped_by="A"):
     """F = k (δ^(3/2) + 3/2 A δ^(1/2) δ̇): viscoelastic spheres.
 
     G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26 (1987) 1230-1233; N. V. Brilliantov et al., Phys.
@@ -238,11 +197,7 @@ class KuwabaraKono(HertzianLaw):
     """
 
     k: float
-    A: float
-    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"A": "s"}
-    _checks: ClassVar[dict[str, Any]] = HertzianLaw._checks | {"A": nonnegative}
-    _name: ClassVar[str] = "kuwabara_kono"
-    _depends_on_rate: ClassVar[bool] = True
+    A: float = field(metadata=parameter(nonnegative, "s"))
 
     @classmethod
     def from_restitution(
@@ -274,26 +229,16 @@ class KuwabaraKono(HertzianLaw):
         >>> round(ao.restitution(law, mass=0.1, velocity=1.0), 6)
         0.8
         """
-        e, stiffness = _restitution_of(restitution), positive("k", k, unit="N/m^1.5")
-        unit = _kuwabara_kono_time(stiffness, mass, velocity)
-        time = kuwabara_kono_lag(e) / 1.5 * unit
-        return cls(stiffness, time, relative_radius=relative_radius)
+        law = cls(k, 0.0, relative_radius=relative_radius)
+        return law._delivering(restitution, mass, velocity)
 
-    def _parameters(self) -> tuple[float, ...]:
-        return (self.k, self.A)
-
-    def rigid_restitution(self, mass: float, velocity: float) -> float:
-        return kuwabara_kono_restitution(1.5 * self.A / _kuwabara_kono_time(self.k, mass, velocity))
+    def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
+        # (k/m)^(2/5) V^(1/5); k/m might be no number any more.
+        return kuwabara_kono_restitution, 1.5 * self.k**0.4 * mass**-0.4 * velocity**0.2
 
 
-def _kuwabara_kono_time(k: float, mass: float, velocity: float) -> float:
-    """Return (m V²/k)^(2/5) / V, s."""
-    m, speed = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
-    return float(m**0.4 * k**-0.4 * speed**-0.2)  # m/k might be no number any more
-
-
-@dataclass(frozen=True)
-class KelvinVoigt(ContactLaw):
+@dataclass(frozen=True, repr=False)
+class KelvinVoigt(ContactLaw, kind="kelvin_voigt", depends_on_rate=True, damped_by="c", power=1.0):
     """F = k δ + c δ̇: a spring and a dashpot side by side. The force starts with a jump, c V.
 
     With ``end="force"`` it is cut at 0: the contact ends where the force does, with some
@@ -317,16 +262,14 @@ class KelvinVoigt(ContactLaw):
     """
 
     k: float
-    c: float
-    end: str = "force"
-    _units: ClassVar[dict[str, str]] = {"c": "N s/m", "end": ""}
-    _checks: ClassVar[dict[str, Any]] = {"c": nonnegative}
-    _power = 1.0
-    _depends_on_rate: ClassVar[bool] = True
+    c: float = field(metadata=parameter(nonnegative, "N s/m"))
+    end: str = field(default="force", metadata=parameter(choice, options=("force", "indentation")))
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        choice("end", self.end, ("force", "indentation"))
+        if self.end == "indentation":
+            object.__setattr__(self, "pulls", True)
+            object.__setattr__(self, "kind", "kelvin_voigt_pulling")
 
     @classmethod
     def from_restitution(
@@ -350,23 +293,8 @@ class KelvinVoigt(ContactLaw):
         >>> round(ao.restitution(law, mass=0.1, velocity=1.0), 6)
         0.5
         """
-        e = _restitution_of(restitution)
-        pulls = choice("end", end, ("force", "indentation")) == "indentation"
-        ratio = swing_damping(e) if pulls else oscillator_damping(e)
-        stiffness, m = positive("k", k, unit="N/m"), positive("mass", mass, unit="kg")
-        return cls(stiffness, 2.0 * ratio * math.sqrt(stiffness) * math.sqrt(m), end)
+        return cls(k, 0.0, end)._delivering(restitution, mass, 1.0)
 
-    @property
-    def pulls(self) -> bool:
-        return self.end == "indentation"
-
-    def _kind(self) -> str:
-        return "kelvin_voigt_pulling" if self.pulls else "kelvin_voigt"
-
-    def _parameters(self) -> tuple[float, ...]:
-        return (self.k, self.c)
-
-    def rigid_restitution(self, mass: float, velocity: float) -> float:
-        m = positive("mass", mass, unit="kg")
-        ratio = 0.5 * self.c / (math.sqrt(self.k) * math.sqrt(m))
-        return oscillator_restitution(ratio) if self.end == "force" else swing_restitution(ratio)
+    def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
+        restitution = swing_restitution if self.pulls else oscillator_restitution
+        return restitution, 0.5 / (math.sqrt(self.k) * math.sqrt(mass))

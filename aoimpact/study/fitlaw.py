@@ -432,12 +432,13 @@ def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
     given: dict[str, Any] = {
         of.name: known[of.name] for of in fields(cast(Any, cls)) if of.name in known
     }
+    units = {of.name: of.metadata.get("unit", "") for of in fields(cast(Any, cls))}
     for name in _needed(cls):
-        unit = cls._units.get(name, "")
+        unit = units.get(name, "")
         if name in given:
             continue
         if name == "k":
-            given[name] = data.force / data.depth ** given.get("n", cls._power)
+            given[name] = data.force / data.depth ** given.get("n", cls.power)
         elif name in _NAMED:
             given[name] = _NAMED[name]
         elif unit in _GUESSES and data.force > 0.0:

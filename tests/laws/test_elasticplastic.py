@@ -168,7 +168,7 @@ def test_the_softer_body_yields():
         ),
         (
             lambda: ao.ElasticPlastic.between(STEEL, 0.01, STEEL, 0.01, hardness=1e9),
-            r"^k",
+            r"^hardness",
         ),
         (lambda: ao.ElasticPlastic(1e9, 1.0, 0.0, relative_radius=0.01), r"^hardness"),
     ],

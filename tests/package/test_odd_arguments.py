@@ -670,9 +670,7 @@ TAKEN = {
 
 # A case is looked at where it is run; and these laws and materials have no use for their argument.
 UNSEEN = """a case: velocity, duration; a case in numbers: velocity, duration; a value of a sweep:
-    velocity; values of SceneFile.replaced: velocity; HuntCrossley.rigid_restitution: mass;
-    ContactLaw.rigid_restitution: mass; KelvinVoigt.rigid_restitution: velocity;
-    Tsuji.rigid_restitution: velocity; Hertz.between: angle"""
+    velocity; values of SceneFile.replaced: velocity; Hertz.between: angle"""
 
 
 def listed(text: str) -> set[tuple[str, str]]:
