@@ -6,61 +6,25 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Progress", "advance", "bar"]
+__all__ = ["advance", "bar"]
 
 # Seconds after which a bar appears, and between which its clock goes on though nothing is counted:
 # a factorisation says nothing until it is done.
 _DELAY, _CLOCK = 1.0, 0.5
 
-# The outermost bar of each thread. Work within it is shown beside it.
+# The outermost bar of each thread.
 _open = threading.local()
 
 
-@dataclass
-class Progress:
-    """Progress of a task.
-
-    Attributes
-    ----------
-    n : float
-    drawn : tqdm, optional
-        The bar on the screen, if there is one.
-    unit : str
-        Unit that the outermost bar counts.
-    part, total : str, float
-        Name and total of a task within the outermost bar.
-    """
-
-    n: float = 0
-    drawn: Any = None
-    unit: str = ""
-    part: str = ""
-    total: float | None = None
-
-    def update(self, n: float = 1) -> None:
-        """Go on by `n`."""
-        self.n += n
-        if self.part:
-            self.tell()
-        elif self.drawn is not None:
-            self.drawn.update(n)
-
-    def tell(self) -> None:
-        """Show the share of this part beside the outermost bar."""
-        if self.drawn is not None:
-            share = f" {min(self.n / self.total, 1.0):.0%}" if self.total else ""
-            self.drawn.set_postfix_str(self.part + share, refresh=False)
-            self.drawn.update(0)
-
-
 @contextmanager
-def bar(what: str, total: float | None = None, unit: str = "step") -> Iterator[Progress]:
-    """Show the progress of a task that takes longer than a second.
+def bar(
+    what: str, total: float | None = None, unit: str = "step", wanted: bool = True
+) -> Iterator[Any]:
+    """Show the progress of a task that takes longer than a second, as a ``tqdm.tqdm``.
 
-    A bar within another one is shown beside that. In logs, files and tests there is none.
+    A bar within another one is shown below that. In logs, files and tests there is none.
 
     Parameters
     ----------
@@ -69,6 +33,7 @@ def bar(what: str, total: float | None = None, unit: str = "step") -> Iterator[P
     total : float, optional
         Sum of all updates.
     unit : str, optional
+    wanted : bool, optional
 
     Examples
     --------
@@ -76,28 +41,24 @@ def bar(what: str, total: float | None = None, unit: str = "step") -> Iterator[P
     ...     for _ in range(3):
     ...         progress.update()
     """
-    outer: Progress | None = getattr(_open, "bar", None)
-    if outer is not None:
-        part = Progress(drawn=outer.drawn, part=what, total=total)
-        part.tell()
-        yield part
-    elif not (_in_notebook() or _on_terminal()):
-        yield Progress()
-    else:
-        from tqdm import tqdm  # takes longer to import than most bars would show
+    from tqdm import tqdm  # slow to import
 
-        options = {"delay": _DELAY, "leave": False, "miniters": 0}
-        with tqdm(total=total, desc=what, unit=" " + unit, **options) as drawn:
-            over = threading.Event()
-            clock = threading.Thread(target=_tick, args=(drawn, over), daemon=True)
-            clock.start()
-            _open.bar = Progress(drawn=drawn, unit=unit)
-            try:
-                yield _open.bar
-            finally:
-                _open.bar = None
-                over.set()
-                clock.join()
+    options: dict[str, Any] = {"delay": _DELAY, "leave": False, "miniters": 0}
+    shown = wanted and (_in_notebook() or _on_terminal())
+    with tqdm(total=total, desc=what, unit=" " + unit, disable=not shown, **options) as drawn:
+        if not shown or getattr(_open, "bar", None) is not None:
+            yield drawn
+            return
+        over = threading.Event()
+        clock = threading.Thread(target=_tick, args=(drawn, over), daemon=True)
+        clock.start()
+        _open.bar = drawn
+        try:
+            yield drawn
+        finally:
+            _open.bar = None
+            over.set()
+            clock.join()
 
 
 def _tick(drawn: Any, over: threading.Event) -> None:
@@ -107,8 +68,8 @@ def _tick(drawn: Any, over: threading.Event) -> None:
 
 def advance(unit: str, n: float = 1) -> None:
     """Go on by `n` in the outermost bar, if it counts these."""
-    outer: Progress | None = getattr(_open, "bar", None)
-    if outer is not None and outer.unit == unit:
+    outer = getattr(_open, "bar", None)
+    if outer is not None and outer.unit == " " + unit:
         outer.update(n)
 
 

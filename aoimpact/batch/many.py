@@ -17,7 +17,6 @@ from ..accuracy import Keep, Named, keeper, shared_models
 from ..base import (
     InputError,
     InputTypeError,
-    Progress,
     bar,
     boolean,
     held_warnings,
@@ -150,10 +149,10 @@ def run_cases(
             if not re.search(r"\.\d", name):  # of a body or contact, which the cases have
                 look_up(hit, name, "keep")
     threads = checked_workers(workers)
-    warned, first = 0, ""
+    done, warned, first = 0, 0, ""
     with (
         nullcontext() if checkpoint is None else Checkpoint(checkpoint) as store,
-        bar("cases", total, unit="case") if progress else nullcontext(Progress()) as shown,
+        bar("cases", total, unit="case", wanted=progress) as shown,
     ):
         for item, outcome in run_tasks(threads, job, _items(cases, job.keep, store, key)):
             if item.known and store is not None:
@@ -162,12 +161,13 @@ def run_cases(
                 store.put(item.digest, outcome)
             value, messages = outcome
             if messages:
-                first = first or f"case {shown.n}: {messages[0]}"
+                first = first or f"case {done}: {messages[0]}"
                 warned += 1
+            done += 1
             shown.update()
             yield value
     if warned:
-        warn(first + (f" ({warned - 1} more of {shown.n} cases warn)" if warned > 1 else ""))
+        warn(first + (f" ({warned - 1} more of {done} cases warn)" if warned > 1 else ""))
 
 
 class _Item(NamedTuple):

@@ -7,10 +7,9 @@ step.
 from __future__ import annotations
 
 import os
-from contextlib import nullcontext
 from pathlib import Path
 
-from ..base import Progress, bar, writable_folder, write_csv
+from ..base import bar, writable_folder, write_csv
 from . import beam, figures, sphere
 from .table import Row, markdown
 
@@ -46,7 +45,7 @@ def reproduce(out: str | os.PathLike[str], *, progress: bool = True) -> list[Pat
     rows: list[Row] = []
     files = [folder / "results.csv", folder / "results.md"]
     total = len(TABLES) + len(figures.FIGURES)
-    with bar("the paper", total, unit="part") if progress else nullcontext(Progress()) as shown:
+    with bar("the paper", total, unit="part", wanted=progress) as shown:
         for table in TABLES:
             rows += table()
             shown.update()

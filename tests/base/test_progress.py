@@ -1,4 +1,4 @@
-"""Progress bars appear where somebody looks, after a second, and tell what is done within."""
+"""Progress bars appear where somebody looks, after a second, and show what is done within."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def wait_for(words: str, capsys: Captured) -> str:
     return seen
 
 
-def test_what_is_within_is_told_beside(terminal: None, capsys: Captured) -> None:
+def test_what_is_within_is_shown_below(terminal: None, capsys: Captured) -> None:
     with bar("models", unit="solution"), bar("multigrid", 4.0) as inner:
         for _ in range(4):
             time.sleep(0.15)
@@ -38,7 +38,7 @@ def test_what_is_within_is_told_beside(terminal: None, capsys: Captured) -> None
             advance("cow")  # which it does not count
     seen = capsys.readouterr().err
     assert "models" in seen
-    assert "multigrid 50%" in seen
+    assert "multigrid:  50%" in seen
     assert "3 solution" in seen
     assert "cow" not in seen
     assert seen.endswith("\r")  # it is taken away
