@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, Literal, ParamSpec, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from .arrays import FloatArray, IntArray
 from .errors import InputError, InputTypeError
@@ -219,15 +220,12 @@ def file_path(name: str, value: Any) -> Path:
     if not isinstance(value, (str, os.PathLike)):
         raise InputTypeError(f"{name} must be a path, got {_short(value)}")
     path = os.fsdecode(value)
-    if "\0" in path:
-        raise InputError(f"{name} must be a path, got {path!r}, which has a null character in it")
     try:
+        if "\0" in path:
+            raise ValueError
         os.fsencode(path)
-    except UnicodeEncodeError as error:
-        bad = path[error.start]
-        raise InputError(
-            f"{name} must be a path, got {path!r}, with {bad!r}; leave that out"
-        ) from None
+    except ValueError:  # also of characters that cannot be encoded
+        raise InputError(f"{name} must be a path, got {path!r}, which no file can have") from None
     return Path(path)
 
 
@@ -376,11 +374,8 @@ def integers(
     ------
     InputTypeError, InputError
     """
-    try:
-        array = np.array(value)
-    except (ValueError, TypeError) as error:
-        raise InputTypeError(f"{name} must be {what}: {error}") from None
-    if array.dtype.kind not in "iu":
+    array = _array(name, value, what)
+    if array.size and array.dtype.kind not in "iu":
         raise InputTypeError(f"{name} must be {what}, got dtype {array.dtype}")
     _check_shape(name, array.shape, shape)
     return array.astype(np.int64)
@@ -434,42 +429,34 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
     InputError
         If there are none, or one is out of range (negative numbers do not count backwards).
     """
-    try:
-        array = np.atleast_1d(np.asarray(value))
-    except ValueError as error:
-        raise InputTypeError(f"{name} must be a list of {what} numbers: {error}") from None
-    if array.size == 0:
-        raise InputError(f"{name} selects no {what}s")
-    if array.dtype.kind not in "iu":
-        raise InputTypeError(f"{name} must be integer {what} numbers, got {_short(value)}")
-    if array.ndim != 1:
-        raise InputError(f"{name} must be a flat list of {what} numbers, got shape {array.shape}")
+    array = np.atleast_1d(integers(name, value, f"integer {what} numbers"))
+    if array.ndim != 1 or not array.size:
+        raise InputError(
+            f"{name} must be a flat list of at least one {what} number, got shape {array.shape}"
+        )
     low, high = int(array.min()), int(array.max())
     if count is not None and (low < 0 or high >= count):
         wrong = low if low < 0 else high
         raise InputError(f"{name} has {what} {wrong}, but {what}s run from 0 to {count - 1}")
-    return np.unique(array).astype(np.int64)
+    return np.unique(array)
+
+
+def _array(name: str, value: Any, what: str) -> npt.NDArray[Any]:
+    if np.ma.is_masked(value):
+        raise InputTypeError(f"{name} has masked entries; fill or remove them first")
+    try:
+        return np.asarray(value)
+    except (ValueError, TypeError) as error:
+        raise InputTypeError(f"{name} must be {what}: {error}") from None
 
 
 def _real_array(name: str, value: Any, order: Literal["C", "K"]) -> FloatArray:
-    if np.ma.isMaskedArray(value) and np.ma.is_masked(value):
-        raise InputTypeError(f"{name} has masked entries; fill or remove them first")
-    try:
-        array = np.asarray(value)
-    except ValueError as error:
-        raise InputTypeError(f"{name} must be an array of numbers: {error}") from None
-    if array.dtype == object and array.ndim > 0 and all(map(_is_real, array.flat)):
-        try:
-            array = np.array([float(entry) for entry in array.flat]).reshape(array.shape)
-        except OverflowError:
-            raise InputError(f"{name} must be finite: an entry exceeds 1.8e308") from None
+    array = _array(name, value, "an array of numbers")
     if array.dtype.kind not in "iuf":
         raise InputTypeError(
             f"{name} must be an array of real numbers, got "
             f"{_short(value) if array.ndim == 0 else f'dtype {array.dtype}'}"
         )
-    if array.dtype == np.float64:  # the common case; errstate takes longer than the rest
-        return np.asarray(array, dtype=np.float64, order=order)
     with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
         return np.asarray(array, dtype=np.float64, order=order)
 
