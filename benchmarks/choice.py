@@ -363,8 +363,7 @@ def worth_timing(tip: ao.ContactPoint, order: int) -> list[str]:
     body = tip.body
     pencil = Pencil(body.K, body.M, 0.0, body.nodes, body.free, body.mesh)
     methods = [method for method in METHODS.values() if method.is_installed()]
-    cost = pencil.dissection
-    seconds = {method.name: method.seconds(pencil, 2 * order + 8, cost) for method in methods}
+    seconds = {method.name: method.seconds(pencil, 2 * order + 8) for method in methods}
     return [name for name in seconds if seconds[name] <= SLOWER * min(seconds.values())]
 
 

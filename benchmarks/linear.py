@@ -6,7 +6,7 @@
 
 Each line is a process of its own, so that its memory is its own. A million dofs (--most 1.2e6) take
 some 5 GiB and, with --pipeline (mesh to 8 anti-oscillators), a minute or two. With --direct, time
-and entries of factors are compared with what the dissection foretells, on balls, blocks, plates,
+and entries of factors are compared with their estimates, on balls, blocks, plates,
 sheets and bars; with --sheet, the natural frequencies and a model of a steel sheet of 300 x 300 x
 1 mm are timed.
 """
@@ -92,19 +92,19 @@ BODIES = {
 
 
 def direct() -> None:
-    """Factors, against what the dissection says of them; minimum degree for comparison."""
+    """Factors, against their estimates; minimum degree for comparison."""
     methods = [METHODS[name] for name in ("superlu", "pardiso") if METHODS[name].is_installed()]
     print(f"{'':16}{'dofs':>8}  entries/foretold  seconds of the processor (foretold)")
     for name, mesh in BODIES.items():
         pencil = ao.FEModel.from_mesh(mesh(), STEEL)._pencil.at(SHIFT)
-        cost, _, ordering = timed(lambda pencil=pencil: pencil.dissection)
+        order, _, ordering = timed(lambda pencil=pencil: pencil.order)
         A = pencil.matrix()
-        factors = factorize(A, order=cost.order)
-        line = f"{name:16}{pencil.n:8}{factors._lu.L.nnz / cost.entries:10.2f}"
+        factors = factorize(A, order=order)
+        line = f"{name:16}{pencil.n:8}{factors._lu.L.nnz / pencil.fill.entries:10.2f}"
         line += f"{'':8}dissection {ordering:.2f}"
         for method in methods:
             _, _, seconds = timed(lambda set_up=method.set_up, pencil=pencil: set_up(pencil))
-            line += f"  {method.name} {seconds:.2f} ({method.seconds(pencil, 0, cost):.2f})"
+            line += f"  {method.name} {seconds:.2f} ({method.seconds(pencil, 0):.2f})"
         _, _, by_degree = timed(lambda A=A: factorize(A))
         print(f"{line}  superlu by minimum degree {by_degree:.2f}", flush=True)
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..base import FloatArray
-from .dissection import Dissection
 from .pencil import Pencil
 
 Solve = Callable[[FloatArray], FloatArray]
@@ -48,7 +47,9 @@ class Inverse:
 
 @dataclass(frozen=True)
 class Method:
-    """A method of solution.
+    """A method of solution and its cost, which here is that of factors.
+
+    Only ratios of times matter.
 
     Attributes
     ----------
@@ -56,20 +57,29 @@ class Method:
         Its name in `solver=`.
     set_up : callable
         Pencil ↦ Inverse. Raises SingularError.
-    memory : callable
-        Pencil ↦ bytes that it needs besides K and M, estimated.
-    seconds : callable
-        (Pencil, number of solutions, cost of factors) ↦ its time, s, estimated. Only ratios of such
-        times matter.
-    iteration : callable or None
-        Pencil ↦ the time of one iteration, estimated, of a method that iterates.
+    per_operation, per_entry, per_solution : float
+        Seconds per multiplication and per entry of L of the set-up; per entry of a solution.
+    bytes_per_entry, bytes_copied : float
+        Bytes per entry of L, and of K.
     is_installed : callable
         Whether its package is there.
     """
 
     name: str
     set_up: Callable[[Pencil], Inverse]
-    memory: Callable[[Pencil], float]
-    seconds: Callable[[Pencil, float, Dissection], float]
-    iteration: Callable[[Pencil], float] | None = None
+    per_operation: float
+    per_entry: float
+    per_solution: float
+    bytes_per_entry: float
+    bytes_copied: float = 0.0
     is_installed: Callable[[], Any] = lambda: True
+
+    def seconds(self, pencil: Pencil, solutions: float) -> float:
+        """Return the estimated time of the set-up and some solutions, s."""
+        entries, operations = pencil.fill
+        per_entry = self.per_entry + self.per_solution * solutions
+        return self.per_operation * operations + per_entry * entries
+
+    def memory(self, pencil: Pencil) -> float:
+        """Return the estimated bytes that it needs besides K and M."""
+        return self.bytes_per_entry * pencil.fill.entries + self.bytes_copied * float(pencil.K.nnz)

@@ -21,7 +21,7 @@ from ..mesh import Mesh, rigid_motions
 from .blocks import Blocks, diagonal_blocks, slabs
 from .cg import conjugate_gradients
 from .coarsening import aggregated, corner_interpolation
-from .dissection import Dissection, nested_dissection
+from .dissection import fill
 from .finest import Finest, add, add_to_diagonal, finest_level, in_order, reduced
 from .method import Inverse, Method
 from .pencil import Pencil
@@ -36,12 +36,11 @@ Single = npt.NDArray[np.float32]
 _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 
 # The coarsest level is the first whose L has no more entries than the first of these, or than that
-# share of K's. Aggregates do not bend as beams and plates do: where the first separator has fewer
-# than so many times n^(2/3) rows the share is larger, as long as that leaves the entries few. It
-# has 1.4 to 2.1 times n^(2/3) in balls and cubes, 1.0 in plates of 6:6:1, 0.6 in sheets, 0.2 in
-# bars.
+# share of K's. Aggregates do not bend as beams and plates do: where L of K has fewer than so many
+# times n^(4/3) entries the share is larger, as long as that leaves the entries few. It has 26 to 56
+# times n^(4/3) in balls, cubes and plates of 6:6:1, 11 to 15 in sheets and bars.
 _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
-_FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 1.0
+_FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
 _DENSE = 300
 
 # Least square of an aspect ratio: of a flat element's, rounding.
@@ -54,29 +53,28 @@ _SHRINKS = 0.7
 # thick 142, a cube of ν = .499 169.
 _MOST_ITERATIONS = 500
 
-# Bytes that the set-up takes at most, per entry of K, beside K, M and the coarsest level's factors,
-# with a mesh of second order and without: 19 and 42 were measured, the most of linear tetrahedra.
-# The third is per entry of those factors.
-_BYTES_QUADRATIC, _BYTES_OTHERS, _BYTES_PER_FACTOR = 20.0, 44.0, 30.0
+# The set-up takes at most so many bytes per entry of K, beside K, M and the coarsest level's
+# factors, with a mesh of second order; of linear tetrahedra 42 were measured.
+_BYTES_QUADRATIC = 20.0
+
+# Seconds per entry of K of the set-up and of an iteration; bytes per entry of the coarsest level's
+# factors and of K.
+_COST = 0.0, 4e-8, 1.5e-9, 30.0, 44.0
 
 # ‖f - A x‖ / ‖f‖ to iterate to: half of what `LinearSolver` asks for, since the residual that is
 # computed afresh comes out slightly larger.
 _TOLERANCE, _OF_WHAT_IS_ASKED = 5e-11, 0.5
 
-# Seconds per entry of K of the set-up and of an iteration; iterations of a solution: the first of
-# these and the second times the square of the elements' aspect ratio, since the smoother treats all
-# directions alike. Measured: 13 with cubes of elements, 43 with 2.5:2.5:1, 88 with 3:3:1, 189 with
-# 5:5:1. Without coordinates of the nodes aggregates do not turn.
-_SET_UP, _ITERATION = 4e-8, 1.5e-9
+# Iterations of a solution: the first of these and the second times the square of the elements'
+# aspect ratio, since the smoother treats all directions alike. Measured: 13 with cubes of elements,
+# 43 with 2.5:2.5:1, 88 with 3:3:1, 189 with 5:5:1. Without coordinates of the nodes aggregates do
+# not turn.
 _ITERATIONS, _PER_ASPECT, _WITHOUT_NODES = 5.0, 8.0, 200.0
 
 
 def _most_in_coarsest(pencil: Pencil) -> float:
     """Entries that L of the coarsest level may have."""
-    stored, slender = (
-        float(pencil.K.nnz),
-        pencil.first_cut.separator < _SLENDER * pencil.n ** (2 / 3),
-    )
+    stored, slender = float(pencil.K.nnz), pencil.fill.entries < _SLENDER * pencil.n ** (4 / 3)
     few = min(_FEW_ENTRIES, _SHARE_OF_FEW * stored) if slender else 0.0
     return max(_FEWEST_ENTRIES, _COARSEST_SHARE * stored, few)
 
@@ -331,25 +329,29 @@ def _inverse(multigrid: Multigrid) -> Inverse:
 def _entries(A: Any, affordable: float) -> float:
     """Entries of L, or of A itself where these alone are too many."""
     stored = 0.5 * float(A.nnz)
-    return stored if stored > affordable else nested_dissection(A).entries
+    return stored if stored > affordable else fill(A).entries
 
 
-def _memory(pencil: Pencil) -> float:
-    quadratic = pencil.mesh is not None and pencil.mesh.quadratic
-    stored = (_BYTES_QUADRATIC if quadratic else _BYTES_OTHERS) * float(pencil.K.nnz)
-    return stored + _BYTES_PER_FACTOR * _most_in_coarsest(pencil)
+class _Iterations(Method):
+    """Its cost, by entries of K in place of those of L."""
 
+    def seconds(self, pencil: Pencil, solutions: float) -> float:
+        """Return the estimated time of the set-up and some solutions, s."""
+        aspect = 1.0 if pencil.mesh is None else _aspect(pencil.mesh)
+        each = _ITERATIONS + _PER_ASPECT * aspect**2
+        if pencil.nodes is None:
+            each = _WITHOUT_NODES
+        return self.per_entry * float(pencil.K.nnz) + solutions * each * self.iteration(pencil)
 
-def _seconds(pencil: Pencil, solutions: float, _: Dissection) -> float:
-    aspect = 1.0 if pencil.mesh is None else _aspect(pencil.mesh)
-    each = _ITERATIONS + _PER_ASPECT * aspect**2
-    if pencil.nodes is None:
-        each = _WITHOUT_NODES
-    return _SET_UP * float(pencil.K.nnz) + solutions * each * _iteration(pencil)
+    def memory(self, pencil: Pencil) -> float:
+        """Return the estimated bytes that it needs besides K and M."""
+        quadratic = pencil.mesh is not None and pencil.mesh.quadratic
+        copied = _BYTES_QUADRATIC if quadratic else self.bytes_copied
+        return copied * float(pencil.K.nnz) + self.bytes_per_entry * _most_in_coarsest(pencil)
 
-
-def _iteration(pencil: Pencil) -> float:
-    return _ITERATION * float(pencil.K.nnz)
+    def iteration(self, pencil: Pencil) -> float:
+        """Return the estimated time of an iteration, s."""
+        return self.per_solution * float(pencil.K.nnz)
 
 
 def _aspect(mesh: Mesh) -> float:
@@ -370,4 +372,4 @@ def _aspect(mesh: Mesh) -> float:
     )
 
 
-MULTIGRID = Method("multigrid", _set_up, _memory, _seconds, _iteration)
+MULTIGRID = _Iterations("multigrid", _set_up, *_COST)

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, InputError, MemoryLimitError, SingularError
-from .dissection import Dissection
 from .method import Inverse, Method
 from .pencil import Pencil
 from .superlu import check_condition
@@ -19,10 +18,8 @@ from .superlu import check_condition
 # PARDISO's iparm, counted from 0: nested dissection, and two-level scheduling of the factorisation.
 _OPTIONS = {1: 2, 23: 1}
 
-# Seconds per multiplication, per entry of L of a factorisation and of a solution; bytes per entry
-# of L, stored by supernodes, and per entry of K, copied. PARDISO's own dissection leaves 0.7 to 1.1
-# times the entries of ours. The estimates are 0.7 to 1.5 times the time of bodies of superlu.py.
-_PER_OPERATION, _PER_ENTRY, _PER_SOLUTION, _BYTES, _COPIES = 1e-11, 4e-8, 1.1e-9, 12.0, 30.0
+# See `Method`. PARDISO stores L by supernodes, and a copy of K.
+_COST = 1e-11, 3e-8, 0.9e-9, 12.0, 30.0
 
 
 def is_installed() -> bool:
@@ -117,13 +114,4 @@ def _set_up(pencil: Pencil) -> Inverse:
     return _Factors(pencil).at(pencil.s2)
 
 
-def _memory(pencil: Pencil) -> float:
-    return _BYTES * pencil.dissection.entries + _COPIES * float(pencil.K.nnz)
-
-
-def _seconds(_: Pencil, solutions: float, cost: Dissection) -> float:
-    per_entry = _PER_ENTRY + _PER_SOLUTION * solutions
-    return _PER_OPERATION * cost.operations + per_entry * cost.entries
-
-
-PARDISO = Method("pardiso", _set_up, _memory, _seconds, is_installed=is_installed)
+PARDISO = Method("pardiso", _set_up, *_COST, is_installed=is_installed)

@@ -7,11 +7,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray
-from .dissection import Dissection, first_cut, nested_dissection
+from ..base import FloatArray, IntArray
+from .dissection import Fill, fill, nested_dissection
 from .rows import Rows
 
 # Negligible, but non-zero so that the sparse entry is kept.
@@ -42,7 +41,7 @@ class Pencil:
     M: Any
     s2: float = 0.0
     nodes: FloatArray | None = None
-    free: npt.NDArray[np.int64] | None = None
+    free: IntArray | None = None
     mesh: Any = None
     diagonals: tuple[FloatArray, FloatArray] | None = None
     origin: Pencil | None = None
@@ -56,14 +55,16 @@ class Pencil:
         return replace(self, s2=s2, origin=self.origin or self)
 
     @cached_property
-    def dissection(self) -> Dissection:
-        """An order of elimination and its cost."""
-        return self.origin.dissection if self.origin else nested_dissection(self.K, self.places)
+    def fill(self) -> Fill:
+        """Estimate of the factors."""
+        return self.origin.fill if self.origin else fill(self.K, self.places)
 
     @cached_property
-    def first_cut(self) -> Dissection:
-        """The first separator of the dissection, and the least that factors cost."""
-        return self.origin.first_cut if self.origin else first_cut(self.K, self.places)
+    def order(self) -> IntArray | None:
+        """Rows in an order of elimination; None if their coordinates are not known."""
+        if self.origin:
+            return self.origin.order
+        return None if self.places is None else nested_dissection(self.K, self.places)
 
     @property
     def places(self) -> FloatArray | None:

@@ -35,7 +35,7 @@ from .superlu import SUPERLU
 # that takes f and returns (K + s²M)⁻¹ f, as scipy.sparse.linalg.factorized does.
 Solver = str | Callable[[Any], Solve]
 
-METHODS = {method.name: method for method in (SUPERLU, PARDISO, MULTIGRID)}
+METHODS: dict[str, Method] = {method.name: method for method in (SUPERLU, PARDISO, MULTIGRID)}
 
 SOLVERS = ("auto", *METHODS)
 
@@ -264,8 +264,8 @@ def linear_solver(
         cure = f"solver={MULTIGRID.name!r} takes {MULTIGRID.memory(pencil) / GIB:.2g} GiB"
     require(method.memory(pencil), what, cure)
     most = np.inf
-    if name == "auto" and method.iteration is not None:  # as long as factors would take at least
-        most = _least(pencil) / method.iteration(pencil)
+    if name == "auto" and method is MULTIGRID:  # as long as factors would take
+        most = min(m.seconds(pencil, 0) for m in _factorising()) / MULTIGRID.iteration(pencil)
     with bar(f"{method.name}, {pencil.n} dofs"):
         try:
             inverse = method.set_up(pencil)
@@ -279,18 +279,14 @@ def linear_solver(
 
 def _quickest(pencil: Pencil, solutions: int) -> Method:
     """The method that will be quickest of those that are installed and fit into memory."""
-    if pencil.rotates:  # multigrid is for blocks of three displacements
-        return _direct(pencil) or min(_factorising(), key=lambda m: m.memory(pencil))
-    count = float(min(solutions, sys.maxsize))
-    iterating = MULTIGRID.seconds(pencil, count, pencil.first_cut)
-    if _least(pencil) > max(iterating, _PROMPT):
-        return MULTIGRID
     direct = _direct(pencil)
+    if pencil.rotates:  # multigrid is for blocks of three displacements
+        return direct or min(_factorising(), key=lambda m: m.memory(pencil))
+    count = float(min(solutions, sys.maxsize))
     if direct is None:
         return MULTIGRID
-    prompt = direct.seconds(pencil, min(count, FEW_SOLUTIONS), pencil.dissection) <= _PROMPT
-    fits = MULTIGRID.memory(pencil) <= available()
-    if prompt or not fits or direct.seconds(pencil, count, pencil.dissection) <= iterating:
+    limit = max(_PROMPT, MULTIGRID.seconds(pencil, count))
+    if direct.seconds(pencil, count) <= limit or MULTIGRID.memory(pencil) > available():
         return direct
     return MULTIGRID
 
@@ -299,18 +295,11 @@ def _direct(pencil: Pencil) -> Method | None:
     """The method that factorises quickest, of those that are installed and fit into memory."""
     free = available()
     fitting = [m for m in _factorising() if m.memory(pencil) <= free]
-    return min(
-        fitting, key=lambda m: m.seconds(pencil, FEW_SOLUTIONS, pencil.dissection), default=None
-    )
+    return min(fitting, key=lambda m: m.seconds(pencil, 0), default=None)
 
 
 def _factorising() -> list[Method]:
-    return [m for m in METHODS.values() if m.iteration is None and m.is_installed()]
-
-
-def _least(pencil: Pencil) -> float:
-    """Seconds below which no method factorises."""
-    return min(m.seconds(pencil, 0, pencil.first_cut) for m in _factorising())
+    return [m for m in METHODS.values() if m is not MULTIGRID and m.is_installed()]
 
 
 def _users_own(pencil: Pencil, solver: Callable[[Any], Solve]) -> LinearSolver:

@@ -11,7 +11,6 @@ import scipy.sparse as sp
 
 from .. import _core
 from ..base import FloatArray, IntArray, MemoryLimitError, SingularError
-from .dissection import Dissection
 from .method import Inverse, Method
 from .pencil import Pencil
 
@@ -26,11 +25,10 @@ _UNLUCKY = 100.0
 # Dofs up to which the signs of the pivots are checked: SciPy copies all factors to show them.
 CHECKED_DOFS = 10_000
 
-# Seconds per multiplication and, of a solution, per entry of L, of `Dissection`; solutions that the
-# check of factors takes, and bytes per entry of L: U is stored besides, both with indices.
-# These give 0.8 to 1.4 times the time and the memory measured (benchmarks/linear.py --direct): 18
-# balls, blocks, plates, sheets and bars of 10 000 to 213 000 dofs.
-_PER_OPERATION, _PER_ENTRY, _CHECK, _BYTES = 1.3e-10, 1.8e-9, 4, 30.0
+# See `Method`. The check of the factors takes four solutions; U is stored beside L, both with
+# indices. These give 0.8 to 1.4 times the time and the memory measured (benchmarks/linear.py
+# --direct) on 18 balls, blocks, plates, sheets and bars of 10 000 to 213 000 dofs.
+_COST = 9.5e-11, 3.5e-8, 1.5e-9, 30.0
 
 
 @dataclass(frozen=True)
@@ -186,16 +184,7 @@ def _is_regular(matrix: Any, solve: Callable[[FloatArray], FloatArray], scale: F
 
 def _set_up(pencil: Pencil) -> Inverse:
     # Without coordinates minimum degree leaves fewer entries.
-    order = None if pencil.places is None else pencil.dissection.order
-    return Inverse(factorize(pencil.matrix(), what=pencil.what, order=order).solve)
+    return Inverse(factorize(pencil.matrix(), what=pencil.what, order=pencil.order).solve)
 
 
-def _memory(pencil: Pencil) -> float:
-    return _BYTES * pencil.dissection.entries
-
-
-def _seconds(_: Pencil, solutions: float, cost: Dissection) -> float:
-    return _PER_OPERATION * cost.operations + _PER_ENTRY * cost.entries * (_CHECK + solutions)
-
-
-SUPERLU = Method("superlu", _set_up, _memory, _seconds)
+SUPERLU = Method("superlu", _set_up, *_COST)

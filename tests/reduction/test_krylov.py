@@ -469,7 +469,8 @@ def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monk
     """When all iterations together have taken as long as factors would."""
     factors = KrylovSpace(block, contact_time=20e-6, solver="superlu")
     each = METHODS["multigrid"].iteration(block.body._pencil)
-    factored = replace(METHODS["superlu"], seconds=lambda pencil, count, cost: 120.0 * each)
+    operations = block.body._pencil.fill.operations
+    factored = replace(METHODS["superlu"], per_operation=120.0 * each / operations, per_entry=0.0)
     monkeypatch.delitem(METHODS, "pardiso")
     monkeypatch.setitem(METHODS, "superlu", factored)
     monkeypatch.setattr(solvers, "_quickest", lambda pencil, count: METHODS["multigrid"])
