@@ -214,7 +214,7 @@ def _under_pressure(
         room = min(edge.room / radius, 1.0)
         return None, (1.0 - 1.5 * room + 0.5 * room**3) * splitting.space.mean_displacement
     here = body.surface.nearest(point)
-    nodes = body.mesh.cells[body.surface.cell[here.face[0]]]
+    nodes = body.surface.nodes[here.face[0]]
     middle = float(body.surface.shape(here.face, here.uv)[0] @ sunk[nodes])
     # w is quadratic in the distance from the middle, and by reciprocity in the radius of the
     # pressure: under it, it has the mean g₀ + 0.8 g₁ a², and in the middle g₀ + 0.4 g₁ a².

@@ -118,8 +118,9 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
         # Turned no further about the normal than it must be, or the points would not settle.
         normal, across, before = mean, plane_of(mean, across[0]), turned
     weights = np.zeros(surface.mesh.n_nodes)
-    cells = surface.mesh.cells[surface.cell[under.face]]
-    np.add.at(weights, cells, share[:, None] * surface.shape(under.face, under.uv))
+    np.add.at(
+        weights, surface.nodes[under.face], share[:, None] * surface.shape(under.face, under.uv)
+    )
     return Spread(weights, normal, under, share)
 
 

@@ -73,8 +73,8 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
         if normal is None and along is None:
             raise _on_edge(point, "a point inside a face, or give direction")
         weights = np.zeros(surface.mesh.n_nodes)
-        cell = surface.mesh.cells[surface.cell[here.face[0]]]
-        np.add.at(weights, cell, surface.shape(here.face[:1], here.uv[:1])[0])
+        shape = surface.shape(here.face[:1], here.uv[:1])
+        np.add.at(weights, surface.nodes[here.face[:1]], shape)
         direction = _pressing(surface, here, normal, along)
         facing = None if normal is None else sign * normal
         couples = _couples(surface, here.face[:1], here.uv[:1], np.ones(1), direction)

@@ -209,19 +209,14 @@ def _spacing(surface: Surface, face: IntArray) -> float:
 
 def _curved(surface: Surface, face: IntArray) -> npt.NDArray[np.bool_]:
     """Return which faces have nodes between their corners that lie off the chords."""
-    number = surface.block(face)
     off = np.zeros(len(face), dtype=bool)
-    for i in np.unique(number):
-        block, own = surface.mesh.blocks[i], face[number == i]
-        element = block.element
-        if element.quadratic:
-            cells = block.cells[surface.cell[own] - block.first]
-            middles = cells[:, element.n_corners :]
-            chords = element.linear.shape(element.nodes[element.n_corners :])
-            corners = surface.mesh.nodes[cells[:, : element.n_corners]]
-            gap = np.linalg.norm(surface.mesh.nodes[middles] - chords @ corners, axis=2)
-            gap[~(middles[:, :, None] == surface.nodes[own][:, None]).any(axis=2)] = 0.0
-            off[number == i] = gap.max(axis=1) > _IN_PLANE * surface.edges(own)
+    for side, on in surface.of_count(face):
+        n, count = side.n_corners, len(side.nodes)
+        if count > n:
+            x = surface.mesh.nodes[surface.nodes[face[on]]]
+            chords = side.linear.evaluate(side.places[n:])[0] @ x[:, :n]
+            gap = np.linalg.norm(x[:, n:count] - chords, axis=2)
+            off[on] = gap.max(axis=1) > _IN_PLANE * surface.edges(face[on])
     return off
 
 

@@ -140,24 +140,34 @@ class ReferenceElement:
 
 @dataclass(frozen=True, eq=False)
 class ReferenceFace:
-    """A side of a reference element: ξ = origin + u axes[0] + v axes[1].
+    """A side of a reference element, with coordinates u, v of its own.
 
     Attributes
     ----------
     nodes : ndarray of int
-        The nodes on it, by their numbers within the element; the corners first, counter-clockwise
-        as seen from outside.
+        The nodes on it, by their numbers within the element: the corners, counter-clockwise as seen
+        from outside, the middles of the edges from each to the next, the middle of the side.
     n_corners : int
         3: u, v ≥ 0 and u + v ≤ 1. 4: both from 0 to 1.
-    origin : ndarray, shape (3,)
-    axes : ndarray, shape (2, 3)
-        Their cross product points outward.
+    places : ndarray, shape (n_nodes, 2)
+        Coordinates of the nodes.
     """
 
     nodes: IntArray
     n_corners: int
-    origin: FloatArray
-    axes: FloatArray
+    places: FloatArray
+    _basis: _Basis
+
+    def evaluate(self, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the nodes' shape functions, (n, n_nodes), and their slopes, (n, n_nodes, 2)."""
+        shape, gradient = self._basis(np.pad(uv, ((0, 0), (0, 1))))
+        return shape, gradient[..., :2]
+
+    @property
+    def linear(self) -> ReferenceFace:
+        """The side with its corners alone."""
+        n = self.n_corners
+        return ReferenceFace(self.nodes[:n], n, *_side(n))
 
 
 # The exponents (i, j, k, l) of xⁱ yʲ zᵏ (1 - z)⁻ˡ, each of 0, 1 or 2.
@@ -378,6 +388,16 @@ _PYRAMID_5: tuple[_Powers, ...] = (*_TETRAHEDRON_4, (1, 1, 0, 1))
 _PYRAMID_13: tuple[_Powers, ...] = (*_TETRAHEDRON_10, (1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1))
 
 
+# Those on a side, by its number of nodes.
+_SIDES = {
+    3: _space(1, lambda i, j, k: i + j <= 1 and k == 0),
+    4: _space(1, lambda i, j, k: k == 0),
+    6: _space(2, lambda i, j, k: i + j <= 2 and k == 0),
+    8: _space(2, lambda i, j, k: (i, j) != (2, 2) and k == 0),
+    9: _space(2, lambda i, j, k: k == 0),
+}
+
+
 @dataclass(frozen=True)
 class _Kind:
     """Parts of a `ReferenceElement`; the last two are points of quadrature in each direction."""
@@ -410,8 +430,8 @@ _ALL = {
 KINDS = tuple(_ALL)
 _ALL |= {
     "line": _Kind(_LINE, (), ((0, 0, 0, 0), (1, 0, 0, 0)), 1, 1),
-    "triangle": _Kind(_TRIANGLE, (), ((0, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0)), 1, 1),
-    "quad": _Kind(_QUAD, (), _space(1, lambda i, j, k: k == 0), 1, 1),
+    "triangle": _Kind(_TRIANGLE, (), _SIDES[3], 1, 1),
+    "quad": _Kind(_QUAD, (), _SIDES[4], 1, 1),
 }
 THIN = ("quad", "triangle", "line")
 
@@ -431,8 +451,8 @@ def reference_element(kind: str) -> ReferenceElement:
 def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
     """Return the sides of the element of meshio's name `kind`.
 
-    A side is the volume element on a plane of its reference cell, so the shape functions of every
-    kind of face, curved ones too, are those of the volume. A surface element is its own side.
+    The shape functions of an element are, on a side, those of the side's nodes alone, whatever the
+    kind. A surface element is its own side.
     """
     element, found = reference_element(kind), []
     sides = element.cell.normals
@@ -441,16 +461,23 @@ def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
     for normal in sides:
         height = element.nodes @ normal
         on = np.flatnonzero(np.abs(height - height.max()) < 1e-12)
-        corners, others = on[on < element.n_corners], on[on >= element.n_corners]
-        arms = element.nodes[corners] - element.nodes[corners].mean(axis=0)
-        across = np.cross(normal, arms[0])
-        turn = np.arctan2(arms @ across, arms @ arms[0] * np.linalg.norm(normal))
-        corners = corners[np.argsort(turn)]
-        places = element.nodes[corners]
-        axes = np.stack([places[1] - places[0], places[-1] - places[0]])
-        nodes = np.concatenate([corners, others])
-        found.append(ReferenceFace(nodes, len(corners), places[0], axes))
+        corner = on < element.n_corners
+        arms = element.nodes[on] - element.nodes[on[corner]].mean(axis=0)
+        turn = np.arctan2(arms @ np.cross(normal, arms[0]), arms @ arms[0] * np.linalg.norm(normal))
+        turn = np.round(turn, 9) % (2.0 * np.pi)
+        middle = np.linalg.norm(arms, axis=1) < 1e-12
+        nodes, n_corners = on[np.lexsort((turn, middle, ~corner))], int(corner.sum())
+        found.append(ReferenceFace(nodes, n_corners, *_side(len(nodes))))
     return tuple(found)
+
+
+@cache
+def _side(n_nodes: int) -> tuple[FloatArray, _Basis]:
+    """Return the places and shape functions of the nodes of a side."""
+    corners = (_TRIANGLE if n_nodes in (3, 6) else _QUAD).corners
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
+    places = np.vstack([corners, middles, corners.mean(axis=0)])[:n_nodes]
+    return places[:, :2], _Basis.of(_SIDES[n_nodes], places, 0.0)
 
 
 def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:

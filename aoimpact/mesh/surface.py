@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -37,10 +38,6 @@ _ON_EDGE = 1e-9
 # round body of few linear elements there are up to 40°.
 SHARP = np.sqrt(0.5)
 
-# Middles of the edges of a side, from each corner to the next; a triangle's last one is no edge.
-_TRIANGLE_EDGES = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [0.0, 0.0]])
-_SQUARE_EDGES = np.array([[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]])
-
 # Places on a side, and the matrix from the values there of a polynomial of second degree to its
 # coefficients in Bernstein's basis, whose convex hull holds its values on all of the side (Farin,
 # Curves and Surfaces for CAGD, 2002).
@@ -50,7 +47,7 @@ _OF_SQUARE = (
     np.kron(_LINE, _LINE),
 )
 _OF_TRIANGLE = (
-    np.vstack([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], _TRIANGLE_EDGES[:3]]),
+    np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]]),
     np.block(
         [
             [np.eye(3), np.zeros((3, 3))],
@@ -67,9 +64,6 @@ _BESIDE = 1e-6
 
 # Determinant, relative to the largest entry squared, below which tangents are one direction.
 _SINGULAR = 1e-12
-
-# Distance from a pyramid's apex, where slopes have no value, at which they are taken instead.
-_OFF_APEX = 1e-6
 
 # Points of which the nearest ones on the surface are kept: of a few contacts.
 _REMEMBERED = 16
@@ -139,11 +133,6 @@ class Surface:
             row[len(face.nodes) :] = face.nodes[0]
         return np.take_along_axis(self.mesh.cells[self.cell], local[self.side], axis=1)
 
-    def block(self, face: IntArray) -> IntArray:
-        """Return which block of the mesh each face's element is in."""
-        number: IntArray = np.array([block for block, _ in self.sides])[self.side[face]]
-        return number
-
     def thin(self, face: IntArray) -> npt.NDArray[np.bool_]:
         """Return which faces are surface elements themselves, which have two sides."""
         return np.array([self.mesh.blocks[i].element.thin for i, _ in self.sides])[self.side[face]]
@@ -155,50 +144,36 @@ class Surface:
         centre = x.mean(axis=1)
         return centre, _BULGE * np.linalg.norm(x - centre[:, None], axis=2).max(axis=1)
 
+    @cached_property
+    def _counts(self) -> IntArray:
+        """Number of nodes on each of the sides."""
+        return np.array([len(face.nodes) for _, face in self.sides])
+
+    def of_count(self, face: IntArray) -> Iterator[tuple[ReferenceFace, IntArray]]:
+        """Yield a side of each number of nodes, and which of the faces have that number."""
+        counts = self._counts[self.side[face]]
+        for count in np.unique(counts):
+            side = self.sides[int((self._counts == count).argmax())][1]
+            yield side, np.flatnonzero(counts == count)
+
     def shape(self, face: IntArray, uv: FloatArray) -> FloatArray:
-        """Return the shape functions of the faces' elements, as wide as the mesh's `cells`."""
-        return self._evaluate(face, self._xi(face, uv))[0]
+        """Return the shape functions of the faces' `nodes`, shape (n, as many)."""
+        return self._evaluate(face, uv)[0]
 
     def at(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return x, shape (n, 3), and ∂x/∂u, ∂x/∂v, shape (n, 2, 3), of points on faces."""
-        corners = self.mesh.nodes[self.mesh.cells[self.cell[face]]]
-        xi = self._xi(face, uv)
-        shape, gradient = self._evaluate(face, xi)
-        at_apex = self._tapers[self.side[face]] & (xi[:, 2] > 1.0 - _OFF_APEX)
-        if at_apex.any():
-            shape[at_apex], gradient[at_apex] = self._at_apex(face[at_apex], uv[at_apex])
-        x = np.einsum("na,nai->ni", shape, corners)
-        return x, self._axes[self.side[face]] @ (gradient.swapaxes(1, 2) @ corners)
+        nodes = self.mesh.nodes[self.nodes[face]]
+        shape, gradient = self._evaluate(face, uv)
+        return np.einsum("na,nai->ni", shape, nodes), gradient.swapaxes(1, 2) @ nodes
 
-    def _at_apex(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return shape functions and gradients at apexes; linear continuations beyond them."""
-        xi, middle = self._xi(face, uv), self.middle(face)
-        over = xi[:, 2] - (1.0 - _OFF_APEX)
-        share = over / (xi[:, 2] - self._xi(face, middle)[:, 2])
-        before = self._xi(face, uv + share[:, None] * (middle - uv))
-        shape, gradient = self._evaluate(face, before)
-        shape += np.einsum("nai,ni->na", gradient, xi - before)
-        on = xi[:, 2] <= 1.0
-        shape[on] = self._evaluate(face[on], xi[on])[0]
+    def _evaluate(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return shape functions and gradients; zeros fill up those of small faces."""
+        width = self.nodes.shape[1]
+        shape, gradient = np.zeros((len(face), width)), np.zeros((len(face), width, 2))
+        for side, on in self.of_count(face):
+            n = len(side.nodes)
+            shape[on, :n], gradient[on, :n] = side.evaluate(uv[on])
         return shape, gradient
-
-    def _evaluate(self, face: IntArray, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return shape functions and gradients; zeros fill up those of small elements."""
-        blocks = self.mesh.blocks
-        if len(blocks) == 1:
-            return blocks[0].element.evaluate(xi)
-        number, width = self.block(face), self.mesh.cells.shape[1]
-        shape, gradient = np.zeros((len(face), width)), np.zeros((len(face), width, 3))
-        for i, block in enumerate(blocks):
-            on, n = number == i, block.element.n_nodes
-            shape[on, :n], gradient[on, :n] = block.element.evaluate(xi[on])
-        return shape, gradient
-
-    @cached_property
-    def _tapers(self) -> npt.NDArray[np.bool_]:
-        """True for sides of pyramids, whose shape functions end at the apex."""
-        kinds = [block.element.cell.linear for block in self.mesh.blocks]
-        return np.array([kinds[number] == "pyramid" for number, _ in self.sides])
 
     def normal(self, face: IntArray, uv: FloatArray) -> FloatArray:
         """Return outward unit normals, shape (n, 3); of a collapsed corner, from beside it.
@@ -240,12 +215,12 @@ class Surface:
     def normals_at(self, cells: IntArray, count: int) -> FloatArray:
         """Return `node_normals` of `count` nodes for elements numbered otherwise, as `cells`."""
         nodes, normals = [], []
-        for side, (number, face) in enumerate(self.sides):
+        for side, (_, face) in enumerate(self.sides):
             on, count_of = np.flatnonzero(self.side == side), len(face.nodes)
-            element = self.mesh.blocks[number].element
-            places = (element.nodes[face.nodes] - face.origin) @ np.linalg.pinv(face.axes)
             nodes.append(cells[self.cell[on]][:, face.nodes].T.ravel())
-            normals.append(self.normal(np.tile(on, count_of), np.repeat(places, len(on), axis=0)))
+            normals.append(
+                self.normal(np.tile(on, count_of), np.repeat(face.places, len(on), axis=0))
+            )
         node, normal = np.concatenate(nodes), np.concatenate(normals)
         found = np.zeros((3, count, 3))
         for mean in found:
@@ -279,8 +254,11 @@ class Surface:
 
     def edge_middles(self, face: IntArray) -> FloatArray:
         """Return the coordinates (u, v) of the middles of edges from each of `corners`."""
-        triangle = self._triangle[self.side[face]]
-        return np.where(triangle[:, None, None], _TRIANGLE_EDGES, _SQUARE_EDGES)
+        edges = np.zeros((len(face), 4, 2))
+        for side, on in self.of_count(face):
+            corners = side.places[: side.n_corners]
+            edges[on, : side.n_corners] = 0.5 * (corners + np.roll(corners, -1, axis=0))
+        return edges
 
     @cached_property
     def _found(self) -> dict[bytes, Place]:
@@ -428,11 +406,6 @@ class Surface:
         uv[missed] = np.inf
         return uv, x, np.cross(tangents[:, 0], tangents[:, 1]) @ axis
 
-    def _xi(self, face: IntArray, uv: FloatArray) -> FloatArray:
-        side = self.side[face]
-        xi: FloatArray = self._origins[side] + np.einsum("nu,nuc->nc", uv, self._axes[side])
-        return xi
-
     def _inside(self, face: IntArray, uv: FloatArray) -> npt.NDArray[np.bool_]:
         u, v = uv.T
         furthest = np.where(self._triangle[self.side[face]], u + v, np.maximum(u, v))
@@ -445,14 +418,6 @@ class Surface:
         excess = np.where(self._triangle[self.side[face]], np.maximum(u + v - 1.0, 0.0), 0.0)
         u = np.clip(u - 0.5 * excess, 0.0, 1.0)
         return np.stack([u, np.minimum(v, np.where(excess > 0.0, 1.0 - u, 1.0))], axis=1)
-
-    @cached_property
-    def _origins(self) -> FloatArray:
-        return np.stack([face.origin for _, face in self.sides])
-
-    @cached_property
-    def _axes(self) -> FloatArray:
-        return np.stack([face.axes for _, face in self.sides])
 
     @cached_property
     def _triangle(self) -> npt.NDArray[np.bool_]:

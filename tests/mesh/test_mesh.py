@@ -426,7 +426,7 @@ def test_formats_that_are_not_read_are_refused_by_name(tmp_path: Path, name: str
 
 @pytest.mark.parametrize(
     ("path", "words"),
-    [("a\0.msh", "^path"), ("/dev/null", "no regular file"), ("a" * 300, "cannot be op")],
+    [("a\0.msh", "^mesh"), ("/dev/null", "no regular file"), ("a" * 300, "cannot be op")],
 )
 def test_what_is_no_file_is_refused(path: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
