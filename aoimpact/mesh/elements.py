@@ -464,7 +464,8 @@ def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
         corner = on < element.n_corners
         arms = element.nodes[on] - element.nodes[on[corner]].mean(axis=0)
         turn = np.arctan2(arms @ np.cross(normal, arms[0]), arms @ arms[0] * np.linalg.norm(normal))
-        turn = np.round(turn, 9) % (2.0 * np.pi)
+        first = 0.0 if element.thin else turn[corner].min()  # a surface element begins as it does
+        turn = np.round(turn - first, 9) % (2.0 * np.pi)
         middle = np.linalg.norm(arms, axis=1) < 1e-12
         nodes, n_corners = on[np.lexsort((turn, middle, ~corner))], int(corner.sum())
         found.append(ReferenceFace(nodes, n_corners, *_side(len(nodes))))
