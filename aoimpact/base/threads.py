@@ -6,6 +6,7 @@ import os
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextvars import copy_context
 from functools import cache
 from typing import Any
 
@@ -31,7 +32,8 @@ def at_once(calls: _Calls) -> None:
     pool = _pool(os.getpid(), count)
     others: list[Future[None]] = []
     try:
-        others.extend(pool.submit(_one_by_one, calls[k::count]) for k in range(1, count))
+        for k in range(1, count):  # with the caller's np.errstate and held warnings
+            others.append(pool.submit(copy_context().run, _one_by_one, calls[k::count]))
         _one_by_one(calls[::count])
     finally:
         try:

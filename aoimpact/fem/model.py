@@ -290,7 +290,7 @@ class FEModel(Frozen):
         free = free_dofs(solid, fixed)
         heavier = added_mass(solid, masses, free)
         stiffer = spring_stiffness(solid, springs, free)
-        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        with np.errstate(all="ignore"):
             K, M = stiffness_mass(solid, made_of)
             moves = axes_of(np.arange(K.shape[0]), None, solid.n_nodes)
             if heavier is not None:

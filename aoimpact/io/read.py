@@ -27,12 +27,10 @@ from ..base import (
 )
 from ..mesh import (
     KINDS,
-    SMALLEST,
     THIN,
     Mesh,
     Solids,
     against_neighbours,
-    check_reach,
     checked_cells,
     collapse,
     of_second_order,
@@ -301,10 +299,8 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
 
 
 def _scaled(nodes: FloatArray, factor: float) -> FloatArray:
-    with np.errstate(over="ignore", under="ignore"):  # check_reach refuses both
-        scaled = nodes * factor
-    check_reach(scaled)
-    return scaled
+    with np.errstate(over="ignore"):  # `Mesh` refuses what is not finite
+        return nodes * factor
 
 
 def _coordinates(points: Any, used: npt.NDArray[np.bool_]) -> FloatArray:
@@ -429,7 +425,7 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntAr
     expected = element.linear.shape(element.nodes[n:]) @ corners
     size = np.ptp(corners, axis=1).max(axis=1)
     gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
-    size = np.where(size > SMALLEST, size, 1.0)
+    size = np.where(size > 0.0, size, 1.0)
     misfit = np.einsum("eabi,e->ab", gaps**2, size**-2.0)
     _, order = scipy.optimize.linear_sum_assignment(misfit)
     if np.array_equal(order, np.arange(len(order))):

@@ -21,10 +21,8 @@ from .elements import (
 from .generate import box_mesh, sheet_mesh, sphere_mesh
 from .locate import AT_NODE, nearest_line, node_at, weights_at
 from .mesh import (
-    SMALLEST,
     Block,
     Mesh,
-    check_reach,
     checked_cells,
     group,
     jacobian_range,

@@ -35,9 +35,6 @@ _FLAT = 1e-12
 # two of its corners, 45° for quadrilaterals that are folded rather than warped.
 _SLIVER, _FOLDED = 1e-6, np.sqrt(0.5)
 
-# Range of coordinates and sizes, m, of which doubles hold the cubes and fourth powers.
-_LARGEST, SMALLEST = 1e50, 1e-50
-
 
 @dataclass(frozen=True, eq=False)
 class Block(Frozen):
@@ -144,7 +141,6 @@ class Mesh(Frozen):
                 f"nodes: {len(unused)} of {len(nodes)} belong to no element, the first is "
                 f"{unused[0]}. Leave them out, or let read_mesh do so"
             )
-        check_reach(nodes)
         labels = (
             _labels("node_labels", self.node_labels, len(nodes)),
             _labels("cell_labels", self.cell_labels, first),
@@ -349,22 +345,6 @@ def _labels(name: str, labels: Any, count: int) -> IntArray | None:
     return None if labels is None else integers(name, labels, "integers", shape=(count,))
 
 
-def check_reach(nodes: FloatArray) -> None:
-    """Refuse sizes that no body has: volumes would overflow, or vanish."""
-    farthest = float(np.abs(nodes).max())
-    size = float(np.ptp(nodes, axis=0).max())
-    if farthest > _LARGEST:
-        found = f"coordinates reach {farthest:.3g} m"
-    elif 0.0 < size < SMALLEST or farthest == 0.0:
-        found = f"the mesh is {size:.3g} m long"
-    else:
-        return
-    raise MeshError(
-        f"{found}, and volumes of that size cannot be computed. Give coordinates in metres (is "
-        "scale right?)"
-    )
-
-
 def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
     """Return node numbers of elements, shape (n, nodes per element), in range."""
     array = integers("cells", cells, "integer node numbers")
@@ -435,13 +415,14 @@ def _check_elements(
 def _misshapen(corners: FloatArray) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
     """Return which surface or line elements have no area or length, and which are folded."""
     ahead = np.roll(corners, -1, axis=1) - corners
-    longest = (ahead**2).sum(axis=2).max(axis=1)
+    size = np.abs(ahead).max(axis=(1, 2))
     if corners.shape[1] == 2:
-        return longest <= SMALLEST**2, np.zeros(len(corners), dtype=bool)
+        return size == 0.0, np.zeros(len(corners), dtype=bool)
+    ahead /= np.where(size > 0.0, size, 1.0)[:, None, None]
     at_corners = np.cross(np.roll(ahead, 1, axis=1), ahead)
     mean = at_corners.sum(axis=1)
     size = np.linalg.norm(mean, axis=1)
-    flat = size <= _SLIVER * longest
+    flat = size <= _SLIVER * (ahead**2).sum(axis=2).max(axis=1)
     along = np.einsum("nci,ni->nc", at_corners, mean / np.where(flat, 1.0, size)[:, None])
     folded = (along <= _FOLDED * np.linalg.norm(at_corners, axis=2)).any(axis=1)
     return flat, folded & ~flat
@@ -456,20 +437,20 @@ def jacobian_range(
     for start in range(0, len(cells), 4096):
         part = slice(start, start + 4096)
         corners = nodes[cells[part]]
-        det, _ = cofactors(jacobians(corners, gradient))
         size = np.ptp(corners, axis=1).max(axis=1)
-        det /= np.where(size > SMALLEST, size, 1.0)[:, None] ** 3
+        corners = corners / np.where(size > 0.0, size, 1.0)[:, None, None]
+        det, _ = cofactors(jacobians(corners, gradient))
         lowest[part], highest[part] = det.min(axis=1), det.max(axis=1)
     return lowest, highest
 
 
 def right_handed(kind: str, nodes: FloatArray, cells: IntArray) -> IntArray:
     """Return elements renumbered if every one of them is the mirror image of a good one."""
-    if kind not in KINDS or not len(cells) or not (np.abs(nodes[cells]) < _LARGEST).all():
+    if kind not in KINDS or not len(cells):
         return cells
     element = reference_element(kind)
     for part in (cells[:1], cells):  # the first one tells of most meshes
         _, highest = jacobian_range(nodes, part, element)
-        if (highest >= 0.0).any():
+        if not (highest < 0.0).all():  # also where one is not a number
             return cells
     return np.ascontiguousarray(cells[:, element.mirror])

@@ -613,8 +613,7 @@ ALSO = {
     "contact_time": ("give the durations",),
     "duration": ("adaptive run at t", "give the durations"),
     "expected": ("share",),
-    "nodes": ("coordinates reach", "the mesh is"),
-    "lengths": ("coordinates reach", "the mesh is"),
+    "scale": ("elements are flat", "path must end in .gif"),
     "cells": (
         *("refer to nodes", "elements are there twice", "belong to no element"),
         "cell_labels must have shape",
@@ -624,7 +623,7 @@ ALSO = {
     "data": ("is missing",),
     "names": ("which is not installed",),
     # What is sound goes on to a path that is none: to draw would take long.
-    **dict.fromkeys(("times", "frames", "scale", "fps"), ("path must end in .gif",)),
+    **dict.fromkeys(("times", "frames", "fps"), ("path must end in .gif",)),
 }
 
 # A function of the user's has errors of its own, and may be slow; a value of a sweep may be a list.
