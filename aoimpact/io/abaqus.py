@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
@@ -28,7 +28,7 @@ from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
 from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
-from .sections import Source, across, layered, refusing
+from .sections import Source, across, layered, refusing, triad
 
 # Sets of nodes or of elements.
 Which = Literal["NSET", "ELSET"]
@@ -206,11 +206,6 @@ def _dim(name: str) -> int:
     return next((dim for dim, names in _PARTS.items() if re.match(names, name)), 0)
 
 
-def _listed(names: Iterable[str] | Mapping[str, int]) -> str:
-    """Return names and how often each is there, as in "100 CPS4, 2 S4R"."""
-    return ", ".join(f"{count} {name}" for name, count in sorted(Counter(names).items()))
-
-
 # ----- parts, instances and the assembly
 
 
@@ -242,12 +237,12 @@ class AbaqusDeck:
     def sections(self) -> str:
         """Keywords on shells and beams, as in "2 *SHELLSECTION"."""
         thin = [card.name for card in self.cards if _SECTIONS.get(card.name, (None, 3))[1] < 3]
-        return _listed(f"*{name}" for name in thin)
+        return raw.listed(f"*{name}" for name in thin)
 
     @property
     def elements(self) -> str:
         """The elements by their types, as in "100 CPS4"."""
-        return _listed(self.counts)
+        return raw.listed(self.counts)
 
     @cached_property
     def normals(self) -> Keyword | None:
@@ -397,7 +392,7 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
         own = of[members]
         others = own[dims[own] != 3 if (dims[own] == 3).any() else unread[own]]
         if len(others) and name not in of_bodies:
-            left_out[name] = _listed(types[others].tolist())
+            left_out[name] = raw.listed(types[others].tolist())
     turned = {"": [("", np.eye(3))]}
     for scope in whole.inner.values():
         turned.setdefault(scope.part, []).append((f"{scope.name}.", scope.turn))
@@ -455,18 +450,18 @@ def _warn(file: Path, whole: Scope, deck: AbaqusDeck, shown: list[str]) -> None:
     if names := [f"*{card.name}" for card in deck.cards if _kind(card.name) == "connection"]:
         said.append(
             "connections between nodes were left out, and the body is computed without them: "
-            + _listed(names)
+            + raw.listed(names)
         )
     if changes := sum(card.name == "MODELCHANGE" for card in deck.cards):
         said.append(f"{changes} *MODEL CHANGE were left out: the body has all elements")
     if solids and rest != unread:
         said.append(
             "elements that are no solids are not part of the body, unless their groups are named "
-            f"as shells and beams: {_listed(rest)}"
+            f"as shells and beams: {raw.listed(rest)}"
         )
     elif unread:
         what = "no solids" if solids else "no solids, shells or beams"
-        said.append(f"elements that are {what} are not part of the body: {_listed(unread)}")
+        said.append(f"elements that are {what} are not part of the body: {raw.listed(unread)}")
     used = {scope.part for scope in whole.inner.values()}
     if unused := [part.name for at, part in whole.parts.items() if at not in used]:
         said.append(f"parts without an instance are left out: {', '.join(unused)}")
@@ -629,7 +624,7 @@ class Scope:
             if len(keyword.rows) == 1:
                 x[2] = 0.0
                 beside = np.array([-x[1], x[0], 0.0])
-            axes = np.column_stack(list(_axes(keyword, x, beside, _PARALLEL)))
+            axes = np.column_stack(list(triad(x, beside, _PARALLEL, keyword.error)))
         self._frames.append((keyword.order, origin, axes))
 
     def _frame(self, keyword: Keyword) -> tuple[FloatArray, FloatArray]:
@@ -769,13 +764,13 @@ class Scope:
         """Sort the nodes by their labels, and find the rows of the elements' nodes."""
         labels = raw.joined(labels for _, labels, _ in self._points)
         places = np.concatenate([np.zeros((0, 3)), *(places for _, _, places in self._points)])
-        order = np.argsort(labels, kind="stable")
-        labels, places = labels[order], places[order]
-        again = np.flatnonzero(labels[1:] == labels[:-1]) + 1
-        for label in labels[again[(places[again] != places[again - 1]).any(axis=1)]].tolist():
-            keyword = [one for one, own, _ in self._points if (own == label).any()][-1]
-            raise keyword.error(f"node {label} is defined twice, at different places")
-        nodes, self.places = np.delete(labels, again), np.delete(places, again, axis=0)
+
+        def refuse(row: int) -> MeshError:
+            keywords = [one for one, own, _ in self._points if (own == labels[row]).any()]
+            return keywords[-1].error(f"node {labels[row]} is defined twice, at different places")
+
+        kept = raw.once(labels, places, refuse)
+        nodes, self.places = labels[kept], places[kept]
         self.known["NSET"] = nodes, np.arange(len(nodes))
         for i, block in enumerate(self.elements):
             rows = raw.rows_of(nodes, block.nodes)
@@ -874,18 +869,6 @@ _READ: dict[str, tuple[int, Callable[[Scope, Keyword], None], str]] = {
     "NSET": (0, Scope._set, f"NSET {_OF_SETS}"),
     "ELSET": (0, Scope._set, _OF_SETS),
 }
-
-
-def _axes(keyword: Keyword, x: FloatArray, beside: FloatArray, least: float) -> FloatArray:
-    """Return the unit axes, in rows, of a first one and a vector in the plane of it and the second.
-
-    `least` is the sine of the angle between both below which they are refused.
-    """
-    z = np.cross(x, beside)
-    if not np.linalg.norm(z) > least * np.linalg.norm(x) * np.linalg.norm(beside):
-        raise keyword.error("its points are on one line")
-    x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
-    return np.array([x, np.cross(z, x), z])
 
 
 def _arc(ends: FloatArray, share: FloatArray, centre: FloatArray, given: Any) -> Any:
@@ -997,7 +980,7 @@ class _Section:
             raise own.error("only rectangular axes by coordinates are supported")
         points, turn = own.lines_of(9, 2, what="points on the axes, and an axis and an angle")
         a, b, c = points.reshape(3, 3)
-        axes = _axes(own, a - c, b - c, _NORMAL)
+        axes = triad(a - c, b - c, _NORMAL, own.error)
         about, angle = turn.tolist() if len(own.rows) > 1 else (3.0, 0.0)
         if not about and angle:
             of = f"*ORIENTATION {name}: its angle is about axis 1, which is blank: taken"

@@ -110,7 +110,7 @@ def _mesh(arrays: dict[str, Any], types: dict[str, str]) -> RawMesh:
         kinds.append(kind if len(table) else "vertex")
         cells.append((table.astype(np.int64) - 1)[:, _ORDERS.get(kind, slice(None))])
     first = raw.firsts(cells)
-    labels = _labels(arrays, "elem_num_map", first[-1])
+    labels = raw.labels_of(arrays, "elem_num_map", first[-1])
     blocks = tuple(
         RawBlock(kind, rows, None if labels is None else labels[start : start + len(rows)])
         for kind, rows, start in zip(kinds, cells, first[:-1], strict=True)
@@ -125,15 +125,9 @@ def _mesh(arrays: dict[str, Any], types: dict[str, str]) -> RawMesh:
             node_sets[name] = _on_sides(name, blocks, first, elements, sides)
     spans = zip(names, pairwise(first), strict=True)
     cell_sets = raw.grouped((name, np.arange(*span)) for name, span in spans)
-    return RawMesh(nodes, blocks, node_sets, cell_sets, _labels(arrays, "node_num_map", len(nodes)))
-
-
-def _labels(arrays: dict[str, Any], name: str, count: int) -> IntArray | None:
-    if name not in arrays:
-        return None
-    labels: IntArray = arrays[name].astype(np.int64).reshape(-1)
-    raw.check_count(f"numbers {name}", count, len(labels))
-    return labels
+    return RawMesh(
+        nodes, blocks, node_sets, cell_sets, raw.labels_of(arrays, "node_num_map", len(nodes))
+    )
 
 
 def _names(arrays: dict[str, Any], prefix: str, what: str, members: str) -> list[str]:

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -131,18 +129,18 @@ def read(file: Path) -> RawMesh:
     for name in ("MeshFormat", "Nodes", "Elements"):
         if name not in sections:
             raise ValueError(f"the section ${name} is missing")
-    with _named("MeshFormat"):
+    with raw.naming("section $MeshFormat"):
         version, types = _format(sections["MeshFormat"])
     entities = _Entities()
     for name in ("Entities", "PartitionedEntities"):
         if name in sections:
-            with _named(name):
+            with raw.naming(f"section ${name}"):
                 entities = _entities(_Numbers(sections[name], types), whole=name == "Entities")
-    with _named("PhysicalNames"):
+    with raw.naming("section $PhysicalNames"):
         names = _names(sections.get("PhysicalNames", b"0"))
-    with _named("Nodes"):
+    with raw.naming("section $Nodes"):
         tags, places = (_nodes_4 if version > 4.0 else _nodes_2)(sections["Nodes"], types)
-    with _named("Elements"):
+    with raw.naming("section $Elements"):
         if version > 4.0:
             elements = _elements_4(_Numbers(sections["Elements"], types), entities)
         else:
@@ -175,15 +173,6 @@ def _sections(content: bytes) -> dict[str, bytes]:
         found[name] = content[match.end() : end]
         at = end + len(ending)
     return found
-
-
-@contextmanager
-def _named(section: str) -> Iterator[None]:
-    """Name the section in errors."""
-    try:
-        yield
-    except (ValueError, OverflowError) as error:
-        raise ValueError(f"section ${section}: {error}") from None
 
 
 def _format(text: bytes) -> tuple[float, _Types]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import re
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,6 @@ from ..base import (
     InputError,
     InputTypeError,
     IntArray,
-    MeshError,
     SingularError,
     file_path,
     positive,
@@ -32,7 +30,7 @@ from .load import existing
 from .matrix import RawMatrix, at, codes, spoilt
 from .nastran import is_dmig, read_dmig
 from .op4 import is_op4, read_op4
-from .raw import rows_of
+from .raw import naming, rows_of
 from .read import read_mesh
 from .rows import Places, read_dofs, read_places
 
@@ -149,15 +147,15 @@ def read_matrices(
         raise InputTypeError("mesh and material, of the surface: give both or none")
     stiffness, inertia = _chosen(K, M)
     called = f"{stiffness.called}, {inertia.called}"
-    with _naming("dofs"):
+    with naming("dofs"):
         labels = _given_labels(dofs, stiffness, inertia)
-    with _naming(called):
+    with naming(called):
         pair = _without_held(_joined(stiffness, inertia, labels))
         only = nodes is None and mesh is None
         stiff, heavy, labels = _condensed(_scaled(pair, *units), rotations=only)
     places: Places | None = None
     from_file = isinstance(mesh, (str, os.PathLike))
-    with _naming("nodes"):
+    with naming("nodes"):
         if nodes is not None or from_file:
             places = read_places(mesh if nodes is None else nodes)
         elif mesh is not None:
@@ -176,7 +174,7 @@ def read_matrices(
         cause = "is one of the files cut short, printed with few digits, or of another model?"
         raise type(error)(f"{called}: {error}; {cause}") from error
     if mesh is not None and material is not None:
-        with _naming("mesh"):
+        with naming("mesh"):
             solid = read_mesh(mesh, scale=metres) if from_file else read_mesh(mesh)
             try:
                 body = body.with_mesh(solid, material)
@@ -185,17 +183,6 @@ def read_matrices(
     for doubt in audited(body, frequencies=0).doubts:
         warn(f"{called}: {doubt}")
     return body
-
-
-@contextmanager
-def _naming(argument: str) -> Iterator[None]:
-    """Begin errors of a file with the argument that it was given for."""
-    try:
-        yield
-    except (InputError, MeshError) as error:
-        if str(error).startswith(argument):
-            raise
-        raise type(error)(f"{argument}: {error}") from error
 
 
 # --------------------------------------------------------------------------------- the files
@@ -286,7 +273,7 @@ def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
     read = {}
     for role, file in zip("KM", files, strict=True):
         if file not in read:
-            with _naming(role):
+            with naming(role):
                 read[file] = load_matrices(file)
     first, second = (
         _named(role, file, read[file], name)

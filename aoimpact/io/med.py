@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base import IntArray
 from ..mesh import right_handed
-from .raw import RawBlock, RawMesh, check_count, grouped, nodes_in, opened_hdf5
+from .raw import RawBlock, RawMesh, check_count, grouped, labels_of, nodes_in, opened_hdf5
 
 # Kinds of elements by MED's names.
 _NAMES = "PO1 SE2 SE3 TR3 TR6 TR7 QU4 QU8 QU9 TE4 T10 PY5 P13 PE6 P15 P18 HE8 H20 H27"
@@ -46,15 +46,15 @@ def read(file: Path) -> RawMesh:
         node_families, cell_families = (
             _families(tree.get(f"FAS/{name}/{of}", {})) for of in ("NOEUD", "ELEME")
         )
-        node_sets = _groups(node_families, _numbers(at["NOE"], "FAM", count), 0)
+        node_sets = _groups(node_families, labels_of(at["NOE"], "FAM", count), 0)
         cell_sets: list[tuple[str, IntArray]] = []
         blocks, first = [], 0
         for type_, group in at["MAI"].items():
             blocks.append(_block(type_, group, nodes))
             n_cells = len(blocks[-1].cells)
-            cell_sets += _groups(cell_families, _numbers(group, "FAM", n_cells), first)
+            cell_sets += _groups(cell_families, labels_of(group, "FAM", n_cells), first)
             first += n_cells
-        labels = _numbers(at["NOE"], "NUM", count)
+        labels = labels_of(at["NOE"], "NUM", count)
         return RawMesh(nodes, tuple(blocks), grouped(node_sets), grouped(cell_sets), labels)
 
 
@@ -75,15 +75,7 @@ def _block(type_: str, group: Any, nodes: Any) -> RawBlock:
     if count and not 0 <= cells.min() <= cells.max() < len(nodes):
         raise ValueError(f"elements {type_} have nodes that are not there")
     cells = right_handed(kind, nodes, cells[:, _ORDERS.get(kind, slice(None))])
-    return RawBlock(kind, cells, _numbers(group, "NUM", count))
-
-
-def _numbers(group: Any, name: str, count: int) -> IntArray | None:
-    if name not in group:
-        return None
-    found: IntArray = np.asarray(group[name][()], np.int64).reshape(-1)
-    check_count(f"numbers {name}", count, len(found))
-    return found
+    return RawBlock(kind, cells, labels_of(group, "NUM", count))
 
 
 def _families(families: Any) -> dict[int, list[str]]:

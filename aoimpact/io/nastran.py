@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, IntArray, MeshError, warn
 from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
@@ -29,12 +30,14 @@ from .raw import (
     RawMesh,
     cylindrical,
     joined,
+    listed,
     nodes_in,
     number,
+    once,
     repeats,
     rows_of,
 )
-from .sections import Source, across, common, layered, refusing
+from .sections import Source, across, common, layered, refusing, triad
 
 # Kinds of elements of corners, and with midside nodes, by the names of entries.
 _ELEMENTS = {
@@ -208,11 +211,8 @@ def read(file: Path) -> RawMesh:
 
 def _counted(bulk: BulkData, *patterns: re.Pattern[str]) -> str:
     """Count the entries whose names match, as in "2 PSHELL"."""
-    return ", ".join(
-        f"{len(lines)} {name}"
-        for name, lines in sorted(bulk.names.items())
-        if any(pattern.fullmatch(name) for pattern in patterns)
-    )
+    fits = {name for name in bulk.names if any(of.fullmatch(name) for of in patterns)}
+    return listed({name: len(bulk.names[name]) for name in fits})
 
 
 def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
@@ -373,17 +373,13 @@ class Axes:
             A unit vector in each row.
         """
         local = (x - self.origin) @ self.axes.T
-        along = np.arctan2(local[:, 1], local[:, 0])
-        down = np.arctan2(np.hypot(local[:, 0], local[:, 1]), local[:, 2])
-        c, s, ct, st = np.cos(along), np.sin(along), np.cos(down), np.sin(down)
-        zero, one = np.zeros(len(x)), np.ones(len(x))
-        turned = {
-            "R": [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
-            "C": [[c, s, zero], [-s, c, zero], [zero, zero, one]],
-            "S": [[st * c, st * s, ct], [ct * c, ct * s, -st], [-s, c, zero]],
-        }
-        result: FloatArray = np.moveaxis(np.array(turned[self.kind]), 2, 0) @ self.axes
-        return result
+        angles = np.zeros((len(x), 2))
+        if self.kind != "R":
+            angles[:, 0] = np.arctan2(local[:, 1], local[:, 0])
+        if self.kind == "S":
+            angles[:, 1] = np.arctan2(np.hypot(local[:, 0], local[:, 1]), local[:, 2])
+        turned = Rotation.from_euler("ZY", angles).as_matrix().transpose(0, 2, 1) @ self.axes
+        return np.roll(turned, 1, axis=1) if self.kind == "S" else turned
 
 
 class _Definition(NamedTuple):
@@ -435,13 +431,9 @@ class Grids:
         systems = [table.integers(column, 1)[:, 0] for column in (1, 5)]
         labels, x = table.integers(0, 1)[:, 0], table.reals(2, 3)
         table.refuse_first(labels < 1, "a node needs a number greater than 0")
-        order = np.argsort(labels, kind="stable")
-        again = np.flatnonzero(np.diff(labels[order]) == 0) + 1
+        why = "node {} is there twice, at different places"
         whole = np.column_stack([x, *systems])
-        moved = (whole[order[again]] != whole[order[again - 1]]).any(axis=1)
-        for row in order[again[moved]][:1].tolist():
-            raise table.refused(row, f"node {labels[row]} is there twice, at different places")
-        kept = np.delete(order, again)
+        kept = once(labels, whole, lambda row: table.refused(row, why.format(labels[row])))
         own = (labels[kept], systems[0][kept], systems[1][kept], x[kept])
         return cls(table.select(kept), *own, _definitions(bulk))
 
@@ -481,12 +473,8 @@ class Grids:
         else:
             points = list(self.axes(reference, own_error).basic(np.reshape(given, (3, 3))))
         self._open.remove(label)
-        z, x = points[1] - points[0], points[2] - points[0]
-        y = np.cross(z, x)
-        if not np.linalg.norm(y) > _COLLINEAR * np.linalg.norm(z) * np.linalg.norm(x):
-            raise own_error(f"the three points of coordinate system {label} lie on one line")
-        axes = np.stack([np.cross(y, z), y, z])
-        axes /= np.linalg.norm(axes, axis=1)[:, None]
+        ends = points[1] - points[0], points[2] - points[0]
+        axes = triad(*ends, _COLLINEAR, own_error)[[1, 2, 0]]  # z, and a point in the plane of x
         return self._known.setdefault(label, Axes(kind, points[0], axes))
 
 

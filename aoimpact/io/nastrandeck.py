@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import os
 import re
 from collections.abc import Iterator
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray, MeshError, require
+from ..base import FloatArray, IntArray, MeshError, decoded, require
 from .raw import joined, number, numbers, read_text, refused, repeats
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
@@ -37,8 +36,8 @@ _INCLUDE = re.compile(r"\s*INCLUDE(?=[\s='\"])\s*=?\s*('[^']*'|\"[^\"]*\"|[^'\"\
 _SECTION = re.compile(rb"\s*(BEGIN|CEND)\b")
 _PART = re.compile(rb"\s*BEGIN[\s,]+(BULK\b.*=|(?!BULK\b)\S)")
 _BULK = re.compile(
-    rb"^[ \t]*(?:BEGIN[ \t,]+BULK|INCLUDE)\b"
-    rb"|^(?:GRID|CHEXA|CPENTA|CPYRAM?|CTETRA|CORD[12][CRS])[ \t]*\*?[ \t,][ \t]*\d",
+    r"^[ \t]*(?:BEGIN[ \t,]+BULK|INCLUDE)\b"
+    r"|^(?:GRID|CHEXA|CPENTA|CPYRAM?|CTETRA|CORD[12][CRS])[ \t]*\*?[ \t,][ \t]*\d",
     re.I | re.M,
 )
 _TIMES = re.compile(rb"=(?:(\d+)|\((\d+)\))")
@@ -65,10 +64,7 @@ _SPACES = int.from_bytes(b" " * 8, "little")
 
 def is_nastran(content: bytes) -> bool:
     """Return whether a file is a Nastran deck, by its beginning."""
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        content = content.replace(b"\0", b"")
-    content = content.lstrip(b"\xef\xbb\xbf\xff\xfe")  # byte order marks
-    return b"\0" not in content and _BULK.search(content) is not None
+    return _BULK.search(decoded(content) or "") is not None
 
 
 @dataclass(frozen=True, eq=False)

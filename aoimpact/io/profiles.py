@@ -17,9 +17,16 @@ import numpy as np
 from ..base import FloatArray, InputError
 from ..fem import CircularSection, RectangularSection, TubularSection
 
-# Distance between the ends of a closed ARBITRARY section, over its size, that is rounding; and the
-# third moment of an area A, over A^2.5, that is.
+# Distance between the ends of a closed ARBITRARY section, over its longest wall, that is rounding;
+# and a third moment of an area A, over A^2.5, and an edge, over the longest, that are.
 _CLOSED, _ROUND = 1e-6, 1e-9
+
+# Gauss' places on a panel and their weights. Panels grow by a factor from corners, where they are
+# an eighth of the shortest edge, but no less than the longest over the factor to so many: J is then
+# right to 1e-4, compared with eight places on smaller panels. From so many halves of a panel on,
+# Gauss' rule has integrals over it to 1e-9.
+_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+_COARSER, _LEVELS, _FAR = 4.0, 7, 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,65 +62,94 @@ class Profile:
         return replace(self, centre=self.centre - (h, v))
 
 
-def filled(polygons: Any, J: float | None = None, compliance: Any = None) -> Profile:
-    """Return the section of polygons, shape (n, corners, 2), counted counterclockwise.
+def outlined(start: Any, end: Any, compliance: FloatArray, J: float | None = None) -> Profile:
+    """Return the section within edges h + iv, counterclockwise about it and clockwise about holes.
 
-    Without J it is compact: J = A⁴/(40 Ip) (A. E. H. Love, Mathematical Theory of Elasticity,
-    section 224), and the shear factors are 5/6.
+    Moments are integrals of polynomials over the outline. J is Saint-Venant's, unless given.
     """
-    p = np.array(polygons)
-    q = np.roll(p, -1, axis=1)
-    double = p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0]
-    area = 0.5 * float(double.sum())
-    centre = np.einsum("nk,nki->i", double, p + q) / (6.0 * area)
-    second = sum(np.einsum("nk,nki,nkj->ij", double, of, of) / 24.0 for of in (p, q, p + q))
-    second = second - area * np.outer(centre, centre)
-    if J is None:
-        J, compliance = area**4 / (40.0 * float(np.trace(second))), 1.2 * np.eye(2)
-    points = np.unique((p - centre).reshape(-1, 2), axis=0)
-    return Profile(area, second, J, compliance, points, centre)
+    length = np.abs(end - start)
+    kept = length > _ROUND * length.max()
+    start, edge = start[kept, None], (end - start)[kept, None]
+    levels = math.ceil(math.log(length.max() / length[kept].min(), _COARSER))
+    half = 0.5 * np.append(0.0, _COARSER ** -np.arange(1.0 + min(levels, _LEVELS), -0.5, -1.0))
+    ends = start + edge * np.append(half, 1.0 - half[-2::-1])
+    first, last = ends[:, :-1].ravel(), ends[:, 1:].ravel()
+    step = 0.5 * (last - first)[:, None]
+    z = first[:, None] + step * (1.0 + _PLACES)
+    flux = (z.conj() * step).imag * _WEIGHTS
+    area = 0.5 * float(flux.sum())
+    centre = (flux * z).sum() / (3.0 * area)
+    z, corners = z - centre, np.unique(start - centre)
+    r, flux = np.stack([z.real, z.imag]), (z.conj() * step).imag * _WEIGHTS
+    second = np.einsum("pg,ipg,jpg->ij", flux, r, r) / 4.0
+    third = np.einsum("pg,ipg,jpg,kpg->ijk", flux, r, r, r) / 5.0
+    return Profile(
+        area,
+        second,
+        float(np.trace(second)) - _warped(z, step) if J is None else J,
+        compliance,
+        np.column_stack([corners.real, corners.imag]),
+        np.array([centre.real, centre.imag]),
+        bool(np.abs(third).max() > _ROUND * area**2.5),
+    )
 
 
-def walls(of: Any, cell: Any = None) -> Profile:
-    """Return the section of straight walls.
+def _warped(z: Any, step: Any) -> float:
+    """Return the integral of |∇ω|², by which warping ω lowers the torsion constant from Ip, m⁴.
 
-    The shear factor along an axis is the share of the walls that lie along it. The torsion constant
-    is Σ b t³/3, and 4 A²/∮ds/t of a cell (S. P. Timoshenko and J. N. Goodier, Theory of Elasticity,
-    sections 112 and 115).
+    On the outline ∂ω/∂n = ∂ψ/∂s with ψ = r²/2, so ω + iψ is analytic within, up to a constant at
+    each hole, and its Cauchy integral over the outline is πi (ω + iψ) there. The imaginary part is
+    an equation for ω, a polynomial on each panel (J. Helsing and R. Ojala, J. Comput. Phys. 227,
+    2899, 2008). The integral is ∮ω dψ.
 
     Parameters
     ----------
-    of : array_like, shape (n, 5)
-        Ends h, v of the middle line, and thickness.
-    cell : (float, float array_like), optional
-        Area within the middle line of a closed section, and b/t of the walls about it.
+    z, step : ndarray, shapes (panels, places) and (panels, 1)
+        Gauss places from the centroid, and halves of the panels.
     """
-    table = np.reshape([one for one in of if one[4] > 0.0 and one[:2] != one[2:4]], (-1, 5))
-    start, end, t = table[:, :2], table[:, 2:4], table[:, 4]
-    b = np.linalg.norm(end - start, axis=1)
-    e = (end - start) / b[:, None]
-    side = 0.5 * t[:, None] * e @ [[0.0, 1.0], [-1.0, 0.0]]
-    along = np.einsum("w,wi,wj->ij", b * t, e, e) / (b @ t)
-    J = float(b @ t**3) / 3.0 + (4.0 * cell[0] ** 2 / float(sum(cell[1])) if cell else 0.0)
-    corners = np.stack([start - side, end - side, end + side, start + side], axis=1)
-    found = filled(corners, J, np.linalg.pinv(along))
-    r = 0.5 * (start + end) - found.centre
-    third = np.einsum("w,wi,wj,wk->ijk", b * t, r, r, r)
-    return replace(found, skewed=bool(np.abs(third).max() > _ROUND * found.area**2.5))
+    at = (z[..., None] - z.mean(axis=1)) / step[:, 0]
+    own = np.arange(len(z))
+    at[own, :, own] = _PLACES
+    moments = [np.log((1.0 - at) / (-1.0 - at))]
+    moments[0][own, :, own] = moments[0][own, :, own].real  # a principal value
+    for k in range(1, len(_PLACES)):
+        moments.append(at * moments[-1] + (1.0 - (-1.0) ** k) / k)
+    near = np.stack(moments, axis=-1) @ np.linalg.inv(np.vander(_PLACES, increasing=True))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = _WEIGHTS / (_PLACES - at[..., None])
+    cauchy = np.where(np.abs(at[..., None]) > _FAR, far, near).reshape(z.size, z.size)
+    psi, change = 0.5 * np.abs(z) ** 2, (z.conj() * step).real * _WEIGHTS
+    # ω is known up to a constant; the added matrix makes its mean over all places 0.
+    matrix = np.pi * np.eye(z.size) - cauchy.imag + 1.0 / z.size
+    return float(np.linalg.solve(matrix, cauchy.real @ psi.ravel()) @ change.ravel())
 
 
-def rows(*of: tuple[float, ...], cell: Any = None) -> Profile:
-    """Return the section of rectangles: rows from v = 0 upwards, of a height and pairs of h."""
-    found, v = [], 0.0
-    for height, *sides in of:
-        for left, right in zip(sides[::2], sides[1::2], strict=True):
-            width, h, middle = right - left, 0.5 * (left + right), v + 0.5 * height
-            if height < 0.0 or sides != sorted(sides):
-                raise InputError("its walls are thicker than there is room for")
-            lying, upright = (left, middle, right, middle, height), (h, v, h, v + height, width)
-            found.append(lying if width >= height else upright)
-        v += height
-    return walls(found, cell)
+def filled(*corners: complex) -> Profile:
+    """Return a convex polygon of corners h + iv, counterclockwise, with shear factors 5/6."""
+    start, end = np.array(corners), np.roll(corners, -1)
+    if ((end - start).conj() * np.roll(end - start, -1)).imag.min() < 0.0:
+        raise InputError("its sides cross each other")
+    return outlined(start, end, 1.2 * np.eye(2))
+
+
+def rows(*of: tuple[float, ...]) -> Profile:
+    """Return the section of rectangles: rows from v = 0 upwards, of a height and pairs of h.
+
+    The shear factor along an axis is the share of the walls that lie along it.
+    """
+    if any(row[0] <= 0.0 or [*row[1:]] != sorted({*row[1:]}) for row in of):
+        raise InputError("its walls are thicker than there is room for, or 0")
+    cuts = np.unique([h for row in of for h in row[1:]])
+    inside = np.array([np.searchsorted(row[1:], 0.5 * (cuts[1:] + cuts[:-1])) % 2 for row in of])
+    corners, start, end = cuts + 1j * np.cumsum([0.0, *(row[0] for row in of)])[:, None], [], []
+    for axis, first, last in ((0, corners[:, :-1], corners[:, 1:]), (1, corners[1:], corners[:-1])):
+        # The section lies above or to the right of an edge, or on its other side.
+        change = np.diff(inside, axis=axis, prepend=0, append=0)
+        start += [first[change > 0], last[change < 0]]
+        end += [last[change > 0], first[change < 0]]
+    b, h = np.array([(x, row[0]) for row in of for x in np.diff(row[1:])[::2]]).T
+    share = np.bincount(b < h, b * h, 2) / (b @ h)
+    return outlined(np.concatenate(start), np.concatenate(end), np.linalg.pinv(np.diag(share)))
 
 
 def between(outer: tuple[float, ...], inner: tuple[float, ...]) -> Profile:
@@ -124,44 +160,51 @@ def between(outer: tuple[float, ...], inner: tuple[float, ...]) -> Profile:
 def flanged(h: float, b1: float, b2: float, t: float, t1: float, t2: float) -> Profile:
     """Return an I, or a T if one of the flanges, 1 below and 2 above, is 0."""
     web = (h - t1 - t2, -0.5 * t, 0.5 * t)
-    return rows((t1, -0.5 * b1, 0.5 * b1), web, (t2, -0.5 * b2, 0.5 * b2))
+    flanges = [[(t, -0.5 * b, 0.5 * b)] if t else [] for b, t in ((b1, t1), (b2, t2))]
+    return rows(*flanges[0], web, *flanges[1])
 
 
 def box(b: float, h: float, right: float, top: float, left: float, bottom: float) -> Profile:
     """Return a box by its sides and the thickness of its walls."""
     web = (h - top - bottom, 0.0, left, b - right, b)
-    mid_b, mid_h = b - 0.5 * (left + right), h - 0.5 * (top + bottom)
-    around = (mid_h / right, mid_b / top, mid_h / left, mid_b / bottom)
-    return rows((bottom, 0.0, b), web, (top, 0.0, b), cell=(mid_b * mid_h, around))
+    return rows((bottom, 0.0, b), web, (top, 0.0, b))
 
 
 def hat(h: float, t: float, top: float, brim: float, base: float = 0.0) -> Profile:
     """Return a hat, on a base or without."""
-    b, cell = top + 2.0 * brim, None
+    b = top + 2.0 * brim
     wall = (brim, brim + t, b - brim - t, b - brim)
-    if base:
-        mid_b, mid_h = top - t, h - 0.5 * (base + t)
-        cell = mid_b * mid_h, (2.0 * mid_h / t, mid_b / t, mid_b / base)
     brims, webs = (t, 0.0, *wall[1:3], b), (h - base - 2.0 * t, *wall)
-    return rows((base, 0.0, b), brims, webs, (t, brim, b - brim), cell=cell)
+    return rows(*[(base, 0.0, b)] if base else (), brims, webs, (t, brim, b - brim))
 
 
 def arbitrary(n: float, *of: float) -> Profile:
-    """Return Abaqus' ARBITRARY: n, two points and a thickness, then a point and one each."""
-    ends = np.array([of[:2], of[2:4], *zip(of[5::3], of[6::3], strict=True)])
-    t, steps = np.array(of[4::3]), np.diff(ends, axis=0)
-    cell = None
-    if np.abs(ends[-1] - ends[0]).max() <= _CLOSED * np.ptp(ends):
-        twice = float((ends[:-1, 0] * steps[:, 1] - ends[:-1, 1] * steps[:, 0]).sum())
-        cell = 0.5 * twice, np.linalg.norm(steps, axis=1) / t
-    return walls(np.column_stack([ends[:-1], ends[1:], t]).tolist(), cell)
+    """Return Abaqus' ARBITRARY: n, two points and a thickness, then a point and one each.
+
+    Its walls are thin. The torsion constant is Σ b t³/3, and 4 A²/∮ds/t of a closed section (S. P.
+    Timoshenko and J. N. Goodier, Theory of Elasticity, sections 112 and 115).
+    """
+    ends = np.array([of[:2], of[2:4], *zip(of[5::3], of[6::3], strict=True)]) @ [1.0, 1.0j]
+    start, end, steps, t = ends[:-1], ends[1:], np.diff(ends), np.array(of[4::3])
+    b = np.abs(steps)
+    J = float(b @ t**3) / 3.0
+    if abs(ends[-1] - ends[0]) <= _CLOSED * b.max():
+        J += float((start.conj() * steps).imag.sum()) ** 2 / float((b / t).sum())
+    e = np.stack([steps.real, steps.imag]) / b
+    side = 0.5j * t * steps / b
+    corners = np.stack([start - side, end - side, end + side, start + side], axis=1)
+    compliance = np.linalg.pinv(np.einsum("w,iw,jw->ij", b * t, e, e) / (b @ t))
+    return outlined(corners.ravel(), np.roll(corners, -1, axis=1).ravel(), compliance, J)
 
 
 def hexagon(radius: float, t: float) -> Profile:
     """Return Abaqus' HEX, a regular ring by its circumscribed circle and its thickness."""
-    middle = radius - t / math.sqrt(3.0)
-    h, v = middle * np.array([np.cos(of := np.arange(7) * math.pi / 3.0), np.sin(of)])
-    return arbitrary(6, h[0], v[0], *np.column_stack([h[1:], v[1:], np.full(6, t)]).ravel())
+    inner = radius - 2.0 * t / math.sqrt(3.0)
+    if not 0.0 <= inner < radius:
+        raise InputError("its walls are thicker than there is room for, or 0")
+    corners = np.exp(1j * math.pi / 3.0 * np.arange(7))
+    start = np.append(radius * corners[:-1], inner * corners[1:])
+    return outlined(start, np.append(radius * corners[1:], inner * corners[:-1]), 2.0 * np.eye(2))
 
 
 # Sections by the names of each program. RECT begins with the length along axis 1, which is our z.
@@ -176,7 +219,7 @@ ABAQUS: dict[str, Callable[..., Any]] = {
     **dict.fromkeys(("PIPE", "THICKPIPE"), TubularSection),
     **dict.fromkeys(("RECT", "RECTANGULAR"), lambda z, y: RectangularSection(y, z)),
     "TRAPEZOID": lambda a, b, c, node: filled(
-        [[(-0.5 * a, 0.0), (0.5 * a, 0.0), (0.5 * c, b), (-0.5 * c, b)]]
+        -0.5 * a, 0.5 * a, 0.5 * c + 1j * b, -0.5 * c + 1j * b
     ).at(0.0, node),
 }
 NASTRAN: dict[str, Callable[..., Any]] = {
@@ -192,9 +235,7 @@ NASTRAN: dict[str, Callable[..., Any]] = {
     ),
     "HAT": lambda h, t, top, brim: hat(h, t, top, brim),
     "HAT1": lambda b, h, top, t, base: hat(h, t, top, 0.5 * (b - top), base),
-    "HEXA": lambda a, b, h: filled(
-        [[(a, 0.0), (b - a, 0.0), (b, 0.5 * h), (b - a, h), (a, h), (0.0, 0.5 * h)]]
-    ),
+    "HEXA": lambda a, b, h: filled(a, b - a, b + 0.5j * h, b - a + 1j * h, a + 1j * h, 0.5j * h),
     "I": lambda h, b1, b2, t, t1, t2: flanged(h, b1, b2, t, t1, t2),
     "I1": lambda b, t, web, h: between((0.5 * (h - web), 0.0, b + t), (web, 0.5 * b, 0.5 * b + t)),
     "L": lambda b, h, t, s: rows((t, 0.0, b), (h - t, 0.0, s)),

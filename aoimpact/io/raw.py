@@ -6,7 +6,8 @@ import contextlib
 import math
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -198,6 +199,47 @@ def repeats(labels: IntArray) -> IntArray:
     return again
 
 
+def labels_of(arrays: Any, name: str, count: int) -> IntArray | None:
+    """Return the numbers of so many nodes or cells in arrays, or datasets, by name; None if none.
+
+    Raises
+    ------
+    ValueError
+        If there are more or fewer.
+    """
+    if name not in arrays:
+        return None
+    found: IntArray = np.asarray(arrays[name][()], np.int64).reshape(-1)
+    check_count(f"numbers {name}", count, len(found))
+    return found
+
+
+def listed(names: Iterable[str] | Mapping[str, int]) -> str:
+    """Return names and how often each is there, as in "100 CPS4, 2 S4R"."""
+    return ", ".join(f"{count} {name}" for name, count in sorted(Counter(names).items()))
+
+
+def once(labels: IntArray, places: Any, refuse: Callable[[int], MeshError]) -> IntArray:
+    """Return rows by ascending labels, one for each; refuse a row that repeats one elsewhere."""
+    order = np.argsort(labels, kind="stable")
+    again = np.flatnonzero(np.diff(labels[order]) == 0) + 1
+    moved = again[(places[order[again]] != places[order[again - 1]]).any(axis=1)]
+    for row in order[moved][:1].tolist():
+        raise refuse(row)
+    return np.delete(order, again)
+
+
+@contextmanager
+def naming(what: str) -> Iterator[None]:
+    """Begin errors with the argument that a file was given for, or with a part of the file."""
+    try:
+        yield
+    except (ValueError, OverflowError) as error:
+        if str(error).startswith(what):
+            raise
+        raise type(error)(f"{what}: {error}") from error
+
+
 def check_count(what: str, announced: int, there: int) -> None:
     """Refuse a file that holds more or less than it announces."""
     if there != announced:
@@ -217,12 +259,9 @@ def read_text(file: Path) -> str:
     Raises
     ------
     MeshError
-        If it cannot be opened, or is binary.
+        If it is binary.
     """
-    try:
-        text = decoded(file.read_bytes())
-    except OSError as error:
-        raise MeshError(f"mesh file {str(file)!r} cannot be opened: {error}") from None
+    text = decoded(file.read_bytes())
     if text is None:
         raise MeshError(f"mesh file {str(file)!r} is binary; a text file is needed")
     return text

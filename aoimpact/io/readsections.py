@@ -45,8 +45,9 @@ def read_sections(
 
     Beams are of all shapes in Abaqus' library and in Nastran's PBARL but DBOX, or of numbers. They
     carry shear at the centroid. The centroid is where Abaqus has it from the nodes; the bars of
-    Nastran have it at the nodes, or as WA = WB says. Walls are thin: shear factors are the shares
-    of the walls along each axis, and J = Σ b t³/3, with 4 A²/∮ds/t of a closed section.
+    Nastran have it at the nodes, or as WA = WB says. J is Saint-Venant's, from an integral equation
+    on the outline. Shear factors are the shares of the walls along each axis. The walls of
+    ARBITRARY are thin: J = Σ b t³/3, with 4 A²/∮ds/t of a closed section.
 
     The modulus across plies, which LAMINA and MAT8 do not have, is E3 = E2, with ν13 = ν12 and
     ν23 = E2/(2 G23) − 1: fibres in a matrix. Where G23 is too small for that, as of a fabric,

@@ -200,6 +200,19 @@ def unit(vectors: FloatArray) -> FloatArray:
     return found
 
 
+def triad(
+    x: FloatArray, beside: FloatArray, least: float, error: Callable[[str], MeshError]
+) -> FloatArray:
+    """Return the unit axes, in rows, of a first one and a vector in the plane of it and the second.
+
+    `least` is the sine of the angle between both below which they are refused.
+    """
+    z = np.cross(x, beside)
+    if not np.linalg.norm(z) > least * np.linalg.norm(x) * np.linalg.norm(beside):
+        raise error("its points are on one line")
+    return unit(np.array([x, np.cross(z, x), z]))
+
+
 def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
     """Return unit vectors along the parts of vectors across unit directions, shape (n, 3).
 

@@ -47,8 +47,8 @@ _ANNOUNCED = {
     ),
 }
 
-# Integers of cells that are groups, and how these are called.
-_TAGS = {"avsucd:material": "material", "medit:ref": "ref", "su2:tag": "tag"}
+# Integers of cells that are groups, and how these are called: Gmsh's by their dimension or name.
+_TAGS = {"avsucd:material": "material", "medit:ref": "ref", "su2:tag": "tag", "gmsh:physical": ""}
 
 
 def read(file: Path) -> RawMesh:
@@ -157,21 +157,18 @@ def _cell_groups(
         for i, members in enumerate(parts[: len(blocks)]):
             if members is not None and len(members):
                 yield name, i, members
-    for key in filter(mesh.cell_data.__contains__, _TAGS):
-        for i, tags in enumerate(mesh.cell_data[key]):
-            for tag in np.unique(tags).astype(int).tolist():
-                yield f"{_TAGS[key]} {tag}", i, np.asarray(tags) == tag
     names = {
         (int(value[1]), int(value[0])): name
         for name, value in mesh.field_data.items()
         if np.size(value) == 2
     }
-    physical = mesh.cell_data.get("gmsh:physical", ())
-    for i, (block, tags) in enumerate(zip(blocks, physical, strict=False)):
-        for tag in np.unique(tags).astype(int).tolist():
-            if tag != 0:
-                unnamed = f"{DIMENSIONS[block.dim]} {tag}"
-                yield names.get((block.dim, tag), unnamed), i, np.asarray(tags) == tag
+    for key, called in _TAGS.items():
+        for i, (block, tags) in enumerate(zip(blocks, mesh.cell_data.get(key, ()), strict=False)):
+            for tag in np.unique(tags).astype(int).tolist():
+                if called or tag:
+                    name = f"{called or DIMENSIONS[block.dim]} {tag}"
+                    name = name if called else names.get((block.dim, tag), name)
+                    yield name, i, np.asarray(tags) == tag
     for i, (_, tags) in enumerate(zip(blocks, mesh.cell_data.get("cell_tags", ()), strict=False)):
         for tag, called in getattr(mesh, "cell_tags", {}).items():  # MED's
             for name in called:

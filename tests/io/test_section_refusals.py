@@ -63,8 +63,8 @@ SHELLS = {
 BEAMS = {
     BEAM + "ELBOW\n.1, .01, 1": "'ELBOW' is none of .*; give its Beam",
     BEAM + "BOX\n.1, .1, .06, .01, .06, .01": "walls are thicker",
-    BEAM + "BOX\n.1, .1, .01, 0., .01, .01": "its numbers are 0",
-    BEAM + "HEX\n.1, 0.": "its numbers are 0",
+    BEAM + "BOX\n.1, .1, .01, 0., .01, .01": "walls are thicker .* or 0",
+    BEAM + "HEX\n.1, 0.": "walls are thicker .* or 0",
     BEAM + "ARBITRARY\n2, 0, 0, 1, 0, .1": "give 9 numbers",
     BEAM + "RECT\n.01": "give 2 numbers of the section",
     BEAM + "RECT\n.01, .02\n5": "all three of axis 1",
