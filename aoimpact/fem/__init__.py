@@ -11,14 +11,19 @@ from .audit import Audit, audited
 from .beams import Beam, BeamSection, CircularSection, RectangularSection, TubularSection
 from .compliance import ContactCompliance
 from .composition import AnyMaterial, Materials, OneMaterial, thickness_of_cells, thin_groups
-from .contact import ContactPoint, contact_point, contact_within, rim_distance
+from .contact import (
+    SHIFT_TIMES_DURATION,
+    ContactPoint,
+    contact_point,
+    contact_within,
+    own_contact_time,
+    rim_distance,
+)
 from .contactsurface import ContactSurface
 from .contacttime import (
-    SHIFT_TIMES_DURATION,
     fitted_shifts,
     highest_shift,
     near_static,
-    own_contact_time,
     refuse_massless,
     shortest_contact_time,
     slow_shift,
@@ -30,7 +35,6 @@ from .grounding import Grounding, VirtualMotion
 from .labels import checked_labels
 from .laminate import Laminate, Layers, Ply, Shell
 from .material import SIX, Material, warn_of_units
-from .mechanism import refuse_mechanism
 from .model import FEModel
 from .orthotropic import Orthotropic, Solid
 from .patch import Patch
@@ -39,6 +43,7 @@ from .statics import (
     centre_of,
     displacement,
     moves_rigidly,
+    refuse_mechanism,
     static_mode,
     translates,
     whole_motion,

@@ -203,9 +203,8 @@ def _residuals(body: Any, axes: FloatArray | None) -> tuple[float, ...]:
         return ()
     motions = axes
     if body.nodes is not None:
-        n = len(body.nodes)
-        moved = motions_at(body.nodes - body.nodes.mean(axis=0)).reshape(3 * n, 6)
-        motions = np.vstack([moved, np.tile(np.eye(3, 6, 3), (n, 1))])[body.free]
+        places = body.nodes - body.nodes.mean(axis=0)
+        motions = motions_at(places, rotations=True).reshape(-1, 6)[body.free]
     size = abs(body.K)
     forces = [float(np.linalg.norm(size @ np.abs(r))) for r in motions.T]
     return tuple(

@@ -4,21 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, positive
-
-if TYPE_CHECKING:
-    from .contact import ContactPoint
-    from .model import FEModel
-
-
-# s T of the shift for a contact of duration T. On the paper's beam 8 to 14 are alike, a third of it
-# and three times as much need two more oscillators for the same force. A spread of shifts was
-# measured to be worse for each solve.
-SHIFT_TIMES_DURATION = 10.0
+from ..base import InputError, positive
+from .contact import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadratic
+from .model import FEModel
 
 # Entries of a contact functional below this share of its largest are rounding: of a surface that is
 # not along the axes, a force on a rotation.
@@ -61,25 +52,6 @@ def slow_shift(tip: ContactPoint, duration: float) -> float:
     return max(wanted, math.sqrt(near_static(tip.body)))
 
 
-def own_contact_time(tip: ContactPoint) -> float:
-    """Half a period of the body's mass on the stiffness of its contact, s.
-
-    On a mesh that is the half-space's under the contact's pressure, r E*/0.6; else what K gives a
-    displacement of the contact's nodes alone. Infinite where K gives b no stiffness.
-    """
-    compliance = tip.half_space_compliance
-    if compliance is None:
-        share = float(tip.b @ tip.b)
-        stiffness = _quadratic(tip.body.K, tip.b) / share**2
-        compliance = 1.0 / stiffness if stiffness > 0.0 else math.inf
-    return math.pi * math.sqrt(total_mass(tip.body) * compliance)
-
-
-def total_mass(body: FEModel) -> float:
-    """Return the mass of a body, kg; where it is not known, the trace of M, which is not less."""
-    return float(body.M.diagonal().sum()) if body.mass is None else body.mass
-
-
 def shortest_contact_time(tip: ContactPoint) -> float:
     """The shortest contact that the mesh resolves, s: a shorter wave is shorter than an element.
 
@@ -93,7 +65,7 @@ def highest_shift(tip: ContactPoint) -> float:
     """The frequency of the elements at the contact, rad/s: it bounds from below the highest."""
     refuse_massless([tip])
     body, b = tip.body, tip.b
-    return math.sqrt(max(0.0, _quadratic(body.K, b) / _quadratic(body.M, b)))
+    return math.sqrt(max(0.0, quadratic(body.K, b) / quadratic(body.M, b)))
 
 
 def refuse_massless(tips: Sequence[ContactPoint]) -> None:
@@ -112,12 +84,6 @@ def refuse_massless(tips: Sequence[ContactPoint]) -> None:
                 "and modes leave their compliance out; take antioscillators(tip, "
                 "method='eigen') or full(tip), or give the dofs mass"
             )
-
-
-def _quadratic(A: Any, b: FloatArray) -> float:
-    """bᵀAb, of the few dofs at a contact."""
-    there = np.flatnonzero(b)
-    return float(b[there] @ (A[there] @ b))
 
 
 def _check_resolved(tip: ContactPoint, contact_time: float) -> None:

@@ -32,12 +32,11 @@ from ..base import HUGE, FloatArray, Frozen, InputError, InputTypeError, choice,
 from ..linalg import lowest
 from .contact import ContactPoint
 from .damping import Damping, ModalDamping, Rayleigh
+from .model import FEModel
 from .statics import displacement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from .model import FEModel
 
 
 KINDS = {"receptance": "m/N", "mobility": "m/(s N)", "accelerance": "m/(s² N)"}

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -24,11 +24,9 @@ from ..base import FloatArray, InputError, IntArray
 from ..mesh import motions_at
 from .assembly import stiffness_mass
 from .labels import axes_of
+from .model import FEModel
 from .statics import displacement
 from .supports import selected_nodes
-
-if TYPE_CHECKING:
-    from .model import FEModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,12 +98,10 @@ class Grounding:
         """Return the ground's translations and rotations about a centre, shape (all dofs, 6)."""
         places = self.body.nodes
         assert places is not None
-        motions = np.zeros((self.M.shape[1], 6))
-        dofs = (3 * nodes[:, None] + np.arange(3)).ravel()
-        motions[dofs] = motions_at(places[nodes] - centre).reshape(-1, 6)
-        if len(motions) > places.size:  # rotations of nodes
-            motions[places.size + dofs] = np.tile(np.eye(3, 6, 3), (len(nodes), 1))
-        return motions
+        motions = np.zeros((2, *places.shape, 6))
+        moved = motions_at(places[nodes] - centre, rotations=True)
+        motions[:, nodes] = moved.reshape(2, -1, 3, 6)
+        return motions.reshape(-1, 6)[: self.M.shape[1]]
 
     @cached_property
     def inertia(self) -> FloatArray:

@@ -9,19 +9,15 @@ several edges together may, and so may pieces around a ring: that is a question 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, SingularError
+from ..base import FloatArray, IntArray
 from ..linalg import DENSE_DOFS, factorize, m_orthonormal
 from ..mesh import Surface, motions_at
-
-if TYPE_CHECKING:
-    from .contact import ContactPoint
 
 # bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
 _MOVED = 1e-10
@@ -77,27 +73,6 @@ class Mechanism:
             f"{sizes[small]} of {len(parts.part)} elements, the first is element {first}, share no "
             f"side with the others, but {shared} near ({place}) m with {sizes[large]} of them"
         )
-
-
-def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
-    """Refuse contact points from which part of their body is a mechanism.
-
-    A mechanism that no force there moves is accepted: its motion takes no part in the response.
-
-    Raises
-    ------
-    SingularError
-    """
-    mechanism = tips[0].body.mechanism
-    if mechanism is None:
-        return
-    for tip in tips:
-        if mechanism.moved_by(tip.b):
-            raise SingularError(
-                "part of the body is a mechanism that the contact moves without any elastic force: "
-                f"{mechanism.where(tip.b)}; join the parts by whole sides of elements (merge the "
-                "nodes of both), or hold them by supports"
-            )
 
 
 def mechanism_of(

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -58,9 +58,7 @@ from ..mesh import (
 )
 from .assembly import stiffness_mass
 from .attached import Mounted, SpringSupport, added_mass, spring_stiffness
-from .audit import Audit, audited
 from .composition import AnyMaterial, Materials, OneMaterial, materials_of, thin_groups
-from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
 from .doubts import (
     check_joints,
@@ -68,12 +66,16 @@ from .doubts import (
     warn_of_locking,
     warn_of_separate_parts,
 )
-from .frequencyresponse import FrequencyResponse, frequency_response
-from .grounding import Grounding, grounding_of
 from .kept import Kept
 from .labels import axes_of, checked_labels, labelled_nodes, node_numbers
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
+
+if TYPE_CHECKING:
+    from .audit import Audit
+    from .contact import ContactPoint
+    from .frequencyresponse import FrequencyResponse
+    from .grounding import Grounding
 
 # Heavier or longer than this, kg and m, or with larger elements, m, a body's coordinates are more
 # likely in millimetres.
@@ -413,14 +415,6 @@ class FEModel(Frozen):
         """A body of its own; what it holds does not change."""
         return self.__copy__()
 
-    @cached_property
-    def grounding(self) -> Grounding:
-        """Supports and springs to the ground, and the forces that they carry.
-
-        :meta private:
-        """
-        return grounding_of(self)
-
     @property
     def n_dofs(self) -> int:
         """Number of free degrees of freedom."""
@@ -621,6 +615,25 @@ class FEModel(Frozen):
             )
         return np.sqrt(omega2) / (2.0 * np.pi)
 
+    @cached_property
+    def surface(self) -> Surface | None:
+        """The faces of the mesh that no other element shares; None without a mesh, and of beams."""
+        if self.mesh is None or {block.kind for block in self.mesh.blocks} == {"line"}:
+            return None
+        return boundary(self.mesh)
+
+    # Functions of other files, which import this one: it imports them when they are called.
+
+    @cached_property
+    def grounding(self) -> Grounding:
+        """Supports and springs to the ground, and the forces that they carry.
+
+        :meta private:
+        """
+        from .grounding import grounding_of
+
+        return grounding_of(self)
+
     def frf(
         self,
         *,
@@ -663,6 +676,8 @@ class FEModel(Frozen):
         >>> chain.frf(excitation=end, frequencies=[0.0, 100.0]).values.real  # m/N
         array([2.00000000e-06, 4.03459906e-06])
         """
+        from .frequencyresponse import frequency_response
+
         return frequency_response(self, excitation, response, frequencies, kind)
 
     def contact(
@@ -736,6 +751,8 @@ class FEModel(Frozen):
         >>> body.contact(b=b)
         ContactPoint(functional of 2 dofs of a body of 132 dofs)
         """
+        from .contact import contact_point
+
         return contact_point(self, point, direction, node, dof, b, radius, expected)
 
     def audit(self, *, frequencies: int = 8) -> Audit:
@@ -761,14 +778,9 @@ class FEModel(Frozen):
         >>> round(audit.mass, 6), audit.doubts
         (27.0, ())
         """
-        return audited(self, frequencies=integer("frequencies", frequencies, low=0))
+        from .audit import audited
 
-    @cached_property
-    def surface(self) -> Surface | None:
-        """The faces of the mesh that no other element shares; None without a mesh, and of beams."""
-        if self.mesh is None or {block.kind for block in self.mesh.blocks} == {"line"}:
-            return None
-        return boundary(self.mesh)
+        return audited(self, frequencies=integer("frequencies", frequencies, low=0))
 
 
 def _attached(masses: Any, springs: FloatArray | None) -> IntArray:

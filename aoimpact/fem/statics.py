@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -16,9 +15,7 @@ from ..linalg import SOLVERS, LinearSolver, linear_solver
 from ..mesh import motions_at
 from .contact import ContactPoint
 from .contacttime import near_static
-
-if TYPE_CHECKING:
-    from .model import FEModel
+from .model import FEModel
 
 # rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
 # just distinguished from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
@@ -220,3 +217,24 @@ def whole_motion(body: FEModel) -> tuple[FloatArray, FloatArray]:
         momenta[:, 3:] = body.M @ turned
         functionals[3:] = np.linalg.solve(turned.T @ momenta[:, 3:], momenta[:, 3:].T)
     return functionals, momenta
+
+
+def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
+    """Refuse contact points from which part of their body is a mechanism.
+
+    A mechanism that no force there moves is accepted: its motion takes no part in the response.
+
+    Raises
+    ------
+    SingularError
+    """
+    mechanism = tips[0].body.mechanism
+    if mechanism is None:
+        return
+    for tip in tips:
+        if mechanism.moved_by(tip.b):
+            raise SingularError(
+                "part of the body is a mechanism that the contact moves without any elastic force: "
+                f"{mechanism.where(tip.b)}; join the parts by whole sides of elements (merge the "
+                "nodes of both), or hold them by supports"
+            )

@@ -18,14 +18,13 @@ exact stress jumps: each material has an average of its own there.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray
 from .composition import Layout, OneMaterial, each_of, layout, pieces
 from .material import PLACES, SIX
+from .model import FEModel
 from .orthotropic import Solid
 from .stress import (
     ANGLE,
@@ -39,9 +38,6 @@ from .stress import (
     shown,
 )
 from .supports import constrained
-
-if TYPE_CHECKING:
-    from .model import FEModel
 
 # No share of the energy is taken to be less true than this.
 _LEAST_TRUE = 0.1

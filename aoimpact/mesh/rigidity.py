@@ -15,19 +15,22 @@ def rigid_motions(nodes: FloatArray, *, rotations: bool = False) -> FloatArray:
     """
     middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
     size = float(np.ptp(nodes, axis=0).max()) or 1.0
-    moved = motions_at((nodes - middle) / size).reshape(-1, 6)
-    if not rotations:
-        return moved
-    turned = np.hstack([np.zeros((3, 3)), np.eye(3) / size])
-    return np.vstack([moved, np.tile(turned, (len(nodes), 1))])
+    moved = motions_at((nodes - middle) / size, rotations=rotations).reshape(-1, 6)
+    moved[nodes.size :] /= size
+    return moved
 
 
-def motions_at(places: FloatArray) -> FloatArray:
-    """Return x, y, z of unit translations and rotations about the origin, shape (n, 3, 6)."""
+def motions_at(places: FloatArray, *, rotations: bool = False) -> FloatArray:
+    """Return x, y, z of unit translations and rotations about the origin, shape (n, 3, 6).
+
+    With `rotations`, the places' own rotations follow: shape (2 n, 3, 6).
+    """
     x, y, z = places.T
     motions = np.zeros((len(places), 3, 6))
     motions[:, [0, 1, 2], [0, 1, 2]] = 1.0
     motions[:, 1, 3], motions[:, 2, 3] = -z, y
     motions[:, 2, 4], motions[:, 0, 4] = -x, z
     motions[:, 0, 5], motions[:, 1, 5] = -y, x
-    return motions
+    if not rotations:
+        return motions
+    return np.concatenate([motions, np.broadcast_to(np.eye(3, 6, 3), motions.shape)])
