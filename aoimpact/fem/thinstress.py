@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -183,6 +184,50 @@ class StressRows:
         return np.concatenate(sizes, axis=1), np.concatenate(tensors, axis=1)
 
 
+@dataclass(frozen=True, eq=False)
+class _Wanted:
+    """Places of a body of shells and beams, and which stress is wanted there.
+
+    Attributes
+    ----------
+    mesh, material, layer, strain
+        As of `body_stress_rows`.
+    weights : scipy.sparse.csr_array, shape (n, n_nodes)
+    """
+
+    mesh: Mesh
+    material: AnyMaterial
+    weights: sp.csr_array
+    layer: Layer
+    strain: bool = False
+
+    @cached_property
+    def held(self) -> tuple[IntArray, IntArray]:
+        """Elements, of the layer's part, and the places they hold: all nodes with a share in it."""
+        mesh, part = self.mesh, self.layer.part
+        near = sp.csr_array(self.weights, copy=True)
+        near.data = (np.abs(near.data) > _NONE).astype(np.float64)
+        near.eliminate_zeros()
+        cells = np.arange(mesh.n_cells) if part is None else group(mesh, "part", part)
+        rows = np.repeat(cells, mesh.cells.shape[1])
+        shape = (mesh.n_cells, mesh.n_nodes)
+        own = sp.csr_array((np.ones(len(rows)), (rows, mesh.cells[cells].ravel())), shape=shape)
+        own.data[:] = 1.0
+        shared = sp.csc_array(own @ near.T).tocoo()
+        cell, place = shared.coords
+        whole = shared.data == np.diff(near.indptr)[place]
+        return cell[whole], place[whole]
+
+    def has(self, of: Layers | Beam) -> bool:
+        """True if a shell or beam has the layer; a beam without an orientation has no sides."""
+        layer = self.layer
+        if isinstance(of, Layers):
+            return not layer.of_beams and not (layer.ply and layer.of[0] >= len(of.plies))
+        if layer.ply or (layer.place and not of.holds(layer.of)):
+            return False
+        return layer.of in (None, "middle", (0.0, 0.0)) or of.orientation is not None
+
+
 def body_stress_rows(
     mesh: Mesh, material: AnyMaterial, weights: sp.csr_array, layer: Layer, *, strain: bool = False
 ) -> StressRows:
@@ -210,27 +255,22 @@ def body_stress_rows(
                 "none; leave it out"
             )
         return StressRows(_of_nodes(mesh, material, weights, strain), np.ones(count, dtype=bool))
-    _check_layer(mesh, material, layer)
-    held = _cells_at(mesh, weights, layer.part)
-    total = sp.csr_array((6 * count, 6 * mesh.n_nodes))
-    known, sections, strains = np.zeros(count, dtype=bool), [], []
-    if not layer.of_beams:
-        total, known = _of_shells(mesh, material, weights, held, layer, strain)
-    if not layer.ply:
-        for part, rows in _of_beams(mesh, material, weights, held, known, layer):
-            sections.append(part)
-            strains.append(rows)
-        for part in sections:
-            known[part.place] = True
+    wanted = _Wanted(mesh, material, weights, layer, strain)
+    _check_layer(wanted)
+    total, known = _of_shells(wanted)
+    beams = list(_of_beams(wanted, known))
+    for part, _ in beams:
+        known[part.place] = True
     if not (layer.ply or layer.of_beams):
-        solids, on = _of_solids(mesh, material, weights, held, known, strain)
+        solids, on = _of_solids(wanted, known)
         total, known = sp.csr_array(total + solids), known | on
-    rows = sp.csr_array(sp.vstack([total, *strains]))
-    return StressRows(rows, known, tuple(sections), layer, strain)
+    rows = sp.csr_array(sp.vstack([total, *(strains for _, strains in beams)]))
+    return StressRows(rows, known, tuple(part for part, _ in beams), layer, strain)
 
 
-def _check_layer(mesh: Mesh, material: AnyMaterial, layer: Layer) -> None:
+def _check_layer(wanted: _Wanted) -> None:
     """Refuse a ply, side or place that no part of the body has."""
+    mesh, material, layer = wanted.mesh, wanted.material, wanted.layer
     plies = max((len(part.of.plies) for part in pieces(mesh, material, Layers)), default=0)
     if layer.ply and not plies:
         raise InputError(f"{layer}: the body has no shells, and so no plies; leave layer out")
@@ -239,31 +279,11 @@ def _check_layer(mesh: Mesh, material: AnyMaterial, layer: Layer) -> None:
     beams = [part.of for part in pieces(mesh, material, Beam)]
     if layer.of_beams and not beams:
         raise InputError(f'{layer} is of beams, and the body has none; give "top" or "bottom"')
-    if layer.of_beams and not any(_has(of, layer) for of in beams):
+    if layer.of_beams and not any(map(wanted.has, beams)):
         raise InputError(
             f"{layer}: the body has no such place: it is outside of the section, or in a bore, or "
             "the beam has no orientation, without which its sides are not known"
         )
-
-
-def _cells_at(mesh: Mesh, weights: sp.csr_array, part: str | None) -> sp.csc_array:
-    """Which elements, of a part, hold a place, (n_cells, n): all nodes with a share in it."""
-    near = sp.csr_array(weights, copy=True)
-    near.data = (np.abs(near.data) > _NONE).astype(np.float64)
-    near.eliminate_zeros()
-    cells = np.repeat(np.arange(mesh.n_cells), mesh.cells.shape[1])
-    shape = (mesh.n_cells, mesh.n_nodes)
-    own = sp.csr_array((np.ones(len(cells)), (cells, mesh.cells.ravel())), shape=shape)
-    own.data[:] = 1.0
-    if part is not None:
-        chosen = np.zeros(mesh.n_cells)
-        chosen[group(mesh, "part", part)] = 1.0
-        own = sp.diags_array(chosen) @ own
-    found = sp.csc_array(own @ near.T)
-    count = np.repeat(np.diff(near.indptr), np.diff(found.indptr))
-    found.data = (found.data == count).astype(np.float64)
-    found.eliminate_zeros()
-    return found
 
 
 def corner_stress(
@@ -276,45 +296,38 @@ def corner_stress(
     moved : ndarray, shape (n_nodes, 6)
     """
     values = [np.zeros((0, 6))]
-    if not layer.of_beams:
-        own = _cells_at(mesh, sp.csr_array(np.eye(1, mesh.n_nodes, node)), layer.part).indices
-        for _, cells, rows in _corners(mesh, material, np.arange(mesh.n_nodes) == node, layer)[0]:
-            some = np.flatnonzero(np.isin(cells, own))
-            ends = mesh.cells[cells[some], : rows.shape[2] // 6]
-            values.append(
-                np.einsum("ncd,nd->nc", rows[some], moved[ends].reshape(len(some), rows.shape[2]))
-            )
+    wanted = _Wanted(mesh, material, sp.csr_array(np.eye(1, mesh.n_nodes, node)), layer)
+    for _, cells, rows in _corners(wanted, np.arange(mesh.n_nodes) == node)[0]:
+        some = np.flatnonzero(np.isin(cells, wanted.held[0]))
+        ends = mesh.cells[cells[some], : rows.shape[2] // 6]
+        values.append(
+            np.einsum("ncd,nd->nc", rows[some], moved[ends].reshape(len(some), rows.shape[2]))
+        )
     return np.concatenate(values)
 
 
-def _of_shells(
-    mesh: Mesh,
-    material: AnyMaterial,
-    weights: sp.csr_array,
-    held: sp.csc_array,
-    layer: Layer,
-    strain: bool,
-) -> tuple[sp.csr_array, npt.NDArray[np.bool_]]:
+def _of_shells(wanted: _Wanted) -> tuple[sp.csr_array, npt.NDArray[np.bool_]]:
     """Stress at the places that elements of shells hold, (6 n, 6 n_nodes), and which these are.
 
     The mean over the elements of one smooth surface of a shell; the stiffest, where several meet.
     """
+    mesh, weights = wanted.mesh, wanted.weights
     stiffness = np.full(mesh.n_cells, -1.0)
-    for part in pieces(mesh, material, Layers):
-        if not (layer.ply and layer.of[0] >= len(part.of.plies)):
+    for part in pieces(mesh, wanted.material, Layers):
+        if wanted.has(part.of):
             stiffness[part.numbers] = part.of.stiffness[0, 0] + part.of.stiffness[1, 1]
-    cell, place = held.tocoo().coords
+    cell, place = wanted.held
     cell, place = cell[stiffness[cell] >= 0.0], place[stiffness[cell] >= 0.0]
     order = np.lexsort((cell, stiffness[cell], place))
-    chosen = np.full(held.shape[1], -1)
+    chosen = np.full(weights.shape[0], -1)
     chosen[place[order]] = cell[order]  # of each place the last
     known = chosen >= 0
-    wanted = np.zeros(mesh.n_nodes, dtype=bool)
-    wanted[mesh.cells[chosen[known]]] = True
+    nodes = np.zeros(mesh.n_nodes, dtype=bool)
+    nodes[mesh.cells[chosen[known]]] = True
     shape = (6 * len(known), 6 * mesh.n_nodes)
     if not known.any():
         return sp.csr_array(shape), known
-    found, spots = _corners(mesh, material, wanted, layer, strain)
+    found, spots = _corners(wanted, nodes)
     count = np.bincount(np.concatenate([spot for spot, *_ in found]), minlength=spots.max() + 1)
     means = sp.csr_array((6 * len(count), shape[1]))
     for spot, cells, rows in found:
@@ -330,26 +343,23 @@ def _of_shells(
 
 
 def _corners(
-    mesh: Mesh,
-    material: AnyMaterial,
-    wanted: npt.NDArray[np.bool_],
-    layer: Layer,
-    strain: bool = False,
+    wanted: _Wanted, nodes: npt.NDArray[np.bool_]
 ) -> tuple[list[tuple[IntArray, IntArray, FloatArray]], IntArray]:
-    """For corners at wanted nodes: their spots, elements and rows of stress, (n, 6, dofs).
+    """For corners at some nodes: their spots, elements and rows of stress, (n, 6, dofs).
 
     A spot is a node of one smooth surface of one shell. Also the spots of all elements' corners,
     (n_cells, 4), -1 where they are not known.
     """
-    wanted_cells = np.asarray(wanted[mesh.cells].any(axis=1))
+    mesh, layer = wanted.mesh, wanted.layer
+    near = np.asarray(nodes[mesh.cells].any(axis=1))
     found, spots = [], np.full((mesh.n_cells, 4), -1)
-    for piece in shell_pieces(mesh, material, wanted_cells)[0]:
+    for piece in shell_pieces(mesh, wanted.material, near)[0]:
         of, numbers = piece.part.of, piece.part.numbers
-        if not len(numbers) or (layer.ply and layer.of[0] >= len(of.plies)):
+        if not len(numbers) or not wanted.has(of):
             continue
         spots[numbers, : piece.places.shape[1]] = piece.places
-        by_strain, turn = _station(of, layer.of or "top", strain)
-        cell, corner = np.nonzero(wanted[piece.part.cells])
+        by_strain, turn = _station(of, layer.of or "top", wanted.strain)
+        cell, corner = np.nonzero(nodes[piece.part.cells])
         to_corners = np.linalg.pinv(piece.strains.shape)
         for some in _batches(len(cell)):
             own = piece.strains.rows[cell[some], :, :8]
@@ -386,19 +396,14 @@ def _turning(frames: FloatArray) -> FloatArray:
 
 
 def _of_beams(
-    mesh: Mesh,
-    material: AnyMaterial,
-    weights: sp.csr_array,
-    held: sp.csc_array,
-    known: npt.NDArray[np.bool_],
-    layer: Layer,
+    wanted: _Wanted, known: npt.NDArray[np.bool_]
 ) -> Iterator[tuple[_Sections, sp.csr_array]]:
     """Sections of beams' elements that hold a place not yet known, and rows of their strains."""
-    cell, place = held.tocoo().coords
+    mesh, (cell, place) = wanted.mesh, wanted.held
     cell, place = cell[~known[place]], place[~known[place]]
-    for part in pieces(mesh, material, Beam):
+    for part in pieces(mesh, wanted.material, Beam):
         own = np.isin(cell, part.numbers)
-        if not _has(part.of, layer) or not own.any():
+        if not wanted.has(part.of) or not own.any():
             continue
         if isinstance(part.of.section, BeamSection) and len(part.of.section.points) == 1:
             warn(
@@ -407,20 +412,13 @@ def _of_beams(
             )
         row = np.searchsorted(part.numbers, cell[own])
         ends = part.cells[row]
-        share = np.asarray(weights[place[own], ends[:, 1]]).ravel()
+        share = np.asarray(wanted.weights[place[own], ends[:, 1]]).ravel()
         at_ends = beam_rows(mesh.nodes[part.cells], part.of, np.array([0.0, 1.0]))[row]
         strains = at_ends[:, 0] + share[:, None, None] * (at_ends[:, 1] - at_ends[:, 0])
         shape = (6 * len(row), 6 * mesh.n_nodes)
         rows = _by_dofs(np.arange(len(row)), ends, strains, shape)
         axes = beam_frames(mesh.nodes[part.cells], part.of)[0][row]
         yield _Sections(place[own], axes, part.of), rows
-
-
-def _has(beam: Beam, layer: Layer) -> bool:
-    """True if a beam has a layer: one without an orientation has no sides."""
-    if layer.place and not beam.holds(layer.of):
-        return False
-    return layer.of in (None, "middle", (0.0, 0.0)) or beam.orientation is not None
 
 
 def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> FloatArray:
@@ -442,28 +440,24 @@ def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> Floa
 
 
 def _of_solids(
-    mesh: Mesh,
-    material: AnyMaterial,
-    weights: sp.csr_array,
-    held: sp.csc_array,
-    covered: npt.NDArray[np.bool_],
-    strain: bool,
+    wanted: _Wanted, covered: npt.NDArray[np.bool_]
 ) -> tuple[sp.csr_array, npt.NDArray[np.bool_]]:
     """Stress at other places that solids hold, (6 n, 6 n_nodes), and which these are."""
-    known = np.zeros(held.shape[1], dtype=bool)
-    solids = [piece.numbers for piece in pieces(mesh, material)]
+    mesh, material, (cell, place) = wanted.mesh, wanted.material, wanted.held
+    known = np.zeros(len(covered), dtype=bool)
     total = sp.csr_array((6 * len(known), 6 * mesh.n_nodes))
-    if not solids:
-        return total, known
-    cells = np.sort(np.concatenate(solids))
-    known[np.unique(held[cells].tocoo().coords[1])] = True
+    solids = [piece.numbers for piece in pieces(mesh, material)]
+    cells = np.sort(np.concatenate([np.zeros(0, dtype=np.int64), *solids]))
+    known[place[np.isin(cell, cells)]] = True
     known &= ~covered
     if not known.any():
         return total, known
     assert isinstance(material, Materials)
     own = np.unique(mesh.cells[cells])
-    mine = sp.diags_array(known.astype(np.float64)) @ weights[:, own]
-    rows = _of_nodes(taken(mesh, cells), material.taken(cells), sp.csr_array(mine), strain).tocoo()
+    mine = sp.diags_array(known.astype(np.float64)) @ wanted.weights[:, own]
+    rows = _of_nodes(
+        taken(mesh, cells), material.taken(cells), sp.csr_array(mine), wanted.strain
+    ).tocoo()
     j = 3 * own[rows.coords[1] // 3] + rows.coords[1] % 3
     return sp.csr_array((rows.data, (rows.coords[0], j)), shape=total.shape), known
 
