@@ -509,8 +509,7 @@ def _met(run: Run, number: int) -> Met:
     """Duration, rise and depth that a contact of a run reached."""
     events = run.events[number]
     start, end = events.peak_contact or (0.0, 0.0)
-    depth = float(run.each_contact[number].indentation.max())
-    return Met(end - start, events.peak_time - start, depth)
+    return Met(end - start, events.peak_time - start, run.deepest(number))
 
 
 def _in_series(plan: Plan, slopes: Sequence[float], compliances: Sequence[float]) -> Altered:

@@ -9,6 +9,7 @@ new one.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
@@ -165,7 +166,12 @@ class Quantity:
 
         Such as "peak_force" of an impact, "contacts.0.peak_force" of a scene.
         """
-        return [name for name in run.numbers if name.rpartition(".")[2] == self.name]
+        return [self.called(run, i) for i in range(len(self.values(run)))]
+
+    def called(self, run: Run, number: int) -> str:
+        """Return the name of one of its numbers: of an impact its own name."""
+        owned = run.plan.scene and self.each
+        return f"{self.each}.{number}.{self.name}" if owned else self.name
 
     def difference(self, run: Run, exact: Run) -> float:
         """Return how far a run is from a more exact one: the largest `deviation`."""
@@ -267,7 +273,7 @@ def look_up(result: Any, name: str, argument: str) -> float:
         If the run has no such number.
     """
     numbers_of: Mapping[str, float] = getattr(result, "numbers", {})
-    if name in numbers_of:
+    with contextlib.suppress(KeyError):
         return numbers_of[name]
     chosen = getattr(result, "chosen", None)
     if chosen is not None and name == chosen.quantity and not math.isnan(chosen.most):
@@ -322,16 +328,10 @@ def number_errors(
             at = counts.index(name)
             touches = [len(of.events[at].contacts) for of in (run, *larger)]
             return 0.0 if len(set(touches)) == 1 else math.inf
-        each, _, last = name.rpartition(".")
-        quantity = QUANTITIES[last]
-        if quantity.is_history:
-            if name != "force":
-                raise KeyError(name)
-            return safety * max((quantity.difference(run, of) for of in larger), default=0.0)
-        at, values = int(each.rpartition(".")[2] or 0), quantity.values(run)
-        owner = f"{quantity.each}.{at}" if scene and quantity.each else ""
-        if at >= len(values) or each != owner:
-            raise KeyError(name)
+        if name == "force":
+            differences = (QUANTITIES[name].difference(run, of) for of in larger)
+            return safety * max(differences, default=0.0)
+        quantity, at, values = _number(run, name)
         ours, apart = quantity.compared(run), [np.zeros(len(values))]
         for theirs in (quantity.compared(of) for of in larger):
             scales = quantity.at_least(np.abs(theirs), before)
@@ -342,16 +342,30 @@ def number_errors(
     return Found(lambda: ["force", *run.numbers, *counts], find, known)
 
 
-def all_numbers(run: Run) -> dict[str, float]:
-    """Return the numbers of a run by name."""
-    numbers_of = {}
-    for quantity in QUANTITIES.values():
-        if quantity.is_history:
-            continue
-        each = quantity.each if run.plan.scene else ""
-        for i, value in enumerate(quantity.values(run).tolist()):
-            numbers_of[f"{each}.{i}.{quantity.name}" if each else quantity.name] = value
-    return numbers_of
+def all_numbers(run: Run) -> Mapping[str, float]:
+    """Return the numbers of a run by name, each of which is found when it is first read."""
+
+    def find(name: str) -> float:
+        _, at, values = _number(run, name)
+        return float(values[at])
+
+    def names() -> list[str]:
+        numeric = (quantity for quantity in QUANTITIES.values() if not quantity.is_history)
+        return [name for quantity in numeric for name in quantity.names(run)]
+
+    return Found(names, find)
+
+
+def _number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
+    """A number's quantity, and its place among the values of this; KeyError if there is none."""
+    *_, at, last = ("", "", *name.split("."))
+    quantity, place = QUANTITIES[last], int(at) if at.isdigit() else 0
+    if quantity.is_history or name != quantity.called(run, place):
+        raise KeyError(name)
+    values = quantity.values(run)
+    if place >= len(values):
+        raise KeyError(name)
+    return quantity, place, values
 
 
 def _speeds(run: Run, after: FloatArray) -> Speeds:
@@ -372,7 +386,8 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
 
 def _rebounds(of: Speeds) -> FloatArray:
     """Velocities after contact, m/s; NaN for bodies held at rest, unless all are."""
-    return np.where(of.still & ~of.still.all(axis=0), np.nan, of.after)
+    still = of.still
+    return np.where(still & ~still.all(axis=0), np.nan, of.after)
 
 
 def _restitution(of: Speeds) -> FloatArray:
@@ -405,7 +420,11 @@ def _friction_peaks(run: Run) -> FloatArray:
     begins it has a corner.
     """
     found: list[float] = []
-    for number, of in enumerate(run.each_contact if run.plan.oblique is not None else ()):
+    for number, contact in enumerate(run.plan.contacts if run.plan.oblique is not None else ()):
+        if contact.friction is None:
+            found.append(0.0)
+            continue
+        of = run.each_contact[number]
         assert of.friction_force is not None
         size = np.linalg.norm(of.friction_force, axis=1)
         top = int(size.argmax()) if len(size) else 0

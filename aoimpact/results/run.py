@@ -344,6 +344,14 @@ class Run:
             found.append(ContactResult(*given, force, stuck, lost))
         return tuple(found)
 
+    def deepest(self, number: int) -> float:
+        """Return the largest indentation of a contact's law, m; no history of it is kept.
+
+        :meta private:
+        """
+        rows = self._layout.contact(self._recorded(self.t, energies=False), number)
+        return float(self.plan.contacts[number].own_indentation(rows).max(initial=0.0))
+
     @property
     def all_forces(self) -> FloatArray:
         """Contact forces, each followed by those of its friction along two tangents, N.
@@ -745,8 +753,7 @@ class Result(Eventful, Run):
             return math.nan
         if (diameter := self.dent.diameter) > 0.0:
             return 0.5 * diameter
-        depth = float(self.indentation.max(initial=0.0))
-        return found.narrowing * math.sqrt(found.radius * max(depth, 0.0))
+        return found.narrowing * math.sqrt(found.radius * self.deepest(0))
 
     @property
     def dent(self) -> Dent:
