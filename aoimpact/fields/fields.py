@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -16,6 +16,7 @@ from ..base import FloatArray, InputError, choice, integer, warn
 from ..fem import (
     AnyMaterial,
     FEModel,
+    Layer,
     Strain,
     Stress,
     beam_von_mises,
@@ -28,12 +29,15 @@ from ..fem import (
 from ..mesh import Mesh
 from . import vtu
 from .channel import Channel
-from .historyerror import warn_if_wrong
+from .historyerror import Compared, warn_if_wrong
 from .picture import Picture, Shown, movie_path
+
+if TYPE_CHECKING:
+    from .response import Response
 
 
 @dataclass(frozen=True, eq=False)
-class Filtered:
+class Filtered(Compared):
     """Acceleration behind the filter of a channel.
 
     Attributes
@@ -47,24 +51,24 @@ class Filtered:
     t: FloatArray
     channel: Channel
     _acceleration: FloatArray = field(repr=False)
-    _error: Callable[[], FloatArray | None] = field(repr=False)
 
     @property
     def acceleration(self) -> FloatArray:
         """Acceleration, m/s², in the shape of `Probe.displacement`; warns where it may be wrong.
 
-        NaN over the filter's settling time before the end of the record; see `Probe.filtered`.
+        It and its error are NaN over the filter's settling time before the end of the record; see
+        `Probe.filtered`.
         """
         warn_if_wrong("filtered acceleration", self.t, self.error)
         return self._acceleration
 
-    @cached_property
-    def error(self) -> FloatArray | None:
-        """Error by the body's model, relative to the largest value, (n,); None of a full model.
 
-        NaN where `acceleration` is.
-        """
-        return self._error()
+class At(NamedTuple):
+    """Places and axes of a measured motion; see `Response.motion_at`."""
+
+    places: FloatArray
+    axes: FloatArray
+    rows: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,11 +88,10 @@ class Probe:
     _displacement: FloatArray = field(repr=False)
     _velocity: FloatArray = field(repr=False)
     _follows: Callable[[], bool] = field(repr=False)
-    _stress: Callable[[], FloatArray] = field(repr=False)
-    _strain: Callable[[], FloatArray] = field(repr=False)
-    _errors: Callable[[], Mapping[str, FloatArray]] = field(repr=False)
-    _acceleration: Callable[[], FloatArray] = field(repr=False)
-    _filtered: Callable[[Channel], Filtered] = field(repr=False)
+    _response: Response = field(repr=False)
+    _at: At = field(repr=False)
+    _weights: sp.csr_array = field(repr=False)  # of the nodes at the points
+    _layer: Layer = field(repr=False)
 
     @property
     def displacement(self) -> FloatArray:
@@ -124,7 +127,7 @@ class Probe:
             "modes of the model, and has no error; take probe.filtered(cfc=1000), or "
             "quantity=AccelerationAt(point, direction, cfc=1000)"
         )
-        return self._acceleration()
+        return self._response.acceleration(self._at, self.t).reshape(self._displacement.shape)
 
     def filtered(self, cfc: float | None = None, *, corner: float | None = None) -> Filtered:
         """Return the acceleration behind a filter.
@@ -158,7 +161,8 @@ class Probe:
         >>> probe.filtered(cfc=1000).acceleration.shape == probe.t.shape
         True
         """
-        return self._filtered(Channel(cfc=cfc, corner=corner))
+        channel, shape = Channel(cfc=cfc, corner=corner), self._displacement.shape
+        return self._response.filtered(self._at, self.t, shape, channel)
 
     @cached_property
     def error(self) -> Mapping[str, FloatArray]:
@@ -168,7 +172,7 @@ class Probe:
         `BodyResult.error`. ``error["stress"]`` and ``error["strain"]`` are that of the whole field,
         as of `Field.error`. It is empty of a full model.
         """
-        return self._errors()
+        return self._response.errors(self._at.rows, self.t)
 
     @cached_property
     def stress(self) -> Stress:
@@ -182,7 +186,7 @@ class Probe:
             If the body has no elements and material: it was given by K and M.
         """
         warn_if_wrong("stress", self.t, self.error.get("stress"))
-        return Stress(self._stress(), self.points)
+        return Stress(self._tensor(strain=False), self.points)
 
     @cached_property
     def strain(self) -> Strain:
@@ -194,11 +198,17 @@ class Probe:
             If the body has no elements and material: it was given by K and M.
         """
         warn_if_wrong("strain", self.t, self.error.get("strain"))
-        return Strain(self._strain(), self.points)
+        return Strain(self._tensor(strain=True), self.points)
+
+    def _tensor(self, *, strain: bool) -> FloatArray:
+        """Stress or strain, shape (n, p, 6), or (n, 6) for a single point."""
+        place = self._weights, self.t, self._layer
+        found = self._response.stress(*place, strain=strain)
+        return found.reshape(len(self.t), *self.points.shape[:-1], 6)
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
+class Field(Compared):
     """The whole body at some times.
 
     Attributes
@@ -208,13 +218,18 @@ class Field:
         s.
     displacement, velocity : ndarrays, shape (k, n_nodes, 3)
         m and m/s.
+
+    Notes
+    -----
+    Its `error` is in the norm of strain energy, relative to the largest over the record. The force
+    may be right where this is large: a model fitted to a short contact need not vibrate as the body
+    does afterwards. The errors of mesh and contact (`Result.error`) add to it.
     """
 
     body: FEModel
     times: FloatArray
     displacement: FloatArray
     velocity: FloatArray
-    _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False)
     # Under contacts: the elements' part of the displacement, and the half-space's stress at places.
     _of_elements: FloatArray | None = field(default=None, repr=False)
     _half_space: Callable[[FloatArray], FloatArray] | None = field(default=None, repr=False)
@@ -224,17 +239,6 @@ class Field:
     def rotation(self) -> FloatArray:
         """Rotations of the nodes of shells and beams, rad, in the shape of `displacement`."""
         return np.zeros_like(self.displacement) if self._rotation is None else self._rotation
-
-    @cached_property
-    def error(self) -> FloatArray | None:
-        """Estimated error of the field at its times from the few shapes of a reduced model, (k,).
-
-        The difference to one more run, with finer models, in the norm of strain energy, relative to
-        the largest over the record; None for a full model. The force may be right where this is
-        large: a model fitted to a short contact need not vibrate as the body does afterwards. The
-        errors of mesh and contact (`Result.error`) add to it.
-        """
-        return self._error()
 
     @property
     def of_elements(self) -> FloatArray:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
 from ..base import FloatArray, InputError, plain, with_unit
 from ..fem import FEModel, to_nodes
-from .historyerror import warn_if_wrong
+from .historyerror import Compared, warn_if_wrong
 
 # sin of the angle between a gauge and the surface beyond which it does not lie on it.
 _OFF = 0.1
@@ -22,7 +20,7 @@ _BEYOND, _BESIDE, _SHORTER = 0.25, 0.1, 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Gauge:
+class Gauge(Compared):
     """Strain of a gauge over time: the mean along its length.
 
     Attributes
@@ -36,18 +34,12 @@ class Gauge:
     t: FloatArray
     ends: FloatArray
     _strain: FloatArray = field(repr=False)
-    _error: Callable[[], FloatArray | None] = field(repr=False)
 
     @property
     def strain(self) -> FloatArray:
         """Strain, shape (n,), positive in tension; warns where it may be wrong, see `error`."""
         warn_if_wrong("strain of a gauge", self.t, self.error)
         return self._strain
-
-    @cached_property
-    def error(self) -> FloatArray | None:
-        """Error by the body's model, relative to the largest value, (n,); None of a full model."""
-        return self._error()
 
 
 def gauge_ends(

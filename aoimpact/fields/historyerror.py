@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
 import numpy as np
 
 from ..base import FloatArray, warn, with_unit
@@ -11,6 +15,21 @@ _BADLY_WRONG = 0.2
 
 # Share of a displacement over the length of the record below which a velocity is rounding.
 _AT_REST = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """What is measured of a body, with its error, which is found when it is first read."""
+
+    _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False, kw_only=True)
+
+    @cached_property
+    def error(self) -> FloatArray | None:
+        """Error by the body's model, relative to the largest value, (n,); None of a full model.
+
+        It is found by one more run, with a finer model.
+        """
+        return self._error()
 
 
 def relative_error(

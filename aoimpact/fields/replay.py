@@ -45,27 +45,21 @@ def response_of(
     """
     model = plan.bodies[body]
     largest, peak_time = _largest_contact(plan, events, recorder.duration, body)
-    if isinstance(model, FullModel) and not recorder.dense:
-        motion = recorder.motion(body)
-        return Response(
-            model.body,
-            motion,
-            None,
-            peak_time,
-            indentations=indentations(plan, body),
-            damping=model.damping,
-            gravity=_gravity(plan, model),
-        )
-    if not model.tips:
-        return None
-    motion, modal = recorder.motion(body), model.modal
-    recovery = Recovery(modal, modal.loads(plan.pull), _shift(largest[1] - largest[0]), inverse)
+    recovery, deflection = None, None
+    if not isinstance(model, FullModel) or recorder.dense:
+        if not model.tips:
+            return None
+        modal, shift = model.modal, _shift(largest[1] - largest[0])
+        recovery = Recovery(modal, modal.loads(plan.pull), shift, inverse)
+    motion = recorder.motion(body)
+    if recovery is not None and plan.preload:
+        deflection = _static_deflection(motion, recovery)
     return Response(
-        modal.body,
+        model.tips[0].body,
         motion,
         recovery,
         peak_time,
-        static_deflection=_static_deflection(motion, recovery) if plan.preload else None,
+        static_deflection=deflection,
         indentations=indentations(plan, body),
         damping=model.damping,
         gravity=_gravity(plan, model),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -28,7 +28,7 @@ from ..integrate import Motion
 from ..mesh import node_at, weights_at
 from ..reduction import Recovery
 from .channel import Channel, filtered_acceleration
-from .fields import Field, Filtered, Probe, solid
+from .fields import At, Field, Filtered, Probe, solid
 from .gauge import Gauge, gauge_ends
 from .historyerror import relative_error, rest
 from .indentation import Indentation
@@ -150,16 +150,8 @@ def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.cs
     return rows.tocsr()[:, body.free]
 
 
-class _At(NamedTuple):
-    """Places and axes of a measured motion; see `Response.motion_at`."""
-
-    places: FloatArray
-    axes: FloatArray
-    rows: Any
-
-
 def _filtered(
-    at: _At, channel: Channel, duration: float, response: Response, times: FloatArray
+    at: At, channel: Channel, duration: float, response: Response, times: FloatArray
 ) -> FloatArray:
     """Acceleration behind a filter, shape (p k, times)."""
     motion = partial(response.motion_at, *at)
@@ -172,7 +164,7 @@ def _shell_gauge_strain(rows: sp.csr_array, response: Response, times: FloatArra
     return found
 
 
-def _gauge_strain(at: _At, response: Response, times: FloatArray) -> FloatArray:
+def _gauge_strain(at: At, response: Response, times: FloatArray) -> FloatArray:
     """Elongation between two places over their distance, shape (times,)."""
     first, second = response.motion_at(*at, times, rates=False)[0].T
     return np.asarray((second - first) / np.linalg.norm(at.places[1] - at.places[0]))
@@ -233,33 +225,24 @@ class Response:
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
         along = () if direction is not None else (3,)
         rows = motion_rows(self.body, weights, axes)
-        at, shape = _At(np.atleast_2d(places), axes, rows), (-1, *places.shape[:-1], *along)
+        at, shape = At(np.atleast_2d(places), axes, rows), (-1, *places.shape[:-1], *along)
         u, v = (of.reshape(shape) for of in self.motion_at(*at, wanted))
-        return Probe(
-            wanted,
-            places,
-            u,
-            v,
-            follows,
-            partial(self._stress, weights, wanted, places.shape[:-1], layer),
-            partial(self._stress, weights, wanted, places.shape[:-1], layer, strain=True),
-            partial(self._errors, rows, wanted),
-            partial(self._acceleration, at, wanted, shape),
-            partial(self._filtered, at, wanted, shape),
-        )
+        return Probe(wanted, places, u, v, follows, self, at, weights, layer)
 
-    def _acceleration(self, at: _At, times: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    def acceleration(self, at: At, times: FloatArray) -> FloatArray:
+        """Return the acceleration at places, by central differences, m/s², (times, p k)."""
         step, end = self.motion.resolution, self.motion.duration
         after, before = np.minimum(times + step, end), np.maximum(times - step, 0.0)
         change = self.motion_at(*at, after)[1] - self.motion_at(*at, before)[1]
-        return np.asarray((change / (after - before)[:, None]).reshape(shape))
+        return np.asarray(change / (after - before)[:, None])
 
-    def _filtered(
-        self, at: _At, times: FloatArray, shape: tuple[int, ...], channel: Channel
+    def filtered(
+        self, at: At, times: FloatArray, shape: tuple[int, ...], channel: Channel
     ) -> Filtered:
+        """Return the acceleration at places behind a filter, in that shape."""
         rate = partial(_filtered, at, channel, self.motion.duration)
         error = partial(self._compared_with, rate, times)
-        return Filtered(times, channel, rate(self, times).T.reshape(shape), error)
+        return Filtered(times, channel, rate(self, times).T.reshape(shape), _error=error)
 
     def motion_at(
         self,
@@ -295,11 +278,11 @@ class Response:
         of_shell = shell_gauge_rows(self.body, ends, along, layer)
         if of_shell is None:
             rows = motion_rows(self.body, place_rows(self.body, ends), axes)
-            strain = partial(_gauge_strain, _At(ends, axes, rows))
+            strain = partial(_gauge_strain, At(ends, axes, rows))
         else:
             strain = partial(_shell_gauge_strain, of_shell)
         error = partial(self._compared_with, strain, wanted)
-        return Gauge(wanted, ends, strain(self, wanted), error)
+        return Gauge(wanted, ends, strain(self, wanted), _error=error)
 
     def reaction(self, nodes: Any, times: Any) -> Reaction:
         """See `BodyResult.reaction`."""
@@ -353,21 +336,20 @@ class Response:
             v = self.recovery.displacement(v, self.motion.force_rate(wanted))
         u, v = self._completed(None, u, v, wanted)
         moved, speeds = self._at_nodes(u), self._at_nodes(v)
+        error = partial(self._error, wanted)
         if self._rotates:
             turned = self._at_nodes(u, rotations=True)
-            return Field(
-                self.body, wanted, moved, speeds, partial(self._error, wanted), _rotation=turned
-            )
-        error = partial(self._error, wanted)
+            return Field(self.body, wanted, moved, speeds, _rotation=turned, _error=error)
         if not self.indentations:
-            return Field(self.body, wanted, moved, speeds, error)
+            return Field(self.body, wanted, moved, speeds, _error=error)
         assert self.body.nodes is not None
         added = self._half_space(self.body.nodes, wanted)
         assert added is not None
-        whole = moved + added[0], speeds + added[1]
-        return Field(
-            self.body, wanted, *whole, error, moved, partial(self.half_space_stress, wanted)
+        whole, stress = (
+            (moved + added[0], speeds + added[1]),
+            partial(self.half_space_stress, wanted),
         )
+        return Field(self.body, wanted, *whole, moved, stress, _error=error)
 
     def half_space_stress(self, times: FloatArray, places: FloatArray) -> FloatArray:
         """Return what contacts add to the elements' stress at places (p, 3), (times, p, 6)."""
@@ -406,8 +388,8 @@ class Response:
         row = functional if self.recovery is None else self.recovery.model.seen(functional)
         return np.asarray(self.motion.observed(row[None], times)[0][0])
 
-    def _errors(self, rows: Any, times: FloatArray) -> dict[str, FloatArray]:
-        """Relative errors of rows @ X, of its rate and of the stress anywhere, each (times,)."""
+    def errors(self, rows: Any, times: FloatArray) -> dict[str, FloatArray]:
+        """Return relative errors of rows @ X, its rate and the stress anywhere, each (times,)."""
         if (finer := self._finer) is None:
             return {}
         looks = np.union1d(times, self._looks)
@@ -480,23 +462,17 @@ class Response:
             )
         return wanted
 
-    def _stress(
-        self,
-        weights: sp.csr_array,
-        times: FloatArray,
-        shape: tuple[int, ...],
-        layer: Layer,
-        *,
-        strain: bool = False,
+    def stress(
+        self, weights: sp.csr_array, times: FloatArray, layer: Layer, *, strain: bool = False
     ) -> FloatArray:
-        """Stress or strain at places with the nodes' `weights` (p, n_nodes), (times, *shape, 6)."""
+        """Return stress or strain at places with the nodes' `weights`, shape (times, p, 6)."""
         rows = _stress_rows(self.body, weights, self._free, layer, strain=strain)
         found = rows.components(self._functionals(rows.rows, times)[0])
         assert self.body.nodes is not None
         added = self.half_space_stress(times, weights @ self.body.nodes)
         if strain:
             added = np.einsum("pij,tpj->tpi", _compliance(self.body, weights), added)
-        return np.asarray((found + added).reshape(-1, *shape, 6))
+        return np.asarray(found + added)
 
     def functionals(self, rows: Any, times: FloatArray, dual: Dual | None = None) -> FloatArray:
         """Return rows @ X for `rows` of shape (p, n_dofs), shape (p, times)."""

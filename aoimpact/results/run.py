@@ -32,7 +32,7 @@ from ..fields import Picture, Response, movie_path, response_of
 from ..integrate import Events, Recorder
 from ..laws import Dent, own_law
 from ..reduction import FullModel
-from ..scene import Plan, RecordLayout
+from ..scene import Plan
 from . import plot as figures
 from .advice import warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, Found, LeftOut
@@ -208,23 +208,15 @@ class Run:
 
     @cached_property
     def _rows(self) -> FloatArray:
-        rows = self._recorded(self.t, self.energies)
+        rows = self.recorder.rows(self.t, self.energies)
         rows.flags.writeable = False
         return rows
-
-    def _recorded(self, times: FloatArray, energies: bool) -> FloatArray:
-        """The record at ascending times."""
-        return self.recorder.rows(times, energies)
-
-    @property
-    def _layout(self) -> RecordLayout:
-        return self.plan.layout
 
     @cached_property
     def forces(self) -> FloatArray:
         """Contact forces, N, shape (contacts, n); made without the motions, which cost more."""
         if "_rows" in self.__dict__:
-            return self._layout.forces(self._rows)
+            return self.plan.layout.forces(self._rows)
         forces = self.recorder.forces(self.t)
         forces.flags.writeable = False
         return forces
@@ -248,7 +240,7 @@ class Run:
         return self.bodies[index]
 
     def _body(self, index: int) -> BodyResult:
-        body, rows = self.plan.bodies[index], self._layout.body(self._rows, index)
+        body, rows = self.plan.bodies[index], self.plan.layout.body(self._rows, index)
         coordinates, rates = self.recorder.state(index)
         unknown = np.full(len(self.t), np.nan)
         return BodyResult(
@@ -304,11 +296,11 @@ class Run:
         :meta private:
         """
         if self.recorder.dense:
-            rows = self._recorded(np.array([self._parted]), energies=False)
+            rows = self.recorder.rows(np.array([self._parted]), energies=False)
         else:
             at = min(int(np.searchsorted(self.t, self._parted)), len(self.t) - 1)
             rows = self._rows[:, at : at + 1]
-        speeds = self._layout.centre_velocities(rows)[:, 0]
+        speeds = self.plan.layout.centre_velocities(rows)[:, 0]
         speeds.flags.writeable = False
         return speeds
 
@@ -325,7 +317,7 @@ class Run:
         """
         found = []
         for number, events in enumerate(self.events):
-            rows = self._layout.contact(self._rows, number)
+            rows = self.plan.layout.contact(self._rows, number)
             stored, taken = (rows.elastic, rows.dissipated) if self.energies else (None, None)
             contact = self.plan.contacts[number]
             if stored is not None:
@@ -349,7 +341,7 @@ class Run:
 
         :meta private:
         """
-        rows = self._layout.contact(self._recorded(self.t, energies=False), number)
+        rows = self.plan.layout.contact(self.recorder.rows(self.t, energies=False), number)
         return float(self.plan.contacts[number].own_indentation(rows).max(initial=0.0))
 
     @property
@@ -360,7 +352,7 @@ class Run:
         """
         if self.plan.oblique is None:
             return self.forces
-        return self._layout.pushes(self._rows)
+        return self.plan.layout.pushes(self._rows)
 
     @cached_property
     def energy(self) -> Energy:

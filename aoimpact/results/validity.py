@@ -1,14 +1,15 @@
 """Limits of linear elasticity: up to where a contact needs no warning, and how far an impact is.
 
-Each rule is one function of a contact before it is run: what it limits, up to where, and the
-warning beyond it. `limits` has those that are known, from which come the warnings of a run, the
-force and speed up to which many impacts need none, and the rows of `Advice` in a summary.
+Each rule is one function of a contact before it is run, and a row of `_RULES`: what it limits, up
+to where, the warning beyond it, and how far a run has gone. `limits` has those that are known, from
+which come the warnings of a run, the force and speed up to which many impacts need none, and the
+rows of `Advice` in a summary.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -55,6 +56,36 @@ _ACROSS = 0.5
 _WAVES, _QUASI_STATIC = 0.2, 2.0
 
 
+@dataclass(frozen=True)
+class Advice:
+    """One way in which an impact may leave the range of the method.
+
+    Attributes
+    ----------
+    name : {"yield", "deflection", "mass ratio", "speed"}
+    value : float
+        What it has reached, relative: of the force of first yield, of the thickness or the size of
+        the body, of the target's mass, or of the velocity of waves.
+    limit : float
+        Up to where it needs no thought; infinite where there is no such limit.
+    meaning : str
+        In words.
+    """
+
+    name: str
+    value: float
+    limit: float
+    meaning: str
+
+    @property
+    def within(self) -> bool:
+        """True if the value is within the limit."""
+        return self.value <= self.limit
+
+    def __str__(self) -> str:
+        return f"{self.value:.2g} {self.meaning}"
+
+
 class Limit(NamedTuple):
     """Up to where a contact needs no warning of one kind.
 
@@ -66,11 +97,14 @@ class Limit(NamedTuple):
     most : float
     said : callable
         The warning, from the run and the value reached; empty if the motion does not confirm it.
+    advice : callable, optional
+        How far an impact has gone, as far as the summary says it.
     """
 
     of: str
     most: float
     said: Callable[[Run, float], str]
+    advice: Callable[[Result], Iterable[Advice]] = lambda result: ()
 
 
 class _Joint(NamedTuple):
@@ -105,11 +139,24 @@ def contact_name(run: Run, contact: Contact) -> str:
 
 def _yield(joint: _Joint) -> Limit | None:
     """The force at which the first of the bodies begins to yield below the surface."""
-    surface = joint.surface
+    surface, law = joint.surface, joint.law
+
+    def advice(result: Result) -> Iterator[Advice]:
+        ratio, had = result.peak_force / first, ", as the law has it" if law.has_memory else ""
+        way = "elastic" if ratio <= 1.0 else f"beyond{had}"
+        yield Advice("yield", ratio, 1.0, f"of the force of first yield: {way}")
+
+    if isinstance(law, ElasticPlastic | Thornton):
+        first = law.yield_force
+        return (
+            Limit("force", math.inf, lambda run, force: "", advice)
+            if math.isfinite(first)
+            else None
+        )
     known = [(of, of.yield_strength) for of in joint.materials if of is not None]
-    if surface is None or joint.law.has_memory or not any(strength for _, strength in known):
+    if surface is None or law.has_memory or not any(strength for _, strength in known):
         return None
-    most, pressure, strength = min(
+    first, pressure, strength = min(
         (yield_force(surface.modulus, surface.radius, yield_pressure(of)), yield_pressure(of), by)
         for of, by in known
         if by
@@ -120,12 +167,12 @@ def _yield(joint: _Joint) -> Limit | None:
             f"{contact_name(run, joint.contact)}: the largest pressure, "
             f"{with_unit(surface.pressure(force), 'Pa', 3)}, exceeds {pressure / strength:.3g} "
             f"times yield_strength={with_unit(strength, 'Pa', 3)}, so that a body yields from "
-            f"{with_unit(most, 'N', 3)} on. Use ElasticPlastic(k={surface.k:.6g}, "
-            f"yield_force={most:.4g}, hardness={2.8 * strength:.4g}, "
+            f"{with_unit(first, 'N', 3)} on. Use ElasticPlastic(k={surface.k:.6g}, "
+            f"yield_force={first:.4g}, hardness={2.8 * strength:.4g}, "
             f"relative_radius={surface.radius:.6g})."
         )
 
-    return Limit("force", most, said)
+    return Limit("force", first, said, advice)
 
 
 def _width(joint: _Joint) -> Limit | None:
@@ -161,7 +208,11 @@ def _speed(joint: _Joint) -> Limit | None:
             "and rho"
         )
 
-    return Limit("speed", _SPEED * slowest, said)
+    def advice(result: Result) -> Iterator[Advice]:
+        ratio = abs(result.velocity) / slowest
+        yield Advice("speed", ratio, _SPEED, f"of that of waves: slow up to {_SPEED:g}")
+
+    return Limit("speed", _SPEED * slowest, said, advice)
 
 
 def _deflection(joint: _Joint) -> Limit | None:
@@ -188,7 +239,12 @@ def _deflection(joint: _Joint) -> Limit | None:
                 return f"{told} {with_unit(size, 'm', 3)} {_TOO_FAR[what]}"
         return ""
 
-    return Limit("energy", min(energies), said) if energies else None
+    def advice(result: Result) -> Iterator[Advice]:
+        for name, value, _, what, share in _deflections(result, joint.contact):
+            meaning = f"of the {what} of {name}: small up to {share:g}"
+            yield Advice("deflection", value, share, meaning)
+
+    return Limit("energy", min(energies), said, advice) if energies else None
 
 
 _TOO_FAR = {
@@ -250,64 +306,13 @@ def _thickness(joint: _Joint) -> Limit | None:
     return Limit("force", surface.k * (half * half / surface.radius) ** 1.5, said)
 
 
-_RULES: dict[str, Callable[[_Joint], Limit | None]] = {
-    "yield": _yield,
-    "width": _width,
-    "speed": _speed,
-    "deflection": _deflection,
-    "thickness": _thickness,
-}
+def _mass_ratio(joint: _Joint) -> Limit | None:
+    """The masses, which no warning limits: they tell plates' ways of response apart."""
 
-
-@dataclass(frozen=True)
-class Advice:
-    """One way in which an impact may leave the range of the method.
-
-    Attributes
-    ----------
-    name : {"yield", "deflection", "mass ratio", "speed"}
-    value : float
-        What it has reached, relative: of the force of first yield, of the thickness or the size of
-        the body, of the target's mass, or of the velocity of waves.
-    limit : float
-        Up to where it needs no thought; infinite where there is no such limit.
-    meaning : str
-        In words.
-    """
-
-    name: str
-    value: float
-    limit: float
-    meaning: str
-
-    @property
-    def within(self) -> bool:
-        """True if the value is within the limit."""
-        return self.value <= self.limit
-
-    def __str__(self) -> str:
-        return f"{self.value:.2g} {self.meaning}"
-
-
-def advice_of(result: Result) -> Iterator[Advice]:
-    """Yield what is known of the validity of an impact, in the order of `Advice.name`."""
-    if not result.contacts:
-        return
-    contact = result.plan.contacts[0]
-    law, known = own_law(contact.law), limits(result.plan, contact)
-    yields = known["yield"].most if "yield" in known else math.inf
-    if isinstance(law, ElasticPlastic | Thornton):
-        yields = law.yield_force
-    if math.isfinite(yields):
-        meaning = "of the force of first yield: elastic"
-        if result.peak_force > yields:
-            had = ", as the law has it" if law.has_memory else ""
-            meaning = f"of the force of first yield: beyond{had}"
-        yield Advice("yield", result.peak_force / yields, 1.0, meaning)
-    for name, value, _, what, share in _deflections(result, contact):
-        yield Advice("deflection", value, share, f"of the {what} of {name}: small up to {share:g}")
-    first, second = result.plan.bodies
-    if first.known_mass and second.mass and second.constrained and not second.wall:
+    def advice(result: Result) -> Iterator[Advice]:
+        first, second = result.plan.bodies
+        if not first.known_mass or not second.mass or not second.constrained or second.wall:
+            return
         ratio = first.known_mass / second.mass
         meaning = "of the target: supports and waves both matter"
         if ratio < _WAVES:
@@ -315,6 +320,22 @@ def advice_of(result: Result) -> Iterator[Advice]:
         elif ratio > _QUASI_STATIC:
             meaning = "of the target: quasi-static, by the stiffness of its supports"
         yield Advice("mass ratio", ratio, math.inf, meaning)
-    if "speed" in known:
-        ratio = abs(result.velocity) / (known["speed"].most / _SPEED)
-        yield Advice("speed", ratio, _SPEED, f"of that of waves: slow up to {_SPEED:g}")
+
+    return Limit("force", math.inf, lambda run, force: "", advice)
+
+
+# In the order of a summary.
+_RULES: dict[str, Callable[[_Joint], Limit | None]] = {
+    "yield": _yield,
+    "width": _width,
+    "deflection": _deflection,
+    "mass ratio": _mass_ratio,
+    "speed": _speed,
+    "thickness": _thickness,
+}
+
+
+def advice_of(result: Result) -> Iterator[Advice]:
+    """Yield what is known of the validity of an impact, in the order of `Advice.name`."""
+    for limit in limits(result.plan, result.plan.contacts[0]).values() if result.contacts else ():
+        yield from limit.advice(result)
