@@ -209,15 +209,9 @@ def _spacing(surface: Surface, face: IntArray) -> float:
 
 def _curved(surface: Surface, face: IntArray) -> npt.NDArray[np.bool_]:
     """Return which faces have nodes between their corners that lie off the chords."""
-    off = np.zeros(len(face), dtype=bool)
-    for side, on in surface.of_count(face):
-        n, count = side.n_corners, len(side.nodes)
-        if count > n:
-            x = surface.mesh.nodes[surface.nodes[face[on]]]
-            chords = side.linear.evaluate(side.places[n:])[0] @ x[:, :n]
-            gap = np.linalg.norm(x[:, n:count] - chords, axis=2)
-            off[on] = gap.max(axis=1) > _IN_PLANE * surface.edges(face[on])
-    return off
+    gap = np.linalg.norm(surface.bulges(face), axis=2).max(axis=1)
+    curved: npt.NDArray[np.bool_] = gap > _IN_PLANE * surface.edges(face)
+    return curved
 
 
 def _flat(

@@ -38,23 +38,9 @@ _ON_EDGE = 1e-9
 # round body of few linear elements there are up to 40°.
 SHARP = np.sqrt(0.5)
 
-# Places on a side, and the matrix from the values there of a polynomial of second degree to its
-# coefficients in Bernstein's basis, whose convex hull holds its values on all of the side (Farin,
-# Curves and Surfaces for CAGD, 2002).
-_LINE = np.array([[1.0, 0.0, 0.0], [-0.5, 2.0, -0.5], [0.0, 0.0, 1.0]])  # from values at 0, ½ and 1
-_OF_SQUARE = (
-    np.array([[u, v] for u in (0.0, 0.5, 1.0) for v in (0.0, 0.5, 1.0)]),
-    np.kron(_LINE, _LINE),
-)
-_OF_TRIANGLE = (
-    np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]]),
-    np.block(
-        [
-            [np.eye(3), np.zeros((3, 3))],
-            [-0.5 * (np.eye(3) + np.roll(np.eye(3), 1, axis=1)), 2.0 * np.eye(3)],
-        ]
-    ),
-)
+# Largest sum of the magnitudes of the shape functions between the corners: in the middle of sides of
+# eight nodes. It is 4/3 on sides of six nodes, and 1.39 on those of nine.
+_BETWEEN = 2.0
 
 # Distances, as a share of the side's size, that Newton's iteration leaves; they count as none.
 _SAME_PLACE = 1e-9
@@ -374,15 +360,20 @@ class Surface:
             best.x[to], best.distance[to] = x[winner], height[winner]
         return best
 
+    def bulges(self, face: IntArray) -> FloatArray:
+        """Return how far the nodes between corners lie from a straight side, m, shape (n, 5, 3)."""
+        found = np.zeros((len(face), 5, 3))
+        for side, on in self.of_count(face):
+            n, count = side.n_corners, len(side.nodes)
+            x = self.mesh.nodes[self.nodes[face[on], :count]]
+            found[on, : count - n] = x[:, n:] - side.linear.evaluate(side.places[n:])[0] @ x[:, :n]
+        return found
+
     def bounds(self, face: IntArray, frame: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return between which coordinates along three axes the faces lie, shapes (3, n)."""
-        low, high = np.empty((2, 3, len(face)))
-        for triangle, (places, coefficients) in ((False, _OF_SQUARE), (True, _OF_TRIANGLE)):
-            on, n = np.flatnonzero(self._triangle[self.side[face]] == triangle), len(places)
-            x = self.at(np.repeat(face[on], n), np.tile(places, (len(on), 1)))[0]
-            hull = frame @ (coefficients @ x.reshape(len(on), n, 3)).swapaxes(1, 2)
-            low[:, on], high[:, on] = hull.min(axis=2).T, hull.max(axis=2).T
-        return low, high
+        corners = self.mesh.nodes[self.corners(face)] @ frame.T
+        room = _BETWEEN * np.abs(self.bulges(face) @ frame.T).max(axis=1)
+        return (corners.min(axis=1) - room).T, (corners.max(axis=1) + room).T
 
     def _cross(
         self, points: FloatArray, axis: FloatArray, face: IntArray
