@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import InputError, InputTypeError, real
+from ..base import InputError, instance, real
 from ..fem import Laminate, Material, Orthotropic, Shell
 
 
@@ -24,28 +24,22 @@ def half_space(name: str, of: Any) -> Material:
     """
     if isinstance(of, (Shell, Laminate)):
         return of.half_space(top=True)
-    if not isinstance(of, (Material, Orthotropic)):
-        raise InputTypeError(
-            f"{name} must be a Material, an Orthotropic, a Shell or a Laminate, got {of!r}"
-        )
-    return of.half_space((0.0, 0.0, 1.0))
+    body: Material | Orthotropic = instance(name, of, Material, Orthotropic, Shell, Laminate)
+    return body.half_space((0.0, 0.0, 1.0))
 
 
 def contact_modulus(material_1: Material, material_2: Material) -> float:
     """Return E*, Pa: 1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂, eq. (16)."""
-    for name, material in (("material_1", material_1), ("material_2", material_2)):
-        if not isinstance(material, Material):
-            raise InputTypeError(f"{name} must be a Material, got {material!r}")
+    instance("material_1", material_1, Material)
+    instance("material_2", material_2, Material)
     return 1.0 / (1.0 / material_1.plane_strain_modulus + 1.0 / material_2.plane_strain_modulus)
 
 
 def _curvature(name: str, radius: Any) -> float:
     number = real(name, radius, unit="m", infinite=True)
-    if number == 0.0:
-        raise InputError(f"{name} must not be 0 m; math.inf is flat, a negative radius is hollow")
-    if abs(number) < sys.float_info.min:
+    if abs(number) < sys.float_info.min:  # whose curvature overflows
         raise InputError(
-            f"{name} must be from {sys.float_info.min:.3g} m on in magnitude, got {number:g} m"
+            f"{name} must not be {number:g} m; math.inf is flat, a negative radius is hollow"
         )
     return 1.0 / number
 

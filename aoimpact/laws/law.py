@@ -346,16 +346,20 @@ class ContactLaw:
             return compliance * self._stiffest(np.asarray(delta)) - MOST_SHARE
 
         within = _INDENTATIONS[self.limit >= _INDENTATIONS]
-        first = _first_beyond(excess, within)
-        if first is None:
-            return math.inf
-        if first == 0:
-            raise InputError(f"compliance={compliance:g} m/N is more than {self!r} has itself")
-        low, high = within[first - 1], within[first]
-        try:
-            return float(scipy.optimize.brentq(lambda d: float(excess(d)), low, high, xtol=1e-18))
-        except ValueError:  # no change of sign: a law with noise returns different values
-            return float(low)
+        for start in range(0, len(within), _DECADE):  # from the shallow ones on
+            try:
+                with np.errstate(all="ignore"):
+                    beyond = excess(within[start : start + _DECADE]) >= 0.0
+            except Exception:  # a user's law need not hold deeper than a run goes
+                if start == 0:
+                    raise
+                break
+            if beyond[0] and start == 0:
+                raise InputError(f"compliance={compliance:g} m/N is more than {self!r} has itself")
+            if beyond.any():
+                high = start + int(beyond.argmax())
+                return _root(excess, within[high - 1], within[high])
+        return math.inf
 
     def _work(self, indentation: float) -> float:
         """Return ∫ F dδ up to an indentation on the way in, at no rate, J."""
@@ -488,25 +492,11 @@ class ContactLaw:
         return law
 
 
-def _first_beyond(
-    excess: Callable[[FloatArray], FloatArray], indentations: FloatArray
-) -> int | None:
-    """Return the index of the first indentation at which `excess` is not negative.
-
-    From the shallow ones on: a user's law may raise an error at indentations that it is not meant
-    for, which matters only where a run goes so deep.
-    """
-    for start in range(0, len(indentations), _DECADE):
-        try:
-            with np.errstate(all="ignore"):
-                found = np.flatnonzero(excess(indentations[start : start + _DECADE]) >= 0.0)
-        except Exception:
-            if start == 0:
-                raise
-            return None
-        if found.size:
-            return start + int(found[0])
-    return None
+def _root(excess: Callable[[float], Any], low: float, high: float) -> float:
+    try:
+        return float(scipy.optimize.brentq(lambda x: float(excess(x)), low, high, xtol=1e-18))
+    except ValueError:  # no change of sign: a law with noise returns different values
+        return float(low)
 
 
 def removable(law: ContactLaw, indentation: float) -> float:

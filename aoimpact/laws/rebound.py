@@ -55,12 +55,6 @@ def _lead(x: float) -> float:
     return x * x * math.fsum((-x) ** k / (k + 2.0) for k in range(20))
 
 
-def _kept_and_lead(logit: float) -> tuple[float, float]:
-    """Return p = 1/(1 + exp(-logit)) and -log(1-p) - p, with 1 - p not lost where p is near 1."""
-    kept = float(scipy.special.expit(logit))
-    return kept, _lead(-kept) if kept < _SMALL else float(np.logaddexp(0.0, logit)) - kept
-
-
 def hunt_crossley_restitution(damping: float) -> float:
     """Return e of F = k δⁿ (1 + χ δ') for χ V = `damping`, whatever k, n and the mass.
 
@@ -70,20 +64,14 @@ def hunt_crossley_restitution(damping: float) -> float:
     if damping < 1e-17:  # e = 1 - 2/3 χ V to first order
         return 1.0
     wanted = _lead(damping)
-
-    def excess(logit: float) -> float:
-        return _kept_and_lead(logit)[1] / wanted - 1.0
-
-    # -u e - log(1 - u e) is at least (u e)²/2 and, for its u e ≤ 1, at least logit - 1.
-    high = 2.0 + wanted
-    low = min(0.0, math.log(damping)) - 2.0
-    while excess(low) > 0.0:
-        low -= 2.0
-    logit = scipy.optimize.brentq(excess, low, high, xtol=1e-15, rtol=_RTOL_ROOT)
-    kept, lead = _kept_and_lead(logit)
-    if kept < _SMALL:  # the logit has its last digits in the exponent: one step of Newton
-        kept -= (lead - wanted) * (1.0 - kept) / kept
-    return kept / damping
+    most = -math.expm1(-1.5 - wanted)  # of u e, since -log(1 - u e) = wanted + u e < wanted + 1.5
+    if most == 1.0:  # to rounding
+        return 1.0 / damping
+    kept = scipy.optimize.brentq(
+        lambda p: _lead(-p) / wanted - 1.0, 0.0, most, xtol=1e-300, rtol=_RTOL_ROOT
+    )
+    kept -= (_lead(-kept) - wanted) * (1.0 - kept) / kept  # Newton: the last digit
+    return float(kept / damping)
 
 
 def kuwabara_kono_restitution(lag: float) -> float:

@@ -6,7 +6,7 @@ import math
 from contextlib import suppress
 from typing import Any
 
-from ..base import InputError, InputTypeError, positive
+from ..base import InputError, instance, positive
 from .law import ContactLaw
 
 # Beyond 1 that is nothing but the ten digits of an integration.
@@ -50,8 +50,7 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 12)
     0.5
     """
-    if not isinstance(law, ContactLaw):
-        raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
+    instance("law", law, ContactLaw)
     m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
     delivered = math.nan
     if _LEAST < 0.5 * m * v * v < 1.0 / _LEAST:

@@ -38,8 +38,8 @@ _ON_EDGE = 1e-9
 # round body of few linear elements there are up to 40°.
 SHARP = np.sqrt(0.5)
 
-# Largest sum of the magnitudes of the shape functions between the corners: in the middle of sides of
-# eight nodes. It is 4/3 on sides of six nodes, and 1.39 on those of nine.
+# Largest sum of the magnitudes of the shape functions between the corners, reached in the middle of
+# sides of eight nodes. It is 4/3 on sides of six nodes, and 1.39 on those of nine.
 _BETWEEN = 2.0
 
 # Distances, as a share of the side's size, that Newton's iteration leaves; they count as none.
