@@ -28,7 +28,7 @@ from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
 from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
-from .sections import Source, across, layered, refusing, triad
+from .sections import PARALLEL, Source, across, layered, refusing, triad
 
 # Sets of nodes or of elements.
 Which = Literal["NSET", "ELSET"]
@@ -131,9 +131,6 @@ _SIDES = r"CP[SE]\d|CAX\d|SFM3D"
 
 # Bytes that a generated node takes, Python's objects included.
 _PER_NODE = 400
-
-# Sine of an angle below which two directions are the same.
-_PARALLEL = 1e-9
 
 # Share of a radius by which two nodes of one arc may differ.
 _ROUND = 1e-3
@@ -624,7 +621,7 @@ class Scope:
             if len(keyword.rows) == 1:
                 x[2] = 0.0
                 beside = np.array([-x[1], x[0], 0.0])
-            axes = np.column_stack(list(triad(x, beside, _PARALLEL, keyword.error)))
+            axes = np.column_stack(list(triad(x, beside, keyword.error)))
         self._frames.append((keyword.order, origin, axes))
 
     def _frame(self, keyword: Keyword) -> tuple[FloatArray, FloatArray]:
@@ -887,12 +884,12 @@ def _arc(ends: FloatArray, share: FloatArray, centre: FloatArray, given: Any) ->
     radii = [float(np.linalg.norm(arm)) for arm in arms]
     normal = np.cross(*arms) if given is None else given
     size = float(np.linalg.norm(normal))
-    least = _PARALLEL * radii[0] * radii[1] if given is None else 0.0
+    least = PARALLEL * radii[0] * radii[1] if given is None else 0.0
     if not (size > least and abs(radii[0] - radii[1]) <= _ROUND * radii[0]):
         return None
     across = np.cross(normal / size, arms[0])
     angle = math.atan2(float(arms[1] @ across), float(arms[1] @ arms[0])) % (2.0 * math.pi)
-    if angle < _PARALLEL:
+    if angle < PARALLEL:
         return None
     return centre + np.cos(share * angle) * arms[0] + np.sin(share * angle) * across
 
@@ -980,7 +977,7 @@ class _Section:
             raise own.error("only rectangular axes by coordinates are supported")
         points, turn = own.lines_of(9, 2, what="points on the axes, and an axis and an angle")
         a, b, c = points.reshape(3, 3)
-        axes = triad(a - c, b - c, _NORMAL, own.error)
+        axes = triad(a - c, b - c, own.error, _NORMAL)
         about, angle = turn.tolist() if len(own.rows) > 1 else (3.0, 0.0)
         if not about and angle:
             of = f"*ORIENTATION {name}: its angle is about axis 1, which is blank: taken"

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
-from .raw import number, read_lines, refused
+from .raw import number, read_text, refused
 
 # Numbers of a data line that has no room for more.
 _FULL = 16
@@ -281,7 +281,7 @@ def read_keywords(main: Path) -> list[Keyword]:
 
     def add(file: Path, outer: tuple[Path, ...]) -> None:
         """Add the keywords of a file; the last one of `outer` is the file itself."""
-        lines = read_lines(file)
+        lines = read_text(file).split("\n")
         starts = [
             i
             for i, line in enumerate(lines)

@@ -381,7 +381,8 @@ def _kept(pair: _Pair, rows: Any) -> _Pair:
 def _without_held(pair: _Pair) -> _Pair:
     """Leave out dofs that are constrained, and those with neither stiffness nor mass."""
     K, M, _ = pair
-    keep = (K.diagonal() < _HOLDING) & ((abs(K) + abs(M)).sum(axis=1) > 0.0)
+    # Rows with NaN are neither held nor empty: the body refuses them.
+    keep = ~((K.diagonal() >= _HOLDING) | ((abs(K) + abs(M)).sum(axis=1) == 0.0))
     if not keep.any():
         raise InputError("no dof has stiffness or mass and is free to move")
     return _kept(pair, keep)

@@ -114,9 +114,6 @@ _SKIPPED = re.compile(
 # Largest difference between axes of displacements and the basic ones.
 _TURNED = 1e-9
 
-# Relative distance from a line below which three points define no axes.
-_COLLINEAR = 1e-8
-
 # Largest number of coordinate systems that refer to each other, one after the other.
 _DEEPEST = 200
 
@@ -474,7 +471,7 @@ class Grids:
             points = list(self.axes(reference, own_error).basic(np.reshape(given, (3, 3))))
         self._open.remove(label)
         ends = points[1] - points[0], points[2] - points[0]
-        axes = triad(*ends, _COLLINEAR, own_error)[[1, 2, 0]]  # z, and a point in the plane of x
+        axes = triad(*ends, own_error)[[1, 2, 0]]  # z, and a point in the plane of x
         return self._known.setdefault(label, Axes(kind, points[0], axes))
 
 

@@ -477,8 +477,8 @@ class Table:
     def refused(self, row: int, why: str) -> MeshError:
         """Return the error for an entry."""
         line = int(self.first[row])
-        name = re.split(rb"[ ,*]", self.lines.text[line][:8].strip())[0].decode()
-        return self.lines.refused(line, name, why)
+        head = next(text for text in self.lines.text[line::-1] if text[:1].isalpha())
+        return self.lines.refused(line, re.split(rb"[ ,*]", head[:8].strip())[0].decode(), why)
 
     def refuse_first(self, wrong: npt.NDArray[np.bool_], why: str) -> None:
         """Raise the error for the first entry that is wrong, if there is one."""

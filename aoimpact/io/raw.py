@@ -246,11 +246,6 @@ def check_count(what: str, announced: int, there: int) -> None:
         raise ValueError(f"{announced} {what} are announced, but {there} are there")
 
 
-def read_lines(file: Path) -> list[str]:
-    """Return the lines of a text file, without their ends, as `read_text` reads them."""
-    return read_text(file).split("\n")
-
-
 def read_text(file: Path) -> str:
     """Return a text file with "\\n" for each end of a line.
 

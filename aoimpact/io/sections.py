@@ -30,6 +30,9 @@ from .raw import RawMesh
 # Largest difference between directions that are the same: what printed digits leave.
 _SAME = 1e-4
 
+# Sine of an angle below which two directions are the same.
+PARALLEL = 1e-9
+
 # Product of inertia over the polar moment that is rounding.
 _ROUND = 1e-12
 
@@ -201,7 +204,7 @@ def unit(vectors: FloatArray) -> FloatArray:
 
 
 def triad(
-    x: FloatArray, beside: FloatArray, least: float, error: Callable[[str], MeshError]
+    x: FloatArray, beside: FloatArray, error: Callable[[str], MeshError], least: float = PARALLEL
 ) -> FloatArray:
     """Return the unit axes, in rows, of a first one and a vector in the plane of it and the second.
 

@@ -131,6 +131,16 @@ def test_stiffness_and_mass_exchanged_are_refused(kind: str, tmp_path: Path) -> 
         ao.read_matrices(inertia, stiffness)
 
 
+def test_an_entry_that_is_no_number_is_refused(tmp_path: Path) -> None:
+    """It must not pass for a row without stiffness and mass, which is left out."""
+    stiffness = sp.lil_array(K)
+    stiffness[0, 3] = stiffness[3, 0] = np.nan
+    sp.save_npz(tmp_path / "K.npz", sp.csr_array(stiffness))
+    sp.save_npz(tmp_path / "M.npz", sp.csr_array(M))
+    with pytest.raises(ao.InputError, match="finite"):
+        ao.read_matrices(tmp_path / "K.npz", tmp_path / "M.npz")
+
+
 def test_the_same_matrix_in_two_files_is_refused(tmp_path: Path) -> None:
     stiffness, inertia = written("market", tmp_path, K, M, LABELS)
     inertia.write_bytes(stiffness.read_bytes())
