@@ -30,6 +30,8 @@ R = TypeVar("R")
 
 __all__ = [
     "HUGE",
+    "PRINTED",
+    "ROUNDING",
     "boolean",
     "called",
     "choice",
@@ -59,8 +61,9 @@ __all__ = [
 # In SI units: squares and cubes of what is not larger are numbers, and so are products of two.
 HUGE = 1e100
 
-# Entries of an inertia that are rounding, relative.
-_ROUNDING = 1e-9
+# Relative differences that are rounding: of results in double precision, some thousand roundings of
+# 1e-16 with room to spare; and of numbers that were printed with ten digits.
+ROUNDING, PRINTED = 1e-12, 1e-9
 
 
 def _unit(unit: str) -> str:
@@ -398,10 +401,10 @@ def inertia_tensor(name: str, value: Any, *, most: float) -> FloatArray:
         raise InputError(
             f"{name} is {largest:g} kg m², whose products cannot be computed; give it in kg m²"
         )
-    if np.abs(tensor - tensor.T).max() > _ROUNDING * largest:
+    if np.abs(tensor - tensor.T).max() > PRINTED * largest:
         raise InputError(f"{name} must be symmetric, got {given.tolist()}")
     low, middle, high = np.linalg.eigvalsh(tensor).tolist()
-    if low < -_ROUNDING * largest or high > (1.0 + _ROUNDING) * (low + middle):
+    if low < -PRINTED * largest or high > (1.0 + PRINTED) * (low + middle):
         raise InputError(
             f"{name}: no body has the principal moments {low:g}, {middle:g} and {high:g} kg m²: "
             "none is negative, and each at most the sum of the other two"

@@ -13,6 +13,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import (
+    PRINTED,
     FloatArray,
     InputError,
     IntArray,
@@ -35,9 +36,6 @@ _MOST_NODES = 500
 
 # Sizes of the body beyond which a rigid mass is given in millimetres in messages.
 _FAR = 50.0
-
-# Mass that is lost in the products of a rigid mass, relative, beyond rounding.
-_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +150,7 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     weights[3:, 3:] = inertia / size**2
     weights = to_centre.T @ weights @ to_centre
     lost = vectors[:, ~known].T @ weights
-    if np.abs(lost).max(initial=0.0) > _ROUNDING * mount.mass:
+    if np.abs(lost).max(initial=0.0) > PRINTED * mount.mass:
         raise InputError(
             f"{name}: its {len(ids)} nodes lie on one line, or are one, and tell no rotation about "
             "it, which has inertia there; give nodes spread over the seat, or leave centre and "

@@ -7,13 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import InputError, positive
+from ..base import ROUNDING, InputError, positive
 from .contact import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadratic
 from .model import FEModel
-
-# Entries of a contact functional below this share of its largest are rounding: of a surface that is
-# not along the axes, a force on a rotation.
-_ROUNDING = 1e-12
 
 # s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the
 # highest ω²: below ω₁² of all but the longest bodies, and above what rounding takes for a singular
@@ -76,7 +72,7 @@ def refuse_massless(tips: Sequence[ContactPoint]) -> None:
     InputError
     """
     for tip in tips:
-        loaded = np.abs(tip.b) > _ROUNDING * np.abs(tip.b).max(initial=0.0)
+        loaded = np.abs(tip.b) > ROUNDING * np.abs(tip.b).max(initial=0.0)
         touched = np.flatnonzero(loaded & (tip.body.M.diagonal() == 0.0))
         if len(touched):
             raise InputError(

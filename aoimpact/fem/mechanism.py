@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray
+from ..base import ROUNDING, FloatArray, IntArray
 from ..linalg import DENSE_DOFS, factorize, m_orthonormal
 from ..mesh import Surface, motions_at
 
@@ -29,9 +29,6 @@ _UNRESISTED = 1e-8
 
 # Regularisation of the motions' matrix; number of inverse iterations; motions in the first block.
 _HELD, _INVERSE_ITERATIONS, _FIRST_BLOCK = 1e-9, 4, 32
-
-# ‖Kφ‖ / ‖|K||φ|‖ of a motion whose elastic forces are rounding.
-_NO_FORCE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +149,7 @@ def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mecha
         M-orthonormal.
     """
     found = m_orthonormal(rigid, motion[:, None], M)
-    if not found.size or np.linalg.norm(K @ found) > _NO_FORCE * np.linalg.norm(
+    if not found.size or np.linalg.norm(K @ found) > ROUNDING * np.linalg.norm(
         abs(K) @ np.abs(found)
     ):
         return None

@@ -83,7 +83,7 @@ _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 
 # Elastic force of a translation, over the largest entry of K, that what prints K with few digits
 # leaves.
-_ROUNDING = 1e-6
+_FEW_DIGITS = 1e-6
 
 # Share of a matrix's arrays below which what supports leave of it is copied, so that no more than a
 # tenth of their memory is held for nothing.
@@ -849,7 +849,7 @@ def _density(material: AnyMaterial) -> float:
 def _translates(K: Any, axes: FloatArray) -> bool:
     """True if no translation meets elastic force: beside that of the single dofs, only rounding."""
     force = np.abs(K @ axes).max(initial=0.0)
-    return bool(axes.any(axis=0).all() and force <= _ROUNDING * np.abs(K.data).max(initial=0.0))
+    return bool(axes.any(axis=0).all() and force <= _FEW_DIGITS * np.abs(K.data).max(initial=0.0))
 
 
 def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | None, IntArray | None]:

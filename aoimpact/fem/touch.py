@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, IntArray, RoomError, plain, warn
+from ..base import ROUNDING, FloatArray, InputError, IntArray, RoomError, plain, warn
 from ..mesh import Mesh, Place, Surface, nearest_line
 from .beams import Beam, beam_motion
 from .composition import AnyMaterial, OneMaterial, material_of
@@ -26,9 +26,6 @@ _TANGENT = 0.1
 
 # Distance off the face of a shell, over its own from the nodes, that is rounding.
 _FACE = 1e-6
-
-# Components of a normal that are nothing but rounding.
-_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,7 +266,7 @@ def _place(surface: Surface, point: FloatArray) -> Place:
 
 def _distinct(normals: FloatArray) -> FloatArray:
     """Return the normals, each once: a flat side has many faces."""
-    return np.unique(np.where(np.abs(normals) > _ROUNDING, normals, 0.0).round(6), axis=0)
+    return np.unique(np.where(np.abs(normals) > ROUNDING, normals, 0.0).round(6), axis=0)
 
 
 def _on_edge(point: FloatArray, cure: str) -> InputError:
@@ -314,7 +311,7 @@ def _pressing(
 def _facing(point: FloatArray, along: FloatArray | None, normal: FloatArray) -> FloatArray:
     """Return the direction, by default against the normal, if it is not tangent to the surface."""
     if along is None:
-        return np.where(np.abs(normal) > _ROUNDING, -normal, 0.0)
+        return np.where(np.abs(normal) > ROUNDING, -normal, 0.0)
     if abs(float(along @ normal)) < _TANGENT:
         raise InputError(
             f"direction {plain(along)} is tangent to the surface at point {plain(point)} m, whose "

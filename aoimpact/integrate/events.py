@@ -13,10 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..base import FloatArray
-
-# A contact that ends within this share of the record before its end lasts to the end.
-_ROUNDING = 1e-12
+from ..base import ROUNDING, FloatArray
 
 # Least curvature at both samples beside a peak, over that at the peak. With less, the force has
 # jumped or is not resolved. A jump bends the curve up on one side of it, down on the other, and no
@@ -68,7 +65,7 @@ class Events(NamedTuple):
 
     def last_until(self, end: float) -> bool:
         """Return whether the last contact lasts until the record's end [s], which cuts it off."""
-        return bool(self.contacts) and self.contacts[-1][1] >= end * (1.0 - _ROUNDING)
+        return bool(self.contacts) and self.contacts[-1][1] >= end * (1.0 - ROUNDING)
 
 
 def find_events(

@@ -13,6 +13,7 @@ import numpy as np
 from .. import _core
 from ..base import (
     GIB,
+    ROUNDING,
     ConvergenceError,
     FloatArray,
     Frozen,
@@ -27,9 +28,6 @@ from .tolerances import DRAWN
 
 # A record larger than this is a mistake in dt more often than a wish.
 _MOST_BYTES = 4 * GIB
-
-# A duration that is so near to a whole number of steps is one.
-_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,7 +179,7 @@ def newmark_run(
             f"gamma={rule.gamma:g}); take 2 beta >= gamma, or a smaller dt"
         )
     t = dt * np.arange(steps + 1, dtype=np.float64)
-    if abs(t[-1] - duration) <= _ROUNDING * duration:
+    if abs(t[-1] - duration) <= ROUNDING * duration:
         t[-1] = duration
     ends = np.cumsum([len(body.x) for body in bodies])[:-1]
     return Record(t, rows, tuple(zip(np.split(x, ends), np.split(v, ends), strict=True)), dt)
@@ -204,7 +202,7 @@ def steps_of(dt: float, duration: float, rows: int, given: str, cure: str) -> in
     InputError
         If the record would not fit in memory.
     """
-    steps = duration / dt * (1.0 - _ROUNDING)
+    steps = duration / dt * (1.0 - ROUNDING)
     needed = 8.0 * rows * (steps + 1.0)
     if needed > _MOST_BYTES:
         raise InputError(

@@ -9,10 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FloatArray, InputError, IntArray
-
-# Largest difference of an entry from its transposed one, over the largest entry: printed digits.
-_ROUNDING = 1e-9
+from ..base import PRINTED, FloatArray, InputError, IntArray
 
 # A row's node and component as one number: components are below 64, nodes below 2**40.
 _COMPONENTS, _LARGEST_NODE = 64, 2**40
@@ -87,7 +84,7 @@ class RawMatrix:
             raise spoilt(
                 self.file, "it says symmetric, but has entries of both triangles; say general"
             )
-        limit = _ROUNDING * float(np.abs(self.values).max(initial=0.0))
+        limit = PRINTED * float(np.abs(self.values).max(initial=0.0))
         if paired < off and float(abs(matrix - matrix.T).max()) > limit:
             raise spoilt(
                 self.file,

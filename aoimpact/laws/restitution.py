@@ -6,11 +6,8 @@ import math
 from contextlib import suppress
 from typing import Any
 
-from ..base import InputError, instance, positive
+from ..base import PRINTED, InputError, instance, positive
 from .law import ContactLaw
-
-# Beyond 1 that is nothing but the ten digits of an integration.
-_ROUNDING = 1e-9
 
 # Energies, J, from which powers of all quantities are still numbers.
 _LEAST = 1e-250
@@ -56,7 +53,7 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     if _LEAST < 0.5 * m * v * v < 1.0 / _LEAST:
         with suppress(ArithmeticError):
             delivered = law.rigid_restitution(m, v)
-    if 1.0 + _ROUNDING < delivered < math.inf:
+    if 1.0 + PRINTED < delivered < math.inf:
         raise InputError(
             f"law={law!r} gives more energy than it takes: at mass={m:g} kg and velocity={v:g} m/s "
             f"rigid bodies would part {delivered:g} times as fast as they meet; let its force be "

@@ -9,18 +9,11 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, InputError, InputTypeError, SingularError
+from ..base import PRINTED, FloatArray, InputError, InputTypeError, SingularError
 from .superlu import CHECKED_DOFS, Factorization, factorize
 
 # Entries that the core's int32 offsets can count.
 _MOST_ENTRIES = 2**31 - 1
-
-# Asymmetry up to this fraction of the largest entry is rounding and is averaged away.
-_ASYMMETRY = 1e-9
-
-# A negative eigenvalue, relative to the diagonal, that passes for rounding: K without supports, and
-# M of few points of integration, have zeros, which ten printed digits make slightly negative.
-_NEGATIVE = 1e-9
 
 # Stiffnesses, N/m, and masses, kg, whose products and ratios stay far from what doubles can hold.
 LARGEST, LEAST = 1e60, 1e-60
@@ -135,7 +128,8 @@ def check_stiffness(K: sp.csr_array) -> Factorization | None:
             f"K[{negative[0]}, {negative[0]}] = {diagonal[negative[0]]:g} N/m; "
             "a stiffness matrix has none"
         )
-    _check_minors("K", K, 1.0 + _NEGATIVE)
+    # K without supports has zero eigenvalues, which ten printed digits make slightly negative.
+    _check_minors("K", K, 1.0 + PRINTED)
     if len(diagonal) > CHECKED_DOFS:
         return None
     try:
@@ -143,7 +137,7 @@ def check_stiffness(K: sp.csr_array) -> Factorization | None:
     except SingularError as error:
         raise InputError(
             f"K must be positive semidefinite, no motion may give energy back: {error}, with "
-            f"{_NEGATIVE:g} of its diagonal added; look for signs lost or entries missing "
+            f"{PRINTED:g} of its diagonal added; look for signs lost or entries missing "
             "where K was exported, and give it with all its digits"
         ) from None
 
@@ -151,7 +145,7 @@ def check_stiffness(K: sp.csr_array) -> Factorization | None:
 def _made_regular(K: sp.csr_array) -> sp.csr_array:
     """Hold each dof by a small share of its own stiffness, so that no scale of the dofs matters."""
     diagonal = K.diagonal()
-    return K + sp.diags_array(np.where(diagonal > 0.0, _NEGATIVE * diagonal, 1.0))
+    return K + sp.diags_array(np.where(diagonal > 0.0, PRINTED * diagonal, 1.0))
 
 
 def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> FloatArray | None:
@@ -190,7 +184,7 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
     """
     diagonal = M.diagonal()
     _check_masses(diagonal)
-    _check_minors("M", M, 1.0 + _NEGATIVE)
+    _check_minors("M", M, 1.0 + PRINTED)
     massless = np.flatnonzero(diagonal == 0.0)  # the second-order minors made these rows zero
     bare = massless[K.diagonal()[massless] == 0.0]
     if len(bare):
@@ -204,7 +198,7 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
     definite = _is_definite(heavy)
     if definite and not len(massless):
         return
-    if not (definite or _is_definite(heavy + _NEGATIVE * sp.diags_array(diagonal, format="csr"))):
+    if not (definite or _is_definite(heavy + PRINTED * sp.diags_array(diagonal, format="csr"))):
         raise InputError(
             "M must be positive semidefinite, no motion may have negative kinetic energy; look for "
             "signs lost or entries missing where M was exported, and give it with all its digits"
@@ -371,12 +365,12 @@ def _symmetrised(name: str, csr: sp.csr_array) -> sp.csr_array:
     difference = (csr - transposed).tocoo()
     largest = float(np.abs(csr.data).max())
     gap = float(np.abs(difference.data).max(initial=0.0))  # zeros that are stored on one side only
-    if gap > _ASYMMETRY * largest:
+    if gap > PRINTED * largest:
         worst = int(np.argmax(np.abs(difference.data)))
         i, j = int(difference.row[worst]), int(difference.col[worst])
         raise InputError(
             f"{name} must be symmetric: {name}[{i}, {j}] = {csr[i, j]:.10g}, but "
-            f"{name}[{j}, {i}] = {csr[j, i]:.10g}; only up to {_ASYMMETRY:g} of the largest entry "
+            f"{name}[{j}, {i}] = {csr[j, i]:.10g}; only up to {PRINTED:g} of the largest entry "
             "passes for rounding"
         )
     return _canonical(((csr + transposed) * 0.5).tocsr())

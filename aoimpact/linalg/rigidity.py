@@ -8,15 +8,10 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FloatArray, SingularError
+from ..base import PRINTED, FloatArray, SingularError
 
 # A vector of which no more than this is new, in length, lies in the space but for rounding.
 _NEW = 1e-9
-
-# Largest |K r|_i of an unresisted rigid motion, over K_ii max |r|. Rounding of a mesh's own K gives
-# some 1e-15, a K printed with ten digits 1e-10; a spring to the ground gives its share of the
-# stiffness at its dof.
-_RESISTED = 1e-9
 
 # Relative difference below which motions are the same one (rotation of a line about itself).
 _DEPENDENT = 1e-9
@@ -122,6 +117,7 @@ def _null_combinations(motions: FloatArray, forces: FloatArray) -> FloatArray:
     combination = right[kept].T / size[kept]
     combination = combination @ np.linalg.svd(forces @ combination, full_matrices=False)[2].T
     basis: FloatArray = motions @ combination
+    # A spring to the ground gives its share of the stiffness at its dof.
     residual = np.abs(forces @ combination).max(axis=0)
-    unresisted: FloatArray = basis[:, residual <= _RESISTED * np.abs(basis).max(axis=0)]
+    unresisted: FloatArray = basis[:, residual <= PRINTED * np.abs(basis).max(axis=0)]
     return unresisted

@@ -44,7 +44,7 @@ _TOLERANCE = 1e-10
 _REFINEMENTS = 5
 
 # ‖f - A x‖ / (max A_ii ‖x‖) that rounding leaves in any solution: some hundred roundings.
-_ROUNDING = 2e-14
+_LEFT_BY_ROUNDING = 2e-14
 
 # Estimated seconds up to which factors are taken though iterations may be as quick: they serve any
 # number of solutions, and cannot fail to converge.
@@ -156,7 +156,7 @@ class LinearSolver:
         self, residual: FloatArray, rhs: FloatArray, x: FloatArray, tolerance: float
     ) -> float:
         """The largest residual of all columns, over what is allowed; nan where x is too large."""
-        rounding = _ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
+        rounding = _LEFT_BY_ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
         allowed = np.maximum(tolerance * np.linalg.norm(rhs, axis=0), rounding)
         size = np.linalg.norm(residual, axis=0)
         return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ConvergenceError, FloatArray, SingularError, warn
+from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, warn
 from .davidson import davidson
 from .dense import NO_MASS, dense_modes
 from .pencil import Pencil
@@ -28,10 +28,6 @@ _RESTARTS, _DENSE_AT_WORST = 200, 2000
 
 # Least elastic eigenvalue over the first guess of s²: below it is rounding.
 _LEAST_SHIFT = 1e-30
-
-# ‖Kφ‖ / ‖|K||φ|‖ of a mode that is rigid: rounding gives some 1e-15, the slenderest of meshes that
-# double precision can still carry 1e-9.
-_RIGID = 1e-12
 
 # The first guess of s², as a share of the mean of K_ii over that of M_ii, which is near the highest
 # ω²: K + s²M is definite to rounding, and the lowest ω² are still distinct.
@@ -108,7 +104,8 @@ def _first_elastic(K: Any, M: Any, current: LinearSolver, rigid: FloatArray) -> 
 def null_space(K: Any, M: Any) -> FloatArray:
     """Return the M-orthonormal modes of zero stiffness, shape (n, r), from the matrices alone.
 
-    A mode counts as rigid if ‖Kφ‖ ≤ 1e-12 ‖|K||φ|‖: its elastic forces are rounding.
+    A mode counts as rigid if ‖Kφ‖ ≤ 1e-12 ‖|K||φ|‖: its elastic forces are rounding. That gives
+    some 1e-15, the slenderest of meshes that double precision can still carry 1e-9.
     """
     n = K.shape[0]
     wanted = min(n, 8)
@@ -116,7 +113,7 @@ def null_space(K: Any, M: Any) -> FloatArray:
         _, modes = lowest(K, M, wanted)
         forces = np.linalg.norm(K @ modes, axis=0)
         scale = np.linalg.norm(abs(K) @ np.abs(modes), axis=0)
-        rigid = forces <= _RIGID * scale
+        rigid = forces <= ROUNDING * scale
         if not rigid.all() or len(rigid) < wanted or wanted == n:
             return _without_strain(K, M, modes[:, rigid])
         wanted = min(n, 2 * wanted)

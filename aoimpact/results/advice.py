@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import FloatArray, plain, warn, with_unit
+from ..base import ROUNDING, FloatArray, plain, warn, with_unit
 from ..fem import (
     SHIFT_TIMES_DURATION,
     ContactPoint,
@@ -347,9 +347,6 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
 # half as long again a force is 1 % off by quadrilaterals, and 6 % by triangles.
 _WAVES = 2.0
 
-# Share of the displacements below which gaps are rounding.
-_ROUNDING = 1e-12
-
 # Times at which bodies that never touch are looked at: so many in each of the shortest periods, at
 # least and at most; between them, where a parabola is least.
 _EACH_PERIOD, _SAMPLES, _MOST_SAMPLES = 8, 121, 20_000
@@ -446,7 +443,7 @@ def _missed(run: Run) -> str:
     gap, contact = gaps[number], run.plan.contacts[number]
     at = int(gap.argmin())
     moved = float(np.abs(layout.body(rows, contact.first).port_displacements).max())
-    if gap.max() <= _ROUNDING * moved:  # side by side
+    if gap.max() <= ROUNDING * moved:  # side by side
         return ""
 
     def gap_at(sample: int) -> str:
