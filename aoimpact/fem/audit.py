@@ -14,6 +14,7 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, aligned, with_unit
 from ..mesh import motions_at
+from .labels import axes_of
 
 # Mean densities of solids, kg/m³, over the box around them: from foam and rings to tungsten.
 _DENSITIES = 10.0, 25e3
@@ -124,7 +125,9 @@ class Audit:
 
 def audited(body: Any, *, frequencies: int = 8) -> Audit:
     """Return the audit of an `FEModel`; see `FEModel.audit`."""
-    nodes, axes = body.nodes, _axes(body)
+    nodes, labels = body.nodes, body.labels
+    axes = axes_of(body.free, labels, 0 if nodes is None else len(nodes))
+    n_nodes = None if labels is None else len(np.unique(labels[:, 0]))
     centre = extent = density = speed = None
     if nodes is not None and axes is not None:
         extent = np.ptp(nodes, axis=0)
@@ -139,7 +142,7 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
     residuals = _residuals(body, axes)
     return Audit(
         n_dofs=body.n_dofs,
-        n_nodes=_n_nodes(body),
+        n_nodes=n_nodes if nodes is None else len(nodes),
         mass=body.mass,
         centre=centre,
         extent=extent,
@@ -183,18 +186,6 @@ def _node(body: Any) -> IntArray:
     """The node of each row."""
     found: IntArray = body.free // 3 % len(body.nodes)
     return found
-
-
-def _n_nodes(body: Any) -> int | None:
-    if body.nodes is not None:
-        return len(body.nodes)
-    return None if body.labels is None else len(np.unique(body.labels[:, 0]))
-
-
-def _axes(body: Any) -> FloatArray | None:
-    if body.free is None and body.labels is None:
-        return None
-    return np.stack([body.translation(axis) for axis in np.eye(3)], axis=1)
 
 
 def _residuals(body: Any, axes: FloatArray | None) -> tuple[float, ...]:

@@ -38,7 +38,7 @@ from ..linalg import LinearSolver
 from ..mesh import AT_NODE, nearest_line, surface_shape
 from .beams import Beam, beam_motion
 from .compliance import ContactCompliance
-from .composition import material_of, pieces
+from .composition import OneMaterial, material_of, pieces
 from .contactsurface import ContactSurface, contact_surface
 from .extraction import Extraction, extracted
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
@@ -51,7 +51,6 @@ from .thinextraction import extracted_from_beam, extracted_from_shell, patch_on_
 from .touch import (
     Touch,
     edge_length,
-    material_at,
     normal_at,
     of_face,
     pressed_normal,
@@ -262,19 +261,22 @@ class ContactPoint(Frozen):
         )
 
     @cached_property
-    def thin(self) -> Layers | Beam | None:
-        """The shell or beam that is touched; None of a solid, and without a mesh."""
-        surface, material = self.body.surface, self.body.material
-        if self.body.mesh is None or material is None or self.point is None:
-            return None
-        if not self.body.mesh.thin:
+    def made_of(self) -> OneMaterial | None:
+        """What the element at the contact is made of; None without a mesh.
+
+        :meta private:
+        """
+        mesh, surface, material = self.body.mesh, self.body.surface, self.body.material
+        if mesh is None or material is None or self.point is None:
             return None
         if surface is None:
-            cell = nearest_line(self.body.mesh, self.point)[0]
-            of = material_of(material, cell)
-        else:
-            of = of_face(surface, material, int(surface.nearest(self.point).face[0]))
-        return of if isinstance(of, (Layers, Beam)) else None
+            return material_of(material, nearest_line(mesh, self.point)[0])
+        return of_face(surface, material, int(surface.nearest(self.point).face[0]))
+
+    @property
+    def thin(self) -> Layers | Beam | None:
+        """The shell or beam that is touched; None of a solid, and without a mesh."""
+        return self.made_of if isinstance(self.made_of, (Layers, Beam)) else None
 
     @property
     def _along_beam(self) -> float:
@@ -314,31 +316,26 @@ class ContactPoint(Frozen):
         InputError
             If a shell lies on solids there.
         """
-        if not self._on_surface:
+        if not self.on_surface:
             return None
         shift = SHIFT_TIMES_DURATION / own_contact_time(self)
         return self._extracted(self.body.inverse(shift**2))
 
     @property
-    def half_space_compliance(self) -> float | None:
-        """Mean displacement of a half-space under the contact's pressure, 0.6/(a E*), m/N.
+    def on_surface(self) -> bool:
+        """True at a place of a mesh whose surface has a normal.
 
         :meta private:
         """
-        if not self._on_surface:
-            return None
-        assert self.material is not None
-        return 0.6 / (self._width * self.material.plane_strain_modulus)
+        known = self.point, self.direction, self.body.mesh, self.normal
+        return all(one is not None for one in known)
 
     @property
-    def _on_surface(self) -> bool:
-        if self.point is None or self.direction is None or self.body.mesh is None:
-            return False
-        return self.normal is not None
+    def width(self) -> float:
+        """Radius of the contact itself, m, or about that.
 
-    @property
-    def _width(self) -> float:
-        """Radius of the contact itself, m, or about that."""
+        :meta private:
+        """
         if self.contact_radius is not None:
             return self.contact_radius
         assert self.point is not None
@@ -367,7 +364,7 @@ class ContactPoint(Frozen):
         assert self.point is not None
         assert self.direction is not None
         if isinstance(self.thin, Beam):
-            return extracted_from_beam(self, self.thin, self._width, solver)
+            return extracted_from_beam(self, self.thin, self.width, solver)
         assert self.body.surface is not None
         normal = normal_at(self.body.surface, self.point)
         if self._covered:
@@ -378,8 +375,8 @@ class ContactPoint(Frozen):
         if self.thin is not None:
             assert self.normal is not None
             layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
-            return extracted_from_shell(self, layers, self._width, solver)
-        found = extracted(self, normal, self._width, solver)
+            return extracted_from_shell(self, layers, self.width, solver)
+        found = extracted(self, normal, self.width, solver)
         given = self.patch is not None and not self.automatic
         if given and -found.removed > found.error:  # more than the mesh explains
             assert self.patch is not None
@@ -403,7 +400,7 @@ class ContactPoint(Frozen):
         :meta private:
         """
         tip = replace(self, contact_radius=contact_radius, shift=math.sqrt(solver.s2))
-        if self._on_surface:
+        if self.on_surface:
             vars(tip)["extraction"] = tip._extracted(solver)
         return tip
 
@@ -445,15 +442,18 @@ class ContactPoint(Frozen):
 
         Of an orthotropic one the isotropic stand-in of its half-space, `Orthotropic.half_space`.
         """
-        surface, material = self.body.surface, self.body.material
-        if isinstance(self.thin, Beam):
-            return self.thin.material
-        if surface is None or material is None or self.point is None:
+        of, normal = self.made_of, self.direction if self.normal is None else self.normal
+        if isinstance(of, Beam):
+            return of.material
+        if of is None or normal is None:
             return None
-        normal = self.direction if self.normal is None else self.normal
-        if normal is None:
-            return None
-        return material_at(surface, material, self.point, normal)
+        if isinstance(of, Layers):
+            assert self.body.surface is not None
+            assert self.point is not None
+            here = self.body.surface.nearest(self.point)
+            facing = self.body.surface.normal(here.face, here.uv)[0]
+            return of.half_space(top=bool(facing @ normal > 0.0))
+        return of.half_space(normal)
 
     @cached_property
     def depth(self) -> float:
@@ -570,8 +570,11 @@ def own_contact_time(tip: ContactPoint) -> float:
     On a mesh that is the half-space's under the contact's pressure, r E*/0.6; else what K gives a
     displacement of the contact's nodes alone. Infinite where K gives b no stiffness.
     """
-    compliance = tip.half_space_compliance
-    if compliance is None:
+    if tip.on_surface:
+        assert tip.material is not None
+        # The mean displacement of a half-space under the contact's pressure.
+        compliance = 0.6 / (tip.width * tip.material.plane_strain_modulus)
+    else:
         stiffness = quadratic(tip.body.K, tip.b) / float(tip.b @ tip.b) ** 2
         compliance = 1.0 / stiffness if stiffness > 0.0 else math.inf
     body = tip.body

@@ -6,14 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from ..base import FloatArray, InputError, checked, finite_array, nonnegative
 from ..mesh import SurfaceShape
 from .material import Material
-
-# How far from 1 and 0 the products of the directions may be.
-_UNIT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -30,11 +24,6 @@ class ContactSurface:
     error : float
         How wrong each curvature may be, 1/m.
 
-    Raises
-    ------
-    InputError, InputTypeError
-        If an attribute is of another type or shape, or not finite.
-
     Examples
     --------
     >>> ContactSurface(Material(E=210e9, nu=0.3, rho=7800), (100.0, 0.0)).radii
@@ -46,11 +35,6 @@ class ContactSurface:
     directions: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     error: float = 0.0
 
-    def __post_init__(self) -> None:
-        checked(self, material=(Material,), curvatures=_pair, error=_error)
-        if self.directions is not None:
-            checked(self, directions=_directions)
-
     @property
     def radii(self) -> tuple[float, float]:
         """Principal radii, m; infinite where the curvature is less than its error."""
@@ -58,23 +42,6 @@ class ContactSurface:
             math.inf if abs(kappa) <= self.error else 1.0 / kappa for kappa in self.curvatures
         )
         return first, second
-
-
-def _pair(name: str, value: Any) -> tuple[float, float]:
-    first, second = finite_array(name, value, shape=(2,), unit="1/m").tolist()
-    return first, second
-
-
-def _error(name: str, value: Any) -> float:
-    return nonnegative(name, value, unit="1/m")
-
-
-def _directions(name: str, value: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    rows: FloatArray = finite_array(name, value, shape=(2, 3))
-    if np.abs(rows @ rows.T - np.eye(2)).max() > _UNIT:
-        raise InputError(f"{name} must be two unit vectors at right angles, got {rows.tolist()}")
-    first, second = (tuple(row) for row in rows.tolist())
-    return first, second
 
 
 def contact_surface(shape: SurfaceShape, material: Material) -> ContactSurface:

@@ -12,7 +12,6 @@ from ..mesh import Mesh, Place, Surface, nearest_line
 from .beams import Beam, beam_motion
 from .composition import AnyMaterial, OneMaterial, material_of
 from .laminate import Layers
-from .material import Material
 from .patch import Patch, spread
 from .shells import linked, nodal_normals
 
@@ -165,18 +164,6 @@ def motion_between(
         by_shift = np.eye(3)[:, None] * shape[:, None]
         return cell, np.stack([by_shift, linked(corners, normals, shape[None])[0]], axis=2)
     return None
-
-
-def material_at(
-    surface: Surface, material: AnyMaterial, point: FloatArray, normal: FloatArray
-) -> Material:
-    """Return what a contact at a point of the surface meets: as a half-space, and isotropic."""
-    place = surface.nearest(point)
-    of = of_face(surface, material, int(place.face[0]))
-    if isinstance(of, Layers):
-        return of.half_space(top=bool(surface.normal(place.face, place.uv)[0] @ normal > 0.0))
-    assert not isinstance(of, Beam)  # lines have no faces
-    return of.half_space(normal)
 
 
 def of_face(surface: Surface, material: AnyMaterial, face: int) -> OneMaterial:

@@ -176,10 +176,6 @@ def test_a_curvature_less_than_its_error_is_flat() -> None:
 def test_surfaces_are_checked() -> None:
     with pytest.raises(ao.InputTypeError, match=r"^projectile_surface"):
         law_between(STEEL, curved(0.01, 0.01))  # type: ignore[arg-type]
-    with pytest.raises(ao.InputError, match=r"^directions"):
-        ContactSurface(STEEL, (1.0, 1.0), ((1.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
-    with pytest.raises(ao.InputError, match=r"^error"):
-        ContactSurface(STEEL, (1.0, 1.0), None, -1.0)
     with pytest.raises(ao.InputError, match=r"^radius"):
         ao.ball(1e90, STEEL)
     assert ao.rigid(1.0).surface is None
