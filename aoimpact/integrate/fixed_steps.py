@@ -36,11 +36,12 @@ _PRECISION, _ROUGHEST = 4e-4, 0.1
 # These make an error of second order 4^16 = 4e9 times smaller: what is left does not converge.
 _MOST_HALVINGS = 16
 
-# A very short step, relative to one of the run: nothing that has mass moves.
+# Length of the step that finds the forces at t = 0, relative to the run's: nothing that has mass
+# moves in it.
 _INSTANT = 2.0**-10
 
-# By how much it is shortened at a time, and how often at most; and the change of the forces, of the
-# largest, at which that ends: they change with the square of its length. Of 132 random runs on
+# Factor by which that step is shortened, maximum number of shortenings, and relative change of the
+# forces at which to stop: they change with the square of its length. Of 132 random runs on
 # massless points 104 need no second shortening, 19 up to five, and 9 take all six.
 _SHORTENED, _MOST_SHORTENED, _SAME_START = 2.0**-4, 6, 1e-6
 

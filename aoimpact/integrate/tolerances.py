@@ -77,7 +77,7 @@ PATIENCE = 20
 # touch itself by 7e-6.
 FRICTION = 1e-5
 
-# An energy that has grown by more than this factor is not an error of the tolerance.
+# Energy growth above this factor means a faulty law or run, not integration error.
 GAIN = 1.5
 
 # A touch that begins at a smaller share than this of its mean rate begins at no certain time: of

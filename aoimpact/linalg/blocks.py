@@ -18,9 +18,9 @@ Part = tuple[int, int]
 # AOI_BLOCKS_WORK of csrc/multigrid/multigrid.h; the core refuses work space of any other length.
 _WORK = 3
 
-# Dofs of a part at least, and most parts. Each cut stores a layer of elements twice: four parts of
-# a plate of 268 000 dofs store 2 % more, those of a cube 5 %. To hand a part over takes 20 µs, a
-# product of so many dofs 1 to 2 ms.
+# Minimum dofs of a part, and maximum number of parts. Each cut stores a layer of elements
+# twice: four parts of a plate of 268 000 dofs store 2 % more, those of a cube 5 %. To hand a part
+# over takes 20 µs, a product of so many dofs 1 to 2 ms.
 _LEAST, _MOST_PARTS = 30_000, 4
 
 

@@ -43,7 +43,7 @@ SOLVERS = ("auto", *METHODS)
 _TOLERANCE = 1e-10
 _REFINEMENTS = 5
 
-# ‖f - A x‖ / (max A_ii ‖x‖) that rounding leaves in any solution: some hundred roundings.
+# Largest ‖f - A x‖ / (max A_ii ‖x‖) due to rounding: some hundred roundings.
 _LEFT_BY_ROUNDING = 2e-14
 
 # Estimated seconds up to which factors are taken though iterations may be as quick: they serve any

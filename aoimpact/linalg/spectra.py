@@ -21,9 +21,8 @@ DENSE_DOFS = 500
 # Eigenvalues closer than this, relative, are one multiple eigenvalue.
 EQUAL = 1e-9
 
-# ARPACK takes a few restarts where s² is near the lowest eigenvalues. It needs more than these
-# where they lie close together, as if K and M had changed places; up to so many dofs dense matrices
-# serve.
+# Maximum restarts of ARPACK, and dofs up to which dense matrices replace it where these do not
+# suffice: where the eigenvalues lie close together, as if K and M had changed places.
 _RESTARTS, _DENSE_AT_WORST = 200, 2000
 
 # Least elastic eigenvalue over the first guess of s²: below it is rounding.
@@ -42,7 +41,7 @@ _SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
 # and the next s² is a hundredth of that.
 _INVERSE_STEPS, _FURTHER = 8, 0.01
 
-# eps |φ|ᵀ|K||φ| over φᵀKφ of a mode from which on it is lost. The first ω of bars and plates
+# Largest eps |φ|ᵀ|K||φ| over φᵀKφ of a mode that K's digits hold. The first ω of bars and plates
 # 1 000 to 10 000 times as long as thick is off by 1 % and more above, by 0.3 % at most below.
 _DROWNED = 0.2
 

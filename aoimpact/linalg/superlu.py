@@ -18,8 +18,7 @@ from .pencil import Pencil
 # alone could have made it so.
 _SINGULAR = 2e-15
 
-# By how much one inverse iteration may fall short of 1/condition, over √n: far more than a random
-# start is at right angles to the softest motion.
+# Safety factor (times √n) for estimating 1/condition by one inverse iteration from a random vector.
 _UNLUCKY = 100.0
 
 # Dofs up to which the signs of the pivots are checked: SciPy copies all factors to show them.
