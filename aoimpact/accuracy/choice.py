@@ -149,7 +149,7 @@ def choose_models(
     def trial(models: Models) -> Run:
         """A run whose bodies determine the length of the record, unless they are yet rigid."""
         flexible = all(
-            _order(model) or _order(getattr(body, "given", body)) == 0
+            _order(model) or getattr(body, "most", _order(body)) == 0
             for model, body in zip(models, bodies, strict=True)
         )
         with held_warnings():  # the last run repeats those of the chosen models

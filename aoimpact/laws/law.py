@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import Field, dataclass, field, fields, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, ClassVar, NamedTuple, Self, cast
 
 import numpy as np
@@ -234,7 +234,17 @@ class ContactLaw:
         """
         # A note is the core's word on where and why a law gave no force.
         note = _NO_NOTE.copy()
-        return CoreLaw(self.kind, self._parameters(), 0.0, self.limit, note, self._data())
+        return CoreLaw(*self._row, 0.0, self.limit, note, self._data())
+
+    @cached_property
+    def _row(self) -> tuple[str, tuple[float, ...]]:
+        return self.kind, self._parameters()
+
+    @property
+    def _static_power(self) -> tuple[float, float] | None:
+        """log k and n of a law whose force at no rate is k δⁿ; None of others."""
+        k = None if self.has_memory else getattr(self, "k", None)
+        return None if k is None else (math.log(k), float(getattr(self, "n", self.power)))
 
     def force(
         self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0, *, along: bool = False
@@ -341,6 +351,12 @@ class ContactLaw:
 
     def _steepest(self, compliance: float) -> float:
         """Return the own indentation, m, up to which c dF/dδ is less than the share allowed."""
+        if self._static_power is not None:  # c k n δ^(n-1) is that share
+            log_k, n = self._static_power
+            left = math.log(MOST_SHARE / compliance) - math.log(n) - log_k
+            if left <= (n - 1.0) * math.log(_INDENTATIONS[0]):
+                raise InputError(f"compliance={compliance:g} m/N is more than {self!r} has itself")
+            return math.exp(left / (n - 1.0)) if left < (n - 1.0) * _LONGEST else math.inf
 
         def excess(delta: FloatArray | float) -> FloatArray:
             return compliance * self._stiffest(np.asarray(delta)) - MOST_SHARE
@@ -390,6 +406,13 @@ class ContactLaw:
         0.0001
         """
         wanted = positive("energy", energy, unit="J")
+        if self._static_power is not None:  # k δ^(n+1)/(n+1)
+            log_k, n = self._static_power
+            stroke = (math.log(wanted) + math.log(n + 1.0) - log_k) / (n + 1.0)
+            if abs(stroke) > _LONGEST:
+                which = "takes" if stroke < 0.0 else "never takes"
+                raise InputError(f"{self!r} {which} an energy of {wanted:g} J within its range")
+            return math.exp(stroke)
         end = min(math.log(self.limit * (1.0 - 1e-12)), _LONGEST)
 
         def excess(log_indentation: float) -> float:

@@ -266,10 +266,10 @@ class KelvinVoigt(ContactLaw, kind="kelvin_voigt", depends_on_rate=True, damped_
     end: str = field(default="force", metadata=parameter(choice, options=("force", "indentation")))
 
     def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.end == "indentation":
+        if isinstance(self.end, str) and self.end == "indentation":
             object.__setattr__(self, "pulls", True)
             object.__setattr__(self, "kind", "kelvin_voigt_pulling")
+        super().__post_init__()
 
     @classmethod
     def from_restitution(
