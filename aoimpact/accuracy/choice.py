@@ -13,7 +13,6 @@ import numpy as np
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn, with_unit
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
-from ..reduction import Body
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import Models, fixed_model, only_models
@@ -133,7 +132,7 @@ def choose_models(
     meshed = any(body.contact_points for body in bodies)
     kept = {
         body: body
-        if body.reducible or (truncated and isinstance(body, Body) and body.ports == 1)
+        if body.reducible or (truncated and body.ports == 1 and "full" not in body.label)
         else fixed_model(body)
         for body in bodies
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from time import perf_counter
 from typing import ClassVar
 
@@ -18,7 +18,7 @@ from ..base import (
     warn,
 )
 from ..laws import ContactLaw, check_width
-from ..scene import Plan, coordinates
+from ..scene import Plan
 from .events import Events, find_events, find_slips
 from .motion import ForcedMotion
 from .newmark import Newmark, Record, Start, newmark_run, steps_of
@@ -96,9 +96,7 @@ class SteppedRecorder:
         return self.plan.layout.pushes(self.record.rows).copy()
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
-        model = self.plan.bodies[body]
-        u, v = (coordinates(model, of) for of in self.record.final[body])
-        return u, v
+        return self.record.final[body]
 
     @cached_property
     def events(self) -> tuple[Events, ...]:
@@ -123,7 +121,7 @@ class SteppedRecorder:
         return tuple(found)
 
     def motion(self, body: int) -> ForcedMotion:
-        plan, model = self.plan, self.plan.bodies[body]
+        plan = self.plan
         forces = plan.port_forces(body, self.times, plan.layout.pushes(self.record.rows))
         equations = plan.stepped(body).equations
         return ForcedMotion(
@@ -131,7 +129,6 @@ class SteppedRecorder:
             self.rule,
             self.record.dt,
             forces[: equations.B.shape[1]],  # a wall has no weight
-            partial(coordinates, model),
         )
 
 

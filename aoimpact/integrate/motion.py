@@ -7,7 +7,7 @@ these takes the body through the very states that it had in the run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -92,15 +92,12 @@ class ForcedMotion:
         s.
     forces : ndarray, shape (p, steps + 1)
         As `Plan.port_forces` gives them.
-    model : callable
-        The model's coordinates from those that are stepped, (n,) or (n, times).
     """
 
     equations: Equations
     rule: Newmark
     dt: float
     forces: FloatArray
-    model: Callable[[FloatArray], FloatArray]
 
     @property
     def duration(self) -> float:
@@ -132,7 +129,7 @@ class ForcedMotion:
         kept: list[FloatArray] = []
         for step, state in enumerate(self._states(int(steps[-1]))):
             if step == steps[len(kept)]:
-                q = np.array([self.model(values) for values in state])
+                q = np.array(state)
                 kept.append(q if rows is None else np.array([rows @ one for one in q]))
         seen = np.array(kept).transpose(1, 2, 0)
         left, right = where.reshape(2, -1)

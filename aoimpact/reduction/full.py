@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -138,30 +138,14 @@ class FullModel(Frozen, BodyModel):
         ports = root[: self.ports]
         return np.outer(ports, ports), ports * root[-1] if weighed else np.zeros(self.ports)
 
-    @cached_property
-    def damped_modes(self) -> Body | None:
-        """All natural modes, where damping is given by them; else None.
-
-        :meta private:
-        """
-        if not isinstance(self.body.damping, ModalDamping):
-            return None
-        if self.dofs > _MODAL_MOST:
-            raise InputError(
-                f"damping={self.body.damping!r} on the full model of {self.dofs} dofs needs all of "
-                f"its modes, which are computed up to {_MODAL_MOST} dofs; give Rayleigh(alpha=, "
-                "beta=), or simulate a reduced model: antioscillators(tip) or modal(tip, n)"
-            )
-        return modal(self.tips[0], self.dofs)
-
     @property
     def label(self) -> str:
         """Kind of the model, "full(3159)"."""
         return f"full({self.dofs})"
 
 
-def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
-    """Return the full finite-element model of a body.
+def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel | Body:
+    """Return the full finite-element model of a body; by all of its modes where these are damped.
 
     Parameters
     ----------
@@ -171,7 +155,8 @@ def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
     Raises
     ------
     InputError, InputTypeError
-        If there is none, they are on different bodies, or they are no contact points.
+        If there is none, they are on different bodies, or they are no contact points; or if a large
+        body is damped by its modes.
 
     Examples
     --------
@@ -180,7 +165,17 @@ def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
     >>> full(cube.contact(point=(0.005, 0.005, 0.0))).label
     'full(192)'
     """
-    return FullModel(checked_ports("tips", tips))
+    ports = checked_ports("tips", tips)
+    body = ports[0].body
+    if not isinstance(body.damping, ModalDamping):
+        return FullModel(ports)
+    if body.n_dofs > _MODAL_MOST:
+        raise InputError(
+            f"damping={body.damping!r} on the full model of {body.n_dofs} dofs needs all of its "
+            f"modes, which are computed up to {_MODAL_MOST} dofs; give Rayleigh(alpha=, beta=), or "
+            "simulate a reduced model: antioscillators(tip) or modal(tip, n)"
+        )
+    return replace(modal(ports, body.n_dofs), kind="full")
 
 
 def body_model(name: str, body: Any) -> BodyModel:

@@ -4,7 +4,7 @@ A `Plan` is all that a run needs to know. `impact` makes plans, `integrate` runs
 reads them; what a user calls a `Scene` stands in `impact`.
 """
 
-from .bodies import coordinates, stepped
+from .bodies import stepped
 from .contact import (
     Contact,
     Friction,

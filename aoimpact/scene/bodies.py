@@ -1,11 +1,6 @@
-"""Bodies as Newmark's rule steps them: in natural modes, a full model in its degrees of freedom.
-
-A full model whose damping is given by modes is stepped in all of these.
-"""
+"""Bodies as Newmark's rule steps them: in natural modes, a full model in its degrees of freedom."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
@@ -37,44 +32,18 @@ def stepped(
     rest : ndarray, shape (n,), optional
         Displacements of its modes (`modal`) at the start; undeformed if not given.
     """
-    if isinstance(model, FullModel):
-        return _stepped_full(model, velocity, gravity, load, rest)
-    modal = model.modal
-    parts = dict(zip(PARTS, modal.for_core(gravity, load), strict=True))
-    return SteppedBody(
-        parts, np.zeros(len(modal.omega)) if rest is None else rest, modal.rates(velocity)
-    )
-
-
-def coordinates(model: BodyModel, values: FloatArray) -> FloatArray:
-    """Return a model's coordinates (or rates) from those that are stepped."""
-    modes = model.damped_modes if isinstance(model, FullModel) else None
-    return values if modes is None else modes.modes @ values
-
-
-def _stepped_full(
-    model: FullModel,
-    velocity: Velocity,
-    gravity: Pull,
-    load: tuple[FloatArray, FloatArray] | None,
-    rest: FloatArray | None,
-) -> SteppedBody:
-    body, modes = model.body, model.damped_modes
+    if not isinstance(model, FullModel):
+        modal = model.modal
+        parts = dict(zip(PARTS, modal.for_core(gravity, load), strict=True))
+        start = np.zeros(len(modal.omega)) if rest is None else rest
+        return SteppedBody(parts, start, modal.rates(velocity))
+    body = model.body
     u = np.zeros(model.dofs) if rest is None else model.modal.expand(rest)
     v = model.rates(velocity)
     B = np.ascontiguousarray([tip.b for tip in model.tips])
     times, forces = (None, None) if load is None else load
-    parts: dict[str, Any] = {"shape": B, "push": B, "load_time": times, "load_force": forces}
+    parts = {"shape": B, "push": B, "load_time": times, "load_force": forces}
     parts["gravity"] = model.weight(gravity) if np.any(gravity) else None
     parts["centre"] = np.ascontiguousarray(model.centre_of_mass[0])
-    if modes is None:
-        damping = body.damping if isinstance(body.damping, Rayleigh) else Rayleigh()
-        return SteppedFull(parts, u, v, body.K, body.M, damping)
-    phi, omega = modes.modes, modes.omega
-    assert body.damping is not None
-    shape = np.ascontiguousarray(B @ phi)
-    parts |= {"omega": omega, "decay": body.damping.decay(omega), "shape": shape, "push": shape}
-    parts |= {"centre": phi.T @ parts["centre"], "inertia": np.ones_like(omega)}
-    if parts["gravity"] is not None:
-        parts["gravity"] = phi.T @ parts["gravity"]
-    return SteppedBody(parts, phi.T @ (body.M @ u), phi.T @ (body.M @ v))
+    damping = body.damping if isinstance(body.damping, Rayleigh) else Rayleigh()
+    return SteppedFull(parts, u, v, body.K, body.M, damping)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ import aoimpact as ao
 from aoimpact import ModalDamping, Rayleigh
 from aoimpact.integrate import solve_adaptive
 from aoimpact.integrate.motion import DenseMotion, ForcedMotion
-from aoimpact.scene import Contact, Equations, Load, Plan, coordinates, stepped
+from aoimpact.scene import Contact, Equations, Load, Plan, stepped
 
 from slender import beam
 
@@ -33,7 +32,7 @@ def star(m0: float, damping: Any = None) -> ao.AOModel:
     return ao.AOModel(m0=m0, k0=1e5, m=[0.1, 0.2], k=[1e6, 1e7], damping=damping)
 
 
-def full(damping: Any = None) -> ao.FullModel:
+def full(damping: Any = None) -> ao.FullModel | ao.Body:
     K, M = beam(8, fixed=(0, 16))
     return ao.full(ao.FEModel(K=1e4 * K, M=M, damping=damping).contact(dof=7))
 
@@ -64,7 +63,7 @@ def mass_under_growing_force(dt: float, steps: int) -> ForcedMotion:
     forces = 6.0 * dt * np.arange(steps + 1)
     rule = ao.Newmark(dt=dt, beta=1 / 6, gamma=0.5)  # exact for accelerations linear in time
     equations = Equations(0.0 * one, one, 0.0 * one, np.eye(1), np.zeros(1), np.array([2.0]))
-    return ForcedMotion(equations, rule, dt, forces[None], lambda values: values)
+    return ForcedMotion(equations, rule, dt, forces[None])
 
 
 def test_linear_acceleration_is_integrated_exactly() -> None:
@@ -107,7 +106,7 @@ def test_rows_of_a_forced_motion_are_products_with_the_coordinates() -> None:
     body, rule = full(), ao.Newmark(dt=1e-3, estimate=False)
     b = body.tips[0].b
     forces = np.sin(np.linspace(0.0, 3.0, 101))[None]
-    forced = ForcedMotion(stepped(body).equations, rule, 1e-3, forces, partial(coordinates, body))
+    forced = ForcedMotion(stepped(body).equations, rule, 1e-3, forces)
     t = np.array([0.0123, 0.05, 0.1])
     for seen, whole in zip(
         forced.observed(sp.csr_array(b[None]), t), forced.observed(None, t), strict=True
