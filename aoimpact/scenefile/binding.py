@@ -16,6 +16,7 @@ from pathlib import Path
 from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
+from .. import fem
 from ..base import nearest
 from .lines import Place
 
@@ -24,7 +25,8 @@ class Numbers:
     """Stands in annotations for arrays: a number, or lists of numbers of any depth."""
 
 
-_STAND_INS = {"npt": SimpleNamespace(ArrayLike=Numbers), "FloatArray": Numbers}
+# What annotations name: also what a body's methods return, whose files import that of bodies.
+_STAND_INS = vars(fem) | {"npt": SimpleNamespace(ArrayLike=Numbers), "FloatArray": Numbers}
 
 
 @dataclass(frozen=True, eq=False)
