@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, Frozen, InputError, InputTypeError, IntArray, with_unit
+from ..base import FloatArray, Frozen, InputError, InputTypeError, IntArray, plain, with_unit
 from ..mesh import Block, Mesh, ReferenceElement, group
 from .beams import Beam
+from .labels import label_of
 from .laminate import Layers
 from .orthotropic import Solid
 
@@ -111,11 +112,12 @@ def _of_elements(mesh: Mesh, given: Any) -> AnyMaterial:
             other = list(given)[int(owner[twice[0]])]
             raise InputError(
                 f"material: {len(twice)} elements are in both groups {other!r} and {name!r}, the "
-                f"first is element {_called(mesh, twice[0])}; each needs exactly one material"
+                f"first is element {label_of(int(twice[0]), mesh.cell_labels)}; each needs exactly "
+                "one material"
             )
         owner[cells] = number
     if (owner < 0).any():
-        raise InputError(_left_over(mesh, owner, given))
+        raise InputError(_left_over(mesh, owner))
     distinct: dict[OneMaterial, int] = {}
     number_of = [distinct.setdefault(material, len(distinct)) for material in given.values()]
     if len(distinct) == 1:
@@ -130,24 +132,15 @@ def thin_groups(given: Any) -> tuple[str, ...]:
     return tuple(name for name, of in given.items() if isinstance(of, (Layers, Beam)))
 
 
-def _called(mesh: Mesh, cell: int) -> int:
-    """The number by which a user knows an element."""
-    return int(cell if mesh.cell_labels is None else mesh.cell_labels[cell])
-
-
-def _left_over(mesh: Mesh, owner: IntArray, given: Mapping[str, Any]) -> str:
+def _left_over(mesh: Mesh, owner: IntArray) -> str:
     bare = np.flatnonzero(owner < 0)
-    counts = {
-        name: int((owner[cells] < 0).sum())
-        for name, cells in mesh.cell_sets.items()
-        if name not in given
-    }
+    counts = {name: int((owner[cells] < 0).sum()) for name, cells in mesh.cell_sets.items()}
     where = ", ".join(f"{count} of them in {name!r}" for name, count in counts.items() if count)
-    place = ", ".join(f"{x:.4g}" for x in mesh.nodes[mesh.cells[bare[0]]].mean(axis=0))
+    place = plain(mesh.nodes[mesh.cells[bare[0]]].mean(axis=0))
     return (
         f"material: {len(bare)} of {mesh.n_cells} elements have none, the first is element "
-        f"{_called(mesh, bare[0])} near ({place}) m: give the material of their groups "
-        f"({where or 'no group has any of them; name them in the mesher'})"
+        f"{label_of(int(bare[0]), mesh.cell_labels)} near {place} m: give the material of their "
+        f"groups ({where or 'no group has any of them; name them in the mesher'})"
     )
 
 

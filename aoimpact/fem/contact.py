@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import (
-    HUGE,
     FloatArray,
     Frozen,
     InputError,
@@ -608,7 +607,16 @@ def contact_point(
         if radius != "auto":
             raise InputError(f'expected is for radius="auto", but radius={radius!r} was given')
         expected = positive("expected", expected, unit="m")
-    _check_one({"point": point, "node": node, "dof": dof, "b": b}, direction)
+    given = {"point": point, "node": node, "dof": dof, "b": b}
+    names = [name for name, value in given.items() if value is not None]
+    if not names:
+        raise InputTypeError("contact needs what is touched: point=(x, y, z), node=, dof= or b=")
+    if len(names) > 1:
+        raise InputError(f"give either {' or '.join(names)}, not both")
+    if direction is not None and names[0] in ("dof", "b"):
+        raise InputError(
+            f"give either {names[0]}, or point and direction, not both: {names[0]} has its own"
+        )
     if radius not in ("auto", 0.0) and (dof is not None or body.surface is None):
         what = "a single dof" if dof is not None else "a body without faces of elements"
         raise InputError(
@@ -652,12 +660,8 @@ def _at_point(
     if body.mesh is None:
         assert along is not None
         return _made(body, _on_node(body, _nearest_node(body, where), along))
-    automatic = isinstance(radius, str)
-    how: dict[str, Any] = {
-        "directed": along is not None,
-        "automatic": automatic,
-        "contact_radius": expected,
-    }
+    how: dict[str, Any] = {"directed": along is not None, "contact_radius": expected}
+    how["automatic"] = isinstance(radius, str)
     surface = body.surface
     if surface is None:
         return _made(body, _on_beam(body, where, along), **how)
@@ -676,18 +680,6 @@ def _at_point(
         wide = min(wide, _OF_DEPTH * thickness(surface, where, normal))
     wide = wide if expected is None else PATCH_OVER_CONTACT * expected
     return _with_room(body, where, along, wide, how)
-
-
-def _check_one(given: dict[str, Any], direction: Any) -> None:
-    names = [name for name, value in given.items() if value is not None]
-    if not names:
-        raise InputTypeError("contact needs what is touched: point=(x, y, z), node=, dof= or b=")
-    if len(names) > 1:
-        raise InputError(f"give either {' or '.join(names)}, not both")
-    if direction is not None and names[0] in ("dof", "b"):
-        raise InputError(
-            f"give either {names[0]}, or point and direction, not both: {names[0]} has its own"
-        )
 
 
 def rim_distance(tip: ContactPoint) -> float:
@@ -812,29 +804,24 @@ def _on_beam(body: FEModel, point: FloatArray, along: FloatArray | None) -> Touc
 
 
 def _at_dof(body: FEModel, dof: int) -> ContactPoint:
-    b = np.zeros(body.n_dofs)
-    b[dof] = 1.0
+    b = np.eye(1, body.n_dofs, dof)[0]
     if body.nodes is None or body.free is None:
-        return ContactPoint(body, b, None, None, None)
+        return ContactPoint(body, b)
     node, component = divmod(int(body.free[dof]), 3)
     if node >= len(body.nodes):
-        return ContactPoint(body, b, None, body.nodes[node - len(body.nodes)], None)
+        return ContactPoint(body, b, point=body.nodes[node - len(body.nodes)])
     return _placed(ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node))
 
 
 def _of_functional(body: FEModel, b: Any, radius: float | str) -> ContactPoint:
     """The contact of a functional of one's own, with as much of a place as it has."""
-    values = finite_array("b", b, ndim=1, most=HUGE).copy()
+    values = finite_array("b", b, ndim=1).copy()
     if len(values) != body.n_dofs:
-        cure = "; take b[body.free]" if body.nodes is not None else ""
         whole = body.nodes is not None and len(values) == 3 * len(body.nodes)
         raise InputError(
             f"b must have one entry for each of the {body.n_dofs} rows of K, got {len(values)}"
-            + (cure if whole else "")
+            + ("; take b[body.free]" if whole else "")
         )
-    largest = np.abs(values).max()
-    if 0.0 < largest < 1.0 / HUGE:
-        raise InputError(f"b has no entry above {largest:.3g}: scale it, for a mean to a sum of 1")
     tip = ContactPoint(body, values)
     if body.nodes is not None:
         length = float(np.linalg.norm(tip.resultant))

@@ -142,14 +142,9 @@ def frequency_response(
             f"frequencies: {at:g} Hz is a natural frequency of a body without damping, whose "
             "response has no limit there; give damping, or other frequencies"
         )
-    factor = {
-        "receptance": np.ones_like(omega),
-        "mobility": 1j * omega,
-        "accelerance": -(omega**2),
-    }
-    found = np.asarray(factor[of] * values, dtype=np.complex128)
+    factor = (1j * omega) ** list(KINDS).index(of)  # a derivative for each step
     taken = 0 if modes is None else len(modes[0])
-    return FrequencyResponse(hertz, found, np.abs(factor[of]) * error, of, taken)
+    return FrequencyResponse(hertz, factor * values, np.abs(factor) * error, of, taken)
 
 
 def _solved(
