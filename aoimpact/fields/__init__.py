@@ -18,4 +18,5 @@ from .response import (
     shell_gauge_rows,
     strain_rows_at,
     stress_rows_at,
+    times_within,
 )

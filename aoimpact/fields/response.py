@@ -48,6 +48,23 @@ _DIFFERENCES = 2.0
 _LOOKS = 200
 
 
+def times_within(times: Any, end: float) -> FloatArray:
+    """Return ascending times within a record, s, shape (n,), which may be its end to rounding."""
+    wanted = np.atleast_1d(finite_array("times", times, unit="s"))
+    if wanted.ndim != 1:
+        raise InputError(f"times must be a flat list, got shape {wanted.shape}; ravel it")
+    falls = np.flatnonzero(np.diff(wanted) < 0.0)
+    if len(falls):
+        before, after = wanted[falls[0] : falls[0] + 2]
+        raise InputError(f"times must ascend, got {before:g} s before {after:g} s; sort them")
+    if wanted.size and (wanted[0] < 0.0 or wanted[-1] > end * (1.0 + 1e-12)):
+        raise InputError(
+            f"times must lie within the record, 0 to {end:g} s, got {wanted[0]:g} to "
+            f"{wanted[-1]:g} s; take a longer duration"
+        )
+    return wanted
+
+
 def stress_rows_at(body: FEModel, point: FloatArray, layer: Layer) -> StressRows:
     """Return the stress at a point of a body by its dofs."""
     solid(body, "stress")
@@ -451,15 +468,9 @@ class Response:
         return self.body.free
 
     def _times(self, times: Any) -> FloatArray:
-        wanted = np.atleast_1d(finite_array("times", times, unit="s"))
-        if wanted.ndim != 1 or wanted.size == 0 or (np.diff(wanted) < 0.0).any():
-            raise InputError(f"times must be a flat ascending list, got shape {wanted.shape}")
-        end = self.motion.duration
-        if wanted[0] < 0.0 or wanted[-1] > end * (1.0 + 1e-12):
-            raise InputError(
-                f"times must lie within the record, 0 to {end:g} s, got {wanted[0]:g} to "
-                f"{wanted[-1]:g} s; take a longer duration"
-            )
+        wanted = times_within(times, self.motion.duration)
+        if not wanted.size:
+            raise InputError("times must have at least one, got none")
         return wanted
 
     def stress(

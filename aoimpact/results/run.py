@@ -28,7 +28,7 @@ from ..base import (
     with_unit,
     write_csv,
 )
-from ..fields import Picture, Response, movie_path, response_of
+from ..fields import Picture, Response, movie_path, response_of, times_within
 from ..integrate import Events, Recorder
 from ..laws import Dent, own_law
 from ..reduction import FullModel
@@ -399,19 +399,8 @@ class Run:
                 "times: this run has fixed steps, with nothing known between them; take its own t, "
                 "or call simulate(..., solver=Adaptive(...)) for dense output"
             )
-        wanted = np.atleast_1d(finite_array("times", times, unit="s"))
-        if wanted.ndim != 1:
-            raise InputError(f"times must be a flat list, got shape {wanted.shape}; ravel it")
-        falls = np.flatnonzero(np.diff(wanted) < 0.0)
-        if len(falls):
-            before, after = wanted[falls[0] : falls[0] + 2]
-            raise InputError(f"times must ascend, got {before:g} s before {after:g} s; sort them")
-        if wanted.size and (wanted[0] < 0.0 or wanted[-1] > self.duration):
-            raise InputError(
-                f"times must lie within the record, 0 to {self.duration:g} s, got "
-                f"{wanted[0]:g} to {wanted[-1]:g} s"
-            )
-        return replace(self, asked=wanted.astype(np.float64, copy=True))
+        wanted = np.minimum(times_within(times, self.duration), self.duration)
+        return replace(self, asked=wanted)
 
     # ---------------------------------------------------------------------- events
 
