@@ -22,7 +22,7 @@ from aoimpact.base.errors import (
     MemoryLimitError,
     MeshError,
 )
-from aoimpact.fem.assembly import stiffness_mass
+from aoimpact.fem import stiffness_mass
 from aoimpact.io import read_mesh
 from aoimpact.mesh import KINDS, Mesh, box_mesh, meshio_of_all_kinds, reference_element
 

@@ -12,7 +12,7 @@ from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTri
 
 from aoimpact.base.errors import MeshError
-from aoimpact.fem.model import FEModel
+from aoimpact.fem import FEModel
 from aoimpact.mesh import KINDS, Mesh, Surface, boundary, box_mesh, reference_element, sphere_mesh
 
 FloatArray = npt.NDArray[np.float64]
