@@ -266,12 +266,9 @@ static const double FINEST_CURVE = 4e-6, WITHIN_STEP = 0.01, NEWTON_SHARE = 1e-2
 
 static void begin_sliding(const aoi_adaptive *run, const aoi_contact *of, aoi_sliding *sliding, aoi_stretch *spring)
 {
-    *sliding = (aoi_sliding){.friction = *of->friction, .compliance = {{of->law->compliance}}};
-    if (of->compliance) {
-        memcpy(sliding->compliance, of->compliance, sizeof sliding->compliance);
-    }
-    sliding->friction.precision = fmax(fmin(of->friction->precision, run->rtol), FINEST_CURVE);
-    sliding->exact = sliding->friction;
+    *sliding = (aoi_sliding){.rub = aoi_rub_of(of)};
+    sliding->rub.friction.precision = fmax(fmin(of->friction->precision, run->rtol), FINEST_CURVE);
+    sliding->exact = sliding->rub.friction;
     sliding->exact.precision *= WITHIN_STEP;
     sliding->enough = NEWTON_SHARE * run->rtol;
     for (size_t p = 0; p <= AOI_PATHS; p++, spring += 2 * AOI_SPRINGS) {

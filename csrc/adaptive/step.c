@@ -163,7 +163,7 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
  * stretched at most, or, of a longer one, itself. */
 static void guess_slide(const aoi_adaptive_contact *contact, double h, double usual, aoi_contact_step *entry)
 {
-    const aoi_friction *friction = &entry->sliding->friction;
+    const aoi_friction *friction = &entry->sliding->rub.friction;
     const double stretch = friction->mu / friction->ratio;
     double largest = 0.0;
     for (size_t i = 0; i < AOI_NODES; i++) {

@@ -150,7 +150,7 @@ static double friction_share(const aoi_adaptive *run, const aoi_contact_step *no
         largest = fmax(largest, hypot(normal[1].force[k], normal[2].force[k]));
     }
     const double share = largest / force_scale(run, normal);
-    return fmin(fmax(share, LEAST_FRICTION * sliding->friction.mu), sliding->friction.mu);
+    return fmin(fmax(share, LEAST_FRICTION * sliding->rub.friction.mu), sliding->rub.friction.mu);
 }
 
 /* Tolerances are at least a few times the rounding. */
@@ -163,7 +163,7 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
     double scale = aoi_step_scale(run, normal, largest);
     double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
     if (entry->axis > 0) {
-        scale *= share / entry->sliding->friction.ratio;
+        scale *= share / entry->sliding->rub.friction.ratio;
         impulse_scale *= share;
     }
     const int at_an_end = contact->last_length == 0.0 || normal->indentation[AOI_NODES - 1] <= 0.0;
@@ -189,7 +189,7 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
     of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * share * force_scale(run, normal);
     of->drift = 0.0;
     if (entry->sliding) { /* which cannot be told from what the curve of stretches leaves out */
-        const double known = fmax(STEP_SHARE * run->rtol, entry->sliding->friction.precision);
+        const double known = fmax(STEP_SHARE * run->rtol, entry->sliding->rub.friction.precision);
         of->drift = entry->sliding->drift[entry->axis] / (known * share * force_scale(run, normal));
     }
     of->handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /

@@ -79,7 +79,7 @@ static reaction reaction_of(const aoi_adaptive *run, const aoi_contact_step *ent
     aoi_law_force(contact->law, entry->memory, aoi_step_piece(contact->law, normal), aoi_step_indentation(normal),
                   normal->start_rate, &value);
     reaction of = {value.stiffness, value.damping, aoi_system_residual(run->system, entry->contact, entry->contact)};
-    of.stiffness *= entry->axis > 0 ? entry->sliding->friction.ratio : 1.0;
+    of.stiffness *= entry->axis > 0 ? entry->sliding->rub.friction.ratio : 1.0;
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = &run->system->body[contact->body[side]];
         for (size_t j = body->n; j-- > 0 && body->omega[j] * h > AOI_PATH_FAST;) {

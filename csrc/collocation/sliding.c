@@ -71,7 +71,7 @@ static stops stops_of(const aoi_sliding *of, enum aoi_edge edge, const motion *a
 {
     stops made = {.count = 0};
     const double *point = edge == AOI_EDGE_NONE ? aoi_radau_node : aoi_radau_edge_point[edge];
-    const double slope = of->friction.mu / of->friction.ratio;
+    const double slope = of->rub.friction.mu / of->rub.friction.ratio;
     double n[2];
     direction_of(of, along, n);
     for (size_t k = 0; k < AOI_NODES; k++) {
@@ -112,11 +112,8 @@ static int look(const aoi_sliding *of, const double place[3], const aoi_slide_pa
     for (size_t i = 0; i < 3; i++) {
         equation.free[i] = place[i] - (i > 0 ? path->own[i - 1] : 0.0);
         equation.guess[i] = equation.free[i] + path->bent[i];
-        for (size_t j = 0; j < 3; j++) {
-            equation.compliance[i][j] = -of->compliance[i][j];
-        }
     }
-    return aoi_oblique_solve(&of->friction, &path->springs, &equation, found);
+    return aoi_rub_solve(&of->rub, &path->springs, &equation, found);
 }
 
 /* Takes a path there. */
@@ -228,7 +225,7 @@ static int follow(const aoi_sliding *of, const motion *along, const stops *to, s
             last = at;
         }
         if (energies) {
-            found->stretched[to->at[i]] = aoi_friction_energy(&of->friction, &path->springs);
+            found->stretched[to->at[i]] = aoi_friction_energy(&of->rub.friction, &path->springs);
         }
     }
     return AOI_OK;
@@ -271,9 +268,9 @@ int aoi_sliding_begin(aoi_sliding *of, const double place[3])
     of->stuck = found.place[0] > 0.0 ? found.stuck / found.place[0] : 0.0;
     of->slips = !(found.stuck > 0.0);
     for (size_t i = 0; i < 4; i++) {
-        bound += 0.5 * found.force[1 + i / 2] * of->compliance[1 + i / 2][1 + i % 2] * found.force[1 + i % 2];
+        bound += 0.5 * found.force[1 + i / 2] * of->rub.compliance[1 + i / 2][1 + i % 2] * found.force[1 + i % 2];
     }
-    of->work = aoi_friction_energy(&of->friction, &of->path[0].springs) - bound;
+    of->work = aoi_friction_energy(&of->rub.friction, &of->path[0].springs) - bound;
     return AOI_OK;
 }
 
@@ -287,7 +284,7 @@ void aoi_sliding_prepare(aoi_sliding *of, const aoi_contact_step *entry)
             const double depth = entry[0].indentation[ahead[i]] + path->bent[0];
             const double slide[2] = {entry[1].indentation[ahead[i]] + path->bent[1] - path->own[0],
                                      entry[2].indentation[ahead[i]] + path->bent[2] - path->own[1]};
-            (void)aoi_friction_refine(&of->friction, &path->springs, depth, 1.0, slide); /* as far as there is room */
+            (void)aoi_friction_refine(&of->rub.friction, &path->springs, depth, 1.0, slide); /* as far as there is room */
         }
     }
 }
@@ -408,7 +405,7 @@ int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
     for (size_t p = 0; p < AOI_PATHS; p++) {
         const double stays[2] = {0.0, 0.0};
         const int status =
-            aoi_friction_move(&of->friction, &of->path[p].springs, of->path[p].springs.indentation, 1.0, stays);
+            aoi_friction_move(&of->rub.friction, &of->path[p].springs, of->path[p].springs.indentation, 1.0, stays);
         of->path[p].springs.room = AOI_TRIED_SPRINGS;
         if (status != AOI_OK) {
             return status;

@@ -28,8 +28,8 @@ typedef struct aoi_slide_path {
 /* The friction of one contact. The caller sets the first block; the springs of path and trial have room.
  *   enough  change of a place relative to its scale at which Newton's method ends */
 struct aoi_sliding {
-    aoi_friction friction, exact;
-    double compliance[3][3]; /* taken out */
+    aoi_rub rub;
+    aoi_friction exact;
     double enough;
 
     aoi_slide_path path[AOI_PATHS], trial;

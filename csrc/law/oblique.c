@@ -195,3 +195,21 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
     give(equation, &now, solution);
     return AOI_OK;
 }
+
+aoi_rub aoi_rub_of(const aoi_contact *contact)
+{
+    aoi_rub made = {.friction = *contact->friction, .compliance = {{contact->law->compliance}}};
+    if (contact->compliance) {
+        memcpy(made.compliance, contact->compliance, sizeof made.compliance);
+    }
+    return made;
+}
+
+int aoi_rub_solve(const aoi_rub *rub, const aoi_friction_state *state, aoi_oblique_equation *bodies,
+                  aoi_oblique_solution *solution)
+{
+    for (size_t i = 0; i < 9; i++) {
+        bodies->compliance[i / 3][i % 3] -= rub->compliance[i / 3][i % 3];
+    }
+    return aoi_oblique_solve(&rub->friction, state, bodies, solution);
+}

@@ -21,6 +21,19 @@ typedef struct aoi_oblique_solution {
     double share, rate;   /* of the normal force, as of aoi_friction_try; of the indentation */
 } aoi_oblique_solution;
 
+/* A contact's friction, and the compliance that has been taken out of its law and springs. */
+typedef struct aoi_rub {
+    aoi_friction friction;
+    double compliance[3][3];
+} aoi_rub;
+
+/* Of a contact with friction. */
+aoi_rub aoi_rub_of(const aoi_contact *contact);
+
+/* aoi_oblique_solve for bodies whose own compliance the equation has: what has been taken out is subtracted here. */
+int aoi_rub_solve(const aoi_rub *rub, const aoi_friction_state *state, aoi_oblique_equation *bodies,
+                  aoi_oblique_solution *solution);
+
 /* Solves it by Newton's method, with shorter steps where the residual would grow. The state is only read.
  * AOI_ERROR_NOT_FINITE, AOI_ERROR_NO_CONVERGENCE, AOI_ERROR_LAW where the law gives NaN. */
 int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *state,

@@ -188,11 +188,9 @@ static int solve_three(const aoi_coupled *e, aoi_rubbing *rubbing, size_t i, con
         equation.free[k] = free[k];
         equation.guess[k] = place[k];
         equation.rate_compliance[k] = row_of(e, e->rate_compliance, i)[i + k];
-        for (size_t j = 0; j < 3; j++) {
-            equation.compliance[k][j] = row_of(e, e->compliance, i + k)[i + j] - rubbing->compliance[k][j];
-        }
+        memcpy(equation.compliance[k], row_of(e, e->compliance, i + k) + i, sizeof equation.compliance[k]);
     }
-    const int status = aoi_oblique_solve(rubbing->friction, &rubbing->state, &equation, &rubbing->found);
+    const int status = aoi_rub_solve(&rubbing->rub, &rubbing->state, &equation, &rubbing->found);
     if (status == AOI_OK) {
         memcpy(place, rubbing->found.place, sizeof rubbing->found.place);
         memcpy(force, rubbing->found.force, sizeof rubbing->found.force);

@@ -12,8 +12,7 @@
 /* Friction in a contact: its state and the contact's own indentation at the end of the last step. guess is the own place at
  * the end of this one, an indentation and two slides since the last, and found what the equations then give. */
 typedef struct aoi_rubbing {
-    const aoi_friction *friction;
-    double compliance[3][3]; /* taken out */
+    aoi_rub rub;
     aoi_friction_state state;
     double depth, guess[3];
     aoi_oblique_solution found;

@@ -145,7 +145,7 @@ static int rub(aoi_contact_state *contact)
 {
     aoi_rubbing *of = contact->rubbing;
     const aoi_oblique_solution *found = &of->found;
-    const int status = aoi_friction_move(of->friction, &of->state, found->place[0], found->share, &found->place[1]);
+    const int status = aoi_friction_move(&of->rub.friction, &of->state, found->place[0], found->share, &found->place[1]);
     of->depth = found->place[0];
     of->guess[0] = found->place[0];
     for (int k = 1; k < 3; k++) {
@@ -160,20 +160,14 @@ static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, cons
 {
     aoi_rubbing *rubbing = contact->rubbing;
     aoi_oblique_equation equation = {.rate_free = contact->rate};
-    *rubbing = (aoi_rubbing){.friction = of->friction, .state = rubbing->state, .compliance = {{of->law->compliance}}};
-    if (of->compliance) {
-        memcpy(rubbing->compliance, of->compliance, sizeof rubbing->compliance);
-    }
+    *rubbing = (aoi_rubbing){.rub = aoi_rub_of(of), .state = rubbing->state};
     rubbing->state.count = 0;
     rubbing->state.indentation = 0.0;
     for (size_t i = 0; i < 3; i++) {
         equation.free[i] = equation.guess[i] =
             run->displacement[contact->port[0] + i] - run->displacement[contact->port[1] + i] - (i == 0 ? of->gap : 0.0);
-        for (size_t j = 0; j < 3; j++) {
-            equation.compliance[i][j] = -rubbing->compliance[i][j];
-        }
     }
-    int status = aoi_oblique_solve(of->friction, &rubbing->state, &equation, &rubbing->found);
+    int status = aoi_rub_solve(&rubbing->rub, &rubbing->state, &equation, &rubbing->found);
     if (status == AOI_OK && rubbing->found.place[0] == 0.0 && contact->rate > 0.0 && of->law->depends_on_rate) {
         rubbing->found.force[0] = aoi_law_push_only(&of->friction->law, NULL, DBL_MIN, contact->rate);
     }
@@ -234,7 +228,7 @@ static int rubbing_advance(aoi_contact_state *contact)
     of->guess[0] += touched > 0.0 ? of->depth - touched : 0.0;
     contact->indentation = of->depth;
     for (size_t k = 0; k < 3; k++) {
-        contact->indentation -= of->compliance[0][k] * force[k];
+        contact->indentation -= of->rub.compliance[0][k] * force[k];
     }
     const double alone = of->depth - contact->law->compliance * force[0];
     return aoi_law_stands(contact->law, contact->memory, alone, of->found.rate) ? status : AOI_ERROR_PATCH;
@@ -264,16 +258,16 @@ static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *co
 static double write_friction(const aoi_contact_state *contact, double *row)
 {
     const aoi_rubbing *of = contact->rubbing;
-    const double stretched = aoi_friction_energy(of->friction, &of->state);
+    const double stretched = aoi_friction_energy(&of->rub.friction, &of->state);
     double taken_out = 0.0;
     for (size_t i = 0; i < 9; i++) {
-        taken_out += 0.5 * contact[i / 3].force * of->compliance[i / 3][i % 3] * contact[i % 3].force;
+        taken_out += 0.5 * contact[i / 3].force * of->rub.compliance[i / 3][i % 3] * contact[i % 3].force;
     }
     row[AOI_CONTACT_TANGENTIAL * BLOCK] = contact[1].force;
     row[(AOI_CONTACT_TANGENTIAL + 1) * BLOCK] = contact[2].force;
     row[AOI_CONTACT_FRICTION * BLOCK] = of->work - (stretched - of->start_energy);
     row[AOI_CONTACT_STUCK * BLOCK] = of->depth > 0.0 ? of->found.stuck / of->depth : 0.0;
-    return aoi_law_potential(&of->friction->law, NULL, of->depth) + stretched - taken_out;
+    return aoi_law_potential(&of->rub.friction.law, NULL, of->depth) + stretched - taken_out;
 }
 
 static void write_contact(const aoi_contact_state *contact, int energies, double *row)
@@ -290,7 +284,7 @@ static void write_contact(const aoi_contact_state *contact, int energies, double
     if (contact->rubbing) {
         row[AOI_CONTACT_ELASTIC * BLOCK] = write_friction(contact, row);
         if (contact->law->depends_on_rate) { /* of its own indentation */
-            const double stored = aoi_law_potential(&contact->rubbing->friction->law, NULL, contact->rubbing->depth);
+            const double stored = aoi_law_potential(&contact->rubbing->rub.friction.law, NULL, contact->rubbing->depth);
             row[AOI_CONTACT_DISSIPATED * BLOCK] = contact->work - (stored - contact->start_energy);
         }
     }
@@ -623,7 +617,7 @@ static int step(aoi_newmark *run, double time)
     }
     for (size_t i = 0; i < (e->count - run->system->contact_count) / 2 && status == AOI_OK; i++) {
         aoi_rubbing *of = &run->rubbing[i];
-        status = aoi_friction_refine(of->friction, &of->state, of->guess[0], of->found.share, &of->guess[1]);
+        status = aoi_friction_refine(&of->rub.friction, &of->state, of->guess[0], of->found.share, &of->guess[1]);
     }
     if (status == AOI_OK) {
         status = aoi_coupled_solve(e, run->state);
