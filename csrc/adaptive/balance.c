@@ -344,18 +344,16 @@ static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled
     return largest;
 }
 
-/* Least jump of a force that closes or opens a contact, as a multiple of rtol times the largest force: smaller ones are
- * errors of the last step, within which events have been located. Measured and tried: from 3 to 30 no run
- * changes. */
-static const double LEAST_JUMP = 10.0;
-
 static double least_jump(const aoi_adaptive *run, size_t count)
 {
     double largest = run->force_scale;
     for (size_t i = 0; i < count; i++) {
         largest = fmax(largest, run->contact[run->balanced[i].contact].peak_force);
     }
-    return LEAST_JUMP * run->rtol * largest;
+    /* Least jump of a force that closes or opens a contact, as a multiple of rtol times the largest force: smaller ones are
+     * errors of the last step, within which events have been located. Measured and tried: from 3 to 30 no run
+     * changes. */
+    return 10.0 * run->rtol * largest;
 }
 
 /* True if a rate-dependent law without adhesion becomes slack at once. */

@@ -27,10 +27,6 @@ static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
  * quadrature of its defect misses part of it. */
 static const double END_SHARE = 0.03;
 
-/* Times closer than this multiple of the rounding of the end time count as equal: run.c goes up to 8 beyond a kink.
- * Tried: no run changes. */
-static const double ROUNDINGS = 16.0;
-
 /* A step is not tried at more than this share of the length that its error allows: see ../README.md. */
 static const double CAUTION = 0.9;
 
@@ -106,7 +102,9 @@ static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry
 static int load_bent(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     const aoi_contact *of = &run->system->contact[entry->contact];
-    const double now = aoi_run_now(run), slack = ROUNDINGS * DBL_EPSILON * run->end;
+    /* Times closer than this multiple of the rounding of the end time count as equal: run.c goes up to 8 beyond a kink.
+     * Tried: no run changes. */
+    const double now = aoi_run_now(run), slack = 16.0 * DBL_EPSILON * run->end;
     return aoi_modes_next_bend(&run->system->body[of->body[0]], now - slack) <= now + slack ||
            aoi_modes_next_bend(&run->system->body[of->body[1]], now - slack) <= now + slack;
 }

@@ -16,10 +16,6 @@
  * changes. */
 static const double SKIP_SHARE = 0.1;
 
-/* In a step in which the approach is less than this share of the largest indentation, a contact that does not press at
- * once counts as open. Measured and tried: from 0.003 to 0.03 no run changes. */
-static const double SHORTEST = 1e-2;
-
 /* True if a function of time falls below zero in the step; finds the place. If it ends within the tolerance below zero, and
  * was not lower before, the place is the end. Otherwise it is where the function is half the tolerance below zero. */
 static int falls_below(const double *values, double tolerance, double *place)
@@ -151,7 +147,9 @@ static int is_none(const aoi_adaptive *run, const aoi_contact_step *entry, doubl
 {
     return run->contact[entry->contact].begins && aoi_contact_has_residual(run, entry->contact) &&
            entry->indentation[0] < entry->start && entry->indentation[AOI_NODES - 1] < entry->start &&
-           entry->start_force <= 0.0 && reach <= SHORTEST * scale;
+           /* In a step in which the approach is less than this share of the largest indentation, a contact that does not press at
+            * once counts as open. Measured and tried: from 0.003 to 0.03 no run changes. */
+           entry->start_force <= 0.0 && reach <= 1e-2 * scale;
 }
 
 void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)

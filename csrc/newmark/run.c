@@ -147,10 +147,9 @@ static int rub(aoi_contact_state *contact)
     const aoi_oblique_solution *found = &of->found;
     const int status = aoi_friction_move(&of->rub.friction, &of->state, found->place[0], found->share, &found->place[1]);
     of->depth = found->place[0];
-    of->guess[0] = found->place[0];
+    memcpy(of->guess, found->place, sizeof of->guess);
     for (int k = 1; k < 3; k++) {
         contact[k].from += found->place[k];
-        of->guess[k] = found->place[k];
     }
     return status;
 }

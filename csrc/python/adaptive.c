@@ -10,7 +10,8 @@
 
 static const size_t MOST_BYTES = (size_t)1 << 30;
 
-enum { FIRST_ROWS = 48 };
+/* Rows of a track at first, and between looks at the clock. */
+enum { FIRST_ROWS = 48, PIECE_ROWS = 8 };
 
 /* A track grows as the run goes on. */
 static int grow(aoi_track *track, size_t room)
@@ -22,7 +23,6 @@ static int grow(aoi_track *track, size_t room)
     size_t *row = realloc(track->row, rows * sizeof(size_t));
     track->row = row ? row : track->row;
     if (!values || !row) {
-        PyErr_NoMemory();
         return 0;
     }
     track->capacity = capacity;
@@ -30,36 +30,35 @@ static int grow(aoi_track *track, size_t room)
     return 1;
 }
 
-/* Runs in pieces, between which signals are checked, up to about most_steps steps, rejected ones included. */
-static int run_to_end(aoi_adaptive *run, const aoi_system *system, double end, aoi_track *track,
-                      size_t most_steps)
+/* A run under way, up to about most_steps steps, rejected ones included. */
+typedef struct job {
+    aoi_adaptive *run;
+    aoi_track *track;
+    size_t room, most_steps;
+    double end;
+    int status;
+} job;
+
+static int few_rows(void *data)
 {
-    const size_t room = aoi_adaptive_room(system);
-    size_t rows = FIRST_ROWS;
-    int status = AOI_OK;
-    for (aoi_progress at = aoi_adaptive_progress(run); status == AOI_OK && at.time < end;
-         at = aoi_adaptive_progress(run)) {
-        if (track->used * sizeof(double) > MOST_BYTES || at.steps + at.rejected > most_steps) {
-            return AOI_ERROR_TOO_LONG;
-        }
-        if ((track->capacity - track->used < room || track->rows == track->row_capacity) &&
-            !grow(track, room)) {
-            break;
-        }
-        const int timed = track->rows > 0; /* most runs have one piece, shorter than a look at the clock is worth */
-        const clock_t began = timed ? clock() : 0;
-        const size_t all = track->row_capacity;
-        track->row_capacity = all - track->rows < rows ? all : track->rows + rows;
-        Py_BEGIN_ALLOW_THREADS
-        status = aoi_adaptive_run(run, track);
-        Py_END_ALLOW_THREADS
-        track->row_capacity = all;
-        rows = timed ? piece_after(rows, began) : rows;
-        if (PyErr_CheckSignals() != 0) {
-            break;
-        }
+    job *of = data;
+    aoi_track *track = of->track;
+    const aoi_progress at = aoi_adaptive_progress(of->run);
+    if (!(at.time < of->end)) {
+        return 0;
     }
-    return status;
+    const int full = track->capacity - track->used < of->room || track->rows == track->row_capacity;
+    if (track->used * sizeof(double) > MOST_BYTES || at.steps + at.rejected > of->most_steps) {
+        of->status = AOI_ERROR_TOO_LONG;
+    } else if (full && !grow(track, of->room)) {
+        of->status = CALL_NO_MEMORY;
+    } else {
+        const size_t all = track->row_capacity;
+        track->row_capacity = all - track->rows < PIECE_ROWS ? all : track->rows + PIECE_ROWS;
+        of->status = aoi_adaptive_run(of->run, track);
+        track->row_capacity = all;
+    }
+    return of->status == AOI_OK;
 }
 
 /* The start: bodies that move as a whole (moving: their rates at unit velocity). v: the rates, set here. */
@@ -160,12 +159,13 @@ PyObject *adaptive(PyObject *args)
     take_moving(&of, moving, velocities, system, v);
     start.rested = start.x != NULL;
     if (of.status == AOI_OK && !(run = malloc(aoi_adaptive_size(system)))) {
-        PyErr_NoMemory();
-        of.status = CALL_RAISED;
+        of.status = CALL_NO_MEMORY;
     }
     aoi_progress reached = {.failed = SIZE_MAX};
     if (of.status == AOI_OK && (of.status = aoi_adaptive_start(run, system, &start, rtol, end)) == AOI_OK) {
-        of.status = run_to_end(run, system, end, &kept->track, most_steps);
+        job rows = {run, &kept->track, aoi_adaptive_room(system), most_steps, end, AOI_OK};
+        run_pieces(&kept->made.signals, few_rows, &rows);
+        of.status = rows.status;
         reached = aoi_adaptive_progress(run);
     }
     if (run) {

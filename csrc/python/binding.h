@@ -26,11 +26,11 @@ typedef struct buffer_block {
 /* A call's first failure, after which nothing more is taken, and the buffers that it holds. Made as
  * {.status = AOI_OK}, it is empty. */
 typedef struct call {
-    int status; /* or CALL_RAISED: an error is set */
+    int status; /* or CALL_RAISED: an error is set; CALL_NO_MEMORY: finish() sets it */
     buffer_block block;
 } call;
 
-enum { CALL_RAISED = -1 };
+enum { CALL_RAISED = -1, CALL_NO_MEMORY = -2 };
 
 void call_fail(call *of, int status);
 void call_release(call *of);
@@ -73,10 +73,6 @@ PyObject *finish(call *of, const char *what, const char *format, ...);
 
 /* ------------------------------------------------------------------ pause.c: signals */
 
-/* How many rows or steps to take next, so that signals are looked for every few hundredths of a second of processor
- * time: twice as many after a short piece, a quarter after a long one. began: clock() before the last piece. */
-size_t piece_after(size_t rows, clock_t began);
-
 /* Seconds of a monotonic clock. */
 double seconds_now(void);
 
@@ -92,6 +88,9 @@ typedef struct signal_check {
 void signal_check_open(signal_check *signals);
 void signal_check_release(signal_check *signals);
 void signal_check_regain(signal_check *signals);
+
+/* Calls piece, some microseconds of a job each, without the GIL until it returns 0, or a signal has set an error. */
+void run_pieces(signal_check *signals, int (*piece)(void *job), void *job);
 
 /* ------------------------------------------------------------------ tuples to structs */
 

@@ -19,10 +19,7 @@ static void raise_in(call *of, PyObject *type, const char *text, const char *nam
 void *call_room(call *of, size_t count, size_t size)
 {
     void *room = of->status == AOI_OK ? calloc(count + 1, size) : NULL;
-    if (!room && of->status == AOI_OK) {
-        PyErr_NoMemory();
-        call_fail(of, CALL_RAISED);
-    }
+    call_fail(of, room ? AOI_OK : CALL_NO_MEMORY);
     return room;
 }
 
@@ -179,6 +176,9 @@ PyObject *finish(call *of, const char *what, const char *format, ...)
     call_release(of);
     if (of->status == CALL_RAISED || PyErr_Occurred()) { /* a signal, or what was called back */
         return NULL;
+    }
+    if (of->status == CALL_NO_MEMORY) {
+        return PyErr_NoMemory();
     }
     if (of->status != AOI_OK) {
         raise_at(of->status, what, -1.0, (double)NAN, (double)NAN, -1);

@@ -84,7 +84,6 @@ PyObject *krylov_extend(PyObject *args)
         make_views(&solver);
         space.work = call_room(&of, aoi_krylov_work_size(n, space.capacity), sizeof(double));
         if (!PyErr_Occurred()) {
-            signal_check_open(&solver.signals);
             space.pause = &solver.signals.pause;
             signal_check_release(&solver.signals);
             of.status = aoi_krylov_extend(&space, wanted);

@@ -143,7 +143,7 @@ void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, 
 {
     double indentation = (double)NAN, rate = (double)NAN;
     int why = of->status;
-    if (PyErr_Occurred() || of->status == AOI_OK || of->status == CALL_RAISED) {
+    if (PyErr_Occurred() || of->status <= AOI_OK) {
         return;
     }
     for (size_t i = 0; i < count && isnan(indentation) && law[i].note; i++) {

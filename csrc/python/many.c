@@ -83,8 +83,8 @@ static int have(void **block, size_t *size, size_t needed)
     return larger != NULL;
 }
 
-/* Puts a case's bodies together; 0 where there is no memory for them. */
-static int set_up(work *on, const cases *of, const int32_t *which, const double *numbers, int *status)
+/* Puts a case's bodies together. */
+static int set_up(work *on, const cases *of, const int32_t *which, const double *numbers)
 {
     const double *moving = of->moving[which[0]];
     for (size_t b = 0; b < 2; b++) {
@@ -94,12 +94,9 @@ static int set_up(work *on, const cases *of, const int32_t *which, const double 
     on->system = (aoi_system){.body_count = 2, .contact_count = 1, .body = on->pair};
     on->system.contact = &on->contact;
     on->links = on->links ? on->links : malloc(aoi_system_size(&on->system));
-    if (!on->links) {
-        return 0;
-    }
-    *status = aoi_system_link(&on->system, on->links);
-    if (*status != AOI_OK) {
-        return 1;
+    const int status = on->links ? aoi_system_link(&on->system, on->links) : CALL_NO_MEMORY;
+    if (status != AOI_OK) {
+        return status;
     }
     const size_t n = on->system.first[2];
     void *v = on->v;
@@ -109,16 +106,33 @@ static int set_up(work *on, const cases *of, const int32_t *which, const double 
     for (size_t j = 0; fine && j < n; j++) {
         on->v[j] = j < on->system.first[1] ? numbers[CASE_VELOCITY] * moving[j] : 0.0;
     }
-    return fine;
+    return fine ? AOI_OK : CALL_NO_MEMORY;
 }
 
-/* 0 where there is no memory. */
-static int make_case(work *on, const cases *of, const int32_t *which, const double *numbers,
-                     double *answer)
-{
-    aoi_brief brief;
+/* Cases under way. */
+typedef struct job {
+    work on;
+    const cases *of;
+    size_t count, done;
+    const int32_t *which;
+    const double *numbers;
+    double *answers;
     int status;
-    if (!set_up(on, of, which, numbers, &status)) {
+} job;
+
+static int one_case(void *data)
+{
+    job *at = data;
+    work *on = &at->on;
+    const double *numbers = at->numbers + CASE_COLUMNS * at->done;
+    double *answer = at->answers + ANSWER_COLUMNS * at->done;
+    aoi_brief brief;
+    if (at->done == at->count) {
+        return 0;
+    }
+    int status = set_up(on, at->of, at->which + 3 * at->done++, numbers);
+    if (status == CALL_NO_MEMORY) {
+        at->status = status;
         return 0;
     }
     if (status == AOI_OK) {
@@ -127,40 +141,18 @@ static int make_case(work *on, const cases *of, const int32_t *which, const doub
                                MOST_ROWS, on->memory, &brief);
     }
     answer[ANSWER_STATUS] = (double)status;
-    if (status != AOI_OK) {
-        return 1;
+    if (status == AOI_OK) {
+        answer[ANSWER_TOUCHES] = (double)brief.touches;
+        answer[ANSWER_LASTING] = (double)brief.lasting;
+        answer[ANSWER_PEAK_FORCE] = brief.peak_force;
+        answer[ANSWER_PEAK_TIME] = brief.peak_time;
+        answer[ANSWER_IMPULSE] = brief.impulse;
+        answer[ANSWER_START] = brief.start;
+        answer[ANSWER_END] = brief.end;
+        answer[ANSWER_VELOCITIES] = brief.velocity[0];
+        answer[ANSWER_VELOCITIES + 1] = brief.velocity[1];
     }
-    answer[ANSWER_TOUCHES] = (double)brief.touches;
-    answer[ANSWER_LASTING] = (double)brief.lasting;
-    answer[ANSWER_PEAK_FORCE] = brief.peak_force;
-    answer[ANSWER_PEAK_TIME] = brief.peak_time;
-    answer[ANSWER_IMPULSE] = brief.impulse;
-    answer[ANSWER_START] = brief.start;
-    answer[ANSWER_END] = brief.end;
-    answer[ANSWER_VELOCITIES] = brief.velocity[0];
-    answer[ANSWER_VELOCITIES + 1] = brief.velocity[1];
     return 1;
-}
-
-static int make_all(const cases *of, size_t count, const int32_t *which, const double *numbers,
-                    double *answers)
-{
-    work *on = calloc(1, sizeof *on);
-    int fine = on != NULL;
-    for (size_t i = 0; fine && i < count && !PyErr_Occurred() && PyErr_CheckSignals() == 0;) {
-        const double until = seconds_now() + SIGNAL_INTERVAL;
-        Py_BEGIN_ALLOW_THREADS
-        for (; fine && i < count && seconds_now() < until; i++) {
-            fine = make_case(on, of, which + 3 * i, numbers + CASE_COLUMNS * i,
-                             answers + ANSWER_COLUMNS * i);
-        }
-        Py_END_ALLOW_THREADS
-    }
-    free(on ? on->links : NULL);
-    free(on ? on->v : NULL);
-    free(on ? on->memory : NULL);
-    free(on);
-    return fine;
 }
 
 /* (bodies, moving, laws, which (count, 3), numbers (count, 4), answers (count, 10)) */
@@ -169,17 +161,19 @@ PyObject *briefs(PyObject *args)
     call of = {.status = AOI_OK};
     PyObject *bodies = NULL, *moving = NULL, *laws = NULL;
     cases made = {.body = NULL};
-    size_t count = ANY_LENGTH, three = 3, columns = CASE_COLUMNS, answered = ANSWER_COLUMNS;
-    const int32_t *which;
-    const double *numbers;
-    double *answers;
-    TAKE(&of, args, VALUE('t', bodies), VALUE('t', moving), VALUE('t', laws), MATRIX('i', which, count, three),
-         MATRIX('d', numbers, count, columns), MATRIX('D', answers, count, answered));
+    job at = {.of = &made, .count = ANY_LENGTH};
+    signal_check signals;
+    size_t three = 3, columns = CASE_COLUMNS, answered = ANSWER_COLUMNS;
+    TAKE(&of, args, VALUE('t', bodies), VALUE('t', moving), VALUE('t', laws), MATRIX('i', at.which, at.count, three),
+         MATRIX('d', at.numbers, at.count, columns), MATRIX('D', at.answers, at.count, answered));
     take_cases(&of, bodies, moving, laws, &made);
-    if (of.status == AOI_OK && (of.status = check_cases(&made, count, which)) == AOI_OK &&
-        !make_all(&made, count, which, numbers, answers)) {
-        PyErr_NoMemory();
+    if (of.status == AOI_OK && (of.status = check_cases(&made, at.count, at.which)) == AOI_OK) {
+        run_pieces(&signals, one_case, &at);
+        of.status = at.status;
     }
+    free(at.on.links);
+    free(at.on.v);
+    free(at.on.memory);
     free(made.body);
     free((void *)made.moving);
     free(made.law);

@@ -51,7 +51,6 @@ PyObject *factors_solve(PyObject *args)
     TAKE(&of, args, VALUE('t', described), ARRAY('D', factors.work, n), ARRAY('D', x, n));
     take_factors(&of, described, n, &factors);
     if (of.status == AOI_OK) {
-        signal_check_open(&signals);
         signal_check_release(&signals);
         of.status = aoi_factors_solve(&factors, x);
         signal_check_regain(&signals);

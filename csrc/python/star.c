@@ -55,7 +55,6 @@ PyObject *star_to_modal(PyObject *args)
     TAKE(&of, args, VALUE('x', star.m0), VALUE('x', star.k0), ARRAY('d', star.m, star.n), ARRAY('d', star.k, star.n),
          LONGER('D', omega2, star.n, 1), LONGER('D', participation, star.n, 1), ARRAY('D', work, star.n));
     if (of.status == AOI_OK) {
-        signal_check_open(&signals);
         signal_check_release(&signals);
         of.status = aoi_star_to_modal(&star, omega2, participation, &modes, work, &signals.pause);
         signal_check_regain(&signals);
@@ -73,7 +72,6 @@ PyObject *star_from_modal(PyObject *args)
     TAKE(&of, args, LONGER('d', omega2, oscillators, 1), LONGER('d', weight, oscillators, 1),
          ARRAY('D', m, oscillators), ARRAY('D', k, oscillators));
     if (of.status == AOI_OK) {
-        signal_check_open(&signals);
         signal_check_release(&signals);
         of.status = aoi_star_from_modal(oscillators + 1, omega2, weight, &m0, &k0, m, k, &signals.pause);
         signal_check_regain(&signals);

@@ -173,10 +173,11 @@ PyObject *track_slips(PyObject *args)
 /* The values read at each of many times; for a body, its state. */
 typedef struct reading {
     const kept_track *kept;
+    void (*read)(const struct reading *of, size_t i);
     aoi_sampler *sampler;
     const double *time;
     double *out;
-    size_t count, body, width; /* width: of a state */
+    size_t count, done, body, width; /* width: of a state */
     int energies;
 } reading;
 
@@ -195,23 +196,28 @@ static void read_state(const reading *of, size_t i)
     aoi_sampler_state(of->sampler, of->time[i], of->body, of->out + i * of->width);
 }
 
+static int next_time(void *data)
+{
+    reading *of = data;
+    if (of->done < of->count) {
+        of->read(of, of->done++);
+    }
+    return of->done < of->count;
+}
+
 /* Reads a track at ascending times into an array of so many rows, or columns, the item of args at a place of so many;
  * between looks for signals without the GIL. */
 static PyObject *read_track(call *of, PyObject *args, size_t place, size_t size, size_t rows,
-                            void (*read)(const reading *, size_t), reading at)
+                            reading at)
 {
     TAKE_SOME(of, args, place, size, MATRIX('D', at.out, at.count, rows));
     at.sampler = call_room(of, at.kept ? aoi_sampler_size(&at.kept->made.system) : 0, 1);
     if (at.sampler) {
         of->status = aoi_sampler_start(at.sampler, &at.kept->made.system, &at.kept->track);
     }
-    for (size_t i = 0; of->status == AOI_OK && i < at.count && PyErr_CheckSignals() == 0;) {
-        const double until = seconds_now() + SIGNAL_INTERVAL;
-        Py_BEGIN_ALLOW_THREADS
-        for (; i < at.count && seconds_now() < until; i++) {
-            read(&at, i);
-        }
-        Py_END_ALLOW_THREADS
+    if (of->status == AOI_OK) {
+        signal_check signals;
+        run_pieces(&signals, next_time, &at);
     }
     free(at.sampler);
     return finish(of, "dense output", "");
@@ -222,11 +228,11 @@ PyObject *track_sample(PyObject *args)
 {
     call of = {.status = AOI_OK};
     PyObject *capsule = NULL, *record;
-    reading at = {.count = ANY_LENGTH};
+    reading at = {.read = read_column, .count = ANY_LENGTH};
     TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('O', record), VALUE('p', at.energies));
     at.kept = held(&of, capsule);
     const size_t rows = at.kept ? aoi_record_rows(&at.kept->made.system) : 0;
-    return read_track(&of, args, 2, 4, rows, read_column, at);
+    return read_track(&of, args, 2, 4, rows, at);
 }
 
 /* (track, times, forces) */
@@ -234,10 +240,10 @@ PyObject *track_forces(PyObject *args)
 {
     call of = {.status = AOI_OK};
     PyObject *capsule = NULL, *forces;
-    reading at = {.count = ANY_LENGTH};
+    reading at = {.read = read_forces, .count = ANY_LENGTH};
     TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('O', forces));
     at.kept = held(&of, capsule);
-    return read_track(&of, args, 2, 3, at.kept ? at.kept->made.system.contact_count : 0, read_forces, at);
+    return read_track(&of, args, 2, 3, at.kept ? at.kept->made.system.contact_count : 0, at);
 }
 
 /* (track, times, body, states) */
@@ -245,7 +251,7 @@ PyObject *track_states(PyObject *args)
 {
     call of = {.status = AOI_OK};
     PyObject *capsule = NULL, *states;
-    reading at = {.count = ANY_LENGTH};
+    reading at = {.read = read_state, .count = ANY_LENGTH};
     TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('n', at.body), VALUE('O', states));
     at.kept = held(&of, capsule);
     if (at.kept && at.body >= at.kept->made.system.body_count) {
@@ -253,5 +259,5 @@ PyObject *track_states(PyObject *args)
     } else if (at.kept) {
         at.width = 2 * at.kept->made.system.body[at.body].n;
     }
-    return read_track(&of, args, 3, 4, at.width, read_state, at);
+    return read_track(&of, args, 3, 4, at.width, at);
 }
