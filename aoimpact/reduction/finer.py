@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +29,7 @@ from ..fem import (
     near_static,
     own_contact_time,
 )
+from ..linalg import m_orthonormal
 from .body import Body, of_modes
 from .krylov import only_excited
 from .subspace import ORDER_FITTED
@@ -37,9 +37,6 @@ from .subspace import ORDER_FITTED
 # Vectors that are added for each contact point: half of them leave errors 1.2 times as far from
 # the true ones.
 _MORE = 16
-
-# Less of a vector than this is rounding.
-_NEW = 1e-9
 
 # The true share over θ where it is small: 0.4 to 1.5 on plates, beams, bars and blocks of solid
 # elements of first and second order, with a median of 0.8; on plates of shell elements 1 to 3.6,
@@ -57,7 +54,7 @@ def finer_model(model: Body) -> Body:
     It is the model itself where that has all that the contacts excite.
     """
     tips, body = model.tips, model.body
-    space = np.hstack([model.modes, _new_directions(body, model.modes, list(body.rigid_modes.T))])
+    space = np.hstack([model.modes, m_orthonormal(model.modes, body.rigid_modes, body.M)])
     time = model.contact_time or min(map(own_contact_time, tips))
     fast, top = SHIFT_TIMES_DURATION / time, max(map(highest_shift, tips))
     fast = max(fast, min(model.n / len(tips) / ORDER_FITTED * fast, top))
@@ -71,18 +68,14 @@ def finer_model(model: Body) -> Body:
     for turn in range(_MORE):
         inverse = inverses[turn % 2]
         found = [inverse.solve(np.ascontiguousarray(load)) for load in forces.T]
-        more = _new_directions(body, space, found)
+        more = m_orthonormal(space, np.stack(found, axis=1), body.M)
         if not more.shape[1]:
             break
         space, forces = np.hstack([space, more]), body.M @ more
     omega2, within = np.linalg.eigh(space.T @ (body.K @ space))
     omega2 = np.maximum(omega2, 0.0)
     omega2[: body.rigid_modes.shape[1]] = 0.0
-    made: dict[str, Any] = {
-        "linear_solver": model.linear_solver,
-        "contact_time": model.contact_time,
-    }
-    larger = of_modes(tips, omega2, space, within, kind=model.kind, **made)
+    larger = of_modes(tips, omega2, space, within, kind=model.kind, contact_time=model.contact_time)
     if model.kind in ("AO", "rigid"):
         larger = only_excited(larger)
     return larger if larger.n > model.n else model
@@ -123,16 +116,3 @@ def _false_share(
     false, own = field_error(body, body.at_nodes(mode), loaded, omega)
     share = min(float(false.sum() / own.sum()), 1.0 - _LEAST)
     return share * (1.0 + (_SAFETY[body.mesh.thin] - 1.0) * (1.0 - share) ** 2)
-
-
-def _new_directions(body: FEModel, space: FloatArray, vectors: list[FloatArray]) -> FloatArray:
-    """Return an M-orthonormal basis of vectors beyond an M-orthonormal space, (n_dofs, k)."""
-    start = space.shape[1]
-    for vector in vectors:
-        rest = vector
-        for _ in range(2):
-            rest = rest - space @ (space.T @ (body.M @ rest))
-        length, whole = (math.sqrt(max(x @ (body.M @ x), 0.0)) for x in (rest, vector))
-        if length > _NEW * whole:
-            space = np.column_stack([space, rest / length])
-    return space[:, start:]
