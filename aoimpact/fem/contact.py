@@ -337,7 +337,8 @@ class ContactPoint(Frozen):
         """
         if self.contact_radius is not None:
             return self.contact_radius
-        assert self.point is not None
+        if self.point is None:
+            return math.nan
         if isinstance(self.thin, Beam):
             return _WITHIN_EDGE * math.sqrt(self.thin.numbers.area)
         assert self.body.surface is not None

@@ -11,7 +11,7 @@
 static const size_t MOST_BYTES = (size_t)1 << 30;
 
 /* Rows of a track at first, and between looks at the clock. */
-enum { FIRST_ROWS = 48, PIECE_ROWS = 8 };
+enum { FIRST_ROWS = 48, PIECE_ROWS = 48 };
 
 /* A track grows as the run goes on. */
 static int grow(aoi_track *track, size_t room)
