@@ -335,10 +335,8 @@ class ContactPoint(Frozen):
 
         :meta private:
         """
-        if self.contact_radius is not None:
-            return self.contact_radius
-        if self.point is None:
-            return math.nan
+        if self.contact_radius is not None or self.point is None:
+            return math.nan if self.contact_radius is None else self.contact_radius
         if isinstance(self.thin, Beam):
             return _WITHIN_EDGE * math.sqrt(self.thin.numbers.area)
         assert self.body.surface is not None
