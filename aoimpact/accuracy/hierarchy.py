@@ -10,8 +10,11 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from functools import cache
 from threading import RLock
 from typing import Any
+
+import numpy as np
 
 from ..fem import ContactPoint, moves_rigidly, shortest_contact_time
 from ..linalg import LinearSolver, Solver
@@ -78,8 +81,9 @@ class Hierarchy:
         The largest order that there is.
     make : callable
         Returns the model of an order.
-    space : KrylovSpace or None
-        From which they are made: once all that the ports excite is in it, there are no larger ones.
+    space : callable or None
+        Returns the space that they are made from, made when it is first needed. Once all that the
+        ports excite is in it, there are no larger ones.
     small : bool
         True of a body that is its own reference where that would take a large share of its dofs.
     whole : int, optional
@@ -89,7 +93,7 @@ class Hierarchy:
     first: int
     most: int
     make: Callable[[int], Body]
-    space: KrylovSpace | None = None
+    space: Any = None
     small: bool = False
     whole: int | None = None
     _models: dict[int, Body] = field(init=False, default_factory=dict)
@@ -101,7 +105,7 @@ class Hierarchy:
             order = self.at_most(order)
             if order not in self._models:
                 self._models[order] = self.make(order)
-                if order >= self.first and self.space is not None and self.space.exhausted:
+                if self._spanned and order >= self.first and self.space().exhausted:
                     self.most = order
             return self._models[order]
 
@@ -126,8 +130,13 @@ class Hierarchy:
     def release(self) -> None:
         """Give back memory that only larger models need."""
         with self._lock:  # another thread may be making one
-            if self.space is not None:
-                self.space.release()
+            if self._spanned:
+                self.space().release()
+
+    @property
+    def _spanned(self) -> bool:
+        """True if the space has been made."""
+        return self.space is not None and self.space.cache_info().currsize > 0
 
 
 def fixed_model(given: Any) -> Hierarchy:
@@ -160,28 +169,33 @@ def _of_elements(
     Of a body touched in one place AO models, and the whole body where it is small; in several
     places as many vectors for each as the order, of a constrained one at least one.
     """
-    resolved = max(contact_time, *map(shortest_contact_time, tips))
-    tip, dofs, single = tips[0], tips[0].body.n_dofs, len(tips) == 1
-    space = KrylovSpace(tips, contact_time=resolved, sharpened=True, solver=solver, known=known)
-    if duration is not None and single:
-        # A second factorisation, where the body has any mode slower than the contact.
-        natural = space.of_vectors(_FEW).omega
-        if not (natural > 0.0).any() or natural[natural > 0.0][0] >= space.shift:
-            duration = None
-    if duration is not None:
-        space.include(duration)
-    free = moves_rigidly(tip) if single else bool(space.rigid_count)
+    tip, body, single = tips[0], tips[0].body, len(tips) == 1
+    dofs, left = body.n_dofs, [known]
+
+    @cache
+    def space() -> KrylovSpace:
+        resolved = max(contact_time, *map(shortest_contact_time, tips))
+        set_up = left.pop()  # it is kept as long as it is needed
+        made = KrylovSpace(tips, contact_time=resolved, sharpened=True, solver=solver, known=set_up)
+        if duration is not None:
+            natural = made.of_vectors(_FEW).omega if single else np.zeros(0)
+            # A second factorisation, where the body has any mode slower than the contact.
+            if not single or (natural[natural > 0.0] < made.shift).any():
+                made.include(duration)
+        return made
+
+    free = moves_rigidly(tip) if single else bool(body.rigid_modes.shape[1])
     first, small = 0 if free else 1, single and dofs <= _SMALL_BODY
 
     def make(order: int) -> Body:
         if not single:
-            vectors = space.rigid_count + max(order, first) * len(tips)
-            return space.of_all(min(vectors, dofs))
+            vectors = body.rigid_modes.shape[1] + max(order, first) * len(tips)
+            return space().of_all(min(vectors, dofs))
         if order < first:
             return rigid(mass=math.inf, name=tip.name).modal
         if order == dofs and small:
             return antioscillators(tip, order="frequency").modal
-        return space.of_vectors(order - first)
+        return space().of_vectors(order - first)
 
     return Hierarchy(first, dofs, make, space, small)
 

@@ -128,10 +128,7 @@ def first_guess(
 
 def _rigid(body: BodyModel, contact_time: float) -> Any:
     """A body that deforms as little as any model of it."""
-
-    def make() -> Any:
-        return model_hierarchy(body, contact_time, None).model(0)
-
+    make = partial(model_hierarchy(body, contact_time, None).model, 0)
     if not isinstance(body, FullModel):
         return make()
     return body.body.kept.get(("rigid", *(tip.key for tip in body.tips)), make)

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from ..base import AOImpactError, InputTypeError, boolean, held_warnings
+from ..base import AOImpactError, boolean, held_warnings
 from ..impact import checked_numbers, plan_impact
 from ..integrate import Adaptive
 from ..laws import ContactLaw
-from ..reduction import Body, body_model, fitted_times, is_valid_for
+from ..reduction import AOModel, Body, fitted_times, is_valid_for
 from ..results import QUANTITIES, warning_limits
 from ..scene import normal_gap
 from .briefs import Answer, Briefs
@@ -69,10 +69,8 @@ class _Pair:
 def _pair(case: Mapping[str, Any], calls: Briefs) -> _Pair | None:
     """The bodies and the law of a case; None where they are not plain, or wrong."""
     law = case["law"]
-    try:
-        models = tuple(body_model(name, case[name]) for name in ("projectile", "target"))
-    except InputTypeError:
-        return None  # simulate raises it
+    given = case["projectile"], case["target"]
+    models = [one.modal if isinstance(one, AOModel) else one for one in given]
     if not all(isinstance(model, Body) and model.ports == 1 for model in models):
         return None
     tips = [model.extraction_at() for model in models]

@@ -215,15 +215,12 @@ class ContactPoint(Frozen):
         parts = (None if of is None else of.tobytes() for of in arrays)
         return *parts, self.directed, self.automatic, self.contact_radius, self.shift
 
+    @cached_property
     def reversed(self) -> ContactPoint:
         """The same place with the direction of travel the other way round.
 
         :meta private:
         """
-        return self._reversed
-
-    @cached_property
-    def _reversed(self) -> ContactPoint:
         if self.thin is not None and self.directed and self.normal is not None:
             other = replace(self, normal=-self.normal)  # a projectile: touched on its other side
             known = vars(self).get("extraction")  # found for the impact
@@ -505,20 +502,6 @@ class ContactPoint(Frozen):
         """Sum of the nodes' forces for a unit contact force, shape (3,): the direction."""
         forces: FloatArray = self.forces[0].sum(axis=0)
         return forces
-
-    @property
-    def moment(self) -> FloatArray:
-        """Moment of the nodes' forces about the point for a unit contact force, m, shape (3,).
-
-        Zero along the surface's normal; an oblique force acts where the patch is, which on a curved
-        surface lies a little below the point.
-        """
-        forces, couples = self.forces
-        assert self.body.nodes is not None
-        if self.point is None:
-            raise InputError("moment: this contact point was made without a point")
-        moment: FloatArray = np.cross(self.body.nodes - self.point, forces).sum(axis=0)
-        return np.asarray(moment + couples.sum(axis=0))
 
     @property
     def forces(self) -> FloatArray:

@@ -46,7 +46,7 @@ def response_of(
     model = plan.bodies[body]
     largest, peak_time = _largest_contact(plan, events, recorder.duration, body)
     recovery, deflection = None, None
-    if not isinstance(model, FullModel) or recorder.dense:
+    if not isinstance(model, FullModel) or recorder.dense or model.in_modes:
         if not model.tips:
             return None
         modal, shift = model.modal, _shift(largest[1] - largest[0])

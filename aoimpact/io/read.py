@@ -424,9 +424,12 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntAr
     corners = nodes[sample[:, :n]]
     expected = element.linear.shape(element.nodes[n:]) @ corners
     size = np.ptp(corners, axis=1).max(axis=1)
-    gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
-    size = np.where(size > 0.0, size, 1.0)
-    misfit = np.einsum("eabi,e->ab", gaps**2, size**-2.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
+        gaps = gaps / np.where(size > 0.0, size, 1.0)[:, None, None, None]
+    misfit = np.einsum("eabi,eabi->ab", gaps, gaps)
+    if not np.isfinite(misfit).all():  # sizes beyond doubles, which a body refuses
+        return cells
     _, order = scipy.optimize.linear_sum_assignment(misfit)
     if np.array_equal(order, np.arange(len(order))):
         return cells

@@ -108,7 +108,7 @@ def one_ao(size: float | None = None) -> ao.AOModel:
 
 
 @cache
-def all_dofs() -> ao.FullModel | ao.Body:
+def all_dofs() -> ao.FullModel:
     """Return the sphere by all its finite elements."""
     return ao.full(sphere())
 

@@ -31,6 +31,7 @@ from ..fem import (
     centre_of,
     field_error,
     missing_energy,
+    moves_rigidly,
     thin_stiffness_error,
     translates,
     whole_motion,
@@ -267,7 +268,7 @@ class BodyModel(ABC):
             return self
         key = "turned", tuple(ports)
         if key not in self.kept:
-            tips = (tip.reversed() if i in ports else tip for i, tip in enumerate(self.tips))
+            tips = (tip.reversed if i in ports else tip for i, tip in enumerate(self.tips))
             self.kept[key] = self._with_tips(tuple(tips))
         found: Self = self.kept[key]
         return found
@@ -336,6 +337,8 @@ class Body(Frozen, BodyModel):
         The duration of the contact that it was fitted to, s; None where it fits any.
     numbers : AOModel or None
         The numbers of a body that was given by these.
+    oscillators : AOModel or None
+        The numbers of anti-oscillators that it was made of, in their order.
     as_whole : AsWhole or None
         The motion as a whole of a body given by numbers.
     series : Body or None
@@ -364,6 +367,7 @@ class Body(Frozen, BodyModel):
     linear_solver: str = ""
     contact_time: float | None = None
     numbers: AOModel | None = None
+    oscillators: AOModel | None = None
     as_whole: AsWhole | None = None
     series: Body | None = None
 
@@ -516,7 +520,9 @@ class Body(Frozen, BodyModel):
     @cached_property
     def modes(self) -> FloatArray:
         """φ_j, M-orthonormal, shape (n_dofs, n)."""
-        return self._on_dofs(np.eye(len(self.omega)))
+        found = self._on_dofs(np.eye(len(self.omega)))
+        found.flags.writeable = False
+        return found
 
     def _on_dofs(self, q: FloatArray) -> FloatArray:
         """Displacement of the body for amplitudes of the modes, shape (n_dofs,) or (n_dofs, k)."""
@@ -592,6 +598,10 @@ class Body(Frozen, BodyModel):
         >>> ao.modal(chain.contact(dof=1), n=2).truncated(1).n
         1
         """
+        if self.kind != "modal":
+            raise InputError(
+                f"truncated: {self!r} has no natural modes in order; truncate its star"
+            )
         kept = slice(integer("n", n, low=1, high=len(self.omega)))
         first: dict[str, Any] = {"omega": self.omega[kept], "inertia": self.inertia[kept]}
         first |= {"shape": self.shape[:, kept].copy(), "push": self.push[:, kept].copy()}
@@ -606,9 +616,9 @@ class Body(Frozen, BodyModel):
         InputError
             If it has more ports than one.
         """
-        from .star import star_of
+        from .star import of_body, star_of
 
-        return star_of(self)
+        return star_of(self) if self.oscillators is None else of_body(self.oscillators, self)
 
     def stiffened(self, factor: float) -> Body:
         """Return the model with all its springs stiffer by a factor.
@@ -618,9 +628,13 @@ class Body(Frozen, BodyModel):
         made: dict[float, Body] = self.kept.setdefault("stiffened", {})
         if factor not in made:
             residual = None if self.residual is None else self.residual / factor
-            follow = None if self.follow is None else self.follow / factor
+            follow, star = None if self.follow is None else self.follow / factor, self.oscillators
             made[factor] = replace(
-                self, omega=math.sqrt(factor) * self.omega, residual=residual, follow=follow
+                self,
+                omega=math.sqrt(factor) * self.omega,
+                residual=residual,
+                follow=follow,
+                oscillators=star and replace(star, k0=factor * star.k0, k=factor * star.k),
             )
         return made[factor]
 
@@ -754,15 +768,10 @@ class Body(Frozen, BodyModel):
         self, gravity: FloatArray | None, times: FloatArray | None, forces: FloatArray | None
     ) -> tuple[Any, ...]:
         acting = {"gravity": gravity, "load_time": times, "load_force": forces, "full": None}
-        centre = self.whole.centre
-        moved = None
-        if self.residual is not None:
-            moved = np.zeros(self.ports)
-            if self.following is not None and not translates(self.tips[0]):
-                moved = self.centre_of_mass[0] @ self.following
-            elif self.numbers is not None and self.constrained:
-                moved = self.numbers.m0 / self.numbers.static_mass * self.residual[0]
-        own = {"centre": centre, "decay": self.decay, "centre_residual": moved}
+        moved = None if self.residual is None else np.zeros(self.ports)
+        if self.following is not None and not translates(self.tips[0]):
+            moved = self.centre_of_mass[0] @ self.following
+        own = {"centre": self.whole.centre, "decay": self.decay, "centre_residual": moved}
         found: tuple[Any, ...] = _PARTS(vars(self) | own | acting)
         return found
 
@@ -802,9 +811,10 @@ class Body(Frozen, BodyModel):
         stiffness: Any = self.omega**2 - frequency[..., None] ** 2
         if self.decay is not None:
             stiffness = stiffness + 2j * self.decay * frequency[..., None]
-        with np.errstate(divide="ignore"):
-            gain = 1.0 / stiffness
-        found: npt.NDArray[Any] = np.einsum("pj,...j,qj->...pq", self.shape, gain, self.push)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            push = self.shape[:, None] * self.push
+            parts = np.where(push == 0.0, 0.0, push / stiffness[..., None, None, :])
+            found: npt.NDArray[Any] = parts.sum(axis=-1)
         return found if self.residual is None else found + self.residual
 
     @property
@@ -951,6 +961,9 @@ def of_modes(
     there = vectors() if callable(vectors) else vectors
     r = np.stack([tip.b for tip in tips]) @ there
     r = np.ascontiguousarray(r if coordinates is None else r @ coordinates)
+    if len(omega2) and omega2[0] == 0.0:
+        held = [not moves_rigidly(tip) for tip in tips]
+        r[np.ix_(held, omega2 == 0.0)] = 0.0  # rounding
     return Body(
         kind=kind,
         n=len(omega2),

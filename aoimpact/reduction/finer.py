@@ -18,12 +18,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import FloatArray
 from ..fem import (
     SHIFT_TIMES_DURATION,
-    FEModel,
     field_error,
     highest_shift,
     near_static,
@@ -90,10 +87,15 @@ def softer_model(model: Body) -> Body:
         Made of a body's elements, with a mesh and material.
     """
     body, omega2 = model.body, model.omega**2
+    assert body.mesh is not None
+    safety = _SAFETY[body.mesh.thin] - 1.0
     pressed = body.at_nodes(np.sum([np.abs(tip.b) for tip in model.tips], axis=0)) > 0.0
     loaded = np.asarray(pressed.any(axis=(0, 2)))
     for j in np.flatnonzero(omega2):
-        omega2[j] *= 1.0 - _false_share(body, model.modes[:, j], loaded, float(model.omega[j]))
+        moved = body.at_nodes(model.modes[:, j])
+        false, own = field_error(body, moved, loaded, float(model.omega[j]))
+        share = min(float(false.sum() / own.sum()), 1.0 - _LEAST)
+        omega2[j] *= 1.0 - share * (1.0 + safety * (1.0 - share) ** 2)
     order = np.argsort(omega2, kind="stable")
     shape = np.ascontiguousarray(model.shape[:, order])
     return replace(
@@ -105,14 +107,5 @@ def softer_model(model: Body) -> Body:
         coordinates=None,
         follow=None,
         residual=None,
+        oscillators=None,
     )
-
-
-def _false_share(
-    body: FEModel, mode: FloatArray, loaded: npt.NDArray[np.bool_], omega: float
-) -> float:
-    """The share of a mode's energy by which it is too stiff."""
-    assert body.mesh is not None
-    false, own = field_error(body, body.at_nodes(mode), loaded, omega)
-    share = min(float(false.sum() / own.sum()), 1.0 - _LEAST)
-    return share * (1.0 + (_SAFETY[body.mesh.thin] - 1.0) * (1.0 - share) ** 2)

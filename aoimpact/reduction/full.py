@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from ..base import FloatArray, Frozen, InputError, InputTypeError, boolean, checked
 from ..fem import ContactPoint, FEModel, ModalDamping, moves_rigidly, static_mode, translates
 from .body import Body, BodyModel, Pull, Velocity, checked_ports
-from .modes import all_modes, modal
+from .modes import all_modes
 from .reduction import antioscillators
 from .star import AOModel
 
@@ -83,6 +83,29 @@ class FullModel(Frozen, BodyModel):
         """
         return antioscillators(self.tips[0]).modal if self.ports == 1 else all_modes(self.tips)
 
+    @property
+    def in_modes(self) -> bool:
+        """True if it is stepped in all of its modes, by which its damping is given.
+
+        :meta private:
+        """
+        if not isinstance(self.body.damping, ModalDamping):
+            return False
+        if self.dofs > _MODAL_MOST:
+            raise InputError(
+                f"damping={self.body.damping!r} needs all modes of the full model, which are "
+                f"computed up to {_MODAL_MOST} of {self.dofs} dofs; give Rayleigh, or reduce it"
+            )
+        return True
+
+    @property
+    def massless(self) -> bool:
+        """Not in its matrices: an implicit step resolves what these have.
+
+        :meta private:
+        """
+        return self.in_modes and self.modal.massless
+
     @cached_property
     def moving(self) -> FloatArray:
         """Velocities of the dofs at the start, for a unit velocity, shape (n_dofs,).
@@ -144,8 +167,8 @@ class FullModel(Frozen, BodyModel):
         return f"full({self.dofs})"
 
 
-def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel | Body:
-    """Return the full finite-element model of a body; by all of its modes where these are damped.
+def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
+    """Return the full finite-element model of a body.
 
     Parameters
     ----------
@@ -155,8 +178,7 @@ def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel | Body:
     Raises
     ------
     InputError, InputTypeError
-        If there is none, they are on different bodies, or they are no contact points; or if a large
-        body is damped by its modes.
+        If there is none, they are on different bodies, or they are no contact points.
 
     Examples
     --------
@@ -165,17 +187,7 @@ def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel | Body:
     >>> full(cube.contact(point=(0.005, 0.005, 0.0))).label
     'full(192)'
     """
-    ports = checked_ports("tips", tips)
-    body = ports[0].body
-    if not isinstance(body.damping, ModalDamping):
-        return FullModel(ports)
-    if body.n_dofs > _MODAL_MOST:
-        raise InputError(
-            f"damping={body.damping!r} on the full model of {body.n_dofs} dofs needs all of its "
-            f"modes, which are computed up to {_MODAL_MOST} dofs; give Rayleigh(alpha=, beta=), or "
-            "simulate a reduced model: antioscillators(tip) or modal(tip, n)"
-        )
-    return replace(modal(ports, body.n_dofs), kind="full")
+    return FullModel(checked_ports("tips", tips))
 
 
 def body_model(name: str, body: Any) -> BodyModel:

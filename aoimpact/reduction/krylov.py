@@ -26,7 +26,7 @@ from ..fem import (
 )
 from ..linalg import EQUAL, LinearSolver, Solver
 from .body import Body, checked_ports, of_modes, ways_of
-from .star import AOModel, excited
+from .star import AOModel, excited, of_body
 from .subspace import Subspace
 
 # A shift is as good as the best within this factor: on the paper's beam 8 to 14 over the contact
@@ -231,7 +231,8 @@ def _of_largest_mass(star: AOModel, n: int) -> AOModel:
     """The `n` oscillators of the largest mass, in the star's order; the others' joins m0."""
     by_mass = np.argsort(-star.m, kind="stable")
     order = np.concatenate([np.sort(by_mass[:n]), by_mass[n:]])
-    return replace(star, m=star.m[order], k=star.k[order]).truncated(n)
+    assert star.origin is not None
+    return of_body(replace(star, m=star.m[order], k=star.k[order]), star.origin).truncated(n)
 
 
 def interface(

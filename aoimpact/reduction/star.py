@@ -63,19 +63,23 @@ class AOModel(Frozen):
         Ground spring, N/m, eq. (11); 0 for a free body.
     m, k : array_like, shape (n,), optional
         Masses, kg, eq. (9), and stiffnesses, N/m, eq. (12), of the anti-oscillators, all positive.
-    origin : Body, optional
-        The body of finite elements that the numbers came from; set by `antioscillators`.
     damping : Rayleigh or ModalDamping, optional
         Damping of the model's natural modes.
     surface : ContactSurface, optional
         Material and curvatures at the contact of a body given by numbers.
     name : str, optional
-        Name in results, tables and plots; by default that of `origin`.
+        Name in results, tables and plots.
     inertia : array_like, shape (3, 3), optional
         Tensor of inertia about the centre of mass, kg m², of a rigid body that may turn; see
         `rigid`.
     arm : array_like, shape (3,), optional
         From the centre of mass to where it is touched, m; by default the radius of a ball.
+
+    Attributes
+    ----------
+    origin : Body or None
+        The body of finite elements that `antioscillators` made the numbers of. A copy with other
+        numbers has none.
 
     Raises
     ------
@@ -97,7 +101,7 @@ class AOModel(Frozen):
     k0: float = 0.0
     m: FloatArray = field(default_factory=lambda: np.zeros(0))
     k: FloatArray = field(default_factory=lambda: np.zeros(0))
-    origin: Body | None = field(default=None, repr=False)
+    origin: Body | None = field(default=None, init=False, repr=False)
     damping: Damping | None = None
     surface: ContactSurface | None = field(default=None, repr=False)
     name: str = ""
@@ -109,9 +113,7 @@ class AOModel(Frozen):
         set_field(self, "m0", nonnegative("m0", self.m0, unit="kg", infinite=True))
         set_field(self, "k0", nonnegative("k0", self.k0, unit="N/m"))
         set_field(self, "damping", damping_or_none(self.damping))
-        checked(self, origin=(Body, type(None)), surface=(ContactSurface, type(None)), name=text)
-        if not self.name and self.origin is not None:
-            set_field(self, "name", self.origin.name)
+        checked(self, surface=(ContactSurface, type(None)), name=text)
         for name, unit in (("m", "kg"), ("k", "N/m")):
             values = finite_array(name, getattr(self, name), ndim=1, unit=unit).copy()
             if (values <= 0.0).any():
@@ -461,32 +463,6 @@ class AOModel(Frozen):
             full = full + np.multiply.outer(of.following[:, 0] / of.residual[0, 0], rest)
         return full
 
-    def coordinates(self, amplitudes: npt.ArrayLike) -> FloatArray:
-        """Return the coordinates λ of given amplitudes of `modal`, the other way round.
-
-        Parameters
-        ----------
-        amplitudes : array_like, shape (modes,) or (modes, times)
-            Such as `hit.target.coordinates`, the state at the end of an impact.
-
-        Returns
-        -------
-        ndarray, shape (n+1,) or (n+1, times)
-            λ, contact coordinate first, m; without what a massless contact moves at once.
-
-        Examples
-        --------
-        >>> model = ao.AOModel(m0=0.1, m=[0.2], k=[1e6])
-        >>> model.coordinates(model.modal.moving)  # as one
-        array([1., 1.])
-        """
-        of = self.modal
-        q = finite_array("amplitudes", amplitudes)
-        if q.ndim not in (1, 2) or len(q) != len(of.omega):
-            raise InputError(f"amplitudes must be {len(of.omega)} in number, got shape {q.shape}")
-        found: FloatArray = (self._moved(of.omega**2) * of.shape[0]) @ q
-        return found
-
     def to_modal(self) -> tuple[FloatArray, FloatArray]:
         """Return the model's natural modes by the secular equation.
 
@@ -616,7 +592,14 @@ def star_of(body: Body) -> AOModel:
     m, k = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
     m0, k0 = _core.star_from_modal(omega2, weight, m, k)
     kept = m > _NOT_EXCITED * (m0 + m.sum())
-    return AOModel(m0=m0, k0=k0, m=m[kept], k=k[kept], origin=body, damping=body.damping)
+    return of_body(AOModel(m0=m0, k0=k0, m=m[kept], k=k[kept]), body)
+
+
+def of_body(numbers: AOModel, body: Body) -> AOModel:
+    """Return the numbers as those of a finite-element body."""
+    found = replace(numbers, damping=body.damping, name=body.name)
+    object.__setattr__(found, "origin", body)
+    return found
 
 
 def excited(body: Body) -> npt.NDArray[np.bool_]:
@@ -681,11 +664,10 @@ def with_shapes(
         vectors=np.column_stack([static, shapes, still]),
         coordinates=placed,
         follow=None if follow is None else follow[:, None],
+        oscillators=numbers,
         **how,
     )
-    found = replace(numbers, origin=body, damping=tip.body.damping, name=tip.body.name)
-    vars(body)["star"] = found  # with all of its digits
-    return found
+    return body.star
 
 
 def _tensor_of_inertia(name: str, value: Any) -> FloatArray:

@@ -32,7 +32,7 @@ def stepped(
     rest : ndarray, shape (n,), optional
         Displacements of its modes (`modal`) at the start; undeformed if not given.
     """
-    if not isinstance(model, FullModel):
+    if not isinstance(model, FullModel) or model.in_modes:
         modal = model.modal
         parts = dict(zip(PARTS, modal.for_core(gravity, load), strict=True))
         start = np.zeros(len(modal.omega)) if rest is None else rest

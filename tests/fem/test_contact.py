@@ -12,6 +12,7 @@ import pytest
 
 from aoimpact import (
     AOImpactWarning,
+    ContactPoint,
     FEModel,
     InputError,
     InputTypeError,
@@ -21,6 +22,12 @@ from aoimpact import (
 )
 from aoimpact.fem import centre_of, static_mode
 from aoimpact.mesh import KINDS
+
+
+def moment_of(tip: ContactPoint) -> np.ndarray:
+    """Of the nodes' forces about the point, for a unit contact force, m."""
+    return np.cross(tip.body.nodes - tip.point, tip.forces[0]).sum(axis=0)
+
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 BLOCK = box_mesh((0.04, 0.02, 0.02), (4, 2, 2))  # nodes 10 mm apart
@@ -105,7 +112,7 @@ def test_a_contact_sees_rigid_motions_as_its_point_does(kind: str, radius: float
     motion = (t + np.cross(w, body.nodes)).reshape(-1)
     assert tip.b @ motion == pytest.approx(tip.direction @ (t + np.cross(w, tip.point)), rel=1e-12)
     np.testing.assert_allclose(tip.resultant, DOWN, atol=1e-13)
-    np.testing.assert_allclose(tip.moment, 0.0, atol=1e-16)
+    np.testing.assert_allclose(moment_of(tip), 0.0, atol=1e-15)
 
 
 def test_a_point_at_a_node_is_that_node_along_the_surface_s_own_normal() -> None:
@@ -119,14 +126,14 @@ def test_the_direction_is_the_inward_normal_by_default(radius: float) -> None:
     tip = BALL.contact(point=0.01 * SLANTED, radius=radius)
     np.testing.assert_allclose(tip.direction, -SLANTED, atol=2e-3)
     np.testing.assert_allclose(tip.resultant, tip.direction, atol=1e-13)
-    np.testing.assert_allclose(tip.moment, 0.0, atol=1e-15)
+    np.testing.assert_allclose(moment_of(tip), 0.0, atol=1e-15)
 
 
 def test_an_oblique_force_on_a_ball_turns_it_by_the_patch_s_depth_only() -> None:
     tip = BALL.contact(point=(0.01, 0, 0), direction=(-1, 1, 0), radius=0.004)
     # The mean sagitta of a ball under Hertz's pressure: to first order r²/5R.
     np.testing.assert_allclose(tip.resultant, np.array([-1, 1, 0]) / np.sqrt(2.0), atol=1e-13)
-    np.testing.assert_allclose(np.abs(tip.moment[2]), 0.004**2 / 0.05 / np.sqrt(2.0), rtol=0.05)
+    np.testing.assert_allclose(np.abs(moment_of(tip)[2]), 0.004**2 / 0.05 / np.sqrt(2.0), rtol=0.05)
 
 
 def test_a_point_a_little_off_a_coarse_surface_is_put_on_it_and_said() -> None:

@@ -152,9 +152,9 @@ def test_star_modal_and_full_model_die_away_alike(damping):
 
 def test_a_large_full_model_with_damping_of_its_modes_says_what_to_do():
     K, M = beam(1600, fixed=[0])
-    tip = ao.FEModel(K=K, M=M, damping=ao.ModalDamping(0.01)).contact(dof=7)
+    body = ao.full(ao.FEModel(K=K, M=M, damping=ao.ModalDamping(0.01)).contact(dof=7))
     with pytest.raises(ao.InputError, match=r"^damping"):
-        ao.full(tip)
+        stepped(body)
 
 
 @pytest.mark.parametrize("damping", [ao.Rayleigh(alpha=300.0, beta=2e-6), ao.ModalDamping(0.05)])

@@ -170,7 +170,7 @@ def test_a_projectile_has_the_compliance_that_it_has_as_a_target() -> None:
     assert out.removed == pytest.approx(into.removed, rel=1e-12)
     np.testing.assert_allclose(out.mesh_field, into.mesh_field, atol=1e-6 * A / UNIT)
     tip = tip_at(body)
-    assert tip.reversed().extraction is tip.extraction
+    assert tip.reversed.extraction is tip.extraction
 
 
 # ------------------------------------------------------- supports, masses and springs

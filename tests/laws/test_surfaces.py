@@ -178,7 +178,6 @@ def test_surfaces_are_checked() -> None:
         law_between(STEEL, curved(0.01, 0.01))  # type: ignore[arg-type]
     with pytest.raises(ao.InputError, match=r"^radius"):
         ao.ball(1e90, STEEL)
-    assert ao.rigid(1.0).surface is None
 
 
 def test_models_of_a_contact_point_know_its_surface() -> None:

@@ -243,7 +243,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         k0=1.0,
         m=[1.0],
         k=[1.0],
-        origin=None,
         damping=None,
         surface=None,
         name="",
@@ -588,7 +587,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "KrylovSpace.include": call(lambda **given: _space().include(**given), duration=1e-3),
     "Rayleigh.decay": call(ao.Rayleigh(alpha=1.0).decay, omega=1.0),
     "ModalDamping.decay": call(ao.ModalDamping(0.1).decay, omega=1.0),
-    "AOModel.coordinates": call(STAR.coordinates, amplitudes=np.zeros(2)),
 }
 
 # What else an argument may be called in messages.
