@@ -95,7 +95,7 @@ def patched():
 def test_of_patched_bodies_both_methods_take_what_is_left_of_the_law(patched, law, massless):
     """F = law(δ + c F) of the patch on both sides; a massless contact has its own compliance."""
     table = study(
-        projectile=replace(patched, m0=0.0, origin=None) if massless else patched,
+        projectile=replace(patched, m0=0.0) if massless else patched,
         target=patched,
         law=law,
         duration=1e-4,

@@ -102,14 +102,14 @@ def test_a_thin_plate_held_at_one_side_takes_little_more():
 
 
 @pytest.mark.slow
-def test_only_slender_bodies_have_large_factors_below_their_corners():
-    """A plate goes without aggregates; a cube is solved in as few iterations, and set up sooner."""
+def test_a_slender_body_takes_at_most_twice_the_iterations_of_a_cube():
+    """A plate of fifty times its thickness, with as many degrees of freedom."""
     plate = held_bar((24, 24, 1), "hexahedron20", (0.2, 0.2, 0.004))
     cube = held_bar((10, 10, 10), "hexahedron20", (0.04, 0.04, 0.04))
     assert 0.9 < cube.n_dofs / plate.n_dofs < 1.2
-    assert len(Multigrid(pencil_of(plate, SHIFT), 1e-8).sizes) == 2
     assert Multigrid(pencil_of(cube, SHIFT), 1e-8).sizes[-1] < 500
     assert solved(pencil_of(cube, SHIFT), load_on(cube)) <= 20
+    assert solved(pencil_of(plate, SHIFT), load_on(plate)) <= 40
 
 
 @pytest.mark.slow
