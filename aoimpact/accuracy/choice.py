@@ -13,6 +13,7 @@ import numpy as np
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn, with_unit
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
+from ..reduction import Body
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import Models, fixed_model, only_models
@@ -126,13 +127,13 @@ def choose_models(
     """
     tolerance, quantity = checked_rtol(rtol), interest()
     given = rtol is not None
-    rubs = any(tip.tangents is not None for body in bodies for tip in body.contact_points)
+    rubs = any(tip.tangents is not None for body in bodies for tip in body.tips)
     rule, in_time = time_rule(solver, tolerance, given=given, rubs=rubs)
     timed = partial(solve, solver=rule)
-    meshed = any(body.contact_points for body in bodies)
+    meshed = any(body.tips for body in bodies)
     kept = {
         body: body
-        if body.reducible or (truncated and body.ports == 1 and "full" not in body.label)
+        if body.reducible or (truncated and isinstance(body, Body) and body.ports == 1)
         else fixed_model(body)
         for body in bodies
     }

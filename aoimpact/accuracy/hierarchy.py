@@ -166,8 +166,9 @@ def _of_elements(
 ) -> Hierarchy:
     """The models of a finite-element body that are fitted to a scene, each made once.
 
-    Of a body touched in one place AO models, and the whole body where it is small; in several
-    places as many vectors for each as the order, of a constrained one at least one.
+    A body touched in one place has AO models, and is its own largest model where it is small. One
+    touched in several places has as many vectors for each as the order, at least one if it is
+    constrained.
     """
     tip, body, single = tips[0], tips[0].body, len(tips) == 1
     dofs, left = body.n_dofs, [known]
@@ -246,8 +247,6 @@ def only_models(bodies: Sequence[Any]) -> tuple[Body, ...] | None:
     bodies : sequence
         As of `model_hierarchy`.
     """
-    if any(isinstance(body, FullModel) for body in bodies):
-        return None
     every = [model_hierarchy(body, math.nan, None) for body in bodies]
     return (
         tuple(one.finished(0) for one in every) if all(one.is_whole(0) for one in every) else None

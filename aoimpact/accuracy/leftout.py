@@ -482,7 +482,7 @@ def _softer(plan: Plan) -> Iterable[Altered]:
     """
     bodies = tuple(
         _derived(body, "softer", softer_model)
-        if _of_elements(body) and body.contact_points[0].body.mesh is not None
+        if _of_elements(body) and body.tips[0].body.mesh is not None
         else body
         for body in plan.bodies
     )
@@ -604,4 +604,4 @@ def _derived(model: BodyModel, name: str, make: Callable[[Any], BodyModel]) -> B
 
 def _of_elements(model: BodyModel) -> bool:
     """True if it has a finer model, or is that of a whole body."""
-    return bool(model.contact_points)
+    return bool(model.tips)

@@ -60,7 +60,7 @@ class Briefs:
         first, second = bodies
         places = (self._place(self._bodies, first.modal), self._place(self._bodies, second.modal))
         self._pairs.append((*places, self._place(self._laws, law)))
-        self._fixed.append((first.fixed, second.fixed))
+        self._fixed.append((first.constrained, second.constrained))
         return len(self._pairs) - 1
 
     def _place(self, of: list[Any], item: Any) -> int:

@@ -47,7 +47,7 @@ def write_files(scene: SceneFile, result: Run, out: str | os.PathLike[str]) -> t
             axes.figure.savefig(files[-1])
             plt.close(axes.figure)
     for name, model, body in zip(result.names, result.plan.bodies, result.bodies, strict=True):
-        if any(tip.body.mesh is not None for tip in model.contact_points):
+        if any(tip.body.mesh is not None for tip in model.tips):
             times = np.linspace(0.0, result.t[-1], _FRAMES)
             files.append(body.to_vtu(folder / name, np.union1d(times, body.field().times)))
     return tuple(files)

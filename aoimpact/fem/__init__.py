@@ -45,7 +45,6 @@ from .statics import (
     moves_rigidly,
     refuse_mechanism,
     static_mode,
-    translates,
     whole_motion,
 )
 from .stress import Strain, Stress, compliances, gauss_stress, nodal_stress, stress_rows

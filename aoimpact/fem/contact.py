@@ -113,6 +113,10 @@ def _unit_direction(name: str, value: Any) -> FloatArray:
     return unit
 
 
+# Share of a translation's energy outside all rigid motions that is rounding: 1e-6 of its size.
+_OF_ANOTHER_MOTION = 1e-12
+
+
 @dataclass(frozen=True, eq=False)
 class ContactPoint(Frozen):
     """A place on a body, and the direction in which it is touched there.
@@ -216,6 +220,19 @@ class ContactPoint(Frozen):
         return *parts, self.directed, self.automatic, self.contact_radius, self.shift
 
     @cached_property
+    def translates(self) -> bool:
+        """True if the body may translate along the direction of travel: no support forbids it.
+
+        :meta private:
+        """
+        M, rigid = self.body.M, self.body.rigid_modes
+        if self.direction is None or not rigid.shape[1]:
+            return False
+        along = self.body.translation(self.direction)
+        rest = along - rigid @ (rigid.T @ (M @ along))
+        return float(rest @ (M @ rest)) <= _OF_ANOTHER_MOTION * float(along @ (M @ along))
+
+    @cached_property
     def reversed(self) -> ContactPoint:
         """The same place with the direction of travel the other way round.
 
@@ -258,7 +275,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def made_of(self) -> OneMaterial | None:
-        """What the element at the contact is made of; None without a mesh.
+        """Material, layers or beam of the element at the contact; None without a mesh.
 
         :meta private:
         """

@@ -31,9 +31,6 @@ _SLOW = 0.5
 # and above the third times the last change.
 _AT_ROUNDING, _NEAR_ROUNDING, _STALLED = 1e-14, 1e-10, 0.9
 
-# Share of a translation's energy outside all rigid motions that is rounding: 1e-6 of its size.
-_OF_ANOTHER_MOTION = 1e-12
-
 
 @dataclass(frozen=True, eq=False)
 class StaticMode:
@@ -182,16 +179,6 @@ def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatAr
     mass = float(static @ momentum)
     as_one = bool((np.abs(static * (1.0 - static)) <= _AS_ONE).all())
     return momentum / mass, mass, as_one
-
-
-def translates(tip: ContactPoint) -> bool:
-    """True if the body may translate along the direction of travel: no support forbids it."""
-    body = tip.body
-    if tip.direction is None or not body.rigid_modes.shape[1]:
-        return False
-    along = body.translation(tip.direction)
-    rest = along - body.rigid_modes @ (body.rigid_modes.T @ (body.M @ along))
-    return float(rest @ (body.M @ rest)) <= _OF_ANOTHER_MOTION * float(along @ (body.M @ along))
 
 
 def whole_motion(body: FEModel) -> tuple[FloatArray, FloatArray]:

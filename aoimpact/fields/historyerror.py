@@ -19,7 +19,7 @@ _AT_REST = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """What is measured of a body, with its error, which is found when it is first read."""
+    """A measured quantity of a body; its error is found when it is first read."""
 
     _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False, kw_only=True)
 

@@ -161,7 +161,7 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
     for (body, _), surface, tip, name, other in zip(
         ends, surfaces, reversed(tips), names, reversed(names), strict=True
     ):
-        if not body.contact_points:
+        if not body.tips:
             warn_of_size(abs(surface.radii[0]), tip, name, other)
     along = [None if tip is None else tip.direction for tip in tips]
     try:

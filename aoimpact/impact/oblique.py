@@ -67,7 +67,7 @@ def checked_spin(value: Any) -> FloatArray | None:
 
 def refuse_held(name: str, model: BodyModel) -> None:
     """Refuse the spin of a body that cannot turn."""
-    held = model.constrained or model.wall
+    held = model.constrained
     if held or (
         isinstance(model, Body) and model.numbers is not None and model.numbers.inertia is None
     ):

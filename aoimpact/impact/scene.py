@@ -486,7 +486,7 @@ class Scene:
         Supports, loads and other bodies press contacts further than two bodies alone would. Where
         no patch on a shell helps, the law is bounded.
         """
-        tips = [tip for body in self._bodies for tip in body.contact_points]
+        tips = [tip for body in self._bodies for tip in body.tips]
         ways = [(False, False)]
         if any(tip.automatic for tip in tips):
             ways.append((True, False))
@@ -550,7 +550,7 @@ class Scene:
 
     def _port(self, body: int, port: int, role: float) -> int:
         """The first of the three ports of a place."""
-        if self._bodies[body].contact_points:
+        if self._bodies[body].tips:
             return 3 * port
         return 3 * self._roles(body).index(role)
 
@@ -623,13 +623,13 @@ class Scene:
         """
         record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
         bodies, plan_of = self._bodies, partial(self._plan, record, preload)
-        meshed = any(body.contact_points for body in bodies)
+        meshed = any(body.tips for body in bodies)
         factors: dict[Any, LinearSolver] = {}
         if meshed:
             bodies, around = self._fitted(factors, wider), self._turns()
             for i, body in enumerate(bodies):
                 # A model with several contact points needs the direction of travel of each.
-                if len(body.contact_points) > 1 or self._axes is not None:
+                if len(body.tips) > 1 or self._axes is not None:
                     bodies[i], around[i] = body.turned(around[i]), ()
             plan_of = partial(plan_of, around=around, widths=self._widths(), bounded=bounded)
         if self._axes is not None:
@@ -758,7 +758,7 @@ class Scene:
         widths: list[float | None] = []
         for contact in self._contacts:
             bodies = [self._bodies[body] for body, _ in contact.ports]
-            meshed = any(body.contact_points for body in bodies)
+            meshed = any(body.tips for body in bodies)
             law = own_law(contact.law)
             widths.append(contact_width(law, bodies, self._fastest) if meshed else None)
         return widths

@@ -351,6 +351,12 @@ class ContactLaw:
 
     def _steepest(self, compliance: float) -> float:
         """Return the own indentation, m, up to which c dF/dδ is less than the share allowed."""
+        if self._static_power is not None:  # c k n δ^(n-1) is that share
+            log_k, n = self._static_power
+            left = math.log(MOST_SHARE / compliance) - math.log(n) - log_k
+            if left <= (n - 1.0) * math.log(_INDENTATIONS[0]):
+                raise InputError(f"compliance={compliance:g} m/N is more than {self!r} has itself")
+            return math.exp(left / (n - 1.0)) if left < (n - 1.0) * _LONGEST else math.inf
 
         def excess(delta: FloatArray | float) -> FloatArray:
             return compliance * self._stiffest(np.asarray(delta)) - MOST_SHARE

@@ -112,7 +112,7 @@ def check_stiffness(K: sp.csr_array) -> Factorization | None:
     Returns
     -------
     Factorization or None
-        Of K made regular, with a small share of its diagonal added, up to 10 000 dofs.
+        Factors of K with a small share of its diagonal added; None beyond 10 000 dofs.
 
     Raises
     ------

@@ -33,7 +33,6 @@ from ..fem import (
     missing_energy,
     moves_rigidly,
     thin_stiffness_error,
-    translates,
     whole_motion,
 )
 from .band import Band, band_of
@@ -44,7 +43,8 @@ if TYPE_CHECKING:
 # The parts of a body as the core takes it, in its order.
 _PARTS = itemgetter(*_core.MODES.split())
 
-# Share of a translation beside the motion that a port excites that is rounding of a mesh.
+# Rounding of a mesh: relative size of what is left of a translation across the motion that a port
+# excites, where the two are one.
 _STRAIGHT = 1e-6
 
 # Along the direction of travel; or of the centre of mass in three directions, and spin, shape (6,).
@@ -81,11 +81,6 @@ class BodyModel(ABC):
         :meta private:
         """
         return self
-
-    @property
-    def contact_points(self) -> tuple[ContactPoint, ...]:
-        """Contact points, one for each port; none of a body given by numbers."""
-        return self.tips
 
     @property
     def body(self) -> FEModel:
@@ -182,14 +177,6 @@ class BodyModel(ABC):
         :meta private:
         """
         return False
-
-    @property
-    def fixed(self) -> bool:
-        """True if it stays in its place: constrained, or a wall.
-
-        :meta private:
-        """
-        return self.constrained or self.wall
 
     @property
     def ports(self) -> int:
@@ -318,7 +305,8 @@ class Body(Frozen, BodyModel):
     omega : ndarray, shape (n,)
         ω, rad/s, ascending; rigid motions come first, as zeros.
     shape, push : ndarrays, shape (p, n)
-        Of M-orthonormal modes both are bᵀφ, 1/√kg.
+        Displacement of the ports by the modes, and force on the modes by the ports; both are bᵀφ,
+        1/√kg, of M-orthonormal modes.
     inertia : ndarray, shape (n,)
         Kinetic energy is Σ inertia q̇²/2: 1 of M-orthonormal modes, 0 of a wall.
     tips : tuple of ContactPoint
@@ -461,8 +449,7 @@ class Body(Frozen, BodyModel):
 
         :meta private:
         """
-        known = self.numbers is None and self.centre_known
-        return self.constrained and not known and not self.wall
+        return self.constrained and not self.wall and not (self.tips and self.centre_known)
 
     @property
     def massless(self) -> bool:
@@ -643,7 +630,7 @@ class Body(Frozen, BodyModel):
     def _static(self, port: int = 0) -> FloatArray:
         """Amplitudes of the modes in φ_st at a port, eqs. (2), (3), without what follows at once.
 
-        Of a body that a force there moves as a whole, the rigid motion that has u = 1.
+        It is the rigid motion with u = 1 if a force there moves the body as a whole.
         """
         r, still = self.shape[port], self.omega == 0.0
         if r[still].any():
@@ -684,7 +671,7 @@ class Body(Frozen, BodyModel):
                 "the mass of a body touched in several places is not known: make it with nodes"
             )
         centre, tip = self.seen(functional), self.tips[0]
-        if free := translates(tip):  # elastic modes do not move the centre of mass then
+        if free := tip.translates:  # elastic modes do not move the centre of mass then
             centre = np.where(self.omega == 0.0, centre, 0.0)
         moving = mass * centre if free or self.ports > 1 else self._static()
         weight = np.zeros_like(centre) if self.weightless else mass * centre
@@ -769,7 +756,7 @@ class Body(Frozen, BodyModel):
     ) -> tuple[Any, ...]:
         acting = {"gravity": gravity, "load_time": times, "load_force": forces, "full": None}
         moved = None if self.residual is None else np.zeros(self.ports)
-        if self.following is not None and not translates(self.tips[0]):
+        if self.following is not None and not self.tips[0].translates:
             moved = self.centre_of_mass[0] @ self.following
         own = {"centre": self.whole.centre, "decay": self.decay, "centre_residual": moved}
         found: tuple[Any, ...] = _PARTS(vars(self) | own | acting)
@@ -957,7 +944,18 @@ def of_modes(
     linear_solver: str = "",
     contact_time: float | None = None,
 ) -> Body:
-    """Return the body in M-orthonormal modes, of ω² ascending, and as combinations of vectors."""
+    """Return the body in M-orthonormal modes.
+
+    Parameters
+    ----------
+    tips : tuple of ContactPoint
+    omega2 : ndarray, shape (n,)
+        ω², (rad/s)², ascending; 0 of rigid motions.
+    vectors, coordinates
+        As of `Body`.
+    kind, linear_solver, contact_time
+        As of `Body`.
+    """
     there = vectors() if callable(vectors) else vectors
     r = np.stack([tip.b for tip in tips]) @ there
     r = np.ascontiguousarray(r if coordinates is None else r @ coordinates)
@@ -980,10 +978,11 @@ def of_modes(
 
 
 def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArray:
-    """Return the rigid motions that matter to a port, by all of these, shape (k, 0 … 2).
+    """Return a basis of the rigid motions of an impact at a port, shape (k, 0 … 2).
 
-    The motion that the port excites, and what is left of a translation along the direction of
-    travel, with which an impact off the centre begins.
+    Its columns are coordinates on all rigid motions: of the motion that the port excites, and of
+    the rest of a translation along the direction of travel, with which an impact off the centre
+    begins.
 
     Parameters
     ----------
@@ -997,7 +996,7 @@ def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArra
     if size == 0.0:
         return np.zeros((len(push), 0))
     first = push / size
-    if not translates(tip):
+    if not tip.translates:
         return first[:, None]
     assert tip.direction is not None  # it translates along it
     way = rigid.T @ (tip.body.M @ tip.body.translation(tip.direction))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, Frozen, InputError, InputTypeError, boolean, checked
-from ..fem import ContactPoint, FEModel, ModalDamping, moves_rigidly, static_mode, translates
+from ..fem import ContactPoint, FEModel, ModalDamping, moves_rigidly, static_mode
 from .body import Body, BodyModel, Pull, Velocity, checked_ports
 from .modes import all_modes
 from .reduction import antioscillators
@@ -116,7 +116,7 @@ class FullModel(Frozen, BodyModel):
         :meta private:
         """
         tip = self.tips[0]
-        if tip.direction is not None and (self.ports > 1 or translates(tip)):
+        if tip.direction is not None and (self.ports > 1 or tip.translates):
             return self.body.translation(tip.direction)
         return self.static_mode
 

@@ -207,7 +207,7 @@ class AOModel(Frozen):
         return self.static_mass if found is None else found
 
     @property
-    def contact_points(self) -> tuple[ContactPoint, ...]:
+    def tips(self) -> tuple[ContactPoint, ...]:
         """The contact point on the body that the model was made from; none if given by numbers."""
         return self.modal.tips
 
@@ -519,7 +519,7 @@ def _body_of(numbers: AOModel) -> Body:
         # Its supports are not known, so neither is its deflection by its own weight.
         as_whole = AsWhole(centre, push * numbers.k0 / omega2, np.zeros(len(omega2)))
     else:
-        # Exactly, or bodies that fall side by side would press on each other by rounding.
+        # Exact, since rounding would press bodies that fall side by side on each other.
         rigid = np.where(omega2 == 0.0, 1.0, 0.0)
         as_whole = AsWhole(rigid, rigid, rigid)
     return Body(
@@ -611,7 +611,7 @@ def excited(body: Body) -> npt.NDArray[np.bool_]:
         If there is none.
     """
     there, on = body.spanning, body.coordinates
-    # Sizes as if the vectors were at right angles: of what is rounding.
+    # Rounding of bᵀφ goes with the sizes of the vectors' parts, which do not cancel in it.
     size2 = np.einsum("ij,ij->j", there, there)
     size2 = size2 if on is None else size2 @ on**2
     weight = body.shape[0] ** 2

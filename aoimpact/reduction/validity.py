@@ -53,7 +53,7 @@ def unbalanced(model: Body, s: float, port: int = 0) -> float:
 
     √(rᵀD⁻¹r / bᵀX) of the residual r = b - (K + s²M) X, D the diagonal of K + s²M.
     """
-    point, x = model.contact_points[port], model.deflection(s, port)
+    point, x = model.tips[port], model.deflection(s, port)
     body = point.body
     K, M, rigid = body.K, body.M, body.rigid_modes
     left = point.b - K @ x - s**2 * (M @ x)

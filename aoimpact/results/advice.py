@@ -163,7 +163,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
                 "the nodes as well, FEModel(K=, M=, nodes=)"
             )
     checked = set()
-    for contact in plan.contacts if any(body.contact_points for body in plan.bodies) else ():
+    for contact in plan.contacts if any(body.tips for body in plan.bodies) else ():
         tips = [plan.bodies[of].touched_at(port) for of, port in contact.ports]
         for tip, (number, _) in zip(tips, contact.ports, strict=True):
             if tip is not None and (number, tip) not in checked:
@@ -236,7 +236,7 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
     A projectile on springs only is not warned of: it may move as a tup on its guide does.
     """
     tip = projectile.touched_at()
-    if tip is None or not projectile.constrained or target.fixed or tip.body.nodes is None:
+    if tip is None or not projectile.constrained or target.constrained or tip.body.nodes is None:
         return
     free, size = tip.body.free, tip.body.nodes.size
     if free is not None and np.count_nonzero(free < size) < size:

@@ -372,7 +372,7 @@ def _speeds(run: Run, after: FloatArray) -> Speeds:
     """How the bodies of a run move, with these velocities after it."""
     plan = run.plan
     pair = (plan.contacts[0].first, plan.contacts[0].second) if len(plan.contacts) == 1 else None
-    fixed = np.array([of.fixed for of in plan.bodies])
+    fixed = np.array([of.constrained for of in plan.bodies])
     return Speeds(np.array(plan.velocities, float), after, fixed, pair)
 
 
@@ -451,7 +451,7 @@ def _tangential_restitution(run: Run) -> FloatArray:
         return np.array([np.nan])
     after = [
         np.zeros(3)
-        if plan.bodies[body].fixed and not plan.oblique.velocities[body].any()
+        if plan.bodies[body].constrained and not plan.oblique.velocities[body].any()
         else run.bodies[body].final_velocity
         for body in pair
     ]
@@ -462,7 +462,7 @@ def _final_spins(run: Run) -> FloatArray:
     """Spin of each body after the last contact, rad/s."""
     if run.plan.oblique is None:
         return np.empty(0)
-    held = [body.fixed for body in run.plan.bodies]
+    held = [body.constrained for body in run.plan.bodies]
     spins = zip(run.bodies, held, strict=True)
     return np.array([np.nan if fixed else np.linalg.norm(of.final_spin) for of, fixed in spins])
 

@@ -485,7 +485,7 @@ class Run:
         models = self.plan.bodies
         full = [isinstance(model, FullModel) for model in models]
         return any(full) and all(
-            whole or not model.contact_points for whole, model in zip(full, models, strict=True)
+            whole or not model.tips for whole, model in zip(full, models, strict=True)
         )
 
     @cached_property
@@ -503,7 +503,7 @@ class Run:
         if self.chosen is not None:
             quantity, rtol, models = self.chosen.quantity, self.chosen.rtol, self.chosen.numbers
         out = self._left_out
-        numeric = not any(body.contact_points for body in self.plan.bodies)
+        numeric = not any(body.tips for body in self.plan.bodies)
         absent = 0.0 if numeric and self.chosen is not None else None  # there are no meshes
 
         def parts(name: str) -> ErrorParts:

@@ -91,7 +91,7 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
         rows += [
             (f"{name}, after", f"{_vector(of.final_velocity)} m/s, {_vector(of.final_spin)} rad/s")
             for name, of, body in zip(run.names[:SHOWN], run.bodies, bodies, strict=False)
-            if not body.fixed
+            if not body.constrained
         ]
     for i, contact in enumerate(run.each_contact[:SHOWN]):
         count, owner = contact.contact_count, f"contacts.{i}."
@@ -166,7 +166,7 @@ def _body(run: Run, number: int) -> str:
     """How a body is modelled and held, and where it is touched; of an impact its mass, too."""
     body, scene = run.plan.bodies[number], run.plan.scene
     rigid, name, mass = body.label in _RIGID, run.names[number], ""
-    tips = body.contact_points[:: 3 if run.plan.oblique else 1][: _PLACES if scene else 1]
+    tips = body.tips[:: 3 if run.plan.oblique else 1][: _PLACES if scene else 1]
     if not scene and body.known_mass != math.inf:
         known = "not known" if body.known_mass is None else with_unit(body.known_mass, "kg")
         mass = f", {'mass ' if body.known_mass is None else ''}{known}"
@@ -220,7 +220,7 @@ def error_row(run: Run) -> tuple[str, str]:
     """
     error = run.error
     parts = error[error.quantity or "force"]
-    if parts.model is None and not any(body.contact_points for body in run.plan.bodies):
+    if parts.model is None and not any(body.tips for body in run.plan.bodies):
         return "error of the peak", f"time {percent(parts.time)} %"
     text = f"{_interest(run, parts)} ({parts.listed()})"
     if error.quantity is None:

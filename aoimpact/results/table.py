@@ -50,7 +50,7 @@ def _history(run: Run, kind: str, number: int, name: str) -> FloatArray | None:
     of: Any = {"contact": run.each_contact, "body": run.bodies, "run": (run,)}[kind][number]
     if name in ("spin", "friction_energy") and run.plan.oblique is None:
         return None
-    if name == "spin" and run.plan.bodies[number].fixed:
+    if name == "spin" and run.plan.bodies[number].constrained:
         return None
     if not name.endswith("_energy"):
         found: FloatArray | None = getattr(of, name)

@@ -271,9 +271,9 @@ _SOLVERS = {one.__name__: Table(one) for one in (integrate.Adaptive, integrate.N
 
 def _finite(name: str, body: Any) -> fem.FEModel:
     """The finite-element model of a body."""
-    if not body.contact_points:
+    if not body.tips:
         raise InputError(f"body: {name!r} has no finite elements, so no places")
-    model: fem.FEModel = body.contact_points[0].body
+    model: fem.FEModel = body.tips[0].body
     return model
 
 

@@ -396,14 +396,14 @@ def _ascending(name: str, values: Iterable[int], *, low: int) -> list[int]:
 def _body(name: str, body: Any) -> BodyModel:
     """The finite-element body that a model was made of; of an AO model by numbers itself."""
     model = body_model(name, body)
-    return full(model.contact_points) if model.contact_points else model
+    return full(model.tips) if model.tips else model
 
 
 def _warn_of_differences(target: BodyModel, label: str, other: BodyModel) -> None:
     """Warn of another target with another mass, or struck beside the target's contact point."""
-    if not (target.contact_points and other.contact_points):
+    if not (target.tips and other.tips):
         return
-    first, second = target.contact_points[0], other.contact_points[0]
+    first, second = target.tips[0], other.tips[0]
     mass, weight, said = first.body.mass, second.body.mass, []
     if mass and weight and abs(weight - mass) > _SAME_MASS * mass:
         said.append(f"weighs {weight:.4g} kg in place of {mass:.4g} kg")

@@ -27,8 +27,8 @@
  * Tried: 5 runs by Newmark's rule change, by 2e-12; of MOST_STEPS none. */
 enum { FIRST_STEPS = 20, MOST_STEPS = 500, MOST_HALVINGS = 6, SWEEPS = 4 };
 
-/* A tolerance for equations whose rounding errors are amplified (dashpots too stiff for the step). Tried: no run
- * changes. */
+/* A tolerance for equations whose rounding errors are amplified (dashpots too stiff for the step). Without it one of
+ * 400 scenes by Newmark's rule, of 2 000 steps, finds no solution. */
 static const double ROUGH = 1e-9;
 
 /* Dashpots that are all but rigid have slopes 1/C, and the matrix of two on one place is singular: slopes are taken so

@@ -10,14 +10,14 @@
 
 static const size_t MOST_BYTES = (size_t)1 << 30;
 
-/* Rows of a track at first, and between looks at the clock. */
-enum { FIRST_ROWS = 48, PIECE_ROWS = 48 };
+/* Rows of a track at first, and of a piece between looks at the clock: most runs have fewer. */
+enum { ROWS = 48 };
 
 /* A track grows as the run goes on. */
 static int grow(aoi_track *track, size_t room)
 {
     const size_t capacity = track->capacity ? 2 * track->capacity : room + 4096;
-    const size_t rows = track->row_capacity ? 2 * track->row_capacity : FIRST_ROWS;
+    const size_t rows = track->row_capacity ? 2 * track->row_capacity : ROWS;
     double *values = realloc(track->values, capacity * sizeof(double));
     track->values = values ? values : track->values;
     size_t *row = realloc(track->row, rows * sizeof(size_t));
@@ -54,7 +54,7 @@ static int few_rows(void *data)
         of->status = CALL_NO_MEMORY;
     } else {
         const size_t all = track->row_capacity;
-        track->row_capacity = all - track->rows < PIECE_ROWS ? all : track->rows + PIECE_ROWS;
+        track->row_capacity = all - track->rows < ROWS ? all : track->rows + ROWS;
         of->status = aoi_adaptive_run(of->run, track);
         track->row_capacity = all;
     }

@@ -135,7 +135,7 @@ def test_a_full_model_leaves_out_mesh_and_contact_but_nothing_by_reduction() -> 
     body = plate(6, "hexahedron20")
     chosen = strike(body)
     assert chosen.models is not None
-    (tip,) = chosen.models[1].contact_points
+    (tip,) = chosen.models[1].tips
     hertz = ao.Hertz.between(STEEL, 0.01, ALU, math.inf)
     whole = ao.simulate(BALL, ao.full(tip), chosen.velocity, law=hertz, duration=chosen.duration)
     error = whole.error

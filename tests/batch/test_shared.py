@@ -136,8 +136,8 @@ def test_a_copy_of_a_body_has_models_of_its_own() -> None:
     other = copy.copy(tip().body)
     point = other.contact(point=(0.045, 0.035, 0.01))
     second = ao.simulate(**case | {"target": point, "quantity": point})
-    assert second.models[1].contact_points[0].body is other
-    assert first.models[1].contact_points[0].body is tip().body
+    assert second.models[1].tips[0].body is other
+    assert first.models[1].tips[0].body is tip().body
 
 
 def displacement(hit: ao.Result) -> float:

@@ -29,7 +29,7 @@ KINDS: dict[str, Any] = {
 def test_each_kind_knows_its_body(kind: str) -> None:
     model = body_model("target", KINDS[kind])
     assert isinstance(model, BodyModel)
-    assert model.contact_points == (TIP,)
+    assert model.tips == (TIP,)
     assert model.touched_at() is TIP
     assert model.surface_at() == TIP.contact_surface
     assert model.name == BAR.name

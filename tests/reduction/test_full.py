@@ -91,7 +91,7 @@ def test_it_says_what_it_is() -> None:
     model = ao.full([TIP, OTHER])
     assert model == ao.full([TIP, OTHER]) != ao.full([OTHER, TIP])
     assert model.body is BODY
-    assert model.contact_points == model.tips == (TIP, OTHER)
+    assert model.tips == model.tips == (TIP, OTHER)
     assert repr(model) == f"full([{TIP!r}, {OTHER!r}])"
     assert pickle.loads(pickle.dumps(model)).label == model.label == f"full({BODY.n_dofs})"
 

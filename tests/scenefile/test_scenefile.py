@@ -69,7 +69,7 @@ def read(folder: Path, text: str) -> SceneFile:
 def body_of(folder: Path, text: str) -> ao.FEModel:
     """The finite-element body of a file that has one, called "body"."""
     ball = "[bodies.ball]\nmass = 0.03\n"
-    (tip,) = read(folder, MATERIALS + ball + text + IMPACT).case()["target"].contact_points
+    (tip,) = read(folder, MATERIALS + ball + text + IMPACT).case()["target"].tips
     model: ao.FEModel = tip.body
     return model
 
@@ -167,7 +167,7 @@ def test_matrices_on_a_mesh(tmp_path: Path) -> None:
     files = 'K = "K.mtx", M = "M.mtx", dofs = "dofs.txt", mesh = "bar.inp", material = "alu"'
     text = f"[bodies.body]\nmatrices = {{ {files} }}\ncontact = {{ point = [0.05, 0.02, 0.04] }}\n"
     ball = "[bodies.ball]\nmass = 0.03\n"
-    (tip,) = read(tmp_path, MATERIALS + ball + text + IMPACT).case()["target"].contact_points
+    (tip,) = read(tmp_path, MATERIALS + ball + text + IMPACT).case()["target"].tips
     same = body.contact(point=(0.05, 0.02, 0.04))
     np.testing.assert_allclose(tip.b, same.b, atol=1e-12)
     assert tip.patch == same.patch
@@ -365,7 +365,7 @@ model = { type = "antioscillators", n = 2, method = "krylov", duration = 1e-3, s
     target = read(tmp_path, MATERIALS + ball + text + IMPACT).case()["target"]
     block = ao.FEModel.from_mesh(ao.box_mesh((0.06, 0.06, 0.03), (8, 8, 4)), STEEL)
     same = block.contact(point=(0.03, 0.03, 0.03), radius="auto", expected=0.004)
-    (tip,) = target.contact_points
+    (tip,) = target.tips
     assert tip.patch.radius == same.patch.radius
     np.testing.assert_allclose(tip.direction, [0, 0, -1], atol=1e-12)
     assert target.damping == ao.Rayleigh(beta=1e-8)
