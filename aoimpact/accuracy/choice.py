@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -76,16 +76,13 @@ def checked_rtol(rtol: float | None) -> float:
 
 
 def choose_models(
-    plan_of: Callable[[Models, bool], Plan],
-    bodies: Sequence[Any],
+    plan: Plan,
     interest: Callable[[], Quantity],
     rtol: float | None,
     solver: Any,
     *,
     truncated: bool,
-    energies: bool,
     record: RecordLength,
-    law_errors: Sequence[float] = (),
     linear_solver: Solver = "auto",
     factors: dict[Any, LinearSolver] | None = None,
 ) -> Run:
@@ -93,9 +90,8 @@ def choose_models(
 
     Parameters
     ----------
-    plan_of : callable
-        Returns the plan for a model of each body, and whether to record energies.
-    bodies : sequence of BodyModel
+    plan : Plan
+        Of the bodies.
     interest : callable
         Returns the quantity of interest.
     rtol : float, optional
@@ -103,11 +99,8 @@ def choose_models(
     solver : Adaptive or Newmark, optional
     truncated : bool
         Whether AO models that were given are truncated, too; other models stay as they are.
-    energies : bool
     record : RecordLength
         How long the scene is recorded.
-    law_errors : sequence of float, optional
-        See `errors_left_out`.
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
     factors : dict of body to LinearSolver, optional
@@ -127,18 +120,17 @@ def choose_models(
     """
     tolerance, quantity = checked_rtol(rtol), interest()
     given = rtol is not None
-    rubs = any(tip.tangents is not None for body in bodies for tip in body.tips)
-    rule, in_time = time_rule(solver, tolerance, given=given, rubs=rubs)
+    rule, in_time = time_rule(solver, tolerance, plan, given=given)
     timed = partial(solve, solver=rule)
-    meshed = any(body.tips for body in bodies)
+    meshed = any(body.tips for body in plan.bodies)
     kept = {
         body: body
         if body.reducible or (truncated and isinstance(body, Body) and body.ports == 1)
         else fixed_model(body)
-        for body in bodies
+        for body in plan.bodies
     }
-    bodies = [kept[body] for body in bodies]
-    left_out = partial(errors_left_out, interest=interest, solver=rule, law_errors=law_errors)
+    bodies = [kept[body] for body in plan.bodies]
+    left_out = partial(errors_left_out, interest=interest, solver=rule)
 
     in_models = tolerance - in_time
 
@@ -153,10 +145,10 @@ def choose_models(
             for model, body in zip(models, bodies, strict=True)
         )
         with held_warnings():  # the last run repeats those of the chosen models
-            return record.run(plan_of(models, False), timed, last=flexible)
+            return record.run(plan.of_models(models, energies=False), timed, last=flexible)
 
     if models := only_models(bodies):
-        run = record.run(plan_of(models, energies), timed)
+        run = record.run(plan.of_models(models, energies=plan.energies), timed)
         found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
     else:
         found = Search(
@@ -174,7 +166,7 @@ def choose_models(
             tolerance = found.rtol + in_time
         if found.error > tolerance:
             _warn_of_the_best(found, quantity, tolerance)
-        run = record.run(plan_of(found.models, energies), timed)
+        run = record.run(plan.of_models(found.models, energies=plan.energies), timed)
     if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
     run = replace(run, chosen=_chosen(found, quantity, tolerance))
@@ -212,9 +204,7 @@ def _order(model: Any) -> int:
     return getattr(model, "n", 1)
 
 
-def time_rule(
-    solver: Any, tolerance: float, *, given: bool, rubs: bool = False
-) -> tuple[Any, float]:
+def time_rule(solver: Any, tolerance: float, plan: Plan, *, given: bool) -> tuple[Any, float]:
     """Return what integrates in time, and its share of the tolerance.
 
     Parameters
@@ -222,12 +212,15 @@ def time_rule(
     solver : Adaptive, Newmark or None
         As the caller gave it.
     tolerance : float
+    plan : Plan
+        Of the bodies.
     given : bool
         True if it was given, so that the solver must keep it.
-    rubs : bool, optional
-        True with friction.
     """
+    rubs = any(tip.tangents is not None for body in plan.bodies for tip in body.tips)
     share = _SHARE_WITH_FRICTION if rubs else _SHARE_OF_TIME
+    if solver is None and plan.oblique and any(of.law.depends_on_rate for of in plan.contacts):
+        solver = Newmark()  # `solve` refuses the other one
     if isinstance(solver, Newmark):
         share = _SHARE_OF_STEPS
     in_time = max(share * tolerance, TIGHTEST)

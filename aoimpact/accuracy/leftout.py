@@ -86,7 +86,6 @@ def errors_left_out(
     *,
     interest: Callable[[], Quantity],
     solver: TimeSolver | None,
-    law_errors: Sequence[float] = (),
 ) -> LeftOut:
     """Return the errors of a run by its meshes and laws; none where a body's are not known.
 
@@ -97,8 +96,6 @@ def errors_left_out(
         Returns a new quantity of interest, so that what it stores while runs are compared is freed.
     solver : Adaptive or Newmark, optional
         As of the run.
-    law_errors : sequence of float
-        Relative error of each contact's stiffness, by that of the curvatures.
     """
     plan = run.plan
     full = [body.body for body in plan.bodies if isinstance(body, FullModel)]
@@ -109,7 +106,7 @@ def errors_left_out(
         plan = run.plan
     with held_warnings():  # the quantity has had its warnings
         quantity = interest()
-    altered = alterations(run, law_errors, at_nodes=quantity.lasting)
+    altered = alterations(run, at_nodes=quantity.lasting)
     if altered is None:
         return LeftOut()
     changes, name = _Changes(quantity, run, solver), quantity.name
@@ -306,14 +303,12 @@ class Alterations(NamedTuple):
     lag: float
 
 
-def alterations(run: Run, law_errors: Sequence[float], *, at_nodes: bool) -> Alterations | None:
+def alterations(run: Run, *, at_nodes: bool) -> Alterations | None:
     """Return the plans that show the errors of a run by meshes and laws; None if not known.
 
     Parameters
     ----------
     run : Run
-    law_errors : sequence of float
-        See `errors_left_out`.
     at_nodes : bool
         True to count the mesh's indentation at nodes as its error under laws that leave it.
     """
@@ -353,7 +348,7 @@ def alterations(run: Run, law_errors: Sequence[float], *, at_nodes: bool) -> Alt
         ),
         contact=(
             [wider or _in_series(plan, slopes, varying)],
-            [_with_law_error(plan, law_errors)],
+            [_with_law_error(plan)],
             [_bounded(plan, met, left)],
         ),
         lag=max(lags, default=0.0),
@@ -545,8 +540,9 @@ def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
     return replace(law, compliance=law.compliance - change, limit=math.inf)
 
 
-def _with_law_error(plan: Plan, errors: Sequence[float]) -> Altered:
-    """The plan with Hertz's laws stiffer by these shares."""
+def _with_law_error(plan: Plan) -> Altered:
+    """The plan with Hertz's laws stiffer by their errors."""
+    errors = [contact.law_error for contact in plan.contacts]
     if not any(errors):
         return Altered(None)
     scale = max(1.0, max(errors) / _SMALL)

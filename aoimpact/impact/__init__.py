@@ -4,6 +4,7 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 `scenefile`, `batch`, `study` and `paper`.
 """
 
-from .defaults import checked_duration, checked_numbers, contact_width
+from .defaults import checked_duration, checked_numbers
+from .foreseen import Foreseen
 from .scene import Scene, SceneCase
 from .simulate import Impact, plan_impact, simulate

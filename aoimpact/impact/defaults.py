@@ -2,27 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
-from ..accuracy import alike
-from ..base import (
-    HUGE,
-    AOImpactError,
-    ConvergenceError,
-    InputError,
-    nonnegative,
-    plain,
-    positive,
-    real,
-)
-from ..fem import SHIFT_TIMES_DURATION, ContactPoint, contact_within
-from ..integrate import rigid_contact_time
-from ..laws import ContactLaw, LawFromSurfaces, law_between, round_contact
-from ..linalg import LinearSolver
-from ..reduction import BodyModel, FullModel
+from ..base import HUGE, InputError, nonnegative, plain, positive, real
+from ..laws import LawFromSurfaces, law_between
+from ..reduction import BodyModel
 from ..results import warn_of_size
 
 # m/s; squares and energies of speeds beyond these overflow, or vanish.
@@ -170,98 +155,3 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
         )
     except InputError as error:
         raise InputError(f"law: it was left out, but {error}") from None
-
-
-class Meeting(NamedTuple):
-    """The contact of two rigid bodies.
-
-    Attributes
-    ----------
-    contact_time : float
-        s.
-    contact_radius : float or None
-        At the peak, m; None for a law without one.
-    """
-
-    contact_time: float
-    contact_radius: float | None
-
-
-def meeting(
-    law: ContactLaw, bodies: Sequence[BodyModel], velocity: float, *, strict: bool = False
-) -> Meeting | None:
-    """Estimate an impact by rigid bodies, whose indentation is larger than that of elastic ones.
-
-    None where nothing moves, both masses are infinite, or the law never takes the energy.
-
-    Parameters
-    ----------
-    law : ContactLaw
-    bodies : sequence of two models
-    velocity : float
-        At which they meet, m/s.
-    strict : bool, optional
-        True to raise the error of a law that gives no number.
-    """
-    mass, speed = _reduced_mass(bodies), abs(velocity)
-    if speed == 0.0 or math.isinf(mass):
-        return None
-    try:
-        duration = rigid_contact_time(law, mass, speed)
-    except AOImpactError as error:
-        if strict and isinstance(error, ConvergenceError):
-            raise
-        return None
-    return Meeting(duration, contact_width(law, bodies, velocity))
-
-
-def contact_width(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> float | None:
-    """Return the radius of the contact of rigid bodies at their largest force, m.
-
-    None where nothing moves, the law has no surface, or never takes the energy.
-    """
-    mass, speed = _reduced_mass(bodies), abs(velocity)
-    if speed == 0.0 or math.isinf(mass):
-        return None
-    known = [body.touched_at() or body.surface_at() for body in bodies]
-    # A body of unknown material is taken to be rigid.
-    found = round_contact(law, [of.material for of in known if of is not None])
-    radius = law.relative_radius if found is None else found.radius
-    try:
-        return None if radius is None else math.sqrt(radius * law.stroke(0.5 * mass * speed**2))
-    except AOImpactError:
-        return None
-
-
-def _reduced_mass(bodies: Sequence[BodyModel]) -> float:
-    share = math.fsum(1.0 / body.most_mass for body in bodies)
-    return 1.0 / share if share > 0.0 else math.inf
-
-
-def fitted(
-    body: BodyModel,
-    port: int,
-    met: Meeting | None,
-    factors: dict[Any, LinearSolver],
-    *,
-    wider: bool,
-) -> BodyModel:
-    """Return a body with a patch wide enough for an impact, where its radius was left out.
-
-    Solvers that are set up are put into `factors`, by their finite-element body.
-    """
-    if not isinstance(body, FullModel) or met is None or met.contact_radius is None:
-        return body
-    tip = body.tips[port]
-    if not tip.automatic:
-        return body
-    radius, time = alike(met.contact_radius, up=True), alike(met.contact_time)
-
-    def pressed() -> ContactPoint:
-        wide = contact_within(tip, radius, wider=wider)
-        if tip.body not in factors:
-            factors[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / time) ** 2)
-        return wide.at_impact(radius, factors[tip.body])
-
-    fit = tip.body.kept.get(("patch", tip.key, radius, time, wider), pressed)
-    return replace(body, tips=(*body.tips[:port], fit, *body.tips[port + 1 :]))

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Sequence
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..accuracy import Sensor, checked_linear_solver, checked_rtol, impact_quantity
+from ..accuracy import Sensor, checked_rtol, impact_quantity
 from ..base import InputError, InputTypeError, boolean, plain, spelled, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, own_law
 from ..linalg import Solver
 from ..reduction import BodyModel, body_model
-from ..results import Quantity, Result, TimeSolver, warn_of_exchange
+from ..results import Result, TimeSolver, warn_of_exchange
 from ..scene import Plan
 from .defaults import checked_numbers, turns
+from .foreseen import Foreseen
 from .oblique import checked_spin, vector_or_number
-from .scene import Scene
+from .scene import Member, Scene
 
 _NAMES = "projectile", "target"
 
@@ -135,20 +135,11 @@ def simulate(
     boolean("energies", energies)
     warn_of_exchange(*impact.bodies)
     # Bad input is refused before any work is done.
-    linear = checked_linear_solver(linear_solver, chosen=impact._chooses(quantity, rtol))
     if quantity is not None or rtol is not None:
         checked_rtol(rtol)
         impact_quantity(quantity, *impact.bodies)
-    impact.touch(law, friction)
-    result = impact._run(
-        impact._record(impact.duration),
-        quantity=quantity,
-        rtol=rtol,
-        solver=solver,
-        energies=energies,
-        linear_solver=linear,
-        began=began,
-    )
+    plan = impact.touch(law, friction, energies=energies)
+    result = impact._run(plan, impact.duration, quantity, rtol, solver, linear_solver, began)
     assert isinstance(result, Result)
     if duration is not None and result.in_contact_at_end:
         warn(
@@ -193,12 +184,9 @@ class Impact(Scene):
                 raise InputTypeError(
                     f"{name} is touched in several places: build a Scene, and connect its ports"
                 )
-            first = not self._bodies
-            if first:
-                self._append(model, self.velocity, vector=vector, spin=turns)
-            else:
-                self._append(model, 0.0)
-        if self.velocity < 0.0 and not self._bodies[0].constrained:
+            moving = (self.velocity, 0.0, "", vector, turns) if not self._members else (0.0,)
+            self._members.append(Member(model, *moving))
+        if self.velocity < 0.0 and not self.bodies[0].constrained:
             raise InputError(
                 f"velocity={self.velocity:g} m/s: the projectile flies away from the target, and "
                 "nothing turns it round; give the speed at which it comes, or build a Scene with "
@@ -207,7 +195,7 @@ class Impact(Scene):
 
     def refuse_smooth(self, friction: float | None) -> None:
         """Refuse a velocity in three directions, or a spin, without friction."""
-        vector, spin = self._vectors[0], self._spins[0]
+        *_, vector, spin = self._members[0]
         if friction is None and vector is not None:
             raise InputError(
                 f"velocity={plain(vector)} m/s is a vector, and friction is left out: "
@@ -219,36 +207,31 @@ class Impact(Scene):
                 "coefficient, or leave spin out"
             )
 
-    def touch(self, law: ContactLaw | None, friction: float | None = None) -> None:
-        """Let the two bodies touch under a law, or Hertz's of their surfaces if it is left out."""
+    def touch(
+        self, law: ContactLaw | None, friction: float | None = None, *, energies: bool = True
+    ) -> Plan:
+        """Return the plan under a law, or Hertz's of the surfaces if it is left out."""
         turned = (False, False) if law is not None else self.turned
         self._join((0, 0), (1, 0), law, self.gap, turned=turned, friction=friction)
-        self._orient()
-        vector = self._vectors[0]
-        if self._axes is not None and vector is not None and self._velocities[0] <= 0.0:
+        plan, vector = self._plan(energies=energies), self._members[0].vector
+        if plan.oblique is not None and vector is not None and plan.velocities[0] <= 0.0:
             raise InputError(
                 f"velocity={plain(vector)} m/s does not approach the target along "
-                f"{plain(self._axes[0])}, into its surface; give a velocity with a part along that"
+                f"{plain(plan.oblique.axes[0])}, into its surface; give a velocity with a part "
+                "along that"
             )
-        self.velocity = self._velocities[0]
+        return plan
 
     @property
     def bodies(self) -> tuple[BodyModel, BodyModel]:
         """Projectile and target, as they were given."""
-        first, second = self._bodies
-        return first, second
-
-    def fitted(self, bodies: Sequence[BodyModel]) -> tuple[BodyModel, BodyModel]:
-        """Return bodies in the place of its own with the patches that suit this impact."""
-        other = copy.copy(self)
-        other._bodies = list(bodies)
-        first, second = other._fitted({}, wider=False)
-        return first, second
+        first, second = self._members
+        return first.body, second.body
 
     @property
     def turned(self) -> tuple[bool, bool]:
         """True if the direction of travel of each body must be reversed; see `turns`."""
-        first, second = self._bodies
+        first, second = self.bodies
         tip = first.touched_at()
         like = tip is not None and tip is second.touched_at()
         return (
@@ -263,9 +246,6 @@ class Impact(Scene):
 
     def _role(self, body: int) -> str:
         return _NAMES[body]
-
-    def _interest(self, quantity: Any, bodies: Sequence[Any]) -> Quantity:
-        return self._known_here(impact_quantity(quantity, bodies[0], bodies[1]))
 
 
 def plan_impact(
@@ -286,7 +266,6 @@ def plan_impact(
         For an argument that makes no sense.
     """
     impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
-    impact.touch(law)
-    record, kept = impact._record(impact.duration), boolean("energies", energies)
-    around, widths = impact._turns(), impact._widths()
-    return impact._plan(record, False, impact.bodies, kept, around=around, widths=widths)
+    plan = impact.touch(law, energies=boolean("energies", energies))
+    plan = Foreseen(plan).fitted(_NAMES, {})
+    return replace(plan.of_models(plan.bodies, energies=energies), duration=duration)

@@ -154,6 +154,12 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     for number, body in enumerate(plan.bodies):
         if isinstance(damping := body.damping, Rayleigh) and body.massless:
             _warn_of_lag(damping.beta, body.static_mass, _touches(run, number), names[number])
+        if plan.gravity and body.weightless:
+            warn(
+                f"gravity has no effect on {body.label}: the supports of an AO model given by "
+                "numbers, or by matrices without nodes, are not known; make it by "
+                "antioscillators(...) of a body with nodes"
+            )
         moves = plan.velocities[number] != 0.0 or not body.constrained
         if not body.centre_known and moves:
             warn(

@@ -126,7 +126,7 @@ def touched(plan: Plan, contact: Contact) -> Iterator[tuple[int, int, ContactPoi
 
 def limits(plan: Plan, contact: Contact) -> dict[str, Limit]:
     """Return the limits of a contact by name, as far as its law and bodies are known."""
-    law, materials = own_law(contact.law), plan.materials(contact)
+    law, materials = own_law(contact.law), contact.materials(plan.bodies)
     joint = _Joint(plan, contact, law, materials, round_contact(law, materials))
     found = ((name, rule(joint)) for name, rule in _RULES.items())
     return {name: limit for name, limit in found if limit is not None}

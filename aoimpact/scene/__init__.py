@@ -12,8 +12,6 @@ from .contact import (
     Port,
     extraction_of,
     normal_gap,
-    oblique_compliance,
-    stiffness_ratio,
 )
 from .plan import Oblique, Plan, reduced_mass
 from .rows import RecordLayout

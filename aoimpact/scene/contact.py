@@ -87,8 +87,23 @@ class Friction(NamedTuple):
     """
 
     mu: float
-    ratio: float
+    ratio: float = math.nan
     compliance: FloatArray | None = None
+
+    def between(
+        self, materials: Sequence[Material | None], known: Sequence[ContactCompliance | None]
+    ) -> Friction:
+        """Return the friction of two bodies; one of unknown material is rigid, two are like ones.
+
+        1/E* = Σ (1 - ν²)/E and 1/G* = Σ (2 - ν)/(4G) (K. L. Johnson, Contact Mechanics, 7.2).
+        """
+        ratio, there = 2.0 * (1.0 - _USUAL) / (2.0 - _USUAL), [of for of in materials if of]
+        if there:
+            normal = math.fsum(1.0 / of.plane_strain_modulus for of in there)
+            ratio = normal / math.fsum((2.0 - of.nu) / (4.0 * of.shear_modulus) for of in there)
+        found = [of.oblique for of in known if isinstance(of, Extraction)]
+        removed = [of for of in found if of is not None]
+        return Friction(self.mu, ratio, np.asarray(sum(removed)) if removed else None)
 
     def for_core(self, law: ContactLaw, precision: float) -> tuple[Any, ...]:
         """Return it as the core takes it, to a precision; the normal compliance is the law's.
@@ -103,25 +118,6 @@ class Friction(NamedTuple):
         found = self.compliance + more * np.diag([1.0, 1.0 / self.ratio, 1.0 / self.ratio])
         found[0, 0] = normal
         return self.mu, self.ratio, precision, found
-
-
-def stiffness_ratio(materials: Sequence[Material | None]) -> float:
-    """Return G*/E* of a pair; a material that is not known is rigid, two of them like ones.
-
-    1/E* = Σ (1 - ν²)/E and 1/G* = Σ (2 - ν)/(4G) (K. L. Johnson, Contact Mechanics, 7.2).
-    """
-    known = [of for of in materials if of is not None]
-    if not known:
-        return 2.0 * (1.0 - _USUAL) / (2.0 - _USUAL)
-    normal = math.fsum(1.0 / of.plane_strain_modulus for of in known)
-    return normal / math.fsum((2.0 - of.nu) / (4.0 * of.shear_modulus) for of in known)
-
-
-def oblique_compliance(law: ContactLaw, ends: Sequence[tuple[BodyModel, int]]) -> FloatArray | None:
-    """Return c of two bodies in three directions, m/N; None where no mesh has any."""
-    known = [extraction_of(law, model, port) for model, port in ends]
-    found = [of.oblique for of in known if isinstance(of, Extraction) and of.oblique is not None]
-    return np.asarray(sum(found)) if found else None
 
 
 class Contact(NamedTuple):
@@ -142,6 +138,10 @@ class Contact(NamedTuple):
         With it, ports are three each: along the normal and along two tangents.
     removed : (float, float)
         Compliances of the two bodies' meshes that were taken out of the law, m/N.
+    width : float or None
+        Radius of the contact at its largest force, m, where it is known.
+    law_error : float
+        Relative error of the law's stiffness, by that of the curvatures that it was found from.
     """
 
     first: int
@@ -153,10 +153,10 @@ class Contact(NamedTuple):
     name: str = ""
     friction: Friction | None = None
     removed: tuple[float, ...] = (0.0, 0.0)
+    width: float | None = None
+    law_error: float = 0.0
 
-    def of_models(
-        self, bodies: Sequence[BodyModel], width: float | None = None, *, bounded: bool = False
-    ) -> Contact:
+    def of_models(self, bodies: Sequence[BodyModel], *, bounded: bool = False) -> Contact:
         """Return the contact of models, given that of the bodies themselves.
 
         The compliance that their meshes have in place of a half-space is taken out of the law.
@@ -165,8 +165,6 @@ class Contact(NamedTuple):
         ----------
         bodies : sequence of BodyModel
             Those of the scene.
-        width : float, optional
-            Radius of the contact at its largest force, m, on which that of curved bodies depends.
         bounded : bool, optional
             True to leave a contact on a shell its whole law, where it is stiffer than its mesh. Its
             force is a bound; with the compliance taken out as far as it can be it is another.
@@ -176,14 +174,20 @@ class Contact(NamedTuple):
         InputError
             If the law is more compliant than the meshes from the first touch on.
         """
-        if isinstance(self.law, PatchLaw):  # the caller has done so
-            return self
         known = [extraction_of(self.law, bodies[body], port) for body, port in self.ports]
-        removed = tuple(0.0 if of is None else of.removed_for(width) for of in known)
+        friction = self.friction and self.friction.between(self.materials(bodies), known)
+        removed = tuple(0.0 if of is None else of.removed_for(self.width) for of in known)
         shells = any(isinstance(of, ThinExtraction) for of in known)
-        if bounded and shells and math.fsum(removed) > 0.0:
-            return self
-        return self._replace(law=effective_law(self.law, math.fsum(removed)), removed=removed)
+        left = bounded and shells and math.fsum(removed) > 0.0
+        if left or isinstance(self.law, PatchLaw):  # the caller has taken it out
+            return self._replace(friction=friction)
+        law = effective_law(self.law, math.fsum(removed))
+        return self._replace(law=law, removed=removed, friction=friction)
+
+    def materials(self, bodies: Sequence[BodyModel]) -> list[Material | None]:
+        """Return the materials of both bodies where they touch; None of one given by numbers."""
+        known = [bodies[of].touched_at(at) or bodies[of].surface_at(at) for of, at in self.ports]
+        return [None if of is None else of.material for of in known]
 
     def own_indentation(self, rows: ContactRows) -> FloatArray:
         """Return the law's own indentation, m: δ + c F with the compliance c taken out of it.

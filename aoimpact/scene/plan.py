@@ -5,13 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..base import FloatArray
-from ..fem import Material
+from ..base import FloatArray, InputError
 from ..laws import RoundContact, own_law, round_contact
 from ..reduction import Body, BodyModel, Pull, Velocity
 from .bodies import stepped
@@ -70,6 +69,11 @@ class Plan:
         Names of the bodies in the scene, before their own; empty where they have no other.
     oblique : Oblique or None
         Motion in three directions; `velocities` and `gravity` are along the direction of travel.
+    around : sequence of tuples of int
+        For each body the ports whose direction of travel is reversed; none of a scene whose bodies
+        are known by numbers alone.
+    bounded : bool
+        See `Contact.of_models`.
     """
 
     bodies: Sequence[BodyModel]
@@ -83,6 +87,28 @@ class Plan:
     scene: str = ""
     names: Sequence[str] = ()
     oblique: Oblique | None = None
+    around: Sequence[tuple[int, ...]] = ()
+    bounded: bool = False
+
+    def of_models(self, models: Sequence[BodyModel], *, energies: bool) -> Plan:
+        """Return the plan of models in place of the bodies, with laws to suit.
+
+        Raises
+        ------
+        InputError
+            If both bodies of a contact are of infinite mass.
+        """
+        bodies, contacts = tuple(models), self.contacts
+        if self.around:
+            bodies = tuple(of.turned(ports) for of, ports in zip(models, self.around, strict=True))
+        if self.around or self.oblique:
+            contacts = tuple(of.of_models(bodies, bounded=self.bounded) for of in contacts)
+        for contact in contacts:
+            if all(math.isinf(bodies[body].static_mass) for body, _ in contact.ports):
+                raise InputError(
+                    "both bodies of a contact are of infinite mass: there is no motion between them"
+                )
+        return replace(self, bodies=bodies, contacts=contacts, energies=energies, around=())
 
     def start(self, body: int) -> Velocity:
         """Return the velocity of a body at t = 0, as `Body.rates` takes it."""
@@ -111,15 +137,9 @@ class Plan:
         given = self.names or [""] * len(self.bodies)
         return tuple(name or body.name for name, body in zip(given, self.bodies, strict=True))
 
-    def materials(self, contact: Contact) -> list[Material | None]:
-        """Return the materials of both bodies where they touch; None of one given by numbers."""
-        ends = [(self.bodies[body], port) for body, port in contact.ports]
-        known = [model.touched_at(port) or model.surface_at(port) for model, port in ends]
-        return [None if of is None else of.material for of in known]
-
     def round_contact(self, contact: Contact) -> RoundContact | None:
         """Return Hertz's contact of a law like his; None where it is not known."""
-        return round_contact(own_law(contact.law), self.materials(contact))
+        return round_contact(own_law(contact.law), contact.materials(self.bodies))
 
     @cached_property
     def modal(self) -> tuple[Body, ...]:
@@ -220,12 +240,29 @@ class Plan:
             return np.zeros(self.bodies[body].ports)
         return np.array([np.interp(0.0, load[0], column) for column in load[1].T])
 
-    @property
+    @cached_property
     def fastest(self) -> float:
-        """The largest speed at which the bodies of a contact may meet, m/s."""
-        speeds = [
-            abs(self.velocities[of.first] - self.velocities[of.second]) for of in self.contacts
-        ]
-        fall = abs(self.gravity) * self.duration
-        drop = [math.sqrt(2.0 * abs(self.gravity) * abs(of.gap)) for of in self.contacts]
-        return max([*speeds, *(min(fall, d) for d in drop if d), 0.0])
+        """The largest speed, m/s, at which bodies of the scene may meet first."""
+        spread = max(self.velocities) - min(self.velocities)
+        return max([spread, *(self.approach(contact)[1] for contact in self.contacts)])
+
+    def approach(self, contact: Contact) -> tuple[float, float]:
+        """Return when the bodies of a contact meet, s, and how fast, m/s, as rigid ones do.
+
+        Their distance is closed by v t + a t²/2, so they meet at √(v² + 2 a gap).
+        """
+        first, second = contact.first, contact.second
+        speed = self.velocities[first] - self.velocities[second]
+        pull = self._acceleration(first) - self._acceleration(second)
+        square = speed**2 + 2.0 * pull * contact.gap
+        if square < 0.0 or (meets := math.sqrt(square)) + speed <= 0.0:
+            return math.inf, 0.0
+        return 2.0 * max(contact.gap, 0.0) / (meets + speed), meets
+
+    def _acceleration(self, body: int) -> float:
+        """Acceleration of a body by gravity and constant forces, m/s²; 0 if it is constrained."""
+        model = self.bodies[body]
+        if math.isinf(mass := model.most_mass):
+            return 0.0
+        forces = (load.forces[0] for load in self.loads if load.body == body)
+        return self.gravity + math.fsum(forces) / mass

@@ -32,9 +32,9 @@ from ..base import (
     with_unit,
     write_csv,
 )
-from ..impact import Impact, simulate
+from ..impact import Foreseen, Impact, simulate
 from ..integrate import Adaptive, Newmark
-from ..laws import ContactLaw
+from ..laws import ContactLaw, own_law
 from ..linalg import Solver, checked_solver
 from ..reduction import BodyModel, FullModel, body_model, full, modal
 from ..results import QUANTITIES, Result
@@ -312,16 +312,17 @@ def compare(
             raise InputError(f"other_targets: {label!r} is a row of its own; give another label")
     with held_warnings():  # each run has them again
         impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
-        impact.touch(law)
-        law, duration = impact.law, impact.duration
+        plan, duration = impact.touch(law), impact.duration
+        law = own_law(plan.contacts[0].law)
         if duration is None:
             duration = simulate(projectile, target, velocity, law=law, gap=gap).duration
-    run = partial(simulate, law=law, velocity=impact.velocity, duration=duration, gap=gap)
+    run = partial(simulate, law=law, velocity=plan.velocities[0], duration=duration, gap=gap)
     bodies = _body("projectile", projectile), _body("target", target)
     for label, other in others.items():
         _warn_of_differences(bodies[1], label, body_model(label, other))
     # Over the same patches: `simulate` would fit those of full models alone.
-    bodies = impact.fitted(bodies)
+    fitted = Foreseen(replace(plan, bodies=bodies)).fitted(("projectile", "target"), {})
+    bodies = fitted.bodies[0], fitted.bodies[1]
 
     def quick(models: Models) -> Result:
         with held_warnings():
@@ -381,7 +382,7 @@ def compare(
     )
     solvers = [model.linear_solver for result in results.values() for model in result.models]
     return Comparison(
-        f"{called}, {law}, {impact.velocity:g} m/s",
+        f"{called}, {law}, {plan.velocities[0]:g} m/s",
         exact,
         results[exact].error.time,
         tuple(rows.values()),

@@ -1,0 +1,229 @@
+"""What is foreseen of a scene by rigid bodies: how long it lasts, and how wide its contacts are.
+
+The patches of contact points whose radius was left out follow from that, and so do the laws.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+from ..accuracy import alike
+from ..base import AOImpactError, ConvergenceError, InputError
+from ..fem import SHIFT_TIMES_DURATION, ContactPoint, contact_within
+from ..integrate import rigid_contact_time
+from ..laws import own_law, round_contact
+from ..linalg import LinearSolver
+from ..reduction import BodyModel, FullModel
+from ..results import RecordLength
+from ..scene import Contact, Load, Plan
+from .defaults import turns
+from .oblique import ROLES, with_functionals
+
+
+class Foreseen:
+    """The contacts of a scene as rigid bodies have them, which indent deeper than elastic ones.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of the bodies as they were given.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+
+    def record(self, length: float | None) -> RecordLength:
+        """Return the length of a record, s: that given, or a first guess.
+
+        Raises
+        ------
+        InputError
+            If nothing brings bodies that touch towards each other.
+        """
+        if length is not None:
+            return RecordLength(length, given=True)
+        plan = self._plan
+        times = [time for time in self._times if time is not None]
+        if not times:
+            for contact in plan.contacts:
+                self._time(contact, strict=True)
+            raise InputError(
+                "duration was left out, and cannot be foreseen: no velocity, gravity or constant "
+                "force brings bodies that have a contact towards each other; give it"
+            )
+        ways = [way for of in plan.contacts if (way := plan.approach(of)[0]) < math.inf]
+        gaps = max(contact.gap for contact in plan.contacts)
+        return RecordLength(max(times) + max([*ways, gaps / plan.fastest]), given=False)
+
+    def fitted(
+        self,
+        names: Sequence[str],
+        factors: dict[Any, LinearSolver],
+        *,
+        wider: bool = False,
+        bounded: bool = False,
+    ) -> Plan:
+        """Return the plan with the patches, widths and directions that its contacts have.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Of the bodies, for messages.
+        factors : dict
+            Solvers that are set up are put here, by their finite-element body.
+        wider : bool, optional
+            True for wider patches than two bodies alone would need.
+        bounded : bool, optional
+            See `Contact.of_models`.
+        """
+        plan, bodies = self._plan, list(self._plan.bodies)
+        if not any(body.tips for body in bodies):
+            return plan if plan.oblique is None else _with_functionals(plan, names)
+        contacts = []
+        for number, contact in enumerate(plan.contacts):
+            if any(bodies[of].tips for of, _ in contact.ports):
+                contact = contact._replace(width=self._widths[number])
+            contacts.append(contact)
+        fits: dict[Any, BodyModel] = {}
+        for number, contact in enumerate(contacts):
+            for of, port in contact.ports:
+                key = bodies[of], port
+                if key not in fits:
+                    fits[key] = self._fit(*key, number, factors, wider)
+                bodies[of] = fits[key]
+        around = _around(plan, names)
+        for i, body in enumerate(bodies):
+            # A model with several contact points needs the direction of travel of each.
+            if len(body.tips) > 1 or plan.oblique is not None:
+                bodies[i], around[i] = body.turned(around[i]), ()
+        fitted = replace(
+            plan, bodies=tuple(bodies), contacts=tuple(contacts), around=around, bounded=bounded
+        )
+        return fitted if plan.oblique is None else _with_functionals(fitted, names)
+
+    @cached_property
+    def _times(self) -> list[float | None]:
+        return [self._time(contact) for contact in self._plan.contacts]
+
+    @cached_property
+    def _widths(self) -> list[float | None]:
+        return [self._width(contact) for contact in self._plan.contacts]
+
+    def _time(self, contact: Contact, *, strict: bool = False) -> float | None:
+        """The duration of a contact, s.
+
+        None where nothing moves, both masses are infinite, or the law never takes the energy.
+
+        strict: True to raise the error of a law that gives no number.
+        """
+        mass, speed = self._reduced_mass(contact), self._plan.fastest
+        if speed == 0.0 or math.isinf(mass):
+            return None
+        try:
+            return rigid_contact_time(own_law(contact.law), mass, speed)
+        except AOImpactError as error:
+            if strict and isinstance(error, ConvergenceError):
+                raise
+            return None
+
+    def _width(self, contact: Contact) -> float | None:
+        """The radius of a contact at its largest force, m.
+
+        None where nothing moves, the law has no surface, or never takes the energy.
+        """
+        mass, speed, law = self._reduced_mass(contact), self._plan.fastest, own_law(contact.law)
+        if speed == 0.0 or math.isinf(mass):
+            return None
+        # A body of unknown material is taken to be rigid.
+        materials = [of for of in contact.materials(self._plan.bodies) if of is not None]
+        found = round_contact(law, materials)
+        radius = law.relative_radius if found is None else found.radius
+        try:
+            return None if radius is None else math.sqrt(radius * law.stroke(0.5 * mass * speed**2))
+        except AOImpactError:
+            return None
+
+    def _reduced_mass(self, contact: Contact) -> float:
+        bodies = (self._plan.bodies[body] for body, _ in contact.ports)
+        share = math.fsum(1.0 / body.most_mass for body in bodies)
+        return 1.0 / share if share > 0.0 else math.inf
+
+    def _fit(
+        self,
+        body: BodyModel,
+        port: int,
+        number: int,
+        factors: dict[Any, LinearSolver],
+        wider: bool,
+    ) -> BodyModel:
+        """A body with a patch wide enough for a contact, where its radius was left out."""
+        if not isinstance(body, FullModel) or not (tip := body.tips[port]).automatic:
+            return body
+        if (lasting := self._times[number]) is None or (width := self._widths[number]) is None:
+            return body
+        radius, time = alike(width, up=True), alike(lasting)
+
+        def pressed() -> ContactPoint:
+            wide = contact_within(tip, radius, wider=wider)
+            if tip.body not in factors:
+                factors[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / time) ** 2)
+            return wide.at_impact(radius, factors[tip.body])
+
+        fit = tip.body.kept.get(("patch", tip.key, radius, time, wider), pressed)
+        return replace(body, tips=(*body.tips[:port], fit, *body.tips[port + 1 :]))
+
+
+def _around(plan: Plan, names: Sequence[str]) -> list[tuple[int, ...]]:
+    """For each body the contact points whose direction of travel must be reversed."""
+    roles: dict[tuple[int, int], set[bool]] = {}
+    sides: dict[ContactPoint | None, set[bool]] = {}
+    for contact in plan.contacts:
+        for outward, (body, port) in zip((True, False), contact.ports, strict=True):
+            roles.setdefault((body, port), set()).add(outward)
+            sides.setdefault(plan.bodies[body].touched_at(port), set()).add(outward)
+    around: list[tuple[int, ...]] = [()] * len(plan.bodies)
+    for (body, port), ways in roles.items():
+        if len(ways) > 1:  # pressed from both sides: its direction suits one of them
+            continue
+        model, outward = plan.bodies[body], True in ways
+        like = len(sides[model.touched_at(port)]) > 1  # one place stands for two like bodies
+        if turns(names[body], model, port, outward=outward, like=like):
+            around[body] = (*around[body], port)
+    return around
+
+
+def _with_functionals(plan: Plan, names: Sequence[str]) -> Plan:
+    """The plan of bodies with three ports for each place where they are touched."""
+    assert plan.oblique is not None
+    sides = [{of.first for of in plan.contacts}, {of.second for of in plan.contacts}]
+    touched = [
+        [role for role, side in zip(ROLES, sides, strict=True) if body in side]
+        for body in range(len(plan.bodies))
+    ]
+
+    def first(body: int, port: int, role: float) -> int:
+        """The first of the three ports of a place."""
+        return 3 * (port if plan.bodies[body].tips else touched[body].index(role))
+
+    contacts = [
+        of._replace(
+            first_port=first(of.first, of.first_port, ROLES[0]),
+            second_port=first(of.second, of.second_port, ROLES[1]),
+            # A smooth contact has a normal force alone, by any law.
+            friction=of.friction if of.friction and of.friction.mu else None,
+        )
+        for of in plan.contacts
+    ]
+    loads: list[Load] = [
+        of._replace(port=first(of.body, of.port, touched[of.body][0]) if touched[of.body] else 0)
+        for of in plan.loads
+    ]
+    bodies = tuple(
+        with_functionals(names[i], body, plan.oblique.axes, touched[i])
+        for i, body in enumerate(plan.bodies)
+    )
+    return replace(plan, bodies=bodies, contacts=tuple(contacts), loads=tuple(loads))
