@@ -440,11 +440,9 @@ def test_the_best_models_come_with_a_warning_where_the_default_tolerance_is_not_
         duration=4e-4,
     )
     monkeypatch.setattr("aoimpact.accuracy.order._MOST_ORDER", 2)
-    with pytest.raises(ao.ConvergenceError, match="take rtol="):
+    with pytest.raises(ao.ConvergenceError, match="rtol"):
         strike(rtol=1e-2)
-    with pytest.warns(
-        ao.AOImpactWarning, match="force: its error from the models is .* not the 0.002"
-    ):
+    with pytest.warns(ao.AOImpactWarning, match="force"):
         hit = strike()
     assert 2e-3 < hit.error.model < 1.0
     assert "no models tried meet 0.2 %" in str(hit)

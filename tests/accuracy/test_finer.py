@@ -73,7 +73,7 @@ def test_a_probe_away_from_the_contact_says_so_too() -> None:
         mine, true = read(probe, history), read(exact, history)
         error = np.abs(mine - true).max() / np.abs(true).max()
         assert 0.4 * error < probe.error[history].max() < 2.5 * error
-    with pytest.warns(ao.AOImpactWarning, match=r"^velocity may be off by \d+% of the largest"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^velocity"):
         _ = probe.velocity
 
 

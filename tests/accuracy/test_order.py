@@ -166,13 +166,13 @@ def test_a_pause_does_not_deceive():
 
 
 def test_what_does_not_converge_is_refused(endless):
-    with pytest.raises(ao.ConvergenceError, match="the quantity still changes"):
+    with pytest.raises(ao.ConvergenceError, match="quantity"):
         search(lambda n: 1.0 + 0.1 * np.sin(n), 1e-3, endless(1))
 
 
 def test_a_refusal_names_the_tolerance_that_can_be_had(endless):
     """Errors 0.99^n: the last models still differ by 5e-3."""
-    with pytest.raises(ao.ConvergenceError, match="take rtol=") as refused:
+    with pytest.raises(ao.ConvergenceError, match="rtol") as refused:
         search(lambda n: 1.0 + 0.99**n, 1e-4, endless(1))
     enough = float(re.search(r"rtol=(\S+) or more", str(refused.value)).group(1))
     assert enough < 0.03

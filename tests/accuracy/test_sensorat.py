@@ -78,7 +78,7 @@ def test_a_record_is_long_enough_for_the_filter(plate: Any) -> None:
 
 
 def test_without_a_filter_a_warning_says_why(plate: Any) -> None:
-    with pytest.warns(ao.AOImpactWarning, match="no finite bandwidth"):
+    with pytest.warns(ao.AOImpactWarning, match="cfc="):
         sensor = ao.AccelerationAt(POINT, DOWN)
     assert sensor.cfc == 1000.0
 
@@ -112,7 +112,7 @@ BAR = ao.FEModel.from_mesh(
             r"^component",
         ),
         (lambda: ao.AccelerationAt((1.0, 0.0, 0.0), DOWN, cfc=60, body=BAR), r"^point"),
-        (lambda: ao.AccelerationAt((0.05, 0.0, 0.0), DOWN, cfc=60, corner=60), "either cfc or"),
+        (lambda: ao.AccelerationAt((0.05, 0.0, 0.0), DOWN, cfc=60, corner=60), "cfc"),
         (
             lambda: ao.AccelerationAt((0.05, 0.0, 0.0), DOWN, cfc=1e6, body=BAR),
             r"^cfc",
@@ -123,9 +123,9 @@ BAR = ao.FEModel.from_mesh(
             ),
             r"^cfc",
         ),
-        (lambda: ao.ReactionAt("xmax", DOWN, body=BAR), "is held"),
+        (lambda: ao.ReactionAt("xmax", DOWN, body=BAR), "fixed="),
         (lambda: ao.ReactionAt("edge", DOWN, body=BAR), r"^nodes"),
-        (lambda: strike(BAR.contact(dof=2), quantity=ao.ReactionAt("xmax", DOWN)), "is held"),
+        (lambda: strike(BAR.contact(dof=2), quantity=ao.ReactionAt("xmax", DOWN)), "fixed="),
     ],
 )
 def test_what_makes_no_sense_is_named(make: Callable[[], Any], message: str) -> None:

@@ -200,7 +200,7 @@ def test_elements_with_two_materials_are_counted() -> None:
     mesh = ao.Mesh(SPLIT.nodes, SPLIT.cells, SPLIT.kind, {}, groups)
     with pytest.raises(InputError, match=r"^material"):
         ao.FEModel.from_mesh(mesh, {"lower": ALU, "all": STEEL})
-    with pytest.raises(InputTypeError, match=r"material\['lower'\] must be a Material"):
+    with pytest.raises(InputTypeError, match=r"^material"):
         ao.FEModel.from_mesh(mesh, {"lower": 70e9})  # type: ignore[dict-item]
 
 
@@ -211,5 +211,5 @@ def test_parts_of_a_file_are_bodies_of_their_own() -> None:
     assert set(whole.mesh.node_sets) == {"xmin", "xmax", "ymin", "ymax", "zmax"}
     assert set(whole.mesh.cell_sets) == {"upper"}
     assert read_mesh(SPLIT, part=["lower", "upper"]).n_cells == 16
-    with pytest.raises(InputError, match="did you mean 'upper'"):
+    with pytest.raises(InputError, match=r"^part"):
         read_mesh(SPLIT, part="uppr")

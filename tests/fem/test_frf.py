@@ -145,7 +145,7 @@ def test_kinds_are_derivatives() -> None:
 def test_what_makes_no_sense_is_named() -> None:
     body, first, _ = plate(None, None, 4)
     other = plate(None, None, 4)[1]
-    with pytest.raises(ao.InputError, match="0 Hz"):
+    with pytest.raises(ao.InputError, match=r"^frequencies"):
         body.frf(excitation=first, frequencies=[0.0])
     spring = ao.FEModel(K=np.array([[(318.0 * math.pi) ** 2]]), M=np.eye(1))
     with pytest.raises(ao.InputError, match=r"^frequencies"):

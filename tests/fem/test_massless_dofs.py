@@ -100,7 +100,7 @@ def test_contact_on_a_dof_without_mass_has_no_contact_mass() -> None:
     K = whole.K.toarray()[1::2, 1::2]
     own = 1.0 / np.linalg.inv(K)[-1, -1]
     np.testing.assert_allclose(model.k0 + model.k.sum(), own, rtol=1e-9)
-    with pytest.warns(ao.AOImpactWarning, match="ends in contact"):
+    with pytest.warns(ao.AOImpactWarning, match="contact"):
         of_all, of_full = (
             ao.simulate(ao.rigid(mass=0.1), one, 1.0, law=ao.Hertz(k=1e8), duration=3e-3)
             for one in (model, ao.full(turned))
@@ -112,7 +112,7 @@ def test_contact_on_a_dof_without_mass_has_no_contact_mass() -> None:
         lambda: ao.interface([turned], 4),
         lambda: ao.simulate(ao.rigid(mass=0.1), turned, 1.0, law=ao.Hertz(k=1e8)),
     ):
-        with pytest.raises(ao.InputError, match="dofs without mass, the first is 15"):
+        with pytest.raises(ao.InputError, match="method="):
             refused()
 
 

@@ -258,11 +258,11 @@ def test_matrices_without_the_held_dofs_do_not_know_the_mass() -> None:
     given_ = FEModel(K=held.K, M=held.M, nodes=held.nodes, free=held.free)
     assert given_.mass is None
     assert np.array_equal(given_.translation([0, 1, 0]), held.translation([0, 1, 0]))
-    with pytest.raises(InputError, match="centre of mass is not known"):
+    with pytest.raises(InputError, match="centre"):
         given_.com_functional([1, 0, 0])
-    with pytest.raises(InputError, match="centre of mass is not known"):
+    with pytest.raises(InputError, match="centre"):
         FEModel(K=held.K, M=held.M).com_functional([1, 0, 0])
-    with pytest.raises(InputError, match="a translation needs nodes"):
+    with pytest.raises(InputError, match="nodes"):
         FEModel(K=held.K, M=held.M).translation([1, 0, 0])
 
 
@@ -270,7 +270,7 @@ def test_dofs_ordered_by_component_are_noticed() -> None:
     body = FEModel.from_mesh(BLOCK, STEEL)
     by_component = np.arange(body.n_dofs).reshape(-1, 3).T.reshape(-1)
     K, M = (A[by_component][:, by_component] for A in (body.K, body.M))
-    with pytest.warns(AOImpactWarning, match=r"order 3·node \+ component"):
+    with pytest.warns(AOImpactWarning, match=r"^M"):
         FEModel(K=K, M=M, nodes=BLOCK.nodes)
 
 
@@ -315,7 +315,7 @@ def test_supports_add_up() -> None:
         ([("xmin", "XYZ")], InputError, r"^fixed\[0\]"),
         ([([], "x")], InputError, r"^fixed\[0\]"),
         ([([0], "x"), ([36], "x")], InputError, r"^fixed\[1\]"),
-        ([([-1], "x")], InputError, "has node -1"),
+        ([([-1], "x")], InputError, r"^fixed"),
         ([(lambda p: p[:, 0] == 7.0, "x")], InputError, r"^fixed\[0\]"),
         ([(lambda p: p[:, 0], "x")], InputTypeError, r"^fixed\[0\]"),
         ([(lambda p: p == 0.0, "x")], InputError, r"^fixed\[0\]"),
@@ -452,17 +452,17 @@ def test_asymmetry_of_rounding_is_averaged_away() -> None:
         (sp.csr_array(changed(K3, 1, 1, np.nan)), M3, InputError, r"^K"),
         (np.ma.masked_less(K3, 0.0), M3, InputTypeError, r"^K"),
         (K3, np.ma.masked_equal(M3, 0.0), InputTypeError, r"^M"),
-        (np.diag([1.0, 0, 1]), np.diag([1.0, 0, 1]), InputError, "1 have neither, .* row 1; leave"),
+        (np.diag([1.0, 0, 1]), np.diag([1.0, 0, 1]), InputError, "neither"),
         (
             changed(np.diag([1.0, 1, 1]), 1, 2, 1.0),
             np.diag([1.0, 0, 0]),
             InputError,
-            "neither mass",
+            r"^some",
         ),
         (K3, -M3, InputError, r"^M"),
         (K3, 0 * M3, InputError, r"^M"),
         (K3, changed(M3, 0, 2, 10.0), InputError, r"^M"),
-        (np.diag([1.0, 0.0, 0.0]), np.ones((3, 3)), InputError, "neither mass nor stiffness"),
+        (np.diag([1.0, 0.0, 0.0]), np.ones((3, 3)), InputError, r"^some"),
         (K3, 9 * np.eye(3) - 5 * (1 - np.eye(3)), InputError, r"^M"),
         (-K3, M3, InputError, r"^K"),
         (changed(K3, 0, 2, 9.0), M3, InputError, r"^K"),
@@ -558,7 +558,7 @@ def test_path_meshio_and_mesh_are_all_the_same(tmp_path: Any) -> None:
 
 
 def test_millimetres_are_noticed() -> None:
-    with pytest.warns(AOImpactWarning, match=r"1000 m long .* millimetres use read_mesh\(path, sc"):
+    with pytest.warns(AOImpactWarning, match="scale="):
         FEModel.from_mesh(box_mesh((1000, 20, 20), (10, 1, 1)), ALUMINIUM)
     with pytest.warns(AOImpactWarning, match="weighs"):
         FEModel.from_mesh(sphere_mesh(10.0, 10.0), STEEL)
@@ -568,7 +568,7 @@ def test_millimetres_are_noticed() -> None:
 def test_a_body_beyond_the_range_of_numbers_is_refused(E: float, rho: float) -> None:
     large = 1e40 if max(E, rho) > 1.0 else 1e-40
     block = Mesh(large * BLOCK.nodes, BLOCK.cells, BLOCK.kind)
-    with pytest.raises(InputError, match=r"overflows or vanishes; .* metres .* Pa and kg/m³"):
+    with pytest.raises(InputError, match="E="):
         FEModel.from_mesh(block, no_solid(E, rho))
 
 
@@ -607,7 +607,7 @@ def test_contact_is_a_place_on_the_body() -> None:
 )
 def test_materials_beyond_reach_of_products_are_refused(E, rho):
     mesh = box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
-    with pytest.raises(InputError, match="overflows or vanishes"):
+    with pytest.raises(InputError, match="E="):
         FEModel.from_mesh(mesh, no_solid(E, rho))
 
 
@@ -620,7 +620,7 @@ def test_a_pickle_carries_the_mesh_and_not_what_is_assembled_from_it(fixed: Any)
     assert len(packed) < 0.1 * (body.K.data.nbytes + body.M.data.nbytes)
     assert pickle.loads(packed) is body  # which is still there
     assert copy.copy(body).K is body.K
-    with pytest.raises(AttributeError, match="has no attribute 'stiffness'"):
+    with pytest.raises(AttributeError, match="stiffness"):
         body.stiffness  # noqa: B018
     matrices = {name: getattr(body, name) for name in ("K", "M")}
     del body, tip

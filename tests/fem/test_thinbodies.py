@@ -244,7 +244,7 @@ def test_sheets_of_the_generator() -> None:
         (
             lambda m: ao.Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], "triangle"),
             MeshError,
-            r"flat \(no area",
+            "flat",
         ),
         (
             lambda m: ao.Mesh(
@@ -253,9 +253,9 @@ def test_sheets_of_the_generator() -> None:
             MeshError,
             "folded",
         ),
-        (lambda m: ao.Mesh([[0, 0, 0], [0, 0, 0]], [[0, 1]], "line"), MeshError, "flat|long"),
+        (lambda m: ao.Mesh([[0, 0, 0], [0, 0, 0]], [[0, 1]], "line"), MeshError, "flat"),
         (lambda m: ao.sheet_mesh((0.1, 0.0), (1, 1)), InputError, r"lengths\[1\]"),
-        (lambda m: ao.sheet_mesh((0.1, 0.1), (1, 1, 1)), InputError, "2 integers"),
+        (lambda m: ao.sheet_mesh((0.1, 0.1), (1, 1, 1)), InputError, r"^divisions"),
         (lambda m: ao.sheet_mesh((0.1, 0.1), (1, 1), kind="line"), InputError, "kind"),
     ],
 )

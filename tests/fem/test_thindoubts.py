@@ -56,7 +56,7 @@ def test_a_contact_wider_than_a_beam_is_thick(section: Any, warns: bool) -> None
 def test_a_force_along_a_beam_between_its_ends_is_questioned() -> None:
     body = bar(ao.CircularSection(0.01))
     for point in ((0.5, 0, 0), (0.525, 0, 0)):
-        with pytest.warns(ao.AOImpactWarning, match=r"along the beam.*across the beam, or a point"):
+        with pytest.warns(ao.AOImpactWarning, match=r"^direction"):
             body.contact(point=point, direction=(1, 0, 0))
     body.contact(point=(0.5, 0, 0), direction=(0, 1, 0))
 
@@ -91,7 +91,7 @@ def test_the_end_of_a_round_bar_is_flat(section: Any) -> None:
 
 def test_a_blow_on_the_rim_of_a_coarse_sheet_is_questioned() -> None:
     sheet = ao.FEModel.from_mesh(ao.sheet_mesh((0.1, 0.1), (20, 20)), ao.Shell(2e-3, STEEL))
-    with pytest.warns(ao.AOImpactWarning, match="the rim of the shell is 0 m away"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^target"):
         ao.simulate(BALL, sheet.contact(point=(0, 0.05, 0)), 0.1, quantity="peak_force", rtol=0.1)
 
 

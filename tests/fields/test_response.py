@@ -138,12 +138,12 @@ def test_a_body_of_matrices_and_nodes_has_displacements_but_no_stress() -> None:
     seen = hit.target.probe((0.1, 0.0, 0.02), times=times)
     expected = impact().target.probe((0.1, 0.0, 0.02), times=times)
     np.testing.assert_allclose(seen.displacement, expected.displacement, rtol=1e-6, atol=1e-12)
-    with pytest.raises(ao.InputError, match="needs elements"):
+    with pytest.raises(ao.InputError, match=r"^stress"):
         _ = seen.stress
     for use in ("stress", "plot"):
-        with pytest.raises(ao.InputError, match="needs elements"):
+        with pytest.raises(ao.InputError, match="elements"):
             getattr(hit.target.field(), use)()
-    with pytest.raises(ao.InputError, match="needs elements"):
+    with pytest.raises(ao.InputError, match="elements"):
         hit.target.to_vtu("nothing")
     with pytest.raises(ao.InputError, match=r"^point"):
         hit.target.probe((0.1001, 0.0, 0.02))
@@ -157,12 +157,12 @@ def test_bodies_without_places_say_so() -> None:
         velocity=1.0,
         duration=6e-4,
     )
-    with pytest.raises(ao.InputError, match="the body has no nodes"):
+    with pytest.raises(ao.InputError, match="nodes"):
         hit.target.probe(TIP)
-    with pytest.raises(ao.InputError, match="the body has no nodes"):
+    with pytest.raises(ao.InputError, match="nodes"):
         hit.target.field()
     for call in (hit.projectile.probe, hit.projectile.field):
-        with pytest.raises(ao.InputError, match=r"'rigid' was given by numbers .* antioscillators"):
+        with pytest.raises(ao.InputError, match="rigid"):
             call()
 
 
@@ -170,8 +170,8 @@ def test_bodies_without_places_say_so() -> None:
     ("arguments", "words"),
     [
         ({"point": (0.3, 0.01, 0.01)}, r"^point"),
-        ({}, "either point or nodes"),
-        ({"point": TIP, "nodes": [1]}, "either point or nodes"),
+        ({}, "point"),
+        ({"point": TIP, "nodes": [1]}, "point"),
         ({"nodes": "xmox"}, r"^nodes"),
         ({"nodes": lambda x: x[:, 0] > 9.0}, r"^nodes"),
         ({"nodes": [100000]}, r"^nodes"),

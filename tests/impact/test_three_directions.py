@@ -28,7 +28,7 @@ DOWN = (0.0, 0.3, -1.0)
         ({"velocity": (0.0, 1.0), "friction": 0.1}, "velocity"),
         ({"velocity": (0, 0, 0), "friction": 0.1}, "velocity"),
         ({"velocity": (0, 0.3, 1.0), "friction": 0.1}, r"^velocity"),
-        ({"velocity": DOWN, "friction": 0.1, "target": OSCILLATOR}, "one direction"),
+        ({"velocity": DOWN, "friction": 0.1, "target": OSCILLATOR}, r"^target"),
         (
             {
                 "velocity": DOWN,
@@ -46,7 +46,7 @@ DOWN = (0.0, 0.3, -1.0)
                 "projectile": TOP,
                 "target": TOP,
             },
-            "same side",
+            r"^projectile",
         ),
         ({"velocity": DOWN, "friction": 0.1, "law": ao.Thornton(1e8, 10.0)}, "friction=0"),
         ({"velocity": 1.0, "spin": (0, 10.0, 0)}, "friction"),
@@ -183,7 +183,7 @@ def test_a_spinning_block_of_finite_elements_is_the_rigid_one_in_its_first_momen
 
 def test_comparisons_refuse_three_directions():
     for more in ({"velocity": DOWN}, {"friction": 0.1}, {"spin": (0, 1, 0)}):
-        with pytest.raises(ao.InputError, match="one direction"):
+        with pytest.raises(ao.InputError, match=rf"^{next(iter(more))}"):
             ao.compare(**{"projectile": BALL, "target": WALL, "velocity": 1.0} | more)
 
 
@@ -260,7 +260,7 @@ def test_histories_and_summary_have_friction(tmp_path):
 def test_a_spin_that_lifts_the_contact_point_at_once_is_told(solver):
     # The arm is 1 cm to the side: the point rises at 3 m/s, and the centre falls at 1 m/s.
     body = ao.rigid(0.02, inertia=1e-6, arm=(0.01, 0, -0.005))
-    with pytest.warns(ao.AOImpactWarning, match="their spin parts the points of contact"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^projectile"):
         hit = ao.simulate(
             body,
             WALL,

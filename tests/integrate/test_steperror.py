@@ -119,7 +119,7 @@ def test_a_light_mass_that_a_damper_stops_within_a_step_is_seen() -> None:
         "duration": 1e-3,
     }
     peak = ao.simulate(**options, solver=ao.Adaptive(rtol=1e-8)).peak_force
-    with pytest.warns(ao.AOImpactWarning, match="far too large"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^dt"):
         hit = ao.simulate(**options, solver=ao.Newmark(dt=2e-6))
     assert hit.peak_force < 0.8 * peak
     assert hit.error.time == 1.0
@@ -130,7 +130,7 @@ def test_a_light_mass_that_a_damper_stops_within_a_step_is_seen() -> None:
 def test_a_few_steps_claim_nothing(steps: int) -> None:
     ball = ao.rigid(mass=0.1)
     options = {"projectile": ball, "target": ball, "law": ao.Hertz(k=1e9), "velocity": 1.0}
-    with pytest.warns(ao.AOImpactWarning, match="far too large"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^dt"):
         hit = ao.simulate(**options, duration=1e-4, solver=ao.Newmark(dt=1e-4 / steps))
     assert len(hit.t) == steps + 1
     assert hit.error.time == 1.0
@@ -152,7 +152,7 @@ KICKED_PEAK = 1e8 * (1.25 / 1e8) ** 0.6
 
 @pytest.mark.parametrize("width", [1e-6, 1e-7])
 def test_a_pulse_that_a_step_misses_is_not_missed_without_a_word(width: float) -> None:
-    with pytest.warns(ao.AOImpactWarning, match="no digit is right"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^dt"):
         run = kicked(width, ao.Newmark(dt=1e-5))
     assert run.contacts[0].peak_force == 0.0  # as it was at every step
     assert run.error.time == 1.0
@@ -185,7 +185,7 @@ def test_a_guess_beyond_the_end_of_a_table_is_its_force_there() -> None:
     law = ao.Tabulated([0.0, 5e-4, 1e-3], [0.0, 5e4, 1e5])
     ball, wall = ao.rigid(mass=0.01), ao.rigid(mass=math.inf)
     scene = {"projectile": ball, "target": wall, "law": law, "velocity": 10.0, "gap": 1e-3}
-    with pytest.warns(ao.AOImpactWarning, match="far too large"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^dt"):
         hit = ao.simulate(**scene, duration=1e-2, solver=ao.Newmark(dt=1e-3))
     assert hit.error.time == 1.0
 

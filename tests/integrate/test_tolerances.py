@@ -282,7 +282,7 @@ def test_less_patience_loses_a_result_and_more_waits_for_none(
         scene = ao.Scene(gravity=9.81)
         ball, floor = scene.add(ao.rigid(mass=0.03), velocity=1.0), scene.add(ao.rigid(math.inf))
         scene.connect(ball, floor, ao.UserLaw(rippled))
-        with pytest.warns(ao.AOImpactWarning, match="far more than those of the run"):
+        with pytest.warns(ao.AOImpactWarning, match=r"^rtol"):
             run = scene.simulate(duration=0.7, solver=ao.Adaptive(rtol=1e-8), energies=False)
         assert run.error.time is None
         return asked
@@ -291,7 +291,7 @@ def test_less_patience_loses_a_result_and_more_waits_for_none(
     monkeypatch.setattr(to_tolerance, "PATIENCE", tolerances.PATIENCE)
     assert bounces(10, 1e-3)[0].error.time == 1e-3
     monkeypatch.setattr(to_tolerance, "PATIENCE", tolerances.PATIENCE // 12)
-    with pytest.warns(ao.AOImpactWarning, match="far more than those of the run"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^rtol"):
         assert bounces(10, 1e-3)[0].error.time is None
 
 
@@ -299,5 +299,5 @@ def test_bodies_at_rest_are_measured_by_their_impulses(monkeypatch: pytest.Monke
     assert column(2).error.time == 1e-8
     with monkeypatch.context() as patch:
         patch.setattr(comparison, "AT_REST", 0.0)
-        with pytest.warns(ao.AOImpactWarning, match="by a contact that pulls"):
+        with pytest.warns(ao.AOImpactWarning, match=r"^rtol"):
             assert column(2).error.time == 1.0

@@ -63,7 +63,7 @@ def test_another_mesh_is_refused(files: dict[str, Path]) -> None:
     other = ao.box_mesh((0.01, 0.01, 0.01), (2, 2, 2))
     with pytest.raises(ao.InputError, match="mesh"):
         ao.read_matrices(files["K"], files["M"], mesh=other, **given)
-    with pytest.raises(ao.InputTypeError, match="mesh and material"):
+    with pytest.raises(ao.InputTypeError, match=r"^mesh"):
         ao.read_matrices(files["K"], files["M"], **given)
 
 

@@ -187,7 +187,7 @@ def test_rigid_elements_and_membranes_are_no_part_of_a_shell(tmp_path: Path) -> 
     nodes = "\n".join(f"{i}, {x}, {y}, 0" for i, (x, y) in enumerate(PLACES, 1))
     deck = ABAQUS.format(nodes=nodes, towards="") + "*ELEMENT, TYPE=R3D3, ELSET=TOOL\n9, 1, 2, 5\n"
     (tmp_path / "a.inp").write_text(deck)
-    with pytest.warns(ao.AOImpactWarning, match="no solids, shells or beams .*: 1 R3D3"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^mesh"):
         mesh = ao.read_mesh(tmp_path / "a.inp")
     assert mesh.contents == "1 quad, 2 triangle"
 

@@ -204,7 +204,7 @@ def test_bad_input_is_named(make, message):
 
 
 def test_a_modulus_that_is_no_number_is_refused() -> None:
-    with pytest.warns(ao.AOImpactWarning, match="that of no solid"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^E"):
         soft = ao.Material(E=5e-324, nu=0.3, rho=7800)
     with pytest.raises(ao.InputError, match=r"^E"):
         ao.Thornton.between(soft, 0.01, soft, math.inf, yield_pressure=1e9)

@@ -108,9 +108,9 @@ def test_a_table_in_series_with_a_spring_takes_the_blow(seed, rtol):
 
 def test_what_lies_beyond_the_table_is_not_made_up():
     assert LAW.force(1e-4) == pytest.approx(1e10 * 1e-6)
-    with pytest.raises(ao.InputError, match="with a table, give deeper values"):
+    with pytest.raises(ao.InputError, match=r"^contact"):
         LAW.force(1.001e-4)
-    with pytest.raises(ao.InputError, match="give deeper values"):
+    with pytest.raises(ao.InputError, match=r"^contact"):
         on_a_wall(LAW, 1.0, 3.0, ao.Newmark(dt=1e-6), duration=1e-3)
 
 

@@ -294,11 +294,11 @@ def test_an_absent_package_is_named_with_the_way_to_get_it(block, monkeypatch):
 
 @pytest.mark.parametrize("solver", DIRECT)
 def test_singular_and_indefinite_matrices_are_refused(block, solver):
-    with pytest.raises(ao.SingularError, match="the stiffness matrix"):
+    with pytest.raises(ao.SingularError, match="stiffness"):
         block.inverse(0.0, solver=solver)
     K = sp.diags([2.0, -1.0, -1.0], [0, 1, -1], shape=(1000, 1000)).tolil()
     K[500, 500] = 0.5
-    with pytest.raises(ao.SingularError, match="the stiffness matrix"):
+    with pytest.raises(ao.SingularError, match="stiffness"):
         linear_solver(Pencil(sp.csr_array(K), sp.eye_array(1000, format="csr")), solver)
 
 

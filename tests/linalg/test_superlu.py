@@ -65,7 +65,7 @@ def test_memory_of_factors_is_given_back():
 
 def test_singular_matrices_are_refused_not_solved():
     K, _ = rod(200)
-    with pytest.raises(ao.SingularError, match="the stiffness is singular"):
+    with pytest.raises(ao.SingularError, match="stiffness"):
         factorize(K, what="the stiffness")
     with pytest.raises(ao.SingularError):
         factorize(sp.csr_matrix((5, 5)))

@@ -147,8 +147,8 @@ def test_paper_sphere_is_a_good_mesh_of_the_sphere() -> None:
 @pytest.mark.parametrize(
     ("arguments", "kind", "words"),
     [
-        ((1.0, 3.0), InputError, "size=3 m is larger than the sphere"),
-        ((10.0, 1e-3), InputError, "is it in metres"),
+        ((1.0, 3.0), InputError, "larger"),
+        ((10.0, 1e-3), InputError, "radius="),
     ],
 )
 def test_impossible_spheres_are_refused(
@@ -161,12 +161,12 @@ def test_impossible_spheres_are_refused(
 @pytest.mark.parametrize(
     ("lengths", "divisions", "kind", "error", "words"),
     [
-        ((1, 1), (1, 1, 1), "hexahedron", InputError, r"lengths must have shape \(3,\)"),
-        ((1, 0, 1), (1, 1, 1), "hexahedron", InputError, r"lengths\[1\] must be positive"),
-        ((1, 1, 1), (1, 1), "hexahedron", InputError, "divisions must be 3 integers"),
-        ((1, 1, 1), (1, 0, 1), "hexahedron", InputError, r"divisions\[1\] must be at least 1"),
+        ((1, 1), (1, 1, 1), "hexahedron", InputError, r"^lengths"),
+        ((1, 0, 1), (1, 1, 1), "hexahedron", InputError, r"^lengths"),
+        ((1, 1, 1), (1, 1), "hexahedron", InputError, r"^divisions"),
+        ((1, 1, 1), (1, 0, 1), "hexahedron", InputError, r"^divisions"),
         ((1, 1, 1), (1, 2.0, 1), "hexahedron", InputTypeError, r"divisions\[1\]"),
-        ((1, 1, 1), (1, 1, 1), "hexahedron8", InputError, "did you mean 'hexahedron"),
+        ((1, 1, 1), (1, 1, 1), "hexahedron8", InputError, r"^kind"),
         ((1, 1, 1), (1000, 1000, 1000), "hexahedron", InputError, "nodes"),
     ],
 )

