@@ -71,28 +71,6 @@ def test_rigid_hertz_pair_to_every_tolerance(rtol):
     assert max(errors) <= rtol
 
 
-@pytest.mark.parametrize("n", [1.0, 1.2, 1.5, 2.0, 3.0])
-@pytest.mark.parametrize("rtol", [1e-4, 1e-8])
-def test_power_laws_on_a_wall(n, rtol):
-    assert power_law_errors(rtol, 1e8, n, 2.0) <= rtol
-
-
-def test_half_sine_of_a_linear_contact_to_ten_digits():
-    k, m = 4e6, 0.1
-    omega = math.sqrt(k / m)
-    result = hit(
-        1e-11,
-        projectile=ao.rigid(mass=m),
-        target=WALL,
-        law=ao.Linear(k=k),
-        duration=1e-3,
-    )
-    assert max(relative_errors(result, math.sqrt(k * m), math.pi / omega, -1.0)) < 1e-10
-    times = np.linspace(0, math.pi / omega, 301)
-    exact = math.sqrt(k * m) * np.sin(omega * times)
-    np.testing.assert_allclose(result.at(times).force, exact, atol=1e-10 * result.peak_force)
-
-
 def test_one_antioscillator_pair_to_ten_digits():
     """m0 = .1 % of the mass, k1 = 275.7 MN/m: against SciPy's DOP853 at its tightest."""
     m0, m1, k1 = 0.001 * MASS, 0.999 * MASS, 275.7e6
@@ -130,33 +108,6 @@ def test_one_antioscillator_pair_to_ten_digits():
     result = hit(1e-10, projectile=sphere, target=sphere)
     assert result.peak_force == pytest.approx(peak, rel=1e-10)
     assert result.contacts[0][1] == pytest.approx(run.t_events[1][0], rel=1e-10)
-
-
-def test_published_beam_impact():
-    """A simply supported beam with 28 oscillators, 20 ms: one contact and the rebound."""
-    mass, x = 2400 * 0.02**2, []
-    for i in range(1, 29):
-        low, high = i * math.pi, (i + 0.5) * math.pi
-        for _ in range(80):  # tan x = tanh x by bisection
-            middle = 0.5 * (low + high)
-            above = math.sin(middle) > math.cos(middle) * math.tanh(middle)
-            low, high = (low, middle) if above == (i % 2 == 0) else (middle, high)
-        x.append(0.5 * (low + high))
-    x = np.array(x)
-    stiffness = 70e9 * 0.02**4 / 12
-    m = 4 * mass / np.tanh(x) ** 2 / x**2
-    k = m * (2 * x) ** 4 * stiffness / mass
-    target = ao.AOModel(m0=17 / 35 * mass - m.sum(), k0=48 * stiffness, m=m, k=k)
-    result = hit(
-        1e-9,
-        projectile=ao.rigid(mass=0.0326725636),
-        target=target,
-        law=ao.Hertz(k=1e10),
-        duration=20e-3,
-    )
-    assert result.peak_force == pytest.approx(1087.919053568, rel=1e-9)
-    assert result.contacts == [(0.0, pytest.approx(77.8273267045e-6, rel=1e-9))]
-    assert result.rebound_velocity == pytest.approx(-0.3818577779, abs=1e-9)
 
 
 # ------------------------------------------------------------------------------- convergence
@@ -275,16 +226,6 @@ def test_massless_contact_on_a_spring_in_series_with_a_linear_law():
     errors = relative_errors(result, math.sqrt(series * m), math.pi * math.sqrt(m / series), -1.0)
     assert max(errors) <= 1e-10
     assert result.error.energy < 1e-9
-
-
-def test_a_vanishing_contact_mass_tends_to_none():
-    peaks = [
-        hit(1e-9, target=ao.AOModel(m0=m0, m=[MASS], k=[2.757e8])).peak_force
-        for m0 in (1e-3 * MASS, 1e-5 * MASS, 1e-7 * MASS, 0.0)
-    ]
-    steps = np.abs(np.diff(peaks))
-    assert steps[0] > steps[1] > steps[2]
-    assert steps[2] < 1e-4 * peaks[-1]
 
 
 def test_five_hundred_oscillators_over_nine_decades_of_frequency():
@@ -445,45 +386,6 @@ def test_grazing_touches_are_found_and_misses_are_not_touches():
         assert (len(result.contacts) > 0) == touches
 
 
-@pytest.mark.slow
-def test_chattering_ball_on_a_ringing_beam():
-    """Every re-contact is found: against SciPy with an event at each."""
-    K, M = beam(4, fixed=[0, 8])
-    tip = ao.FEModel(K=K, M=M).contact(dof=3)
-    target = ao.antioscillators(tip, 3, order="frequency")
-    mass, k, v = 1.0, 1e6, 0.01
-    ball = ao.rigid(mass=mass)
-    result = hit(1e-10, projectile=ball, target=target, law=ao.Hertz(k=k), velocity=v, duration=0.6)
-
-    def slope(t, y):
-        force = k * max(y[0] - y[1], 0.0) ** 1.5
-        n = target.n
-        u, w = y[1], y[2 : 2 + n]
-        pull = target.k * (u - w)
-        rates = y[2 + n :]
-        return np.concatenate(
-            [
-                rates,
-                [-force / mass, (force - target.k0 * u - pull.sum()) / target.m0],
-                pull / target.m,
-            ]
-        )
-
-    def touch(t, y):
-        return y[0] - y[1]
-
-    start = np.zeros(2 * (target.n + 2))
-    start[target.n + 2] = v
-    run = scipy.integrate.solve_ivp(
-        slope, (0, 0.6), start, "DOP853", rtol=1e-11, atol=1e-16, events=touch, max_step=2e-4
-    )
-    crossings = run.t_events[0][run.t_events[0] > 1e-9]
-    ours = np.array(result.contacts).ravel()[1:]
-    assert len(result.contacts) >= 7
-    np.testing.assert_allclose(ours, crossings, rtol=1e-6)
-    assert result.error.energy < 1e-9
-
-
 def test_many_bounces_between_a_spring_held_mass_and_a_ball_keep_the_energy():
     """A ball caught between a wall's law and a swinging mass: hundreds of contacts."""
     swing = ao.AOModel(m0=5.0, k0=50.0)
@@ -564,19 +466,6 @@ def test_newmark_converges_to_the_adaptive_run(held):
     np.testing.assert_allclose(exact.target.coordinates, final, atol=1e-3 * np.abs(final).max())
 
 
-def test_a_full_model_is_the_star_of_all_its_antioscillators():
-    K, M = beam(10, fixed=[0, 20])
-    tip = ao.FEModel(K=K, M=M).contact(dof=9)
-    options = {"law": ao.Hertz(k=1e4), "velocity": 0.1, "duration": 1.0}
-    options["projectile"] = ao.rigid(mass=0.1)
-    full = hit(1e-9, target=ao.full(tip), **options)
-    star = hit(1e-9, target=ao.antioscillators(tip), **options)
-    assert full.target.label == "full(20)"
-    assert full.peak_force == star.peak_force
-    newmark = hit(target=ao.full(tip), solver=ao.Newmark(dt=2e-5), **options)
-    assert newmark.peak_force == pytest.approx(full.peak_force, rel=1e-4)
-
-
 def test_adaptive_is_the_default_for_stars_and_newmark_for_full_models():
     K, M = beam(4, fixed=[0, 8])
     body = ao.full(ao.FEModel(K=K, M=M).contact(dof=3))
@@ -589,12 +478,6 @@ def test_results_pickle_with_their_dense_output():
     result = hit()
     copy = pickle.loads(pickle.dumps(result))
     assert copy.at([10e-6]).force == result.at([10e-6]).force
-
-
-@pytest.mark.parametrize("rtol", [0.0, -1e-6, 1.0, 1e-15, math.nan, "tight"])
-def test_impossible_tolerances_are_refused(rtol):
-    with pytest.raises(ao.AOImpactError, match="rtol"):
-        ao.Adaptive(rtol=rtol)
 
 
 @pytest.mark.parametrize("k", [1e15, 1e25, 1e30, 1e35, 1e40, 1e45, 1e60, 1e100])

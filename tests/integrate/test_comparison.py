@@ -1,17 +1,12 @@
 """The tolerance over many contacts: kept where numbers carry it, and said where not."""
 
-import itertools
 import math
 import warnings
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.integrate import TIGHTEST, to_tolerance
-from aoimpact.integrate.dense import Touch
-from aoimpact.integrate.tolerances import ROUNDING
 
 MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
 WALL = ao.rigid(mass=math.inf)
@@ -91,16 +86,6 @@ def test_what_rounding_does_to_many_bounces_is_said(count, rtol):
     assert largest_error(run, ball) <= run.error.time < 1e-14 * count
 
 
-@pytest.mark.slow
-def test_a_third_of_what_rounding_is_taken_for_would_be_too_little():
-    errors = []
-    for stiffness in np.geomspace(1e9, 1e11, 60):
-        run, ball = bouncing(10, TIGHTEST, stiffness)
-        errors.append(largest_error(run, ball, stiffness) / 10)
-    assert ROUNDING / 3.0 < max(errors) < ROUNDING
-    assert 0.1 * TIGHTEST < 10.0 * max(errors) < TIGHTEST  # the tolerance of the runs
-
-
 def test_balls_between_walls_exchange_what_momentum_and_energy_say():
     """Two balls between two walls: a chain of elastic collisions, each in closed form."""
     masses, speeds, gap = np.array([0.03, 0.05]), np.array([1.0, -0.3]), 0.01
@@ -145,25 +130,3 @@ def test_a_ball_on_a_swinging_table_is_chaos_and_called_so():
         assert runs[-1].error.time > 0.01  # by chance two such runs may end near each other
     one, other = (run.at(np.linspace(6.0, 8.0, 200))[ball].velocity for run in runs)
     assert np.abs(one - other).max() > 0.1  # at a single time they may be near by chance
-
-
-def test_one_contact_costs_one_run(monkeypatch):
-    """And so does one with touches that carry next to nothing."""
-    made = []
-    run_once = to_tolerance.adaptive_run
-    monkeypatch.setattr(
-        to_tolerance, "adaptive_run", lambda *a, **k: made.append(a) or run_once(*a, **k)
-    )
-    scene = ao.Scene()
-    balls = [scene.add(ao.rigid(mass=MASS), velocity=float(i == 0)) for i in range(8)]
-    for one, other in itertools.pairwise(balls):
-        scene.connect(one, other, ao.Hertz(k=STIFFNESS))
-    scene.simulate(duration=2e-3, energies=False)
-    assert len(made) == 1
-
-
-def with_touches(run, touches):
-    (event,) = run.events
-    spans = tuple((start, end) for start, end, *_ in touches)
-    values = [Touch(impulse, pace) for _, _, impulse, pace in touches]
-    return replace(run, events=(event._replace(contacts=spans),), touches=(values,))

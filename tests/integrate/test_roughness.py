@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.integrate.roughness import scatter
 
 K, MASS = 1e10, 0.0327
 # m v² / 2 = 2/5 k δ^2.5 at 1 m/s.
@@ -40,34 +39,6 @@ def hit(law, rtol):
         duration=200e-6,
         solver=ao.Adaptive(rtol=rtol),
     )
-
-
-@pytest.mark.parametrize("share", [1e-3, 1e-6, 1e-9])
-def test_scatter_is_measured(share):
-    measured = scatter(ao.UserLaw(noisy(share)), 1e-5, 1.0)
-    assert 0.3 * share < measured < 3.0 * share
-    assert 0.1 * share < scatter(ao.UserLaw(rippled(share)), 1e-5, 1.0) < 2.0 * share
-
-
-@pytest.mark.parametrize("k", [1e9, 1.1e9, 3.9e9, *np.geomspace(1e8, 1e11, 60)])
-def test_single_precision_scatters_by_its_last_digit(k):
-    """At equal distances its rounding may repeat itself, and its differences vanish."""
-    measured = scatter(ao.UserLaw(lambda d, rate: float(np.float32(k * d**1.5))), 1e-4, 1.0)
-    assert 0.1 * 2.0**-24 < measured < 2.0**-24
-
-
-@pytest.mark.parametrize(
-    "function",
-    [
-        hertz,
-        lambda d, rate: 1e30 * d**6 * (1.0 + 0.1 * rate),
-        lambda d, rate: 1e3 * math.expm1(1e6 * d),
-        lambda d, rate: 1e8 * d if d < 4e-6 else 400.0 + 3e8 * (d - 4e-6),
-    ],
-    ids=["Hertz", "steep", "exponential", "kinked"],
-)
-def test_smooth_and_kinked_laws_do_not_scatter(function):
-    assert scatter(ao.UserLaw(function), 1e-5, 1.0) < 1e-14
 
 
 @pytest.mark.parametrize(
