@@ -5,14 +5,11 @@ from functools import partial
 import numpy as np
 import pytest
 import scipy.linalg as la
-import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 from bodies import ball_of_octants
 
 import aoimpact as ao
 from aoimpact import box_mesh
 from aoimpact.linalg import lowest
-from aoimpact.linalg.davidson import davidson
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
@@ -54,33 +51,6 @@ def test_modes_of_a_long_bar_are_those_of_a_beam():
     _, reference = lowest(body.K, body.M, 4, known=body.rigid_modes)
     cosines = la.svdvals(reference.T @ (body.M @ modes))
     assert 1.0 - cosines.min() ** 2 < 1e-12  # the same space
-
-
-def test_exact_multiplicities_are_found_in_full():
-    """Three equal, unconnected chains: each frequency three times."""
-    line = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(200, 200))
-    K = sp.csr_array(sp.kron(sp.eye_array(3), line))
-    M = sp.eye_array(600, format="csr")
-    factors = spla.splu((K + 1e-4 * M).tocsc())
-    omega2, _ = davidson(K, M, factors.solve, 8, away_from=np.zeros((600, 0)))
-    expected = np.repeat(2.0 - 2.0 * np.cos(np.arange(1, 4) * np.pi / 201), 3)[:8]
-    np.testing.assert_allclose(omega2, expected, rtol=1e-9)
-
-
-def test_known_modes_are_kept_out():
-    K = sp.diags_array(np.arange(1.0, 401.0)).tocsr()
-    M = sp.eye_array(400, format="csr")
-    known = np.eye(400)[:, :5]
-    omega2, modes = davidson(K, M, lambda f: f / np.arange(2.0, 402.0), 3, away_from=known)
-    np.testing.assert_allclose(omega2, [6.0, 7.0, 8.0], rtol=1e-12)
-    assert np.abs(known.T @ modes).max() < 1e-12
-
-
-def test_a_poor_preconditioner_cuts_the_basis_back_and_gets_there():
-    line = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(60, 60)).tocsr()
-    M = sp.eye_array(60, format="csr")
-    omega2, _ = davidson(line, M, lambda f: 0.5 * f, 2, away_from=np.zeros((60, 0)))
-    np.testing.assert_allclose(omega2, la.eigvalsh(line.toarray())[:2], rtol=1e-9)
 
 
 def test_modes_of_a_slender_bar_are_all_found() -> None:

@@ -9,7 +9,6 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.base import MemoryLimitError
 from aoimpact.linalg import factorize
 
 from slender import beam, rod
@@ -23,15 +22,6 @@ def test_solution_of_a_static_problem():
     load = np.zeros(1000)
     load[-1] = 3.0
     np.testing.assert_allclose(factorize(K).solve(load), 3.0 * np.arange(1, 1001) / 1000, rtol=1e-9)
-
-
-def test_factors_that_run_out_of_memory_name_what_takes_less(monkeypatch):
-    def splu(*_, **__):
-        raise MemoryError
-
-    monkeypatch.setattr(sp.linalg, "splu", splu)
-    with pytest.raises(MemoryLimitError, match=r"^solver"):
-        factorize(rod(100, fixed=[0])[0])
 
 
 def test_the_cores_sweeps_solve_the_same_system():
