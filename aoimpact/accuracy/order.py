@@ -182,6 +182,7 @@ class Search:
 
     def __post_init__(self) -> None:
         self.least_rtol = self.rtol
+        self._loosest: float | None = None
 
     def proven(self) -> Orders:
         """Return the orders, with models that are fitted to the time scales of their runs.
@@ -237,7 +238,9 @@ class Search:
                 self.results.clear()
                 self.differences.clear()
                 self.anew()
-            if (run := self._at(largest)) is not None:
+            run = self._at(largest)
+            self.larger = self._larger()  # known when the models are made
+            if run is not None:
                 yield run
             if self._is_enough(run, largest):
                 return
@@ -258,7 +261,9 @@ class Search:
             return True
         if run is None or self.looser is None or not self._meet(LOOSEST):
             return False
-        if self._meet(max(self.least_rtol, self.looser(run))):
+        if self._loosest is None:  # errors of meshes are those of any models
+            self._loosest = max(self.least_rtol, self.looser(run))
+        if self._meet(self._loosest):
             return True
         self.rtol = self.least_rtol
         self.most = min(self.most, _WORTH * max(largest))
@@ -278,18 +283,18 @@ class Search:
         found = tuple(orders[place] for place in self.places)
         finished = [of.finished(n) for of, n in zip(self.hierarchies, orders, strict=True)]
         models = tuple(finished[place] for place in self.places)
-        done = (self._at(each) for each in (orders, *self._larger()))
+        done = (self._at(each) for each in (orders, *self.larger))
         run, *larger = (run for run in done if run is not None)  # all, since their errors are small
         for one in self.hierarchies:
             one.release()
         error = max(self._errors())
-        return Orders(found, models, error, self.rtol, run, tuple(larger), self._safety())
+        return Orders(found, models, error, self.rtol, run, tuple(larger), self._safety)
 
     def _enlarged(self, largest: _Orders) -> _Orders:
         """Raise the orders of the bodies with too large a share of the error, or of all."""
         error = next(error for error in self._errors() if error > self.rtol)
         growth = min(max(_LEAST_GROWTH, error / self.rtol), _GROWTH)
-        allowed = self.rtol / len(self.orders) / self._safety()
+        allowed = self.rtol / len(self.orders) / self._safety
         poor = []
         for which, order in enumerate(self.orders):
             alone = (*largest[:which], order, *largest[which + 1 :])
@@ -301,28 +306,29 @@ class Search:
 
     def _larger(self) -> tuple[_Orders, ...]:
         """The orders of the larger models for the error estimate, the largest last."""
-        *smaller, largest = (
-            tuple(
-                one.reference_order(_beyond(n, (i + 1) / _COMPARED))
+        *smaller, largest = zip(
+            *[
+                [one.reference_order(_beyond(n, (i + 1) / _COMPARED)) for i in range(_COMPARED)]
                 for one, n in zip(self.hierarchies, self.orders, strict=True)
-            )
-            for i in range(_COMPARED)
+            ],
+            strict=True,
         )
         return (largest,) if self._are_whole(largest) else (*smaller, largest)
 
     def _are_whole(self, orders: _Orders) -> bool:
         return all(one.is_whole(n) for one, n in zip(self.hierarchies, orders, strict=True))
 
+    @property
     def _safety(self) -> float:
         """The multiple of the largest difference that is taken for the error."""
-        if self._are_whole(self._larger()[-1]):
+        if len(self.larger) == 1:  # the whole bodies
             return 1.0
         return _SAFETY if self.quantity.is_history else _SAFETY_OF_NUMBERS
 
     def _errors(self) -> Iterator[float]:
         """Estimates of the error by each of the larger models, by the largest first."""
-        safety = self._safety()
-        return (safety * self._difference(self.orders, one) for one in reversed(self._larger()))
+        safety = self._safety
+        return (safety * self._difference(self.orders, one) for one in reversed(self.larger))
 
     def _difference(self, orders: _Orders, larger: _Orders) -> float:
         """Relative difference of the quantity; infinite where a run or its number is missing."""
@@ -361,13 +367,13 @@ class Search:
         return of_input and deform and not isinstance(error, LawLimitError)
 
     def _at_most(self, orders: Iterable[int]) -> _Orders:
-        return tuple(one.at_most(n) for one, n in zip(self.hierarchies, orders, strict=True))
+        return tuple([one.at_most(n) for one, n in zip(self.hierarchies, orders, strict=True)])
 
     def _no_convergence(self, error: float) -> ConvergenceError:
         within = _EASED * error
         larger = f"take rtol={within:.2g} or more, " if within < 1.0 else "take "
         return ConvergenceError(
-            f"the quantity still changes by {error / self._safety():.2g} at {max(self.orders)} "
+            f"the quantity still changes by {error / self._safety:.2g} at {max(self.orders)} "
             f"anti-oscillators: {larger}a shorter duration, a contact over a patch (radius=), "
             "whose waves are longer, or the full finite-element models"
         )

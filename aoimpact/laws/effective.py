@@ -6,12 +6,15 @@ which the law contains (`fem/extraction.py`). It is taken out of the law, F = la
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from ..base import FloatArray, InputError, LawLimitError
 from .law import MOST_SHARE, ContactLaw, PatchLaw
 
 
+@lru_cache(maxsize=256)  # many models of the same bodies have the same law
 def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
     """Return a law with a compliance, m/N, taken out, unless that has been done.
 

@@ -341,8 +341,12 @@ class Run:
 
         :meta private:
         """
-        rows = self.plan.layout.contact(self.recorder.rows(self.t, energies=False), number)
-        return float(self.plan.contacts[number].own_indentation(rows).max(initial=0.0))
+        contact, times = self.plan.contacts[number], self.t
+        law = contact.law
+        if self.recorder.dense and not (contact.friction or law.depends_on_rate or law.by_caller):
+            times = np.array([self.events[number].peak_time])  # where it is deepest
+        rows = self.plan.layout.contact(self.recorder.rows(times, energies=False), number)
+        return float(contact.own_indentation(rows).max(initial=0.0))
 
     @property
     def all_forces(self) -> FloatArray:
@@ -475,8 +479,8 @@ class Run:
     def _wall_moves(self) -> bool:
         """True if a wall moves: it brings energy that is not counted."""
         return any(
-            body.wall and of.port_velocities.any()
-            for body, of in zip(self.plan.bodies, self.bodies, strict=True)
+            body.wall and self.bodies[i].port_velocities.any()
+            for i, body in enumerate(self.plan.bodies)
         )
 
     @property

@@ -100,9 +100,10 @@ class Plan:
         """
         bodies, contacts = tuple(models), self.contacts
         if self.around:
-            bodies = tuple(of.turned(ports) for of, ports in zip(models, self.around, strict=True))
+            turned = zip(models, self.around, strict=True)
+            bodies = tuple([of.turned(ports) for of, ports in turned])
         if self.around or self.oblique:
-            contacts = tuple(of.of_models(bodies, bounded=self.bounded) for of in contacts)
+            contacts = tuple([of.of_models(bodies, bounded=self.bounded) for of in contacts])
         for contact in contacts:
             if all(math.isinf(bodies[body].static_mass) for body, _ in contact.ports):
                 raise InputError(
@@ -154,8 +155,9 @@ class Plan:
     @cached_property
     def layout(self) -> RecordLayout:
         """Places of the rows of a record."""
-        sliding = tuple(contact.friction is not None for contact in self.contacts)
-        return RecordLayout(len(self.contacts), tuple(body.ports for body in self.bodies), sliding)
+        sliding = tuple([contact.friction is not None for contact in self.contacts])
+        ports = tuple([body.ports for body in self.bodies])
+        return RecordLayout(len(self.contacts), ports, sliding)
 
     @cached_property
     def _loads_of(self) -> dict[int, list[Load]]:
