@@ -10,24 +10,30 @@ each.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from .. import _core
 from ..base import AOImpactError, boolean, held_warnings
 from ..impact import checked_numbers, plan_impact
-from ..integrate import Adaptive
+from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
 from ..reduction import AOModel, Body, fitted_times, is_valid_for
-from ..results import QUANTITIES, warning_limits
-from ..scene import normal_gap
-from .briefs import Answer, Briefs
+from ..results import QUANTITIES, Speeds, warning_limits
+from ..scene import Plan, normal_gap
 
 ERROR = "error.time"
 
 # The numbers that follow from what the core returns of a plain impact.
 PLAIN_NUMBERS = frozenset((*(one.name for one in QUANTITIES.values() if one.is_plain), ERROR))
+
+# Columns of what the core returns (enum in csrc/python/many.c). The last are the velocities of both
+# centres of mass after the contact.
+ANSWERS = (
+    *("STATUS", "TOUCHES", "LASTING", "PEAK_FORCE", "PEAK_TIME"),
+    *("IMPULSE", "START", "END", "FIRST", "SECOND"),
+)
 
 _REQUIRED = {"projectile", "target", "law", "velocity", "duration"}
 _KEYWORDS = _REQUIRED | {"solver", "gap", "energies"}
@@ -38,35 +44,32 @@ _BY_DEFAULT = Adaptive()
 _SMALL, _LARGE = 1e-30, 1e30
 
 
-@dataclass(frozen=True)
-class _Pair:
-    """Two bodies and a law, plain ones.
+class _Pair(NamedTuple):
+    """Two plain bodies and a law.
 
     Attributes
     ----------
     number : int
         Among those that the core is given.
-    fits : tuple of float
+    plan : Plan
+    fits : (float, float)
         Durations of the contact, s, between which the models are valid without a further check.
-    models : tuple
-    warning_limits : tuple of float
+    limits : (float, float)
         Force, N, and velocity, m/s, up to which no warning is due.
     """
 
     number: int
+    plan: Plan
     fits: tuple[float, float]
-    models: tuple[Any, ...]
-    warning_limits: tuple[float, float]
+    limits: tuple[float, float]
 
-    def valid(self, contact_duration: float) -> bool:
+    def valid(self, lasted: float) -> bool:
         """True if the models are valid for a contact that long, s."""
         least, most = self.fits
-        return least <= contact_duration <= most or all(
-            is_valid_for(model, contact_duration) for model in self.models
-        )
+        return least <= lasted <= most or all(is_valid_for(of, lasted) for of in self.plan.bodies)
 
 
-def _pair(case: Mapping[str, Any], calls: Briefs) -> _Pair | None:
+def _pair(case: Mapping[str, Any], number: int) -> _Pair | None:
     """The bodies and the law of a case; None where they are not plain, or wrong."""
     law = case["law"]
     given = case["projectile"], case["target"]
@@ -81,13 +84,11 @@ def _pair(case: Mapping[str, Any], calls: Briefs) -> _Pair | None:
     with held_warnings() as messages:
         try:
             plan = plan_impact(models[0], models[1], law, velocity=1.0, duration=1.0)
-            number = calls.pair(plan.bodies, plan.contacts[0].law)
         except Exception:
             return None  # simulate raises it
     if messages or not all(body.centre_known for body in plan.bodies):
         return None
-    run = tuple(plan.bodies)
-    return _Pair(number, fitted_times(run), run, warning_limits(plan))
+    return _Pair(number, plan, fitted_times(plan.bodies), warning_limits(plan))
 
 
 def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, float] | None]:
@@ -100,34 +101,56 @@ def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, 
     names : sequence of str
         Names in PLAIN_NUMBERS.
     """
-    calls = Briefs()
     known: dict[tuple[int, int, int], _Pair | None] = {}
     asked: list[tuple[int, _Pair]] = []
+    rows = []
     for i, case in enumerate(cases):
         if (numbers := _given(case)) is None:
             continue
         # The cases outlive this call: no id is used twice.
         key = id(case["projectile"]), id(case["target"]), id(case["law"])
         if key not in known:
-            known[key] = _pair(case, calls)
+            known[key] = _pair(case, len(known))
         if (pair := known[key]) is not None:
-            calls.ask(pair.number, *numbers)
+            rows.append(numbers)
             asked.append((i, pair))
     found: list[dict[str, float] | None] = [None] * len(cases)
     if not asked:
         return found
-    answers = calls.run()
-    velocity, _, duration, rtol = np.array(calls.numbers).T
-    parted = answers[:, Answer.END] < duration * (1.0 - 1e-12)
-    once = (answers[:, Answer.TOUCHES] == 1.0) & (answers[:, Answer.LASTING] == 0.0) & parted
-    force, speed = np.array([pair.warning_limits for _, pair in asked]).T
-    quiet = (answers[:, Answer.PEAK_FORCE] <= force) & (velocity <= speed)
-    plain = (answers[:, Answer.STATUS] == 0.0) & once & quiet
-    events, speeds = calls.events, calls.speeds
+    pairs = [pair for pair in known.values() if pair is not None]
+    bodies = {id(body): body for pair in pairs for body in pair.plan.modal}
+    laws = {id(pair.plan.contacts[0].law): pair.plan.contacts[0].law for pair in pairs}
+    place = {one: at for kept in (bodies, laws) for at, one in enumerate(kept)}
+    which = np.zeros((len(known), 3), np.int32)
+    fixed = np.zeros((len(known), 2), bool)
+    for pair in pairs:
+        parts = (*pair.plan.modal, pair.plan.contacts[0].law)
+        which[pair.number] = [place[id(part)] for part in parts]
+        fixed[pair.number] = [body.constrained for body in pair.plan.bodies]
+    number = [pair.number for _, pair in asked]
+    given, answers = np.array(rows), np.empty((len(rows), len(ANSWERS)))
+    _core.briefs(
+        tuple(body.for_core() for body in bodies.values()),
+        tuple(body.moving for body in bodies.values()),
+        tuple(law.for_core() for law in laws.values()),
+        which[number],
+        given,
+        answers,
+    )
+    velocity, _, duration, rtol = given.T
+    by_column: Any = answers.T  # in place of numbers
+    status, touches, lasting, peak, peak_time, impulse, start, end, *after = by_column
+    parted = end < duration * (1.0 - 1e-12)
+    once = (touches == 1.0) & (lasting == 0.0) & parted
+    force, speed = np.array([pair.limits for _, pair in asked]).T
+    plain = (status == 0.0) & once & (peak <= force) & (velocity <= speed)
+    events = Events(peak, peak_time, ((start, end),), impulse)
+    before = np.array([velocity, np.zeros_like(velocity)])
+    speeds = Speeds(before, np.array(after), fixed[number].T)
     columns = [
         rtol if name == ERROR else QUANTITIES[name].of_plain(events, speeds) for name in names
     ]
-    durations = (answers[:, Answer.END] - answers[:, Answer.START]).tolist()
+    durations = (end - start).tolist()
     values = zip(*(column.tolist() for column in columns), strict=True)
     for (i, pair), is_plain, lasted, row in zip(
         asked, plain.tolist(), durations, values, strict=True
