@@ -11,10 +11,10 @@ import scipy.linalg
 import scipy.sparse.linalg as sla
 
 import aoimpact as ao
-from aoimpact.fem.shells import strain_rows
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+KINDS = {2: "line", 3: "triangle", 4: "quad"}
 
 
 def grid(
@@ -33,12 +33,11 @@ def grid(
 
 def matrices(nodes: FloatArray, *parts: tuple[IntArray, Any]) -> tuple[Any, Any]:
     """K and M of a body, over 6 dofs at each node in turn; parts are elements and what they are."""
-    kinds = {2: "line", 3: "triangle", 4: "quad"}
     cells, groups, first = {}, {}, 0
     for width in (4, 3, 2):
         for i, (own, _) in enumerate(parts):
             if own.shape[1] == width:
-                cells.setdefault(kinds[width], []).append(own)
+                cells.setdefault(KINDS[width], []).append(own)
                 groups[f"part {i}"] = np.arange(first, first + len(own))
                 first += len(own)
     blocks: Any = [(kind, np.concatenate(own)) for kind, own in cells.items()]
@@ -78,9 +77,8 @@ def frequencies(K: Any, M: Any, n: int, *fixed: IntArray) -> FloatArray:
 
 def pressed(nodes: FloatArray, cells: IntArray, layers: Any, force: Any) -> FloatArray:
     """Nodal forces of a force per area (3,), N/m²; shape (6 n_nodes,)."""
-    strains = strain_rows(nodes[cells], layers)
-    area = np.zeros(len(nodes))
-    np.add.at(area, cells, strains.weights @ strains.shape)
+    body = ao.FEModel.from_mesh(ao.Mesh(nodes, cells, KINDS[cells.shape[1]]), layers)
+    area = (body.M @ body.translation((0, 0, 1)))[2 : 3 * len(nodes) : 3] / layers.inertia[0]
     loads = np.zeros((len(nodes), 6))
     loads[:, :3] = area[:, None] * np.array(force)
     return loads.ravel()

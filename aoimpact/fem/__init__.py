@@ -29,15 +29,18 @@ from .contacttime import (
     slow_shift,
 )
 from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
-from .extraction import Extraction, field_error
+from .extraction import Extraction, field_error, split
 from .frequencyresponse import FrequencyResponse
 from .grounding import Grounding, VirtualMotion
+from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
 from .labels import checked_labels
 from .laminate import Laminate, Layers, Ply, Shell
+from .layer import layer_compliance, mesh_compliance
 from .material import SIX, Material, warn_of_units
 from .model import FEModel
 from .orthotropic import Orthotropic, Solid
-from .patch import Patch
+from .patch import Patch, spread
+from .shearedhalfspace import ShearedHalfSpace
 from .statics import (
     StaticMode,
     centre_of,

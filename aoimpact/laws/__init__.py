@@ -6,7 +6,6 @@ the bodies' meshes out of it, for `scene`. `integrate` hands laws to the core; `
 know none.
 """
 
-from .curvature import contact_modulus
 from .effective import check_width, effective_law, own_law, wider
 from .elastic import Hertz, Linear, PowerLaw
 from .laminate import YangSun

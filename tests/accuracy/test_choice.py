@@ -6,14 +6,10 @@ import functools
 import numpy as np
 import pytest
 import scipy.linalg as la
+from paperbodies import BALL_MASS, LAW, LENGTH, RADIUS, SPHERES_LAW, WIDTH, beam_model
 
 import aoimpact as ao
-from aoimpact.accuracy import choice, order
 from aoimpact.base import held_warnings
-from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
-from aoimpact.paper.sphere import BALL_MASS, RADIUS
-from aoimpact.paper.sphere import LAW as SPHERES_LAW
-from aoimpact.paper.sphere import STEEL as SPHERE_STEEL
 from aoimpact.reduction import KrylovSpace
 from aoimpact.results import IMPACT_CHOICES, QUANTITIES
 
@@ -110,7 +106,7 @@ SCENES = IMPACTS | {
 
 @functools.cache
 def paper_sphere():
-    body = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), SPHERE_STEEL)
+    body = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), STEEL)
     return body.contact(point=(RADIUS, 0, 0), direction=(1, 0, 0), radius=0)
 
 
@@ -188,37 +184,6 @@ def test_estimates_bound_true_errors():
 
 
 @pytest.mark.slow
-def test_work_is_that_of_building_models_of_2_n_and_8(own_solver):
-    """Linear solutions, over 2 n + 8 for n oscillators that are returned."""
-    shares = []
-    for name in SCENES:
-        *bodies, contact_law, velocity, duration = SCENES[name]()
-        for quantity in ("force", "contact_duration", "rebound_velocity"):
-            for rtol in TOLERANCES[:3]:
-                before = own_solver.solutions
-                with held_warnings():
-                    hit = ao.simulate(
-                        projectile=bodies[0],
-                        target=bodies[1],
-                        law=contact_law,
-                        velocity=velocity,
-                        duration=duration,
-                        quantity=quantity,
-                        rtol=rtol,
-                        linear_solver=own_solver,
-                    )
-                orders = {
-                    id(body): model.n
-                    for body, model in zip(bodies, hit.models, strict=True)
-                    if isinstance(body, ao.ContactPoint)
-                }
-                built = sum(2 * n + 8 for n in orders.values())
-                shares.append((own_solver.solutions - before) / built)
-    assert np.mean(np.array(shares) <= 1.5) >= 0.9
-    assert np.median(shares) <= 1.2
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4])
 def test_a_body_too_large_to_be_known_whole(rtol):
     """A held bar of 4752 dofs, whose force two spaces of other shifts give alike to ten digits."""
@@ -241,75 +206,6 @@ def test_a_body_too_large_to_be_known_whole(rtol):
     assert QUANTITIES["force"].difference(one, other) <= 1e-10
     assert QUANTITIES["force"].difference(hit, one) <= rtol
     assert hit.models[1].n <= 150
-
-
-@pytest.mark.slow
-def test_models_are_compared_over_the_same_record():
-    """A length that is left out costs no oscillators: as many as with that length given.
-
-    The ball is heavy beside the thin plate, whose waves come back while they touch. Shorter records
-    of some models would miss a contact that those of others have.
-    """
-
-    mesh = ao.box_mesh((0.3, 0.24, 0.004), (12, 10, 1), kind="hexahedron20")
-    supports = [("xmin", "yz"), ("xmax", "yz"), ("ymin", "xz"), ("ymax", "xz")]
-    plate = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=supports)
-    tip = plate.contact(point=(0.11, 0.15, 0.004))
-    ball = ao.ball(0.012, STEEL)
-    with held_warnings():
-        hit = ao.simulate(projectile=ball, target=tip, velocity=1.0)
-        given = ao.simulate(projectile=ball, target=tip, velocity=1.0, duration=hit.duration)
-    assert hit.models[1].n == given.models[1].n
-    (start, _), (_, end) = hit.contacts[0], hit.contacts[-1]
-    assert hit.duration == pytest.approx(start + 2.0 * (end - start), rel=0.02)
-
-
-def coarse_plate():
-    """An aluminium plate of hexahedra that lock: the mesh's error of the force is about 1."""
-    mesh = ao.box_mesh((0.2, 0.15, 0.006), (14, 10, 2))
-    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=ENDS)
-    return {"projectile": ao.ball(0.015, STEEL), "target": body.contact(point=(0.09, 0.07, 0.006))}
-
-
-@pytest.mark.slow
-def test_a_tolerance_that_was_left_out_is_a_percent_at_most():
-    """Even where the mesh is far worse; the truth is a tighter tolerance."""
-    run = functools.partial(ao.simulate, **coarse_plate(), velocity=1.0)
-    with held_warnings():
-        usual, exact = run(), run(rtol=5e-4)
-        assert usual.error.rtol <= 0.0101
-    assert QUANTITIES["force"].difference(usual, exact) <= 0.0101
-
-
-@pytest.mark.slow
-def test_other_shares_for_time_integration_take_more_steps_or_more_oscillators(monkeypatch):
-    ball, target, contact_law, velocity, duration = IMPACTS["free slender"]()
-    impact = {
-        "projectile": ball,
-        "target": target,
-        "law": contact_law,
-        "velocity": velocity,
-        "duration": duration,
-        "rtol": 1e-3,
-    }
-    for solver, name, factors, steps in (
-        (ao.Newmark(), "_SHARE_OF_STEPS", (1 / 3, 3), lambda hit: len(hit.t)),
-        (None, "_SHARE_OF_TIME", (1e-4, 100), lambda hit: hit.recorder.steps),
-    ):
-        run = functools.partial(ao.simulate, **impact, solver=solver)
-        less, usual, more = (
-            _with_share(monkeypatch, run, name, factor * getattr(choice, name))
-            for factor in (factors[0], 1, factors[1])
-        )
-        assert steps(less) > 1.5 * steps(usual)
-        # A step of the search more, at least.
-        assert more.models[1].n >= order._LEAST_GROWTH * usual.models[1].n
-
-
-def _with_share(monkeypatch, run, name, share):
-    with monkeypatch.context() as patch:
-        patch.setattr(choice, name, share)
-        return run()
 
 
 def test_a_named_point():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 import warnings
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -105,13 +105,3 @@ def test_errors_of_histories_travel() -> None:
     again = pickle.loads(pickle.dumps(hit))
     for history in HISTORIES:
         np.testing.assert_allclose(again.target.error[history], hit.target.error[history])
-
-
-def test_the_finer_model_of_a_body_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    tip, time = impact("held plate")["target"], right("held plate").contact_duration
-    model = ao.antioscillators(tip, 5, method="krylov", contact_time=time)
-    strike = partial(ao.simulate, **(impact("held plate") | {"target": model}), duration=LONG)
-    with held_warnings():
-        assert strike().target.error
-        monkeypatch.setattr("aoimpact.accuracy.leftout.finer_model", None)
-        assert strike().target.error

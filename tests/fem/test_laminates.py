@@ -11,7 +11,6 @@ from thinmeshes import dofs, frequencies, grid, matrices, pressed, solved
 
 import aoimpact as ao
 from aoimpact import InputError, InputTypeError, Laminate, Ply, Shell
-from aoimpact.fem.shells import strain_rows
 
 CARBON = ao.Orthotropic(E=(135e9, 9e9, 9e9), G=(5e9, 5e9, 3.2e9), nu=(0.3, 0.3, 0.4), rho=1550)
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -186,18 +185,6 @@ def test_an_orthotropic_shell_is_a_laminate_of_one_ply() -> None:
     laminate = Laminate([Ply(1e-3, CARBON)], fibre_axis=(math.cos(0.5), math.sin(0.5), 0))
     one, other = (matrices(nodes, (cells, part))[0] for part in (shell, laminate))
     assert abs(one - other).max() < 1e-9 * abs(one).max()
-
-
-def test_plies_under_bending_and_twist_of_a_mesh() -> None:
-    """The strain rows of a mesh feed the recovery: a bent strip has ± κ t/2 on its faces."""
-    nodes, cells, r, _ = grid(4, 1, lambda r, s: (0.1 * r, 0.02 * s, 0 * r))
-    laminate = stack(0, 90, 0)
-    moved = np.zeros((len(nodes), 6))
-    moved[:, 2], moved[:, 4] = -0.5 * 2.0 * (0.1 * r) ** 2, 2.0 * 0.1 * r  # κxx = θy,x = 2/m
-    rows = strain_rows(nodes[cells], laminate).rows
-    strains = np.einsum("nqsd,nd->nqs", rows, moved[cells].reshape(len(cells), -1))[..., :8]
-    face = stresses(laminate, strains)[..., -1, -1, :] @ laminate.plies[-1].compliance[0]
-    assert face == pytest.approx(2.0 * 0.1875e-3, rel=1e-9)
 
 
 @pytest.mark.parametrize(

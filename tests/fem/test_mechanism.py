@@ -9,7 +9,6 @@ import pytest
 
 import aoimpact as ao
 from aoimpact import box_mesh
-from aoimpact.fem import mechanism
 from aoimpact.mesh import KINDS
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -67,13 +66,9 @@ def test_motions_without_force_are_rigid_ones_and_mechanisms(shape: str, fixed: 
 
 
 @pytest.mark.filterwarnings("ignore:.*parts that share no nodes")
-@pytest.mark.parametrize("many", [False, True], ids=["dense", "sparse"])
 @pytest.mark.parametrize("seed", range(6))
-def test_elements_joined_at_random(seed: int, many: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_elements_joined_at_random(seed: int) -> None:
     """Some of the cells of a box: loose ones, joints, rings of joints, and parts of several."""
-    if many:  # the way of more parts than dense matrices are taken for
-        monkeypatch.setattr(mechanism, "DENSE_DOFS", 10)
-        monkeypatch.setattr(mechanism, "_FIRST_BLOCK", 4)
     whole = box_mesh((3 * D, 3 * D, 3 * D), (3, 3, 3))
     chosen = np.random.default_rng(seed).random(whole.n_cells) < (0.3, 0.5)[seed % 2]
     used, cells = np.unique(whole.cells[chosen], return_inverse=True)
@@ -81,20 +76,6 @@ def test_elements_joined_at_random(seed: int, many: bool, monkeypatch: pytest.Mo
     for fixed in (None, [(end, "xyz")]):
         body = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed)
         assert found(body) == motions_without_force(body)
-
-
-def test_a_curved_edge_holds() -> None:
-    """Three nodes that are not on a line: two blocks by an edge of second order move as one."""
-    block = box_mesh((D, D, D), (1, 1, 1), kind="hexahedron20")
-    nodes = np.vstack([block.nodes, block.nodes + np.array([D, 0, D])])
-    _, first, number = np.unique(nodes.round(9), axis=0, return_index=True, return_inverse=True)
-    cells = number.ravel()[np.vstack([block.cells, block.cells + block.n_nodes])]
-    nodes = nodes[first]
-    middle = np.flatnonzero(np.abs(nodes - [D, D / 2, D]).sum(axis=1) < 1e-9)
-    for bulge, motions in ((0.0, 7), (0.05 * D, 6)):
-        nodes[middle] = [D + bulge, D / 2, D]
-        body = ao.FEModel.from_mesh(ao.Mesh(nodes, cells, "hexahedron20"), STEEL)
-        assert found(body) == motions == motions_without_force(body)
 
 
 @pytest.mark.parametrize("digits", [6, 5])
@@ -133,16 +114,6 @@ def test_a_mechanism_that_the_contact_moves_is_named(
     )
     with pytest.raises(ao.SingularError, match=r"^part"):
         ao.antioscillators(tip, **settings)
-
-
-def test_several_ports_are_looked_at_each() -> None:
-    body = ao.FEModel.from_mesh(blocks(SHAPES["two by an edge"]), STEEL)
-    top = body.contact(point=(2 * D, 0, 2 * D), direction=(0, 0, -1), radius=0)
-    along = body.contact(point=(2 * D, 0, 2 * D), direction=(0, 1, 0), radius=0)
-    with pytest.raises(ao.SingularError, match="mechanism"):
-        ao.interface([along, top], 12)
-    with pytest.raises(ao.SingularError, match="mechanism"):
-        ao.simulate(ao.rigid(0.1), top, 1.0, law=ao.Hertz(k=1e10), duration=1e-4, rtol=1e-2)
 
 
 def test_a_mechanism_that_the_contact_does_not_move_does_no_harm() -> None:

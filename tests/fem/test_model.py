@@ -9,12 +9,11 @@ import pickle
 from collections.abc import Callable
 from typing import Any
 
-import meshio
 import numpy as np
 import numpy.typing as npt
 import pytest
 import scipy.sparse as sp
-from bodies import no_solid, sparse_random
+from bodies import no_solid
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pickled import elsewhere
@@ -31,7 +30,6 @@ from aoimpact import (
     paper_sphere_mesh,
     sphere_mesh,
 )
-from aoimpact.fem import model as model_module
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -101,12 +99,6 @@ SPHERE = np.array([2.50113, 2.64622])
 
 
 @pytest.mark.slow
-def test_coarse_sphere_has_both_multiplets() -> None:
-    model = FEModel.from_mesh(sphere_mesh(0.01, 0.004), STEEL)
-    assert sphere_ratios(model, 0.01) == pytest.approx(np.outer(SPHERE, np.ones(5)), rel=5e-3)
-
-
-@pytest.mark.slow
 def test_fine_sphere_converges_to_the_closed_form() -> None:
     model = FEModel.from_mesh(sphere_mesh(0.01, 0.0022), STEEL)
     assert sphere_ratios(model, 0.01) == pytest.approx(np.outer(SPHERE, np.ones(5)), rel=1e-4)
@@ -126,14 +118,8 @@ def test_chain_has_its_closed_form_frequencies() -> None:
 @pytest.mark.parametrize("n", [0, -1, 7, 10**9])
 def test_number_of_frequencies_has_bounds(n: int) -> None:
     K, M = chain(6)
-    with pytest.raises(InputError, match=f"n must be from 1 to 6, got {n}"):
+    with pytest.raises(InputError, match=r"^n"):
         FEModel(K=K, M=M).frequencies(n)
-
-
-def test_number_of_frequencies_is_an_integer() -> None:
-    K, M = chain(6)
-    with pytest.raises(InputTypeError, match=r"^n"):
-        FEModel(K=K, M=M).frequencies(2.0)  # type: ignore[arg-type]
 
 
 # --- Rigid motions ---
@@ -180,11 +166,6 @@ def test_a_hinge_about_any_line_is_found() -> None:
     along = motion @ turned.reshape(-1) / (np.linalg.norm(motion) * np.linalg.norm(turned))
     assert body.rigid_modes.shape[1] == 1
     assert abs(along) == pytest.approx(1.0, rel=1e-12)
-
-
-def test_a_body_far_from_the_origin_is_as_free_as_any() -> None:
-    moved = Mesh(BLOCK.nodes + np.array([100.0, -50.0, 30.0]), BLOCK.cells, BLOCK.kind)
-    assert FEModel.from_mesh(moved, STEEL).rigid_modes.shape[1] == 6
 
 
 @pytest.mark.filterwarnings("ignore:.*parts that share no nodes")
@@ -351,61 +332,6 @@ def test_what_a_function_of_supports_raised_is_kept_as_the_cause() -> None:
 K3, M3 = (A.toarray() for A in chain(3))
 
 
-def big_endian_csr(matrix: FloatArray) -> sp.csr_array:
-    csr = sp.csr_array(matrix)
-    csr.data = csr.data.astype(">f8")
-    return csr
-
-
-@pytest.mark.parametrize(
-    "convert",
-    [
-        lambda A: A,
-        lambda A: A.tolist(),
-        lambda A: sp.csr_matrix(A).todense(),
-        lambda A: A.astype(np.int64),
-        lambda A: A.astype(np.float32),
-        lambda A: A.astype(">f8"),
-        np.ma.masked_invalid,  # nothing masked
-        np.asfortranarray,
-        lambda A: np.repeat(np.repeat(A, 2, axis=0), 2, axis=1)[::2, ::2],
-        sp.csc_matrix,
-        sp.coo_array,
-        sp.lil_matrix,
-        sp.dok_array,
-        sp.dia_array,
-        lambda A: sp.bsr_array(A),
-        big_endian_csr,
-        lambda A: sp.csr_array(A.astype(np.int8)),
-    ],
-)
-def test_matrices_of_any_form_are_taken_as_they_mean(convert: Callable[[FloatArray], Any]) -> None:
-    body = FEModel(K=convert(K3), M=convert(M3))
-    for matrix, expected in ((body.K, K3), (body.M, M3)):
-        assert matrix.format == "csr"
-        assert matrix.dtype == np.dtype("=f8")
-        assert matrix.indices.dtype == np.int32
-        assert np.array_equal(matrix.toarray(), expected)
-
-
-def test_the_caller_s_arrays_are_neither_changed_nor_frozen() -> None:
-    row, column = np.nonzero(K3)
-    shuffled = np.random.default_rng(0).permutation(len(row))
-    K = sp.coo_array((K3[row, column][shuffled], (row[shuffled], column[shuffled]))).tocsr()
-    unsorted = sp.csr_array((K.data[::-1].copy(), K.indices[::-1].copy(), K.indptr), shape=(3, 3))
-    unsorted = sp.csr_array(
-        (np.array([-4.0, 4.0, -4.0, 8.0, -4.0, 4.0, -4.0]), [1, 0, 2, 1, 0, 2, 1], [0, 2, 5, 7])
-    )
-    before = unsorted.indices.copy()
-    nodes = np.zeros((1, 3))
-    body = FEModel(K=unsorted, M=M3, nodes=nodes)
-    assert np.array_equal(body.K.toarray(), K3)
-    assert np.array_equal(unsorted.indices, before)
-    nodes[0, 0] = 5.0
-    assert body.nodes is not None
-    assert body.nodes[0, 0] == 0.0
-
-
 def test_read_only_matrices_are_accepted() -> None:
     K, M = chain(40)
     for matrix in (K, M):
@@ -510,13 +436,6 @@ def test_matrices_of_a_mesh_pass_whether_held_or_free_and_with_ten_digits() -> N
         FEModel(K=printed, M=body.M)
 
 
-def test_a_broken_sparse_matrix_is_refused() -> None:
-    broken = sp.csr_array(K3)
-    broken.indices[0] = 7
-    with pytest.raises(InputError, match=r"^K"):
-        FEModel(K=broken, M=M3)
-
-
 @pytest.mark.parametrize(
     ("nodes", "free", "error", "words"),
     [
@@ -547,14 +466,6 @@ def test_null_space_of_any_matrix_is_found(n: int, rank_loss: int, seed: int) ->
 
 
 # --- From mesh to model ---
-
-
-def test_path_meshio_and_mesh_are_all_the_same(tmp_path: Any) -> None:
-    raw = meshio.Mesh(BLOCK.nodes, [(BLOCK.kind, BLOCK.cells)])
-    raw.write(tmp_path / "block.vtu")
-    bodies = [FEModel.from_mesh(m, STEEL) for m in (BLOCK, raw, tmp_path / "block.vtu")]
-    for body in bodies[1:]:
-        assert (body.K != bodies[0].K).nnz == 0
 
 
 def test_millimetres_are_noticed() -> None:
@@ -594,23 +505,6 @@ def test_model_is_frozen_pickles_and_says_what_it_is() -> None:
     assert repr(FEModel(K=K3, M=M3)) == "FEModel(3 dofs)"
 
 
-def test_contact_is_a_place_on_the_body() -> None:
-    body = FEModel.from_mesh(BLOCK, STEEL)
-    tip = body.contact(point=(0.05, 0.03, 0.02), direction=(0, 0, -2), radius=0)
-    assert tip.body is body
-    assert tip.b @ body.translation((0, 0, -1)) == pytest.approx(1.0, rel=1e-15)
-    assert body.contact(dof=5).b[5] == 1.0
-
-
-@pytest.mark.parametrize(
-    ("E", "rho"), [(210e9, 1e-70), (210e9, 1e70), (1e-70, 7800.0), (1e80, 1.0)]
-)
-def test_materials_beyond_reach_of_products_are_refused(E, rho):
-    mesh = box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
-    with pytest.raises(InputError, match="E="):
-        FEModel.from_mesh(mesh, no_solid(E, rho))
-
-
 @pytest.mark.parametrize("fixed", [None, [("xmin", "xyz")]])
 def test_a_pickle_carries_the_mesh_and_not_what_is_assembled_from_it(fixed: Any) -> None:
     body = FEModel.from_mesh(box_mesh((0.1, 0.1, 0.02), (10, 10, 2)), STEEL, fixed=fixed)
@@ -633,15 +527,3 @@ def test_a_pickle_carries_the_mesh_and_not_what_is_assembled_from_it(fixed: Any)
         np.testing.assert_array_equal(ours.data, theirs.data)
     assert pickle.loads(packed) is again
     assert copy.copy(again) is not again is not copy.deepcopy(again)
-
-
-@pytest.mark.parametrize("at_once", [100, 2**22])
-def test_supports_take_out_rows_and_columns(at_once: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In the matrix's own arrays, some rows at a time: against SciPy's selection."""
-    monkeypatch.setattr(model_module, "ENTRIES_AT_ONCE", at_once)
-    whole = sp.csr_array(sparse_random(90, seed=4))
-    for free in (np.arange(0, 90, 2), np.arange(30, 60), np.array([0, 3, 88, 89]), np.arange(0)):
-        found = model_module._restrict(whole.copy(), free)
-        assert np.array_equal(found.toarray(), whole.toarray()[np.ix_(free, free)])
-        assert found.has_sorted_indices
-        assert found.data.base is None or found.data.base.size < found.nnz / 0.9 + 1  # rest is free

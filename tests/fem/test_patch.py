@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 import scipy.integrate
 from bodies import distorted_box
 
-from aoimpact import InputError, Material, box_mesh, sphere_mesh
-from aoimpact.fem.patch import spread
-from aoimpact.mesh import KINDS, Surface, boundary
+from aoimpact import InputError, box_mesh, sphere_mesh
+from aoimpact.fem import spread
+from aoimpact.mesh import KINDS, boundary
 
-FloatArray = npt.NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
-STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 
 
 def pressed_mean(f: object, r: float) -> float:
@@ -88,24 +84,6 @@ def test_on_a_ball_the_centre_lies_on_the_normal_by_the_mean_sagitta(size: float
         np.testing.assert_allclose(np.cross(centre, found.normal), 0.0, atol=1e-14)
         assert -centre @ found.normal == pytest.approx(sunk, rel=0.02)
         assert found.normal @ toward > 1.0 - 1e-5
-
-
-def test_at_a_pole_the_disc_settles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the normal's smallest component is rounding, and points of the disc lie on edges."""
-    discs, pierced = [], Surface.pierced
-
-    def counted(self: Surface, *args: Any, **options: Any) -> Any:
-        discs.append(args)
-        return pierced(self, *args, **options)
-
-    monkeypatch.setattr(Surface, "pierced", counted)
-    surface = boundary(sphere_mesh(0.01, 0.008))
-    here = surface.nearest(np.array([0.0, 0.0, -0.01]))
-    for first in (surface.normal(here.face, here.uv)[0], -UP):
-        found = spread(surface, here.x[0], first, 0.0045)
-        assert -UP @ found.normal == pytest.approx(1.0, abs=1e-10)
-        assert len(discs) < 6
-        discs.clear()
 
 
 def test_a_patch_beyond_an_edge_is_refused_with_what_there_is_room_for() -> None:

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from paperbodies import LAW, beam_model
 
 import aoimpact as ao
 from aoimpact import ModalDamping, Rayleigh
 from aoimpact.fem import nodal_stress
 from aoimpact.fields import response_of
-from aoimpact.paper.beam import LAW, beam_model
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from aoimpact.base.errors import InputError, InputTypeError
+from aoimpact.base import InputError, InputTypeError
 from aoimpact.io import paper_sphere_mesh
 from aoimpact.mesh import (
     KINDS,

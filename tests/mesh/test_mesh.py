@@ -15,7 +15,7 @@ import pytest
 from bodies import distorted_box, no_solid
 
 import aoimpact as ao
-from aoimpact.base.errors import (
+from aoimpact.base import (
     AOImpactWarning,
     InputError,
     InputTypeError,

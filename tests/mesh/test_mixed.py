@@ -12,7 +12,7 @@ import scipy.linalg as la
 from bodies import mixed_box, rigid_motions
 
 import aoimpact as ao
-from aoimpact.base.errors import InputError, InputTypeError, MeshError
+from aoimpact.base import InputError, InputTypeError, MeshError
 from aoimpact.fem import energy_error, gauss_stress, nodal_stress, stiffness_mass
 from aoimpact.io import read_mesh
 from aoimpact.mesh import boundary, meshio_of_all_kinds, weights_at

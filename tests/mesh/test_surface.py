@@ -11,7 +11,7 @@ from bodies import distorted_box, no_solid
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTri
 
-from aoimpact.base.errors import MeshError
+from aoimpact.base import MeshError
 from aoimpact.fem import FEModel
 from aoimpact.mesh import KINDS, Mesh, Surface, boundary, box_mesh, reference_element, sphere_mesh
 

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
+from paperbodies import BALL_MASS, LAW, LENGTH, WIDTH, beam_model
 
 import aoimpact as ao
 from aoimpact import box_mesh
 from aoimpact.base import MemoryLimitError, memory
 from aoimpact.linalg import METHODS, ROUGH, pardiso, solvers
-from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
-from aoimpact.paper.sphere import BALL_MASS
 from aoimpact.reduction import KrylovSpace
 from aoimpact.reduction.subspace import Subspace
 

@@ -7,11 +7,10 @@ from functools import partial
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from paperbodies import BALL_MASS, LAW, LENGTH, WIDTH, beam_model
 
 import aoimpact as ao
 from aoimpact.batch.plain import plain_numbers
-from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
-from aoimpact.paper.sphere import BALL_MASS
 from aoimpact.reduction.validity import unbalanced
 
 from twelve import ALUMINIUM, FLOOR, IMPACTS, STEEL, block, cube, law

@@ -13,7 +13,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact import testrig
-from aoimpact.base.errors import AOImpactWarning
+from aoimpact.base import AOImpactWarning
 
 M, V, F0, T = 5.0, 2.0, 7000.0, 4e-3
 

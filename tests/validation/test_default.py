@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 import resolved
+from paperbodies import RESOLVED_FORCE
 from resolved import Impact, Solid
 
 import aoimpact as ao
 from aoimpact import Mesh
-from aoimpact.paper.sphere import RESOLVED_FORCE
 
 pytestmark = pytest.mark.slow
 

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import resolved
+from paperbodies import RESOLVED_DURATION, RESOLVED_FORCE
 from resolved import Impact, Solid
 
 from aoimpact import (
@@ -20,7 +21,6 @@ from aoimpact import (
     paper_sphere_mesh,
     simulate,
 )
-from aoimpact.paper.sphere import RESOLVED_DURATION, RESOLVED_FORCE
 
 pytestmark = pytest.mark.slow
 
