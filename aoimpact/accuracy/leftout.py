@@ -40,7 +40,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base import AOImpactError, FloatArray, held_warnings
+from ..base import AOImpactError, FloatArray, Found, held_warnings
 from ..fem import ContactPoint, Extraction, ThinExtraction
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law, removable
 from ..reduction import (
@@ -50,7 +50,7 @@ from ..reduction import (
     finer_model,
     softer_model,
 )
-from ..results import Found, LeftOut, Quantity, Run, TimeSolver, number_errors, solve
+from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, Plan, extraction_of
 from .hierarchy import model_hierarchy
 

@@ -5,6 +5,7 @@ from .cells import *
 from .checks import *
 from .decoding import *
 from .errors import *
+from .found import *
 from .frozen import *
 from .memory import *
 from .packages import *

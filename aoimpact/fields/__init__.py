@@ -5,18 +5,10 @@ attributes of a run's bodies, `accuracy` takes stresses and their errors; `testr
 """
 
 from .channel import Channel, filtered_acceleration, zero_phase
-from .fields import Field, Filtered, Probe
-from .gauge import Gauge, gauge_ends
-from .historyerror import relative_error, rest, warn_if_wrong
-from .picture import Picture, Shown, enlargement, movie_path
-from .reaction import Reaction
+from .fields import Field
+from .history import History
+from .picture import Shown, enlargement, movie_path, picture, write_movie
 from .replay import response_of
-from .response import (
-    Response,
-    motion_rows,
-    place_rows,
-    shell_gauge_rows,
-    strain_rows_at,
-    stress_rows_at,
-    times_within,
-)
+from .response import Response, times_within
+from .rows import motion_rows, place_rows, shell_gauge_rows, strain_rows_at, stress_rows_at
+from .sensors import Filtered, Gauge, Probe, Reaction, gauge_at, gauge_ends, probe_at, reaction_of

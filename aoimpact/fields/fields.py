@@ -1,23 +1,20 @@
-"""How a struck body moves and which stress it carries: points over time, fields at chosen times."""
+"""How a struck body moves and which stress it carries, at chosen times."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FloatArray, InputError, choice, integer, warn
+from ..base import FloatArray, InputError, choice, integer
 from ..fem import (
-    AnyMaterial,
     FEModel,
-    Layer,
-    Strain,
     Stress,
     beam_von_mises,
     body_stress_rows,
@@ -26,189 +23,14 @@ from ..fem import (
     nodal_stress,
     thickness_of_cells,
 )
-from ..mesh import Mesh
 from . import vtu
-from .channel import Channel
-from .historyerror import Compared, warn_if_wrong
-from .picture import Picture, Shown, movie_path
-
-if TYPE_CHECKING:
-    from .response import Response
+from .history import warn_if_wrong
+from .picture import Shown, movie_path, picture, write_movie
+from .rows import solid
 
 
 @dataclass(frozen=True, eq=False)
-class Filtered(Compared):
-    """Acceleration behind the filter of a channel.
-
-    Attributes
-    ----------
-    t : ndarray, shape (n,)
-        s.
-    channel : Channel
-        Its frequency class or corner, Hz.
-    """
-
-    t: FloatArray
-    channel: Channel
-    _acceleration: FloatArray = field(repr=False)
-
-    @property
-    def acceleration(self) -> FloatArray:
-        """Acceleration, m/s², in the shape of `Probe.displacement`; warns where it may be wrong.
-
-        It and its error are NaN over the filter's settling time before the end of the record; see
-        `Probe.filtered`.
-        """
-        warn_if_wrong("filtered acceleration", self.t, self.error)
-        return self._acceleration
-
-
-class At(NamedTuple):
-    """Places and axes of a measured motion; see `Response.motion_at`."""
-
-    places: FloatArray
-    axes: FloatArray
-    rows: Any
-
-
-@dataclass(frozen=True, eq=False)
-class Probe:
-    """Motion, strain and stress of one place of a body over time.
-
-    Attributes
-    ----------
-    t : ndarray, shape (n,)
-        s.
-    points : ndarray, shape (3,) or (p, 3)
-        Where, on the undeformed body, m.
-    """
-
-    t: FloatArray
-    points: FloatArray
-    _displacement: FloatArray = field(repr=False)
-    _velocity: FloatArray = field(repr=False)
-    _follows: Callable[[], bool] = field(repr=False)
-    _response: Response = field(repr=False)
-    _at: At = field(repr=False)
-    _weights: sp.csr_array = field(repr=False)  # of the nodes at the points
-    _layer: Layer = field(repr=False)
-
-    @property
-    def displacement(self) -> FloatArray:
-        """Displacement, m, shape (n, p, 3).
-
-        Without the axis p for a single point, and without the last one for a given direction, along
-        which it is then measured. Warns where it may be badly wrong; see `error`.
-        """
-        if not self._follows():
-            warn_if_wrong("displacement", self.t, self.error.get("displacement"))
-        return self._displacement
-
-    @property
-    def velocity(self) -> FloatArray:
-        """Velocity, m/s, in the shape of `displacement`."""
-        warn_if_wrong("velocity", self.t, self.error.get("velocity"))
-        return self._velocity
-
-    @cached_property
-    def acceleration(self) -> FloatArray:
-        """Acceleration, m/s², in the shape of `displacement`, as the body's model has it.
-
-        By central differences over a thousandth of the shortest contact, or over two fixed steps.
-
-        Warns
-        -----
-        AOImpactWarning
-            It has no finite bandwidth, and no error that could be known: an impact excites modes up
-            to any frequency, each with as much acceleration. `filtered` converges.
-        """
-        warn(
-            "acceleration has no finite bandwidth after an impact: it grows with the number of "
-            "modes of the model, and has no error; take probe.filtered(cfc=1000), or "
-            "quantity=AccelerationAt(point, direction, cfc=1000)"
-        )
-        return self._response.acceleration(self._at, self.t).reshape(self._displacement.shape)
-
-    def filtered(self, cfc: float | None = None, *, corner: float | None = None) -> Filtered:
-        """Return the acceleration behind a filter.
-
-        SAE J211-1, appendix C: a Butterworth filter of two poles, forward and backward, so that no
-        phase is shifted. Before the record the body is at rest or moves steadily. What follows the
-        record is not known, so that the acceleration is NaN over the filter's settling time before
-        the end, the class's period: 1 ms for CFC 1000. Take a `duration` longer by that.
-
-        Parameters
-        ----------
-        cfc : float, optional
-            Channel frequency class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same
-            formula. The signal is 3 dB down at 1.65 times the class.
-        corner : float, optional
-            In place of the class, the frequency where the signal is 3 dB down, Hz.
-
-        Raises
-        ------
-        InputError
-            If neither or both are given, or the record is shorter than the settling time.
-
-        Examples
-        --------
-        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
-        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), ao.full(tip), velocity=0.1,
-        ...     law=ao.Linear(k=1e5), duration=2e-3, solver=ao.Newmark(dt=5e-6))
-        >>> probe = hit.target.probe((0.05, 0.005, 0.0), (0, 0, 1), dt=1e-5)
-        >>> probe.filtered(cfc=1000).acceleration.shape == probe.t.shape
-        True
-        """
-        channel, shape = Channel(cfc=cfc, corner=corner), self._displacement.shape
-        return self._response.filtered(self._at, self.t, shape, channel)
-
-    @cached_property
-    def error(self) -> Mapping[str, FloatArray]:
-        """Errors by the body's model, relative to the largest value, of shape (n,).
-
-        ``error["displacement"]`` and ``error["velocity"]`` are those of these histories; see
-        `BodyResult.error`. ``error["stress"]`` and ``error["strain"]`` are that of the whole field,
-        as of `Field.error`. It is empty of a full model.
-        """
-        return self._response.errors(self._at.rows, self.t)
-
-    @cached_property
-    def stress(self) -> Stress:
-        """The stress over time, of shape (n, p, 6), or (n, 6) for a single point.
-
-        Averaged at the nodes as `Field.stress`, between them by the elements' shape functions.
-
-        Raises
-        ------
-        InputError
-            If the body has no elements and material: it was given by K and M.
-        """
-        warn_if_wrong("stress", self.t, self.error.get("stress"))
-        return Stress(self._tensor(strain=False), self.points)
-
-    @cached_property
-    def strain(self) -> Strain:
-        """The strain over time, in the shape of `stress`; shears are those of the tensor.
-
-        Raises
-        ------
-        InputError
-            If the body has no elements and material: it was given by K and M.
-        """
-        warn_if_wrong("strain", self.t, self.error.get("strain"))
-        return Strain(self._tensor(strain=True), self.points)
-
-    def _tensor(self, *, strain: bool) -> FloatArray:
-        """Stress or strain, shape (n, p, 6), or (n, 6) for a single point."""
-        place = self._weights, self.t, self._layer
-        found = self._response.stress(*place, strain=strain)
-        return found.reshape(len(self.t), *self.points.shape[:-1], 6)
-
-
-@dataclass(frozen=True, eq=False)
-class Field(Compared):
+class Field:
     """The whole body at some times.
 
     Attributes
@@ -234,11 +56,26 @@ class Field(Compared):
     _of_elements: FloatArray | None = field(default=None, repr=False)
     _half_space: Callable[[FloatArray], FloatArray] | None = field(default=None, repr=False)
     _rotation: FloatArray | None = field(default=None, repr=False)
+    _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False, kw_only=True)
+
+    @cached_property
+    def error(self) -> FloatArray | None:
+        """Error by the body's model, relative to the largest over the record, (k,).
+
+        It is found by one more run, with a finer model; None of a full model.
+        """
+        return self._error()
 
     @property
     def rotation(self) -> FloatArray:
         """Rotations of the nodes of shells and beams, rad, in the shape of `displacement`."""
         return np.zeros_like(self.displacement) if self._rotation is None else self._rotation
+
+    @property
+    def _dofs(self) -> FloatArray:
+        """Displacements and rotations of all nodes, shape (k, all dofs)."""
+        dofs = np.concatenate([self.displacement, self.rotation], axis=1)
+        return dofs.reshape(len(self.times), -1)
 
     @property
     def of_elements(self) -> FloatArray:
@@ -316,12 +153,9 @@ class Field(Compared):
                 raise InputError(f'at={at!r}: stress of shells and beams is known at="nodes"')
             every = sp.eye_array(mesh.n_nodes, format="csr")
             found_at = body_stress_rows(mesh, material, every, where)
-            dofs = np.concatenate([self.displacement, self.rotation], axis=1)
-            values = found_at.rows @ dofs.reshape(len(self.times), -1).T
-            return Stress(found_at.components(values), mesh.nodes)
+            return Stress(found_at.components(found_at.rows @ self._dofs.T), mesh.nodes)
         evaluate = nodal_stress if place == "nodes" else gauss_stress
-        moved = self.of_elements
-        found = evaluate(mesh, material, moved)
+        found = evaluate(mesh, material, self.of_elements)
         if self._half_space is None:
             return found
         added = self._half_space(found.points.reshape(-1, 3)).reshape(found.components.shape)
@@ -371,33 +205,19 @@ class Field(Compared):
         data["rotation"] = self.rotation
         for side in ("middle", "bottom"):
             data[f"stress_{side}"] = self.stress(layer=side).components
+        thickness = thickness_of_cells(mesh, material)
         own = {
-            "thickness": np.broadcast_to(
-                thickness_of_cells(mesh, material), (len(self.times), mesh.n_cells)
-            )
+            "thickness": np.broadcast_to(thickness, (len(self.times), mesh.n_cells)),
+            "von_mises_of_beams": beam_von_mises(mesh, material, self._dofs),
         }
-        own["von_mises_of_beams"] = self._of_beams()
         return vtu.write_series(path, mesh, self.times, data, own)
-
-    def _of_beams(self) -> FloatArray:
-        """Largest von Mises' stress of each beam element, Pa, (k, n_cells); 0 of others."""
-        mesh, material = solid(self.body, "stress")
-        dofs = np.concatenate([self.displacement, self.rotation], axis=1)
-        return beam_von_mises(mesh, material, dofs.reshape(len(self.times), -1))
-
-    @property
-    def _free(self) -> bool:
-        """True if no support holds any displacement."""
-        free = self.body.free
-        assert free is not None
-        n = self.displacement[0].size
-        return bool(np.count_nonzero(free < n) == n)
 
     def _shown(self) -> Shown:
         """Return the body as it is drawn: without its mean displacement where it has no support."""
         mesh, _ = solid(self.body, "a picture")
-        moved = self.displacement
-        if self._free:
+        moved, free = self.displacement, self.body.free
+        assert free is not None
+        if np.count_nonzero(free < moved[0].size) == moved[0].size:
             moved = moved - moved.mean(axis=1, keepdims=True)
         return Shown(mesh, mesh.nodes, moved, self.stress().von_mises)
 
@@ -436,7 +256,9 @@ class Field(Compared):
         >>> hit.target.field([1e-4]).plot().screenshot("bar.png")  # doctest: +SKIP
         """
         number = integer("which", which, low=0, high=len(self.times) - 1)
-        return Picture([self._shown()], self.times, scale=scale).draw(number)
+        plotter, draw = picture([self._shown()], self.times, scale=scale)
+        draw(number)
+        return plotter
 
     def movie(
         self, path: str | os.PathLike[str], *, scale: float | None = None, fps: float = 15.0
@@ -475,14 +297,5 @@ class Field(Compared):
         >>> path = field.movie("bar.gif")  # doctest: +SKIP
         """
         file, speed = movie_path(path, fps)
-        return Picture([self._shown()], self.times, scale=scale).write(file, speed)
-
-
-def solid(body: FEModel, what: str) -> tuple[Mesh, AnyMaterial]:
-    """Return the body's mesh and material; `what` needs them."""
-    if body.mesh is None or body.material is None:
-        raise InputError(
-            f"{what} needs elements and a material, and this body was given by its matrices K and "
-            "M: make it with FEModel.from_mesh(mesh, material)"
-        )
-    return body.mesh, body.material
+        drawn = picture([self._shown()], self.times, scale=scale)
+        return write_movie(file, speed, *drawn, len(self.times))

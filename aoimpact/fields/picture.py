@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -61,8 +61,14 @@ class Shown:
     von_mises: FloatArray | None
 
 
-class Picture:
-    """Bodies at some times.
+def picture(
+    bodies: Sequence[Shown],
+    times: FloatArray,
+    *,
+    down: Sequence[float] | FloatArray = (0.0, 0.0, -1.0),
+    scale: float | None = None,
+) -> tuple[Any, Callable[[int], None]]:
+    """Return a picture of bodies, and the function that draws them at one of the times.
 
     Parameters
     ----------
@@ -74,77 +80,70 @@ class Picture:
     scale : float, optional
         Factor on displacements; by default 1, 2 or 5 times a power of ten that shows them.
 
+    Returns
+    -------
+    (pyvista.Plotter, callable)
+
     Raises
     ------
     MissingPackageError
         If PyVista is not installed.
     """
+    factor = enlargement(bodies) if scale is None else nonnegative("scale", scale)
+    pyvista = optional_package("pyvista", "a picture", _OTHERWISE)
+    with pyvista.vtk_verbosity("off"):  # it warns where there is no screen
+        plotter = pyvista.Plotter(off_screen=True, window_size=_WINDOW)
+        plotter.render()
+    largest = [body.von_mises.max(axis=0) for body in bodies if body.von_mises is not None]
+    most = float(np.percentile(np.concatenate(largest), _COLOURED)) if largest else 0.0
+    pressure, grids = scale_for(most, "Pa"), list[Any]()
 
-    def __init__(
-        self,
-        bodies: Sequence[Shown],
-        times: FloatArray,
-        *,
-        down: Sequence[float] | FloatArray = (0.0, 0.0, -1.0),
-        scale: float | None = None,
-    ) -> None:
-        self.factor = enlargement(bodies) if scale is None else nonnegative("scale", scale)
-        pyvista = optional_package("pyvista", "a picture", _OTHERWISE)
-        with pyvista.vtk_verbosity("off"):  # it warns where there is no screen
-            self.plotter = pyvista.Plotter(off_screen=True, window_size=_WINDOW)
-            self.plotter.render()
-        self._bodies, self._times, self._grids = bodies, times, []
-        largest = [body.von_mises.max(axis=0) for body in bodies if body.von_mises is not None]
-        most = float(np.percentile(np.concatenate(largest), _COLOURED)) if largest else 0.0
-        self._pressure = scale_for(most, "Pa")
-        for body in bodies:
-            cells = [(block.kind, block.cells) for block in body.mesh.blocks]
-            grid = pyvista.from_meshio(meshio_of_all_kinds().Mesh(body.points, cells))
-            colours: dict[str, Any] = {"color": "lightgray"}
+    def draw(which: int) -> None:
+        for body, grid in zip(bodies, grids, strict=True):
+            grid.points = body.points + factor * body.displacement[which]
             if body.von_mises is not None:
-                grid.point_data["stress"] = self._pressure.factor * body.von_mises[0]
-                colours = {
-                    "scalars": "stress",
-                    "clim": (0.0, self._pressure.factor * most or 1.0),
-                    "scalar_bar_args": {"title": f"von Mises ({self._pressure.unit})"},
-                    "show_edges": True,
-                    "edge_opacity": 0.35,
-                }
-            self.plotter.add_mesh(grid, **colours)
-            self._grids.append(grid)
-        up = -np.asarray(down) / np.linalg.norm(down)
-        across = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
-        across /= np.linalg.norm(across)
-        towards = _VIEW @ np.array([across, np.cross(up, across), up])
-        passed = [body.points + self.factor * body.displacement for body in bodies]
-        low = np.min([places.min(axis=(0, 1)) for places in passed], axis=0)
-        high = np.max([places.max(axis=(0, 1)) for places in passed], axis=0)
-        self.plotter.set_background("white")
-        self.plotter.camera_position = [tuple(towards), (0.0, 0.0, 0.0), tuple(up)]
-        self.plotter.reset_camera(bounds=np.column_stack([low, high]).ravel())
+                grid.point_data["stress"] = pressure.factor * body.von_mises[which]
+        time = with_unit(float(times[which]), "s", 3)
+        caption = f"t = {time}     displacement × {factor:g}"
+        plotter.add_text(caption, font_size=12, color="black", name="caption")
 
-    def draw(self, which: int) -> Any:
-        """Move the bodies to where they are at one of the times, and return the plotter."""
-        for body, grid in zip(self._bodies, self._grids, strict=True):
-            grid.points = body.points + self.factor * body.displacement[which]
-            if body.von_mises is not None:
-                grid.point_data["stress"] = self._pressure.factor * body.von_mises[which]
-        time = with_unit(float(self._times[which]), "s", 3)
-        caption = f"t = {time}     displacement × {self.factor:g}"
-        self.plotter.add_text(caption, font_size=12, color="black", name="caption")
-        return self.plotter
+    for body in bodies:
+        cells = [(block.kind, block.cells) for block in body.mesh.blocks]
+        grids.append(pyvista.from_meshio(meshio_of_all_kinds().Mesh(body.points, cells)))
+        colours: dict[str, Any] = {"color": "lightgray"}
+        if body.von_mises is not None:
+            grids[-1].point_data["stress"] = pressure.factor * body.von_mises[0]
+            colours = {
+                "scalars": "stress",
+                "clim": (0.0, pressure.factor * most or 1.0),
+                "scalar_bar_args": {"title": f"von Mises ({pressure.unit})"},
+                "show_edges": True,
+                "edge_opacity": 0.35,
+            }
+        plotter.add_mesh(grids[-1], **colours)
+    up = -np.asarray(down) / np.linalg.norm(down)
+    across = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+    across /= np.linalg.norm(across)
+    towards = _VIEW @ np.array([across, np.cross(up, across), up])
+    passed = [body.points + factor * body.displacement for body in bodies]
+    everywhere = np.concatenate([places.reshape(-1, 3) for places in passed])
+    plotter.set_background("white")
+    plotter.camera_position = [tuple(towards), (0.0, 0.0, 0.0), tuple(up)]
+    plotter.reset_camera(bounds=np.stack([everywhere.min(0), everywhere.max(0)], 1).ravel())
+    return plotter, draw
 
-    def write(self, path: Path, fps: float) -> Path:
-        """Write a movie, a frame a time, and close the picture."""
-        if path.suffix.lower() == ".gif":
-            self.plotter.open_gif(path, fps=fps)
-        else:
-            self.plotter.open_movie(path, framerate=fps)
-        for which in range(len(self._times)):
-            self.draw(which)
-            self.plotter.write_frame()
-        self.plotter.close()
-        return path
+
+def write_movie(path: Path, fps: float, plotter: Any, draw: Callable[[int], None], n: int) -> Path:
+    """Write a movie of n frames, and close the picture."""
+    if path.suffix.lower() == ".gif":
+        plotter.open_gif(path, fps=fps)
+    else:
+        plotter.open_movie(path, framerate=fps)
+    for which in range(n):
+        draw(which)
+        plotter.write_frame()
+    plotter.close()
+    return path
 
 
 def movie_path(path: str | os.PathLike[str], fps: float) -> tuple[Path, float]:

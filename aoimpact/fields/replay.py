@@ -49,7 +49,8 @@ def response_of(
     if not isinstance(model, FullModel) or recorder.dense or model.in_modes:
         if not model.tips:
             return None
-        modal, shift = model.modal, _shift(largest[1] - largest[0])
+        paces = math.log2(PACE / (largest[1] - largest[0]))
+        modal, shift = model.modal, math.exp2(round(_SHIFTS * paces) / _SHIFTS)
         recovery = Recovery(modal, modal.loads(plan.pull), shift, inverse)
     motion = recorder.motion(body)
     if recovery is not None and plan.preload:
@@ -74,10 +75,6 @@ def _gravity(plan: Plan, model: BodyModel) -> FloatArray:
     if not plan.gravity or tip is None or tip.direction is None or model.weightless:
         return np.zeros(3)
     return plan.gravity * tip.direction
-
-
-def _shift(contact_time: float) -> float:
-    return math.exp2(round(_SHIFTS * math.log2(PACE / contact_time)) / _SHIFTS)
 
 
 def _largest_contact(
@@ -106,5 +103,4 @@ def _static_deflection(motion: Motion, recovery: Recovery) -> FloatArray | None:
     forces = motion.force(start)
     rest = body.inverse().solve(np.ascontiguousarray(recovery.loads @ forces))
     found = recovery.displacement(motion.observed(None, start)[0], forces)
-    deflection: FloatArray = (rest - found)[:, 0]
-    return deflection
+    return np.asarray((rest - found)[:, 0])

@@ -37,6 +37,8 @@ def write_series(
     InputError
         If the folder is not there.
     """
+    from xml.sax.saxutils import quoteattr  # would bring urllib and ssl with it
+
     meshio = meshio_of_all_kinds()
     given = file_path("path", path)
     stem = given.with_suffix("") if given.suffix.lower() in (".vtu", ".pvd") else given
@@ -55,18 +57,12 @@ def write_series(
                 for key, values in (of_cells or {}).items()
             },
         ).write(stem.parent / name, file_format="vtu", binary=True)
-    listing = stem.parent / f"{stem.name}.pvd"
-    listing.write_text(_collection(times, names), encoding="utf-8")
-    return listing
-
-
-def _collection(times: FloatArray, names: list[str]) -> str:
-    from xml.sax.saxutils import quoteattr  # would bring urllib and ssl with it
-
     entries = [
         f'    <DataSet timestep="{float(time)!r}" group="" part="0" file={quoteattr(name)}/>'
         for time, name in zip(times, names, strict=True)
     ]
     head = '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">'
     lines = ['<?xml version="1.0"?>', head, "  <Collection>", *entries, "  </Collection>"]
-    return "\n".join([*lines, "</VTKFile>", ""])
+    listing = stem.parent / f"{stem.name}.pvd"
+    listing.write_text("\n".join([*lines, "</VTKFile>", ""]), encoding="utf-8")
+    return listing

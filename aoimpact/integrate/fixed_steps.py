@@ -87,13 +87,13 @@ class SteppedRecorder:
         return self.record.t
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
-        return self.record.rows.copy()
+        return self.record.rows[:, np.searchsorted(self.times, times)]
 
     def forces(self, times: FloatArray) -> FloatArray:
-        return self.plan.layout.forces(self.record.rows).copy()
+        return self.plan.layout.forces(self.rows(times, energies=False))
 
     def pushes(self, times: FloatArray) -> FloatArray:
-        return self.plan.layout.pushes(self.record.rows).copy()
+        return self.plan.layout.pushes(self.rows(times, energies=False))
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         return self.record.final[body]

@@ -15,7 +15,7 @@ from .advice import (
     warn_of_size,
     warning_limits,
 )
-from .errors import Chosen, ErrorEstimate, ErrorParts, Found, LeftOut
+from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy
 from .picture import shown_bodies
 from .quantities import (

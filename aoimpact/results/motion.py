@@ -18,12 +18,13 @@ from ..fem import checked_layer, whole_motion
 from ..fields import (
     Field,
     Gauge,
+    History,
     Probe,
     Reaction,
     Response,
-    relative_error,
-    rest,
-    warn_if_wrong,
+    gauge_at,
+    probe_at,
+    reaction_of,
 )
 from ..integrate import Events
 from ..laws import ContactLaw, Dent
@@ -248,8 +249,8 @@ class BodyResult(Frozen):
     def error(self) -> Mapping[str, FloatArray]:
         """Errors of the histories by the body's model, relative to the largest value of each.
 
-        ``error["velocity"]``, shape (n,), and so of the other three: the difference to one
-        more run, with models that contain this one and what it leaves out first. To it add the
+        ``error["velocity"]``, shape (n,), and so of the other three: the difference to one more
+        run, with models that contain this one and what it leaves out first. To it add the
         errors of mesh and contact. It is empty of a body given by numbers.
 
         Examples
@@ -261,19 +262,29 @@ class BodyResult(Frozen):
         >>> hit.target.error["velocity"].shape == hit.t.shape
         True
         """
-        if (finer := self._run._of_finer(self._number)) is None:
+        if self._run.compared_run() is None:
             return {}
-        whole, same = (of._histories for of in finer)
-        slowest = rest(whole["displacement"], finer[0]._run.t[-1])
+        return {name: of.error for name, of in self._histories.items() if of.error is not None}
+
+    @cached_property
+    def _histories(self) -> dict[str, History[Run]]:
+        run, moved = self._run, partial(_moved, self._number, "displacement")
         return {
-            name: relative_error(
-                history, same[name], whole[name], slowest if name.endswith("velocity") else 0.0
+            name: History(
+                f"{name.replace('_', ' ')} of {self.name}",
+                run,
+                run.compared_run,
+                partial(_moved, self._number, name),
+                run.t,
+                run.duration,
+                moved if name.endswith("velocity") else None,
+                safety=1.0,
             )
-            for name, history in self._histories.items()
+            for name in self._motion
         }
 
     @property
-    def _histories(self) -> dict[str, FloatArray]:
+    def _motion(self) -> dict[str, FloatArray]:
         return {
             "displacement": self.port_displacements[0],
             "velocity": self.port_velocities[0],
@@ -284,9 +295,8 @@ class BodyResult(Frozen):
     def _told(self, name: str) -> FloatArray:
         """Return a history, and warn if it may be badly wrong; displacements often need no run."""
         if name.endswith("velocity") or not follows(self._run, self._number):
-            what = f"{name.replace('_', ' ')} of {self.name}"
-            warn_if_wrong(what, self._run.t, self.error.get(name))
-        return self._histories[name]
+            return self._histories[name].told()
+        return self._motion[name]
 
     def probe(
         self,
@@ -334,9 +344,8 @@ class BodyResult(Frozen):
         >>> probe.stress["xx"].shape == probe.t.shape
         True
         """
-        wanted = self._sampled(times, dt)
-        where, known = checked_layer(layer, part), partial(follows, self._run, self._number)
-        return self._responding.probe(point, direction, nodes, wanted, known, where)
+        wanted, where = self._sampled(times, dt), checked_layer(layer, part)
+        return probe_at(self._responding, point, direction, nodes, wanted, where)
 
     def gauge(
         self,
@@ -382,7 +391,8 @@ class BodyResult(Frozen):
         """
         wanted = self._sampled(times, dt)
         size = positive("length", length, unit="m")
-        return self._responding.gauge(point, direction, size, wanted, checked_layer(layer, part))
+        where = checked_layer(layer, part)
+        return gauge_at(self._responding, point, direction, size, wanted, where)
 
     def reaction(
         self,
@@ -421,7 +431,7 @@ class BodyResult(Frozen):
         >>> hit.target.reaction("xmin").force.shape == (len(hit.t), 3)
         True
         """
-        return self._responding.reaction(nodes, self._sampled(times, dt))
+        return reaction_of(self._responding, nodes, self._sampled(times, dt))
 
     def _sampled(self, times: npt.ArrayLike | None, dt: float | None) -> Any:
         """The times that are asked for, s."""
@@ -500,6 +510,13 @@ class BodyResult(Frozen):
                 "tip = FEModel.from_mesh(...).contact(...)"
             )
         return response
+
+
+def _moved(number: int, name: str, run: Run, times: FloatArray) -> FloatArray:
+    """A motion of a body of a run at times, s; interpolated between fixed steps."""
+    if run.t is not times and not run.recorder.dense:
+        return np.interp(times, run.t, run.bodies[number]._motion[name])
+    return (run if run.t is times else run.at(times)).bodies[number]._motion[name]
 
 
 class Eventful:

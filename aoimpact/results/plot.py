@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
@@ -46,8 +47,8 @@ _MARGIN = 0.1
 _PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
 
 
-def shown(run: AnyRun, during: During) -> tuple[AnyRun, slice]:
-    """Return a run that has points enough within a span of time, and which of them lie in it.
+def shown(run: AnyRun, during: During) -> AnyRun:
+    """Return a run at times enough within a span of time.
 
     What was stepped, or read at chosen times, keeps these; what is known between them is read as
     finely as the fastest of its modes asks for.
@@ -63,9 +64,9 @@ def shown(run: AnyRun, during: During) -> tuple[AnyRun, slice]:
         wanted = _PER_PERIOD * (end - start) * fastest / (2.0 * math.pi)
         even = np.linspace(start, end, int(np.clip(wanted, _FEWEST, _MOST)))
         own = run.t[(run.t >= start) & (run.t <= end)]
-        return run.at(np.union1d(even, own)), slice(None)
+        return run.at(np.union1d(even, own))
     first = max(0, int(np.searchsorted(run.t, start, side="right")) - 1)
-    return run, slice(first, int(np.searchsorted(run.t, end)) + 1)
+    return replace(run, asked=run.t[first : int(np.searchsorted(run.t, end)) + 1])
 
 
 def _span(run: Run, during: During) -> tuple[float, float]:
@@ -139,11 +140,11 @@ def plot_indentation(
     >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
     >>> ax = hit.plot_indentation()
     """
-    run, which = shown(result, during)
-    depth, force = run.indentation[which], run.force[which]
-    apart = (depth < 0.0) & (force == 0.0)
+    run = shown(result, during)
+    depth = run.indentation
+    apart = (depth < 0.0) & (run.force == 0.0)
     curves: list[Curve] = [(depth if apart.all() else np.where(apart, np.nan, depth), {})]
-    return draw_curves(ax, (run.t[which], "time", "s"), "indentation", "m", curves, kwargs)
+    return draw_curves(ax, (run.t, "time", "s"), "indentation", "m", curves, kwargs)
 
 
 def plot_energy(
@@ -167,7 +168,7 @@ def plot_energy(
     >>> run = scene.simulate(duration=1e-3)
     >>> ax = run.plot_energy()
     """
-    run, which = shown(run, during)
+    run = shown(run, during)
     energy = run.energy
     share: Energy | BodyEnergy = energy
     if body is not None:
@@ -185,10 +186,10 @@ def plot_energy(
     if body is None:
         styles.append((energy.total, "total", "-", "0.5"))
     curves: list[Curve] = [
-        (values[which], {"label": name, "linestyle": dashes, "color": colour})
+        (values, {"label": name, "linestyle": dashes, "color": colour})
         for values, name, dashes, colour in styles
     ]
-    return draw_curves(ax, (run.t[which], "time", "s"), "energy", "J", curves, kwargs)
+    return draw_curves(ax, (run.t, "time", "s"), "energy", "J", curves, kwargs)
 
 
 def plot_displacement(
@@ -213,21 +214,21 @@ def plot_displacement(
     >>> ax = run.plot_displacement()
     """
     called = body_names(run, names)
-    run, which = shown(run, during)
+    run = shown(run, during)
     curves: list[Curve] = []
     for i, (name, body) in enumerate(zip(called, run.bodies, strict=True)):
-        place = body.displacement[which]
+        place = body.displacement
         if run.plan.scene:
             curves.append((place, {"label": name}))
             continue
-        centre, style = body.centre_displacement[which], {"color": COLOURS[i]}
+        centre, style = body.centre_displacement, {"color": COLOURS[i]}
         rigid = bool(np.array_equal(place, centre))
         point = name if rigid else f"{name}, contact point"
         curves.append((place, style | {"label": point, "linestyle": "-"}))
         if not rigid and np.isfinite(centre).all():
             dashed = {"label": f"{name}, centre of mass", "linestyle": "--"}
             curves.append((centre, style | dashed))
-    return draw_curves(ax, (run.t[which], "time", "s"), "displacement", "m", curves, kwargs)
+    return draw_curves(ax, (run.t, "time", "s"), "displacement", "m", curves, kwargs)
 
 
 def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
@@ -239,9 +240,9 @@ def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> A
     >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
     >>> ax = hit.plot_interaction()
     """
-    at, which = shown(result, "contact")
+    at = shown(result, "contact")
     touching = np.flatnonzero(at.force > 0.0)
-    which = slice(0, int(touching[-1]) + 2) if touching.size else which
+    which = slice(0, int(touching[-1]) + 2 if touching.size else None)
     across = (at.approach[which], "approach of the centres of mass", "m")
     curves: list[Curve] = [(at.force[which], {"label": "modified law"})]
     ax = draw_curves(ax, across, "contact force", "N", curves, kwargs)
@@ -270,13 +271,13 @@ def plot_force(
     >>> run = scene.simulate(duration=1e-3)
     >>> ax = run.plot_force()
     """
-    run, which = shown(run, during)
+    run = shown(run, during)
     several = len(run.each_contact) > 1
     curves: list[Curve] = [
-        (contact.force[which], {"label": _bodies_named(run, number)} if several else {})
+        (contact.force, {"label": _bodies_named(run, number)} if several else {})
         for number, contact in enumerate(run.each_contact)
     ]
-    return draw_curves(ax, (run.t[which], "time", "s"), "contact force", "N", curves, kwargs)
+    return draw_curves(ax, (run.t, "time", "s"), "contact force", "N", curves, kwargs)
 
 
 def _bodies_named(run: Run, number: int) -> str:

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, InputTypeError
+from ..base import FloatArray, Found, InputError, InputTypeError
 from ..integrate import Events
-from .errors import Found, suggestion
+from .errors import suggestion
 
 if TYPE_CHECKING:
     from .run import Run

@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from ..base import (
     FloatArray,
+    Found,
     InputError,
     InputTypeError,
     checked,
@@ -28,20 +29,20 @@ from ..base import (
     with_unit,
     write_csv,
 )
-from ..fields import Picture, Response, movie_path, response_of, times_within
+from ..fields import Response, movie_path, picture, response_of, times_within, write_movie
 from ..integrate import Events, Recorder
 from ..laws import Dent, own_law
 from ..reduction import FullModel
 from ..scene import Plan
 from . import plot as figures
 from .advice import warn_of_ledger, warn_of_mesh
-from .errors import Chosen, ErrorEstimate, ErrorParts, Found, LeftOut
+from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
 from .picture import shown_bodies, times_of_contact
 from .quantities import all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
 from .table import ROLES, as_dataframe, as_dataset, columns, different
-from .validity import Advice, advice_of
+from .validity import Advice, limits
 
 _NOTHING_KNOWN = LeftOut()
 
@@ -268,13 +269,12 @@ class Run:
     def _finer(self) -> Run | None:
         return None if self.finer is None else self.finer(replace(self, asked=None))
 
-    def _of_finer(self, body: int) -> tuple[BodyResult, BodyResult] | None:
-        """A body of the run with finer models: over its record, and at the times of this one."""
-        finer = self._finer
-        if finer is None or not (finer.recorder.dense or np.array_equal(finer.t, self.t)):
-            return None
-        same = finer.at(self.t) if finer.recorder.dense else finer
-        return finer.bodies[body], same.bodies[body]
+    def compared_run(self) -> Run | None:
+        """Return the run with finer models; None where there is none.
+
+        :meta private:
+        """
+        return self._finer
 
     @cached_property
     def parting(self) -> FloatArray:
@@ -315,26 +315,30 @@ class Run:
 
         :meta private:
         """
-        found = []
-        for number, events in enumerate(self.events):
-            rows = self.plan.layout.contact(self._rows, number)
-            stored, taken = (rows.elastic, rows.dissipated) if self.energies else (None, None)
-            contact = self.plan.contacts[number]
-            if stored is not None:
-                stored = stored + 0.5 * math.fsum(contact.removed) * rows.force**2
-            name = self.contact_names[number]
-            depth = contact.own_indentation(rows)
-            given = name, rows.force, depth, stored, taken, events, own_law(contact.law)
-            if self.plan.oblique is None:
-                found.append(ContactResult(*given))
-                continue
-            force, stuck, lost = np.zeros((len(self.t), 3)), np.zeros(len(self.t)), rows.friction
-            if rows.tangential is not None and rows.stuck is not None:  # else it is smooth
-                force = rows.tangential.T @ self.plan.oblique.axes[1:]
-                stuck = np.sqrt(rows.stuck)
-            lost = (np.zeros(len(self.t)) if lost is None else lost) if self.energies else None
-            found.append(ContactResult(*given, force, stuck, lost))
-        return tuple(found)
+        return tuple(map(self._contact, range(len(self.events))))
+
+    def _contact(self, number: int) -> ContactResult:
+        plan, contact = self.plan, self.plan.contacts[number]
+        rows, zero = plan.layout.contact(self._rows, number), np.zeros(len(self.t))
+        stored = rows.elastic + 0.5 * math.fsum(contact.removed) * rows.force**2
+        pushed, stuck, lost = None, None, None
+        if plan.oblique is not None:
+            pushed, stuck, lost = np.zeros((len(self.t), 3)), zero, zero  # smooth
+            if rows.tangential is not None and rows.stuck is not None:
+                pushed = rows.tangential.T @ plan.oblique.axes[1:]
+                stuck, lost = np.sqrt(rows.stuck), rows.friction
+        return ContactResult(
+            self.contact_names[number],
+            rows.force,
+            contact.own_indentation(rows),
+            stored if self.energies else None,
+            rows.dissipated if self.energies else None,
+            self.events[number],
+            own_law(contact.law),
+            pushed,
+            stuck,
+            lost if self.energies else None,
+        )
 
     def deepest(self, number: int) -> float:
         """Return the largest indentation of a contact's law, m; no history of it is kept.
@@ -372,7 +376,7 @@ class Run:
                 "this run has no energies: it was made with energies=False; "
                 "call simulate(..., energies=True)"
             )
-        return _energy(self._rows, self.plan)
+        return _energy(self)
 
     def at(self, times: npt.ArrayLike) -> Self:
         """Return the same run at other times: dense output, as exact as the run itself.
@@ -758,7 +762,8 @@ class Result(Eventful, Run):
         >>> [(of.name, of.within) for of in hit.advice]
         [('yield', True), ('speed', True)]
         """
-        return tuple(advice_of(self))
+        known = limits(self.plan, self.plan.contacts[0]) if self.contacts else {}
+        return tuple(of for limit in known.values() for of in limit.advice(self))
 
     @property
     def hertz_pressure(self) -> float:
@@ -840,7 +845,8 @@ class Result(Eventful, Run):
         if times is not None:
             wanted = np.atleast_1d(finite_array("times", times, unit="s"))
         bodies, down = shown_bodies(self, wanted)
-        return Picture(bodies, wanted, down=down, scale=scale).write(file, speed)
+        drawn = picture(bodies, wanted, down=down, scale=scale)
+        return write_movie(file, speed, *drawn, len(wanted))
 
     def __repr__(self) -> str:
         return summary_text("Impact", impact_rows(self), 18)
@@ -849,28 +855,25 @@ class Result(Eventful, Run):
         return summary_html(self)
 
 
-def _energy(rows: FloatArray, plan: Plan) -> Energy:
-    layout = plan.layout
-    recorded = [layout.body(rows, number) for number in range(len(layout.ports))]
-    contacts = [layout.contact(rows, number) for number in range(layout.contacts)]
-    nothing = np.zeros(rows.shape[1])
-    contact = sum((of.elastic for of in contacts), nothing)
+def _energy(run: Run) -> Energy:
+    layout, contacts, nothing = run.plan.layout, run.each_contact, np.zeros(len(run.t))
+
+    def summed(of: Sequence[Any], name: str) -> FloatArray:
+        return sum((getattr(one, name) for one in of), nothing)
+
+    recorded = [layout.body(run._rows, number) for number in range(len(layout.ports))]
     strain = [of.elastic.copy() for of in recorded]
-    for between, touch in zip(plan.contacts, contacts, strict=True):
+    for between, touch in zip(run.plan.contacts, contacts, strict=True):
         for port, c in zip(between.ports, between.removed, strict=True):  # c F²/2 is the law's
             strain[port.body] -= 0.5 * c * touch.force**2
-            contact = contact + 0.5 * c * touch.force**2
     bodies = tuple(
         BodyEnergy(of.kinetic, elastic, of.dissipated, of.work)
         for of, elastic in zip(recorded, strain, strict=True)
     )
-    kinetic = sum((body.kinetic for body in bodies), nothing)
-    elastic = sum((body.elastic for body in bodies), nothing)
-    work = sum((body.work for body in bodies), nothing)
-    dissipated = sum((of.dissipated for of in contacts), nothing)
-    dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
-    friction = sum((of.friction for of in contacts if of.friction is not None), nothing)
-    dissipated = dissipated + friction if layout.sliding and any(layout.sliding) else dissipated
+    kinetic, elastic, work = (summed(bodies, name) for name in ("kinetic", "elastic", "work"))
+    sliding = [of for of in contacts if of.friction_energy is not None]
+    contact, friction = summed(contacts, "elastic"), summed(sliding, "friction_energy")
+    dissipated = summed(contacts, "dissipated") + summed(bodies, "dissipated") + friction
     total = kinetic + elastic + contact + dissipated - work
     return Energy(kinetic, elastic, contact, dissipated, work, total, bodies, friction)
 

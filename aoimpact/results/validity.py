@@ -101,9 +101,9 @@ class Limit(NamedTuple):
         How far an impact has gone, as far as the summary says it.
     """
 
-    of: str
-    most: float
-    said: Callable[[Run, float], str]
+    of: str = "force"
+    most: float = math.inf
+    said: Callable[[Run, float], str] = lambda run, value: ""
     advice: Callable[[Result], Iterable[Advice]] = lambda result: ()
 
 
@@ -148,11 +148,7 @@ def _yield(joint: _Joint) -> Limit | None:
 
     if isinstance(law, ElasticPlastic | Thornton):
         first = law.yield_force
-        return (
-            Limit("force", math.inf, lambda run, force: "", advice)
-            if math.isfinite(first)
-            else None
-        )
+        return Limit(advice=advice) if math.isfinite(first) else None
     known = [(of, of.yield_strength) for of in joint.materials if of is not None]
     if surface is None or law.has_memory or not any(strength for _, strength in known):
         return None
@@ -321,7 +317,7 @@ def _mass_ratio(joint: _Joint) -> Limit | None:
             meaning = "of the target: quasi-static, by the stiffness of its supports"
         yield Advice("mass ratio", ratio, math.inf, meaning)
 
-    return Limit("force", math.inf, lambda run, force: "", advice)
+    return Limit(advice=advice)
 
 
 # In the order of a summary.
@@ -333,9 +329,3 @@ _RULES: dict[str, Callable[[_Joint], Limit | None]] = {
     "speed": _speed,
     "thickness": _thickness,
 }
-
-
-def advice_of(result: Result) -> Iterator[Advice]:
-    """Yield what is known of the validity of an impact, in the order of `Advice.name`."""
-    for limit in limits(result.plan, result.plan.contacts[0]).values() if result.contacts else ():
-        yield from limit.advice(result)

@@ -144,10 +144,23 @@ def test_natural_modes_miss_what_was_left_out_at_the_blow() -> None:
     assert (said > true / 2.0).all()
 
 
-def test_a_probe_has_the_error_of_the_field_at_its_times() -> None:
-    target = struck(ao.modal(cantilever(), 30)).target
-    probe = target.probe(point=(0.0, 0.01, 0.02), times=TIMES)
-    assert probe.error["stress"] == pytest.approx(target.field(TIMES).error, rel=1e-12)
+@pytest.mark.parametrize(("n", "duration"), [(8, 5e-4), (20, 2e-3)])
+def test_a_probe_is_judged_where_it_is(n: int, duration: float) -> None:
+    """By a model that gives the motion of the struck point, and not yet that of the rest."""
+    tip, _ = held_beam()
+    few = ao.antioscillators(tip, n, method="krylov", contact_time=2e-4)
+    mine, right = (struck(of, duration).target for of in (few, ao.antioscillators(tip)))
+    t = np.linspace(0.0, duration, 101)
+    for x in (0.1, 0.25, 0.8):
+        pair = [of.probe((x, 0.01, 0.02), (0, 0, 1), times=t) for of in (mine, right)]
+        for name in ("displacement", "velocity", "stress"):
+            with held_warnings() as said:
+                ours, truth = (getattr(of, name) for of in pair)
+            if name == "stress":
+                ours, truth = ours.components, truth.components
+            off = np.abs(ours - truth).max() / np.abs(truth).max()
+            assert pair[0].error[name].max() > min(off, 1.0)
+            assert off < 0.2 or any(text.startswith(name) for text in said), (x, off, said)
 
 
 def test_the_whole_body_has_no_error() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,6 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.base import MissingPackageError
 from aoimpact.fields import Shown, enlargement
 from aoimpact.results import shown_bodies
 
@@ -79,19 +77,10 @@ def test_the_enlargement_is_a_round_number_that_shows_them(largest: float, facto
     assert enlargement([Shown(BLOCK.mesh, points, moved, None)]) == pytest.approx(factor)
 
 
-@pytest.mark.parametrize(
-    "path",
-    ["movie.avi", "no folder/movie.gif"],
-)
+@pytest.mark.parametrize("path", ["movie.avi", "no folder/movie.gif"])
 def test_a_path_that_is_no_place_for_a_movie_is_refused(path: str) -> None:
     with pytest.raises(ao.InputError, match=f"path.*{path}"):
         strike(ao.ball(0.01, STEEL)).movie(path)
-
-
-def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pyvista", None)
-    with pytest.raises(MissingPackageError, match="pyvista"):
-        strike(ao.ball(0.01, STEEL)).movie(tmp_path / "movie.gif")
 
 
 @pytest.mark.slow

@@ -175,19 +175,14 @@ def test_bodies_without_places_say_so() -> None:
         ({"nodes": "xmox"}, r"^nodes"),
         ({"nodes": lambda x: x[:, 0] > 9.0}, r"^nodes"),
         ({"nodes": [100000]}, r"^nodes"),
-        ({"point": TIP, "times": [0.0, 1.0]}, r"^times"),
+        ({"point": TIP, "times": -1e-9}, r"^times"),
+        ({"point": TIP, "times": [2e-4, 1e-4]}, r"^times"),
+        ({"point": TIP, "times": [[1e-4]]}, r"^times"),
     ],
 )
-@pytest.mark.parametrize("solver", ["adaptive", "newmark"])
-def test_senseless_questions_are_refused(solver: str, arguments: Any, words: str) -> None:
+def test_senseless_questions_are_refused(arguments: Any, words: str) -> None:
     with pytest.raises(ao.InputError, match=words):
-        impact(solver).target.probe(**arguments)
-
-
-@pytest.mark.parametrize("times", [1.0, -1e-9, [2e-4, 1e-4], [[1e-4]]])
-def test_fields_outside_the_record_are_refused(times: npt.ArrayLike) -> None:
-    with pytest.raises(ao.InputError, match=r"^times"):
-        impact().target.field(times)
+        impact("adaptive").target.probe(**arguments)
 
 
 @pytest.mark.parametrize("solver", ["adaptive", "newmark"])

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +10,6 @@ from ..base import FloatArray, IntArray
 from ..fem import Damping, Grounding, Rayleigh, VirtualMotion, displacement
 from ..integrate import Motion
 from ..reduction import Recovery
-from .historyerror import warn_if_wrong
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,51 +104,3 @@ class Held:
             found = found + self.damping.beta * v
             found = found + self.damping.alpha * self.motion.observed(mass, times)[1]
         return found
-
-
-@dataclass(frozen=True, eq=False)
-class Reaction:
-    """The force of supports and springs on a body over time.
-
-    Attributes
-    ----------
-    t : ndarray, shape (n,)
-        s.
-    centre : ndarray, shape (3,)
-        Mean of the points, m.
-    points : ndarray, shape (p, 3)
-        The held nodes, m.
-    """
-
-    t: FloatArray
-    centre: FloatArray
-    points: FloatArray
-    _resultants: FloatArray = field(repr=False)
-    _at_nodes: Callable[[], FloatArray] = field(repr=False)
-    _errors: Callable[[], Mapping[str, FloatArray]] = field(repr=False)
-
-    @property
-    def force(self) -> FloatArray:
-        """Force on the body, N, shape (n, 3); warns where it may be badly wrong, see `error`."""
-        warn_if_wrong("reaction", self.t, self.error.get("force"))
-        return self._resultants[:, :3]
-
-    @property
-    def moment(self) -> FloatArray:
-        """Moment on the body about the `centre`, N m, shape (n, 3)."""
-        warn_if_wrong("moment of the reaction", self.t, self.error.get("moment"))
-        return self._resultants[:, 3:]
-
-    @cached_property
-    def nodal_force(self) -> FloatArray:
-        """Forces on the nodes, N, shape (n, p, 3); they add up to `force`."""
-        return self._at_nodes()
-
-    @cached_property
-    def error(self) -> Mapping[str, FloatArray]:
-        """Errors by the body's model, relative to the largest value, of shape (n,).
-
-        ``error["force"]`` and ``error["moment"]``; see `BodyResult.error`. It is empty of a full
-        model.
-        """
-        return self._errors()
