@@ -7,7 +7,6 @@ returns them; `batch`, `cli` and `study` print them.
 """
 
 from .advice import (
-    MESH_LIMIT,
     warn_of_bodies,
     warn_of_exchange,
     warn_of_misfit,
@@ -16,7 +15,7 @@ from .advice import (
     warning_limits,
 )
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
-from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy
+from .motion import BodyResult, Energy
 from .picture import shown_bodies
 from .quantities import (
     COLUMNS,

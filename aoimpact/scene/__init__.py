@@ -9,7 +9,6 @@ from .contact import (
     Contact,
     Friction,
     Load,
-    Port,
     extraction_of,
     normal_gap,
 )

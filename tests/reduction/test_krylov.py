@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,16 +12,16 @@ from paperbodies import BALL_MASS, LAW, LENGTH, WIDTH, beam_model
 
 import aoimpact as ao
 from aoimpact import box_mesh
-from aoimpact.base import MemoryLimitError, memory
-from aoimpact.linalg import METHODS, ROUGH, pardiso, solvers
+from aoimpact.linalg import METHODS
 from aoimpact.reduction import KrylovSpace
-from aoimpact.reduction.subspace import Subspace
 
 from slender import beam, in_a_row, rod
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
-needs_pardiso = pytest.mark.skipif(not pardiso.is_installed(), reason="py-mkl-pardiso is not there")
+needs_pardiso = pytest.mark.skipif(
+    not METHODS["pardiso"].is_installed(), reason="py-mkl-pardiso is not there"
+)
 
 
 def fitted(K, M, dof, n, **options):
@@ -149,47 +148,6 @@ def test_receptance_is_right_over_the_band(block):
     np.testing.assert_allclose(star.receptance(omega), full, rtol=1e-6)
 
 
-def test_order_n_plus_one_costs_one_solve(block):
-    space = KrylovSpace(block, contact_time=20e-6)
-    for n in range(1, 5):
-        assert space.antioscillators(n).n == n
-        assert space.solves == n  # a free body's static mode costs none
-    # Smaller models are still what they were.
-    again = KrylovSpace(block, contact_time=20e-6).antioscillators(2)
-    np.testing.assert_array_equal(space.antioscillators(2).m, again.m)
-
-
-def test_more_than_one_solve_is_taken_only_where_nothing_is_left_to_gain():
-    """A cantilever of 540 dofs, struck symmetrically: rounding comes in when the model is right."""
-    mesh = box_mesh((0.2, 0.02, 0.02), (20, 2, 2))
-    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
-    tip = body.contact(point=(0.2, 0.01, 0.02), direction=(0, 0, -1), radius=0)
-    T = 5e-5
-    space = KrylovSpace(tip, contact_time=T)
-    n = 6
-    while space.antioscillators(n).n == n and space.solves == n + 1:
-        n += 2
-    K, M = body.K.toarray(), body.M.toarray()
-    omega = np.linspace(0.05, 4 * np.pi, 9) / T
-    full = [tip.b @ la.solve(K - w**2 * M, tip.b, assume_a="sym") for w in omega]
-    np.testing.assert_allclose(space.antioscillators(n).receptance(omega), full, rtol=1e-8)
-    assert 20 < n < 40
-
-
-def test_what_is_seen_of_a_model_is_the_model(block):
-    """Before its shapes are multiplied out: the star, places seen by it, and displacements."""
-    space = KrylovSpace(block, contact_time=20e-6)
-    seen = space.of_vectors(5)
-    alone = seen.alone
-    space.of_vectors(40)  # grown since
-    for name in ("m0", "k0", "m", "k"):
-        np.testing.assert_allclose(getattr(seen.star, name), getattr(alone.star, name), rtol=1e-9)
-    place = np.random.default_rng(0).standard_normal(block.body.n_dofs)
-    np.testing.assert_allclose(seen.seen(place), alone.seen(place), rtol=1e-9, atol=1e-9)
-    moved = [of.star.expand(np.arange(6.0)) for of in (seen, alone)]
-    np.testing.assert_allclose(*moved, atol=1e-9)
-
-
 @pytest.mark.filterwarnings("ignore:.*with_mesh")
 def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits():
     """A wave runs up a rod for a tenth of the time that it takes to the other end."""
@@ -215,16 +173,6 @@ def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits()
     for n in (5, 30, 60, 140):
         grown = small.of_vectors(n).star
     np.testing.assert_allclose(grown.m, space.of_vectors(140).star.m, rtol=1e-9)
-
-
-def test_a_basis_that_does_not_fit_is_refused(block, monkeypatch):
-    """With memory for thirty vectors left."""
-    space = KrylovSpace(block, contact_time=20e-6)
-    space.of_vectors(10)
-    monkeypatch.setattr(memory, "available", lambda: 30.0 * 8.0 * block.body.n_dofs)
-    with pytest.raises(MemoryLimitError, match="vectors"):
-        space.of_vectors(100)
-    assert space.of_vectors(12).n == 12
 
 
 def test_expand_gives_back_the_full_displacement(block):
@@ -324,27 +272,6 @@ def test_only_what_the_contact_excites():
     np.testing.assert_allclose(star.m, every.m, rtol=1e-5)
 
 
-@pytest.mark.slow
-def test_no_more_oscillators_than_asked_for():
-    """Rounding's modes come several at a time; those of the least mass join the contact mass."""
-    mesh = ao.sphere_mesh(0.01, 0.005)
-    ball = ao.FEModel.from_mesh(mesh, ao.Material(E=210e9, nu=0.3, rho=7800))
-    space = KrylovSpace(
-        ball.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0), contact_time=3e-5
-    )
-    few = space.antioscillators(10)
-    omega = 2.0 * np.pi * np.linspace(1e3, 5e4, 7)
-    for n in (16, 23, 24, 30):
-        star = space.antioscillators(n)
-        assert star.n == n
-        assert (np.diff(star.frequencies) > 0).all()
-        np.testing.assert_allclose(star.static_mass, ball.mass, rtol=1e-10)
-        np.testing.assert_allclose(star.receptance(omega), few.receptance(omega), rtol=1e-6)
-        coordinates = np.random.default_rng(0).standard_normal(n + 1)
-        x = star.expand(coordinates)
-        np.testing.assert_allclose(x @ space.tips[0].b, coordinates[0], rtol=1e-9)
-
-
 def test_a_contact_without_stiffness_is_a_mass():
     """A loose mass beside two on a spring: what is asked of it is not how fast its waves are."""
     spring = np.array([[1e6, -1e6], [-1e6, 1e6]])
@@ -408,14 +335,6 @@ def test_elements_of_very_different_size():
     np.testing.assert_allclose(star_at(star, s), laplace_receptance(body, tip.b, s), rtol=1e-6)
 
 
-def test_rounding_in_the_symmetry_of_k():
-    K, M = rod(60, fixed=[0])
-    chosen = np.random.default_rng(3).random((60, 60)) < 0.05
-    noise = sp.csr_array(chosen.astype(np.float64)).multiply(K)
-    clean, noisy = (fitted(K + e * noise, M, 59, 8, contact_time=0.2) for e in (0.0, 4e-12))
-    np.testing.assert_allclose(noisy.m, clean.m, rtol=1e-8)
-
-
 def test_a_contact_time_far_off_is_refused_or_harmless(block):
     with pytest.raises(ao.InputError, match=r"^contact_time"):
         ao.antioscillators(block, 3, method="krylov", contact_time=1e-8)
@@ -432,18 +351,6 @@ def test_a_contact_time_far_off_is_refused_or_harmless(block):
         ao.antioscillators(block, 8, method="krylov", contact_time=1e6)
 
 
-def test_two_functionals_share_one_subspace(block):
-    other = block.body.contact(point=(0, 0, 0), direction=(0, 1, 0), radius=0)
-    B = np.stack([block.b, other.b])
-    s = 5e5
-    omega2, modes = Subspace([block, other], [s]).ritz(12)
-    gram = modes.T @ (block.body.M @ modes)
-    np.testing.assert_allclose(gram, np.eye(12), atol=1e-9)
-    r = B @ modes
-    K, M = block.body.K.toarray(), block.body.M.toarray()
-    np.testing.assert_allclose((r / (omega2 + s**2)) @ r.T, B @ la.solve(K + s**2 * M, B.T))
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -457,46 +364,6 @@ def test_two_functionals_share_one_subspace(block):
 def test_bad_arguments_are_named(block, options, message):
     with pytest.raises(ao.AOImpactError, match=message):
         ao.antioscillators(block, **{"method": "krylov", **options})
-
-
-def test_a_body_without_contact_is_refused(block):
-    with pytest.raises(ao.InputTypeError, match=r"^tip"):
-        ao.antioscillators(block.body, 3, method="krylov")
-
-
-def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monkeypatch):
-    """When all iterations together have taken as long as factors would."""
-    factors = KrylovSpace(block, contact_time=20e-6, solver="superlu")
-    each = METHODS["multigrid"].iteration(block.body._pencil)
-    operations = block.body._pencil.fill.operations
-    factored = replace(METHODS["superlu"], per_operation=120.0 * each / operations, per_entry=0.0)
-    monkeypatch.delitem(METHODS, "pardiso")
-    monkeypatch.setitem(METHODS, "superlu", factored)
-    monkeypatch.setattr(solvers, "_quickest", lambda pencil, count: METHODS["multigrid"])
-    space, made = KrylovSpace(block, contact_time=20e-6), []
-    s = factors.shift * np.array([0.1, 1.0, 3.0])
-    for n in range(4, 40, 4):
-        star = space.antioscillators(n)
-        made.append(star.origin.linear_solver)
-        same = star_at(factors.antioscillators(n), s)
-        np.testing.assert_allclose(star_at(star, s), same, rtol=ROUGH**2)
-    slow = made.count("multigrid")
-    assert made[slow:] == ["superlu"] * (len(made) - slow)
-    assert 8 <= 4 * slow <= 32  # of 4 to 15 iterations each
-
-
-@pytest.mark.slow
-def test_many_oscillators_by_multigrid_are_those_of_factors():
-    """The shift rises on the way, by a factor of 20."""
-    mesh = box_mesh((0.2, 0.2, 0.01), (10, 10, 1), kind="hexahedron20")
-    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
-    tip = body.contact(point=(0.1, 0.1, 0.01), radius=0)
-    one, other = (
-        KrylovSpace(tip, contact_time=9e-5, sharpened=True, solver=solver).antioscillators(70)
-        for solver in ("superlu", "multigrid")
-    )
-    assert other.k0 == pytest.approx(one.k0, rel=1e-8)
-    np.testing.assert_allclose(other.frequencies[:10], one.frequencies[:10], rtol=1e-5)
 
 
 def test_models_on_vectors_that_are_solved_roughly_are_as_exact():
