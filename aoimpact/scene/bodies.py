@@ -17,6 +17,7 @@ def stepped(
     gravity: Pull = 0.0,
     load: tuple[FloatArray, FloatArray] | None = None,
     rest: FloatArray | None = None,
+    pressed: FloatArray | None = None,
 ) -> SteppedBody:
     """Return a body as a run with fixed steps takes it.
 
@@ -31,6 +32,8 @@ def stepped(
         As `Plan.load_on` gives it.
     rest : ndarray, shape (n,), optional
         Displacements of its modes (`modal`) at the start; undeformed if not given.
+    pressed : ndarray, shape (p,), optional
+        Forces on its ports at rest, N, which a massless contact follows at once.
     """
     if not isinstance(model, FullModel) or model.in_modes:
         modal = model.modal
@@ -39,6 +42,8 @@ def stepped(
         return SteppedBody(parts, start, modal.rates(velocity))
     body = model.body
     u = np.zeros(model.dofs) if rest is None else model.modal.expand(rest)
+    if pressed is not None and model.modal.following is not None:
+        u = u + model.modal.following @ pressed
     v = model.rates(velocity)
     B = np.ascontiguousarray([tip.b for tip in model.tips])
     times, forces = (None, None) if load is None else load

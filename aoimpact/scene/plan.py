@@ -226,9 +226,12 @@ class Plan:
 
     def stepped(self, body: int) -> SteppedBody:
         """Return a body as a run with fixed steps takes it."""
-        rest = None if self.rest is None else self.rest.modes[body]
-        model, load = self.bodies[body], self.load_on(body)
-        return stepped(model, self.start(body), gravity=self.pull, load=load, rest=rest)
+        model, load, rest, pressed = self.bodies[body], self.load_on(body), None, None
+        if self.rest is not None:
+            rest, forces = self.rest.modes[body], self.rest.forces[:, None]
+            pressed = self.port_forces(body, np.zeros(1), forces)[: model.ports, 0]
+        start = self.start(body)
+        return stepped(model, start, gravity=self.pull, load=load, rest=rest, pressed=pressed)
 
     @cached_property
     def forces_at_rest(self) -> FloatArray | None:

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 import scipy.optimize
 from every_law import LAWS, law_of
 
@@ -234,6 +235,20 @@ def test_loads_and_contacts_at_a_massless_place_are_in_balance(solver, damping):
     run = scene.simulate(duration=1e-3, preload=True, solver=solver)
     for contact, force in zip(run.contacts, (load, 2 * load * stop / (ground + stop)), strict=True):
         np.testing.assert_allclose(contact.force, force, rtol=1e-9)
+
+
+def test_all_degrees_of_freedom_start_at_rest_where_the_contact_has_no_mass():
+    """Two springs in series, held at one end, a mass between them and none at the other."""
+    k, load = 1e5, 20.0
+    K, M = np.array([[2.0 * k, -k], [-k, k]]), np.diag([1.0, 0.0])
+    place = ao.FEModel(K=sp.csr_array(K), M=sp.csr_array(M)).contact(dof=1)
+    scene = ao.Scene()
+    above, below = scene.add(BODY), scene.add(ao.full(place))
+    scene.connect(above, below, ao.Linear(k=1e6))
+    scene.apply(above, force=load)
+    run = scene.simulate(duration=1e-3, preload=True, solver=ao.Newmark(dt=1e-5))
+    np.testing.assert_allclose(run.contacts[0].force, load, rtol=1e-9)
+    assert run[below].displacement == pytest.approx(2.0 * load / k, rel=1e-9)
 
 
 def test_a_free_beam_on_two_stops_obeys_the_law_of_the_lever():
