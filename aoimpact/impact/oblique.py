@@ -111,7 +111,8 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
                 continue
             along = _direction(name, tip)
             if found is None:
-                found = along if both[-1][0] == name else _outward(along, tip)
+                first = both[-1][0] != name and tip.normal is not None
+                found = math.copysign(1.0, along @ tip.normal) * along if first else along
             elif abs(float(along @ found)) < _ONE_FRAME:
                 raise InputError(
                     f"{name}: its direction of travel {plain(along)} is not that of the other "
@@ -135,11 +136,6 @@ def _refuse_same_side(
             f"{plain(normals[0])} and {plain(normals[1])}. The axes of their meshes are parallel: "
             "give a point on the opposite side of one, or turn its mesh"
         )
-
-
-def _outward(along: FloatArray, tip: ContactPoint) -> FloatArray:
-    """The direction of travel at the first body: out of it."""
-    return along if tip.normal is None else math.copysign(1.0, along @ tip.normal) * along
 
 
 def _direction(name: str, tip: ContactPoint) -> FloatArray:
@@ -194,15 +190,10 @@ def with_functionals(
     assert isinstance(model, Body)
     if model.numbers is not None and model.kind in ("rigid", "wall"):
         return turning(model.numbers, axes, roles or ROLES[:1])
-    if model.tips and _moves_along(model, axes):
+    given = [tip.tangents for tip in model.tips[::3]]  # of one chosen for such an impact
+    if given and all(one is not None and np.allclose(one, axes[1:], atol=0.1) for one in given):
         return model
     raise InputError(
         f"{name}: {model!r} moves along one direction only; for friction give its contact point "
         "(body.contact(point=...)), full(...) of it, ball(...) or rigid(mass, inertia=)"
     )
-
-
-def _moves_along(model: Body, axes: FloatArray) -> bool:
-    """True if it was chosen for an impact with friction along these axes."""
-    given = [tip.tangents for tip in model.tips[::3]]
-    return all(one is not None and np.allclose(one, axes[1:], atol=0.1) for one in given)

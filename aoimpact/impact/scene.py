@@ -482,7 +482,7 @@ class Scene:
     def _oblique(self) -> Oblique | None:
         """Motion in three directions; None of a scene along one."""
         members, frictions = self._members, [of.friction for of in self._contacts]
-        given = [of for member in members for of in member[-2:]]
+        given = [of for member in members for of in (member.vector, member.spin)]
         if all(of is None for of in (*given, *frictions, self._falls)):
             return None
         if None in frictions:

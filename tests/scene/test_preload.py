@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 import scipy.optimize
+import scipy.sparse as sp
 from every_law import LAWS, law_of
 
 import aoimpact as ao
