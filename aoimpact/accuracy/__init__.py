@@ -7,7 +7,7 @@ what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, 
 
 from .choice import checked_linear_solver, checked_rtol, choose_models
 from .hierarchy import Hierarchy, alike, model_hierarchy, shared_models
-from .interest import CONTROLLED, Keep, Named, impact_quantity, keeper, scene_quantity
+from .interest import CONTROLLED, Keep, Named, keeper, quantity_of
 from .leftout import errors_left_out, finer_run
 from .order import first_guess
 from .sensor import Sensor

@@ -26,87 +26,59 @@ from .sensor import Sensor
 _DEFAULT = "force"
 
 
-def impact_quantity(quantity: Any, projectile: BodyModel, target: BodyModel) -> Quantity:
-    """Return the quantity of interest of an impact of two bodies; the force by default.
-
-    Raises
-    ------
-    InputError, InputTypeError
-        If there is no such quantity, or the point is on neither body, or on both.
-    """
-    if isinstance(quantity, ContactPoint | Sensor):
-        only_target = quantity.body is None and isinstance(target, FullModel)
-        return _of_point(
-            quantity,
-            (None if only_target else projectile, target),
-            none="neither projectile nor target",
-            several="both projectile and target",
-            contact="the contact's own are 'projectile_displacement' and 'target_displacement'",
-        )
-    return _named(quantity, IMPACT_CHOICES)
-
-
-def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
-    """Return the quantity of interest of a scene; of all contacts, the force by default.
+def quantity_of(quantity: Any, bodies: Sequence[BodyModel], *, pair: bool) -> Quantity:
+    """Return the quantity of interest: by default the force, of a scene that of all contacts.
 
     Handles are checked before.
+
+    Parameters
+    ----------
+    quantity : str, Handle, ContactPoint or sensor
+    bodies : sequence of BodyModel
+    pair : bool
+        True of an impact of two bodies, the projectile first.
 
     Raises
     ------
     InputError, InputTypeError
         If there is no such quantity, or the point is on none of the bodies, or on several.
     """
-    if isinstance(quantity, Handle):
+    if isinstance(quantity, Handle) and not pair:
 
         def place(run: Run) -> FloatArray:
             return run[quantity].port_displacements[[quantity.at]]
 
         return Quantity("displacement", "m", history=recorded(place), each="bodies", lasting=True)
-    if isinstance(quantity, ContactPoint | Sensor):
-        return _of_point(
-            quantity,
-            bodies,
-            none="none of the scene's bodies",
-            several="several of the scene's bodies",
-            contact="for a contact's own displacement give its handle",
-        )
-    return _named(quantity, SCENE_CHOICES)
-
-
-def _named(quantity: Any, choices: Sequence[str]) -> Quantity:
-    return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, choices)]
-
-
-def _of_point(
-    point: ContactPoint | Sensor,
-    bodies: Sequence[BodyModel | None],
-    *,
-    none: str,
-    several: str,
-    contact: str,
-) -> Quantity:
-    """The displacement, or what a sensor has, of a point of the one body that has it."""
+    if not isinstance(quantity, ContactPoint | Sensor):
+        choices = IMPACT_CHOICES if pair else SCENE_CHOICES
+        return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, choices)]
     meshed = {i: body.body for i, body in enumerate(bodies) if isinstance(body, FullModel)}
-    on = [i for i, body in meshed.items() if point.body is None or body is point.body]
-    if len(on) > 1 and point.body is None:
-        raise InputError(f"quantity={point!r}: there are {len(on)} such bodies; give body= one")
+    if pair and quantity.body is None and 1 in meshed:
+        meshed.pop(0, None)  # by itself a point is on the target
+    on = [i for i, body in meshed.items() if quantity.body is None or body is quantity.body]
+    if len(on) > 1 and quantity.body is None:
+        raise InputError(f"quantity={quantity!r}: there are {len(on)} such bodies; give body= one")
     if not on:
+        none = "neither projectile nor target" if pair else "none of the scene's bodies"
         raise InputError(
-            f"quantity={point!r} is a point on {none}: give a point of a finite-element body that "
-            "takes part as one"
+            f"quantity={quantity!r} is a point on {none}: give a point of a finite-element body "
+            "that takes part as one"
         )
     if len(on) > 1:
+        several, contact = "several of the scene's bodies", "for a contact's own give its handle"
+        if pair:
+            several = "both projectile and target"
+            contact = "the contact's own are 'projectile_displacement' and 'target_displacement'"
         raise InputError(
-            f"quantity={point!r} is a point of {several}, which are one FEModel: give one of them "
-            f"a model of its own, copy.copy(model), and take the point from that; {contact}"
+            f"quantity={quantity!r} is a point of {several}, which are one FEModel: give one of "
+            f"them a model of its own, copy.copy(model), and take the point from that; {contact}"
         )
-
-    if isinstance(point, Sensor):
-        point.check(meshed[on[0]])
-        return point.quantity(meshed[on[0]], on[0])
+    if isinstance(quantity, Sensor):
+        quantity.check(meshed[on[0]])
+        return quantity.quantity(meshed[on[0]], on[0])
 
     def displacement(run: Run, times: FloatArray) -> FloatArray:
-        return run.bodies[on[0]].displacement_of(point.b, times)[None]
+        return run.bodies[on[0]].displacement_of(quantity.b, times)[None]
 
     return Quantity("displacement", "m", history=displacement, each="bodies", lasting=True)
 

@@ -111,8 +111,9 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
                 continue
             along = _direction(name, tip)
             if found is None:
-                first = both[-1][0] != name and tip.normal is not None
-                found = math.copysign(1.0, along @ tip.normal) * along if first else along
+                found = along
+                if both[-1][0] != name and tip.normal is not None:  # out of the first body
+                    found = math.copysign(1.0, along @ tip.normal) * along
             elif abs(float(along @ found)) < _ONE_FRAME:
                 raise InputError(
                     f"{name}: its direction of travel {plain(along)} is not that of the other "

@@ -19,8 +19,7 @@ from ..accuracy import (
     choose_models,
     errors_left_out,
     finer_run,
-    impact_quantity,
-    scene_quantity,
+    quantity_of,
 )
 from ..base import (
     FloatArray,
@@ -599,9 +598,7 @@ class Scene:
         if quantity is None and not plan.contacts:
             moved = [i for i, body in enumerate(bodies) if isinstance(body, FullModel)]
             quantity = Handle(moved[0], scene=self._mark.name) if moved else None
-        interest = (
-            scene_quantity(quantity, bodies) if plan.scene else impact_quantity(quantity, *bodies)
-        )
+        interest = quantity_of(quantity, bodies, pair=not plan.scene)
         if interest.sliding and plan.oblique is None:
             raise InputError(
                 f"quantity={interest.name!r} is of contacts with friction; give friction="

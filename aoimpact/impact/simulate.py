@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..accuracy import Sensor, checked_rtol, impact_quantity
+from ..accuracy import Sensor, checked_rtol, quantity_of
 from ..base import InputError, InputTypeError, boolean, plain, spelled, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, own_law
@@ -137,7 +137,7 @@ def simulate(
     # Bad input is refused before any work is done.
     if quantity is not None or rtol is not None:
         checked_rtol(rtol)
-        impact_quantity(quantity, *impact.bodies)
+        quantity_of(quantity, impact.bodies, pair=True)
     plan = impact.touch(law, friction, energies=energies)
     result = impact._run(plan, impact.duration, quantity, rtol, solver, linear_solver, began)
     assert isinstance(result, Result)
