@@ -6,3 +6,4 @@ For `batch` and `cli`.
 """
 
 from .file import SceneFile, read_scene
+from .lines import Place, line_of

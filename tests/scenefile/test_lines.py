@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aoimpact.scenefile.lines import Place, line_of
+from aoimpact.scenefile import Place, line_of
 
 TEXT = '''\
 # a comment with [brackets] and a = 1

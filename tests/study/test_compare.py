@@ -8,7 +8,7 @@ import warnings
 import pytest
 
 import aoimpact as ao
-from aoimpact.cli.main import main
+from aoimpact.cli import main
 
 from scenes import BAR
 from twelve import ALUMINIUM, ENDS, STEEL, beam, cube, law
