@@ -15,7 +15,7 @@ import numbers
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -256,7 +256,7 @@ class Quantity:
         return scales if self.least is None else np.maximum(scales, self.least(before))
 
 
-def look_up(result: Any, name: str, argument: str) -> float:
+def look_up(result: Run, name: str, argument: str) -> float:
     """Return a number of a run by its name, as of `Quantity.named`, or else any attribute of it.
 
     Parameters
@@ -272,34 +272,30 @@ def look_up(result: Any, name: str, argument: str) -> float:
     InputError, InputTypeError
         If the run has no such number.
     """
-    numbers_of: Mapping[str, float] = getattr(result, "numbers", {})
     with contextlib.suppress(KeyError):
-        return numbers_of[name]
-    chosen = getattr(result, "chosen", None)
+        return result.numbers[name]
+    chosen, found = result.chosen, cast("Any", result)
     if chosen is not None and name == chosen.quantity and not math.isnan(chosen.most):
         return float(chosen.most)
-    found = result
     for part in name.split("."):
         try:
             found = found[int(part)] if part.isdigit() else getattr(found, part)
         except (AttributeError, IndexError, TypeError):
-            known = [*numbers_of, *(one for one in dir(found) if not one.startswith("_"))]
+            known = [*result.numbers, *(one for one in dir(found) if not one.startswith("_"))]
+            cure = suggestion(name, known)
             if isinstance(found, np.ndarray):
                 cure = f"; it has components 0 to {len(found) - 1}"
-            elif found is result and any(hasattr(of, part) for of in getattr(found, "bodies", ())):
+            elif found is result and any(hasattr(body, part) for body in result.bodies):
                 cure = f": take 'bodies.0.{name}'"
-            else:
-                cure = suggestion(name, known)
             raise InputError(
                 f"{argument}: {name!r}: {type(found).__name__} has no {part!r}{cure}"
             ) from None
     if found is None:  # an error that is not known
         return math.nan
     if not isinstance(found, (numbers.Real, np.bool_)):
-        of_times = isinstance(found, np.ndarray) and len(found) == len(getattr(result, "t", ()))
         vector = isinstance(found, np.ndarray) and found.ndim == 1
         one = f"{name}.0" if vector else "peak_force"
-        at = ", its value at t = 0" if vector and of_times else ""
+        at = ", its value at t = 0" if vector and len(found) == len(result.t) else ""
         raise InputTypeError(
             f"{argument}: {name!r} is no number but {type(found).__name__}; name one, such as "
             f"{one!r}{at}"
@@ -396,7 +392,7 @@ def _restitution(of: Speeds) -> FloatArray:
         return np.empty(0)
     first, second = of.pair
     came = of.before[first] - of.before[second]
-    if not np.all(came):
+    if not came.all():
         return np.empty(0)
     after = np.where(of.still, 0.0, of.after)
     return np.array([(after[second] - after[first]) / came])

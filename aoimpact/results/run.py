@@ -262,8 +262,10 @@ class Run:
 
     @property
     def _parted(self) -> float:
-        """The end of the last contact, or of the record without any, s."""
-        return self.duration if self.touching is None else min(self.touching[1], self.duration)
+        """The end of the last contact, or of the record without any, s; of steps the next one."""
+        end = self.duration if self.touching is None else min(self.touching[1], self.duration)
+        steps = self.recorder.times
+        return end if self.recorder.dense else float(steps[np.searchsorted(steps, end)])
 
     @cached_property
     def _finer(self) -> Run | None:
@@ -283,9 +285,8 @@ class Run:
         NaN where a centre of mass is not known.
         """
         known = [body.centre_known for body in self.plan.bodies]
-        speeds = np.where(known, self.compared_velocities, np.nan)
-        speeds.flags.writeable = False
-        return speeds
+        speeds = self.compared_velocities
+        return speeds if all(known) else np.where(known, speeds, np.nan)
 
     @cached_property
     def compared_velocities(self) -> FloatArray:
@@ -295,11 +296,7 @@ class Run:
 
         :meta private:
         """
-        if self.recorder.dense:
-            rows = self.recorder.rows(np.array([self._parted]), energies=False)
-        else:
-            at = min(int(np.searchsorted(self.t, self._parted)), len(self.t) - 1)
-            rows = self._rows[:, at : at + 1]
+        rows = self.recorder.rows(np.array([self._parted]), energies=False)
         speeds = self.plan.layout.centre_velocities(rows)[:, 0]
         speeds.flags.writeable = False
         return speeds
@@ -778,7 +775,7 @@ class Result(Eventful, Run):
         NaN without a rebound, if the bodies have not met or the record ends in contact, and where
         the centre of mass is not known (see `BodyResult`).
         """
-        return self.value("rebound_velocity")
+        return self.numbers.get("rebound_velocity", math.nan)
 
     @property
     def restitution(self) -> float:
@@ -788,7 +785,7 @@ class Result(Eventful, Run):
         constrained or of infinite mass. NaN without a rebound, and where a centre of mass
         is not known.
         """
-        return self.value("restitution")
+        return self.numbers.get("restitution", math.nan)
 
     plot = figures.plot
     plot_indentation = figures.plot_indentation

@@ -16,7 +16,6 @@ from .quantities import QUANTITIES, Quantity
 from .table import ROLES
 
 if TYPE_CHECKING:
-    from ..scene import Contact
     from .motion import ContactResult
     from .run import Result, Run
 
@@ -48,7 +47,11 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
         ("velocity", velocity + gap),
     ]
     if oblique is not None:
-        rows.append(("friction", _friction(contact)))
+        of = contact.friction
+        known = (
+            f"coefficient {of.mu:g}, tangential over normal stiffness {of.ratio:.3g}" if of else ""
+        )
+        rows.append(("friction", known or "none: smooth surfaces"))
     if not result.contacts:
         rows.append(("contact", f"none in {with_unit(result.duration, 's')}"))
     else:
@@ -64,11 +67,11 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
     if "tangential_restitution" in result.numbers:
         rows.append(("tangential restit.", _rebound(result, "tangential_restitution")))
     if oblique is not None:
-        of, error = result.projectile, within(result.error["final_spin"])
+        moving, error = result.projectile, within(result.error["final_spin"])
         friction = _told(result, "peak_friction_force", 5) + _slips(result.each_contact[0])
         rows += [
-            ("final velocity", f"{_vector(of.final_velocity)} m/s"),
-            ("final spin", f"{_vector(of.final_spin)} rad/s{error}"),
+            ("final velocity", f"{_vector(moving.final_velocity)} m/s"),
+            ("final spin", f"{_vector(moving.final_spin)} rad/s{error}"),
             ("peak friction", friction),
         ]
     if (dent := result.dent).depth > 0.0:
@@ -128,18 +131,11 @@ def summary_html(result: Result) -> str:
     return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"
 
 
-def _friction(contact: Contact) -> str:
-    """The coefficient of a contact with friction, or that it is smooth."""
-    of = contact.friction
-    if of is None:
-        return "none: smooth surfaces"
-    return f"coefficient {of.mu:g}, tangential over normal stiffness {of.ratio:.3g}"
-
-
-def _told(run: Run, name: str, digits: int = 4, *, listed: bool = False) -> str:
+def _told(run: Run, name: str, digits: int = 4, *, listed: bool = False, along: str = "") -> str:
     """A number of a run with its unit and error."""
-    value, unit = run.numbers[name], QUANTITIES[name.rpartition(".")[2]].unit
-    return with_unit(value, unit, digits) + within(run.error[name], listed=listed)
+    interest, value, error = QUANTITIES[name.rpartition(".")[2]], run.numbers[name], run.error[name]
+    known = _absolute(run, interest, value, error) or within(error, listed=listed)
+    return f"{_number(interest, value, digits)}{along}{known}"
 
 
 def _peak(run: Run, owner: str) -> str:
@@ -193,24 +189,21 @@ def _place(tip: ContactPoint, *, rigid: bool) -> str:
 
 
 def _rebound(result: Result, name: str) -> str:
-    interest, value, error = QUANTITIES[name], result.value(name), result.error[name]
-    if math.isnan(value):
+    if math.isnan(result.value(name)):
         return "none" if result.in_contact_at_end or not result.contacts else "not known"
-    absolute, along = _absolute(result, interest, value, error), ""
-    if name == "rebound_velocity" and result.plan.oblique is not None:
-        along = f" along {plain(result.plan.oblique.axes[0])}"
-    return f"{_number(interest, value)}{along}{absolute or within(error)}"
+    oblique, along = result.plan.oblique, ""
+    if name == "rebound_velocity" and oblique is not None:
+        along = f" along {plain(oblique.axes[0])}"
+    return _told(result, name, 5, along=along)
 
 
 def _contact(result: Result) -> str:
-    start = with_unit(result.contacts[0][0], "s")
-    text = f"{_told(result, 'contact_duration')} from {start}"
-    uncertain = result.error["contacts"].least == math.inf
-    if len(result.contacts) > 1 or uncertain:
-        text += f", the first of {len(result.contacts)}{' (uncertain)' if uncertain else ''}"
-    if result.in_contact_at_end:
-        text += " (the record ends in contact)"
-    return text
+    count, error = len(result.contacts), result.error["contacts"]
+    start, uncertain = with_unit(result.contacts[0][0], "s"), error.least == math.inf
+    several = f", the first of {count}{' (uncertain)' if uncertain else ''}"
+    cut = " (the record ends in contact)" if result.in_contact_at_end else ""
+    duration = _told(result, "contact_duration")
+    return f"{duration} from {start}{several if count > 1 or uncertain else ''}{cut}"
 
 
 def error_row(run: Run) -> tuple[str, str]:
@@ -274,13 +267,13 @@ def _interest(run: Run, parts: ErrorParts) -> str:
     return f"{words} {', '.join(each[:SHOWN] + more)}{bound}"
 
 
-def _number(interest: Quantity, value: float) -> str:
+def _number(interest: Quantity, value: float, digits: int = 5) -> str:
     """A number with its unit; velocities without a prefix, to be compared by eye."""
     if math.isnan(value):
         return "none"
     if interest.count or not interest.unit or "/" in interest.unit:
-        return f"{value:.5g} {interest.unit}".rstrip()
-    return with_unit(value, interest.unit, 5)
+        return f"{value:.{digits}g} {interest.unit}".rstrip()
+    return with_unit(value, interest.unit, digits)
 
 
 def _absolute(run: Run, interest: Quantity, value: float, error: ErrorParts) -> str:
