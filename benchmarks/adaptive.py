@@ -44,9 +44,9 @@ import aoimpact as ao
 from aoimpact import _core
 from aoimpact.base import with_unit
 from aoimpact.integrate.dense import adaptive_run
-from aoimpact.integrate.newmark import newmark_run
+from aoimpact.integrate.fixed_steps import newmark_run
 from aoimpact.reduction import body_model
-from aoimpact.scene import Contact, Plan, stepped
+from aoimpact.scene import Contact, Plan
 
 
 def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
@@ -105,21 +105,12 @@ def newmark_call(case: Case, exact: Outcome) -> Iterator[Run]:
 
 
 def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
-    scene = case.scene
-    starts = zip(case.stars, (scene["velocity"], 0.0), strict=True)
-    bodies = tuple(starts)
+    scene, plan = case.scene, plan_of(case.scene)
     for dt in newmark_steps(case):
         rule = ao.Newmark(dt=dt, estimate=False)
 
         def run(dt: float = dt, rule: ao.Newmark = rule) -> None:
-            newmark_run(
-                [stepped(*body) for body in bodies],
-                [Contact(0, 0, 1, 0, scene["law"], 0.0)],
-                rule=rule,
-                dt=dt,
-                duration=scene["duration"],
-                energies=False,
-            )
+            newmark_run(plan, rule, dt)
 
         error = error_of(case, exact, ao.simulate(**scene, solver=rule, energies=False))
         yield Run(f"dt={dt:.2g} s", best_time(run, 20), error)

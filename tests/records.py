@@ -16,7 +16,6 @@ import aoimpact as ao
 from aoimpact import Result
 from aoimpact.impact import plan_impact
 from aoimpact.integrate.fixed_steps import SteppedRecorder
-from aoimpact.integrate.newmark import Record
 
 FloatArray = NDArray[np.float64]
 
@@ -112,6 +111,6 @@ class HalfSine:
             energies=energies,
         )
         at_rest = np.zeros(1), np.zeros(1)
-        run = Record(t, record, (at_rest, at_rest), float(t[1]))
-        recorder = SteppedRecorder(plan, ao.Newmark(), run)
+        ends = at_rest, at_rest
+        recorder = SteppedRecorder(plan, ao.Newmark(), float(t[1]), t, record, ends)
         return Result(plan, recorder, time_error=1e-3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
@@ -9,9 +10,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from .. import _core
 from ..base import (
+    GIB,
+    ROUNDING,
     ConvergenceError,
     FloatArray,
+    Frozen,
     InputError,
     IterationError,
     NotFiniteError,
@@ -21,9 +26,12 @@ from ..laws import ContactLaw, check_width
 from ..scene import Plan
 from .events import Events, find_events, find_slips
 from .motion import ForcedMotion
-from .newmark import Newmark, Record, Start, newmark_run, steps_of
+from .newmark import Newmark
 from .steperror import StepError, time_error
 from .tolerances import DRAWN
+
+# A record larger than this is a mistake in dt more often than a wish.
+_MOST_BYTES = 4 * GIB
 
 # Steps within a contact of the first attempt, where no dt is given.
 _FIRST_STEPS = 50
@@ -46,8 +54,12 @@ _INSTANT = 2.0**-10
 _SHORTENED, _MOST_SHORTENED, _SAME_START = 2.0**-4, 6, 1e-6
 
 
+# Contact forces just after t = 0, N, and their rates, N/s; None where the laws determine them.
+_Start = tuple[FloatArray | None, FloatArray | None]
+
+
 @dataclass(frozen=True, eq=False)
-class SteppedRecorder:
+class SteppedRecorder(Frozen):
     """A run with fixed steps as a :class:`Recorder`, to be read at those.
 
     Attributes
@@ -55,39 +67,42 @@ class SteppedRecorder:
     plan : Plan
         What was run.
     rule : Newmark
-    record : Record
+    dt : float
+        s.
+    times : ndarray, shape (times,)
+        s.
+    record : ndarray, shape (rows, times)
+        As the core wrote it: :class:`RecordLayout` tells its rows apart.
+    final : tuple of (x, v)
+        Each body's coordinates and rates at the end, as the core steps them.
     seconds : float
         How long the run took, with those that its error is estimated from, s.
     """
 
     plan: Plan
     rule: Newmark
-    record: Record
+    dt: float
+    times: FloatArray
+    record: FloatArray
+    final: tuple[tuple[FloatArray, FloatArray], ...]
     seconds: float = 0.0
     dense: ClassVar[bool] = False
 
     @property
     def solver(self) -> str:
         rule, steps = self.rule, len(self.times) - 1
-        return (
-            f"Newmark(dt={self.record.dt:.6g}, beta={rule.beta:g}, gamma={rule.gamma:g}), "
-            f"{steps} steps"
-        )
+        return f"Newmark(dt={self.dt:.6g}, beta={rule.beta:g}, gamma={rule.gamma:g}), {steps} steps"
 
     @property
     def duration(self) -> float:
         return float(self.times[-1])
 
     @property
-    def times(self) -> FloatArray:
-        return self.record.t
-
-    @property
     def marks(self) -> FloatArray:
-        return self.record.t
+        return self.times
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
-        return self.record.rows[:, np.searchsorted(self.times, times)]
+        return self.record[:, np.searchsorted(self.times, times)]
 
     def forces(self, times: FloatArray) -> FloatArray:
         return self.plan.layout.forces(self.rows(times, energies=False))
@@ -96,11 +111,11 @@ class SteppedRecorder:
         return self.plan.layout.pushes(self.rows(times, energies=False))
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
-        return self.record.final[body]
+        return self.final[body]
 
     @cached_property
     def events(self) -> tuple[Events, ...]:
-        layout, rows = self.plan.layout, self.record.rows
+        layout, rows = self.plan.layout, self.record
         found = []
         for number, contact in enumerate(self.plan.contacts):
             of = layout.contact(rows, number)
@@ -121,15 +136,10 @@ class SteppedRecorder:
         return tuple(found)
 
     def motion(self, body: int) -> ForcedMotion:
-        plan = self.plan
-        forces = plan.port_forces(body, self.times, plan.layout.pushes(self.record.rows))
-        equations = plan.stepped(body).equations
-        return ForcedMotion(
-            equations,
-            self.rule,
-            self.record.dt,
-            forces[: equations.B.shape[1]],  # a wall has no weight
-        )
+        plan, equations = self.plan, self.plan.stepped(body).equations
+        forces = plan.port_forces(body, self.times, plan.layout.pushes(self.record))
+        ports = equations.B.shape[1]  # a wall has no weight
+        return ForcedMotion(equations, self.rule, self.dt, forces[:ports])
 
 
 def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | None]:
@@ -146,144 +156,196 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
         If the step is too large for any digit to be right.
     """
     began = perf_counter()
-    run = _Stepping(plan, rule)
-    record, error = run.with_step(rule.dt) if rule.dt is not None else run.with_tolerance()
+    run, error = _with_step(plan, rule, rule.dt) if rule.dt else _to_tolerance(plan, rule)
     if error is not None and error.share == 1.0:
         warn(
-            f"dt={record.dt:g} s is far too large, no digit is right: {error.why}; take a smaller "
+            f"dt={run.dt:g} s is far too large, no digit is right: {error.why}; take a smaller "
             "dt, or Newmark() without dt"
         )
     for i, contact in enumerate(plan.contacts):
-        check_width(contact.law, plan.layout.contact(record.rows, i).indentation, i)
-    took = perf_counter() - began
-    recorder = SteppedRecorder(plan, rule, record, took)
-    return recorder, None if error is None else error.share
+        check_width(contact.law, plan.layout.contact(run.record, i).indentation, i)
+    run = replace(run, seconds=perf_counter() - began)
+    return run, None if error is None else error.share
 
 
-@dataclass(frozen=True, eq=False)
-class _Stepping:
-    """One scene, to be run with different steps."""
+def _with_step(plan: Plan, rule: Newmark, dt: float) -> tuple[SteppedRecorder, StepError | None]:
+    """Run with a step given, and with twice and four times that for the error estimate."""
+    dt = plan.duration / _steps(plan, rule, dt, plan.duration)
+    start = _start(plan, rule)
+    run = newmark_run(plan, rule, dt, start=start, energies=plan.energies)
+    if not rule.estimate:
+        return run, None
+    return run, _error(
+        run, _trial(plan, rule, 2.0 * dt, start), _trial(plan, rule, 4.0 * dt, start)
+    )
 
-    plan: Plan
-    rule: Newmark
 
-    def once(self, dt: float, *, energies: bool) -> Record:
-        """Run with steps of `dt` to the end of the record, or beyond it by less than a step."""
-        return self._run(dt, self.plan.duration, self.start, energies=energies)
+def _to_tolerance(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, StepError]:
+    """Halve the step until three successive ones agree."""
+    rtol, length = rule.rtol, plan.duration
+    if plan.slides and rtol < 4.0 * DRAWN:
+        raise InputError(
+            f"Newmark(rtol={rtol:g}): friction is known to {DRAWN:g}; give rtol={4 * DRAWN:g} "
+            "or more, or dt"
+        )
+    steps = _steps(plan, rule, first_step(plan), length)
+    start = _start(plan, rule)
+    before = [_trial(plan, rule, length / (more * steps), start) for more in (2, 1)]
+    for halving in range(2, _MOST_HALVINGS + 2):
+        dt = length / (2**halving * steps)
+        fine = _trial(plan, rule, dt, start, energies=plan.energies)
+        error = _error(fine, *before)
+        if isinstance(fine, SteppedRecorder):
+            if error.share <= rtol:
+                return fine, error
+            # Coarser runs are needed for their contacts only: the other memory is freed.
+            fine = replace(fine, record=plan.layout.of_contacts(fine.record).copy())
+        before = [fine, before[0]]
+    raise ConvergenceError(
+        f"Newmark: with dt={dt:.3g} s the estimated error is still {error.share:.2g}, above "
+        f"rtol={rtol:g}: {error.why}; give dt, a larger rtol, or take Adaptive()"
+    )
 
-    @cached_property
-    def start(self) -> Start:
-        """The forces just after t = 0.
 
-        Where a contact point has no mass, the bodies' state does not determine it: its place, or
-        under a damper its velocity, follows from the balance of all forces. Two very short steps
-        find it: the first contains the jump, if there is one; the second gives the rates. Both are
-        shortened until the forces change no more, or only by rounding: a damper's force fades fast.
-        """
-        plan = self.plan
-        if not any(body.massless for body in plan.bodies):
-            return Start()
-        rest = Start(plan.forces_at_rest)
-        instant = _INSTANT * (self.rule.dt or self.first_step())
-        (forces, rates), before = self._start_after(instant, rest), np.inf
-        for _ in range(_MOST_SHORTENED):
-            instant *= _SHORTENED
-            shorter, moving = self._start_after(instant, rest)
-            apart = float(np.abs(shorter - forces).max(initial=0.0))
+def _trial(
+    plan: Plan, rule: Newmark, dt: float, start: _Start, *, energies: bool = False
+) -> SteppedRecorder | ConvergenceError:
+    """Run with steps that may be too long: to be solved, or not to gain energy at a touch."""
+    try:
+        return newmark_run(plan, rule, dt, start=start, energies=energies)
+    except (IterationError, NotFiniteError) as error:
+        return error
+
+
+def _error(*runs: SteppedRecorder | ConvergenceError) -> StepError:
+    """The error of the first of runs with dt, 2 dt and 4 dt."""
+    solved = [run for run in runs if isinstance(run, SteppedRecorder)]
+    if len(solved) < len(runs):
+        failed = next(run for run in runs if isinstance(run, ConvergenceError))
+        return StepError(1.0, f"with such steps, or twice or four times as long ones, {failed}")
+    return time_error(*solved)
+
+
+def newmark_run(
+    plan: Plan,
+    rule: Newmark,
+    dt: float,
+    *,
+    duration: float | None = None,
+    start: _Start = (None, None),
+    energies: bool = False,
+) -> SteppedRecorder:
+    """Run the core once: the least whole number of steps of `dt` that covers the record.
+
+    Parameters
+    ----------
+    plan : Plan
+    rule : Newmark
+    dt : float
+        s.
+    duration : float, optional
+        That of the plan by default, s.
+    start : (forces, rates), optional
+        Contact forces, N, and their rates, N/s, shape (pushes,). By default the laws give them,
+        which is wrong where a contact point without mass meets a law that depends on the rate.
+    energies : bool, optional
+        Whether to record them.
+
+    Raises
+    ------
+    InputError
+        If the record would not fit in memory.
+    ConvergenceError
+        If the solution leaves the range of numbers; with the time.
+    """
+    duration = plan.duration if duration is None else duration
+    steps = _steps(plan, rule, dt, duration)
+    precision = DRAWN
+    if plan.slides:
+        precision = min(DRAWN + _PRECISION * (dt / first_step(plan)) ** 2, _ROUGHEST)
+    bodies = [plan.stepped(i) for i in range(len(plan.bodies))]
+    rows = np.zeros((plan.layout.rows, steps + 1))
+    x, v = (np.concatenate(parts) for parts in zip(*((b.x, b.v) for b in bodies), strict=True))
+    _core.newmark(
+        tuple(body.for_core(dt, rule.beta, rule.gamma) for body in bodies),
+        tuple(contact.for_core(contact.law.for_core(), precision) for contact in plan.contacts),
+        dt,
+        rule.beta,
+        rule.gamma,
+        x,
+        v,
+        *start,
+        rows,
+        energies,
+    )
+    if not (np.isfinite(x).all() and np.isfinite(v).all()):
+        raise ConvergenceError(
+            f"Newmark step: the solution grew without bound (dt={dt:g} s, beta={rule.beta:g}, "
+            f"gamma={rule.gamma:g}); take 2 beta >= gamma, or a smaller dt"
+        )
+    t = dt * np.arange(steps + 1, dtype=np.float64)
+    if abs(t[-1] - duration) <= ROUNDING * duration:
+        t[-1] = duration
+    ends = np.cumsum([len(body.x) for body in bodies])[:-1]
+    final = tuple(zip(np.split(x, ends), np.split(v, ends), strict=True))
+    return SteppedRecorder(plan, rule, dt, t, rows, final)
+
+
+def _steps(plan: Plan, rule: Newmark, dt: float, duration: float) -> int:
+    """The least number of steps of `dt` that covers `duration`, both in s."""
+    steps = duration / dt * (1.0 - ROUNDING)
+    needed = 8.0 * plan.layout.rows * (steps + 1.0)
+    if needed > _MOST_BYTES:
+        given, larger = (
+            (f"dt={dt:g} s", "dt") if rule.dt else (f"Newmark(rtol={rule.rtol:g})", "rtol")
+        )
+        raise InputError(
+            f"{given} over duration={duration:g} s makes {steps:.3g} steps and a record of "
+            f"{needed / GIB:.3g} GiB: take a larger {larger} or a shorter duration"
+        )
+    return max(1, math.ceil(steps))
+
+
+def _start(plan: Plan, rule: Newmark) -> _Start:
+    """The contact forces just after t = 0, and their rates.
+
+    Where a contact point has no mass, the bodies' state does not determine it: its place, or
+    under a damper its velocity, follows from the balance of all forces. Two very short steps
+    find it: the first contains the jump, if there is one; the second gives the rates. Both are
+    shortened until the forces change no more, or only by rounding: a damper's force fades fast.
+    """
+    found: _Start = None, None
+    if not any(body.massless for body in plan.bodies):
+        return found
+    rest, before = (plan.forces_at_rest, None), np.inf
+    instant = _INSTANT * (rule.dt or first_step(plan))
+    for _ in range(1 + _MOST_SHORTENED):
+        run = newmark_run(plan, rule, instant, duration=2.0 * instant, start=rest)
+        early, late = run.pushes(run.times).T[1:]
+        forces = 2.0 * early - late
+        pressed = (np.minimum(early, late) >= 0.0) & plan.layout.normal
+        forces = np.where(pressed, np.maximum(forces, 0.0), forces)
+        if found[0] is not None:
+            apart = float(np.abs(forces - found[0]).max(initial=0.0))
             if apart >= before:  # rounding
                 break
-            forces, rates, before = shorter, moving, apart
-            if apart <= _SAME_START * float(np.abs(forces).max(initial=0.0)):
-                break
-        return Start(forces, rates)
+            before = apart
+        found = forces, (late - early) / instant
+        if before <= _SAME_START * float(np.abs(forces).max(initial=0.0)):
+            break
+        instant *= _SHORTENED
+    return found
 
-    def _start_after(self, instant: float, rest: Start) -> tuple[FloatArray, FloatArray]:
-        """The forces and their rates, from two steps of that length."""
-        rows = self._run(instant, 2.0 * instant, rest, energies=False).rows
-        early, late = self.plan.layout.pushes(rows).T[1:]
-        forces = 2.0 * early - late
-        pressed = (np.minimum(early, late) >= 0.0) & self.plan.layout.normal
-        return np.where(pressed, np.maximum(forces, 0.0), forces), (late - early) / instant
 
-    def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
-        plan = self.plan
-        precision = DRAWN
-        if plan.slides:
-            precision += _PRECISION * (dt / self.first_step()) ** 2
-        return newmark_run(
-            [plan.stepped(i) for i in range(len(plan.bodies))],
-            plan.contacts,
-            rule=self.rule,
-            dt=dt,
-            duration=duration,
-            energies=energies,
-            start=start,
-            precision=min(precision, _ROUGHEST),
-        )
-
-    def with_step(self, dt: float) -> tuple[Record, StepError | None]:
-        """Run with a step given, and with twice and four times that for the error estimate."""
-        steps = steps_of(
-            dt, self.plan.duration, self.plan.layout.rows, f"dt={dt:g} s", "take a larger dt"
-        )
-        dt = self.plan.duration / steps
-        record = self.once(dt, energies=self.plan.energies)
-        if not self.rule.estimate:
-            return record, None
-        return record, self._error(record, self._trial(2.0 * dt), self._trial(4.0 * dt))
-
-    def _trial(self, dt: float, *, energies: bool = False) -> Record | ConvergenceError:
-        """Run with steps that may be too long: to be solved, or not to gain energy at a touch."""
-        try:
-            return self.once(dt, energies=energies)
-        except (IterationError, NotFiniteError) as error:
-            return error
-
-    def _error(self, *runs: Record | ConvergenceError) -> StepError:
-        """The error of the first of runs with dt, 2 dt and 4 dt."""
-        records = [run for run in runs if isinstance(run, Record)]
-        if len(records) < len(runs):
-            failed = next(run for run in runs if isinstance(run, ConvergenceError))
-            return StepError(1.0, f"with such steps, or twice or four times as long ones, {failed}")
-        return time_error(self.plan, *records)
-
-    def with_tolerance(self) -> tuple[Record, StepError]:
-        """Halve the step until three successive ones agree."""
-        rtol, length = self.rule.rtol, self.plan.duration
-        if self.plan.slides and rtol < 4.0 * DRAWN:
-            raise InputError(
-                f"Newmark(rtol={rtol:g}): friction is known to {DRAWN:g}; give rtol={4 * DRAWN:g} "
-                "or more, or dt"
-            )
-        given, cure = f"Newmark(rtol={rtol:g})", "take a larger rtol"
-        steps = steps_of(self.first_step(), length, self.plan.layout.rows, given, cure)
-        before = [self._trial(length / (more * steps)) for more in (2, 1)]
-        for halving in range(2, _MOST_HALVINGS + 2):
-            dt = length / (2**halving * steps)
-            steps_of(dt, length, self.plan.layout.rows, given, cure)
-            fine = self._trial(dt, energies=self.plan.energies)
-            error = self._error(fine, *before)
-            if isinstance(fine, Record):
-                if error.share <= rtol:
-                    return fine, error
-                # Coarser runs are needed for their contacts only: the other memory is freed.
-                kept = self.plan.layout.of_contacts(fine.rows).copy()
-                fine = replace(fine, rows=kept)
-            before = [fine, before[0]]
-        raise ConvergenceError(
-            f"Newmark: with dt={dt:.3g} s the estimated error is still {error.share:.2g}, above "
-            f"rtol={rtol:g}: {error.why}; give dt, a larger rtol, or take Adaptive()"
-        )
-
-    def first_step(self) -> float:
-        """A fiftieth of the shortest contact that rigid bodies would have."""
-        plan, shortest = self.plan, self.plan.duration / 20.0
-        if plan.fastest == 0.0:
-            return shortest
-        for contact in plan.contacts:
-            time = rigid_contact_time(contact.law, plan.reduced_mass(contact), plan.fastest)
-            shortest = min(shortest, time / _FIRST_STEPS)
+def first_step(plan: Plan) -> float:
+    """A fiftieth of the shortest contact that rigid bodies would have, s."""
+    shortest = plan.duration / 20.0
+    if plan.fastest == 0.0:
         return shortest
+    times = [
+        rigid_contact_time(of.law, plan.reduced_mass(of), plan.fastest) for of in plan.contacts
+    ]
+    return min([shortest, *(time / _FIRST_STEPS for time in times)])
 
 
 def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:

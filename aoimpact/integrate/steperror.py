@@ -11,7 +11,7 @@ the step, as the error of the rule does.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,8 +21,10 @@ from ..base import FloatArray
 from ..laws import ContactLaw
 from ..scene import Plan
 from .events import find_impulse, find_peak
-from .newmark import Record
 from .tolerances import AROUND_PEAK, DRAWN, LESSER, NO_DIGIT
+
+if TYPE_CHECKING:
+    from .fixed_steps import SteppedRecorder
 
 # A law that gives more than this share of the peak at next to no indentation jumps there.
 # A third or three times either leaves all of 1488 estimates as they are.
@@ -62,19 +64,21 @@ _TOUCH = "bodies may touch between two steps, or in vibration that such steps do
 _LOADS = "a load changes within a step more than its ends show"
 
 
-def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> StepError:
+def time_error(
+    fine: SteppedRecorder, coarse: SteppedRecorder, coarser: SteppedRecorder
+) -> StepError:
     """Estimate the largest relative error of peak force and impulse of all contacts.
 
     Parameters
     ----------
-    plan : Plan
-    fine, coarse, coarser : Record
+    fine, coarse, coarser : SteppedRecorder
         With steps dt, 2 dt and 4 dt. Of contacts with less than a hundredth of the largest peak or
         impulse the error is relative to that hundredth.
     """
+    plan = fine.plan
     contacts = range(len(plan.contacts))
     unseen = StepError(_unseen_loads(plan, fine), _LOADS)
-    forces = [list(plan.layout.forces(record.rows)) for record in (fine, coarse, coarser)]
+    forces = [list(plan.layout.forces(record.record)) for record in (fine, coarse, coarser)]
     missed = _missed_forces(plan, fine, coarse)
     if not any(force.any() for record in forces for force in record):
         return StepError(1.0, _TOUCH) if missed.any() else unseen
@@ -102,14 +106,14 @@ def _scales(sizes: FloatArray) -> FloatArray:
     return scales
 
 
-def _changes(plan: Plan, ours: Record, theirs: Record) -> float | None:
+def _changes(plan: Plan, ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
     """The largest relative change from a run to that with twice the step; None if too short."""
-    shared = min(len(theirs.t), (len(ours.t) + 1) // 2)
+    shared = min(len(theirs.times), (len(ours.times) + 1) // 2)
     if shared < 3:
         return None
-    t, found, slid = ours.t[: 2 * shared - 1], [], []
+    t, found, slid = ours.times[: 2 * shared - 1], [], []
     for number in range(len(plan.contacts)):
-        one, two = (plan.layout.contact(record.rows, number) for record in (ours, theirs))
+        one, two = (plan.layout.contact(record.record, number) for record in (ours, theirs))
         found.append(_change(t, one.force[: len(t)], two.force[:shared]))
         if one.tangential is not None and two.tangential is not None:
             slid.append(_slid(t, one.tangential[:, : len(t)], two.tangential[:, :shared]))
@@ -163,7 +167,7 @@ def _cut_corner(size: FloatArray) -> float:
     return most
 
 
-def _touch_error(plan: Plan, record: Record, contact: int) -> float:
+def _touch_error(plan: Plan, record: SteppedRecorder, contact: int) -> float:
     """Bound the relative error of a peak force from touches at which the force jumps.
 
     A step detects a touch only at its end. Up to one step of the jump is then missing: as momentum
@@ -171,7 +175,7 @@ def _touch_error(plan: Plan, record: Record, contact: int) -> float:
     miss the same, so their difference does not show it.
     """
     law = plan.contacts[contact].law
-    force, indentation = plan.layout.contact(record.rows, contact)[:2]
+    force, indentation = plan.layout.contact(record.record, contact)[:2]
     peak = float(force.max())
     first = 1 + np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
     if force[0] == peak > 0.0 and not force[1:2].any():
@@ -193,13 +197,13 @@ def _touch_error(plan: Plan, record: Record, contact: int) -> float:
     return min(1.0, worst)
 
 
-def _unseen_loads(plan: Plan, record: Record) -> float:
+def _unseen_loads(plan: Plan, record: SteppedRecorder) -> float:
     """Loads that the steps do not see, as a share of the largest impulse or peak force.
 
     A step takes a load at its ends. A pulse within one is missed, whatever runs are compared: its
     impulse, and, where a contact point without mass hands it on at once, its force.
     """
-    t, forces = record.t, list(plan.layout.forces(record.rows))
+    t, forces = record.times, list(plan.layout.forces(record.record))
     impulse = max((abs(find_impulse(t, force)) for force in forces), default=0.0)
     peak = max((float(force.max()) for force in forces), default=0.0)
     missed = beside = 0.0
@@ -247,7 +251,7 @@ def _beyond_ends(
     return max(0.0, float(np.maximum(above, below).max()))
 
 
-def _missed_forces(plan: Plan, fine: Record, coarse: Record) -> FloatArray:
+def _missed_forces(plan: Plan, fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray:
     """Largest excess of each contact's force between steps over that at any step, N.
 
     Between steps the indentation rises as the parabola through three of them does, and is off by no
@@ -258,12 +262,12 @@ def _missed_forces(plan: Plan, fine: Record, coarse: Record) -> FloatArray:
     size: dict[int, FloatArray] = {}
     missed = np.zeros(len(plan.contacts))
     for number, contact in enumerate(plan.contacts):
-        force, indentation = plan.layout.contact(fine.rows, number)[:2]
+        force, indentation = plan.layout.contact(fine.record, number)[:2]
         for body, _ in contact.ports:
             if body not in size:
                 size[body] = _unresolved(plan, body, fine.dt)
         vibration = 2.0 * sum(float(size[body][port]) for body, port in contact.ports)
-        coarser = plan.layout.contact(coarse.rows, number)[1]
+        coarser = plan.layout.contact(coarse.record, number)[1]
         crest = _highest_crest(force == 0.0, indentation, coarser)
         missed[number] = _force_at(contact.law, crest)
         if vibration > 0.0:
@@ -311,11 +315,11 @@ def _unresolved(plan: Plan, body: int, dt: float) -> FloatArray:
     return found
 
 
-def _approach(plan: Plan, record: Record, contact: int) -> FloatArray:
+def _approach(plan: Plan, record: SteppedRecorder, contact: int) -> FloatArray:
     """The rate of indentation of a contact of bodies with mass; none where one has not."""
-    rates = np.zeros(len(record.t))
+    rates = np.zeros(len(record.times))
     for (body, port), sign in zip(plan.contacts[contact].ports, (1.0, -1.0), strict=True):
         if plan.bodies[body].massless:
-            return np.zeros(len(record.t))
-        rates += sign * plan.layout.body(record.rows, body).port_velocities[port]
+            return np.zeros(len(record.times))
+        rates += sign * plan.layout.body(record.record, body).port_velocities[port]
     return rates

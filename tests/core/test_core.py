@@ -994,7 +994,7 @@ LONG_RUN = """
 import numpy as np, scipy.sparse
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.integrate import newmark
+from aoimpact.integrate import fixed_steps
 
 class Announced:
     def __getattr__(self, name):
@@ -1002,7 +1002,7 @@ class Announced:
             print("ready", flush=True)
         return getattr(_core, name)
 
-newmark._core = Announced()
+fixed_steps._core = Announced()
 {target}
 solver = ao.Newmark(dt=1e-6, estimate=False)
 try:
