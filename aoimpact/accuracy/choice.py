@@ -18,7 +18,7 @@ from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import Models, fixed_model, only_models
 from .leftout import errors_left_out
-from .order import LOOSEST, Orders, Search
+from .order import LOOSEST, Orders, search
 
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
@@ -104,7 +104,7 @@ def choose_models(
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
     factors : dict of body to LinearSolver, optional
-        See `Search`.
+        See `search`.
 
     Returns
     -------
@@ -151,17 +151,17 @@ def choose_models(
         run = record.run(plan.of_models(models, energies=plan.energies), timed)
         found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
     else:
-        found = Search(
+        found = search(
             bodies,
-            run=trial,
-            quantity=quantity,
-            rtol=in_models,
+            trial,
+            quantity,
+            in_models,
             solver=linear_solver,
             factors=factors,
             anew=None if record.given else record.reopen,
-            best=not given,
             looser=looser if meshed and not given else None,
-        ).proven()
+            best=not given,
+        )
         if found.rtol > in_models:
             tolerance = found.rtol + in_time
         if found.error > tolerance:

@@ -10,7 +10,7 @@ models allow, made calls no faster: .87 to 1.16 times their time, median .98, wi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -140,10 +140,143 @@ def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:
 
 
 @dataclass(eq=False)
-class Search:
-    """The search for small orders of bodies that give a quantity to `rtol` of the whole bodies.
+class _Trials:
+    """Models fitted to the time scales of a scene, and their runs: every set is run once.
 
-    Every set of models is run once.
+    Attributes
+    ----------
+    quantity : Quantity
+    run : callable
+        Simulates with given models, one for each body.
+    places : tuple of int
+        The hierarchy of each body: equal bodies with the same contact point, such as two equal
+        spheres, share one. Orders are those of the hierarchies.
+    hierarchies : tuple of Hierarchy
+    orders, larger : tuple of int, tuple of these
+        The orders that are tried, and those that their error is estimated by, the largest last; one
+        set where it is the whole bodies.
+    """
+
+    quantity: Quantity
+    run: Callable[[Models], Run]
+    places: tuple[int, ...]
+    hierarchies: tuple[Hierarchy, ...]
+    orders: _Orders
+    larger: tuple[_Orders, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget all runs."""
+        self._runs: dict[_Orders, Run | None] = {}
+        self._apart: dict[tuple[_Orders, _Orders], float] = {}
+        self.failures: dict[_Orders, AOImpactError] = {}
+
+    def at(self, orders: _Orders) -> Run | None:
+        """Return the run of such orders; None where models that small cannot be run."""
+        models = [one.model(n) for one, n in zip(self.hierarchies, orders, strict=True)]
+        key = self.at_most(orders)  # known when the models are made
+        if key not in self._runs:
+            try:
+                self._runs[key] = self.run(tuple([models[place] for place in self.places]))
+            except AOImpactError as error:
+                # With few vectors patches are too stiff, and two rigid bodies may both be walls:
+                # such errors may vanish with larger models.
+                pairs = zip(self.hierarchies, orders, strict=True)
+                deform = all(order > 0 or one.at_most(1) == 0 for one, order in pairs)
+                of_input = isinstance(error, InputError | InputTypeError)
+                if of_input and deform and not isinstance(error, LawLimitError):
+                    raise
+                self._runs[key], self.failures[orders] = None, error
+        return self._runs[key]
+
+    def apart(self, orders: _Orders, larger: _Orders) -> float:
+        """Return the relative difference of the quantity; infinite where there is none."""
+        pair = orders, larger
+        if pair not in self._apart:
+            one, other, apart = self.at(orders), self.at(larger), math.inf
+            if one is not None and other is not None:
+                apart = self.quantity.difference(one, other)
+            self._apart[pair] = apart if math.isfinite(apart) else math.inf
+        return self._apart[pair]
+
+    def at_most(self, orders: Iterable[int]) -> _Orders:
+        """Return the orders themselves, or the largest that there are, if these are less."""
+        return tuple([one.at_most(n) for one, n in zip(self.hierarchies, orders, strict=True)])
+
+    def enlarge(self) -> _Orders:
+        """Find `larger` as far as it is known before the models are made; return the largest."""
+        *smaller, largest = zip(
+            *[
+                [one.reference_order(_beyond(n, (i + 1) / _COMPARED)) for i in range(_COMPARED)]
+                for one, n in zip(self.hierarchies, self.orders, strict=True)
+            ],
+            strict=True,
+        )
+        whole = all(one.is_whole(n) for one, n in zip(self.hierarchies, largest, strict=True))
+        self.larger = (largest,) if whole else (*smaller, largest)
+        return largest
+
+    @property
+    def safety(self) -> float:
+        """The multiple of the largest difference that is taken for the error."""
+        if len(self.larger) == 1:  # the whole bodies
+            return 1.0
+        return _SAFETY if self.quantity.is_history else _SAFETY_OF_NUMBERS
+
+    @property
+    def error(self) -> float:
+        """The estimated error."""
+        return self.safety * max([self.apart(self.orders, one) for one in self.larger])
+
+    def beyond(self, rtol: float) -> float:
+        """Return the first estimate of the error that is not within a tolerance; 0 if all are."""
+        for one in reversed(self.larger):
+            if (error := self.safety * self.apart(self.orders, one)) > rtol:
+                return error
+        return 0.0
+
+    def further(self, error: float, rtol: float) -> _Orders:
+        """Return higher orders of the bodies with too large a share of an error, or of all."""
+        growth, largest = min(max(_LEAST_GROWTH, error / rtol), _GROWTH), self.larger[-1]
+        allowed, poor = rtol / len(self.orders) / self.safety, []
+        for which, order in enumerate(self.orders):
+            alone = (*largest[:which], order, *largest[which + 1 :])
+            poor.append(self.apart(alone, largest) > allowed)
+        return self.at_most(
+            math.ceil(growth * order) if is_poor or not any(poor) else order
+            for order, is_poor in zip(self.orders, poor, strict=True)
+        )
+
+    def found(self, rtol: float) -> Orders:
+        """Return the models, which meet a tolerance, and their runs."""
+        orders = self.at_most(self.orders)
+        finished = [of.finished(n) for of, n in zip(self.hierarchies, orders, strict=True)]
+        models = tuple(finished[place] for place in self.places)
+        done = (self.at(each) for each in (orders, *self.larger))
+        run, *larger = (run for run in done if run is not None)  # all, since their errors are small
+        for one in self.hierarchies:
+            one.release()
+        numbers = tuple(orders[place] for place in self.places)
+        return Orders(numbers, models, self.error, rtol, run, tuple(larger), self.safety)
+
+
+def search(
+    bodies: Sequence[Any],
+    run: Callable[[Models], Run],
+    quantity: Quantity,
+    rtol: float,
+    *,
+    solver: Solver = "auto",
+    factors: dict[Any, LinearSolver] | None = None,
+    anew: Callable[[], None] | None = None,
+    looser: Callable[[Run], float] | None = None,
+    best: bool = False,
+) -> Orders:
+    """Return small orders of bodies that give a quantity to a tolerance of the whole bodies.
+
+    Models are fitted to the time scales of their runs.
 
     Parameters
     ----------
@@ -161,222 +294,91 @@ class Search:
     anew : callable, optional
         Called before larger models are tried: properties of the scene that they determine, such as
         the length of the record, hold for all models that are compared with them.
-    best : bool, optional
-        Whether, where no models tried meet the tolerance, those of the least error are returned,
-        if it is below 1.
     looser : callable, optional
         Where no tolerance was given: returns that which applies to a run, if it is larger than
         `rtol`, since other errors, such as the mesh's, are larger. Models that would need a third
         more vectors than for `LOOSEST` meet that one only.
+    best : bool, optional
+        Whether, where no models tried meet the tolerance, those of the least error are returned,
+        if it is below 1.
+
+    Raises
+    ------
+    ConvergenceError
+        If not even the largest models tried agree to within the tolerance.
     """
-
-    bodies: Sequence[Any]
-    run: Callable[[Models], Run]
-    quantity: Quantity
-    rtol: float
-    solver: Solver = "auto"
-    factors: dict[Any, LinearSolver] | None = None
-    anew: Callable[[], None] | None = None
-    best: bool = False
-    looser: Callable[[Run], float] | None = None
-
-    def __post_init__(self) -> None:
-        self.least_rtol = self.rtol
-        self._loosest: float | None = None
-
-    def proven(self) -> Orders:
-        """Return the orders, with models that are fitted to the time scales of their runs.
-
-        Raises
-        ------
-        ConvergenceError
-            If not even the largest models tried agree to within the tolerance.
-        """
-        scales, fits = first_guess(self.bodies, self.run, self.quantity), 1
+    oscillators = max(1, round(-_FIRST * math.log10(rtol)))
+    unlike = list(dict.fromkeys(bodies))
+    places = tuple([unlike.index(body) for body in bodies])
+    scales, fits = first_guess(bodies, run, quantity), 0
+    while True:
+        made = tuple([_hierarchy(body, scales, oscillators, solver, factors) for body in unlike])
+        first, fits = tuple([one.first + oscillators for one in made]), fits + 1
+        trials = _Trials(quantity, run, places, made, first)
+        most, loosest, too_wide = math.inf, None, 0
         while True:
-            self._fit(scales)
-            found = (_scales(self.quantity, larger, scales) for larger in self._grow())
-            misfit = next((of for of in found if fits < _MOST_FITS and not scales.suit(of)), None)
-            if misfit is None:
-                return self._found()
-            scales, fits = misfit, fits + 1
+            largest = trials.enlarge()
+            if anew is not None:  # the largest models determine the length of the record
+                trials.clear()
+                anew()
+            exact = trials.at(largest)
+            trials.enlarge()
+            if exact is not None and fits < _MOST_FITS:
+                found = _scales(quantity, exact, scales)
+                if not scales.suit(found):
+                    scales = found
+                    break
+            error, applies = trials.beyond(rtol), rtol
+            if error and exact is not None and looser is not None:
+                error, applies = trials.beyond(LOOSEST), LOOSEST
+                if not error:
+                    if loosest is None:  # errors of meshes are those of any models
+                        loosest = max(rtol, looser(exact))
+                    error, applies = trials.beyond(loosest), loosest
+                    if error:
+                        error, applies = trials.beyond(rtol), rtol
+                        most = min(most, _WORTH * max(largest))
+                        if _beyond(max(trials.further(error, rtol)), 1.0) > most:
+                            error, applies = 0.0, LOOSEST
+            if not error:
+                return trials.found(applies)
+            failure = trials.failures.get(largest)
+            too_wide += isinstance(failure, LawLimitError)
+            if failure is not None and too_wide >= _TOO_WIDE:
+                raise failure
+            limit = min(_MOST_ORDER, _MOST_BY_DEFAULT) if best else _MOST_ORDER
+            if max(trials.orders) > limit or trials.at_most(trials.orders) == largest:
+                if best and trials.error < 1.0:
+                    return trials.found(applies)
+                raise failure or _no_convergence(trials)
+            trials.orders = trials.further(error, applies)
 
-    def _fit(self, scales: TimeScales) -> None:
-        """Begin with models that are fitted to these time scales."""
-        oscillators = max(1, round(-_FIRST * math.log10(self.least_rtol)))
-        # Equal bodies with the same contact point, such as two equal spheres, share one basis.
-        made = {
-            body: self._hierarchy(body, scales, oscillators) for body in dict.fromkeys(self.bodies)
-        }
-        which = {body: i for i, body in enumerate(made)}
-        self.hierarchies = tuple(made.values())  # `orders` below are theirs
-        self.places = tuple(which[body] for body in self.bodies)
-        self.most = math.inf
-        self.results: dict[_Orders, Run | None] = {}
-        self.differences: dict[tuple[_Orders, _Orders], float] = {}
-        self.failures: dict[_Orders, AOImpactError] = {}
-        self.orders = tuple(one.first + oscillators for one in self.hierarchies)
 
-    def _hierarchy(self, body: Any, scales: TimeScales, oscillators: int) -> Hierarchy:
-        """The models of a body: those that were made for an impact like this one, if any were."""
-        time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
-        make = partial(model_hierarchy, body, time, slow, self.solver)
-        if not isinstance(body, FullModel):
-            return make()
-        # The factors are taken from those set up, so that their memory can be freed.
-        factors = self.factors if self.factors and self.solver == "auto" else {}
-        make = partial(make, factors.pop(body.body, None))
-        key = tuple(tip.key for tip in body.tips), time, slow, self.solver, oscillators
-        return body.body.kept.get(key, make)
+def _hierarchy(
+    body: Any,
+    scales: TimeScales,
+    oscillators: int,
+    solver: Solver,
+    factors: dict[Any, LinearSolver] | None,
+) -> Hierarchy:
+    """The models of a body: those that were made for an impact like this one, if any were."""
+    time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
+    if not isinstance(body, FullModel):
+        return model_hierarchy(body, time, slow, solver)
+    # The factors are taken from those set up, so that their memory can be freed.
+    known = factors.pop(body.body, None) if factors and solver == "auto" else None
+    key = tuple([tip.key for tip in body.tips]), time, slow, solver, oscillators
+    return body.body.kept.get(key, partial(model_hierarchy, body, time, slow, solver, known))
 
-    def _grow(self) -> Iterator[Run]:
-        """Raise the orders until the error estimate is within the tolerance; yield larger runs."""
-        too_wide = 0
-        while True:
-            *_, largest = self._larger()
-            if self.anew is not None:  # the largest models determine the length of the record
-                self.results.clear()
-                self.differences.clear()
-                self.anew()
-            run = self._at(largest)
-            self.larger = self._larger()  # known when the models are made
-            if run is not None:
-                yield run
-            if self._is_enough(run, largest):
-                return
-            too_wide += isinstance(self.failures.get(largest), LawLimitError)
-            if too_wide >= _TOO_WIDE:
-                raise self.failures[largest]
-            most = min(_MOST_ORDER, _MOST_BY_DEFAULT) if self.best else _MOST_ORDER
-            if max(self.orders) > most or self._at_most(self.orders) == largest:
-                error = max(self._errors())
-                if self.best and error < 1.0:
-                    return
-                raise self.failures.get(largest) or self._no_convergence(error)
-            self.orders = self._enlarged(largest)
 
-    def _is_enough(self, run: Run | None, largest: _Orders) -> bool:
-        """True if the models meet the tolerance, or the looser one of a tolerance left out."""
-        if self._meet(self.least_rtol):
-            return True
-        if run is None or self.looser is None or not self._meet(LOOSEST):
-            return False
-        if self._loosest is None:  # errors of meshes are those of any models
-            self._loosest = max(self.least_rtol, self.looser(run))
-        if self._meet(self._loosest):
-            return True
-        self.rtol = self.least_rtol
-        self.most = min(self.most, _WORTH * max(largest))
-        if _beyond(max(self._enlarged(largest)), 1.0) <= self.most:
-            return False
-        self.rtol = LOOSEST
-        return True
-
-    def _meet(self, rtol: float) -> bool:
-        """True if the models meet a tolerance, which applies from here on."""
-        self.rtol = rtol
-        return all(error <= rtol for error in self._errors())
-
-    def _found(self) -> Orders:
-        """The models with which `_grow` ended, and their runs."""
-        orders = self._at_most(self.orders)
-        found = tuple(orders[place] for place in self.places)
-        finished = [of.finished(n) for of, n in zip(self.hierarchies, orders, strict=True)]
-        models = tuple(finished[place] for place in self.places)
-        done = (self._at(each) for each in (orders, *self.larger))
-        run, *larger = (run for run in done if run is not None)  # all, since their errors are small
-        for one in self.hierarchies:
-            one.release()
-        error = max(self._errors())
-        return Orders(found, models, error, self.rtol, run, tuple(larger), self._safety)
-
-    def _enlarged(self, largest: _Orders) -> _Orders:
-        """Raise the orders of the bodies with too large a share of the error, or of all."""
-        error = next(error for error in self._errors() if error > self.rtol)
-        growth = min(max(_LEAST_GROWTH, error / self.rtol), _GROWTH)
-        allowed = self.rtol / len(self.orders) / self._safety
-        poor = []
-        for which, order in enumerate(self.orders):
-            alone = (*largest[:which], order, *largest[which + 1 :])
-            poor.append(self._difference(alone, largest) > allowed)
-        return self._at_most(
-            math.ceil(growth * order) if is_poor or not any(poor) else order
-            for order, is_poor in zip(self.orders, poor, strict=True)
-        )
-
-    def _larger(self) -> tuple[_Orders, ...]:
-        """The orders of the larger models for the error estimate, the largest last."""
-        *smaller, largest = zip(
-            *[
-                [one.reference_order(_beyond(n, (i + 1) / _COMPARED)) for i in range(_COMPARED)]
-                for one, n in zip(self.hierarchies, self.orders, strict=True)
-            ],
-            strict=True,
-        )
-        return (largest,) if self._are_whole(largest) else (*smaller, largest)
-
-    def _are_whole(self, orders: _Orders) -> bool:
-        return all(one.is_whole(n) for one, n in zip(self.hierarchies, orders, strict=True))
-
-    @property
-    def _safety(self) -> float:
-        """The multiple of the largest difference that is taken for the error."""
-        if len(self.larger) == 1:  # the whole bodies
-            return 1.0
-        return _SAFETY if self.quantity.is_history else _SAFETY_OF_NUMBERS
-
-    def _errors(self) -> Iterator[float]:
-        """Estimates of the error by each of the larger models, by the largest first."""
-        safety = self._safety
-        return (safety * self._difference(self.orders, one) for one in reversed(self.larger))
-
-    def _difference(self, orders: _Orders, larger: _Orders) -> float:
-        """Relative difference of the quantity; infinite where a run or its number is missing."""
-        pair = orders, larger
-        if pair not in self.differences:
-            one, other, apart = self._at(orders), self._at(larger), math.inf
-            if one is not None and other is not None:
-                apart = self.quantity.difference(one, other)
-            self.differences[pair] = apart if math.isfinite(apart) else math.inf
-        return self.differences[pair]
-
-    def _at(self, orders: _Orders) -> Run | None:
-        """The run of such orders; None where models that small cannot be run."""
-        models = [one.model(n) for one, n in zip(self.hierarchies, orders, strict=True)]
-        key = self._at_most(orders)  # known when the models are made
-        if key not in self.results:
-            try:
-                self.results[key] = self.run(tuple(models[place] for place in self.places))
-            except AOImpactError as error:
-                if self._is_of_input(error, orders):
-                    raise
-                self.results[key], self.failures[orders] = None, error
-        return self.results[key]
-
-    def _is_of_input(self, error: AOImpactError, orders: _Orders) -> bool:
-        """True if an error is due to the caller's input, so that larger models will not help.
-
-        With few vectors patches are too stiff, and two rigid bodies may both be walls: such errors
-        may vanish with larger models.
-        """
-        deform = all(
-            order > 0 or one.at_most(1) == 0
-            for one, order in zip(self.hierarchies, orders, strict=True)
-        )
-        of_input = isinstance(error, InputError | InputTypeError)
-        return of_input and deform and not isinstance(error, LawLimitError)
-
-    def _at_most(self, orders: Iterable[int]) -> _Orders:
-        return tuple([one.at_most(n) for one, n in zip(self.hierarchies, orders, strict=True)])
-
-    def _no_convergence(self, error: float) -> ConvergenceError:
-        within = _EASED * error
-        larger = f"take rtol={within:.2g} or more, " if within < 1.0 else "take "
-        return ConvergenceError(
-            f"the quantity still changes by {error / self._safety:.2g} at {max(self.orders)} "
-            f"anti-oscillators: {larger}a shorter duration, a contact over a patch (radius=), "
-            "whose waves are longer, or the full finite-element models"
-        )
+def _no_convergence(trials: _Trials) -> ConvergenceError:
+    within = _EASED * trials.error
+    larger = f"take rtol={within:.2g} or more, " if within < 1.0 else "take "
+    return ConvergenceError(
+        f"the quantity still changes by {trials.error / trials.safety:.2g} at "
+        f"{max(trials.orders)} anti-oscillators: {larger}a shorter duration, a contact over a "
+        "patch (radius=), whose waves are longer, or the full finite-element models"
+    )
 
 
 def _beyond(order: int, share: float) -> int:
