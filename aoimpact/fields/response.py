@@ -1,8 +1,9 @@
-"""The response of a whole body in a run, from its recorded coordinates and the force on it."""
+"""The response of a whole body in a run: its motion replayed, and recovered on all dofs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
@@ -12,16 +13,21 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, IntArray, finite_array
 from ..fem import Damping, FEModel, Layer
-from ..integrate import Motion
-from ..reduction import Recovery
+from ..integrate import Events, Motion, Recorder
+from ..linalg import LinearSolver
+from ..reduction import PACE, FullModel, Recovery
+from ..scene import Plan
 from .fields import Field
 from .held import Held
 from .history import LOOKS
-from .indentation import Indentation
+from .indentation import Indentation, indentations
 from .rows import compliance, stress_rows
 
 # s ↦ rows (K + s²M)⁻¹, of the rows that are asked for.
 Dual = Callable[[float], FloatArray]
+
+# Steps of the correction's shift in a doubling of it: runs that differ little share factors.
+_SHIFTS = 4
 
 
 def times_within(times: Any, end: float) -> FloatArray:
@@ -278,3 +284,60 @@ def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:
     """xᵀ `product` x of each column x of `amounts`; not below 0 by rounding."""
     energy: FloatArray = np.einsum("it,it->t", amounts, product @ amounts)
     return np.maximum(energy, 0.0)
+
+
+def response_of(
+    plan: Plan,
+    recorder: Recorder,
+    events: Sequence[Events],
+    body: int,
+    inverse: Callable[[float], LinearSolver] | None = None,
+) -> Response | None:
+    """Return the response of a whole body in a run; None without finite elements.
+
+    Parameters
+    ----------
+    plan : Plan
+        What was run.
+    recorder : Recorder
+        The run.
+    events : sequence of Events
+        Of its contacts.
+    body : int
+        Its number in the plan.
+    inverse : callable, optional
+        s² ↦ the solver of K + s²M, where runs of several models of the body share it.
+    """
+    model = plan.bodies[body]
+    ours = [of for of, contact in zip(events, plan.contacts, strict=True) if contact.touches(body)]
+    peak = max(ours, key=lambda of: of.peak_force, default=None)
+    (start, end), peak_time = (0.0, recorder.duration), 0.0  # of a body that was not touched
+    if peak is not None and peak.peak_contact is not None:
+        (start, end), peak_time = peak.peak_contact, peak.peak_time
+    recovery = at_rest = None
+    motion = recorder.motion(body)
+    if not isinstance(model, FullModel) or recorder.dense or model.in_modes:
+        if not model.tips:
+            return None
+        pace = math.exp2(round(_SHIFTS * math.log2(PACE / (end - start))) / _SHIFTS)
+        recovery = Recovery(model.modal, model.modal.loads(plan.pull), pace, inverse)
+        held = not model.modal.body.rigid_modes.shape[1]
+        if plan.preload and held:  # at rest all modes follow, the slow ones too: X = K⁻¹ B f
+            q, forces = motion.observed(None, np.zeros(1))[0], motion.force(np.zeros(1))
+            load = np.ascontiguousarray(recovery.loads @ forces)
+            rest = recovery.model.body.inverse().solve(load)
+            at_rest = (rest - recovery.displacement(q, forces))[:, 0]
+    tip, gravity = model.touched_at(), plan.pull
+    if not isinstance(gravity, np.ndarray):
+        down = None if tip is None or model.weightless else tip.direction
+        gravity = np.zeros(3) if down is None else plan.gravity * down
+    return Response(
+        model.tips[0].body,
+        motion,
+        recovery,
+        peak_time,
+        static_deflection=at_rest,
+        indentations=indentations(plan, body),
+        damping=model.damping,
+        gravity=gravity,
+    )

@@ -16,7 +16,7 @@ from .advice import (
 )
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyResult, Energy
-from .picture import shown_bodies
+from .plot import shown_bodies
 from .quantities import (
     COLUMNS,
     IMPACT_CHOICES,

@@ -1,6 +1,6 @@
-"""Figures of a result.
+"""Figures of a result, and both bodies of an impact as they meet, to be drawn.
 
-Each function draws on the axes given, or on those of a new figure, and returns them; keywords go to
+A plot is drawn on the axes given, or on those of a new figure, which are returned; keywords go to
 ``Axes.plot``. Units get the prefix that suits the numbers, and a second curve on the same axes
 keeps the prefix of the first. `during` is what of the record is drawn: "contact", from shortly
 before the first touch to shortly after the last, "record", or (start, end), s. An ``ax`` that is no
@@ -27,7 +27,9 @@ from ..base import (
     new_axes,
     with_unit,
 )
+from ..fields import Shown
 from ..laws import own_law
+from ..mesh import sphere_mesh
 from .table import ROLES, body_names
 
 if TYPE_CHECKING:
@@ -45,6 +47,12 @@ _MARGIN = 0.1
 
 # Points of a curve: in the shortest period of the models, and in all.
 _PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
+
+# Shown before and after the contact, as shares of its length.
+_BEFORE, _AFTER = 0.1, 0.4
+
+# Elements of a rigid ball's picture, over its radius.
+_SIZE = 0.35
 
 
 def shown(run: AnyRun, during: During) -> AnyRun:
@@ -285,3 +293,57 @@ def _bodies_named(run: Run, number: int) -> str:
     contact, called = run.plan.contacts[number], run.contact_names[number]
     first, second = (run.plan.body_names[body] for body in (contact.first, contact.second))
     return called if contact.name or not (first and second) else f"{called}: {first} on {second}"
+
+
+def times_of_contact(hit: Result, count: int) -> FloatArray:
+    """Return times from shortly before the first contact to shortly after the last one, s."""
+    if hit.touching is None:
+        return np.linspace(0.0, hit.duration, count)
+    start, end = hit.touching
+    length = end - start
+    first, last = max(0.0, start - _BEFORE * length), min(hit.duration, end + _AFTER * length)
+    return np.linspace(first, last, count)
+
+
+def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArray]:
+    """Return the bodies that can be drawn, and the direction of travel.
+
+    The target stands where its mesh is; the projectile is turned and moved to where it touches it.
+    A round projectile without a mesh is drawn as a ball.
+    """
+    from scipy.spatial.transform import Rotation
+
+    tips: list[Any] = [model.touched_at() for model in hit.plan.bodies]
+    meshed = [
+        tip if tip is not None and tip.point is not None and tip.body.mesh is not None else None
+        for tip in tips
+    ]
+    main = meshed[1] or meshed[0]
+    if main is None:
+        raise InputError(
+            "movie needs a body of finite elements: make it with FEModel.from_mesh(...), and its "
+            "model with antioscillators(tip, n) or leave that to simulate"
+        )
+    down, place = main.direction, main.point
+    bodies = []
+    for body, tip in ((hit.target, meshed[1]), (hit.projectile, meshed[0])):
+        if tip is None:
+            continue
+        field = body.field(times)
+        points, moved = tip.body.mesh.nodes, field.displacement
+        if tip is not main:
+            turn = Rotation.align_vectors(down, tip.direction)[0].as_matrix()
+            points = (points - tip.point) @ turn.T + place - hit.gap * down
+            moved = moved @ turn.T
+        bodies.append(Shown(tip.body.mesh, points, moved, field.stress().von_mises))
+    surface = hit.plan.bodies[0].surface_at()
+    if meshed[0] is None and surface is not None and 0.0 < surface.radii[0] < np.inf:
+        radius = surface.radii[0]
+        mesh = sphere_mesh(radius, _SIZE * radius)
+        way = np.interp(times, hit.t, hit.projectile.centre_displacement)
+        if hit.recorder.dense:
+            way = hit.at(times).projectile.centre_displacement
+        moved = np.repeat((way[:, None] * down)[:, None], mesh.n_nodes, axis=1)
+        middle = place - (radius + hit.gap) * down
+        bodies.append(Shown(mesh, mesh.nodes + middle, moved, None))
+    return bodies, down

@@ -403,6 +403,11 @@ def _of_events(name: str, unit: str, **options: Any) -> Quantity:
     return Quantity(name, unit, of_contact=attrgetter(name), **options)
 
 
+def _forces(run: Run) -> FloatArray:
+    """Contact forces, each followed by those of its friction along two tangents, N."""
+    return run.forces if run.plan.oblique is None else run.plan.layout.pushes(run._rows)
+
+
 def _displacement(name: str, body: int) -> Quantity:
     """The displacement of the contact point of a body of an impact."""
     history = recorded(lambda run: run.bodies[body].port_displacements)
@@ -464,7 +469,7 @@ def _final_spins(run: Run) -> FloatArray:
 
 
 _ALL = (
-    Quantity("force", "N", history=recorded(lambda run: run.all_forces)),
+    Quantity("force", "N", history=recorded(_forces)),
     _of_events("peak_force", "N", column=True),
     _of_events("peak_time", "s", column=True),
     _of_events("contact_duration", "s", column=True),

@@ -38,7 +38,6 @@ from . import plot as figures
 from .advice import warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
-from .picture import shown_bodies, times_of_contact
 from .quantities import all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
 from .table import ROLES, as_dataframe, as_dataset, columns, different
@@ -349,16 +348,6 @@ class Run:
         rows = self.plan.layout.contact(self.recorder.rows(times, energies=False), number)
         return float(contact.own_indentation(rows).max(initial=0.0))
 
-    @property
-    def all_forces(self) -> FloatArray:
-        """Contact forces, each followed by those of its friction along two tangents, N.
-
-        :meta private:
-        """
-        if self.plan.oblique is None:
-            return self.forces
-        return self.plan.layout.pushes(self._rows)
-
     @cached_property
     def energy(self) -> Energy:
         """Energies over time.
@@ -476,52 +465,39 @@ class Run:
         """True if the record ends in contact: its numbers are then not yet final."""
         return any(events.last_until(self.duration) for events in self.events)
 
-    @property
-    def _wall_moves(self) -> bool:
-        """True if a wall moves: it brings energy that is not counted."""
-        return any(
-            body.wall and self.bodies[i].port_velocities.any()
-            for i, body in enumerate(self.plan.bodies)
-        )
-
-    @property
-    def _whole(self) -> bool:
-        """True if full finite-element models took part, and no reduced ones."""
-        models = self.plan.bodies
-        full = [isinstance(model, FullModel) for model in models]
-        return any(full) and all(
-            whole or not model.tips for whole, model in zip(full, models, strict=True)
-        )
-
     @cached_property
     def error(self) -> ErrorEstimate:
         """Errors of the quantity of interest; ``error["restitution"]`` is that of a number."""
-        energy = None
-        if self.energies and not self._wall_moves:
-            ledger = replace(self, asked=self.recorder.marks) if self.recorder.dense else self
-            energy = energy_range(ledger.energy)
+        energy, models = None, self.plan.bodies
+        walls = [of for of, body in zip(self.bodies, models, strict=True) if body.wall]
+        # A wall that moves brings energy that is not counted.
+        if self.energies and not any(of.port_velocities.any() for of in walls):
+            of = (replace(self, asked=self.recorder.marks) if self.recorder.dense else self).energy
+            stored = float((of.kinetic + of.elastic + of.contact).max())
+            energy = float(np.ptp(of.total) / stored) if stored > 0.0 else None
             if self.recorder.dense and energy is not None:
                 warn_of_ledger(energy, self.time_error)
         names = number_errors(self, ())
+        full = [isinstance(model, FullModel) for model in models]
+        whole = any(full) and all(one or not of.tips for one, of in zip(full, models, strict=True))
         quantity = rtol = None
-        models: Mapping[str, float] = names if self._whole else {}
+        by_model: Mapping[str, float] = names if whole else {}  # which leaves nothing out
         if self.chosen is not None:
-            quantity, rtol, models = self.chosen.quantity, self.chosen.rtol, self.chosen.numbers
+            quantity, rtol, by_model = self.chosen.quantity, self.chosen.rtol, self.chosen.numbers
         out = self._left_out
-        numeric = not any(body.tips for body in self.plan.bodies)
+        numeric = not any(body.tips for body in models)
         absent = 0.0 if numeric and self.chosen is not None else None  # there are no meshes
 
         def parts(name: str) -> ErrorParts:
-            if name not in names and name not in models:
+            if name not in names and name not in by_model:
                 raise KeyError(name)
             mesh, contact = out.mesh.get(name, absent), out.contact.get(name, absent)
-            return ErrorParts(mesh, contact, models.get(name), self.time_error)
+            return ErrorParts(mesh, contact, by_model.get(name), self.time_error)
 
-        found = Found(lambda: {**names, **models}, parts)
-        of = found[quantity or "force"]
-        estimate = ErrorEstimate(
-            of.mesh, of.contact, of.model, of.time, found, energy, quantity, rtol, out.worst_time
-        )
+        found = Found(lambda: {**names, **by_model}, parts)
+        main = found[quantity or "force"]
+        sources = main.mesh, main.contact, main.model, main.time
+        estimate = ErrorEstimate(*sources, found, energy, quantity, rtol, out.worst_time)
         warn_of_mesh(self, estimate)
         return estimate
 
@@ -838,10 +814,10 @@ class Result(Eventful, Run):
         >>> hit.movie("impact.gif", frames=40)  # doctest: +SKIP
         """
         file, speed = movie_path(path, fps)
-        wanted = times_of_contact(self, integer("frames", frames, low=2, high=10_000))
+        wanted = figures.times_of_contact(self, integer("frames", frames, low=2, high=10_000))
         if times is not None:
             wanted = np.atleast_1d(finite_array("times", times, unit="s"))
-        bodies, down = shown_bodies(self, wanted)
+        bodies, down = figures.shown_bodies(self, wanted)
         drawn = picture(bodies, wanted, down=down, scale=scale)
         return write_movie(file, speed, *drawn, len(wanted))
 
@@ -873,9 +849,3 @@ def _energy(run: Run) -> Energy:
     dissipated = summed(contacts, "dissipated") + summed(bodies, "dissipated") + friction
     total = kinetic + elastic + contact + dissipated - work
     return Energy(kinetic, elastic, contact, dissipated, work, total, bodies, friction)
-
-
-def energy_range(energy: Energy) -> float | None:
-    """Range of the total energy relative to the largest stored; None where there is none."""
-    stored = float((energy.kinetic + energy.elastic + energy.contact).max())
-    return float(np.ptp(energy.total) / stored) if stored > 0.0 else None
