@@ -24,7 +24,7 @@ def most_touches(run: DenseRecorder) -> int:
     One touch with any number of lesser ones beside it, that together are a hundredth of it at most,
     is one.
     """
-    most = max(map(len, run.touches), default=0)
+    most = max((len(of.touches) for of in run.events), default=0)
     if most <= 1:
         return most
     most = 1
@@ -78,12 +78,12 @@ def _lesser_apart(ones: FloatArray, others: FloatArray) -> float:
 
 def _impulses(run: DenseRecorder, contact: int) -> FloatArray:
     """Impulse of each touch of a contact, N s."""
-    return np.array([impulse for impulse, _ in run.touches[contact]])
+    return np.array([impulse for impulse, _ in run.events[contact].touches])
 
 
 def _least(run: DenseRecorder) -> FloatArray:
     """The impulse of the least touch that matters, of each contact, N s."""
-    contacts = range(len(run.touches))
+    contacts = range(len(run.events))
     largest = np.array([_impulses(run, contact).max(initial=0.0) for contact in contacts])
     least: FloatArray = LESSER * np.maximum(largest, LESSER * largest.max(initial=0.0))
     return least
@@ -99,7 +99,7 @@ class _Touches(NamedTuple):
     before, after : ndarray
         The contact's impulse until then, N s.
     pace : ndarray
-        See `Touch.pace`.
+        See `Events.touches`.
     apart : ndarray
         Length of the gaps within each that do not count, s.
     """
@@ -117,7 +117,7 @@ class _Touches(NamedTuple):
 
 
 def _touches(run: DenseRecorder, contact: int, least: float) -> _Touches:
-    impulses, pace = np.array(run.touches[contact]).reshape(-1, 2).T
+    impulses, pace = np.array(run.events[contact].touches).reshape(-1, 2).T
     after = np.cumsum(impulses)
     start, end = np.array(run.events[contact].contacts).reshape(-1, 2).T
     large = impulses >= least

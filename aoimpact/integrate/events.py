@@ -7,6 +7,7 @@ solver that locates its events itself hands them over as an :class:`Events` inst
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +37,9 @@ class Events(NamedTuple):
     slips : tuple of (float, float), or None
         Start and end [s] of every interval in which all of the contact slips; None of a contact
         without friction, or of coefficient 0.
+    touches : sequence of (float, float)
+        Of each contact in an adaptive run its impulse [N s], and the rate at which it begins, times
+        its length, relative to how deep it goes.
     """
 
     peak_force: float
@@ -43,6 +47,7 @@ class Events(NamedTuple):
     contacts: tuple[tuple[float, float], ...]
     impulse: float
     slips: tuple[tuple[float, float], ...] | None = None
+    touches: Sequence[tuple[float, float]] = ()
 
     @property
     def contact_duration(self) -> float:

@@ -25,7 +25,7 @@ from ..base import (
 from ..laws import ContactLaw, check_width
 from ..scene import Plan
 from .events import Events, find_events, find_slips
-from .motion import ForcedMotion
+from .motion import SteppedMotion
 from .newmark import Newmark
 from .steperror import StepError, time_error
 from .tolerances import DRAWN
@@ -102,7 +102,7 @@ class SteppedRecorder(Frozen):
         return self.times
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
-        return self.record[:, np.searchsorted(self.times, times)]
+        return np.array([np.interp(times, self.times, row) for row in self.record])
 
     def forces(self, times: FloatArray) -> FloatArray:
         return self.plan.layout.forces(self.rows(times, energies=False))
@@ -135,11 +135,8 @@ class SteppedRecorder(Frozen):
             found.append(events)
         return tuple(found)
 
-    def motion(self, body: int) -> ForcedMotion:
-        plan, equations = self.plan, self.plan.stepped(body).equations
-        forces = plan.port_forces(body, self.times, plan.layout.pushes(self.record))
-        ports = equations.B.shape[1]  # a wall has no weight
-        return ForcedMotion(equations, self.rule, self.dt, forces[:ports])
+    def motion(self, body: int) -> SteppedMotion:
+        return SteppedMotion(self, body, self.dt, self.dt)
 
 
 def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | None]:

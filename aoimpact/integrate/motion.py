@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,10 +17,10 @@ import numpy as np
 from ..base import FloatArray, SingularError
 from ..linalg import Factorization, factorize
 from ..scene import Equations
-from .newmark import Newmark
 
 if TYPE_CHECKING:
     from .dense import DenseRecorder
+    from .fixed_steps import SteppedRecorder
 
 
 # The forces' rates are central differences over this share of the shortest contact: a smooth force
@@ -32,22 +33,40 @@ _RESOLUTION = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class DenseMotion:
-    """A body of an adaptive run, its coordinates q and the forces on its ports.
+class Motion:
+    """A body in a run, its coordinates q and the forces on its ports.
 
     Attributes
     ----------
-    run : DenseRecorder
+    run : Recorder
     body : int
         Its number in the scene.
+    resolution : float
+        Time over which rates are taken, s: forces are smooth over it, or linear in it.
+    instant : float
+        The same for rates of the forces, s.
     """
 
-    run: DenseRecorder
+    run: Any
     body: int
+    resolution: float
+    instant: float
 
     @property
     def duration(self) -> float:
-        return self.run.duration
+        return float(self.run.duration)
+
+    def force(self, times: FloatArray) -> FloatArray:
+        """Return the forces along their directions, N, shape (p, times); see `Plan.port_forces`."""
+        found: FloatArray = self.run.plan.port_forces(self.body, times, self.run.pushes(times))
+        return found
+
+    def force_rate(self, times: FloatArray) -> FloatArray:
+        """Return their rates, N/s."""
+        after = np.minimum(times + self.instant, self.duration)
+        before = np.maximum(times - self.instant, 0.0)
+        rate: FloatArray = (self.force(after) - self.force(before)) / (after - before)
+        return rate
 
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return rows @ q and rows @ q̇ at `times`, s; q and q̇ themselves where rows is None."""
@@ -55,65 +74,27 @@ class DenseMotion:
         return (u, v) if rows is None else (rows @ u, rows @ v)
 
     def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
-        raise NotImplementedError  # a dense run has modes, whose acceleration follows from forces
-
-    @property
-    def resolution(self) -> float:
-        """Time over which rates are taken, s: forces are smooth over it, or linear in it."""
-        return _RESOLUTION * self._shortest
-
-    @property
-    def _shortest(self) -> float:
-        lengths = [end - start for of in self.run.events for start, end in of.contacts]
-        return min(lengths, default=self.duration)
-
-    def force(self, times: FloatArray) -> FloatArray:
-        """Return the forces along their directions, N, shape (p, times); see `Plan.port_forces`."""
-        return self.run.plan.port_forces(self.body, times, self.run.pushes(times))
-
-    def force_rate(self, times: FloatArray) -> FloatArray:
-        """Return their rates, N/s."""
-        step = _DIFFERENCE * self._shortest
-        after = np.minimum(times + step, self.duration)
-        before = np.maximum(times - step, 0.0)
-        rate: FloatArray = (self.force(after) - self.force(before)) / (after - before)
-        return rate
+        """Return rows @ q̈; of modes it follows from the forces."""
+        raise NotImplementedError
 
 
-@dataclass(frozen=True, eq=False)
-class ForcedMotion:
-    """A linear body under the forces that a run with fixed steps recorded.
+def dense_motion(run: DenseRecorder, body: int) -> Motion:
+    """Return the motion of a body in an adaptive run."""
+    lengths = [end - start for of in run.events for start, end in of.contacts]
+    shortest = min(lengths, default=run.duration)
+    return Motion(run, body, _RESOLUTION * shortest, _DIFFERENCE * shortest)
 
-    Attributes
-    ----------
-    equations : Equations
-    rule : Newmark
-    dt : float
-        s.
-    forces : ndarray, shape (p, steps + 1)
-        As `Plan.port_forces` gives them.
-    """
 
-    equations: Equations
-    rule: Newmark
-    dt: float
-    forces: FloatArray
+class SteppedMotion(Motion):
+    """A linear body under the forces that a run with fixed steps recorded."""
 
-    @property
-    def duration(self) -> float:
-        return self.dt * float(self.forces.shape[1] - 1)
-
-    @property
-    def resolution(self) -> float:
-        return self.dt
+    run: SteppedRecorder
 
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return rows @ q and rows @ q̇, as `DenseMotion.observed` does."""
         u, v, _ = self._seen(rows, times)
         return u, v
 
     def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
-        """Return rows @ q̈ at `times`, s."""
         return np.asarray(self._seen(rows, times)[2])
 
     def _seen(self, rows: Any, times: FloatArray) -> FloatArray:
@@ -122,8 +103,8 @@ class ForcedMotion:
         Between two steps everything is linear in time. The equations of motion, which are linear
         too, hold there as they do at the steps, and the error is of the rule's own order.
         """
-        last = self.forces.shape[1] - 1
-        place = np.clip(times / self.dt, 0.0, float(last))
+        last = len(self.run.times) - 1
+        place = np.clip(times / self.run.dt, 0.0, float(last))
         before = np.minimum(place.astype(np.int64), max(last - 1, 0))
         steps, where = np.unique(np.stack([before, before + 1]), return_inverse=True)
         kept: list[FloatArray] = []
@@ -137,36 +118,27 @@ class ForcedMotion:
         found: FloatArray = seen[:, :, left] * (1.0 - share) + seen[:, :, right] * share
         return found
 
-    def force(self, times: FloatArray) -> FloatArray:
-        return self._between(self.forces, times)
-
-    def force_rate(self, times: FloatArray) -> FloatArray:
-        # Slopes over two steps, linear in time between the steps.
-        return self._between(np.gradient(self.forces, self.dt, axis=1), times)
-
-    def _between(self, values: FloatArray, times: FloatArray) -> FloatArray:
-        steps = self.dt * np.arange(self.forces.shape[1])
-        return np.array([np.interp(times, steps, row) for row in values])
+    @cached_property
+    def _equations(self) -> Equations:
+        return self.run.plan.stepped(self.body).equations
 
     def _states(self, last: int) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
         """u, v and a at the steps 0 … last."""
-        body, dt = self.equations, self.dt
-        beta, gamma = self.rule.beta, self.rule.gamma
+        body, dt, rule = self._equations, self.run.dt, self.run.rule
+        beta, gamma = rule.beta, rule.gamma
+        forces = self.force(self.run.times)[: body.B.shape[1]]  # a wall has no weight
         matrix = body.M + gamma * dt * body.C + beta * dt**2 * body.K
         inverse = factorize(matrix, what="M + γ dt C + β dt² K")
         u, v = body.u0, body.v0
-        a = _at_start(body, self.forces[:, 0], inverse)
+        a = _at_start(body, forces[:, 0], inverse)
         yield u, v, a
         for step in range(1, last + 1):
             u = u + dt * v + (0.5 - beta) * dt**2 * a
             v = v + (1.0 - gamma) * dt * a
-            a = inverse.solve(body.B @ self.forces[:, step] - body.K @ u - body.C @ v)
+            a = inverse.solve(body.B @ forces[:, step] - body.K @ u - body.C @ v)
             u = u + beta * dt**2 * a
             v = v + gamma * dt * a
             yield u, v, a
-
-
-Motion = DenseMotion | ForcedMotion
 
 
 def _at_start(body: Equations, forces: FloatArray, inverse: Factorization) -> FloatArray:

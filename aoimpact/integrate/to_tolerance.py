@@ -49,7 +49,7 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | N
     share = SEVERAL if len(plan.contacts) > 1 else 1.0
     run = adaptive_run(plan, rtol=share * rule.rtol)
     error: float | None = rule.rtol
-    if max(map(len, run.touches), default=0) > 1:
+    if any(len(of.touches) > 1 for of in run.events):
         _refuse_gain(plan, run)
     touches = most_touches(run)
     if touches > 1 or (touches == 1 and any(contact.law.pulls for contact in plan.contacts)):

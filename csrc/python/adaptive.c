@@ -84,14 +84,15 @@ static int append(PyObject *list, PyObject *pair)
     return fine;
 }
 
-/* (peak force, its time, impulse, [(start, end)], [(impulse, pace)]) of a contact. */
-static PyObject *one_contact(const aoi_adaptive *run, size_t c, size_t count, const aoi_interval *interval)
+/* (peak force, its time, impulse, [(start, end)], [(impulse, pace)]) of a contact. One of several that part at once has
+ * no interval: no force acted in it. */
+static PyObject *one_contact(const aoi_adaptive *run, size_t c, int several, size_t count, const aoi_interval *interval)
 {
     const aoi_peak of = aoi_adaptive_peak(run, c);
     PyObject *spans = PyList_New(0), *touches = PyList_New(0);
     int fine = spans && touches;
     for (size_t i = 0; fine && i < count; i++) {
-        fine = interval[i].contact != c ||
+        fine = interval[i].contact != c || (several && interval[i].impulse == 0.0) ||
                (append(spans, Py_BuildValue("dd", interval[i].start, interval[i].end)) &&
                 append(touches, Py_BuildValue("dd", interval[i].impulse, interval[i].pace)));
     }
@@ -115,7 +116,7 @@ static PyObject *contacts_of(const aoi_adaptive *run, kept_track *kept, double e
     }
     PyObject *result = kept->of.status == AOI_OK ? PyTuple_New((Py_ssize_t)contacts) : NULL;
     for (size_t c = 0; result && c < contacts; c++) {
-        PyObject *one = one_contact(run, c, count, interval);
+        PyObject *one = one_contact(run, c, contacts > 1, count, interval);
         if (!one || PyTuple_SetItem(result, (Py_ssize_t)c, one) != 0) {
             Py_CLEAR(result);
         }
