@@ -15,12 +15,10 @@ from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import takewhile
-from operator import itemgetter
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, IntArray, MeshError, require, warn
@@ -28,7 +26,7 @@ from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
 from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
-from .sections import PARALLEL, Source, across, layered, refusing, triad
+from .sections import PARALLEL, Axes, Source, across, layered, refusing, triad
 
 # Sets of nodes or of elements.
 Which = Literal["NSET", "ELSET"]
@@ -37,33 +35,32 @@ Which = Literal["NSET", "ELSET"]
 # interactions, loads, steps, output. They have no influence on nodes, elements and sets; surfaces
 # are no groups here.
 _BEGINNINGS = """
-    ACOUSTIC ACTIVATE ADAPTIVEMESH AMPLITUDE ANISOTROPIC ANNEAL AQUA BASE BEAM BIAXIAL BLOCKAGE
-    BOND BOUNDARY BRITTLE BUCKL BULKVISC C-ADDED CALIBRATION CAP CASTIRON CAVITY CECHARGE
-    CECURRENT CFD CFILM CFLOW CFLUX CHANGE CLAY CLEARANCE CLOAD COHESIVE COMBINEDTEST
-    COMPLEXFREQ COMPOSITE CONCENTRATION CONCRETE CONDUCTIVITY CONFLUENCE CONNECTOR CONSTITUENT
-    CONSTRAINT CONTACT CONTROLS CORRELATION CORRESPONDENCE COUPL CRACK CREEP CRUSH CYCL D-ADDED
-    DAMPING DASHPOT DEBOND DECHARGE DECURRENT DEFORMATION DEPVAR DESIGN DETONATION DFLOW DFLUX
+    ACOUSTIC ACTIVATE ADAPTIVEMESH AMPLITUDE ANISOTROPIC ANNEAL AQUA BASE BIAXIAL BLOCKAGE BOND
+    BOUNDARY BRITTLE BUCKL BULKVISC C-ADDED CALIBRATION CAP CASTIRON CAVITY CECHARGE CECURRENT
+    CFD CFILM CFLOW CFLUX CHANGE CLAY CLEARANCE CLOAD COHESIVE COMBINEDTEST COMPLEXFREQ
+    COMPOSITE CONCENTRATION CONCRETE CONDUCTIVITY CONFLUENCE CONNECTOR CONSTITUENT CONSTRAINT
+    CONTACT CONTROLS CORRELATION CORRESPONDENCE COUPL CRACK CREEP CRUSH CYCL D-ADDED DAMPING
+    DASHPOT DEBOND DECHARGE DECURRENT DEFORMATION DEPVAR DESIGN DETONATION DFLOW DFLUX
     DIAGNOSTICS DIELECTRIC DIFFUSIVITY DIRECTCYCLIC DISCRETE DISTRIBUT DLOAD DRAG DRUCKER DSA
     DSECHARGE DSECURRENT DSFLOW DSFLUX DSLOAD DYNAMIC ELCURRENT ELECTR ELEMENTMATRIX
     ELEMENTOPERATOR ELEMENTOUTPUT ELEMENTPRO ELEMENTRE ELEMENTSOLUTION ELFILE ELPRINT EMISSIVITY
     ENDLOADCASE ENDSTEP ENERGY ENRICHMENT EOS EPJOINT EULERIAN EVENTSERIES EXPANSION EXPLICIT
     EXTERNALFIELD EXTREME FABRIC FACEPRINT FASTENER FEASIBLE FIELD FILEFORMAT FILEOUTPUT FILM
-    FILTER FIXEDMASS FLEXIBLE FLOW FLUID FRACTURE FRAME FREQUENCY FRICTION GAP GAS GEL GEOMETRIC
+    FILTER FIXEDMASS FLEXIBLE FLOW FLUID FRACTURE FREQUENCY FRICTION GAP GAS GEL GEOMETRIC
     GEOSTATIC GLOBALDAMPING GREEN HCF HEADING HEAT HOURGLASS HYDROSTATIC IMPEDANCE IMPERMEABLE
     IMPORTCONTROLS INCIDENTWAVE INCREMENTATION INELASTIC INERTIARELIEF INITIAL INTEGRATEDOUTPUT
     INTERFACE ITSDAMPING JOINT JOULE KAPPA KINEMATIC LATENT LEADTIME LOAD LOWDENSITY M1 M2
-    MAGNETIC MAPSOLUTION MASS MATRI MEANFIELD MEDIA MEMBRANE MODAL MODELCHANGE MOHR MOISTURE
-    MOLECULAR MONITOR MOTION MULLINS NETWORK NOANALYSIS NODAL NODEFILE NODEOUTPUT NODEPRINT
-    NODERESPONSE NONLINEAR NORMAL OBJECTIVE ORIENTATION ORNL OUTPUT PARAMETER PARTICLE PERIODIC
-    PERMANENT PERMEABILITY PHYSICAL PIEZO PIPE-SOIL PLANARTEST PLASTIC POREFLUID POROUS
-    POSTOUTPUT POTENTIAL PRE-TENSION PREPRINT PRESSURE PRESTRESS PRINT PROBABILITY PROPERTY PSD
-    RADIAT RANDOM RATIOS REFLECTION RELEASE RESPONSE RESTART RETAINED RIGID ROBUST ROTARY
-    SECTION SELECT SENSITIVITY SFILM SFLOW SHEAR SHELL SIMPEDANCE SIMPLESHEAR SLIDELINE SLOADING
-    SOILS SOLID SOLUBILITY SOLUTION SOLVER SORPTION SPECIFIC SPECTRUM SPRING SRADIATE STATIC
-    STEADYSTATE STEP SUBCYCLING SUBMODEL SUBSTRUCTURE SURFACE SWELLING TABLE TEMPERATURE TENSILE
-    TENSION THERMAL THICKNESS TIMEPOINTS TORQUE TRACER TRANSFORM TRANSPORT TRANSVERSE TRIAXIAL
-    TRS UEL UNCOUPLED UNDEX UNIAXIAL UNLOADING USER VALUES VARIABLEMASS VIEWFACTOR VOID
-    VOLUMETRIC WAVE WIND XFEM
+    MAGNETIC MAPSOLUTION MASS MATRI MEANFIELD MEDIA MODAL MODELCHANGE MOHR MOISTURE MOLECULAR
+    MONITOR MOTION MULLINS NETWORK NOANALYSIS NODAL NODEFILE NODEOUTPUT NODEPRINT NODERESPONSE
+    NONLINEAR NORMAL OBJECTIVE ORIENTATION ORNL OUTPUT PARAMETER PARTICLE PERIODIC PERMANENT
+    PERMEABILITY PHYSICAL PIEZO PIPE-SOIL PLANARTEST PLASTIC POREFLUID POROUS POSTOUTPUT
+    POTENTIAL PRE-TENSION PREPRINT PRESSURE PRESTRESS PRINT PROBABILITY PROPERTY PSD RADIAT
+    RANDOM RATIOS REFLECTION RELEASE RESPONSE RESTART RETAINED RIGID ROBUST ROTARY SELECT
+    SENSITIVITY SFILM SFLOW SHEAR SIMPEDANCE SIMPLESHEAR SLIDELINE SLOADING SOILS SOLUBILITY
+    SOLUTION SOLVER SORPTION SPECIFIC SPECTRUM SPRING SRADIATE STATIC STEADYSTATE STEP
+    SUBCYCLING SUBMODEL SUBSTRUCTURE SURFACE SWELLING TABLE TEMPERATURE TENSILE TENSION THERMAL
+    THICKNESS TIMEPOINTS TORQUE TRACER TRANSFORM TRANSPORT TRANSVERSE TRIAXIAL TRS UEL UNCOUPLED
+    UNDEX UNIAXIAL UNLOADING USER VALUES VARIABLEMASS VIEWFACTOR VOID VOLUMETRIC WAVE WIND XFEM
 """
 
 # Kinds of keywords by their names, beyond those that are read; the first that fits counts.
@@ -93,25 +90,32 @@ _KINDS = {
     ),
     # They add mass or stiffness between sections and beside them.
     "beside": "FOUNDATION|MASSADJUST",
-    "harmless": f"({'|'.join(_BEGINNINGS.split())}).*",
+    # Sections of elements that are no part of a body, and what else has "section" in its name. Any
+    # other such name, and one that begins as the body's do, may be a section that is misspelt.
+    "harmless": (
+        "(COHESIVE|CONNECTOR|DISCRETE|EULERIAN|FLUID(PIPE)?|FRAME|GASKET|MEMBRANE|SURFACE"
+        "|USER|INTEGRATEDOUTPUT|PRE-TENSION|CHANGESOLID)SECTION|BEAMSECTIONGENERATE"
+        "|SECTION(CONTROLS|FILE|ORIGIN|POINTS|PRINT)"
+        f"|(?!.*SECT)({'|'.join(_BEGINNINGS.split())}).*"
+    ),
 }
 
 # Nodes of C3D27 in meshio's order, where the middle comes before those of faces 1 to 6, and of B32,
 # where it comes before the second end.
 _ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0, 2, 1)}
 
-# Types of elements, and their kinds by their first digits.
-_TYPES = (
-    (r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}", raw.SOLIDS),
-    # Shells, membranes, rigid and plane elements.
+# Types of elements, their kinds by their first digits, and the dimension of solids, shells and
+# beams; membranes, rigid and plane elements and trusses are none. B33 has the nodes of B31.
+_TYPES: tuple[tuple[str, dict[int, str], int], ...] = (
+    (r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}", raw.SOLIDS, 3),
+    (r"(?:U?S|STRI)(65|3|4|6|8|9)(?!\d)[A-Z0-9]*", raw.SURFACES | {65: "triangle6"}, 2),
     (
-        r"(?:D?S|US|STRI|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(65|3|4|6|8|9)(?!\d)"
-        "[A-Z0-9]*",
-        raw.SURFACES | {65: "triangle6"},
+        r"(?:DS|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(3|4|6|8|9)(?!\d)[A-Z0-9]*",
+        raw.SURFACES,
+        0,
     ),
-    (r"T[23]D([23])[A-Z]{0,2}", raw.LINES),
-    # Beams in space, by their order: B33 has the nodes of B31.
-    (r"B3([123])R?H?(?:OS)?H?", {1: "line", 2: "line3", 3: "line"}),
+    (r"T[23]D([23])[A-Z]{0,2}", raw.LINES, 0),
+    (r"B3([123])R?H?(?:OS)?H?", {1: "line", 2: "line3", 3: "line"}, 1),
 )
 
 # Elements of a number of nodes that may vary, or of shapes that no mesh of solids has.
@@ -121,10 +125,6 @@ _LISTED = (
     r"|DSAX|RAX2|RB[23]D|R2D2|AC1D|AC3D|ACIN|ASI|DC1D|DCC|DC3D|Q3D|EMC|EC3D|FC3D|F3D|PC3D|PD3D|PSI"
     r"|DRAG|KSP|WARP|D$|V?U\d|Z\d)[A-Z0-9-]*"
 )
-
-# Beginnings of the types of solids, shells and beams by their dimension; membranes, rigid and
-# plane elements are none.
-_PARTS = {3: "C3D", 2: r"S\d|STRI|US\d", 1: r"B3\d"}
 
 # Surface elements that meshers write for the sides of solids.
 _SIDES = r"CP[SE]\d|CAX\d|SFM3D"
@@ -184,23 +184,20 @@ def read(file: Path) -> raw.RawMesh:
 @cache
 def _kind(name: str) -> str:
     """Return the kind of a keyword; "" if it has none."""
+    if name in _SECTIONS:
+        return "section"
     return next((kind for kind, names in _KINDS.items() if re.fullmatch(names, name)), "")
 
 
-def _cells(name: str) -> str | None:
-    """Return meshio's kind of cells of a type in capitals, such as "C3D8R".
+def _type(name: str) -> tuple[str | None, int]:
+    """Return meshio's kind of cells of a type in capitals, such as "C3D8R", and its dimension.
 
-    It is "" for elements that are only listed, and None for unknown types.
+    The kind is "" for elements that are only listed, and None for unknown types.
     """
-    for pattern, kinds in _TYPES:
+    for pattern, kinds, dim in _TYPES:
         if found := re.fullmatch(pattern, name):
-            return kinds[int(found[1])]
-    return "" if re.fullmatch(_LISTED, name) else None
-
-
-def _dim(name: str) -> int:
-    """Return the dimension of a type of solids, shells or beams; 0 for others."""
-    return next((dim for dim, names in _PARTS.items() if re.match(names, name)), 0)
+            return kinds[int(found[1])], dim
+    return ("" if re.fullmatch(_LISTED, name) else None), 0
 
 
 # ----- parts, instances and the assembly
@@ -216,19 +213,13 @@ class AbaqusDeck:
     instances : mapping of str to list of (str, ndarray)
         By part, the beginning of the names of its sets in the mesh, such as "Bar-1.", and the
         matrix by which the instance is turned.
-    counts : mapping of str to int
-        Elements by their types in capitals.
-    types : ndarray of str, shape (n_blocks,)
-        Types of the blocks of the mesh.
-    towards : ndarray of bool, shape (n_blocks,)
-        Beams that name a node towards which their section is turned.
+    blocks : list of _Elements
+        The blocks of the mesh.
     """
 
     cards: list[Keyword]
     instances: dict[str, list[tuple[str, FloatArray]]]
-    counts: Counter[str]
-    types: npt.NDArray[np.str_]
-    towards: npt.NDArray[np.bool_]
+    blocks: list[_Elements]
 
     @property
     def sections(self) -> str:
@@ -240,6 +231,14 @@ class AbaqusDeck:
     def elements(self) -> str:
         """The elements by their types, as in "100 CPS4"."""
         return raw.listed(self.counts)
+
+    @cached_property
+    def counts(self) -> Counter[str]:
+        """Numbers of elements by their types."""
+        found: Counter[str] = Counter()
+        for block in self.blocks:
+            found[block.type] += len(block.labels)
+        return found
 
     @cached_property
     def normals(self) -> Keyword | None:
@@ -268,39 +267,48 @@ class AbaqusDeck:
     def read(self, source: Source) -> dict[str, OneMaterial]:
         """Return the sections by group: those that hold elements of their kind."""
         groups = {key(name): name for name in source.raw.cell_sets}
-        dims = np.array([_dim(name) for name in self.types.tolist()])
+        dims = np.repeat([block.dim for block in self.blocks], np.diff(source.raw.first))
+        bare = dims.copy()  # of elements without a section
         found: dict[str, OneMaterial] = {}
-        places: list[tuple[bool, Keyword, str, FloatArray]] = []
         elset = ""
         for card in self.cards:
             addition = _kind(card.name) == "addition"
-            if addition or card.name in _SECTIONS:
-                elset = card.options.get("ELSET", elset if addition else "")
-                at = self.instances.get(card.part, [])
-                places += [(addition, card, before + elset, turn) for before, turn in at]
-        for addition, card, of, turn in sorted(places, key=itemgetter(0)):  # to sections at last
-            name = groups.get(key(of), "")
-            if addition:
-                if name not in found or found[name] is not source.given.get(key(name)):
+            if not addition and card.name not in _SECTIONS:
+                continue
+            elset = card.options.get("ELSET", elset if addition else "")
+            for before, turn in self.instances.get(card.part, []):
+                name = groups.get(key(before + elset), "")
+                if name not in source.raw.cell_sets:
+                    raise card.error(f"there is no ELSET {before + elset!r}")
+                members = source.raw.cell_sets[name]
+                read, dim, options = _SECTIONS.get(card.name, (None, dims[members].max(), ""))
+                own = members[dims[members] == dim]
+                if not addition and not len(own):
+                    continue  # of trusses, membranes and the like, which no body has
+                given = source.instead(name, dim)
+                if read is None and given is None:
                     raise card.error(
-                        f"it is not supported; take it into the section of {of} by "
+                        f"it is not supported; take it into the section of {before + elset} by "
                         "read_sections(given=), or delete it"
                     )
-                continue
-            read, dim, options = _SECTIONS[card.name]
-            if name not in source.raw.cell_sets:
-                raise card.error(f"there is no ELSET {of!r}")
-            members = source.raw.cell_sets[name]
-            own = members[dims[source.raw.block_of(members)] == dim]
-            if not len(own):
-                continue  # of trusses, membranes and the like, which no body has
-            if name in found:
-                raise card.error(f"{name} has another section")
-            found[name] = source.instead(name, dim)
-            if found[name] is None:
-                card.check_options("ELSET", "MATERIAL", "CONTROLS", *options.split())
-                with refusing(card.error):
-                    found[name] = read(_Section(source, self, card, turn, own))
+                if read is None:
+                    continue
+                if name in found:
+                    raise card.error(f"{name} has another section")
+                bare[own] = 0
+                if given is None:
+                    card.check_options("ELSET", "MATERIAL", "CONTROLS", *options.split())
+                    with refusing(card.error):
+                        given = read(_Section(source, self, card, turn, own))
+                found[name] = given
+        for dim in np.unique(bare[bare > 0]).tolist():
+            first, *more = np.flatnonzero(bare == dim).tolist()
+            label = int(np.concatenate([block.labels for block in self.blocks])[first])
+            why = f"element {label} and {len(more)} others have no section"
+            if dim == dims.max():
+                keyword = self.blocks[int(source.raw.block_of(first))].keyword
+                raise keyword.error(f"{why}; write one, or give from_mesh materials", label=label)
+            source.left_out.append(why)
         beams = any(isinstance(each, Beam) for each in found.values())
         if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
             source.left_out.append(
@@ -376,7 +384,7 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     every = list(whole.blocks())
     blocks = [block for block, *_ in every]
     types = np.array([block.type for block in blocks], dtype=str)
-    dims = np.array([_dim(block.type) for block in blocks], dtype=int)
+    dims = np.array([block.dim for block in blocks], dtype=int)
     # In a body of shells and beams nothing else with a shape is part of it.
     kept = (dims > 0) | (dims == 3).any()
     kinds = [block.kind if own else "" for block, own in zip(blocks, kept.tolist(), strict=True)]
@@ -393,8 +401,7 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     turned = {"": [("", np.eye(3))]}
     for scope in whole.inner.values():
         turned.setdefault(scope.part, []).append((f"{scope.name}.", scope.turn))
-    towards = np.array([block.towards for block in blocks], dtype=bool)
-    deck = AbaqusDeck(cards, turned, Counter(types[of].tolist()), types, towards)
+    deck = AbaqusDeck(cards, turned, blocks)
     _warn(file, whole, deck, types[~unread].tolist())
     places = np.concatenate([body.places for body in bodies])
     return raw.RawMesh(
@@ -483,6 +490,8 @@ class _Elements:
     ----------
     type, kind : str
         The deck's name, and meshio's; the latter is empty if nodes are not read.
+    dim : int
+        Dimension of solids, shells and beams; 0 for others.
     labels : ndarray of int, shape (n,)
     nodes : ndarray of int, shape (n, nodes per element)
         First their labels, at last rows of the scope's nodes.
@@ -493,6 +502,7 @@ class _Elements:
 
     type: str
     kind: str
+    dim: int
     labels: IntArray
     nodes: IntArray
     keyword: Keyword
@@ -558,9 +568,7 @@ class Scope:
     missing: dict[str, int] = field(default_factory=dict)
     known: dict[Which, tuple[IntArray, IntArray]] = field(default_factory=dict)
     _points: list[tuple[Keyword, IntArray, FloatArray]] = field(default_factory=list)
-    _frames: list[tuple[int, FloatArray, FloatArray]] = field(
-        default_factory=lambda: [(-1, np.zeros(3), np.eye(3))]
-    )
+    _frames: list[tuple[int, Axes]] = field(default_factory=lambda: [(-1, Axes())])
     _found: dict[tuple[Which, str], IntArray | None] = field(default_factory=dict)
 
     def read(self) -> Scope:
@@ -608,7 +616,7 @@ class Scope:
                 start += len(block.labels)
 
     def _system(self, keyword: Keyword) -> None:
-        """Add rectangular axes: local coordinates x become origin + axes @ x.
+        """Add rectangular axes.
 
         They are given by their origin, a point on x, and one in the plane of x and y. Without the
         last one z stays as it is, and x is projected; without any, the axes are global again.
@@ -621,27 +629,22 @@ class Scope:
             if len(keyword.rows) == 1:
                 x[2] = 0.0
                 beside = np.array([-x[1], x[0], 0.0])
-            axes = np.column_stack(list(triad(x, beside, keyword.error)))
-        self._frames.append((keyword.order, origin, axes))
+            axes = triad(x, beside, keyword.error)
+        self._frames.append((keyword.order, Axes("R", origin, axes)))
 
-    def _frame(self, keyword: Keyword) -> tuple[FloatArray, FloatArray]:
-        """Return origin and axes of the last *SYSTEM before a keyword."""
-        _, origin, axes = [frame for frame in self._frames if frame[0] < keyword.order][-1]
-        return origin, axes
+    def _frame(self, keyword: Keyword) -> Axes:
+        """Return the last *SYSTEM before a keyword."""
+        return [axes for order, axes in self._frames if order < keyword.order][-1]
 
     def _node(self, keyword: Keyword) -> None:
         labels, places = keyword.points()
         system = key(keyword.options.get("SYSTEM", "R"))
         if system not in ("R", "C", "S", "RECTANGULAR", "CYLINDRICAL", "SPHERICAL"):
             raise keyword.error(f"SYSTEM must be R, C or S, got {system}")
-        if system[0] == "C":
-            places = raw.cylindrical(*places.T)
-        elif system[0] == "S":  # r, the angle about z, and that from the plane of x and y
-            r, turn, rise = places.T
-            rise = np.radians(rise)
-            places = raw.cylindrical(r * np.cos(rise), turn, r * np.sin(rise))
-        origin, axes = self._frame(keyword)
-        self._points.append((keyword, labels, places @ axes.T + origin))
+        if system[0] == "S":  # r, the angle about z, and that from the plane of x and y
+            places = np.stack([places[:, 0], 90.0 - places[:, 2], places[:, 1]], axis=1)
+        places = replace(self._frame(keyword), kind=system[0]).basic(places)
+        self._points.append((keyword, labels, places))
         self._define(keyword, "NSET", labels)
 
     def _ngen(self, keyword: Keyword) -> None:
@@ -649,7 +652,7 @@ class Scope:
         line = key(keyword.options.get("LINE", ""))
         if line not in ("", "C"):
             raise keyword.error(f"LINE={line} is not supported; write the nodes out")
-        origin, axes = self._frame(keyword)
+        frame = self._frame(keyword)
         where: dict[int, FloatArray] = {}
         for _, labels, places in self._points:
             where.update(zip(labels.tolist(), places, strict=True))
@@ -668,8 +671,8 @@ class Scope:
             share = np.arange(1, n)[:, None] / n
             if line:
                 given = np.array(keyword.reals(row, texts[4:], 6))
-                about = where[centre] if centre else origin + axes @ given[:3]
-                normal = axes @ given[3:6] if len(texts) > 7 else None
+                about = where[centre] if centre else frame.basic(given[:3])
+                normal = given[3:6] @ frame.axes if len(texts) > 7 else None
                 ends_of = np.array([where[first], where[last]])
                 between = _arc(ends_of, share, about, normal) if centre or texts[4:] else None
                 if between is None:
@@ -688,7 +691,7 @@ class Scope:
 
     def _element(self, keyword: Keyword) -> None:
         name = key(keyword.options.get("TYPE", ""))
-        kind, towards = _cells(name), False
+        (kind, dim), towards = _type(name), False
         if kind is None:
             raise keyword.error(f"elements of type {name!r} are not known")
         if self.inner and name.startswith("C3D"):
@@ -699,7 +702,7 @@ class Scope:
             table = keyword.connectivity(n + towards)[:, : n + 1]
         else:  # between instances, nodes have names
             kind, table = "", keyword.first_numbers()[:, None]
-        new = _Elements(name, kind, table[:, 0], table[:, 1:], keyword, towards)
+        new = _Elements(name, kind, dim, table[:, 0], table[:, 1:], keyword, towards)
         self.elements.append(new)
         self._define(keyword, "ELSET", new.labels)
 
@@ -764,7 +767,8 @@ class Scope:
 
         def refuse(row: int) -> MeshError:
             keywords = [one for one, own, _ in self._points if (own == labels[row]).any()]
-            return keywords[-1].error(f"node {labels[row]} is defined twice, at different places")
+            why = f"node {labels[row]} is defined twice, at different places"
+            return keywords[-1].error(why, label=int(labels[row]))
 
         kept = raw.once(labels, places, refuse)
         nodes, self.places = labels[kept], places[kept]
@@ -772,15 +776,14 @@ class Scope:
         for i, block in enumerate(self.elements):
             rows = raw.rows_of(nodes, block.nodes)
             for element, node in np.argwhere(rows < 0)[:1]:
-                label, missing = block.labels[element], block.nodes[element, node]
-                raise block.keyword.error(
-                    f"element {label} has node {missing}, which is not defined"
-                )
+                label, missing = int(block.labels[element]), block.nodes[element, node]
+                why = f"element {label} has node {missing}, which is not defined"
+                raise block.keyword.error(why, label=label)
             self.elements[i] = replace(block, nodes=rows)
         labels = raw.joined(block.labels for block in self.elements)
         for label in labels[raw.repeats(labels)[:1]].tolist():
             keyword = [one.keyword for one in self.elements if (one.labels == label).any()][-1]
-            raise keyword.error(f"element {label} is defined twice")
+            raise keyword.error(f"element {label} is defined twice", label=label)
         order = np.argsort(labels, kind="stable")
         self.known["ELSET"] = labels[order], order
 
@@ -897,12 +900,15 @@ def _arc(ends: FloatArray, share: FloatArray, centre: FloatArray, given: Any) ->
 # ----- sections and materials
 
 
+_ONE_TEMPERATURE = "it depends on temperature; write its constants for one temperature"
+
+
 def _constants(card: Keyword, count: int) -> list[float]:
     """Return the constants of a card that holds at one temperature."""
     rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
     numbers = [x for row in rows for x in row]
     if len(rows) > -(-(count + 1) // 8) or len(numbers) > count + 1:
-        raise card.error("it depends on temperature; write its constants for one temperature")
+        raise card.error(_ONE_TEMPERATURE)
     if len(numbers) < count:
         raise card.error(f"it has {len(numbers)} of its {count} constants")
     return numbers[:count]
@@ -925,6 +931,11 @@ class _Section:
     card: Keyword
     turn: FloatArray
     members: IntArray
+
+    @property
+    def blocks(self) -> list[_Elements]:
+        """The blocks of its elements."""
+        return [self.deck.blocks[i] for i in np.unique(self.source.raw.block_of(self.members))]
 
     def material(self, name: str) -> Solid:
         """Return a material by its name."""
@@ -1066,20 +1077,26 @@ class _Section:
         card, source, options = self.card, self.source, self.card.options
         shape = key(options.get("SECTION", ""))
         rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
-        if "MATERIAL" in options:
-            material: Any = self.material(options["MATERIAL"])
-        else:
-            E, G, *_ = padded(rows.pop() if rows else [], [0.0, 0.0])
-            rho = float(options.get("DENSITY") or 0.0)
-            if not (E and G and rho):
-                raise card.error("give MATERIAL=; or E and G in its third line, and DENSITY=")
-            material = source.isotropic(E, 0.5 * E / G - 1.0, rho)
         if shape == "CIRC":
             rows[:1] = [self.radius(row) for row in rows[:1]]
         count, make = (5, None) if shape == "GENERAL" else named(ABAQUS, shape)
-        if shape == "ARBITRARY" and rows and rows[0]:  # a line for each wall
-            last = int(rows[0][0])
-            count, rows = 3 + 3 * last, [[x for row in rows[:last] for x in row], *rows[last:]]
+        if shape == "ARBITRARY":  # a line for each wall
+            walls = (
+                int(rows[0][0]) if rows and rows[0] and rows[0][0] in range(len(rows) + 1) else 0
+            )
+            if not walls:
+                raise card.error("its first number must be that of its walls, with a line for each")
+            count, rows = 3 + 3 * walls, [[x for row in rows[:walls] for x in row], *rows[walls:]]
+        if "MATERIAL" in options:
+            material: Any = self.material(options["MATERIAL"])
+        else:
+            E, G, *_ = padded(rows.pop() if len(rows) > 1 else [], [0.0, 0.0])
+            (rho,) = card.reals(-1, [options.get("DENSITY", "")])
+            if not (E and G and rho):
+                raise card.error("give MATERIAL=; or E and G in its third line, and DENSITY=")
+            if len(rows) > 2 or [len(row) for row in rows[1:]] == [4]:
+                raise card.error(_ONE_TEMPERATURE)
+            material = source.isotropic(E, 0.5 * E / G - 1.0, rho)
         if [len(row) for row in rows[:2]] not in ([count], [count, 3]):
             raise card.error(f"give {count} numbers of the section, then all three of axis 1")
         if make is None:
@@ -1089,7 +1106,7 @@ class _Section:
             section = make(*(x * source.length for x in rows[0]))
         if isinstance(section, TubularSection):
             return Beam(section, material)
-        if self.deck.towards[self.source.raw.block_of(self.members)].any():
+        if any(block.towards for block in self.blocks):
             raise card.error("nodes of its elements say how it is turned; write axis 1 instead")
         if normals := self.deck.normals:
             raise normals.error(
@@ -1103,8 +1120,7 @@ class _Section:
         """Return the radius of CIRC, which Abaqus writes; CalculiX writes one or two diameters."""
         if len(numbers) == 2 and numbers[0] != numbers[1]:
             raise self.card.error("ellipses are not supported")
-        types = self.deck.types[self.source.raw.block_of(self.members)]
-        if len(numbers) == 2 or any(of.endswith("R") for of in types):
+        if len(numbers) == 2 or any(block.type.endswith("R") for block in self.blocks):
             return [0.5 * numbers[0]]  # B31R and B32R are CalculiX' own
         of = f"{self.card.options['ELSET']}: SECTION=CIRC, {numbers[0]:g} is taken for a radius,"
         self.differs(of, "in CalculiX it is the diameter", "write it twice then")

@@ -87,11 +87,16 @@ class Keyword:
         return [text for piece in pieces for text in _texts(piece)]
 
     @cached_property
+    def _begun(self) -> list[bool]:
+        """Data lines that are not the continuation of another."""
+        return [True, *(not line.endswith(",") for line in self.data)]
+
+    @cached_property
     def rows(self) -> list[list[str]]:
         """The fields of each data line, without empty ones at the end."""
         return [fields(line) for line in self.data]
 
-    def error(self, why: str, row: int = -1) -> MeshError:
+    def error(self, why: str, row: int = -1, *, label: int | None = None) -> MeshError:
         """Return the error that names the file, the line and the keyword.
 
         Parameters
@@ -99,7 +104,12 @@ class Keyword:
         why : str
         row : int, optional
             Data line that is wrong, from 0; the keyword itself if left out.
+        label : int, optional
+            In place of `row`: first number of the line, the last one if several begin with it.
         """
+        for i, texts in enumerate(self.rows if label is not None else ()):
+            if self._begun[i] and texts[0].isdecimal() and int(texts[0]) == label:
+                row = i
         places = [(self.file, self.line)]
         for file, lines, start, stop in self.pieces if row >= 0 else []:
             places += [(file, i + 1) for i in range(start, stop) if _texts(lines[i : i + 1])]
@@ -194,8 +204,7 @@ class Keyword:
 
     def first_numbers(self) -> IntArray:
         """Return the first number of each data line that is not the continuation of another."""
-        begun = [True, *(not line.endswith(",") for line in self.data)]
-        found = [self.integers(i, row[:1]) for i, row in enumerate(self.rows) if begun[i]]
+        found = [self.integers(i, row[:1]) for i, row in enumerate(self.rows) if self._begun[i]]
         return np.array(found, dtype=np.int64).reshape(-1)
 
 

@@ -12,7 +12,7 @@ import os
 import re
 import warnings
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from .matrix import RawMatrix, entry_line, labelled, spoilt
 from .raw import number
 
 _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
-_FORTRAN = re.compile(rb"[\d.](?:[dD]|[-+]\d)")  # exponents that NumPy does not read
 
 _MARKET = re.compile("matrix (coordinate|array) (real|integer) (general|symmetric)")
 
@@ -157,23 +156,23 @@ def _columns(
     """
     # Integers are parsed as such: that is twice as fast, and refuses other numbers.
     kind = np.dtype([*((f"i{i}", np.int64) for i in range(integers)), ("value", np.float64)])
-    between, why = "," if comma else None, "one is not finite"
-    try:
-        with warnings.catch_warnings():
+    how: dict[str, Any] = {"comments": comments, "delimiter": "," if comma else None, "ndmin": 1}
+    start, table = stream.tell(), None
+    for converters in (None, {integers: number}):  # NumPy does not read 1.D0 and 1.0+3
+        with (
+            contextlib.suppress(ValueError, OverflowError, RuntimeError),
+            warnings.catch_warnings(),
+        ):
             warnings.simplefilter("ignore")  # of no data
-            table = np.loadtxt(
-                stream, kind, comments=comments, delimiter=between, ndmin=1, encoding="latin-1"
-            )
-    except (ValueError, OverflowError, RuntimeError) as error:
-        table, why = None, str(error)
+            stream.seek(start)
+            how |= {"encoding": "latin-1", "converters": converters}
+            table = np.loadtxt(stream, kind, **how)
+            break
     if table is not None and np.isfinite(table["value"]).all():
         with file.open("rb") as stream:
             stream.seek(-1, os.SEEK_END)
             if stream.read(1) not in b"\n\r":
-                warn(
-                    f"matrix file {str(file)!r} ends within a line: its last number may be cut "
-                    "short"
-                )
+                warn(f"matrix file {str(file)!r} ends within a line: is its last number whole?")
         return [np.ascontiguousarray(table[name]) for name in kind.names or ()]
     # Slow, but of a file that is refused.
     with file.open("rb") as stream:
@@ -181,11 +180,10 @@ def _columns(
             comment = comments and line.lstrip().startswith(comments.encode())
             if place <= before or not line.strip() or comment:
                 continue
-            if not _is_entry(line, integers, b"," if comma else None) or _FORTRAN.search(line):
-                cause = "is it cut short, or of another format? Exponents need E, not Fortran's D"
+            if not _is_entry(line, integers, b"," if comma else None):
                 found = f"{_CONTENTS[integers]} should stand here, got {_shown(line)}"
-                raise spoilt(file, f"{found}: {cause}", place)
-    raise spoilt(file, f"{_CONTENTS[integers]} should stand on each line: {why}")
+                raise spoilt(file, f"{found}: is it cut short, or of another format?", place)
+    raise spoilt(file, f"{_CONTENTS[integers]} should stand on each line, and be finite")
 
 
 def _shown(line: bytes) -> str:

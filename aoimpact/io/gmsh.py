@@ -155,15 +155,11 @@ def _sections(content: bytes) -> dict[str, bytes]:
     at = 0
     while content[at:].strip():
         match = header.match(content, at)
-        if match is None and not found:
-            raise ValueError("it is no file of Gmsh")
         if match is None:
             raise ValueError(f"a section is expected at byte {at}, got {content[at : at + 20]!r}")
         name = match[1].decode()
-        if name in ("NOD", "ELM"):
-            raise ValueError("files of version 1 are not read; save it as version 4.1")
-        if name == "ParametricNodes":
-            raise ValueError("parametric nodes of version 2.2 are not read; save it as version 4.1")
+        if name in ("NOD", "ELM", "ParametricNodes"):  # of version 1 and of 2.2
+            raise ValueError(f"the section ${name} is not read; save it as version 4.1")
         if name in ("Nodes", "Elements", "Entities") and name in found:
             raise ValueError(f"the section ${name} is there twice")
         ending = b"$End" + match[1]

@@ -59,7 +59,7 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
             f"{where} ({size} bytes) needs more memory than there is: coarsen the mesh, "
             "or look for a count in the file that is wrong"
         ) from None
-    except (ValueError, OverflowError, OSError) as error:
+    except (ValueError, LookupError, OverflowError, OSError) as error:
         raise MeshError(
             f"{where} cannot be read: {error}. Save it again, or as .msh or .vtu"
         ) from None

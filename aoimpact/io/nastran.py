@@ -16,19 +16,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, IntArray, MeshError, warn
 from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
 from ..mesh import jacobian_range, reference_element
 from .matrix import RawMatrix, labelled, passed_over
-from .nastrandeck import BulkData, Card, Lines, Table, read_deck
+from .nastrandeck import INTEGER, BulkData, Card, Lines, Table, read_deck
 from .profiles import NASTRAN, Profile, named
 from .raw import (
     UPRIGHT_FIRST,
     RawBlock,
     RawMesh,
-    cylindrical,
     joined,
     listed,
     nodes_in,
@@ -37,7 +35,7 @@ from .raw import (
     repeats,
     rows_of,
 )
-from .sections import Source, across, common, layered, refusing, triad
+from .sections import Axes, Source, across, common, layered, refusing, triad
 
 # Kinds of elements of corners, and with midside nodes, by the names of entries.
 _ELEMENTS = {
@@ -280,12 +278,12 @@ def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[s
     number for them. Without one they are sides and edges to which a mesher gave the number.
     """
     properties, found = joined(part.properties for part in parts), {}
-    known = {dim: {card.text(0) for card in _properties(bulk, dim)} for dim in (1, 2)}
+    known = {dim: {card.integer(0, "PID") for card in _properties(bulk, dim)} for dim in (1, 2)}
     for label in np.unique(properties[properties > 0]).tolist():
         own = properties == label
         for dim, what in ((1, "lines"), (2, "surfaces")):
             lower = own & (dims == dim)
-            if dim < dims[own].max() and lower.any() and str(label) in known[dim]:
+            if dim < dims[own].max() and lower.any() and label in known[dim]:
                 found[f"property {label} {what}"] = np.flatnonzero(lower)
                 own &= ~lower
         found[f"property {label}"] = np.flatnonzero(own)
@@ -334,51 +332,6 @@ def _make_right_handed(nodes: FloatArray, block: RawBlock) -> None:
 # --------------------------------------------------------------- nodes and coordinate systems
 
 
-@dataclass(frozen=True, eq=False)
-class Axes:
-    """A coordinate system in basic coordinates.
-
-    Attributes
-    ----------
-    kind : str
-        "R", "C" or "S": rectangular, cylindrical (r, θ, z) or spherical (r, θ, φ), in degrees.
-    origin : ndarray, shape (3,)
-    axes : ndarray, shape (3, 3)
-        Unit vectors in rows.
-    """
-
-    kind: str
-    origin: FloatArray
-    axes: FloatArray
-
-    def basic(self, x: FloatArray) -> FloatArray:
-        """Return basic coordinates of points given in this system, shape (n, 3)."""
-        if self.kind == "C":
-            x = cylindrical(*x.T)
-        elif self.kind == "S":
-            r, theta, phi = x.T
-            theta = np.radians(theta)
-            x = cylindrical(r * np.sin(theta), phi, r * np.cos(theta))
-        return self.origin + x @ self.axes
-
-    def directions(self, x: FloatArray) -> FloatArray:
-        """Return unit vectors of the coordinates at points given in basic coordinates.
-
-        Returns
-        -------
-        ndarray, shape (n, 3, 3)
-            A unit vector in each row.
-        """
-        local = (x - self.origin) @ self.axes.T
-        angles = np.zeros((len(x), 2))
-        if self.kind != "R":
-            angles[:, 0] = np.arctan2(local[:, 1], local[:, 0])
-        if self.kind == "S":
-            angles[:, 1] = np.arctan2(np.hypot(local[:, 0], local[:, 1]), local[:, 2])
-        turned = Rotation.from_euler("ZY", angles).as_matrix().transpose(0, 2, 1) @ self.axes
-        return np.roll(turned, 1, axis=1) if self.kind == "S" else turned
-
-
 class _Definition(NamedTuple):
     """A system as its entry gives it: by labels of nodes, or by points in another system."""
 
@@ -414,7 +367,7 @@ class Grids:
     output_systems: IntArray
     x: FloatArray
     definitions: dict[int, _Definition]
-    _known: dict[int, Axes] = field(default_factory=lambda: {0: Axes("R", np.zeros(3), np.eye(3))})
+    _known: dict[int, Axes] = field(default_factory=lambda: {0: Axes()})
     _open: list[int] = field(default_factory=list)
 
     @classmethod
@@ -556,9 +509,10 @@ def _sets(control: Lines, bulk: BulkData) -> dict[str, tuple[tuple[str, ...], st
     for entry, first in (("SET1", 1), ("SET3", 2), ("SET", 8)):
         for card in bulk.cards(entry):
             kinds = _BOTH if entry == "SET1" else _MEMBERS.get(card.text(1), ())
-            card = replace(card, name=f"{entry} {card.text(0)}")
-            text = " ".join(word for word in card.fields[first:] if word)
-            if kinds and (not text or _MEMBER.sub("", text) or not card.text(0).isdigit()):
+            label = card.integer(0, "SID")
+            card = replace(card, name=f"{entry} {label}")
+            text = " ".join(word.lstrip("+") for word in card.fields[first:] if word)
+            if kinds and (not text or _MEMBER.sub("", text) or label < 0):
                 raise card.error("it is no list of numbers and THRU")
             if kinds and found.setdefault(card.name, (kinds, text)) != (kinds, text):
                 raise card.error("it is defined twice, with other members")
@@ -597,9 +551,9 @@ class Reader:
         """Return entries by their numbers."""
         found: dict[int, Card] = {}
         for card in cards:
-            label = card.text(0)
-            if not label.isdigit() or found.setdefault(int(label), card).fields != card.fields:
-                raise card.error(f"its number {label!r} is none, or another entry has it")
+            label = card.integer(0, "its number")
+            if label < 0 or found.setdefault(label, card).fields != card.fields:
+                raise card.error(f"its number {label} is negative, or another entry has it")
         return found
 
     @cached_property
@@ -664,21 +618,21 @@ class Reader:
 
     # ------------------------------------------------------------------- materials
 
-    def material(self, label: str, card: Card) -> Solid:
+    def material(self, label: int, card: Card) -> Solid:
         """Return a material by its number; the card is the one that names it."""
         given: Solid | None = self.source.instead(f"material {label}")
         if given is not None:
             return given
-        if not label.isdigit() or int(label) not in self.materials:
-            why = f"material {label!r} is none of {', '.join(_MATERIALS)}"
+        if label not in self.materials:
+            why = f"material {label} is none of {', '.join(_MATERIALS)}"
             raise card.error(f"{why}; give it by read_sections(given=)")
-        own, bar = self.materials[int(label)], _DIMENSIONS[1].fullmatch(card.name) is not None
-        at = int(label), bar
+        own, bar = self.materials[label], _DIMENSIONS[1].fullmatch(card.name) is not None
+        at = label, bar
         if at not in self._made:
             for entry in ("MATT1", "MATT8", "MATT11"):
-                if int(label) in self.cards(self.deck.bulk.cards(entry)):
+                if label in self.cards(self.deck.bulk.cards(entry)):
                     raise own.error(f"it depends on temperature by {entry}, which is not supported")
-            if int(label) in self.cards(self.deck.bulk.cards("MATS1")):
+            if label in self.cards(self.deck.bulk.cards("MATS1")):
                 self.source.left_out.append(f"material {label} is elastic, without its MATS1")
             make, density, damping = _MATERIALS[own.name]
             if own.real(damping, "GE", 0.0):
@@ -720,13 +674,14 @@ class Reader:
         normals = self.source.directions(own)
         x = across(self.source.directions(own, edges=True), normals)
         columns = [t.fields[:, _THETA[layout] :][:, :1] for t, layout in self.entries(own)]
-        texts = [c if c.size else np.full((len(c), 1), b"") for c in columns]
-        words, of = np.unique(np.char.strip(np.concatenate(texts)[:, 0]), return_inverse=True)
-        angles = np.radians([0.0 if w.isdigit() or not w else number(w.decode()) for w in words])
+        columns = [c if c.size else np.full((len(c), 1), b"") for c in columns]
+        words, of = np.unique(np.char.strip(np.concatenate(columns)[:, 0]), return_inverse=True)
+        systems = [INTEGER.fullmatch(word) is not None for word in words.tolist()]  # MCID
+        texts = [b"0" if s or not w else w for s, w in zip(systems, words.tolist(), strict=True)]
+        angles = np.radians([number(text.decode()) for text in texts])
         along = np.cos(angles)[of, None] * x + np.sin(angles)[of, None] * np.cross(normals, x)
-        for i, word in enumerate(words.tolist()):
-            if word.isdigit():  # MCID
-                along[of == i] = self.axes(int(word), own, card)[0]
+        for i in np.flatnonzero(systems).tolist():
+            along[of == i] = self.axes(int(words[i]), own, card)[0]
         return common(along, normals)
 
     def towards(self, own: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -767,23 +722,22 @@ class Reader:
 
 
 def _solid(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
-    found = reader.material(card.text(1), card)
+    found = reader.material(card.integer(1, "MID"), card)
     if card.text(6) not in ("", "SMECH"):
         raise card.error(f"FCTN={card.text(6)} is no solid")
-    if isinstance(found, Orthotropic) and card.text(2) not in ("", "0"):
-        axes: Any = reader.axes(int(card.real(2, "CORDM")), own, card)
+    if isinstance(found, Orthotropic) and (system := card.integer(2, "CORDM")):
+        axes: Any = reader.axes(system, own, card)
         return replace(found, axes=axes)
     return found
 
 
 def _shell(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
-    label = card.text(1)
+    label, bending, shear, coupling = (card.integer(at, "MID") for at in (1, 3, 5, 10))
     material = reader.material(label, card)
-    if card.text(3) != label:
+    if bending != label:
         raise card.error(f"MID2={card.text(3)!r} of bending must be MID1={label}")
-    for at, what in ((5, "MID3"), (10, "MID4")):
-        if card.text(at) not in ("", "0", label if at == 5 else ""):
-            raise card.error(f"{what}={card.text(at)} is not supported")
+    if shear not in (0, label) or coupling:
+        raise card.error(f"MID3={shear}, MID4={coupling} is not supported; leave both blank")
     card.must_be(4, "12I/T**3", 1.0)
     card.must_be(6, "TS/T", 5.0 / 6.0)
     card.must_be(7, "NSM", 0.0)
@@ -800,11 +754,11 @@ def _laminate(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
         reader.source.left_out.append(f"{card.name} {card.text(0)} has no damping, GE is left out")
     step, first = (8, 9) if card.name == "PCOMPG" else (4, 8)
     plies: list[Ply] = []
-    label, thickness = "", None
+    label, thickness = 0, None
     for at in range(first, len(card.fields), step):
         if not any(card.fields[at : at + 4]):
             continue
-        label = card.text(at) or label
+        label = card.integer(at, "MID", label)
         thickness = card.real(at + 1, f"T{len(plies) + 1}", thickness)
         angle = card.real(at + 2, "THETA", 0.0)
         plies.append(Ply(thickness * reader.source.length, reader.material(label, card), angle))
@@ -863,7 +817,7 @@ def _shaped(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
 
 
 def _beam(reader: Reader, card: Card, own: IntArray, section: Any) -> OneMaterial:
-    material: Any = reader.material(card.text(1), card)
+    material: Any = reader.material(card.integer(1, "MID"), card)
     z, moved = reader.towards(own)
     return reader.source.beam(section, material, z, own, _AXES, moved)
 

@@ -43,7 +43,7 @@ _BULK = re.compile(
 _TIMES = re.compile(rb"=(?:(\d+)|\((\d+)\))")
 _INCREMENT = re.compile(rb"\*\(?([^()]+)\)?")
 _MARK = re.compile(rb"[+*](?![\d.])")  # of a continuation: "+" or "+A1", not "+1.5"
-_INTEGER = re.compile(rb"[-+]?\d{1,18}")
+INTEGER = re.compile(rb"[-+]?\d{1,18}")
 
 # Entries with defaults for the blank fields of others.
 _DEFAULTS = {"GRID": "GRDSET", "CBAR": "BAROR", "CBEAM": "BEAMOR"}
@@ -324,6 +324,13 @@ class Card:
         except ValueError as wrong:
             raise self.error(str(wrong)) from None
 
+    def integer(self, at: int, what: str, default: int = 0) -> int:
+        """Return a field as an integer, such as 4, +4 or 04."""
+        text = self.text(at)
+        if text and not INTEGER.fullmatch(text.encode()):
+            raise self.error(f"{what} must be an integer, got {text!r}")
+        return int(text or default)
+
     def reals(self, first: int, names: str) -> list[float]:
         """Return numbers by their names, none of them blank."""
         return [self.real(first + i, name) for i, name in enumerate(names.split())]
@@ -494,7 +501,7 @@ class Table:
                 raise ValueError
             found[filled] = text.astype(np.int64)
         except (ValueError, OverflowError):
-            wrong = [_INTEGER.fullmatch(one.strip()) is None for one in text.tolist()]
+            wrong = [INTEGER.fullmatch(one.strip()) is None for one in text.tolist()]
             self._refuse_field(first, filled, np.array(wrong), "an integer")
         return found
 

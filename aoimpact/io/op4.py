@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import re
 import struct
-from array import array
 from pathlib import Path
 
 import numpy as np
@@ -68,46 +67,43 @@ def _binary(head: bytes) -> tuple[str, int] | None:
 
 
 def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
-    """Read the next matrix: where the numbers of each string begin, and then all of them."""
+    """Read the next matrix: strings of numbers, each from a row of a column downwards."""
     n_cols, n_rows, kind, name = source.header()
     if kind not in (1, 2, 3, 4):
         raise source.wrong(f"{name} is of type {kind}; known are 1 to 4")
-    big = n_rows < 0 or n_rows >= _BIG
-    strings = array("q")  # of each its place, first row, column and count of numbers
+    big, n_rows = n_rows < 0 or n_rows >= _BIG, abs(n_rows)
+    strings: list[tuple[int, int, FloatArray]] = []  # first row, column and numbers
     while True:
         col, row, words = source.column()
         if not 1 <= col <= n_cols + 1 or words < 0:
             raise source.wrong(f"{name}: a column of number {col}, of {n_cols}, of {words} words")
         if col == n_cols + 1:
             break
-        if row > 0:
-            count = words // source.per_column
-            strings.extend((source.take(count), row - 1, col - 1, count))
-        while row == 0 and words > 0:
-            if big:
-                length, first = source.integers(2)
+        while row > 0 or words > 0:
+            if row > 0:
+                count, words = words // source.per_column, 0
             else:
-                length, first = divmod(source.integers(1)[0], 65536)
-            count, rest = divmod(length - 1, source.per_number)
-            if length < 1 or first < 1 or rest:
-                raise source.wrong(f"a string of {length} words at row {first}")
-            strings.extend((source.take(count), first - 1, col - 1, count))
-            words -= length + int(big)
+                length, row = source.integers(2) if big else divmod(source.integers(1)[0], 65536)
+                count, rest = divmod(length - 1, source.per_number)
+                if length < 1 or row < 1 or rest:
+                    raise source.wrong(f"a string of {length} words at row {row}")
+                words -= length + int(big)
+            last = row - 1 + count // (2 if kind > 2 else 1)
+            if last > n_rows:
+                raise source.wrong(f"{name}: a column goes to row {last}, of {n_rows}")
+            strings.append((row - 1, col - 1, source.take(count)))
+            row = 0
     source.end()
-    starts, firsts, cols, counts = np.frombuffer(strings, dtype=np.int64).reshape(-1, 4).T
-    # Any row, without overflow.
-    last = np.minimum(firsts, abs(n_rows) + 1) + counts // (2 if kind > 2 else 1)
-    if last.max(initial=0) > abs(n_rows):
-        raise source.wrong(f"{name}: a column goes to row {last.max()}, of {abs(n_rows)}")
     if kind > 2:
         return passed_over(file, name, "complex")
-    if abs(n_rows) != n_cols:
-        return passed_over(file, name, f"{abs(n_rows)} by {n_cols}")
-    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    values = source.numbers(np.repeat(starts, counts), within)
+    if n_rows != n_cols:
+        return passed_over(file, name, f"{n_rows} by {n_cols}")
+    counts = [len(numbers) for *_, numbers in strings]
+    firsts, cols = (np.repeat([one[i] for one in strings], counts).astype(int) for i in (0, 1))
+    values = np.concatenate([np.zeros(0), *(numbers for *_, numbers in strings)])
+    within = np.arange(len(values)) - np.repeat(np.cumsum(counts) - counts, counts).astype(int)
     keep = values != 0.0
-    rows = np.repeat(firsts, counts) + within
-    return RawMatrix(file, name, n_cols, rows[keep], np.repeat(cols, counts)[keep], values[keep])
+    return RawMatrix(file, name, n_cols, (firsts + within)[keep], cols[keep], values[keep])
 
 
 class _Binary:
@@ -160,23 +156,15 @@ class _Binary:
         self._next += count * self._word
         return found
 
-    def take(self, count: int) -> int:
-        """Pass so many numbers; return their place."""
-        place = self._next
+    def take(self, count: int) -> FloatArray:
+        """The next numbers."""
+        kind = f"{self._order}f{self._width}"
+        found = np.frombuffer(self._content, kind, count, self._next).astype(float)
         self._next += count * self._width
-        return place
+        return found
 
     def end(self) -> None:
         """Nothing follows: the number after the last column is in its record."""
-
-    def numbers(self, starts: np.ndarray, within: np.ndarray) -> FloatArray:
-        """The numbers at places, which are multiples of 4."""
-        words = np.frombuffer(self._content[: len(self._content) // 4 * 4], dtype=np.uint32)
-        per = self._width // 4
-        first = starts // 4 + per * within
-        raw = np.stack([words[first + i] for i in range(per)], axis=-1)
-        found: FloatArray = raw.view(f"{self._order}f{self._width}").ravel().astype(float)
-        return found
 
 
 class _Text:
@@ -205,9 +193,6 @@ class _Text:
         if not 1 <= self._per_line * self._width <= 1000:
             raise self.wrong("its numbers are printed in no known form")
         self.per_number = 1 if kind % 2 else 2
-        self._parts: list[bytes] = []
-        self._ends: list[int] = []  # the line at which each ends
-        self._passed = 0
         return n_cols, n_rows, kind, found[5][:8].decode().replace(" ", "").upper()
 
     def column(self) -> tuple[int, ...]:
@@ -222,8 +207,8 @@ class _Text:
             )
         return tuple(self._integer(word) for word in words)
 
-    def take(self, count: int) -> int:
-        """Pass so many numbers; return their place."""
+    def take(self, count: int) -> FloatArray:
+        """The next numbers."""
         n_lines, full = -(-count // self._per_line), self._per_line * self._width
         if n_lines > len(self._lines) - self._at:
             raise self.wrong(f"{count} numbers should follow: it is cut short")
@@ -231,27 +216,15 @@ class _Text:
         self._at += n_lines
         lines = [one.rstrip(b"\r").ljust(full)[:full] for one in block]
         printed = b"".join(lines)[: count * self._width]
-        if printed[-self._width :].strip() == b"" and count:
-            raise self.wrong(f"{count} numbers should end here: is it cut short?")
-        self._parts.append(printed)
-        self._ends.append(self._at)
-        self._passed += count
-        return self._passed - count
+        found = numbers(np.frombuffer(printed, dtype=f"S{self._width}"))
+        if np.isnan(found).any():
+            shown = printed[: self._per_line * self._width].decode("latin-1")
+            raise self.wrong(f"{count} numbers should end here, got {shown!r}: is it cut short?")
+        return found
 
     def end(self) -> None:
-        """Pass the number after the last column, and see that all are numbers."""
+        """Pass the number after the last column."""
         self.take(1)
-        self._values = numbers(np.frombuffer(b"".join(self._parts), dtype=f"S{self._width}"))
-        for wrong in np.flatnonzero(np.isnan(self._values))[:1]:
-            counts = np.cumsum([len(part) // self._width for part in self._parts])
-            at = int(np.searchsorted(counts, wrong, side="right"))
-            found = self._parts[at][: self._per_line * self._width].decode("latin-1")
-            why = f"numbers should stand here, got {found!r}"
-            raise spoilt(self._file, why, self._ends[at])
-
-    def numbers(self, starts: np.ndarray, within: np.ndarray) -> FloatArray:
-        values: FloatArray = self._values[starts + within]
-        return values
 
     def _next(self) -> bytes:
         if self._at >= len(self._lines):

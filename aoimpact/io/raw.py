@@ -186,12 +186,6 @@ def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
     return np.where(known[rows] == wanted, rows, -1)
 
 
-def cylindrical(radius: FloatArray, turn: FloatArray, height: FloatArray) -> FloatArray:
-    """Return x, y and z, shape (n, 3), of cylindrical coordinates with the angle in degrees."""
-    angle = np.radians(turn)
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
-
-
 def repeats(labels: IntArray) -> IntArray:
     """Return the rows whose label another row before them has, in the order of the labels."""
     order = np.argsort(labels, kind="stable")
@@ -288,18 +282,14 @@ def numbers(texts: npt.NDArray[np.bytes_]) -> FloatArray:
     """Return texts as numbers, read as `number` reads them; NaN where one is none."""
     whole = texts.tobytes()
     if not any(mark in whole for mark in (b"_", b"n", b"N")):  # Python's 1_0, nan and inf
-        spelled = texts
-        if b"D" in whole:
-            spelled = np.frombuffer(whole.replace(b"D", b"E"), texts.dtype).reshape(texts.shape)
-        with contextlib.suppress(ValueError):
-            found: FloatArray = spelled.astype(float)
-            if np.isfinite(found).all():
-                return found
-        short = _SHORT.sub(b"E", b"\n".join(spelled.ravel().tolist())).split(b"\n")
-        with contextlib.suppress(ValueError):
-            found = np.array(short).astype(float).reshape(texts.shape)
-            if np.isfinite(found).all():
-                return found
+        spelled = np.frombuffer(whole.replace(b"D", b"E"), texts.dtype)
+        for short in (False, True):
+            if short:
+                spelled = np.array(_SHORT.sub(b"E", b"\n".join(spelled.tolist())).split(b"\n"))
+            with contextlib.suppress(ValueError):
+                found: FloatArray = spelled.astype(float).reshape(texts.shape)
+                if np.isfinite(found).all():
+                    return found
     found = np.full(texts.shape, np.nan)
     for i, text in enumerate(texts.tolist()):
         with contextlib.suppress(ValueError):

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping
 from typing import get_args
 
 from ..base import (
-    AOImpactWarning,
     InputError,
     MeshError,
     held_warnings,
@@ -118,8 +116,7 @@ def read_sections(
     for name, one in known.items():
         text("a name of given", name)
         instance(f"given[{name!r}]", one, *get_args(OneMaterial))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", AOImpactWarning)  # of the mesh: `read_mesh` has them
+    with held_warnings():  # of the mesh: `read_mesh` has them
         raw = load(path)
     where = f"mesh file {os.fspath(path)!r}"
     stress, per_speed = newtons / length / length, seconds / length
@@ -135,9 +132,7 @@ def read_sections(
     if not found:
         cure = "give materials to from_mesh"
         if raw.deck.elements:
-            solids = any(block.dim == 3 for block in raw.blocks)
-            other = "*SOLID SECTION for the solids' ELSET" if solids else "shells as S3 or S4"
-            cure = f"it has {raw.deck.elements}. Write {other}, or {cure}"
+            cure = f"it has {raw.deck.elements}. Write shells as S3 or S4, or {cure}"
         elif source.left_out:
             cure = f"{'; '.join(dict.fromkeys(source.left_out))}. Write bars, or {cure}"
         raise MeshError(f"{where} has no sections of solids, shells or beams; {cure}")

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, get_args
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError, held_warnings
 from ..fem import (
@@ -194,6 +195,53 @@ class Source:
             elif block.dim:
                 found.append(ends[:, 1] - ends[:, 0])
         return unit(np.concatenate(found))
+
+
+@dataclass(frozen=True, eq=False)
+class Axes:
+    """A coordinate system in global coordinates.
+
+    Attributes
+    ----------
+    kind : str
+        "R", "C" or "S": rectangular, cylindrical (r, θ, z) or spherical (r, θ, φ with θ from the
+        axis z), in degrees.
+    origin : ndarray, shape (3,)
+    axes : ndarray, shape (3, 3)
+        Unit vectors in rows.
+    """
+
+    kind: str = "R"
+    origin: FloatArray = field(default_factory=lambda: np.zeros(3))
+    axes: FloatArray = field(default_factory=lambda: np.eye(3))
+
+    def basic(self, x: FloatArray) -> FloatArray:
+        """Return global coordinates of points given in this system, shape (n, 3)."""
+        if self.kind != "R":
+            r, turn, height = x.T
+            if self.kind == "S":
+                theta = np.radians(turn)
+                r, turn, height = r * np.sin(theta), height, r * np.cos(theta)
+            angle = np.radians(turn)
+            x = np.stack([r * np.cos(angle), r * np.sin(angle), height], axis=1)
+        return self.origin + x @ self.axes
+
+    def directions(self, x: FloatArray) -> FloatArray:
+        """Return unit vectors of the coordinates at points given in global coordinates.
+
+        Returns
+        -------
+        ndarray, shape (n, 3, 3)
+            A unit vector in each row.
+        """
+        local = (x - self.origin) @ self.axes.T
+        angles = np.zeros((len(x), 2))
+        if self.kind != "R":
+            angles[:, 0] = np.arctan2(local[:, 1], local[:, 0])
+        if self.kind == "S":
+            angles[:, 1] = np.arctan2(np.hypot(local[:, 0], local[:, 1]), local[:, 2])
+        turned = Rotation.from_euler("ZY", angles).as_matrix().transpose(0, 2, 1) @ self.axes
+        return np.roll(turned, 1, axis=1) if self.kind == "S" else turned
 
 
 def unit(vectors: FloatArray) -> FloatArray:

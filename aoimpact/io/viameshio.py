@@ -47,6 +47,9 @@ _ANNOUNCED = {
     ),
 }
 
+# What meshio says of the names of SU2's markers, which are read here.
+_RENUMBERED = re.compile(r"(Warning: )?meshio does not support tags of string.*?replaced by \d+")
+
 _INDEXED = re.compile(r"<(vertex|triangle|tetrahedron)\s+index\s*=\W(\d+)")
 
 # Integers of cells that are groups, and how these are called: Gmsh's by their dimension or name.
@@ -98,8 +101,14 @@ def read(file: Path) -> RawMesh:
     except (Exception, SystemExit) as error:  # readers raise anything on malformed files
         why = " ".join([type(error).__name__, str(error), *said.getvalue().split()])
         raise ValueError(f"as {name}, {why}") from None
-    if said.getvalue().strip():
-        warn(f"mesh file {file.name!r}: meshio says: {' '.join(said.getvalue().split())}")
+    tag = 0
+    for marker in re.findall(r"^MARKER_TAG=\s*(\S+)", text, re.M) if name == "su2" else ():
+        tag = int(marker) if marker.isdecimal() else tag + 1  # as meshio numbers them
+        marker = f"tag {tag}" if marker.isdecimal() else marker
+        if mesh.field_data.setdefault(f"{name}:tag {tag}", marker) != marker:
+            raise ValueError(f"{marker!r} is a marker that meshio takes for another; name all")
+    if words := " ".join(_RENUMBERED.sub("", " ".join(said.getvalue().split())).split()):
+        warn(f"mesh file {file.name!r}: meshio says: {words}")
     if np.ndim(mesh.points) != 2:
         raise ValueError("it has no table of coordinates")
     there = len(mesh.points), sum(len(block.data) for block in mesh.cells)
@@ -172,7 +181,7 @@ def _cell_groups(
                 if called or tag:
                     name = f"{called or DIMENSIONS[block.dim]} {tag}"
                     name = name if called else names.get((block.dim, tag), name)
-                    yield name, i, np.asarray(tags) == tag
+                    yield mesh.field_data.get(f"{key} {tag}", name), i, np.asarray(tags) == tag
     for i, (_, tags) in enumerate(zip(blocks, mesh.cell_data.get("cell_tags", ()), strict=False)):
         for tag, called in getattr(mesh, "cell_tags", {}).items():  # MED's
             for name in called:

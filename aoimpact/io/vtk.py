@@ -132,14 +132,17 @@ class _Legacy:
 
     def cells(self, count: int, size: int) -> tuple[IntArray, IntArray]:
         """Return where the nodes of each cell end, and the nodes of all."""
-        start = self.at
-        words = self.words()
-        if words[:1] == ["OFFSETS"]:  # version 5: one offset more than cells
-            ends = integers(self.numbers(count, words[1]))[1:]
+        start, found = self.at, []
+        for name, length in (("OFFSETS", count), ("CONNECTIVITY", size)):  # of version 5
             words = self.words()
-            if words[:1] != ["CONNECTIVITY"]:
-                raise ValueError("CONNECTIVITY is expected after OFFSETS")
-            return ends, integers(self.numbers(size, words[1]))
+            if words[:1] == [name] and len(words) == 2:
+                found.append(integers(self.numbers(length, words[1])))
+            elif found or words[:1] == [name]:
+                raise ValueError(f"{name} with its type of numbers is expected")
+            else:
+                break
+        if found:
+            return found[0][1:], found[1]  # there is one offset more than cells
         self.at = start
         rows = integers(self.numbers(size, "int"))
         heads: list[int] = []

@@ -34,7 +34,6 @@ def edited(file: Path, line: int, text: str | None) -> Path:
     [
         ("market", 50, None, 3),
         ("market", 1000, None, 999),
-        ("market", 50, "5 7 2d6", 50),
         ("market", 50, "1 2 x", 50),
         ("market", 50, "1 1 1.0-103", 50),
         ("market", 50, "1 999 1.0", 50),

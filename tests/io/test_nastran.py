@@ -412,11 +412,6 @@ def test_an_entry_may_have_two_rods(name: str, tmp_path: Path) -> None:
     assert list(mesh.cell_sets) == ["property 7", "property 8", "property 9"]
 
 
-def test_parameters_of_solvers_are_no_part_of_the_mesh(tmp_path: Path) -> None:
-    more = "DEBUG,192,1\nYPARAM,A,1\nENDDATA"
-    assert_two_bricks(read(tmp_path, PLAIN.replace("ENDDATA", more)))
-
-
 def test_replication(tmp_path: Path) -> None:
     """A bar of six bricks, of four nodes written out and the rest with increments."""
     rows = "".join(
@@ -427,7 +422,7 @@ def test_replication(tmp_path: Path) -> None:
         f"CHEXA,{i},1,{i},{i + 1},{i + 11},{i + 10},{i + 20},{i + 21}\n,{i + 31},{i + 30}\n"
         for i in range(1, 7)
     )
-    mesh = read(tmp_path, rows + bricks)
+    mesh = read(tmp_path, rows + bricks + "DEBUG,192,1\nYPARAM,A,1\n")  # the solver's alone
     assert mesh.node_labels is not None
     expected = [((n - 1) % 10, (n - 1) // 10 % 2, (n - 1) // 20) for n in mesh.node_labels]
     np.testing.assert_array_equal(mesh.nodes, expected)

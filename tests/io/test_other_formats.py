@@ -94,6 +94,7 @@ def test_voxels_go_along_the_axes(tmp_path: Path) -> None:
         ("0 0 0  1", "0 zero 0  1", r"^mesh"),
         ("CELLS 2 12", "CELLS 2 13", r"^mesh"),
         ("CELLS 2 12", "CELLS 3 12", r"^mesh"),
+        ("2 12\n8", "3 12\nOFFSETS\n8", r"^mesh"),
         ("8 0 1", "7 0 1", r"^mesh"),
         ("\n11\n3", "\n42\n3", r"^mesh"),
         ("\n11\n3", "\n10\n3", r"^mesh"),
@@ -406,6 +407,15 @@ def test_tags_of_meshio_are_groups(tmp_path: Path) -> None:
     mesh.write(tmp_path / "a.mesh")
     groups = ao.read_mesh(tmp_path / "a.mesh").cell_sets
     assert {name: own.tolist() for name, own in groups.items()} == {"ref 4": [0], "ref 7": [1]}
+
+
+def test_markers_of_su2_are_groups(tmp_path: Path) -> None:
+    write(ao.box_mesh(LENGTHS, (2, 1, 1)), tmp_path / "a.su2", "su2")
+    side = "MARKER_TAG= {}\nMARKER_ELEMS= 1\n9 {}\n".format
+    with (tmp_path / "a.su2").open("a") as file:
+        file.write(f"NMARK= 2\n{side('low', '0 1 2 3')}{side('end', '4 5 6 7')}")
+    groups = ao.read_mesh(tmp_path / "a.su2").node_sets
+    assert [groups[name].tolist() for name in ("low", "end")] == [[0, 1, 2, 3], [4, 5, 6, 7]]
 
 
 def test_a_listing_called_dat_is_no_mesh(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,7 @@ from aoimpact.base import MissingFileError
 SHEET = ao.sheet_mesh((0.2, 0.1), (4, 2))
 SHELL = "*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL\n.001\n"
 PLIED = "*SHELL SECTION, ELSET=ALL, MATERIAL=PLY, ORIENTATION=O\n.001\n*ORIENTATION, NAME=O"
-BEAM = "*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION="
+BEAM = STEEL + PLY + "*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION="
 GENERAL = "*BEAM GENERAL SECTION, ELSET=ALL, SECTION=GENERAL, DENSITY=7800.\n"
 
 
@@ -22,154 +21,159 @@ def made(*options: str) -> str:
     return "\n".join(["*MATERIAL, NAME=STEEL", *options, ""])
 
 
-STEELS = {  # what is wrong with a material
-    made("*DENSITY", "7800."): r"line 61\b",
-    made("*ELASTIC", "2.1E11, .3"): r"line 61\b",
-    STEEL.replace(", 0.3", ", 0.3, 20.\n2E11, 0.3, 200."): r"line 62\b",
-    STEEL.replace("7800.", "7800., 20.\n7700., 200."): r"line 64\b",
-    STEEL.replace("*ELASTIC", "*ELASTIC, DEPENDENCIES=1"): r"line 62\b",
-    STEEL.replace("*ELASTIC", "*ELASTIC, TYPE=ANISOTROPIC"): r"line 62\b",
-    STEEL.replace(", 0.3", ""): r"line 62\b",
-    STEEL.replace("0.3", "0.6"): r"line 62\b",
-    STEEL.replace("STEEL", "OTHER"): r"line 59\b",
-    "": r"line 59\b",
+# Cards of which the keyword, or the entry, is refused at its line.
+KEYWORDS = {
+    "MATERIAL": [SHELL + made("*DENSITY", "7800."), SHELL + made("*ELASTIC", "2.1E11, .3")],
+    "ELASTIC": [
+        SHELL + STEEL.replace(", 0.3", ", 0.3, 20.\n2E11, 0.3, 200."),
+        SHELL + STEEL.replace("*ELASTIC", "*ELASTIC, DEPENDENCIES=1"),
+        SHELL + STEEL.replace("*ELASTIC", "*ELASTIC, TYPE=ANISOTROPIC"),
+        SHELL + STEEL.replace(", 0.3", ""),
+        SHELL + STEEL.replace("0.3", "0.6"),
+    ],
+    "DENSITY": [SHELL + STEEL.replace("7800.", "7800., 20.\n7700., 200.")],
+    "SHELLSECTION": [
+        SHELL + STEEL.replace("STEEL", "OTHER"),
+        SHELL,
+        SHELL.replace("\n", ", NODAL THICKNESS\n", 1) + STEEL,
+        SHELL.replace("\n", ", DENSITY=3.\n", 1) + STEEL,
+        SHELL.replace("ALL", "NONE") + STEEL,
+        SHELL + SHELL.replace("ELSET=ALL, ", "") + STEEL,
+        SHELL.replace(".001\n", "") + STEEL,
+        SHELL.replace(".001", "-.001") + STEEL,
+        SHELL + SHELL + STEEL,
+        SHELL.replace("\n.001", ", COMPOSITE") + STEEL,
+        PLIED + "\n1,0,0, 0,1,0\n1, 0.\n" + PLY,
+        PLIED + "\n1,0,0, 0,1,0\n, 30.\n" + PLY,
+        PLIED.replace("NAME=O", "NAME=P") + "\n1,0,0, 0,1,0\n" + PLY,
+    ],
+    "SHELLGENERALSECTION": ["*SHELL GENERAL SECTION, ELSET=ALL\n1E9, 0., 1E9\n" + STEEL],
+    "SHELLSECTON": [SHELL.replace("SECTION", "SECTON") + STEEL],
+    "SHELLSECTION2": [SHELL.replace("SECTION", "SECTION 2") + STEEL],
+    "SURFACESECTON": ["*SURFACE SECTON, ELSET=ALL\n" + SHELL + STEEL],
+    "ELEMENT": [  # without a section: all, and one
+        "*MEMBRANE SECTION, ELSET=ALL, MATERIAL=STEEL\n.001\n" + STEEL,
+        "*ELSET, ELSET=SOME, GENERATE\n1, 7\n" + SHELL.replace("ALL", "SOME") + STEEL,
+    ],
+    "TRANSVERSESHEARSTIFFNESS": [SHELL + "*TRANSVERSE SHEAR STIFFNESS\n1E6, 1E6, 0.\n" + STEEL],
+    "NONSTRUCTURALMASS": [SHELL + "*NONSTRUCTURAL MASS, ELSET=ALL, UNITS=TOTAL MASS\n2.\n" + STEEL],
+    "ORIENTATION": [
+        PLIED + ", SYSTEM=CYLINDRICAL\n0,0,0, 0,0,1\n" + PLY,
+        PLIED + ", DEFINITION=NODES\n1, 2\n" + PLY,
+        PLIED + "\n1,0,0, 2,0,0\n" + PLY,
+        PLIED + "\n1,0,0, 0,1,0\n4, 0.\n" + PLY,
+    ],
+    "BEAMSECTION": [
+        BEAM + "ELBOW\n.1, .01, 1",
+        *(BEAM + f"BOX\n.1, .1, {walls}" for walls in (".06, .01, .06, .01", ".01, 0., .01, .01")),
+        BEAM + "HEX\n.1, 0.",
+        BEAM + "ARBITRARY\n2, 0, 0, 1, 0, .1",
+        BEAM + "ARBITRARY\n1E30, 0, 0, 1, 0, .1",
+        BEAM + "ARBITRARY\n1.5, 0, 0, 1, 0, .1\n1, 1, .1",
+        BEAM + "RECT\n.01",
+        BEAM + "RECT\n.01, .02\n5",
+        BEAM + "RECT\n.01, .02\n1,0,0",
+        BEAM + "RECT, OFFSET1=.5\n.01, .02",
+        BEAM + "CIRC\n.01, .02",
+        BEAM.replace("=STEEL, S", "=PLY, S") + "CIRC\n.01",
+    ],
+    "BEAMGENERALSECTION": [
+        GENERAL + "2E-4, 1E-9, 2E-9, 1E-9, 4E-9\n0,0,1\n2E11, 8E10",
+        GENERAL + "2E-4, 1E-9, 0., 1E-9, 4E-9\n0,0,1",
+        GENERAL + "2E-4, 1E-9, 0., 1E-9, 4E-9\n0,0,1\n2E11, 8E10, 0., 20.\n1E11, 4E10, 0., 300.",
+        GENERAL + "2E-4, 1E-9, 0., 1E-9, 4E-9\n2E11, 8E10, 0., 20.\n1E11, 4E10, 0., 300.",
+    ],
+    "NORMAL": [BEAM + "RECT\n.01, .02\n*NORMAL, TYPE=ELEMENT\n1, 1, 0., 1., 0."],
+    "NODE": [BEAM + "RECT\n.01, .02\n*NODE\n99, 0., 5., 0., 0., 0., 1."],
+    "CENTROID": [BEAM + "RECT\n.01, .02\n*CENTROID\n.01, 0."],
+    "RELEASE": [BEAM + "RECT\n.01, .02\n*RELEASE\n1, S1, ALLM"],
+    "BEAMFLUIDINERTIA": [BEAM + "RECT\n.01, .02\n*BEAM FLUID INERTIA\n1., 1."],
+    "BEAMSECTIONOFFSET": [BEAM + "RECT\n.01, .02\n*BEAM SECTION OFFSET\n.01, 0."],
 }
 
-SHELLS = {
-    SHELL.replace("\n", ", NODAL THICKNESS\n", 1): r"line 59\b",
-    SHELL.replace("\n", ", DENSITY=3.\n", 1): r"line 59\b",
-    SHELL.replace("ALL", "NONE"): r"line 59\b",
-    SHELL + SHELL.replace("ELSET=ALL, ", ""): r"line 61\b",
-    SHELL.replace(".001\n", ""): r"line 59\b",
-    SHELL.replace(".001", "-.001"): r"line 59\b",
-    SHELL + SHELL: r"line 61\b",
-    SHELL.replace("\n.001", ", COMPOSITE"): r"line 59\b",
-    "*SHELL GENERAL SECTION, ELSET=ALL\n1E9, 0., 1E9": r"line 59\b",
-    SHELL + "*TRANSVERSE SHEAR STIFFNESS\n1E6, 1E6, 0.": (r"line 61\b"),
-    SHELL + "*NONSTRUCTURAL MASS, ELSET=ALL, UNITS=TOTAL MASS\n2.": (r"line 61\b"),
-    PLIED + ", SYSTEM=CYLINDRICAL\n0,0,0, 0,0,1": r"line 61\b",
-    PLIED + ", DEFINITION=NODES\n1, 2": r"line 61\b",
-    PLIED + "\n1,0,0, 2,0,0": r"line 61\b",
-    PLIED + "\n1,0,0, 0,1,0\n1, 0.": r"line 59\b",
-    PLIED + "\n1,0,0, 0,1,0\n, 30.": r"line 59\b",
-    PLIED + "\n1,0,0, 0,1,0\n4, 0.": r"line 61\b",
-    PLIED.replace("NAME=O", "NAME=P") + "\n1,0,0, 0,1,0": r"line 59\b",
+# Entries of sheets with what stands after the nodes of each element, and of bars.
+ENTRIES = {
+    "PSHELL": [
+        *("PSHELL,7,1,,1", "PSHELL,7,1,.001", "PSHELL,7,1,.001,2", "PSHELL,7,1,.001,1,1.5"),
+        *("PSHELL,7,1,.001,1,,1,.5", "PSHELL,7,1,.001,1,,2", "PSHELL,7,1,.001,1,,1,.833333,2."),
+        *("PSHELL,7,1,.001,1\n,,,1", "PSHELL,7,9,.001,9", "PSHELL,7,1.,.001,1"),
+        "PSHELL,7,1,.001,1\nPSHELL,7,1,.002,1",
+        ("PSHELL,7,2,.001,2", ",5"),
+    ],
+    "PCOMP": [
+        *("PCOMP,7,,,,,,,MEM\n,2,.001,0.", "PCOMP,7,,2.\n,2,.001,0.", "PCOMP,7\n,2,,0."),
+        "PCOMP,7\n,4.7,.001,0.",
+    ],
+    "PSHEAR": ["PSHEAR,7,1,.001"],
+    "NSM1": ["PSHELL,7,1,.001,1\nNSM1,3,PSHELL,2.,7"],
+    "CQUAD4": [
+        *("PBAR,7,1,1.,1.,1.,1.", "PSHELL,8,1,.001,1", ("PSHELL,7,2,.001,2", ",9")),
+        ("PSHELL,7,2,.001,2", ",,,\n,,,.002,.002,.002,.002"),
+    ],
+    "MAT1": [
+        "PSHELL,7,1,.001,1\n" + one
+        for one in (
+            MAT1.replace("7800.", ""),
+            MAT1.replace(".3", ""),
+            MAT1.replace(",.3", "0.,"),
+            MAT1.replace(",,", ",2.1E11,"),
+            MAT1 + "\nMATT1,1,3",
+        )
+    ],
 }
 
-BEAMS = {
-    BEAM + "ELBOW\n.1, .01, 1": r"line 28\b",
-    BEAM + "BOX\n.1, .1, .06, .01, .06, .01": r"line 28\b",
-    BEAM + "BOX\n.1, .1, .01, 0., .01, .01": r"line 28\b",
-    BEAM + "HEX\n.1, 0.": r"line 28\b",
-    BEAM + "ARBITRARY\n2, 0, 0, 1, 0, .1": r"line 28\b",
-    BEAM + "RECT\n.01": r"line 28\b",
-    BEAM + "RECT\n.01, .02\n5": r"line 28\b",
-    BEAM + "RECT\n.01, .02\n1,0,0": r"line 28\b",
-    BEAM + "RECT, OFFSET1=.5\n.01, .02": r"line 28\b",
-    BEAM + "CIRC\n.01, .02": r"line 28\b",
-    BEAM.replace("STEEL", "PLY") + "CIRC\n.01": r"line 28\b",
-    GENERAL + "2E-4, 1E-9, 2E-9, 1E-9, 4E-9\n0,0,1\n2E11, 8E10": r"line 28\b",
-    BEAM + "RECT\n.01, .02\n*NORMAL, TYPE=ELEMENT\n1, 1, 0., 1., 0.": (r"line 30\b"),
-    BEAM + "RECT\n.01, .02\n*NODE\n99, 0., 5., 0., 0., 0., 1.": r"line 30\b",
-    BEAM + "RECT\n.01, .02\n*CENTROID\n.01, 0.": r"line 30\b",
-    BEAM + "RECT\n.01, .02\n*RELEASE\n1, S1, ALLM": r"line 30\b",
-    BEAM + "RECT\n.01, .02\n*BEAM FLUID INERTIA\n1., 1.": r"line 30\b",
-    BEAM + "RECT\n.01, .02\n*BEAM SECTION OFFSET\n.01, 0.": r"line 30\b",
-    GENERAL + "2E-4, 1E-9, 0., 1E-9, 4E-9\n0,0,1": r"line 28\b",
-}
-
-SHELL_ENTRIES = {
-    "PSHELL,7,1,,1": r"line 25\b",
-    "PSHELL,7,1,.001": r"line 25\b",
-    "PSHELL,7,1,.001,2": r"line 25\b",
-    "PSHELL,7,1,.001,1,1.5": r"line 25\b",
-    "PSHELL,7,1,.001,1,,1,.5": r"line 25\b",
-    "PSHELL,7,1,.001,1,,2": r"line 25\b",
-    "PSHELL,7,1,.001,1,,1,.833333,2.": "mesh",
-    "PSHELL,7,1,.001,1\n,,,1": r"line 25\b",
-    "PSHELL,7,9,.001,9": r"line 25\b",
-    "PCOMP,7,,,,,,,MEM\n,2,.001,0.": r"line 25\b",
-    "PCOMP,7,,2.\n,2,.001,0.": "mesh",
-    "PCOMP,7\n,2,,0.": r"line 25\b",
-    "PSHEAR,7,1,.001": r"line 25\b",
-    "PBAR,7,1,1.,1.,1.,1.": r"line 17\b",
-    "PSHELL,7,1,.001,1\nNSM1,3,PSHELL,2.,7": r"line 26\b",
-    "PSHELL,8,1,.001,1": r"line 17\b",
-    "PSHELL,7,1,.001,1\nPSHELL,7,1,.002,1": r"line 26\b",
-}
-
-FIELDS = {  # after the nodes of a quadrilateral
-    ",,,\n,,,.002,.002,.002,.002": r"line 17\b",
-    ",9": r"line 17\b",
-    ",5": r"line 25\b",
-}
-
-BAR_ENTRIES = {
-    "PBAR,7,1,1.E-4,1.E-9,1.E-9": r"line 23\b",
-    "PBAR,7,1,1.E-4,1.E-9,1.E-9,1.E-9,2.": "mesh",
-    "PBAR,7,1,1.E-4,1.E-9,1.E-9,1.E-9\n,\n,,,1.E-8": r"line 23\b",
-    "PBAR,7,2,1.E-4,1.E-9,1.E-9,1.E-9": r"line 23\b",
-    "PBEAM,7,1,1.E-4,1.E-9,1.E-9,,1.E-9\n,\n,YES,1.,2.E-4": r"line 23\b",
-    "PBARL,7,1,,DBOX\n,.1,.1,.1,.1": r"line 23\b",
-    "PBARL,7,1,,HAT\n,.1,.1,.1,.1": r"line 23\b",
-    "PBARL,7,1,,BAR\n,.1": r"line 23\b",
-    "PBARL,7,1,,ROD\n,.1,3.": r"line 23\b",
-    "PBEAML,7,1,,ROD\n,.1,0.,YES,1.,.05": r"line 23\b",
-    "PROD,7,1,.1": "mesh",
-}
-
-AFTER_BARS = {
-    ",,,": r"line 13\b",
-    ",0.,0.,1.,EGG": r"line 13\b",
-    ",98": r"line 13\b",
-    ",0.,0.,1.\n,5": r"line 13\b",
-    ",0.,0.,1.\n,,,0.,0.,.1": r"line 13\b",
-    ",0.,0.,1.,GOO\n,,,0.,0.,.1,0.,0.,.1": r"line 13\b",
-    ",0.,0.,1.\n,,,.1,0.,0.,.1,0.,0.": r"line 33\b",
-}
-
-MATERIALS = {
-    MAT1.replace("7800.", ""): r"line 26\b",
-    MAT1.replace(".3", ""): r"line 26\b",
-    MAT1.replace(",.3", "0.,"): r"line 26\b",
-    MAT1.replace(",,", ",2.1E11,"): r"line 26\b",
-    MAT1 + "\nMATT1,1,3": r"line 26\b",
+BAR = "PBARL,7,1,,BAR\n,.1,.2"
+BARS = {
+    "PBAR": [
+        *("PBAR,7,1,1.E-4,1.E-9,1.E-9", "PBAR,7,1,1.E-4,1.E-9,1.E-9,1.E-9,2."),
+        "PBAR,7,1,1.E-4,1.E-9,1.E-9,1.E-9\n,\n,,,1.E-8",
+        "PBAR,7,2,1.E-4,1.E-9,1.E-9,1.E-9",
+    ],
+    "PBEAM": ["PBEAM,7,1,1.E-4,1.E-9,1.E-9,,1.E-9\n,\n,YES,1.,2.E-4"],
+    "PBARL": [
+        *("PBARL,7,1,,DBOX\n,.1,.1,.1,.1", "PBARL,7,1,,HAT\n,.1,.1,.1,.1", "PBARL,7,1,,BAR\n,.1"),
+        *("PBARL,7,1,,ROD\n,.1,3.", (BAR, ",0.,0.,1.\n,,,.1,0.,0.,.1,0.,0.")),
+    ],
+    "PBEAML": ["PBEAML,7,1,,ROD\n,.1,0.,YES,1.,.05"],
+    "CBAR": [
+        *((BAR, ",,,"), (BAR, ",0.,0.,1.,EGG"), (BAR, ",98"), (BAR, ",0.,0.,1.\n,5")),
+        *((BAR, ",0.,0.,1.\n,,,0.,0.,.1"), (BAR, ",0.,0.,1.,GOO\n,,,0.,0.,.1,0.,0.,.1")),
+    ],
 }
 
 
 @pytest.mark.parametrize(
-    ("cards", "said"),
-    [
-        *((SHELL + cards, said) for cards, said in STEELS.items()),
-        *((cards + "\n" + STEEL + PLY, said) for cards, said in SHELLS.items()),
-        *((cards + "\n" + STEEL + PLY, said) for cards, said in BEAMS.items()),
-    ],
+    ("keyword", "cards"), [(name, one) for name, cards in KEYWORDS.items() for one in cards]
 )
-def test_a_keyword_is_refused(cards: str, said: str, tmp_path: Path) -> None:
-    beam = "*BEAM" in cards
-    path = abaqus(tmp_path / "a.inp", line() if beam else SHEET, [cards], "B31" if beam else "S4")
-    with pytest.raises(ao.MeshError, match=said):
+def test_a_keyword_is_refused(keyword: str, cards: str, tmp_path: Path) -> None:
+    mesh, kind = (line(), "B31") if "*BEAM" in cards else (SHEET, "S4")
+    path = abaqus(tmp_path / "a.inp", mesh, [cards], kind)
+    with pytest.raises(ao.MeshError, match=rf"a\.inp', line \d+, \*{keyword}:"):
         ao.read_sections(path)
 
 
-@pytest.mark.filterwarnings("ignore:.*(have no E3|carries no bending)")
+@pytest.mark.filterwarnings("ignore:.*have no E3")
 @pytest.mark.parametrize(
-    ("card", "material", "after", "said"),
+    ("entry", "cards", "mesh", "after"),
     [
-        *((card, MAT1, "", said) for card, said in SHELL_ENTRIES.items()),
-        *(("PSHELL,7,2,.001,2", MAT1, after, said) for after, said in FIELDS.items()),
-        *((card, MAT1, ",0.,0.,1.", said) for card, said in BAR_ENTRIES.items()),
-        *(("PBARL,7,1,,BAR\n,.1,.2", MAT1, after, said) for after, said in AFTER_BARS.items()),
-        *(("PSHELL,7,1,.001,1", material, "", said) for material, said in MATERIALS.items()),
+        (name, *((one, mesh, after) if isinstance(one, str) else (one[0], mesh, one[1])))
+        for of, mesh, after in ((ENTRIES, SHEET, ""), (BARS, line(), ",0.,0.,1."))
+        for name, cards in of.items()
+        for one in cards
     ],
 )
 def test_an_entry_is_refused(
-    card: str, material: str, after: str, said: str, tmp_path: Path
+    entry: str, cards: str, mesh: ao.Mesh, after: str, tmp_path: Path
 ) -> None:
-    bars = re.match("PBARL|PBEAM|PBAR,7,[12],1.E-4|PROD", card) is not None
-    cards = [card, material, MAT8, "CORD2C,5,,0.,0.,0.,0.,0.,1.\n,1.,0.,0."]
-    path = nastran(tmp_path / "a.bdf", line() if bars else SHEET, cards, after)
-    with pytest.raises(ao.MeshError, match=said):
+    more = ["" if "MAT1" in cards else MAT1, MAT8, "CORD2C,5,,0.,0.,0.,0.,0.,1.\n,1.,0.,0."]
+    path = nastran(tmp_path / "a.bdf", mesh, [cards, *more], after)
+    with pytest.raises(ao.MeshError, match=rf"a\.bdf', line \d+, {entry}:"):
+        ao.read_sections(path)
+
+
+def test_rods_alone_are_no_body(tmp_path: Path) -> None:
+    path = nastran(tmp_path / "a.bdf", line(), ["PROD,7,1,.1", MAT1], ",0.,0.,1.")
+    with pytest.raises(ao.MeshError, match=r"a\.bdf' has no sections"):
         ao.read_sections(path)
 
 
@@ -178,14 +182,14 @@ def test_elements_of_one_property_agree(tmp_path: Path) -> None:
     path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,2,.001,2", MAT8])
     text = path.read_text()
     path.write_text(text.replace("\nCQUAD4,4", ",20.\nCQUAD4,4"))
-    with pytest.raises(ao.MeshError, match=r"line 25\b"):
+    with pytest.raises(ao.MeshError, match="PSHELL: its elements have axes in several directions"):
         ao.read_sections(path)
     path.write_text(text.replace("\nCQUAD4,4", ",,.001\nCQUAD4,4"))
-    with pytest.raises(ao.MeshError, match=r"line 25\b"):
+    with pytest.raises(ao.MeshError, match="PSHELL: ZOFFS of its elements differs"):
         ao.read_sections(path)
     path = nastran(tmp_path / "b.bdf", line(), ["PBARL,7,1,,BAR\n,.1,.2", MAT1], ",0.,0.,1.")
     path.write_text(path.read_text().replace("0.,0.,1.", "0.,1.,1.", 1))
-    with pytest.raises(ao.MeshError, match=r"line 23\b"):
+    with pytest.raises(ao.MeshError, match="PBARL: its elements have axes in several directions"):
         ao.read_sections(path)
 
 
@@ -193,9 +197,9 @@ def test_what_is_no_deck_has_no_sections(tmp_path: Path) -> None:
     (tmp_path / "a.msh").write_text(
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n0\n$EndNodes\n$Elements\n0\n$EndElements\n"
     )
-    with pytest.raises(ao.MeshError, match=r"^mesh"):
+    with pytest.raises(ao.MeshError, match="is no deck of Abaqus, CalculiX or Nastran"):
         ao.read_sections(tmp_path / "a.msh")
     with pytest.raises(MissingFileError):
         ao.read_sections(tmp_path / "none.inp")
-    with pytest.raises(ao.InputError, match=r"^scale"):
+    with pytest.raises(ao.InputError, match="scale must be"):
         ao.read_sections(tmp_path / "a.msh", scale=0.0)

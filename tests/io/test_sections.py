@@ -259,8 +259,8 @@ def test_a_box_of_calculix_has_its_mass(tmp_path: Path) -> None:
 
 
 def test_a_shell_and_a_bar_may_have_one_number(tmp_path: Path) -> None:
-    bars = "CBAR,99,7,1,2,0.,0.,1.\nPBARL,7,1,,BAR\n,.02,.01"
-    path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,1,.001,1", MAT1, bars])
+    bars = "CBAR,99,7,1,2,0.,0.,1.\nPBARL,07,+1,,BAR\n,.02,.01"
+    path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,+7,01,.001,+1", MAT1, bars])
     body = ao.FEModel.from_mesh(path, ao.read_sections(path))
     assert body.mass == pytest.approx(7800 * (0.2 * 0.1 * 1e-3 + 0.05 * 0.02 * 0.01))
 

@@ -50,6 +50,7 @@ def market(path: Path, matrix: Any, labels: Any) -> None:
 def market_general(path: Path, matrix: Any, labels: Any) -> None:
     with path.open("wb") as stream:
         scipy.io.mmwrite(stream, sp.coo_array(matrix), symmetry="general", precision=17)
+    path.write_text(path.read_text().replace("e-", "D-").replace("e+", "D+"))  # as of Fortran
 
 
 def market_array(path: Path, matrix: Any, labels: Any) -> None:
