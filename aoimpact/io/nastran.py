@@ -278,12 +278,12 @@ def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[s
     number for them. Without one they are sides and edges to which a mesher gave the number.
     """
     properties, found = joined(part.properties for part in parts), {}
-    known = {dim: {card.integer(0, "PID") for card in _properties(bulk, dim)} for dim in (1, 2)}
+    known = {dim: {card.text(0).lstrip("+0") for card in _properties(bulk, dim)} for dim in (1, 2)}
     for label in np.unique(properties[properties > 0]).tolist():
         own = properties == label
         for dim, what in ((1, "lines"), (2, "surfaces")):
             lower = own & (dims == dim)
-            if dim < dims[own].max() and lower.any() and label in known[dim]:
+            if dim < dims[own].max() and lower.any() and str(label) in known[dim]:
                 found[f"property {label} {what}"] = np.flatnonzero(lower)
                 own &= ~lower
         found[f"property {label}"] = np.flatnonzero(own)

@@ -89,7 +89,7 @@ class Source:
 
     def instead(self, name: str, dim: int = 3) -> Any:
         """Return what is given in place of a section of 1 to 3 dimensions, or of a material."""
-        kinds = _KINDS[dim]
+        kinds = _KINDS.get(dim, ())
         if (given := self.given.get(at := key(name))) is None:
             return None
         if not isinstance(given, kinds):
