@@ -249,18 +249,6 @@ def test_the_linear_solver_is_the_users_and_named(own_solver):
     assert hit.peak_force == pytest.approx(same.peak_force, rel=1e-7)
 
 
-def test_scenes_take_a_linear_solver_too(own_solver):
-    scene = ao.Scene()
-    ball = scene.add(ao.rigid(mass=0.06), velocity=1.0)
-    scene.connect(ball, scene.add(beam(ENDS)), law(STEEL, 0.01, ALUMINIUM))
-    run = scene.simulate(duration=2e-4, rtol=5e-2, linear_solver=own_solver)
-    assert set(own_solver.calls) == {513}
-    assert run.models[1].linear_solver == "Own"
-    assert (
-        scene.simulate(duration=2e-4, linear_solver="superlu").models[1].linear_solver == "superlu"
-    )
-
-
 # ------------------------------------------------------------------------------------- bad input
 
 

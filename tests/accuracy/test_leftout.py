@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import pickle
 import re
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -74,34 +73,6 @@ def test_more_stiffness_of_the_law_from_doubtful_curvatures_counts_as_contact() 
     assert hit.peak_force == pytest.approx(given.peak_force, rel=hit.error.total)
 
 
-@cache
-def light_ball_on(
-    divisions: tuple[int, int, int], kind: str, rtol: float | None = None
-) -> ao.Result:
-    nylon = ao.Material(E=2.4e9, nu=0.4, rho=1140)
-    mesh = ao.box_mesh((0.1, 0.08, 0.006), divisions, kind=kind)
-    body = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
-    return ao.simulate(
-        ao.ball(0.005, nylon), body.contact(point=(0.04, 0.035, 0.006)), 0.5, rtol=rtol
-    )
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("kind", "divisions"), [("tetra", (8, 6, 1)), ("hexahedron", (5, 4, 1))], ids=str
-)
-@pytest.mark.filterwarnings("ignore:.*the patch has a radius:aoimpact.AOImpactWarning")
-def test_a_plate_that_locks_until_it_looks_rigid_is_seen(
-    kind: str, divisions: tuple[int, int, int]
-) -> None:
-    """Linear elements, 6 mm thick and 20 and 12 mm wide: too stiff to see the light ball."""
-    hit = light_ball_on(divisions, kind)
-    truth = light_ball_on((15, 12, 1), "hexahedron20", 2e-3)
-    known = truth.error["peak_force"].total
-    assert known < 5e-3
-    assert abs(hit.peak_force / truth.peak_force - 1.0) < hit.error["peak_force"].total + known
-
-
 def test_what_a_rigid_model_of_a_mesh_leaves_out_is_not_known() -> None:
     """Given as a model, with no larger one that says what its body's deformation would do."""
     tip = plate(4, "hexahedron20").contact(point=(0.05, 0.05, 0.006))
@@ -110,22 +81,6 @@ def test_what_a_rigid_model_of_a_mesh_leaves_out_is_not_known() -> None:
     hit = ao.simulate(projectile=BALL, target=rigid, law=law, velocity=1.0, duration=1e-4)
     assert hit.error.mesh is None
     assert hit.error.contact is None
-
-
-@pytest.mark.slow
-def test_a_law_that_ends_just_beyond_the_impact_has_its_errors() -> None:
-    """The slope of a table is asked for within it, whether it goes on or not."""
-    tip = plate(16, "hexahedron20").contact(point=(0.05, 0.05, 0.006), radius=0.005)
-    hertz = ao.Hertz.between(STEEL, 0.01, ALU, math.inf)
-    whole = ao.simulate(projectile=BALL, target=tip, law=hertz, velocity=0.5, duration=1.5e-4)
-    deepest = (1.02 * whole.peak_force / hertz.k) ** (2.0 / 3.0)
-    depths = np.linspace(0.0, deepest, 200)[1:]
-    table = ao.Tabulated(depths, hertz.force(depths))
-    hit = ao.simulate(projectile=BALL, target=tip, law=table, velocity=0.5, duration=1.5e-4)
-    # Of the same size: models are chosen for each impact anew.
-    assert 0.5 < hit.error.mesh / whole.error.mesh < 2.0
-    # Infinite where what is left out would lead beyond the table.
-    assert hit.error.contact > 0.0
 
 
 @pytest.mark.slow
@@ -162,17 +117,6 @@ def test_a_history_of_several_contacts_says_in_which_it_is_off_most() -> None:
     said = re.search(r"at any time \(in contact (\d) of (\d)\) ±", repr(again))
     assert said is not None
     assert 1 < int(said.group(1)) <= int(said.group(2)) == len(again.contacts)
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*elements of first order")
-def test_displacement_without_curvature_under_the_contact_is_taken() -> None:
-    """Within one face of a linear tetrahedron it often varies by nothing at all."""
-    plate = ao.FEModel.from_mesh(ao.box_mesh((0.12, 0.12, 0.02), (4, 4, 1), kind="tetra"), ALU)
-    for place in ((0.005, 0.015), (0.005, 0.045), (0.025, 0.045), (0.045, 0.095)):
-        tip = plate.contact(point=(*place, 0.02), radius=1e-3)
-        error = ao.simulate(BALL, tip, 1.0).error["peak_force"]
-        assert error.contact < error.mesh < 1.0
 
 
 def test_a_patch_wider_than_a_plate_is_thick_is_refused() -> None:

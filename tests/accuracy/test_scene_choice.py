@@ -104,39 +104,6 @@ def test_numbers_of_contacts(three, quantity):
         assert getattr(run.contacts[i], quantity) == run.value(name)
 
 
-@pytest.mark.slow
-def test_a_full_body_in_three_places_is_its_modes():
-    """All natural modes exactly against Newmark's rule on K and M, under gravity and preload."""
-    tips = tips_of(beam((6, 1, 1), "hexahedron"))
-    scene = ao.Scene(gravity=9.81)
-    struck = scene.add(ao.full(tips))
-    balls = [scene.add(ao.rigid(mass=0.02), velocity=v) for v in SPEEDS]
-    for i, ball in enumerate(balls):
-        scene.connect(ball, struck.port(i), HERTZ)
-
-    def final(dt):
-        rule = ao.Newmark(dt=dt, estimate=False)
-        run = scene.simulate(duration=1e-4, solver=rule, preload=True)
-        return np.array([run[ball].velocity[-1] for ball in balls])
-
-    exact = scene.simulate(duration=1e-4, solver=ao.Adaptive(rtol=1e-9), preload=True)
-    mine = np.array([exact[ball].velocity[-1] for ball in balls])
-    assert (4.0 * final(1e-8) - final(2e-8)) / 3.0 == pytest.approx(mine, abs=1e-6)
-
-
-def test_the_scene_of_two_is_an_impact():
-    tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN, radius=0)
-    ball = ao.AOModel(m0=1e-3, m=[0.02, 0.005], k=[2e8, 9e8])
-    hit = ao.simulate(ball, tip, 1.0, law=HERTZ, duration=DURATION, rtol=1e-2)
-    scene = ao.Scene()
-    one, other = scene.add(ball, velocity=1.0), scene.add(tip)
-    scene.connect(one, other, HERTZ)
-    run = scene.simulate(duration=DURATION, rtol=1e-2)
-    assert [model.label for model in run.models] == [model.label for model in hit.models]
-    assert run.contacts[0].peak_force == hit.peak_force
-    assert run.error.model == pytest.approx(hit.error.model, rel=1e-9)
-
-
 def test_what_is_there_twice_is_reduced_alike():
     """A ball between two beams that are one and the same model."""
     tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN, radius=0)

@@ -145,20 +145,6 @@ def test_the_error_said_is_one_to_five_times_the_true_one(body: str, law: str, s
     assert min(true, 0.5) < said < 5.0 * true
 
 
-@pytest.mark.slow
-def test_of_most_sensors_the_error_said_is_one_to_five_times_the_true_one() -> None:
-    ratios = []
-    for body in BODIES:
-        for law in LAWS:
-            for sensor in ("acceleration", "strain", "reaction"):
-                said, true = said_and_true(body, law, sensor)
-                ratios.append(said / true)
-    found = np.array(ratios)
-    assert (found > 1.0).mean() > 0.7
-    assert found.min() > 0.75
-    assert found.max() < 5.0
-
-
 def test_where_nothing_is_known_of_the_mesh_the_error_is_not_0() -> None:
     body = sheet(1)
     alone = ao.FEModel(K=body.K, M=body.M, nodes=body.nodes, free=body.free)

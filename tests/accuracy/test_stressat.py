@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import gc
 import math
 from typing import Any
 
@@ -11,7 +10,6 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.linalg import SolverBook
 
 from twelve import ALL_EDGES, ALUMINIUM, STEEL, box, cube
 
@@ -135,18 +133,3 @@ def test_the_error_of_the_mesh_is_said_of_the_stress() -> None:
         assert true < np.abs(right).max() * (hit.error.total + fine.error.total), mesh
         # Tetrahedra give 9 MPa in place of 30: 250 % of what they give.
         assert np.abs(found).max() * hit.error.total < 5.0 * true, mesh
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*elements of first order")
-def test_a_result_keeps_nothing_of_the_search_for_its_model() -> None:
-    plate = box(ALUMINIUM, (0.1, 0.1, 0.005), (3, 3, 1), (0.4, 0.5, 1), ALL_EDGES)
-
-    def solvers() -> int:
-        gc.collect()
-        return sum(type(each) is SolverBook for each in gc.get_objects())
-
-    before = solvers()
-    hit = strike(plate, quantity=ao.StressAt(plate, POINT, "xx"), rtol=0.2)
-    assert hit.error.mesh is not None
-    assert solvers() == before

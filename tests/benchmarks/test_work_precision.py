@@ -1,7 +1,6 @@
 """Speed against error: the errors are true ones, the methods agree, and the table says it."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from work_precision import Reference, work_precision
 
 import aoimpact as ao
 
-STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 MASS = 0.1
 WALL = ao.rigid(mass=math.inf)
 LINEAR = ao.Linear(k=4e6)
@@ -81,56 +79,6 @@ def test_two_methods_of_nothing_in_common_agree(m0):
     assert table.fastest("Adaptive", 1e-8) is not None
 
 
-@pytest.fixture(scope="module")
-def patched():
-    """A ball of one oscillator, touched over a patch."""
-    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), STEEL)
-    return ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.0045), 1)
-
-
-@pytest.mark.parametrize(
-    ("law", "massless"),
-    [(ao.Hertz.between(STEEL, 0.01, STEEL, 0.01), False), (ao.Linear(k=1e8), True)],
-)
-def test_of_patched_bodies_both_methods_take_what_is_left_of_the_law(patched, law, massless):
-    """F = law(δ + c F) of the patch on both sides; a massless contact has its own compliance."""
-    table = study(
-        projectile=replace(patched, m0=0.0) if massless else patched,
-        target=patched,
-        law=law,
-        duration=1e-4,
-        scipy=["DOP853"],
-        adaptive=(1e-8,),
-    )
-    assert table.reference.independent < 1e-9
-    assert table.fastest("Adaptive", 1e-8) is not None
-
-
-@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
-def test_the_methods_agree_on_stars_drawn_at_random():
-    """Free and held, massless contacts or not, over decades of mass and frequency."""
-    rng = np.random.default_rng(3)
-    for _ in range(25):
-        n = rng.integers(1, 7)
-        shares = rng.dirichlet(np.ones(n + 1))
-        star = ao.AOModel(
-            m0=shares[0] if rng.random() > 0.25 else 0.0,
-            k0=0.0 if rng.random() < 0.5 else 10.0 ** rng.uniform(3, 7),
-            m=shares[1:],
-            k=shares[1:] * 10.0 ** rng.uniform(6, 9, n),
-        )
-        ball = ao.rigid(mass=10.0 ** rng.uniform(-2, 1))
-        scene = {"projectile": ball, "target": star, "law": ao.Hertz(k=10.0 ** rng.uniform(8, 10))}
-        scene["velocity"] = 10.0 ** rng.uniform(-2, 1)
-        scene["duration"] = 2e-3
-        hit = ao.simulate(**scene, solver=ao.Adaptive(rtol=1e-11))
-        other = run_scipy(1e-11, **scene)
-        assert hit.peak_force == pytest.approx(other.peak_force, rel=1e-8)
-        assert hit.contact_duration == pytest.approx(other.contact_duration, rel=1e-8)
-        difference = hit.parting[0] - other.rebound_velocity
-        assert abs(difference) < 1e-8 * scene["velocity"]
-
-
 @pytest.mark.filterwarnings("ignore:.*no contact")
 def test_no_contact_in_either_method():
     table = study(gap=1.0, scipy=["RK45"], adaptive=(1e-6,))
@@ -151,19 +99,6 @@ def test_errors_against_a_given_truth_are_the_true_ones():
     np.testing.assert_allclose(orders, 2.0, atol=0.1)
     assert all(row.error <= rtol for row, rtol in zip(table.rows[3:], (1e-4, 1e-9), strict=True))
     assert all(row.seconds > 0.0 for row in table.rows)
-
-
-def test_own_reference_knows_what_it_is_worth():
-    table = study(adaptive=(1e-6,))
-    exact = table.reference.outcome
-    assert exact.peak_force == pytest.approx(HALF_SINE.peak_force, rel=1e-11)
-    assert table.reference.uncertainty < 1e-10
-    assert table.reference.independent is None
-
-
-def test_a_result_may_be_the_reference():
-    truth = ao.simulate(**SCENE, solver=ao.Adaptive(rtol=1e-11))
-    assert study(adaptive=(1e-6,), reference=truth).reference.source == truth.solver
 
 
 # ---------------------------------------------------------------------- the scenes, the command

@@ -133,46 +133,6 @@ static void a_damped_force_is_right_at_its_start(void)
     }
 }
 
-/* How deep a ball will go under k d^(3/2) is known from the touch on: 2/5 k d^(5/2) = m v^2 / 2. */
-static void how_deep_it_will_be_is_known_at_the_touch(void)
-{
-    const double mass = 0.1, k = 1e9, speed[] = {1e-15, 1e-13, 1e-3, 1.0, 1.1, 1.3, 10.0};
-    const aoi_law law = hertz(k);
-    for (size_t i = 0; i < sizeof speed / sizeof speed[0]; i++) {
-        const double depth = pow(1.25 * mass * speed[i] * speed[i] / k, 0.4), end = 10.0 * depth / speed[i];
-        plant p = ball_on_wall(mass, speed[i], &law);
-        CHECK(begin(&p, 1e-4, end) == AOI_OK, "it begins");
-        make_room(&p, 2);
-        CHECK(aoi_adaptive_run(p.run, &p.track) == AOI_OK, "it touches");
-        CHECK(near(p.run->contact[0].indentation_scale, depth, 0.03), "at %g m/s: %g m, not %g", speed[i],
-              p.run->contact[0].indentation_scale, depth);
-        release(&p);
-    }
-}
-
-/* Every step hands on the law's force, the first one too, whose end its polynomial misses by some 1e-3. */
-static void each_step_ends_with_the_force_of_the_law(void)
-{
-    const aoi_law laws[] = {hertz(1e9), law_named("tsuji", 2, 1e9, 50.0, 0.0),
-                            law_named("kuwabara_kono", 2, 1e9, 1e-5, 0.0),
-                            law_named("hunt_crossley", 3, 1e9, 0.3, 1.5)};
-    for (int i = 0; i < 4; i++) {
-        const double end = 1e-4;
-        int status, steps = 0;
-        plant p = ball_on_wall(0.1, 1.0, &laws[i]);
-        for (status = begin(&p, 1e-4, end); status == AOI_OK && p.run->time < end; steps++) {
-            aoi_law_value value;
-            make_room(&p, p.track.rows + 1);
-            status = aoi_adaptive_run(p.run, &p.track);
-            aoi_law_push(&laws[i], p.run->contact[0].memory, p.run->contact[0].start, p.run->contact[0].start_rate, &value);
-            CHECK(near(p.run->contact[0].force, value.force, 1e-9), "law %d, step %d: %.12g, not %.12g", i, steps,
-                  p.run->contact[0].force, value.force);
-        }
-        CHECK(status == AOI_OK && steps > 2, "law %d: status %d, %d steps", i, status, steps);
-        release(&p);
-    }
-}
-
 /* A tip on a spring and a mass, against a wall: their displacements, then their velocities. */
 typedef struct ringer {
     const aoi_law *law;
@@ -288,48 +248,6 @@ static void fly_to_the_end(plant *p)
     }
 }
 
-/* Newton's cradle: three touching balls; all that is known of it is that it is no billiard. */
-static void a_cradle_of_three(void)
-{
-    const aoi_law law = hertz(1e6);
-    for (int apart = 0; apart < 2; apart++) {
-        plant p = {.bodies = 0};
-        double x[ALL_MODES], v[ALL_MODES];
-        for (int b = 0; b < 3; b++) {
-            add_rigid(&p, 1.0, b == 0 ? 1.0 : 0.0);
-        }
-        join_rigid(&p, 0, 1, 0.0, &law);
-        join_rigid(&p, 1, 2, apart ? 1e-4 : 0.0, &law);
-        runge_kutta(&p, 0.02, 60000, x, v);
-        must_go(&p, 1e-11, 0.02);
-        fly_to_the_end(&p);
-        compare(&p, x, v, 1e-12, 2e-10, apart ? "cradle with a gap" : "cradle");
-        CHECK(near(p.v[0] + p.v[1] + p.v[2], 1.0, 1e-12), "momentum");
-        CHECK(near(p.v[0] * p.v[0] + p.v[1] * p.v[1] + p.v[2] * p.v[2], 1.0, 1e-9), "energy");
-        release(&p);
-    }
-}
-
-/* A wave that reaches a contact whose force hangs on the rate: it begins there like a high power of time, which
- * looks the same in the shortest step. */
-static void a_wave_reaches_a_damper(void)
-{
-    const aoi_law first = hertz(1e6), second = linear(3e5), last = law_named("kelvin_voigt", 2, 4e5, 60.0, 0.0);
-    plant p = {.bodies = 0};
-    double x[ALL_MODES], v[ALL_MODES];
-    for (int b = 0; b < 4; b++) {
-        add_rigid(&p, 1.0, b == 0 ? 1.0 : 0.0);
-    }
-    join_rigid(&p, 0, 1, 0.0, &first);
-    join_rigid(&p, 1, 2, 0.0, &second);
-    join_rigid(&p, 2, 3, 0.0, &last);
-    runge_kutta(&p, 0.008, 60000, x, v);
-    must_go(&p, 1e-9, 0.008);
-    fly_to_the_end(&p);
-    compare(&p, x, v, 1e-11, 2e-9, "a wave");
-    release(&p);
-}
-
 /* What is pulled away parts from the light body before it, by less than the rounding of places, until a wave
  * comes. */
 static void a_wave_catches_up_with_what_parts(void)
@@ -443,28 +361,6 @@ static void a_crest_beside_a_contact_touches_or_does_not(void)
     }
 }
 
-/* A mass too heavy for the contact to matter: d = v t - a t^2 / 2, in one step, with the peak between its nodes. */
-static void a_contact_that_hardly_moves_its_bodies_has_its_peak(void)
-{
-    const double damping = 0.3, a = 2000.0, end = 1e-3;
-    const aoi_law law = law_named("hunt_crossley", 3, 1.0, damping, 1.5);
-    double peak = 0.0;
-    for (int i = 0; i <= 100000; i++) {
-        const double t = 1e-5 * i * end, d = t - 0.5 * a * t * t;
-        peak = fmax(peak, pow(fmax(d, 0.0), 1.5) * (1.0 + damping * (1.0 - a * t)));
-    }
-    for (int tolerance = 3; tolerance <= 8; tolerance++) {
-        const double rtol = pow(10.0, -tolerance);
-        plant p = ball_on_wall(1e9, 1.0, &law);
-        p.part[0].pulled = 1;
-        p.part[0].gravity[0] = -a;
-        must_go(&p, rtol, 2.0 * end);
-        CHECK(near(p.run->contact[0].peak_force, peak, rtol), "rtol %g: %.10g, not %.10g", rtol,
-              p.run->contact[0].peak_force, peak);
-        release(&p);
-    }
-}
-
 /* Pressed by a load that fades: its peak is the start's. */
 static void a_pressed_body_that_is_let_go_has_its_peak_at_the_start(void)
 {
@@ -571,34 +467,6 @@ static void contacts_meet_by_any_mode(void)
     release(&p);
 }
 
-/* Symmetric about the middle: three contacts begin at the same instant. */
-static void three_touch_at_once(void)
-{
-    const aoi_law law = hertz(1e8);
-    plant p = {.bodies = 0};
-    part *anvil = add_rigid(&p, 2.0, 0.0);
-    anvil->ports = 3;
-    for (int q = 0; q < 3; q++) {
-        anvil->shape[q] = 1.0;
-        anvil->push[q] = 0.5;
-    }
-    for (size_t q = 0; q < 3; q++) {
-        add_rigid(&p, 1.0, 1.0);
-        join(&p, q + 1, 0, 0, q, 1e-3, &law);
-    }
-    must_go(&p, 1e-10, 5e-3);
-    /* As one body of 3 kg on a contact of three times the stiffness. */
-    const double reduced = 3.0 * 2.0 / 5.0;
-    const double deepest = pow(2.5 * reduced / (2.0 * 3e8), 0.4);
-    for (size_t c = 0; c < 3; c++) {
-        CHECK(near(p.run->contact[c].peak_force, 1e8 * pow(deepest, 1.5), 1e-9), "contact %zu: peak", c);
-        CHECK(near(p.run->contact[c].impulse, 2.0 * reduced / 3.0, 1e-9), "contact %zu: impulse", c);
-        CHECK(near(moment_of(&p, c, AOI_TRACK_BEGINS), 1e-3, 1e-12), "contact %zu: touch", c);
-    }
-    CHECK(near(p.v[0], 2.0 * 3.0 / 5.0, 1e-9), "the anvil leaves with %g m/s", p.v[0]);
-    release(&p);
-}
-
 /* Bounces under gravity, as high as at first: each keeps its energy to the tolerance. */
 static void a_bouncing_ball_keeps_its_height(void)
 {
@@ -623,22 +491,6 @@ static void a_bouncing_ball_keeps_its_height(void)
     release(&p);
 }
 
-/* The end of a contact is foreseen, and its steps need no search: of a mass on a wall hardly one is in vain,
- * and they are few, however tight the tolerance. */
-static void contacts_end_where_a_step_does(void)
-{
-    const aoi_law laws[] = {hertz(2e9), linear(1e6), law_named("power", 2, 1e7, 1.25, 0.0)};
-    for (int i = 0; i < 9; i++) {
-        plant p = ball_on_wall(0.3, 1.0, &laws[i % 3]);
-        const double rtol = pow(10.0, -4.0 - 3.0 * (double)(i / 3));
-        must_go(&p, rtol, 0.05);
-        CHECK(!p.run->contact[0].closed && near(p.v[0], -1.0, rtol), "law %d: it has let go", i % 3);
-        CHECK(p.run->rejected <= 3 && p.run->steps <= 10 + (size_t)(4 * (i / 3)), "law %d, rtol %g: %zu steps, %zu in vain",
-              i % 3, rtol, p.run->steps, p.run->rejected);
-        release(&p);
-    }
-}
-
 /* Where a ball rests on its contact, k d^(3/2) = m g, it stays at rest; let go above, it swings about. */
 static void what_rests_goes_on_resting(void)
 {
@@ -652,40 +504,6 @@ static void what_rests_goes_on_resting(void)
     must_go(&p, 1e-9, 0.05);
     CHECK(near(p.x[0], rest, 1e-9) && fabs(p.v[0]) < 1e-9 * sqrt(g * rest), "at rest: %.12g", p.x[0] / rest);
     CHECK(near(p.run->contact[0].impulse, mass * g * 0.05, 1e-9), "the floor carries its weight");
-    release(&p);
-}
-
-/* A weight that shakes on a spring for 1000 and a quarter periods, in steps that are rounded alike: it ends in
- * the middle, at its full speed. */
-static void what_shakes_keeps_in_time(void)
-{
-    const double g = 9.81, mass = 0.1, k = 1e6, omega = sqrt(k / mass), rest = mass * g / k;
-    const aoi_law law = linear(k);
-    plant p = ball_on_wall(mass, 0.0, &law);
-    part *weight = &p.part[0];
-    weight->pulled = 1;
-    weight->gravity[0] = g;
-    weight->x[0] = 1.5 * rest;
-    must_go(&p, 1e-11, 1000.25 * 2.0 * PI / omega);
-    CHECK(fabs(p.x[0] - rest) < 1e-11 * rest, "in the middle, to %g of its rest", p.x[0] / rest - 1.0);
-    CHECK(near(p.v[0], -0.5 * rest * omega, 1e-11), "up, at full speed: %.15g", p.v[0] / (rest * omega));
-    release(&p);
-}
-
-/* Pressed together and let go: the stored energy becomes kinetic. */
-static void preloaded_bodies_fly_apart(void)
-{
-    const double k = 1e8, overlap = 1e-4, m[] = {0.5, 2.0};
-    const aoi_law law = hertz(k);
-    plant p = {.bodies = 0};
-    add_rigid(&p, m[0], 0.0);
-    add_rigid(&p, m[1], 0.0);
-    join_rigid(&p, 0, 1, -overlap, &law);
-    must_go(&p, 1e-10, 0.05);
-    const double energy = 0.4 * k * pow(overlap, 2.5), reduced = m[0] * m[1] / (m[0] + m[1]);
-    CHECK(near(p.v[1] - p.v[0], sqrt(2.0 * energy / reduced), 1e-10), "apart with %g", p.v[1] - p.v[0]);
-    CHECK(near(p.run->contact[0].peak_force, k * pow(overlap, 1.5), 1e-12), "the peak is at the start");
-    CHECK(p.run->contact[0].peak_time < 1e-12 && moment_of(&p, 0, AOI_TRACK_BEGINS) == 0.0, "from the start");
     release(&p);
 }
 
@@ -922,26 +740,6 @@ static void what_rings_in_a_contact_is_in_its_force(void)
     }
 }
 
-/* Nor is it a matter of luck, where so little rings that a step may look good enough. */
-static void no_step_passes_by_chance(void)
-{
-    const double k = 1.6e7, depth = sqrt(10.0 / 11.0 / k);
-    uint64_t seed = 7;
-    for (int i = 0; i < 800; i++) {
-        const double turns = 300.0 * pow(30.0, uniform(&seed)), rtol = pow(10.0, -4.0 - 3.0 * uniform(&seed));
-        const double share = rtol * (2.0 + 4.0 * uniform(&seed)), omega = turns * sqrt(1.1 * k);
-        const rung of = ring_on(k, omega, share * depth);
-        const aoi_law law = linear(k);
-        const double top = rung_top(&of), end = rung_end(&of), impulse = k * rung_sum(&of, end);
-        plant p = rung_plant(&law, omega, share * depth);
-        must_go(&p, rtol, 1.05 * end);
-        const double off = fmax(fabs(p.run->contact[0].peak_force / (k * top) - 1.0),
-                                fabs(p.run->contact[0].impulse / impulse - 1.0));
-        CHECK(off < rtol, "%g turns of %g, rtol %g: off by %g", turns, share, rtol, off);
-        release(&p);
-    }
-}
-
 /* How deep a crest of what rings would go into a ball that goes on as if there were no contact. */
 static double crest_at(double omega, double amplitude, double parting, double gap, double time)
 {
@@ -1065,25 +863,6 @@ static void bodies_of_one_model_move_as_others_do(void)
     }
 }
 
-/* Stiff oscillators that nobody excites ask for no short steps. */
-static void stiffness_alone_costs_nothing(void)
-{
-    const aoi_law law = hertz(1e6);
-    size_t steps[2];
-    for (int stiff = 0; stiff < 2; stiff++) {
-        uint64_t seed = 3;
-        plant p = {.bodies = 0};
-        part *ball = add_ringing(&p, 3, 1, 1.0, stiff ? 1e9 : 1e5, 1.0, &seed);
-        add_wall(&p);
-        join_rigid(&p, 0, 1, 0.0, &law);
-        must_go(&p, 1e-8, 0.02);
-        CHECK(near(p.v[0], -ball->v[0], 1e-4), "it comes back");
-        steps[stiff] = p.run->steps;
-        release(&p);
-    }
-    CHECK(steps[1] <= steps[0] + 10, "%zu steps, softer ones %zu", steps[1], steps[0]);
-}
-
 /* m d'' + c d' + k d = 0 that pulls until d is 0 again, after pi / omega_d. Near critical damping the bodies hardly move
  * then. */
 static void a_slow_end_is_when_the_indentation_is_zero(void)
@@ -1158,20 +937,6 @@ static void senseless_runs_are_refused(void)
     }
 }
 
-static void bodies_without_contacts_fly(void)
-{
-    plant p = {.bodies = 0};
-    part *ball = add_rigid(&p, 1.0, 2.0);
-    ball->pulled = 1;
-    ball->gravity[0] = -3.0;
-    must_go(&p, 1e-6, 2.0);
-    CHECK(open_sampler(&p) == AOI_OK, "sampled");
-    double record[AOI_BODY_ROWS + AOI_PORT_ROWS];
-    aoi_sampler_column(p.sampler, 2.0, 1, record, 1);
-    CHECK(near(record[0], -2.0, 1e-14), "x = v t + g t^2 / 2: %g", record[0]);
-    release(&p);
-}
-
 /* No machine has the memory: malloc refuses what these say. */
 static void sizes_that_overflow_are_too_large(void)
 {
@@ -1189,40 +954,28 @@ int main(void)
     the_first_moments_are_exact_relative_to_themselves();
     a_linear_contact_is_half_a_sine();
     a_damped_force_is_right_at_its_start();
-    how_deep_it_will_be_is_known_at_the_touch();
-    each_step_ends_with_the_force_of_the_law();
     a_force_that_comes_back_is_seen();
     a_short_record_has_its_own_scale();
-    a_cradle_of_three();
-    a_wave_reaches_a_damper();
     a_wave_catches_up_with_what_parts();
     a_touch_beside_a_contact_is_not_stepped_over();
     a_crest_beside_a_contact_touches_or_does_not();
     a_pressed_body_that_is_let_go_has_its_peak_at_the_start();
-    a_contact_that_hardly_moves_its_bodies_has_its_peak();
     a_law_is_asked_no_deeper_than_the_motion_may_lead();
     a_row_of_ringing_bodies();
     contacts_meet_by_any_mode();
-    three_touch_at_once();
     a_bouncing_ball_keeps_its_height();
-    contacts_end_where_a_step_does();
     what_rests_goes_on_resting();
-    what_shakes_keeps_in_time();
-    preloaded_bodies_fly_apart();
     hunt_and_crossley_lose_what_they_must();
     a_law_that_fails_is_named();
     a_body_of_any_mass_runs_up_the_law();
     a_patch_has_its_limit();
     what_rings_in_a_contact_is_in_its_force();
-    no_step_passes_by_chance();
     a_crest_that_is_drawn_back_has_its_own_scale();
     a_run_in_pieces_is_the_run();
     bodies_of_one_model_move_as_others_do();
-    stiffness_alone_costs_nothing();
     a_slow_end_is_when_the_indentation_is_zero();
     energies_that_overflow_are_refused();
     senseless_runs_are_refused();
-    bodies_without_contacts_fly();
     sizes_that_overflow_are_too_large();
     return check_report();
 }

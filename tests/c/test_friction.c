@@ -180,28 +180,6 @@ static void a_growing_normal_force_stops_slip(void)
     CHECK(near(more / small, RATIO * 1.5 * K * sqrt(1.5 * DEEP), 1e-5), "Mindlin's stiffness");
 }
 
-/* Straight motion along one line is the same in one step and in many. */
-static void one_step_is_as_good_as_many(void)
-{
-    uint64_t seed = 11;
-    for (int i = 0; i < 50; i++) {
-        contact one, many;
-        begin(&one, "hertz", MU, 1e-12, ROOM);
-        begin(&many, "hertz", MU, 1e-12, ROOM);
-        double depth = 0.0;
-        for (int turn = 0; turn < 12; turn++) {
-            const double next = DEEP * uniform(&seed), slide = MU / RATIO * DEEP * (3.0 * uniform(&seed) - 1.5);
-            const double a = go(&one, next, slide, 0.0).force[0];
-            double b = 0.0;
-            for (int part = 1; part <= 7; part++) {
-                b = go(&many, depth + (next - depth) * part / 7.0, slide / 7.0, 0.0).force[0];
-            }
-            CHECK(fabs(a - b) < 1e-11 * MU * normal(&one, DEEP), "path %d, turn %d: %g and %g N", i, turn, a, b);
-            depth = next;
-        }
-    }
-}
-
 /* A linear law has one spring, which turns as dn/dt = (I - n n) u/r: by small steps of the rates themselves. */
 static void a_spring_turns_towards_the_slide(void)
 {
@@ -228,57 +206,6 @@ static void a_spring_turns_towards_the_slide(void)
         const double found[2] = {value.force[0] / (RATIO * K), value.force[1] / (RATIO * K)};
         CHECK(fabs(found[0] - s[0]) < 4e-6 * unit && fabs(found[1] - s[1]) < 4e-6 * unit,
               "path %zu: %g, %g and %g, %g", i, found[0] / unit, found[1] / unit, s[0] / unit, s[1] / unit);
-    }
-}
-
-/* However a slide turns, a linear law keeps its one spring and the rim. */
-static void a_linear_law_keeps_one_spring(void)
-{
-    contact c;
-    begin(&c, "linear", MU, 1e-6, ROOM);
-    const double unit = MU / RATIO * DEEP;
-    for (int i = 1; i <= 300; i++) {
-        const double t = i / 301.0;
-        (void)go(&c, DEEP * sin(PI * t), 0.05 * unit * cos(9.0 * t), 0.05 * unit * sin(9.0 * t));
-        CHECK(c.state.count <= 3, "%zu springs after path %d", c.state.count, i);
-    }
-}
-
-/* Force and energy of paths that turn, in finer and finer precision. */
-static double turning(double precision, double *work)
-{
-    contact c;
-    begin(&c, "hertz", MU, precision, ROOM);
-    double depth = 0.0, x = 0.0, y = 0.0, before[2] = {0.0, 0.0}, seen = 0.0;
-    *work = 0.0;
-    for (int i = 1; i <= 100; i++) {
-        const double t = i / 101.0, unit = MU / RATIO * DEEP;
-        const double to = unit * 0.9 * sin(5.0 * t), up = unit * 0.6 * (1.0 - cos(4.0 * t));
-        depth = DEEP * sin(PI * t);
-        const aoi_friction_value value = go(&c, depth, to - x, up - y);
-        *work += 0.5 * ((value.force[0] + before[0]) * (to - x) + (value.force[1] + before[1]) * (up - y));
-        CHECK(hypot(value.force[0], value.force[1]) <= MU * normal(&c, depth) * (1.0 + 1e-12), "Coulomb's bound");
-        seen = i == 60 ? value.force[0] : seen;
-        before[0] = value.force[0];
-        before[1] = value.force[1];
-        x = to;
-        y = up;
-    }
-    return seen;
-}
-
-static void turning_paths_converge_in_the_precision(void)
-{
-    double fine_work, work, most = 0.0;
-    contact c;
-    begin(&c, "hertz", MU, 1e-4, ROOM);
-    most = MU * normal(&c, DEEP);
-    const double fine = turning(2e-5, &fine_work);
-    for (double precision = 1e-2; precision > 5e-5; precision *= 0.1) {
-        const double force = turning(precision, &work);
-        CHECK(fabs(force - fine) < 2.0 * precision * most, "%g with precision %g", (force - fine) / most, precision);
-        CHECK(fabs(work - fine_work) < 2.0 * precision * fine_work, "work %g with precision %g", work / fine_work - 1.0,
-              precision);
     }
 }
 
@@ -425,30 +352,6 @@ static void friction_only_dissipates(void)
     }
 }
 
-static void without_friction_there_is_none(void)
-{
-    contact c;
-    begin(&c, "hertz", 0.0, 1e-4, 8);
-    for (int i = 0; i < 9; i++) {
-        const aoi_friction_value value = go(&c, DEEP * sin(PI * i / 8.0), DEEP, -DEEP);
-        CHECK(value.force[0] == 0.0 && value.force[1] == 0.0 && value.by_slide[0][0] == 0.0, "step %d", i);
-        CHECK(aoi_friction_energy(&c.friction, &c.state) == 0.0, "energy");
-    }
-}
-
-/* Of a path that begins apart only what comes after the touch counts, and contact that was lost is forgotten. */
-static void the_path_counts_from_the_touch(void)
-{
-    contact c, d;
-    begin(&c, "hertz", MU, 1e-4, 16);
-    begin(&d, "hertz", MU, 1e-4, 16);
-    c.state.indentation = -DEEP;
-    const double unit = MU / RATIO * DEEP, half = go(&c, DEEP, unit, 0.0).force[0];
-    CHECK(near(half, go(&d, DEEP, 0.5 * unit, 0.0).force[0], 1e-13), "half of the way");
-    CHECK(go(&c, -DEEP, unit, 0.0).force[0] == 0.0 && c.state.count == 0, "apart");
-    CHECK(near(go(&c, DEEP, unit, 0.0).force[0], half, 1e-13), "the second touch is as the first");
-}
-
 static void remember_nothing(const aoi_law *law, double indentation, double rate, double *memory)
 {
     (void)law;
@@ -502,17 +405,12 @@ int main(void)
     small_slides_are_as_exact_as_large_ones();
     an_oblique_force_within_the_angle_of_friction_sticks();
     a_growing_normal_force_stops_slip();
-    one_step_is_as_good_as_many();
     a_spring_turns_towards_the_slide();
-    a_linear_law_keeps_one_spring();
-    turning_paths_converge_in_the_precision();
     a_sliding_contact_turns_spring_by_spring();
     derivatives_are_those_of_the_force();
     any_motion_keeps_to_coulomb_and_to_the_room();
     extreme_numbers_do_no_harm();
     friction_only_dissipates();
-    without_friction_there_is_none();
-    the_path_counts_from_the_touch();
     the_compliance_of_a_mesh_is_left_out();
     what_remembers_or_pulls_is_refused();
     return check_report();

@@ -310,25 +310,6 @@ static void a_damped_law_stands_less_deep(void)
     CHECK(!aoi_law_stands(&law, NULL, 2e-6, 0.0) && aoi_law_stands(&law, NULL, 5e-7, 0.0), "its limit");
 }
 
-/* Whoever looks for the depth of an energy finds one. */
-static void energy_grows_past_the_limit(void)
-{
-    for (size_t i = 0; i < EVERY; i++) {
-        if (every[i].compliance == 0.0) {
-            continue;
-        }
-        aoi_law law = law_at(i);
-        const double memory[AOI_LAW_MEMORY] = {0.0};
-        double before = 0.0;
-        law.limit = 1e-5;
-        for (double d = 1e-7; d < 1e6; d *= 1.1) {
-            const double energy = aoi_law_potential(&law, memory, d);
-            CHECK(energy > before, "%s stores %g J at %g m", every[i].name, energy, d);
-            before = energy;
-        }
-    }
-}
-
 /* Laws that yield over cycles of growing depth: the cycle's loss is the area between its branches,
  * what is stored comes back, and pieces meet. */
 static void plastic_contact_remembers(void)
@@ -665,121 +646,6 @@ static void a_law_of_few_digits_has_a_force_within_a_patch(void)
     }
 }
 
-static void spring_of_one(const aoi_law *law, const double *memory, int piece, double d, double rate,
-                          aoi_law_value *value)
-{
-    (void)law;
-    (void)memory;
-    (void)piece;
-    (void)rate;
-    *value = (aoi_law_value){d, 1.0, 0.0};
-}
-
-static int stuck_piece(const aoi_law *law, const double *memory, double d, int rising, double *low,
-                       double *high)
-{
-    (void)law;
-    (void)memory;
-    (void)d;
-    (void)rising;
-    *low = 0.0;
-    *high = 1.0;
-    return 0;
-}
-
-static void pieces_that_go_no_further_are_an_error(void)
-{
-    double note[AOI_LAW_NOTE] = {0.0}, low, high;
-    aoi_law_value value;
-    const aoi_law law = {.force = spring_of_one, .piece = stuck_piece, .limit = HUGE_VAL,
-                         .compliance = 0.5, .note = note};
-    CHECK(aoi_law_piece(&law, NULL, 0.4, 1, &low, &high) == 0 && high == 0.5, "the first piece");
-    CHECK(aoi_law_piece(&law, NULL, 0.6, 1, &low, &high) == AOI_NO_PIECE, "there is no other");
-    aoi_law_push(&law, NULL, 0.6, 1.0, &value);
-    CHECK(isnan(value.force) && note[0] == 0.6 && note[1] == 1.0, "and no force");
-    aoi_law plastic = law_among("thornton", 2e-9);
-    const double memory[AOI_LAW_MEMORY] = {0.0};
-    CHECK(aoi_law_piece(&plastic, memory, HUGE_VAL, 1, &low, &high) >= 0 && high == HUGE_VAL,
-          "the last piece holds even the infinite");
-}
-
-/* However far beyond the patch's limit yield lies: where the law less the patch's part would already
- * fall, at 0.1 c F is ten times d. */
-static void a_far_yield_leaves_the_elastic_piece_alone(void)
-{
-    double note[AOI_LAW_NOTE] = {0.0};
-    for (double yield = 1e-4; yield < 1.0; yield *= 1.3) {
-        const double k = 1e10, parameter[] = {k, k * yield * sqrt(yield)};
-        const double memory[AOI_LAW_MEMORY] = {0.0};
-        aoi_law elastic, plastic;
-        CHECK(aoi_law_create(&elastic, "hertz", 1, &k) == AOI_OK, "Hertz's law");
-        CHECK(aoi_law_create(&plastic, "thornton", 2, parameter) == AOI_OK, "Thornton's");
-        elastic.compliance = plastic.compliance = 3e-9;
-        plastic.note = note;
-        for (double d = 1e-9; d < 7e-5; d *= 2.0) { /* 3e-9 1.5e10 d^(1/2) < 0.5 */
-            aoi_law_value wanted, value;
-            aoi_law_push(&elastic, NULL, d, 1.0, &wanted);
-            aoi_law_push(&plastic, memory, d, 1.0, &value);
-            CHECK(value.force == wanted.force && note[2] == 0.0, "yield at %g, d %g: %g, not %g", yield,
-                  d, value.force, wanted.force);
-        }
-    }
-}
-
-static double pulling_law(double d, double rate) { return d - 1.0 + rate; }
-
-static void the_force_alone_is_the_force(void)
-{
-    const aoi_user_law user = {.function = {pulling_law}, .given = {1}};
-    double note[AOI_LAW_NOTE] = {0.0};
-    aoi_law laws[EVERY + 3];
-    for (size_t i = 0; i < EVERY; i++) {
-        laws[i] = law_at(i);
-    }
-    for (int pulls = 0; pulls < 2; pulls++) {
-        CHECK(aoi_law_create_user(&laws[EVERY + pulls], &user, 1, pulls) == AOI_OK, "made");
-    }
-    laws[EVERY + 2] = within_patch(cubic_law, 0.1, NULL);
-    for (size_t i = 0; i < EVERY + 3; i++) {
-        const double memory[AOI_LAW_MEMORY] = {0.0};
-        for (double d = -1e-6; d < 2.0; d = d < 1e-9 ? 2.0 * d + 3e-6 : 3.0 * d) {
-            aoi_law_value value;
-            aoi_law_push(&laws[i], memory, d, -0.2, &value);
-            CHECK(aoi_law_push_only(&laws[i], memory, d, -0.2) == value.force, "law %zu at %g", i, d);
-        }
-    }
-    aoi_law broken = within_patch(nan_law, 0.0, note);
-    CHECK(isnan(aoi_law_push_only(&broken, NULL, 1.5, 2.0)) && note[0] == 1.5 && note[1] == 2.0 &&
-              note[2] == AOI_ERROR_LAW,
-          "NaN is noted");
-}
-
-static double settled(const aoi_law *law, const double *memory)
-{
-    (void)law;
-    return memory[0];
-}
-
-static void spring_from_rest(const aoi_law *law, const double *memory, int piece, double d,
-                             double rate, aoi_law_value *value)
-{
-    (void)law;
-    (void)piece;
-    (void)rate;
-    *value = (aoi_law_value){d - memory[0], 1.0, 0.0};
-}
-
-static void no_force_up_to_rest(void)
-{
-    const aoi_law law = {.force = spring_from_rest, .rest = settled, .limit = HUGE_VAL, .pulls = 1};
-    const double memory[AOI_LAW_MEMORY] = {0.5};
-    for (double d = 0.1; d < 1.0; d += 0.2) {
-        aoi_law_value value;
-        aoi_law_push(&law, memory, d, 0.0, &value);
-        CHECK(near(value.force, d > 0.5 ? d - 0.5 : 0.0, 1e-15), "at %g", d);
-    }
-}
-
 /* What a state that is no number makes is none either. */
 static void no_number_in_no_number_out(void)
 {
@@ -794,24 +660,6 @@ static void no_number_in_no_number_out(void)
         CHECK(isnan(aoi_law_potential(&law, memory, nan)), "%s stores energy", every[i % EVERY].name);
         aoi_law_push(&law, memory, 1e-6, nan, &value);
         CHECK(isnan(value.force) == law.depends_on_rate, "%s at no rate: %g N", every[i % EVERY].name, value.force);
-    }
-}
-
-static void only_the_pulling_law_pulls(void)
-{
-    for (size_t i = 0; i < EVERY; i++) {
-        const aoi_law law = law_at(i);
-        double memory[AOI_LAW_MEMORY] = {0.0};
-        CHECK(law.pulls == (strstr(every[i].name, "pulling") != NULL), "%s", every[i].name);
-        for (double v = -50.0; v < 0.0; v += 3.3) {
-            aoi_law_value value;
-            aoi_law_push(&law, memory, 1e-6, v, &value);
-            CHECK(law.pulls ? value.force < 0.0 || v > -0.2 : value.force >= 0.0, "%s at %g m/s: %g N",
-                  every[i].name, v, value.force);
-            aoi_law_push(&law, memory, -1e-9, v, &value);
-            CHECK(value.force == 0.0 && value.stiffness == 0.0 && value.damping == 0.0, "%s apart",
-                  every[i].name);
-        }
     }
 }
 
@@ -858,7 +706,6 @@ int main(void)
     compliance_is_taken_out();
     beyond_its_limit_a_law_is_a_line();
     a_damped_law_stands_less_deep();
-    energy_grows_past_the_limit();
     plastic_contact_remembers();
     full_plasticity_is_brakes();
     laminates_are_yang_and_suns();
@@ -869,12 +716,7 @@ int main(void)
     a_law_that_falls_has_no_force_within_a_patch();
     a_law_of_few_digits_has_a_force_within_a_patch();
     a_damper_that_pulls_has_a_force_within_a_patch();
-    pieces_that_go_no_further_are_an_error();
-    a_far_yield_leaves_the_elastic_piece_alone();
-    the_force_alone_is_the_force();
-    no_force_up_to_rest();
     no_number_in_no_number_out();
-    only_the_pulling_law_pulls();
     what_no_law_is_made_of();
     return check_report();
 }

@@ -59,25 +59,6 @@ static void chain_has_its_eigenvectors(void)
     }
 }
 
-/* As many vectors as there may be over from four at a time. */
-static void several_products_are_those_of_each(void)
-{
-    enum { N = 9, COUNT = 7 };
-    chain c;
-    double x[COUNT * N], y[COUNT * N], alone[N];
-    chain_make(&c, N);
-    for (int i = 0; i < COUNT * N; i++) {
-        x[i] = sin(1.7 * i);
-    }
-    for (size_t count = 0; count <= COUNT; count++) {
-        aoi_sparse_multiply_each(&c.matrix, count, x, y);
-        for (size_t k = 0; k < count; k++) {
-            aoi_sparse_multiply(&c.matrix, x + k * N, alone);
-            CHECK(memcmp(alone, y + k * N, sizeof alone) == 0, "vector %zu of %zu", k, count);
-        }
-    }
-}
-
 /* Rows of 0, 1, 2, ... 6 entries: every remainder of the unrolled loop, an empty row included. */
 static void rows_of_any_length(void)
 {
@@ -246,48 +227,6 @@ static void dense_matrices_solve_as_elimination_does(void)
     }
 }
 
-/* A dense matrix is one panel, whatever its width leaves over when swept four columns at a time;
- * cut into any other panels it has the same inverse. */
-static void panels_do_not_change_the_solution(void)
-{
-    static double a[MOST][MOST];
-    static factored f;
-    uint64_t seed = 21;
-    int32_t place[MOST];
-    double x[MOST];
-    for (int32_t n = 1; n <= 23; n++) {
-        /* min(i, j): a rod's compliance, whose solution to a load at its end is a unit there. */
-        for (int32_t i = 0; i < n; i++) {
-            place[i] = i;
-            for (int32_t j = 0; j < n; j++) {
-                a[i][j] = 1.0 + (i < j ? i : j);
-            }
-        }
-        factored_make(&f, n, a, place);
-        CHECK(f.factors.panel_count == 1 && f.panel[1] == n, "a dense matrix is one panel");
-        for (int cut = 0; cut < 6; cut++) {
-            for (int32_t i = 0; i < n; i++) {
-                x[i] = i + 1.0;
-            }
-            aoi_factors_solve(&f.factors, x);
-            double worst = fabs(x[n - 1] - 1.0);
-            for (int32_t i = 0; i + 1 < n; i++) {
-                worst = fmax(worst, fabs(x[i]));
-            }
-            CHECK(worst < 1e-13, "%d columns in %zu panels: off by %g", (int)n,
-                  f.factors.panel_count, worst);
-            f.factors.panel_count = 0;
-            for (int32_t j = 1; j <= n; j++) {
-                if (j == n || cut == 0 || uniform(&seed) < 0.15 * cut) {
-                    f.panel[++f.factors.panel_count] = j;
-                }
-            }
-            CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_OK, "cut %d of %d", cut,
-                  (int)n);
-        }
-    }
-}
-
 /* The chain's factor has one entry a column: only its last two columns are of like pattern. */
 static void panels_are_found_where_patterns_are_alike(void)
 {
@@ -390,48 +329,15 @@ static void unusable_factors_are_refused(void)
     }
 }
 
-static int say_no(void *data)
-{
-    return ++*(int *)data > 1;
-}
-
-/* Who is asked now and then can end a long solution. */
-static void long_solutions_can_be_ended(void)
-{
-    const size_t n = (size_t)3 << 20;
-    int32_t *start = calloc(n + 1, sizeof *start), *panel = malloc((n + 1) * sizeof *panel);
-    double *x = malloc(3 * n * sizeof *x), *pivots = x + n, *work = pivots + n;
-    int asked = 0;
-    const aoi_pause pause = {say_no, &asked};
-    if (start && panel && x) {
-        for (size_t i = 0; i <= n; i++) {
-            panel[i] = (int32_t)i;
-        }
-        for (size_t i = 0; i < n; i++) {
-            x[i] = 1.0;
-            pivots[i] = 2.0;
-        }
-        aoi_factors factors = {n, start, start, x, pivots, panel, panel, n, work, &pause};
-        CHECK(aoi_factors_solve(&factors, x) == AOI_ERROR_STOPPED && asked == 2, "asked %d times",
-              asked);
-    }
-    free(start);
-    free(panel);
-    free(x);
-}
-
 int main(void)
 {
     chain_has_its_eigenvectors();
-    several_products_are_those_of_each();
     rows_of_any_length();
     unreadable_matrices_are_refused();
     chain_under_its_own_weight_is_a_parabola();
     dense_matrices_solve_as_elimination_does();
-    panels_do_not_change_the_solution();
     panels_are_found_where_patterns_are_alike();
     panels_that_do_not_fit_are_refused();
     unusable_factors_are_refused();
-    long_solutions_can_be_ended();
     return check_report();
 }

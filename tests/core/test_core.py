@@ -362,36 +362,6 @@ def test_matrices_of_wrong_arrays_are_refused(bad: str) -> None:
                     _core.newmark(*steps_arguments(*pair))
 
 
-@pytest.mark.parametrize(
-    ("parts", "error"),
-    [
-        ({"full": ()}, TypeError),
-        ({"full": (*full()["full"][:2], "much", 0.0, full()["full"][4])}, TypeError),
-        ({"full": (*full()["full"][:2], -1.0, 0.0, full()["full"][4])}, ao.InputError),
-        ({"omega": np.zeros(6)}, ao.InputError),
-        ({"inertia": np.ones(6)}, ao.InputError),
-    ],
-)
-def test_what_is_no_body_in_finite_elements_is_refused(
-    parts: dict[str, Any], error: type[Exception]
-) -> None:
-    with pytest.raises(error):
-        _core.newmark(*steps_arguments(full() | parts, star()))
-
-
-def test_bodies_in_finite_elements_are_for_fixed_steps_alone() -> None:
-    described = steps_arguments(full(), star())[0]
-    arguments = adaptive_arguments()
-    arguments[:2] = described, ((0, 0, 1, 0, 0.0, law()),)
-    arguments[4:7] = None, (np.ones(6), np.ones(4)), (1.0, 0.0)
-    with pytest.raises(ao.InputError):
-        _core.adaptive(*arguments)
-    arguments = briefs_arguments()
-    arguments[0], arguments[1] = (arguments[0][0], described[0]), (np.ones(1), np.ones(6))
-    with pytest.raises(ao.InputError):
-        _core.briefs(*arguments)
-
-
 @pytest.mark.parametrize("bad", BAD_ARRAYS)
 def test_modes_of_wrong_arrays_are_refused(bad: str) -> None:
     optional = {"decay", "residual", "gravity", "inertia", "centre_residual", "load_time", "full"}
@@ -472,12 +442,6 @@ def test_bodies_at_rest_and_undeformed_need_no_modes() -> None:
     given = adaptive_bytes(arguments)
     arguments[4] = None
     assert adaptive_bytes(arguments) == given
-
-
-def test_a_run_of_more_steps_than_wanted_is_given_up() -> None:
-    arguments = adaptive_arguments(duration=10.0)
-    with pytest.raises(ao.ConvergenceError, match="duration"):
-        _core.adaptive(*arguments[:-1], 50)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
@@ -748,33 +712,6 @@ def test_buffers_are_given_back(name: str) -> None:
         buffer.append(0.0)
 
 
-@pytest.mark.parametrize("name", ["hertz", "no such law"])
-def test_buffers_of_an_adaptive_run_are_given_back(name: str) -> None:
-    one, none = doubles(1.0), doubles(0.0)
-    ball = in_modes(omega=doubles(0.0), shape=one, push=one, inertia=one, centre=one)
-    still = {"omega": none, "shape": one, "push": none, "inertia": none, "centre": one}
-    wall = in_modes(**still, load_time=none, load_force=none)
-    note, x, moving = doubles(0.0, 0.0, 0.0), doubles(0.0, 0.0), (doubles(1.0), doubles(1.0))
-    start = x, moving, (1.0, 0.0), sys.maxsize
-    scene = (ball, wall), ((0, 0, 1, 0, 0.0, (name, (1e9,), 0.0, math.inf, note, None)),)
-    if name == "hertz":
-        track, _, v, *_ = _core.adaptive(*scene, 1e-6, 1e-3, *start)
-        record = doubles(*np.zeros(4 + 2 * 8))
-        _core.track_sample(track, doubles(1e-3), record, True)
-        assert np.frombuffer(v)[0] == pytest.approx(-1.0, rel=1e-6)
-        assert record[5] == pytest.approx(-1.0, rel=1e-6)
-        record.append(0.0)
-        with pytest.raises(ValueError, match="out"):
-            _core.track_sample(track, doubles(1e-3), record, True)
-        record.append(0.0)
-        del track  # which holds the bodies for as long as it may be read
-    else:
-        with pytest.raises(ao.InputError):
-            _core.adaptive(*scene, 1e-6, 1e-3, *start)
-    for buffer in (one, none, ball[0], note, x, *moving):
-        buffer.append(0.0)
-
-
 def test_buffers_are_given_back_after_a_refusal() -> None:
     for position in range(2, 6):
         buffers: list[Any] = [doubles(1.0) for _ in range(6)]
@@ -897,37 +834,6 @@ def test_a_solver_may_keep_its_views(raises: bool) -> None:
     for view in kept:
         view[:] = 3.0
     assert all((other == 7.0).all() for other in junk)
-
-
-def loaded_ball(points: int) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """A ball under a load of so many points that never touches its wall, and their joint."""
-    times = np.linspace(0.0, 1.0, points)
-    ones, still = np.ones((1, 1)), np.zeros((1, 1))
-    load = {"load_time": times, "load_force": np.sin(40 * times)[:, None]}
-    rigid = {"omega": still[0], "shape": ones, "centre": ones[0]}
-    ball = in_modes(**rigid, push=ones, inertia=ones[0], **load)
-    wall = in_modes(**rigid, push=still, inertia=still[0])
-    hertz = "hertz", (1e6,), 0.0, np.inf, np.full(3, np.nan), None
-    return (ball, wall), ((0, 0, 1, 0, 10.0, hertz),)
-
-
-def test_a_load_costs_as_many_points_as_it_has() -> None:
-    took: list[list[float]] = []
-    for points in (2_000, 32_000):
-        scene, seconds = loaded_ball(points), []
-        ones, times = np.ones(1), np.linspace(0.0, 1.0, points)
-        record = np.zeros((20, points))
-        for _ in range(3):
-            start = time.thread_time()
-            made, *_ = _core.adaptive(*scene, 1e-8, 1.0, None, (ones, ones), (0.0, 0.0), 99)
-            flown = time.thread_time()
-            _core.track_sample(made, times, record, True)
-            seconds.append((flown - start, time.thread_time() - flown))
-        took.append([min(of) for of in zip(*seconds, strict=True)])
-    # 16 times as many points; it was 256 times as long.
-    assert took[1][0] < 100.0 * took[0][0]
-    assert took[1][1] < 100.0 * took[0][1]
-    np.testing.assert_allclose(record[5, -1], (1.0 - np.cos(40.0)) / 40.0, rtol=1e-4)
 
 
 @pytest.mark.skipif(
@@ -1059,22 +965,6 @@ def test_python_runs_on_while_the_core_does() -> None:
     thread.join()
     # Had the core kept the interpreter's lock, the watch would have stood still all the while.
     assert pause < 0.5 * took
-
-
-def test_adaptive_runs_share_the_machine_and_give_the_same_bits() -> None:
-    alone = adaptive_bytes(adaptive_arguments(duration=0.3))
-    together: list[Any] = []
-    threads = [
-        threading.Thread(
-            target=lambda: together.append(adaptive_bytes(adaptive_arguments(duration=0.3)))
-        )
-        for _ in range(4)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert together == [alone] * 4
 
 
 def test_threads_do_not_disturb_each_other() -> None:

@@ -20,7 +20,7 @@ from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 from aoimpact import Material, Mesh, box_mesh, read_mesh, sphere_mesh
 from aoimpact.fem import stiffness_mass
-from aoimpact.mesh import KINDS, meshio_of_all_kinds, reference_element
+from aoimpact.mesh import KINDS
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -113,27 +113,6 @@ def test_matrices_are_exactly_symmetric_and_sorted(mesh: Mesh) -> None:
 def test_mass_is_positive_definite(kind: str) -> None:
     _, M = stiffness_mass(distorted_box(kind), MATERIAL)
     la.cholesky(M.toarray())
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_shape_functions_are_one_at_their_own_node(kind: str) -> None:
-    element = reference_element(kind)
-    assert element.shape(element.nodes) == pytest.approx(np.eye(element.n_nodes), abs=1e-13)
-    for rule in (element.stiffness_rule, element.mass_rule):
-        assert (rule.weights > 0.0).all()
-        assert element.shape(rule.points).sum(axis=1) == pytest.approx(1.0, abs=1e-13)
-        assert np.abs(element.gradient(rule.points).sum(axis=1)).max() < 1e-13
-
-
-def test_conical_rule_integrates_every_monomial_of_degree_seven() -> None:
-    rule = reference_element("tetra10").mass_rule
-    x, y, z = rule.points.T
-    for i in range(8):
-        for j in range(8 - i):
-            for k in range(8 - i - j):
-                f = math.factorial
-                exact = f(i) * f(j) * f(k) / f(i + j + k + 3)
-                assert rule.weights @ (x**i * y**j * z**k) == pytest.approx(exact, rel=1e-13)
 
 
 def test_matrices_are_those_of_scikit_fem_s_vector_form() -> None:
@@ -234,21 +213,3 @@ def test_order_of_elements_does_not_matter() -> None:
     for one, other in zip(expected, stiffness_mass(shuffled, MATERIAL), strict=True):
         assert np.array_equal(one.indices, other.indices)
         assert one.data == pytest.approx(other.data, rel=1e-12, abs=1e-14 * abs(one).max())
-
-
-def test_many_elements_are_taken_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:
-    mesh = distorted_box("hexahedron20")
-    whole = stiffness_mass(mesh, MATERIAL)
-    monkeypatch.setattr("aoimpact.fem.assembly._BATCH", 1.0)
-    for one, other in zip(whole, stiffness_mass(mesh, MATERIAL), strict=True):
-        assert one.data == pytest.approx(other.data, rel=1e-12, abs=1e-14 * abs(one).max())
-
-
-def test_meshio_s_own_writer_keeps_the_order(tmp_path: Path) -> None:
-    for kind in KINDS:
-        mesh = distorted_box(kind)
-        path = tmp_path / f"{kind}.vtu"
-        meshio_of_all_kinds().Mesh(mesh.nodes, [(kind, mesh.cells)]).write(path)
-        again = read_mesh(path)
-        assert np.array_equal(again.cells, mesh.cells)
-        assert np.array_equal(again.nodes, mesh.nodes)

@@ -133,13 +133,6 @@ def test_an_exact_field_of_two_materials_has_no_error() -> None:
     assert energy_error(whole, strange, ends)[0].sum() > 1e-3 * energy  # it does see jumps
 
 
-def test_groups_of_one_material_are_one_material() -> None:
-    both = ao.FEModel.from_mesh(halves(), {"left": STEEL, "right": STEEL})
-    one = ao.FEModel.from_mesh(halves(), STEEL)
-    assert both.material == STEEL
-    assert (both.K != one.K).nnz == 0
-
-
 def test_the_contact_meets_the_material_of_its_own_element() -> None:
     mesh = mixed_box((0.1, 0.1, 0.1), (8, 8, 3))
     of = {"low": STEEL, "wedges": STEEL, "middle": ALU, "high": ALU}

@@ -146,14 +146,6 @@ def test_a_point_a_little_off_a_coarse_surface_is_put_on_it_and_said() -> None:
 # ------------------------------------------------------------------------- patches
 
 
-def test_a_patch_is_remembered() -> None:
-    tip = PLATE.contact(point=(0.021, 0.019, 0.01), radius=0.008)
-    assert tip.patch is not None
-    assert tip.patch.radius == 0.008
-    assert f"patch of radius 0.008 m on {tip.patch.faces} faces" in repr(tip)
-    assert PLATE.contact(point=(0.021, 0.019, 0.01), radius=0).patch is None
-
-
 def test_automatic_radius_is_a_little_more_than_the_contact_s() -> None:
     """1.4 times it: at 1.2 times it two like bodies leave nothing of Hertz's law."""
     tip = THICK.contact(point=(0.021, 0.019, 0.02), radius="auto", expected=0.004)
@@ -255,13 +247,6 @@ def test_a_radius_left_out_is_as_large_as_there_is_room() -> None:
     near = THICK.contact(point=(0.001, 0.02, 0.02))
     assert near.patch is not None
     assert 0.0005 < near.patch.radius < 0.001
-
-
-def test_what_is_off_the_surface_is_said_once_however_often_a_patch_is_tried() -> None:
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        THICK.contact(point=(0.001, 0.02, 0.0203))
-    assert len(said) == 1
 
 
 # ------------------------------------------------------------- functionals and labels

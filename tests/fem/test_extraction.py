@@ -119,18 +119,6 @@ def test_the_contact_s_own_radius_hardly_matters() -> None:
 
 
 @pytest.mark.slow
-def test_on_a_thin_plate_it_varies_by_what_a_point_s_differs_from_it() -> None:
-    """w is quadratic under the contact, and so is R in the radius: 24/25 of it from a to a/5."""
-    mesh = ao.box_mesh((0.06, 0.06, 0.01), (12, 12, 2), kind="hexahedron27")
-    plate = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
-    tip, slowly = plate.contact(point=(0.0311, 0.0287, 0.01), radius=0), plate.inverse(1e6)
-    wide, narrow = (tip.at_impact(a, slowly).extraction for a in (3.0 * A, 0.6 * A))
-    assert isinstance(wide, Extraction)
-    assert isinstance(narrow, Extraction)
-    assert 0.96 * wide.varying == pytest.approx(narrow.beyond - wide.beyond, rel=0.05)
-
-
-@pytest.mark.slow
 def test_on_a_ball_of_a_few_tetrahedra_it_is_that_of_many() -> None:
     """The mean of w under the pressure is 0.004/(E* a) off there, its energy 0.001/(E* a)."""
     few, many = (
@@ -191,17 +179,6 @@ def test_far_masses_and_springs_leave_what_is_removed() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("more", [{"springs": [("zmin", "z", 3e7)]}, {"fixed": [("zmin", "xyz")]}])
-def test_on_springs_and_supports_meshes_agree(more: Any) -> None:
-    found = [
-        extraction(block(kind, divisions, **more))
-        for kind, divisions in (("tetra10", (4, 4, 2)), ("hexahedron20", (6, 6, 3)))
-    ]
-    assert found[0].beyond == pytest.approx(found[1].beyond, abs=found[0].error + found[1].error)
-    assert UNIT * found[0].error < 1e-3
-
-
-@pytest.mark.slow
 def test_next_to_a_clamped_face_meshes_agree() -> None:
     """4 mm from it, in elements of 10 and 5 mm."""
     places = [
@@ -235,28 +212,6 @@ def layered(kind: str, divisions: tuple[int, int, int], thick: float = 0.003) ->
 
 
 @pytest.mark.slow
-def test_one_material_in_two_groups_is_one() -> None:
-    mesh = layered("hexahedron20", (4, 4, 3))
-    whole = extraction(ao.FEModel.from_mesh(mesh, ALU))
-    parts = extraction(ao.FEModel.from_mesh(mesh, {"skin": ALU, "core": ALU}))
-    assert parts.beyond == pytest.approx(whole.beyond, rel=1e-9)
-    assert parts.removed == pytest.approx(whole.removed, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_a_core_that_differs_a_little_changes_it_a_little() -> None:
-    """The polarisation of a core 1 % stiffer, to first order half of what one of 2 % does."""
-    mesh = layered("hexahedron20", (4, 4, 3))
-    stiffer = [replace(ALU, E=share * ALU.E) for share in (1.0, 1.01, 1.02)]
-    none, one, two = (
-        extraction(ao.FEModel.from_mesh(mesh, {"skin": ALU, "core": core})).beyond
-        for core in stiffer
-    )
-    assert one < none
-    assert two - none == pytest.approx(2.0 * (one - none), rel=0.03)
-
-
-@pytest.mark.slow
 def test_under_a_steel_skin_on_aluminium_meshes_agree() -> None:
     found = [
         extraction(ao.FEModel.from_mesh(layered(kind, divisions), {"skin": STEEL, "core": ALU}))
@@ -270,21 +225,6 @@ def test_under_a_steel_skin_on_aluminium_meshes_agree() -> None:
         assert one.beyond == pytest.approx(found[2].beyond, abs=one.error + found[2].error)
     # The core is softer than the half-space of steel.
     assert found[2].beyond > 2.0 * fine().beyond
-
-
-def orthotropic(material: ao.Material) -> ao.Orthotropic:
-    e, g, nu = material.E, material.shear_modulus, material.nu
-    return ao.Orthotropic((e, e, e), (g, g, g), (nu, nu, nu), rho=material.rho)
-
-
-@pytest.mark.slow
-def test_isotropic_constants_given_as_orthotropic_are_isotropic() -> None:
-    one, other = (
-        extraction(block("hexahedron20", (3, 3, 2), material=material))
-        for material in (orthotropic(ALU), ALU)
-    )
-    assert one.beyond == pytest.approx(other.beyond, abs=5e-4 / UNIT)
-    assert one.removed == pytest.approx(other.removed, abs=5e-4 / UNIT)
 
 
 @pytest.mark.slow
@@ -350,19 +290,6 @@ def test_what_has_neither_mesh_nor_place_has_none() -> None:
     assert body.contact(dof=5).extraction is None
     bare = ao.FEModel(K=body.K, M=body.M, nodes=body.nodes)
     assert bare.contact(point=(0.02, 0.02, 0.03), direction=(0, 0, -1)).extraction is None
-
-
-@pytest.mark.slow
-def test_near_an_edge_meshes_agree_and_the_body_is_softer() -> None:
-    """3 mm from it."""
-    found = [
-        extraction(block(kind, divisions), (0.003, 0.0287, 0.03))
-        for kind, divisions in (("hexahedron20", (6, 6, 3)), ("tetra10", (6, 6, 3)))
-    ]
-    fine_one = extraction(block("hexahedron20", (10, 10, 5)), (0.003, 0.0287, 0.03))
-    for one in found:
-        assert one.beyond == pytest.approx(fine_one.beyond, abs=one.error + fine_one.error)
-    assert fine_one.beyond > 3.0 * fine().beyond
 
 
 def test_a_force_aslant_finds_mindlin_s_share_of_the_half_space() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -125,35 +124,3 @@ def test_messages_call_nodes_by_their_labels() -> None:
         ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")]).contact(
             node=first, direction=(0, 0, -1), radius=0
         )
-
-
-def test_a_deck_of_abaqus(tmp_path: Path) -> None:
-    """Numbers mean what the deck's own node set means, also of instances of a part."""
-    coordinates = "".join(
-        f"{label}, {x}, {y}, {z}\n"
-        for label, (x, y, z) in zip(LABELS.tolist(), PLAIN.nodes.tolist(), strict=True)
-    )
-    cells = "".join(
-        f"{10 * number}, {', '.join(map(str, LABELS[cell]))}\n"
-        for number, cell in enumerate(PLAIN.cells, 1)
-    )
-    ends = LABELS[ENDS[0]].tolist()
-    solid = f"*NODE\n{coordinates}*ELEMENT, TYPE=C3D8\n{cells}"
-    (tmp_path / "bar.inp").write_text(solid + f"*NSET, NSET=LEFT\n{', '.join(map(str, ends))}\n")
-    by_set, by_number = (
-        ao.FEModel.from_mesh(tmp_path / "bar.inp", STEEL, fixed=[(nodes, "xyz")])
-        for nodes in ("LEFT", ends)
-    )
-    assert (by_set.K != by_number.K).nnz == 0
-    with pytest.warns(ao.AOImpactWarning, match=r"^fixed"):
-        quadratic = ao.FEModel.from_mesh(
-            tmp_path / "bar.inp", STEEL, fixed=[(ends, "xyz")], order=2
-        )
-    assert len(quadratic.nodes) * 3 - quadratic.n_dofs == 3 * len(ends)
-    (tmp_path / "two.inp").write_text(
-        f"*PART, NAME=BAR\n{solid}*END PART\n*ASSEMBLY, NAME=A\n"
-        "*INSTANCE, NAME=ONE, PART=BAR\n*END INSTANCE\n"
-        "*INSTANCE, NAME=TWO, PART=BAR\n0, 0, 0.05\n*END INSTANCE\n*END ASSEMBLY\n"
-    )
-    with pytest.raises(ao.InputError, match=f"have the number {min(ends)}; take a node set"):
-        ao.FEModel.from_mesh(tmp_path / "two.inp", STEEL, fixed=[(ends, "xyz")])

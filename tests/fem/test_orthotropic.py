@@ -178,24 +178,6 @@ def test_the_bending_of_an_angle_ply_plate() -> None:
     assert energy == pytest.approx(kappa @ D @ kappa, rel=0.01)
 
 
-@pytest.mark.slow
-def test_an_impact_on_a_laminate() -> None:
-    """The law is that of the half-space; momentum and energy balance."""
-    angles = tuple(math.radians(angle) for angle in (0.0, 90.0, 90.0, 0.0))
-    plate = laminate(angles, (8, 6), fixed=SUPPORTED)
-    tip = plate.contact(point=(0.1, 0.075, 1e-3), radius=0.0, direction=(0, 0, -1))
-    assert tip.material is not None
-    ball = ao.ball(0.00635, STEEL)
-    model = ao.antioscillators(tip, 24, method="krylov", contact_time=2e-4, duration=1e-3)
-    with pytest.warns(ao.AOImpactWarning, match="take ao.Laminate of its plies, 0.001 m"):
-        hit = ao.simulate(projectile=ball, target=model, velocity=1.0, duration=1e-3)
-    law = ao.Hertz.between(STEEL, 0.00635, PLY.half_space((0, 0, 1)), math.inf)
-    assert hit.law.k == pytest.approx(law.k, rel=1e-6)
-    mass = ball.static_mass
-    assert hit.impulse == pytest.approx(mass * (1.0 - hit.rebound_velocity), rel=1e-6)
-    assert np.ptp(hit.energy.total) < 1e-6 * 0.5 * mass
-
-
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from typing import Any
 
 import meshio
 import numpy as np
 import pytest
-from pickled import elsewhere
 
 import aoimpact as ao
 from aoimpact import InputError, InputTypeError, MeshError
@@ -78,45 +76,6 @@ def test_a_free_body_in_any_plane_has_six_rigid_motions(angle: float) -> None:
     assert one.rigid_modes.shape[1] == 3
 
 
-def test_a_portal_frame_sways() -> None:
-    """P h³/(12 E I) (2 + 3 k)/(1 + 6 k) of clamped columns, k = h over the span."""
-    h, span = 0.8, 1.2
-    mesh = line((0, 0, 0), (0, 0, h), (span, 0, h), (span, 0, 0))
-    body = ao.FEModel.from_mesh(mesh, ROUND, fixed=[([0, 3], "xyz", "xyz")])
-    assert body.n_dofs == 12
-    tip = body.contact(node=1, direction=(1, 0, 0))
-    force = 0.5 * tip.b + 0.5 * body.contact(node=2, direction=(1, 0, 0)).b
-    ratio, second = span / h, np.pi * 0.01**4 / 4
-    exact = h**3 / (12 * 210e9 * second) * (2 * ratio + 3) / (ratio + 6)
-    assert tip.b @ body.inverse().solve(force) == pytest.approx(exact, rel=5e-3)
-
-
-def stiffened(n: int = 32) -> tuple[ao.Mesh, float]:
-    """A strip with a line of beams along its middle."""
-    strip = ao.sheet_mesh((0.8, 0.04), (n, 2))
-    middle = np.flatnonzero(abs(strip.nodes[:, 1] - 0.02) < 1e-9)
-    spine = np.column_stack([middle[:-1], middle[1:]])
-    groups = {"skin": np.arange(2 * n), "rib": 2 * n + np.arange(n)}
-    blocks: Any = [("quad", strip.cells), ("line", spine)]
-    return ao.Mesh(strip.nodes, blocks, "mixed", strip.node_sets, groups), 0.04
-
-
-def test_a_stiffened_strip_bends_as_one_section() -> None:
-    """E I of both about their common axis: I1 + I2 + A1 A2/(A1 + A2) d²."""
-    mesh, width = stiffened()
-    t, height, metal = 2e-3, 0.02, ao.Material(210e9, 0.0, 7800)
-    d = (t + height) / 2
-    rib = ao.Beam(ao.RectangularSection(5e-3, height), metal, (0, 0, 1), offset=(0, -d))
-    parts = {"skin": ao.Shell(t, metal), "rib": rib}
-    body = ao.FEModel.from_mesh(mesh, parts, fixed=[("xmin", "xyz", "xyz")])
-    plate, web = width * t, 5e-3 * height
-    assert body.mass == pytest.approx(7800 * 0.8 * (plate + web))
-    tip = body.contact(point=(0.8, 0.02, 0.0), direction=(0, 0, -1), radius=0)
-    second = (plate * t**2 + web * height**2) / 12 + plate * web / (plate + web) * d**2
-    found = tip.b @ body.inverse().solve(tip.b)
-    assert found == pytest.approx(0.8**3 / (3 * 210e9 * second), rel=0.015)
-
-
 def test_a_shell_continued_on_a_solid_is_clamped_there() -> None:
     """A sheet that sticks out of a block: P L³/(3 E I) beyond the block, which hardly yields."""
     block = ao.box_mesh((0.1, 0.04, 0.04), (4, 2, 2))
@@ -155,15 +114,6 @@ def test_springs_and_masses_act_on_displacements() -> None:
     total = body.translation((0, 0, 1)) @ body.K @ body.translation((0, 0, 1))
     assert total == pytest.approx(1e4)
     assert body.rigid_modes.shape[1] == 0
-
-
-def test_a_body_of_shells_is_pickled_and_copied() -> None:
-    body = ao.FEModel.from_mesh(
-        ao.sheet_mesh((0.3, 0.3), (4, 4)), SHEET, fixed=[("rim", "xyz", "xyz")], masses=[(12, 1.0)]
-    )
-    for other in (elsewhere(body), copy.copy(body)):
-        assert abs(other.K - body.K).max() == 0.0
-        assert abs(other.M - body.M).max() == 0.0
 
 
 @pytest.mark.parametrize("turned", [[3], [0, 5, 6]])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from functools import cache
 from typing import Any
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact import laws
 from aoimpact.base import LawLimitError, units
 from aoimpact.laws import PatchLaw, effective_law, own_law
 from aoimpact.reduction import body_model
@@ -285,25 +283,6 @@ def test_a_damped_law_that_is_too_steep_for_its_patch_is_refused(solver):
 # ------------------------------------------------- what a law knows of its width is part of it
 
 WIDTH = 0.005
-KNOWING: list[Any] = [
-    lambda **more: ao.Hertz(LAW.k, **more),
-    lambda **more: ao.Thornton(LAW.k, 100.0, **more),
-    lambda **more: ao.HuntCrossley(LAW.k, 0.1, **more),
-    lambda **more: ao.HuntCrossley.from_restitution(LAW.k, 0.9, 1.0, **more),
-    lambda **more: ao.Tsuji.from_restitution(LAW.k, 0.9, 0.01, **more),
-    lambda **more: ao.KuwabaraKono.from_restitution(LAW.k, 0.9, 1.0, 0.01, **more),
-]
-
-
-@pytest.mark.parametrize("make", KNOWING)
-def test_laws_of_contacts_of_different_width_are_not_equal(make: Any) -> None:
-    plain, knowing = make(), make(relative_radius=WIDTH)
-    assert plain != knowing
-    assert knowing == make(relative_radius=WIDTH)
-    assert hash(knowing) == hash(make(relative_radius=WIDTH))
-    assert "relative_radius" not in repr(plain)
-    for copy in (pickle.loads(pickle.dumps(knowing)), eval(repr(knowing), vars(laws))):
-        assert copy == knowing
 
 
 def test_laws_of_surfaces_know_their_width() -> None:
@@ -315,10 +294,3 @@ def test_laws_of_surfaces_know_their_width() -> None:
         assert law.relative_radius == pytest.approx(WIDTH, rel=1e-15)
         assert law.k == pytest.approx(4 / 3 * modulus * np.sqrt(WIDTH), rel=1e-14)
     assert ao.Hertz.between(STEEL, 0.01, STEEL, 0.01) != ao.Hertz(LAW.k)
-
-
-@pytest.mark.parametrize("radius", [0.0, -1.0, float("nan"), "wide"])
-def test_a_width_that_is_none_is_refused(radius: Any) -> None:
-    for make in KNOWING:
-        with pytest.raises(ao.AOImpactError, match="relative_radius"):
-            make(relative_radius=radius)

@@ -57,23 +57,3 @@ def test_blows_and_ringing_never_give_energy(law, solver):
     lost = hit.energy.dissipated
     assert np.diff(lost).min() > -1e-4 * lost[-1]
     assert lost[-1] > 0.05 * total[0]
-
-
-def test_both_solvers_agree_on_blows_into_a_dent():
-    case = {
-        "projectile": ao.AOModel(m0=0.02, k0=0.0, m=[0.2], k=[0.02 * 2.5e4**2]),
-        "target": ao.AOModel(m0=0.05, k0=2e5, m=[0.05], k=[4e7]),
-        "law": BOTH[0],
-        "velocity": 3.0,
-        "duration": 6e-3,
-    }
-    exact = ao.simulate(**case, solver=ao.Adaptive(rtol=1e-9))
-    stepped = ao.simulate(**case, solver=ao.Newmark(dt=5e-8))
-    assert stepped.impulse == pytest.approx(exact.impulse, rel=1e-4)
-    assert stepped.peak_force == pytest.approx(exact.peak_force, rel=1e-4)
-    assert len(stepped.contacts) == len(exact.contacts)
-
-
-def test_beta_is_a_share():
-    with pytest.raises(ao.InputError, match=r"^beta"):
-        ao.YangSun(K, CRITICAL, 1.5)

@@ -192,17 +192,6 @@ def test_published_hysteresis_factors(formula, product):
     assert made.force(1e-3, 0.7) == pytest.approx(1e9 * 1e-3**1.3 * (1 + product / 2.0 * 0.7))
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: ao.PowerLaw(k=1.0, n=0.5), r"^n"),
-    ],
-)
-def test_bad_input_is_named(make, message):
-    with pytest.raises(ao.AOImpactError, match=message):
-        make()
-
-
 def test_a_modulus_that_is_no_number_is_refused() -> None:
     with pytest.warns(ao.AOImpactWarning, match=r"^E"):
         soft = ao.Material(E=5e-324, nu=0.3, rho=7800)

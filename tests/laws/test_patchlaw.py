@@ -161,30 +161,3 @@ def test_a_spring_in_series_is_a_compliance_below_zero(solver):
     moved = hit.indentation.max() + 5e-9 * hit.peak_force
     assert law.potential(moved) == pytest.approx(0.008, rel=1e-3)
     assert "compliance of the mesh added: 5 nm/N" in str(law)
-
-
-@pytest.mark.parametrize("compliance", [-5e-9, -1e-10])
-def test_a_plastic_contact_in_series_with_a_spring_loses_as_much(compliance):
-    """A spring returns what it takes: the deepest force and the dent are the law's own."""
-    law, mass, speed = ao.Thornton(K, 200.0), 0.016, 0.7
-    hit, alone = (
-        on_a_wall(each, mass, speed, ao.Newmark(dt=1e-8))
-        for each in (law.within_patch(compliance), law)
-    )
-    assert hit.restitution == pytest.approx(
-        ao.restitution(law.within_patch(compliance), mass, speed), rel=1e-5
-    )
-    assert hit.restitution > alone.restitution  # part of the energy is the spring's
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: ao.Linear(1e9).within_patch(2e-9), r"^compliance"),
-        (lambda: ao.Hertz(K).within_patch(0.0), r"^compliance"),
-        (lambda: ao.Hertz(K).within_patch(C).within_patch(C), r"^law"),
-    ],
-)
-def test_bad_input_is_named(make, message):
-    with pytest.raises(ao.AOImpactError, match=message):
-        make()

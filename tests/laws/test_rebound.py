@@ -157,24 +157,3 @@ def test_elastic_laws_lose_nothing():
 def test_numbers_that_end_on_the_way_are_named(name, velocity):
     with pytest.raises(ao.InputError, match=r"^mass"):
         ao.restitution(law_of(name), 1.0, velocity)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: ao.HuntCrossley.from_restitution(K, 1e-13, 1.0), r"^restitution"),
-        (lambda: ao.KuwabaraKono.from_restitution(K, 1e-99, 1.0, 1.0), r"^restitution"),
-        (lambda: ao.Thornton(1e-300, 1e300), r"yield_force"),
-        (lambda: ao.Thornton(1e300, 1e-300), r"yield_force"),
-        (lambda: ao.HuntCrossley.from_restitution(K, 1.01, 1.0), r"^restitution"),
-        (lambda: ao.KelvinVoigt.from_restitution(K, 2.0, 1.0), r"^restitution"),
-        (lambda: ao.HuntCrossley.from_restitution(K, 0.5, 1.0, 0.9), r"^n"),
-        (
-            lambda: ao.HuntCrossley.from_restitution(K, 0.5, 1.0, formula="florence"),
-            r"^formula",
-        ),
-    ],
-)
-def test_bad_input_is_named(call, message):
-    with pytest.raises(ao.AOImpactError, match=message):
-        call()

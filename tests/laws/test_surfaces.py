@@ -102,16 +102,6 @@ def test_two_ellipsoids_at_any_angle(
     assert found.law.relative_radius == pytest.approx(expected.relative_radius, rel=1e-9)
 
 
-def test_crossed_cylinders_are_a_ball_on_a_flat() -> None:
-    found = law_between(
-        curved(0.01, math.inf, 0.3),
-        curved(0.01, math.inf, 0.3 + math.pi / 2),
-        projectile_direction=DOWN,
-        target_direction=DOWN,
-    )
-    assert found.law.k == pytest.approx(ao.Hertz.between(STEEL, 0.01, STEEL, math.inf).k, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("one", "two", "directions"),
     [
@@ -136,25 +126,6 @@ def test_nearly_round_surfaces_need_no_angle() -> None:
     assert found.error < 0.01
 
 
-@pytest.mark.parametrize(
-    "two",
-    [
-        curved(-0.0099, -0.0099),  # a cup narrower than the ball
-        curved(0.01, -0.009),  # a saddle that bends up more than the ball bends down
-        curved(-0.01, -0.01),
-    ],
-)
-def test_what_does_not_touch_in_a_point(two: ContactSurface) -> None:
-    with pytest.raises(ao.InputError, match=r"^surfaces"):
-        law_between(curved(0.01, 0.01), two)
-
-
-def test_parallel_cylinders_touch_along_a_line() -> None:
-    one = curved(0.01, math.inf)
-    with pytest.raises(ao.InputError, match=r"^surfaces"):
-        law_between(one, one, projectile_direction=DOWN, target_direction=DOWN)
-
-
 @pytest.mark.parametrize("error", [0.1, 3.0, 30.0])
 def test_the_error_holds_what_the_curvatures_may_be(error: float) -> None:
     """A ball on a shallow barrel whose curvatures are wrong by as much as they may be."""
@@ -171,13 +142,6 @@ def test_a_curvature_less_than_its_error_is_flat() -> None:
     found = law_between(curved(0.01, 0.01), flat)
     assert found.law.k == ao.Hertz.between(STEEL, 0.01, STEEL, math.inf).k
     assert found.error == pytest.approx(0.5 / 100, rel=0.02)
-
-
-def test_surfaces_are_checked() -> None:
-    with pytest.raises(ao.InputTypeError, match=r"^projectile_surface"):
-        law_between(STEEL, curved(0.01, 0.01))  # type: ignore[arg-type]
-    with pytest.raises(ao.InputError, match=r"^radius"):
-        ao.ball(1e90, STEEL)
 
 
 def test_models_of_a_contact_point_know_its_surface() -> None:

@@ -1,6 +1,5 @@
 """A law through points."""
 
-import itertools
 import math
 
 import numpy as np
@@ -61,49 +60,6 @@ def test_a_fine_table_of_hertz_is_hertz(solver):
     hertz = ao.simulate(law=ao.Hertz(1e10), **scene)
     assert table.peak_force == pytest.approx(hertz.peak_force, rel=1e-5)
     assert table.contact_duration == pytest.approx(hertz.contact_duration, rel=1e-5)
-
-
-@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-8])
-@pytest.mark.parametrize("seed", range(6))
-def test_a_table_in_series_with_a_spring_takes_the_blow(seed, rtol):
-    """A mass behind a spring that touches without mass: the peak is where their energy is its own.
-
-    Both loading and unloading last as long as the sum of the ways takes at the rate that is left.
-    """
-    rng = np.random.default_rng(seed)
-    depth, force = (np.append(0.0, np.cumsum(rng.uniform(low, 1.0, 8))) for low in (0.1, 0.01))
-    law, spline = ao.Tabulated(depth, force), scipy.interpolate.PchipInterpolator(depth, force)
-    mass, k, velocity = 1.0, 1.0, 1.0
-    energy = spline.antiderivative()
-
-    def left(d):
-        return 0.5 * mass * velocity**2 - energy(d) - 0.5 * spline(d) ** 2 / k
-
-    deepest = scipy.optimize.brentq(left, 0.0, depth[-1], xtol=1e-15)
-    result = ao.simulate(
-        projectile=ao.AOModel(m0=0.0, k0=0.0, m=[mass], k=[k]),
-        target=ao.rigid(mass=math.inf),
-        law=law,
-        velocity=velocity,
-        duration=20.0,
-        solver=ao.Adaptive(rtol=rtol),
-    )
-    assert result.peak_force == pytest.approx(spline(deepest), rel=rtol)
-    assert result.restitution == pytest.approx(1.0, abs=rtol)
-    impulse = 2.0 * mass * velocity
-    assert result.impulse == pytest.approx(impulse, rel=rtol)
-    slope = spline.derivative()
-    knots = [0.0, *depth[(depth > 0.0) & (depth < deepest)], deepest]
-
-    def slowness(u, low, high):
-        """In d = high - (high - low) u^2: the rate ends like a root."""
-        d = high - (high - low) * u * u
-        rate = math.sqrt(max(2.0 * left(d) / mass, 1e-300))
-        return 2.0 * (high - low) * u * (1.0 + slope(d) / k) / rate
-
-    ways = itertools.pairwise(knots)
-    time = 2.0 * sum(scipy.integrate.quad(slowness, 0.0, 1.0, args=way)[0] for way in ways)
-    assert result.contact_duration == pytest.approx(time, rel=max(rtol, 1e-7))
 
 
 def test_what_lies_beyond_the_table_is_not_made_up():

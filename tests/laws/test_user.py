@@ -230,54 +230,6 @@ def test_bad_functions_are_named(make, message):
         make()
 
 
-DEEP = 1e-4  # m, where the laws below end
-
-
-def ends(d, rate):
-    if d > DEEP:
-        raise ValueError("too deep")
-    return 1e7 * d
-
-
-def locks(d, rate):
-    return 1e7 * d / math.sqrt(1.0 - d / DEEP)  # no number beyond
-
-
-def locks_energy(d):
-    s = math.sqrt(1.0 - d / DEEP)
-    return 1e7 * DEEP**2 * 2.0 / 3.0 * (2.0 - 3.0 * s + s**3)
-
-
-def stiffens(d, rate):
-    return 100.0 * math.sinh(d / 1e-5)  # none beyond 7 mm
-
-
-@pytest.mark.parametrize(
-    ("function", "energy"),
-    [
-        (ends, lambda d: 5e6 * d * d),
-        (locks, locks_energy),
-        (stiffens, lambda d: 1e-3 * (math.cosh(d / 1e-5) - 1.0)),
-    ],
-    ids=["raises", "locks", "stiffens"],
-)
-def test_nobody_asks_a_law_far_beyond_where_the_bodies_go(function, energy):
-    law = ao.UserLaw(function, depends_on_rate=False)
-    wall = ao.rigid(mass=math.inf)
-    struck = hit(law, ao.Adaptive(rtol=1e-9), target=wall, duration=3e-2)
-    assert energy(struck.at([struck.peak_time]).indentation[0]) == pytest.approx(0.008, rel=1e-7)
-    stepped = hit(law, target=wall, duration=3e-4)
-    assert stepped.peak_force == pytest.approx(struck.peak_force, rel=1e-3)
-
-
-@pytest.mark.parametrize("function", [ends, stiffens])
-def test_nobody_asks_a_law_far_beyond_for_its_restitution_or_within_a_patch(function):
-    assert ao.restitution(ao.UserLaw(function), 0.016, 1.0) == pytest.approx(1.0, abs=1e-8)
-    within = ao.UserLaw(function).within_patch(1e-9)
-    force = within.force(2e-5)
-    assert force == pytest.approx(function(2e-5 + 1e-9 * force, 0.0), rel=1e-12)
-
-
 def test_the_restitution_of_a_law_without_loss_is_1_and_of_one_that_gives_energy_none():
     for power in np.linspace(1.0, 4.0, 13):
         law = ao.UserLaw(lambda d, rate, n=power: 1e10 * d**n)

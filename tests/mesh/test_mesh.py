@@ -6,35 +6,22 @@ import pickle
 import tracemalloc
 import warnings
 from pathlib import Path
-from types import SimpleNamespace
 
 import meshio
 import numpy as np
 import numpy.typing as npt
 import pytest
-from bodies import distorted_box, no_solid
+from bodies import distorted_box
 
 import aoimpact as ao
 from aoimpact.base import (
     AOImpactWarning,
     InputError,
     InputTypeError,
-    MemoryLimitError,
     MeshError,
 )
-from aoimpact.fem import stiffness_mass
 from aoimpact.io import read_mesh
 from aoimpact.mesh import KINDS, Mesh, box_mesh, meshio_of_all_kinds, reference_element
-
-MESHES = Path(__file__).parents[1] / "meshes"
-UNIT = no_solid()
-FILES = {
-    "hexahedron.inp": (27, 8),
-    "hexahedron20_v4.msh": (81, 8),
-    "hexahedron27_v2.msh": (125, 8),
-    "tetra10_v4.msh": (125, 48),
-    "wedge_v2.msh": (27, 16),
-}
 
 # Two unit cubes side by side, by hand.
 CUBE = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
@@ -49,43 +36,6 @@ def solid(points: npt.ArrayLike = TWO, cells: npt.ArrayLike = TWO_CELLS, **more:
 
 def raw_mesh(nodes: npt.ArrayLike, kind: str, cells: npt.ArrayLike) -> object:
     return meshio_of_all_kinds().Mesh(np.asarray(nodes), [(kind, np.asarray(cells))])
-
-
-def volume(mesh: Mesh) -> float:
-    return float(stiffness_mass(mesh, UNIT)[1].sum()) / 3.0
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_files_of_several_formats_and_kinds(name: str) -> None:
-    mesh = read_mesh(MESHES / name)
-    assert (mesh.n_nodes, mesh.n_cells) == FILES[name]
-    assert mesh.kind == name.partition("_")[0].removesuffix(".inp")
-    assert volume(mesh) == pytest.approx(3.0, rel=1e-13)
-    assert np.array_equal(read_mesh(str(MESHES / name)).nodes, mesh.nodes)
-
-
-@pytest.mark.parametrize("name", [name for name in FILES if name.endswith(".msh")])
-def test_physical_groups_become_node_sets(name: str) -> None:
-    mesh = read_mesh(MESHES / name)
-    assert set(mesh.node_sets) == {"body", "base", "origin", "surface 4"}
-    assert np.array_equal(mesh.node_sets["body"], np.arange(mesh.n_nodes))
-    assert np.array_equal(mesh.node_sets["base"], np.flatnonzero(mesh.nodes[:, 2] == 0.0))
-    assert np.array_equal(mesh.node_sets["surface 4"], np.flatnonzero(mesh.nodes[:, 2] == 1.0))
-    assert np.array_equal(mesh.nodes[mesh.node_sets["origin"]], [[0.0, 0.0, 0.0]])
-
-
-def test_sets_of_an_abaqus_file(tmp_path: Path) -> None:
-    places = "\n".join(f"{10 * i + 10}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(TWO))
-    cells = "\n".join(
-        f"{e + 1}, {', '.join(str(10 * n + 10) for n in cell)}" for e, cell in enumerate(TWO_CELLS)
-    )
-    (tmp_path / "two.inp").write_text(
-        f"*NODE\n{places}\n*ELEMENT, TYPE=C3D8, ELSET=ALL\n{cells}\n"
-        "*NSET, NSET=LEFT\n10, 40, 50, 80\n*ELSET, ELSET=SECOND\n2\n"
-    )
-    mesh = read_mesh(tmp_path / "two.inp")
-    assert mesh.node_sets["LEFT"].tolist() == [0, 3, 4, 7]
-    assert mesh.node_sets["SECOND"].tolist() == sorted(TWO_CELLS[1])
 
 
 def test_sets_of_meshio_by_mask_by_number_and_of_faces() -> None:
@@ -157,11 +107,6 @@ def test_flat_elements_are_counted_and_the_first_is_named() -> None:
     points[4:8, 2] = points[10:, 2] = 0.0
     with pytest.raises(MeshError, match="elements"):
         read_mesh(solid(points))
-
-
-def test_an_element_of_one_point_is_flat() -> None:
-    with pytest.raises(MeshError, match="elements"):
-        Mesh(CUBE, [TWO_CELLS[0], [3] * 8], "hexahedron")
 
 
 def test_elements_that_are_there_twice_are_counted() -> None:
@@ -248,25 +193,6 @@ def test_flat_coordinates_are_no_solid() -> None:
         read_mesh(solid(TWO[:, :2]))
 
 
-@pytest.mark.parametrize("dtype", ["f4", ">f8", "i8"])
-def test_coordinates_of_any_real_type(dtype: str) -> None:
-    mesh = read_mesh(solid(TWO.astype(dtype), TWO_CELLS.astype("u4")))
-    assert np.array_equal(mesh.nodes, TWO)
-    assert mesh.nodes.dtype == np.dtype("=f8")
-
-
-def test_missing_file_is_also_the_built_in_error(tmp_path: Path) -> None:
-    with pytest.raises(MeshError, match=r"^mesh"):
-        read_mesh(tmp_path / "nowhere.msh")
-    with pytest.raises(FileNotFoundError):
-        read_mesh(tmp_path / "nowhere.msh")
-
-
-def test_directory_is_no_mesh(tmp_path: Path) -> None:
-    with pytest.raises(MeshError, match=r"^mesh"):
-        read_mesh(tmp_path)
-
-
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
@@ -286,25 +212,6 @@ def test_files_that_are_no_mesh(
     with pytest.raises(MeshError, match=words):
         read_mesh(tmp_path / name)
     assert capfd.readouterr() == ("", "")
-
-
-def test_a_block_of_unknown_dimension_is_of_an_unsupported_kind() -> None:
-    mesh = meshio.Mesh(TWO, [("hexahedron", TWO_CELLS)])
-    mesh.cells.append(SimpleNamespace(type="wedge12", data=np.zeros((2, 12), int)))
-    with pytest.raises(MeshError):
-        read_mesh(mesh)
-
-
-def test_binary_rubbish_is_no_mesh(tmp_path: Path) -> None:
-    (tmp_path / "a.msh").write_bytes(np.random.default_rng(0).bytes(2000))
-    with pytest.raises(MeshError, match=r"^mesh"):
-        read_mesh(tmp_path / "a.msh")
-
-
-@pytest.mark.parametrize("source", [None, 3, TWO, [("hexahedron", TWO_CELLS)]])
-def test_what_is_no_mesh_at_all(source: object) -> None:
-    with pytest.raises(InputTypeError, match=r"^mesh"):
-        read_mesh(source)
 
 
 @pytest.mark.parametrize(
@@ -351,18 +258,6 @@ def test_good_meshes_raise_no_warning() -> None:
 
 # ------------------------------------------------------------------------------- damaged files
 
-NODES = "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, 1,1,1\n"
-TETS = "1, 1,2,3,4\n2, 2,3,4,5\n"
-
-
-@pytest.mark.parametrize("empty", ["*ELEMENT, TYPE=C3D4\n", "*ELEMENT, TYPE=C3D8\n"])
-def test_headers_without_elements_are_passed_over(tmp_path: Path, empty: str) -> None:
-    file = tmp_path / "a.inp"
-    file.write_text(NODES + empty + "*ELEMENT, TYPE=C3D4\n" + TETS)
-    mesh = read_mesh(file)
-    assert (mesh.n_nodes, mesh.kind) == (5, "tetra")
-    assert mesh.cells.tolist() == [[0, 1, 2, 3], [1, 2, 3, 4]]
-
 
 def written(file: Path, file_format: str, **how: bool) -> bytes:
     box = box_mesh((1.0, 1.0, 1.0), (3, 3, 3))
@@ -398,19 +293,6 @@ def test_a_count_beyond_the_file_is_refused_before_it_is_made_room_for(
     assert most < 2**30
 
 
-@pytest.mark.parametrize("count", [10**11, 10**9])
-def test_counts_in_text_are_no_better(tmp_path: Path, count: int) -> None:
-    file = tmp_path / "a.vtk"
-    text = written(file, "vtk42", binary=False).replace(b"POINTS 64", b"POINTS %d" % count)
-    file.write_bytes(text)
-    with pytest.raises(MeshError, match=r"^mesh"):
-        read_mesh(file)
-    file = tmp_path / "a.su2"
-    file.write_text(f"NDIME= 3\nNELEM= {count}\n")
-    with pytest.raises(MeshError, match=r"a\.su2"):
-        read_mesh(file)
-
-
 @pytest.mark.parametrize("name", ["a.stl", "a.wkt", "a.tec", "a.f3grid", "a.vol", "a.mdpa"])
 def test_formats_that_are_not_read_are_refused_by_name(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_text("TIN (((" + 40 * "0.0 0.0 0.0, " + "x")  # minutes in a pattern
@@ -418,40 +300,11 @@ def test_formats_that_are_not_read_are_refused_by_name(tmp_path: Path, name: str
         read_mesh(tmp_path / name)
 
 
-@pytest.mark.parametrize(
-    ("path", "words"),
-    [("a\0.msh", "^mesh"), ("/dev/null", r"^mesh"), ("a" * 300, r"^mesh")],
-)
-def test_what_is_no_file_is_refused(path: str, words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        read_mesh(path)
-
-
-def test_what_is_wrong_in_a_file_names_it(tmp_path: Path) -> None:
-    file = tmp_path / "a.inp"
-    file.write_text(NODES.replace("1,1,1", "nan,1,1") + "*ELEMENT, TYPE=C3D4\n" + TETS)
-    with pytest.raises(MeshError, match=r"line 6\b"):
-        read_mesh(file)
-
-
 def test_groups_of_what_is_not_there_are_refused() -> None:
     with pytest.raises(MeshError, match="groups"):
         read_mesh(solid(cell_sets={"a": [np.array([5])]}))
     with pytest.raises(MeshError, match=r"^coordinates"):
         read_mesh(solid(points=np.float64(1.0)))
-
-
-def test_too_little_memory_is_said_with_the_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def full(path: object) -> bytes:
-        raise MemoryError
-
-    monkeypatch.setattr(Path, "read_bytes", full)
-    file = tmp_path / "a.msh"
-    file.write_text("$MeshFormat")
-    with pytest.raises(MemoryLimitError, match=r"^mesh"):
-        read_mesh(file)
 
 
 # ------------------------------------------------------------------------------- numbers of files

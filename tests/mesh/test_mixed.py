@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from pathlib import Path
 
 import meshio
@@ -15,7 +14,7 @@ import aoimpact as ao
 from aoimpact.base import InputError, InputTypeError, MeshError
 from aoimpact.fem import energy_error, gauss_stress, nodal_stress, stiffness_mass
 from aoimpact.io import read_mesh
-from aoimpact.mesh import boundary, meshio_of_all_kinds, weights_at
+from aoimpact.mesh import boundary, weights_at
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 LENGTHS = (2.0, 1.5, 1.0)
@@ -108,55 +107,6 @@ def test_frequencies_converge_with_twice_the_order(order: int, rate: float) -> N
         errors.append(ao.FEModel.from_mesh(mesh, material, fixed).frequencies(1)[0] / exact - 1.0)
     assert errors[1] > 0.0
     assert np.log2(errors[0] / errors[1]) == pytest.approx(rate, abs=0.3)
-
-
-@both_orders
-def test_through_files(order: int, tmp_path: Path) -> None:
-    mesh = mixed_box(LENGTHS, (2, 2, 3), order=order)
-    cells = [(block.kind, block.cells) for block in mesh.blocks]
-    raw = meshio_of_all_kinds().Mesh(mesh.nodes, cells)
-    raw.write(tmp_path / "mixed.vtu")
-    again = read_mesh(tmp_path / "mixed.vtu")
-    written = {block.kind: block.cells for block in mesh.blocks}
-    assert len(again.blocks) == len(written)
-    for block in again.blocks:
-        assert np.array_equal(block.cells, written[block.kind])
-    copy = pickle.loads(pickle.dumps(mesh))
-    assert copy.blocks[0].cells.flags.writeable is False
-    assert repr(copy) == repr(mesh)
-
-
-def test_groups_of_cells_in_a_file_of_several_kinds(tmp_path: Path) -> None:
-    """Gmsh's physical groups, one of them without a name, over blocks in any order."""
-    mesh = mixed_box(LENGTHS, (2, 2, 3))
-    blocks, tags = [], []
-    names = dict(zip(("low", "wedges", "middle", "high"), (1, 2, 3, 4), strict=True))
-    for name, tag in reversed(names.items()):
-        for block in mesh.blocks:
-            members = mesh.cell_sets[name]
-            own = members[(members >= block.first) & (members < block.numbers.stop)] - block.first
-            if len(own):
-                blocks.append((block.kind, block.cells[own]))
-                tags.append(np.full(len(own), tag))
-    raw = meshio.Mesh(
-        mesh.nodes,
-        blocks,
-        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
-        field_data={name: np.array([tag, 3]) for name, tag in names.items() if tag != 2},
-    )
-    raw.write(tmp_path / "groups.msh", file_format="gmsh22", binary=False)
-    read = read_mesh(tmp_path / "groups.msh")
-    assert set(read.cell_sets) == {"low", "volume 2", "middle", "high"}
-    assert set(read.node_sets) == set(read.cell_sets)
-    for name, tag in names.items():
-        part = read.part(f"volume {tag}" if tag == 2 else name)
-        K, M = stiffness_mass(part, STEEL)
-        wanted = stiffness_mass(mesh.part(name), STEEL)[1].sum()
-        assert M.sum() == pytest.approx(wanted, rel=1e-12)
-        assert K.shape[0] == 3 * part.n_nodes
-    high = read_mesh(tmp_path / "groups.msh", part=["middle", "high"])
-    assert high.kind == "mixed"
-    assert high.nodes[:, 2].min() == pytest.approx(1.0 / 3.0)
 
 
 def test_files_with_cells_of_second_order_that_meshio_cannot_hold(tmp_path: Path) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import pickle
 from typing import Any
 
 import numpy as np
@@ -87,15 +85,6 @@ def test_a_body_added_twice_is_reduced_once() -> None:
     assert run.models[1] is run.models[0].turned((0,))
 
 
-def test_it_says_what_it_is() -> None:
-    model = ao.full([TIP, OTHER])
-    assert model == ao.full([TIP, OTHER]) != ao.full([OTHER, TIP])
-    assert model.body is BODY
-    assert model.tips == model.tips == (TIP, OTHER)
-    assert repr(model) == f"full([{TIP!r}, {OTHER!r}])"
-    assert pickle.loads(pickle.dumps(model)).label == model.label == f"full({BODY.n_dofs})"
-
-
 @pytest.mark.parametrize(
     ("tips", "error", "words"),
     [
@@ -110,14 +99,3 @@ def test_what_is_no_place_on_one_body_is_refused(
 ) -> None:
     with pytest.raises(error, match=words):
         ao.full(tips)
-
-
-def test_models_are_compared_with_it() -> None:
-    wall = ao.rigid(mass=math.inf)
-    free = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.02, 0.02), (4, 1, 1)), STEEL)
-    tip = free.contact(point=(0.1, 0.01, 0.01), direction=(1, 0, 0))
-    first, second = (
-        ao.compare(body, wall, 1.0, law=HERTZ, duration=6e-4, oscillators=(3,), modes=())
-        for body in (tip, ao.full(tip))
-    )  # fmt: skip
-    assert [row.force for row in first.rows] == [row.force for row in second.rows]

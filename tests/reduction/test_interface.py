@@ -120,18 +120,6 @@ def test_ports_that_excite_few_modes():
         assert ao.interface([ao.FEModel(K=K, M=M).contact(dof=2)], 5, contact_time=5.0).n == 3
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"n": 7}, r"^n"),
-        ({"n": 10**6}, r"^n"),
-    ],
-)
-def test_bad_arguments_are_named(free, change, message):
-    with pytest.raises(ao.AOImpactError, match=message):
-        ao.interface(**{"tips": free, "n": 10, **change})
-
-
 def test_ports_of_different_bodies_are_refused(free, held):
     with pytest.raises(ao.InputError, match=r"^tips"):
         ao.interface([free[0], held[0]], 10)

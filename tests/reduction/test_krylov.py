@@ -1,9 +1,5 @@
 """Scene-fitted anti-oscillators: few give the full model's force, and what a subspace keeps."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 import scipy.linalg as la
@@ -434,72 +430,3 @@ def test_a_mechanism_that_the_force_does_not_move_is_named():
     )
     with pytest.raises(ao.SingularError, match="mechanism"):
         ao.antioscillators(tip, 6, method="krylov", contact_time=9e-5)
-
-
-def test_one_factorisation_and_a_solve_a_vector_by_the_users_own_solver(block, own_solver):
-    settings = {"method": "krylov", "contact_time": 20e-6, "solver": own_solver}
-    star = ao.antioscillators(block, 4, **settings)
-    assert (len(own_solver.calls), own_solver.solutions) == (1, 4)
-    assert star.origin.linear_solver == "Own"
-    # Held: the static mode of a compact body takes solves with the same factors.
-    mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
-    held = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
-    tip = held.contact(point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0), radius=0)
-    ao.antioscillators(tip, 4, **settings)
-    assert len(own_solver.calls) == 2
-    assert 4 < own_solver.solutions - 4 <= 4 + 10
-    # It is a combination of vectors that a larger model takes anyway; one more makes up for it.
-    before = own_solver.solutions
-    star = ao.antioscillators(tip, 14, **settings)
-    assert (len(own_solver.calls), own_solver.solutions - before) == (3, 15)
-    assert star.k0 == pytest.approx(ao.antioscillators(tip, 0).k0, rel=1e-9)
-
-
-# Prints the numbers of a model as text that has all their bits.
-MODEL = """
-import aoimpact as ao
-mesh = ao.box_mesh((0.3, 0.2, 0.01), (30, 20, 2), kind="hexahedron20")
-plate = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700), fixed=[("xmin", "xyz")])
-tip = plate.contact(point=(0.2, 0.1, 0.01), direction=(0, 0, -1), radius=0)
-star = ao.antioscillators(tip, 5, method="krylov", contact_time=1e-4, solver="multigrid")
-print(*(value.hex() for value in (star.m0, star.k0, *star.m, *star.k)))
-"""
-
-
-@pytest.mark.slow
-def test_a_model_has_the_same_bits_on_any_number_of_cores() -> None:
-    found = {
-        subprocess.run(
-            [sys.executable, "-W", "ignore", "-c", MODEL],
-            env=os.environ | {"OMP_NUM_THREADS": cores, "OPENBLAS_NUM_THREADS": cores},
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-        for cores in "123"
-    }
-    assert len(found) == 1
-
-
-@pytest.mark.slow
-def test_vectors_of_rough_solutions_are_as_good_as_exact_ones() -> None:
-    """Of a held body they are so across its static mode only; many had seven times the error."""
-    mesh = ao.box_mesh((0.06, 0.05, 0.01), (15, 12, 3), kind="hexahedron20")
-    plate = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.33, 2700), fixed=[("xmin", "xyz")])
-    tip = plate.contact(point=(0.03, 0.025, 0.01), direction=(0, 0, -1), radius=0.0045)
-    law, times = ao.Hertz(k=5e9), np.linspace(0.0, 1.5e-4, 301)
-
-    def force(model: ao.AOModel) -> np.ndarray:
-        ball, solver = ao.rigid(mass=4e-3), ao.Adaptive(rtol=1e-8)
-        hit = ao.simulate(ball, model, 1.0, law=law, duration=times[-1], solver=solver)
-        return hit.at(times).force
-
-    exact, rough = (
-        KrylovSpace(tip, contact_time=4.6e-5, sharpened=True, solver=solver)
-        for solver in ("superlu", "multigrid")
-    )
-    for of in (exact, rough):
-        of.antioscillators(20)  # whose static mode the others are across
-    right = force(exact.antioscillators(200))
-    errors = [np.abs(force(of.antioscillators(86)) - right).max() for of in (exact, rough)]
-    assert errors[1] <= 2.0 * errors[0]

@@ -85,13 +85,6 @@ def test_expansion_of_a_modal_star_lies_in_its_modes():
     )
 
 
-@pytest.mark.parametrize(("n", "message"), [(0, r"^n"), (2.5, r"^n")])
-def test_bad_counts_are_named(n, message):
-    tip = ao.FEModel(**dict(zip("KM", rod(10), strict=True))).contact(dof=0)
-    with pytest.raises(ao.AOImpactError, match=message):
-        ao.modal(tip, n)
-
-
 def test_modes_that_do_not_move_the_contact_are_no_model():
     K, M = beam(10, fixed=[0, 20])
     tip = ao.FEModel(K=K, M=M).contact(dof=10)  # slope at midspan: still in every symmetric mode

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.reduction import KrylovSpace, Recovery
+from aoimpact.reduction import Recovery
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -147,40 +147,6 @@ def test_functionals_are_those_of_the_displacement(fixed: Any, count: int) -> No
         of_coordinates, of_forces = recovery.functionals(sp.csr_array(rows), dual)
         found = of_coordinates @ coordinates + of_forces @ force
         np.testing.assert_allclose(found, exact, atol=1e-9 * np.abs(exact).max())
-
-
-def test_what_rough_solutions_leave_of_their_vectors_is_nothing_to_correct() -> None:
-    mesh = ao.box_mesh((0.1, 0.1, 0.02), (8, 8, 2), kind="hexahedron20")
-    body = ao.FEModel.from_mesh(mesh, MATERIAL, fixed=(("xmin", "xyz"),))
-    tip = body.contact(point=(0.05, 0.05, 0.02), direction=(0, 0, -1), radius=0)
-    space = KrylovSpace(tip, contact_time=1e-4, solver="multigrid")
-    star, force = space.of_vectors(5), np.array([[1e3, -2e3]])
-    recovery = recovery_of(star, 1e5, partial(body.inverse, solver="multigrid"))
-    found = recovery.displacement(some_motion(star), force)
-    rows = sp.eye_array(body.n_dofs).tocsr()[::7]
-    dual = body.inverse(1e10, solver="superlu").solve(rows.T.toarray()).T  # of all, in full
-    of_coordinates, of_forces = recovery.functionals(rows, dual)
-    exact = of_coordinates @ some_motion(star) + of_forces @ force
-    np.testing.assert_allclose(found[::7], exact, atol=1e-4 * np.abs(exact).max())
-    assert recovery.shapes.shape[1] < 3
-
-
-def test_many_times_go_the_same_way_as_few() -> None:
-    star = ao.antioscillators(tip_of(None), 3).modal
-    coordinates, force = some_motion(star), np.array([[1e3, -2e3]])
-    recovery = recovery_of(star, 1e5)
-    few = recovery.displacement(coordinates, force)
-    many = recovery.displacement(np.tile(coordinates, (1, 5)), np.tile(force, (1, 5)))
-    np.testing.assert_allclose(many, np.tile(few, (1, 5)), atol=1e-9 * np.abs(few).max())
-
-
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("fixed", SUPPORTS)
-def test_one_solution_for_each_force_corrects_a_model_of_any_size(fixed: Any, model: Any) -> None:
-    """K times the model's space lies in M times it and the load."""
-    reduced = made(model, fixed)
-    loads = reduced.loads(gravity=9.81)
-    assert Recovery(reduced, loads, 1e5).shapes.shape[1] <= loads.shape[1]
 
 
 def test_it_survives_pickling() -> None:

@@ -256,34 +256,7 @@ def test_expand_gives_back_the_displacement():
     np.testing.assert_allclose(star.expand(np.ones(star.n + 1)), static / static[4], rtol=1e-8)
 
 
-def test_expand_refuses_a_wrong_number_of_coordinates():
-    star = model(*rod(10), 10, 2)
-    with pytest.raises(ao.InputError, match=r"^coordinates"):
-        star.expand([1.0, 2.0])
-
-
 def test_no_oscillator_leaves_the_static_mass_on_the_static_spring():
     star = model(*rod(30, fixed=[0]), 29, 0)
     assert (star.n, star.k0) == (0, pytest.approx(1.0))
     assert star.m0 == pytest.approx(1 / 3)
-
-
-# ------------------------------------------------------------------------------------ bad input
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"n": 11}, r"^n"),
-    ],
-)
-def test_bad_arguments_are_named(arguments, message):
-    K, M = rod(10)
-    with pytest.raises(ao.AOImpactError, match=message):
-        model(K, M, 0, **arguments)
-
-
-def test_a_body_without_contact_is_refused():
-    K, M = rod(10)
-    with pytest.raises(ao.InputTypeError, match=r"^tip"):
-        ao.antioscillators(ao.FEModel(K=K, M=M), n=1)

@@ -136,20 +136,6 @@ def test_models_are_immutable_and_pickle():
 
 
 @pytest.mark.parametrize(
-    "values",
-    [
-        np.array([[0.5, 9.0], [0.1, 9.0], [0.02, 9.0]])[:, 0],
-        np.array([0.5, 0.1, 0.02], dtype=">f8"),
-        (0.5, 0.1, 0.02),
-    ],
-    ids=["strided", "big-endian", "tuple"],
-)
-def test_any_layout_of_numbers_means_the_same(values):
-    star = ao.AOModel(m0=0.2, k0=3e4, m=values, k=[2e4, 5e5, 1e3])
-    assert star.receptance(100.0) == ao.AOModel(**EXAMPLE).receptance(100.0)
-
-
-@pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"m": [0.5, 0.0, 0.02]}, r"^m"),

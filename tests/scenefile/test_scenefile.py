@@ -156,23 +156,6 @@ def test_a_body_of_matrices(tmp_path: Path) -> None:
     assert found.damping == ao.ModalDamping(ratio=0.01)
 
 
-def test_matrices_on_a_mesh(tmp_path: Path) -> None:
-    mesh = ao.box_mesh((0.1, 0.04, 0.04), (10, 4, 4), kind="hexahedron20")
-    body = ao.FEModel.from_mesh(mesh, ALU)
-    ao.write_matrices(body, tmp_path)
-    deck = [f"{i + 1}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(mesh.nodes.tolist())]
-    cells = [",".join(map(str, [i + 1, *(cell + 1)])) for i, cell in enumerate(mesh.cells)]
-    lines = ["*NODE", *deck, "*ELEMENT, TYPE=C3D20", *cells, ""]
-    (tmp_path / "bar.inp").write_text("\n".join(lines))
-    files = 'K = "K.mtx", M = "M.mtx", dofs = "dofs.txt", mesh = "bar.inp", material = "alu"'
-    text = f"[bodies.body]\nmatrices = {{ {files} }}\ncontact = {{ point = [0.05, 0.02, 0.04] }}\n"
-    ball = "[bodies.ball]\nmass = 0.03\n"
-    (tip,) = read(tmp_path, MATERIALS + ball + text + IMPACT).case()["target"].tips
-    same = body.contact(point=(0.05, 0.02, 0.04))
-    np.testing.assert_allclose(tip.b, same.b, atol=1e-12)
-    assert tip.patch == same.patch
-
-
 def test_a_body_of_groups_with_masses_and_springs(tmp_path: Path) -> None:
     """A bar along z of two groups, and a third body beside it in the same file."""
     bar = ao.box_mesh((0.02, 0.02, 0.04), (2, 2, 4))
@@ -261,34 +244,6 @@ def test_a_deck_has_sections_of_its_own(tmp_path: Path) -> None:
     text = '[bodies.body]\nmesh = { file = "a.inp", scale = 1e-3 }\ncontact = { node = 3 }\n'
     mass = 2700 * (0.1 * 0.1 * 2e-3 + 0.1 * np.pi * (5e-3**2 - 4e-3**2))
     assert body_of(tmp_path, text).mass == pytest.approx(mass, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("sensor", "layer", "part"),
-    [
-        ('"StressAt", layer = [1, "bottom"]', (1, "bottom"), None),
-        ('"StressAt", layer = [0.0, 0.005], part = "RIB"', (0.0, 0.005), "RIB"),
-        ('"StrainAt", layer = "bottom", part = "SKIN"', "bottom", "SKIN"),
-    ],
-)
-def test_a_layer_and_a_part_of_a_sensor(
-    sensor: str, layer: Any, part: str | None, tmp_path: Path
-) -> None:
-    (tmp_path / "a.inp").write_text(DECK)
-    wanted = f"{{ type = {sensor}, component = 'xx', body = 'body', point = [0.05, 0, 0] }}"
-    text = f"""{MATERIALS}
-[bodies.ball]
-mass = 0.03
-[bodies.body]
-mesh = {{ file = "a.inp", scale = 1e-3 }}
-material = {{ SKIN = "stack", RIB = "bar" }}
-fixed = [{{ nodes = [3, 4], hold = "xyz" }}]
-contact = {{ point = [0.05, 0.05, 0.0] }}
-{IMPACT}
-quantity = {wanted}
-"""
-    found = read(tmp_path, text).case()["quantity"]
-    assert (type(layer)(found.layer), found.part) == (layer, part)
 
 
 # ------------------------------------------------------------------------------------------ laws

@@ -84,33 +84,6 @@ def test_law_and_duration_may_be_left_out_as_of_simulate():
         assert one.force == pytest.approx(other.force, rel=1e-6, abs=1e-9)
 
 
-def test_shells_take_the_place_of_thin_solids():
-    """Two discretisations of one plate are nearer to each other than a small model is to either."""
-    steel, t = ao.Material(E=210e9, nu=0.3, rho=7800), 0.006
-    box = ao.box_mesh((0.06, 0.06, t), (10, 10, 1), kind="hexahedron20")
-    solid = ao.FEModel.from_mesh(box, steel, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
-    rims = [("xmin", "xyz", "xyz"), ("xmax", "xyz", "xyz")]
-    shell = ao.FEModel.from_mesh(ao.sheet_mesh((0.06, 0.06), (10, 10)), ao.Shell(t, steel), rims)
-    table = ao.compare(
-        projectile=ao.ball(0.005, steel),
-        target=solid.contact(point=(0.03, 0.03, t)),
-        velocity=1.0,
-        duration=5e-5,
-        oscillators=(2, 16),
-        modes=(),
-        full=False,
-        other_targets={"shell": shell.contact(point=(0.03, 0.03, 0.0))},
-    )
-    assert [row.model for row in table.rows] == ["rigid", "AO(2)", "AO(16)", "shell"]
-    found = table["shell"]
-    assert found.force < 0.01
-    assert found.impulse < 0.005
-    assert found.force < table["AO(2)"].force
-    assert found.dofs < 20
-    assert found.build > found.run > 0.0
-    assert "shell" in [line.get_label() for line in table.plot().lines]
-
-
 def test_models_of_a_shell_converge_to_the_full_shell():
     steel, rims = ao.Material(E=210e9, nu=0.3, rho=7800), [("xmin", "xyz", "xyz")]
     mesh = ao.sheet_mesh((0.05, 0.05), (10, 10))
@@ -225,32 +198,6 @@ def test_the_heading_names_the_body_that_a_reduced_model_was_made_of():
         full=False,
     )
     assert "rigid on a body of " in repr(table).splitlines()[0]
-
-
-def test_the_users_own_linear_solver_is_used_and_named(own_solver):
-    table = ao.compare(
-        projectile=ao.rigid(mass=0.06),
-        target=beam(ENDS),
-        law=law(STEEL, 0.01, ALUMINIUM),
-        velocity=1.0,
-        duration=2e-4,
-        oscillators=(0, 2),
-        modes=(6,),
-        full=False,
-        linear_solver=own_solver,
-    )
-    assert own_solver.calls
-    assert table.linear_solver == "Own"
-    assert "reduced by Own" in repr(table)
-    with pytest.raises(ao.InputError, match=r"^linear_solver"):
-        ao.compare(
-            projectile=ao.rigid(mass=0.06),
-            target=beam(ENDS),
-            law=law(STEEL, 0.01, ALUMINIUM),
-            velocity=1.0,
-            duration=2e-4,
-            linear_solver="cholmod",
-        )
 
 
 def test_nothing_to_compare_with_is_refused():

@@ -309,39 +309,6 @@ def test_random_impacts_are_those_of_fixed_springs(seed, rtol):
 
 
 @pytest.mark.parametrize(
-    "seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 7))]
-)
-def test_damped_impacts_are_those_of_fixed_springs(seed):
-    ball, target, mu, velocity, k = _random_scene(seed)
-    speed = float(np.linalg.norm(velocity))
-    deepest = (1.25 * 0.03 / k) ** 0.4
-    time = 2.95 * deepest
-    law = ao.HuntCrossley(k, 0.5, n=1.5)
-    hit = ao.simulate(
-        ball[0],
-        target[0],
-        velocity,
-        law=law,
-        friction=mu,
-        duration=1.4 * time,
-        solver=ao.Newmark(dt=time / 1000, estimate=False),
-    )
-    right = march(
-        ball[1],
-        target[1],
-        DOWN,
-        k=k,
-        mu=mu,
-        ratio=LIKE,
-        depth=1.02 * deepest,
-        duration=1.4 * time,
-        steps=6000,
-        damping=0.5,
-    )
-    assert_same(hit, right, (ball[1], target[1]), force=5e-4, friction=1e-3, near=3e-4 * speed)
-
-
-@pytest.mark.parametrize(
     "law",
     [
         ao.HuntCrossley.from_restitution(k=1e10, restitution=0.6, velocity=1.0),
@@ -524,66 +491,6 @@ def test_a_track_of_friction_can_be_pickled():
     assert np.array_equal(again.rows(t, True), hit.recorder.rows(t, True))
 
 
-@pytest.mark.parametrize(
-    ("mu", "sideways"),
-    [(0.2, 0.02), *(pytest.param(mu, 0.1, marks=pytest.mark.slow) for mu in (1.0, 3.0))],
-)
-def test_friction_of_a_contact_that_sticks_is_right_at_any_time(mu: float, sideways: float) -> None:
-    """Far below Coulomb's bound, by both methods."""
-    hits = [
-        ao.simulate(
-            ao.ball(0.01, STEEL),
-            ao.wall(STEEL),
-            (sideways, 0, -1),
-            friction=mu,
-            duration=7.5e-5,
-            solver=solver,
-        )
-        for solver in (None, ao.Newmark(dt=2e-8, estimate=False))
-    ]
-    times = np.linspace(0.0, 6.7e-5, 400)
-    tolerant, fixed = (np.interp(times, hit.t, hit.friction_force[:, 0]) for hit in hits)
-    assert np.abs(tolerant - fixed).max() < 1e-3 * np.abs(fixed).max()
-
-
-def test_a_contact_may_end_where_a_step_does() -> None:
-    """The bodies are apart by nothing then, and the forces are rounding."""
-    inertia = 9.486182951932598e-4, 7.973312877206715e-4, 1.0170603742438748e-3
-    arm = -0.01286399309557867, -0.022037774195586328, 0.019541384789217763
-    velocity = 0.44079537303657496, 0.26817176677579846, -1.6550444241236257
-    body = ao.rigid(1.3135053506784045, inertia=inertia, arm=arm)
-    law, given = ao.Hertz(k=77964525.93589751), {"friction": 0.8892244506178925}
-    one, other = (
-        ao.simulate(body, ao.wall(STEEL), velocity, law=law, solver=solver, **given)
-        for solver in (ao.Newmark(), ao.Adaptive(rtol=1e-6))
-    )
-    spins = [hit.projectile.final_spin for hit in (one, other)]
-    np.testing.assert_allclose(*spins, atol=1e-3 * np.abs(spins[1]).max())
-
-
-def test_the_peak_of_friction_is_no_sample_of_the_record() -> None:
-    """Where slip begins it has a corner: the same to six digits in records of any length."""
-    peaks = [
-        ao.simulate(
-            ao.ball(0.01, STEEL), ao.wall(STEEL), (0.5, 0, -1), friction=0.2, duration=lasts
-        ).value("peak_friction_force")
-        for lasts in (8e-5, 1e-3)
-    ]
-    assert peaks[0] == pytest.approx(peaks[1], rel=1e-6)
-
-
-def test_the_error_of_a_block_put_on_a_slope_does_not_hang_on_a_graze() -> None:
-    """It swings between no force and 5/2 of its weight: m g δ = 2/5 k δ^(5/2)."""
-    mass, slope, rtol = 1.0, math.radians(30.0), 1e-4
-    along, down = 9.81 * math.sin(slope), 9.81 * math.cos(slope)
-    scene = ao.Scene(gravity=(along, 0.0, -down))
-    block, plane = scene.add(ao.rigid(mass)), scene.add(ao.rigid(math.inf))
-    scene.connect(block, plane, ao.Hertz(k=1e9), friction=0.8)
-    run = scene.simulate(duration=0.01, solver=ao.Adaptive(rtol=rtol))
-    assert run.error.time == rtol
-    assert run.each_contact[0].peak_force == pytest.approx(2.5 * mass * down, rel=rtol)
-
-
 def test_a_wall_stays_under_gravity() -> None:
     for solver in (ao.Newmark(dt=4e-7), ao.Adaptive(rtol=1e-4)):
         scene = ao.Scene(gravity=(0, 0, -9.81))
@@ -593,43 +500,6 @@ def test_a_wall_stays_under_gravity() -> None:
         run = scene.simulate(duration=2e-4, solver=solver)
         assert not run.bodies[1].final_velocity.any()
         assert not run.bodies[1].final_spin.any()
-
-
-@pytest.mark.parametrize("degrees", [5.0, 30.0, 60.0])
-@pytest.mark.parametrize("law", [ao.Hertz(k=1e10), ao.Linear(k=1e8)], ids=repr)
-def test_friction_is_within_coulomb_s_bound_at_any_time_and_at_it_where_all_slips(law, degrees):
-    slope = math.radians(degrees)
-    ball, velocity = ao.ball(0.01, STEEL), (math.sin(slope), 0.1, -math.cos(slope))
-    hit = ao.simulate(ball, ao.wall(STEEL), velocity, law=law, friction=0.3)
-    fine = hit.at(np.linspace(*hit.contacts[0], 2001))
-    size, bound = np.linalg.norm(fine.friction_force, axis=1), 0.3 * fine.force
-    assert (size <= bound * (1.0 + 1e-12)).all()
-    for start, end in hit.slip_intervals:
-        inside = (fine.t > start) & (fine.t < end)
-        assert size[inside] == pytest.approx(bound[inside], abs=1e-3 * bound.max())
-
-
-@pytest.mark.parametrize("damped", [True, False])
-def test_a_body_put_on_a_slope_rests_below_the_angle_of_friction_and_slides_above(damped):
-    # It is put there without force, so that it settles, or, undamped, vibrates on its springs.
-    mass, k, mu, g, end = 0.05, 1e5, 0.3, 9.81, 0.1
-    law = ao.KelvinVoigt(k=k, c=math.sqrt(k * mass)) if damped else ao.Linear(k)
-    for degrees in (10.0, 25.0):  # of 16.7 it is
-        slope = math.radians(degrees)
-        along, down = g * math.sin(slope), g * math.cos(slope)
-        scene = ao.Scene(gravity=(along, 0.0, -down))
-        body = scene.add(ao.rigid(mass, inertia=1e-3))
-        scene.connect(body, scene.add(ao.wall(STEEL)), law, friction=mu)
-        run = scene.simulate(duration=end, solver=ao.Newmark(dt=2e-5) if damped else None)
-        later, speed = run.t > 0.5 * end, run.bodies[0].final_velocity[0]
-        friction = run.each_contact[0].friction_force
-        held = np.trapezoid(friction[later, 0], run.t[later]) / (0.5 * end)
-        if math.tan(slope) < mu:
-            assert abs(speed) < 1.01 * along * math.sqrt(mass / (LIKE * k))  # of its springs
-            assert held == pytest.approx(mass * along, rel=0.05)
-        else:
-            assert speed == pytest.approx((along - mu * down) * end, rel=0.01)
-            assert held == pytest.approx(mass * mu * down, rel=0.05)
 
 
 @pytest.mark.parametrize(("degrees", "damping", "rtol"), [(20.0, 5.0, 0.05), (40.0, 50.0, 0.1)])
