@@ -380,41 +380,6 @@ def test_modes_of_wrong_arrays_are_refused(bad: str) -> None:
                 function(name)(*arguments)
 
 
-@pytest.mark.parametrize(
-    "joint",
-    [
-        (0, 0, 3, 0, 0.0, law()),
-        (0, 1, 1, 0, 0.0, law()),
-        (1, 0, 1, 1, 0.0, law()),
-        (-1, 0, 1, 0, 0.0, law()),
-        (0, 0, 2**70, 0, 0.0, law()),
-        ("0", 0, 1, 0, 0.0, law()),
-        (0, 0, 1, 0, "near", law()),
-        (0, 0, 1, 0, math.nan, law()),
-        (0, 0, 1, 0, 0.0, None),
-        (0, 0, 1, 0, 0.0, law("rubber")),
-        (0, 0, 1, 0, 0.0),
-    ],
-)
-def test_joints_of_nothing_are_refused(joint: tuple[Any, ...]) -> None:
-    for name in ("adaptive", "track_open"):
-        arguments = CALLS[name][0]()
-        arguments[1] = (joint, arguments[1][1])
-        with pytest.raises((*REFUSALS, OverflowError, ao.InputError)):
-            function(name)(*arguments)
-
-
-@pytest.mark.parametrize(
-    ("position", "value"),
-    [(2, 0.0), (2, -1.0), (2, math.nan), (3, 0.0), (3, -1.0), (3, math.nan), (3, math.inf)],
-)
-def test_runs_without_tolerance_or_time_are_refused(position: int, value: float) -> None:
-    arguments = adaptive_arguments()
-    arguments[position] = value
-    with pytest.raises(ao.InputError):
-        _core.adaptive(*arguments)
-
-
 @pytest.mark.parametrize("bad", BAD_ARRAYS)
 def test_a_start_of_wrong_arrays_is_refused(bad: str) -> None:
     for body in range(3):
@@ -428,30 +393,11 @@ def test_a_start_of_wrong_arrays_is_refused(bad: str) -> None:
             _core.adaptive(*arguments)
 
 
-@pytest.mark.parametrize("position", [5, 6])
-@pytest.mark.parametrize("wrong", [(), (1.0,), [1.0, 0.0, 0.0], (1.0, "fast", 0.0), None])
-def test_a_start_of_other_bodies_is_refused(position: int, wrong: Any) -> None:
-    arguments = adaptive_arguments()
-    arguments[position] = wrong
-    with pytest.raises(TypeError):
-        _core.adaptive(*arguments)
-
-
 def test_bodies_at_rest_and_undeformed_need_no_modes() -> None:
     arguments = adaptive_arguments()
     given = adaptive_bytes(arguments)
     arguments[4] = None
     assert adaptive_bytes(arguments) == given
-
-
-@pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_a_state_that_is_no_number_is_refused(value: float) -> None:
-    for place in (lambda a: a[4], lambda a: a[5][1]):  # of all modes, or of one body's rates
-        arguments = adaptive_arguments()
-        arguments[6] = (1.0, 1.0, 0.0)
-        place(arguments)[2] = value
-        with pytest.raises(ao.ConvergenceError):
-            _core.adaptive(*arguments)
 
 
 def test_tracks_that_are_not_whole_are_refused() -> None:
@@ -559,14 +505,6 @@ def test_stages_that_there_are_not_are_refused(name: str, stage: int) -> None:
         getattr(_core, name)(*arguments)
 
 
-def test_factors_solve_is_the_inverse() -> None:
-    K, _ = chain(40)
-    x = np.sin(np.arange(40.0))
-    right_hand_side = K @ x
-    _core.factors_solve(factorize(K).for_core(), np.empty(40), right_hand_side)
-    assert right_hand_side == pytest.approx(x, abs=1e-12)
-
-
 # Things that a confused caller, or an unlucky one, may hand over.
 ODD_THINGS: list[Any] = [
     None, True, -1, 2**70, 1.5, float("nan"), 1j, "hertz", "star", "", "\0", "é" * 9, b"hertz", (),
@@ -632,18 +570,6 @@ def test_every_status_of_the_core_has_its_exception() -> None:
         assert isinstance(error, (ValueError, RuntimeError))
         assert "1.5e-06 s" in str(error)
         assert "unknown" not in str(error)
-
-
-def test_statuses_arrive_as_their_exceptions() -> None:
-    four = np.zeros(4)
-    with pytest.raises(ao.InputError, match=r"^static"):
-        _core.static_constrained(four, np.ones(4))
-    with pytest.raises(ao.SingularError):
-        _core.static_constrained(np.ones(4), -np.ones(4))
-    with pytest.raises(ao.ConvergenceError, match="NaN"):
-        _core.static_constrained(np.ones(4), np.full(4, np.nan))
-    with pytest.raises(ao.InputError):
-        _core.law_potential(law("rubber"), four, np.zeros(4))
 
 
 def test_an_exception_of_the_linear_solver_comes_through() -> None:
