@@ -50,34 +50,33 @@ class Held:
         assert body.free is not None
         dofs = (3 * nodes[:, None] + np.arange(3)).ravel()
         fixed, free = np.isin(held, dofs), np.flatnonzero(np.isin(body.free, dofs))
-        found = np.zeros((self.grounding.M.shape[1], len(times)))
-        own = self.grounding.inertia[fixed] @ self.gravity
-        stiff = np.zeros((len(free), len(body.free)))
+        count = np.count_nonzero(fixed)
+        ground, springs = (np.zeros((count + len(free), len(of))) for of in (held, body.free))
+        ground[:count] = np.eye(len(held))[fixed]
         if body.springs is not None:
-            stiff[np.arange(len(free)), free] = body.springs[free]
-        ground = np.eye(len(held))[fixed]
+            springs[count + np.arange(len(free)), free] = body.springs[free]
         if self.recovery is None:
-            supports = self._by_rows(ground, np.zeros((len(ground), len(body.free))), times)
-            springs = self._by_rows(np.zeros((len(free), len(held))), stiff, times)
+            forces = self._by_rows(ground, springs, times)
         else:
             # K⁻¹ of the forces less the inertia, each without its part that moves the body as one.
-            r, M = body.rigid_modes, body.M
-            inertia = M @ self.recovery.model.modes
-            columns = np.hstack([self.recovery.loads, -inertia])
+            r, M, modes = body.rigid_modes, body.M, self.recovery.model.modes
+            columns = np.hstack([self.recovery.loads, -(M @ modes)])
             columns = columns - M @ (r @ (r.T @ columns))
-            moved = np.stack(
-                [displacement(body, one.copy(), body.inverse) for one in columns.T], axis=1
-            )
+            moved = [displacement(body, one.copy(), body.inverse) for one in columns.T]
             a = self._accelerations(times)
-            causes = np.vstack([self.motion.force(times), a])
-            rows = self.grounding.M[fixed][:, body.free]
-            supports = (self.grounding.K[fixed] @ moved) @ causes + (
-                rows @ self.recovery.model.modes
-            ) @ a
-            springs = -(stiff @ moved) @ causes
-        found[held[fixed]] = supports - own[:, None]
-        found[body.free[free]] = springs
+            forces = self._stiffness(ground, springs) @ np.stack(moved, axis=1)
+            forces = forces @ np.vstack([self.motion.force(times), a])
+            forces += (self._mass(ground) @ modes) @ a
+        forces[:count] -= (self.grounding.inertia[fixed] @ self.gravity)[:, None]
+        found = np.zeros((self.grounding.M.shape[1], len(times)))
+        found[np.concatenate([held[fixed], body.free[free]])] = forces
         return np.asarray(found[dofs].T.reshape(len(times), len(nodes), 3))
+
+    def _stiffness(self, ground: FloatArray, springs: FloatArray) -> FloatArray:
+        return np.asarray(ground @ self.grounding.K - springs)
+
+    def _mass(self, ground: FloatArray) -> FloatArray:
+        return np.asarray(ground @ self.grounding.M[:, self.grounding.body.free])
 
     def _accelerations(self, times: FloatArray) -> FloatArray:
         """q̈ + α q̇ of the reduced model, from the forces on it, shape (n, times).
@@ -95,9 +94,7 @@ class Held:
 
     def _by_rows(self, ground: FloatArray, springs: FloatArray, times: FloatArray) -> FloatArray:
         """The forces from K X + C Ẋ + M Ẍ of the constrained dofs, and from the springs' own."""
-        free = self.grounding.body.free
-        stiffness = ground @ self.grounding.K - springs
-        mass = ground @ self.grounding.M[:, free]
+        stiffness, mass = self._stiffness(ground, springs), self._mass(ground)
         u, v = self.motion.observed(stiffness, times)
         found: FloatArray = u + self.motion.acceleration(mass, times)
         if isinstance(self.damping, Rayleigh):

@@ -31,4 +31,3 @@ from .quantities import (
 )
 from .run import Handle, Result, Run
 from .solve import AS_LONG_AGAIN, RecordLength, TimeSolver, solve
-from .validity import Advice, limits

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..base import (
     COLOURS,
+    DASHES,
     Curve,
     FloatArray,
     InputError,
@@ -183,20 +184,19 @@ def plot_energy(
         if isinstance(body, str) or not run.plan.scene:
             body = ROLES.index(choice("body", body, ROLES))
         share = run[body].energy or energy
-    blue, vermilion, green, purple = COLOURS[:4]
-    styles: list[tuple[FloatArray, str, str, str]] = [
-        (share.kinetic, "kinetic", "-", blue),
-        (share.elastic, "elastic (nonlocal)", "--", vermilion),
-        (energy.contact, "contact (local)", "-.", green),
-    ]
-    if np.any(energy.dissipated):
-        styles.append((energy.dissipated, "dissipated", ":", purple))
-    if body is None:
-        styles.append((energy.total, "total", "-", "0.5"))
+    known = {
+        "kinetic": share.kinetic,
+        "elastic (nonlocal)": share.elastic,
+        "contact (local)": energy.contact,
+        "dissipated": energy.dissipated,
+    }
     curves: list[Curve] = [
         (values, {"label": name, "linestyle": dashes, "color": colour})
-        for values, name, dashes, colour in styles
+        for (name, values), dashes, colour in zip(known.items(), DASHES, COLOURS, strict=False)
+        if name != "dissipated" or np.any(values)
     ]
+    if body is None:
+        curves.append((energy.total, {"label": "total", "linestyle": "-", "color": "0.5"}))
     return draw_curves(ax, (run.t, "time", "s"), "energy", "J", curves, kwargs)
 
 

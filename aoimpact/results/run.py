@@ -35,13 +35,12 @@ from ..laws import Dent, own_law
 from ..reduction import FullModel
 from ..scene import Plan
 from . import plot as figures
-from .advice import warn_of_ledger, warn_of_mesh
+from .advice import Advice, limits, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
 from .quantities import all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
 from .table import ROLES, as_dataframe, as_dataset, columns, different
-from .validity import Advice, limits
 
 _NOTHING_KNOWN = LeftOut()
 

@@ -11,8 +11,8 @@ from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import PatchLaw, wider
 from ..reduction import FullModel
 from ..scene import Plan
+from .advice import touched
 from .run import Result, Run
-from .validity import touched
 
 TimeSolver = Adaptive | Newmark
 
