@@ -19,7 +19,7 @@ _BADLY_WRONG = 0.2
 # Share of a displacement over the length of the record below which a velocity is rounding.
 _AT_REST = 1e-9
 
-# The error of a sensor is so many times the difference to a finer model, whose own error is taken
+# The error is so many times the difference to a finer model, whose own error is taken
 # to be half as large: 98 % of them are then within it, see tools/sensor_errors.py.
 _DIFFERENCES = 2.0
 
@@ -47,8 +47,6 @@ class History(Generic[S]):
         Length of the record, s.
     displacement : callable, optional
         The displacement, as `seen`, of which this is the rate.
-    safety : float, optional
-        Factor on the difference to the finer model.
     """
 
     name: str
@@ -58,7 +56,6 @@ class History(Generic[S]):
     t: FloatArray
     duration: float
     displacement: Callable[[S, FloatArray], FloatArray] | None = field(default=None, repr=False)
-    safety: float = _DIFFERENCES
 
     @cached_property
     def values(self) -> FloatArray:
@@ -81,7 +78,7 @@ class History(Generic[S]):
         largest = np.nanmax(np.abs(right), initial=least)
         apart = np.abs(self.values - right[np.searchsorted(looks, self.t)])
         found: FloatArray = apart.reshape(len(self.t), -1).max(axis=1)
-        return self.safety * found / (largest if largest > 0.0 else 1.0)
+        return _DIFFERENCES * found / (largest if largest > 0.0 else 1.0)
 
     def told(self) -> FloatArray:
         """Return the values, and warn if they may be badly wrong."""

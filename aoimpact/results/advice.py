@@ -46,10 +46,10 @@ from ..laws import (
     yield_pressure,
 )
 from ..reduction import Body, BodyModel, is_valid_for
+from .errors import ErrorEstimate, percent
 
 if TYPE_CHECKING:
     from ..scene import Contact, Plan
-    from .errors import ErrorEstimate
     from .run import Result, Run
 
 
@@ -592,29 +592,27 @@ MESH_LIMIT = 0.1
 
 def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
     """Warn of a large error by meshes or contacts, and name the cure."""
-    quantity = error.quantity or "force"
-    tips = {(b, at): tip for of in run.plan.contacts for b, at, tip in touched(run.plan, of)}
-    meshed: dict[bool, list[str]] = {True: [], False: []}  # names; True: second order
-    thin, flat = False, ""
-    for (body, _), tip in sorted(tips.items()):
-        if tip.body.mesh is not None:
-            thin |= tip.thin is not None
-            meshed[tip.body.mesh.quadratic].append(run.names[body])
-            if _as_a_shell(tip):
-                flat = "take ao.Shell or ao.Laminate"
-    first_order = meshed[False]
-    if error.mesh is not None and error.mesh > MESH_LIMIT and (first_order or meshed[True]):
-        names = " and ".join(dict.fromkeys(first_order or meshed[True]))
+    quantity, plan = error.quantity or "force", run.plan
+    tips = {(b, at): tip for of in plan.contacts for b, at, tip in touched(plan, of)}
+    meshed = [
+        (run.names[body], tip, mesh.quadratic)
+        for (body, _), tip in sorted(tips.items())
+        if (mesh := tip.body.mesh) is not None
+    ]
+    if meshed and error.mesh is not None and error.mesh > MESH_LIMIT:
+        linear = [name for name, _, quadratic in meshed if not quadratic]
+        names = " and ".join(dict.fromkeys(linear or [name for name, *_ in meshed]))
         what, cure = "the mesh makes", "take smaller elements"
-        if first_order and not thin:
+        if linear and not any(tip.thin for _, tip, _ in meshed):
             what = "elements of first order make"
             cure = "add midside nodes with FEModel.from_mesh(..., order=2)"
-        cure = flat or cure
-        size = f"of {100.0 * error.mesh:.2g} %" if math.isfinite(error.mesh) else "without bound"
+        if any(_as_a_shell(tip) for _, tip, _ in meshed):
+            cure = "take ao.Shell or ao.Laminate"
+        size = f"of {percent(error.mesh)} %" if math.isfinite(error.mesh) else "without bound"
         warn(f"{names}: {what} an error {size} in the {quantity}; {cure}")
     if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
-            f"the contact makes an error of {100.0 * error.contact:.2g} % in the {quantity}: it "
+            f"the contact makes an error of {percent(error.contact)} % in the {quantity}: it "
             "reaches over an edge, its patch is wide, curvatures are not known, or a modal model "
             "has too few modes. Move it, give a smaller radius, law= or more modes"
         )

@@ -249,8 +249,8 @@ class BodyResult(Frozen):
     def error(self) -> Mapping[str, FloatArray]:
         """Errors of the histories by the body's model, relative to the largest value of each.
 
-        ``error["velocity"]``, shape (n,), and so of the other three: the difference to one more
-        run, with models that contain this one and what it leaves out first. To it add the
+        ``error["velocity"]``, shape (n,), and so of the other three: twice the difference to one
+        more run, with models that contain this one and what it leaves out first. To it add the
         errors of mesh and contact. It is empty of a body given by numbers.
 
         Examples
@@ -278,7 +278,6 @@ class BodyResult(Frozen):
                 run.t,
                 run.duration,
                 moved if name.endswith("velocity") else None,
-                safety=1.0,
             )
             for name in self._motion
         }

@@ -50,7 +50,7 @@ def read(body: Any, name: str) -> np.ndarray:
 @pytest.mark.parametrize("name", ["tip of a cantilever, for long", "held plate"])
 @pytest.mark.parametrize("fit", [{}, {"duration": LONG}], ids=["short", "long"])
 @pytest.mark.parametrize("n", [3, 8, 16])
-def test_the_error_said_of_every_history_is_about_the_true_one(
+def test_the_error_said_of_every_history_is_about_twice_the_true_one(
     name: str, n: int, fit: dict[str, float]
 ) -> None:
     body = struck(name, n, **fit).at(np.linspace(0.0, LONG, 300)).target
@@ -58,7 +58,7 @@ def test_the_error_said_of_every_history_is_about_the_true_one(
     for history in HISTORIES:
         mine, true = read(body, history), read(exact, history)
         error = np.abs(mine - true).max() / np.abs(true).max()
-        assert 0.4 * error < body.error[history].max() < 2.5 * error + 1e-3, history
+        assert 0.8 * error < body.error[history].max() < 5.0 * error + 2e-3, history
 
 
 def test_a_probe_away_from_the_contact_says_so_too() -> None:
@@ -72,7 +72,7 @@ def test_a_probe_away_from_the_contact_says_so_too() -> None:
     for history in ("displacement", "velocity"):
         mine, true = read(probe, history), read(exact, history)
         error = np.abs(mine - true).max() / np.abs(true).max()
-        assert 0.4 * error < probe.error[history].max() < 2.5 * error
+        assert 0.8 * error < probe.error[history].max() < 5.0 * error
     with pytest.warns(ao.AOImpactWarning, match=r"^velocity"):
         _ = probe.velocity
 
