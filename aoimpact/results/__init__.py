@@ -7,6 +7,8 @@ returns them; `batch`, `cli` and `study` print them.
 """
 
 from .advice import (
+    Advice,
+    limits,
     warn_of_bodies,
     warn_of_exchange,
     warn_of_misfit,
