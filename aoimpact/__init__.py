@@ -69,6 +69,15 @@ if _PathFinder.find_spec("aoimpact._core", __path__) is None:
 import lazy_loader as _lazy_loader  # after the message: without an environment it is missing, too
 
 # The public names stand in __init__.pyi; each is imported at its first use.
-__getattr__, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)
+_find, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    from .base import spelled
+
+    found = _find(name)
+    globals()[name] = found = spelled(found, __name__) if callable(found) else found
+    return found
+
 
 __version__ = _version("aoimpact")

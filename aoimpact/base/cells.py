@@ -9,8 +9,6 @@ from typing import Any
 
 from .checks import written_file
 
-__all__ = ["aligned", "html_table", "write_csv"]
-
 
 def aligned(rows: Iterable[Sequence[str]], *, left: Collection[int] = ()) -> list[str]:
     """Return a line for each row, columns side by side and to the right, but those in `left`."""

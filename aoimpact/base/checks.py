@@ -14,49 +14,16 @@ import numbers
 import operator
 import os
 import reprlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal, ParamSpec, TypeVar
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from .arrays import FloatArray, IntArray
 from .errors import InputError, InputTypeError
-
-P = ParamSpec("P")
-R = TypeVar("R")
-
-__all__ = [
-    "HUGE",
-    "PRINTED",
-    "ROUNDING",
-    "boolean",
-    "called",
-    "choice",
-    "file_path",
-    "finite_array",
-    "inertia_tensor",
-    "instance",
-    "instances",
-    "integer",
-    "integers",
-    "nearest",
-    "node_ids",
-    "nonnegative",
-    "place",
-    "plain",
-    "positive",
-    "real",
-    "sequence",
-    "spelled",
-    "text",
-    "texts",
-    "unit_vector",
-    "writable_folder",
-    "written_file",
-]
 
 # In SI units: squares and cubes of what is not larger are numbers, and so are products of two.
 HUGE = 1e100
@@ -178,19 +145,38 @@ def nearest(value: str, options: Iterable[str]) -> str:
     return f" (did you mean {found[0]!r}?)" if found else ""
 
 
-def spelled(function: Callable[P, R]) -> Callable[P, R]:
-    """Return a function that names the keyword meant by one that it does not have."""
-    known = tuple(inspect.signature(function).parameters)
+def spelled(made: Any, module: str) -> Any:
+    """Return a public function or class that says which keyword was meant by a misspelt one.
 
-    @functools.wraps(function)
-    def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+    Parameters
+    ----------
+    made : callable
+        A class is changed in place, its methods with it.
+    module : str
+        Its public place, where pickle finds a function.
+    """
+    if isinstance(made, type):
+        for name, of in list(vars(made).items()):
+            if inspect.isfunction(of) and (name == "__init__" or not name.startswith("_")):
+                setattr(made, name, spelled(of, of.__module__))
+            elif isinstance(of, classmethod) and not name.startswith("_"):
+                setattr(made, name, classmethod(spelled(of.__func__, module)))
+        return made
+    parameters = inspect.signature(made).parameters
+    if any(one.kind is one.VAR_KEYWORD for one in parameters.values()):
+        return made
+    known = [name for name in parameters if name not in ("self", "cls")]
+
+    @functools.wraps(made)
+    def checked(*args: Any, **kwargs: Any) -> Any:
         for name in kwargs:
             if name not in known:
-                raise InputTypeError(
-                    f"{function.__name__} has no keyword {name!r}{nearest(name, known)}"
-                )
-        return function(*args, **kwargs)
+                called = made.__qualname__.removesuffix(".__init__")
+                hint = nearest(name, known) or f"; it has {', '.join(known) or 'none'}"
+                raise InputTypeError(f"{called} has no keyword {name!r}{hint}")
+        return made(*args, **kwargs)
 
+    checked.__module__ = module
     return checked
 
 

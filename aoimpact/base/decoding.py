@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import codecs
 
-__all__ = ["decoded"]
-
 # Encodings by what a file begins with; UTF-32 before UTF-16, with which it begins as well.
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),

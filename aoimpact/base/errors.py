@@ -14,29 +14,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-__all__ = [
-    "AOImpactError",
-    "AOImpactWarning",
-    "ConvergenceError",
-    "InputError",
-    "InputTypeError",
-    "IterationError",
-    "LawLimitError",
-    "MemoryLimitError",
-    "MeshError",
-    "MissingFileError",
-    "MissingPackageError",
-    "NotFiniteError",
-    "RoomError",
-    "SceneFileError",
-    "SingularError",
-    "WorkerError",
-    "core_error",
-    "held_warnings",
-    "law_result_error",
-    "warn",
-]
-
 
 class AOImpactError(Exception):
     """Base of every error that this package raises on purpose."""

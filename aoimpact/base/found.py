@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-__all__ = ["Found"]
-
 
 class Found(Mapping[str, Any]):
     """Values by name, each of which is found when it is first read.

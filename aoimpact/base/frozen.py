@@ -9,8 +9,6 @@ import numpy as np
 
 from .checks import instance
 
-__all__ = ["Frozen", "checked"]
-
 # Takes an argument's name and value, and returns the value in the form that is kept.
 Check = Callable[[str, Any], Any]
 

@@ -7,8 +7,6 @@ from pathlib import Path
 
 from .errors import MemoryLimitError
 
-__all__ = ["GIB", "available", "require"]
-
 GIB = 2.0**30
 
 # Control groups of version 2 (containers): what the group may use, and what it uses.

@@ -7,8 +7,6 @@ from typing import Any
 
 from .errors import MissingPackageError
 
-__all__ = ["optional_package"]
-
 
 def optional_package(name: str, what: str, otherwise: str = "") -> Any:
     """Import a package that `what` needs.

@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["advance", "bar"]
-
 # Seconds after which a bar appears, and between which its clock goes on though nothing is counted:
 # a factorisation says nothing until it is done.
 _DELAY, _CLOCK = 1.0, 0.5

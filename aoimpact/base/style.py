@@ -19,19 +19,6 @@ from .units import scale_for, scale_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = [
-    "COLOURS",
-    "DASHES",
-    "Curve",
-    "draw_curves",
-    "error_axes",
-    "given_axes",
-    "label",
-    "legend",
-    "new_axes",
-    "styled",
-]
-
 # Values of a curve, and keywords of ``Axes.plot``.
 Curve = tuple[FloatArray, dict[str, Any]]
 

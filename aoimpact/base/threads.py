@@ -10,8 +10,6 @@ from contextvars import copy_context
 from functools import cache
 from typing import Any
 
-__all__ = ["at_once"]
-
 _Calls = Sequence[Callable[[], Any]]
 
 _PREFIX = "aoimpact"

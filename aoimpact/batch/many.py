@@ -21,7 +21,6 @@ from ..base import (
     boolean,
     held_warnings,
     nearest,
-    spelled,
     text,
     warn,
 )
@@ -36,7 +35,6 @@ from .plain import PLAIN_NUMBERS, plain_numbers
 from .workers import checked_workers, run_tasks
 
 
-@spelled
 def simulate_many(
     cases: Iterable[Any],
     workers: Any = 1,

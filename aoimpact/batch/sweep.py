@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..accuracy import Named, keeper
-from ..base import InputError, InputTypeError, require, sequence, spelled
+from ..base import InputError, InputTypeError, require, sequence
 from ..impact import SceneCase, simulate
 from ..results import COLUMNS
 from ..scenefile import SceneFile, read_scene
@@ -20,7 +20,6 @@ from .sweep_table import SweepTable, sweep_table
 _BYTES_PER_NUMBER = 16.0
 
 
-@spelled
 def sweep(
     base: Any,
     grid: Mapping[str, Iterable[Any]],

@@ -30,7 +30,6 @@ from ..base import (
     boolean,
     finite_array,
     real,
-    spelled,
     text,
 )
 from ..fem import ContactPoint, Layers
@@ -359,7 +358,6 @@ class Scene:
 
     # ------------------------------------------------------------------- running
 
-    @spelled
     def simulate(
         self,
         *,

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..accuracy import Sensor, checked_rtol, quantity_of
-from ..base import InputError, InputTypeError, boolean, plain, spelled, warn
+from ..base import InputError, InputTypeError, boolean, plain, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, own_law
 from ..linalg import Solver
@@ -25,7 +25,6 @@ from .scene import Member, Scene
 _NAMES = "projectile", "target"
 
 
-@spelled
 def simulate(
     projectile: Any,
     target: Any,

@@ -26,7 +26,6 @@ from ..base import (
     instance,
     integer,
     sequence,
-    spelled,
     text,
     warn,
     with_unit,
@@ -211,7 +210,6 @@ def _cells(row: Compared) -> tuple[str, ...]:
     return (model, str(dofs), *times, *(f"{error:.1e}" for error in errors), "")
 
 
-@spelled
 def compare(
     projectile: Any,
     target: Any,

@@ -21,7 +21,6 @@ from ..base import (
     finite_array,
     held_warnings,
     positive,
-    spelled,
     texts,
     warn,
     with_unit,
@@ -243,7 +242,6 @@ class _Problem:
         )
 
 
-@spelled
 def fit_law(
     law: ContactLaw | type[ContactLaw],
     signal: Any = None,

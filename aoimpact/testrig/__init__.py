@@ -9,6 +9,7 @@ Measured signals and simulated impacts are treated alike: each is first a `Signa
 Signal(force, 3 samples at 1000 Hz, largest 400 N)
 """
 
+from .. import base
 from .dropweight import DropWeight, Point, drop_weight
 from .hammer import MeasuredResponse, frf
 from .readsignal import read_signal
@@ -26,3 +27,5 @@ __all__ = [
     "read_signal",
     "shock_spectrum",
 ]
+
+globals().update({name: base.spelled(globals()[name], __name__) for name in __all__})

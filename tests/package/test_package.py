@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -187,6 +188,20 @@ def test_every_public_name_has_an_example() -> None:
         thing = getattr(ao, name)
         if not (isinstance(thing, type) and issubclass(thing, Exception)):
             assert ">>> " in (inspect.getdoc(thing) or ""), name
+
+
+def test_a_misspelt_keyword_names_the_one_that_was_meant() -> None:
+    public = [*(getattr(ao, name) for name in ao.__all__), *vars(ao.testrig).values()]
+    for thing in filter(inspect.isfunction, public):
+        *_, keyword = inspect.signature(thing).parameters or ["none"]
+        with pytest.raises(ao.InputTypeError, match=rf"{thing.__name__}.*\b{keyword}\b"):
+            thing(**{keyword + "s": 1.0})
+        assert pickle.loads(pickle.dumps(thing)) is thing
+    for made in (ao.Hertz, ao.Material, ao.Shell, ao.Scene, ao.Newmark, ao.AOModel, ao.FEModel):
+        with pytest.raises(ao.InputTypeError, match=made.__name__):
+            made(mispelt=1.0)
+    with pytest.raises(ao.InputTypeError, match="radius"):
+        ao.FEModel.contact(radios=1e-3)
 
 
 # ------------------------------------------------------------------------------------- imports
