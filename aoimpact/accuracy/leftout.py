@@ -41,7 +41,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import AOImpactError, FloatArray, Found, held_warnings
-from ..fem import ContactPoint, Extraction, ThinExtraction
+from ..fem import ContactPoint, Extraction
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law, removable
 from ..reduction import (
     Body,
@@ -389,8 +389,6 @@ def _of_contact(plan: Plan, number: int, met: Met, *, at_nodes: bool) -> list[_E
             crosswise = known.crosswise
         own = error, known.varying, stiffness, known.strain, known.lagging
         left = 0.0 if isinstance(contact.law, PatchLaw) else known.removed
-        if isinstance(known, ThinExtraction):
-            left += known.doubtful
         found.append(_End(body, *own, crosswise, left))
     return found
 

@@ -17,7 +17,6 @@ from .contact import (
     contact_point,
     contact_within,
     own_contact_time,
-    rim_distance,
 )
 from .contactsurface import ContactSurface
 from .contacttime import (

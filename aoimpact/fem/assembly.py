@@ -21,7 +21,7 @@ from ..base import FloatArray, IntArray, at_once, bar, require
 from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, taken
 from .beams import Beam
-from .composition import AnyMaterial, Materials, Piece, pieces
+from .composition import AnyMaterial, Piece, pieces, taken_material
 from .laminate import Layers
 from .material import Material
 from .orthotropic import Orthotropic
@@ -99,11 +99,10 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
     found = thin_stiffness_mass(mesh.nodes, [(part.cells, part.of) for part in parts])
     K, M = (matrix[order][:, order] for matrix in found)
     if solids := pieces(mesh, material):
-        assert isinstance(material, Materials)
         cells = np.sort(np.concatenate([piece.numbers for piece in solids]))
         nodes = np.unique(np.concatenate([piece.cells.ravel() for piece in solids]))
         at = dofs[nodes].ravel()
-        own = _of_solids(taken(mesh, cells), material.taken(cells))
+        own = _of_solids(taken(mesh, cells), taken_material(material, cells))
         entries = [(of.data, (at[of.row], at[of.col])) for of in (m.tocoo() for m in own)]
         K, M = (
             m + sp.csr_array(new, shape=m.shape) for m, new in zip((K, M), entries, strict=True)

@@ -184,8 +184,7 @@ def _speed(body: Any, axes: FloatArray, moved: FloatArray) -> float | None:
 
 def _node(body: Any) -> IntArray:
     """The node of each row."""
-    found: IntArray = body.free // 3 % len(body.nodes)
-    return found
+    return np.asarray(body.free // 3 % len(body.nodes))
 
 
 def _residuals(body: Any, axes: FloatArray | None) -> tuple[float, ...]:

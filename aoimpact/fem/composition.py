@@ -154,6 +154,11 @@ def material_of(material: AnyMaterial, cell: int) -> OneMaterial:
     return material.of(cell) if isinstance(material, Materials) else material
 
 
+def taken_material(material: AnyMaterial, cells: IntArray) -> AnyMaterial:
+    """Return what some of the elements are made of, shape (n,)."""
+    return material.taken(cells) if isinstance(material, Materials) else material
+
+
 @dataclass(frozen=True, eq=False)
 class Piece:
     """Elements of one kind and one material.
@@ -232,39 +237,26 @@ class Layout:
 
     Attributes
     ----------
-    key : ndarray of int, shape (n,)
-        Of each place: material · n_nodes + node, ascending.
+    node, which : ndarray of int, shape (n,)
+        Of each place, ordered by the number of the material, `which`, then by node.
     cells : ndarray of int, shape (n_cells, width)
         `Mesh.cells` by places.
-    n_nodes : int
     """
 
-    key: IntArray
+    node: IntArray
+    which: IntArray
     cells: IntArray
-    n_nodes: int
-
-    @property
-    def node(self) -> IntArray:
-        """The node at each place, shape (n,)."""
-        found: IntArray = self.key % self.n_nodes
-        return found
-
-    @property
-    def which(self) -> IntArray:
-        """The number of the material at each place, shape (n,)."""
-        found: IntArray = self.key // self.n_nodes
-        return found
 
     def of(self, piece: Piece) -> IntArray:
         """Return a piece's `cells` by places."""
-        found: IntArray = self.cells[piece.numbers, : piece.element.n_nodes]
-        return found
+        return np.asarray(self.cells[piece.numbers, : piece.element.n_nodes])
 
 
 def layout(mesh: Mesh, material: AnyMaterial) -> Layout:
     """Return the places of a mesh at which stress has one value."""
     if not isinstance(material, Materials):
-        return Layout(np.arange(mesh.n_nodes), mesh.cells, mesh.n_nodes)
+        every = np.arange(mesh.n_nodes)
+        return Layout(every, np.zeros_like(every), mesh.cells)
     keys = material.index[:, None] * mesh.n_nodes + mesh.cells
     key, cells = np.unique(keys, return_inverse=True)
-    return Layout(key, cells.reshape(keys.shape), mesh.n_nodes)
+    return Layout(key % mesh.n_nodes, key // mesh.n_nodes, cells.reshape(keys.shape))

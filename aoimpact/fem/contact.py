@@ -42,7 +42,7 @@ from .contactsurface import ContactSurface, contact_surface
 from .extraction import Extraction, extracted
 from .labels import label_of, labelled_rows, nodes_by_number, one_node
 from .laminate import Layers, Shell
-from .layer import bending_length, shared_edges
+from .layer import bending_length
 from .material import Material
 from .model import FEModel
 from .patch import Patch
@@ -50,9 +50,7 @@ from .thinextraction import extracted_from_beam, extracted_from_shell, patch_on_
 from .touch import (
     Touch,
     edge_length,
-    normal_at,
     of_face,
-    pressed_normal,
     thickness,
     to_nodes,
     touched,
@@ -378,7 +376,8 @@ class ContactPoint(Frozen):
         if isinstance(self.thin, Beam):
             return extracted_from_beam(self, self.thin, self.width, solver)
         assert self.body.surface is not None
-        normal = normal_at(self.body.surface, self.point)
+        normal = touched(self.body.surface, self.point, None, 0.0).normal
+        assert normal is not None
         if self._covered:
             raise InputError(
                 f"point {plain(self.point)} m is where a shell lies on solids, whose indentation "
@@ -668,8 +667,7 @@ def _at_point(
     node, gap = _closest(body, where)
     if along is not None and radius == 0.0 and gap == 0.0:
         touch = _on_node(body, node, along)
-        normal = pressed_normal(surface, touch.point, along)
-        return _made(body, replace(touch, normal=normal))
+        return _made(body, replace(touch, normal=touched(surface, where, along, 0.0).normal))
     if not isinstance(radius, str) or surface.thin(surface.nearest(where).face)[0]:
         touch = touched(surface, where, along, 0.0 if isinstance(radius, str) else radius)
         return _made(body, touch, **how)
@@ -679,23 +677,6 @@ def _at_point(
         wide = min(wide, _OF_DEPTH * thickness(surface, where, normal))
     wide = wide if expected is None else PATCH_OVER_CONTACT * expected
     return _with_room(body, where, along, wide, how)
-
-
-def rim_distance(tip: ContactPoint) -> float:
-    """Return how far a contact on a shell is from the edges that belong to a single element, m."""
-    mesh, point = tip.body.mesh, tip.point
-    assert mesh is not None
-    assert point is not None
-    pairs, count = shared_edges(
-        [block.cells for block in mesh.blocks if block.kind in ("quad", "triangle")]
-    )
-    if not (count == 1).any():
-        return math.inf
-    a, b = mesh.nodes[pairs[count == 1]].swapaxes(0, 1)
-    along = b - a
-    share = np.einsum("ni,ni->n", point - a, along) / (along**2).sum(axis=1)
-    nearest = a + np.clip(share, 0.0, 1.0)[:, None] * along
-    return float(np.linalg.norm(nearest - point, axis=1).min())
 
 
 def contact_within(
@@ -860,7 +841,7 @@ def _placed(tip: ContactPoint, radius: float = 0.0) -> ContactPoint:
         touch = touched(surface, place.x[0], tip.direction, radius)
         return replace(tip, point=touch.point, patch=touch.patch, normal=touch.normal)
     try:
-        normal = pressed_normal(surface, place.x[0], tip.direction)
+        normal = touched(surface, place.x[0], tip.direction, 0.0).normal
     except InputError:  # along the surface
         return tip
     return replace(tip, point=place.x[0], normal=normal, directed=False)

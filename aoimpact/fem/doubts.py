@@ -102,15 +102,10 @@ def _areas(corners: FloatArray) -> FloatArray:
 
 def warn_of_separate_parts(mesh: Mesh, masses: Any) -> None:
     """Warn of a mesh in parts that share no nodes, and that no added mass, (dofs, dofs), joins."""
-    rows, columns = [], []
-    for block in mesh.blocks:
-        rows.append(np.repeat(block.cells[:, 0], block.cells.shape[1] - 1))
-        columns.append(block.cells[:, 1:].ravel())
+    row, column = np.repeat(mesh.cells[:, 0], mesh.cells.shape[1]), mesh.cells.ravel()
     if masses is not None:
         joined = masses.tocoo()
-        rows.append(joined.row // 3)
-        columns.append(joined.col // 3)
-    row, column = np.concatenate(rows), np.concatenate(columns)
+        row, column = np.append(row, joined.row // 3), np.append(column, joined.col // 3)
     graph = sp.coo_array((np.ones(len(row)), (row, column)), shape=(mesh.n_nodes, mesh.n_nodes))
     count, part = sp.csgraph.connected_components(graph, directed=False)
     if count == 1:

@@ -38,7 +38,7 @@ from ..linalg import LinearSolver
 from ..mesh import plane_of, taken
 from .assembly import stiffness_mass
 from .compliance import ContactCompliance
-from .composition import Materials, pieces
+from .composition import Materials, pieces, taken_material
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
 from .material import Material
 from .orthotropic import Solid
@@ -678,9 +678,8 @@ class _Load:
 
     def _assembled(self, chosen: npt.NDArray[np.bool_]) -> tuple[IntArray, Any, Any]:
         """Dofs, K and M of some elements."""
-        cells, material = np.flatnonzero(chosen), self.body.material
-        some = material.taken(cells) if isinstance(material, Materials) else material
-        K, M = stiffness_mass(taken(self.mesh, cells), some)
+        cells = np.flatnonzero(chosen)
+        K, M = stiffness_mass(taken(self.mesh, cells), taken_material(self.body.material, cells))
         there = np.unique(self.mesh.cells[cells])
         dofs = (3 * there[:, None] + np.arange(3)).reshape(-1)
         rotations = dofs + 3 * self.mesh.n_nodes

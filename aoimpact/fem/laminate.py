@@ -17,7 +17,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ..base import FloatArray, InputError, checked, finite_array, instance, positive, real
 from ..base import sequence as listed
@@ -347,21 +346,17 @@ class Laminate(Layers):
     (0.001, 1.55)
     """
 
-    plies: tuple[Ply, ...]
+    plies: Sequence[Ply]  # type: ignore[assignment]  # a tuple, once it is there
     fibre_axis: Any = None
     offset: float = 0.0
 
-    def __init__(
-        self,
-        plies: Sequence[Ply],
-        fibre_axis: npt.ArrayLike | None = None,
-        offset: float = 0.0,
-    ) -> None:
+    def __post_init__(self) -> None:
         stack = tuple(
-            instance(f"plies[{i}]", ply, Ply) for i, ply in enumerate(listed("plies", plies))
+            instance(f"plies[{i}]", ply, Ply) for i, ply in enumerate(listed("plies", self.plies))
         )
         if not stack:
             raise InputError("plies must have at least one Ply, got none")
+        fibre_axis = self.fibre_axis
         if fibre_axis is not None:
             fibre_axis = tuple(finite_array("fibre_axis", fibre_axis, shape=(3,)).tolist())
             if not any(fibre_axis):
@@ -370,7 +365,7 @@ class Laminate(Layers):
         object.__setattr__(self, "fibre_axis", fibre_axis)
         if fibre_axis is None and any(isinstance(ply.material, Orthotropic) for ply in stack):
             raise InputError("fibre_axis: orthotropic plies need the direction of 0 degrees")
-        object.__setattr__(self, "offset", _offset(offset, self.total_thickness))
+        object.__setattr__(self, "offset", _offset(self.offset, self.total_thickness))
 
     @property
     def reference(self) -> FloatArray | None:

@@ -188,21 +188,30 @@ def mesh_compliance(
 ) -> FloatArray:
     """Return G, the compliance of an infinite plate that is meshed as the shell is there, m/N.
 
-    Parameters as for `excess_compliance`, but of several frequencies, shape (n,), and so is G;
-    couples, shape (n_nodes, 3), are those of the functional.
+    Parameters
+    ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    cells : list of ndarray of int
+        Elements about the contact, of each kind.
+    layers : Shell or Laminate
+    forces : ndarray, shape (n_nodes,)
+        Shares of a unit force along the normal.
+    point, normal : ndarray, shape (3,)
+        Of the contact.
+    s : array_like, shape (n,)
+        Frequencies, rad/s, of which G is returned.
+    couples : ndarray, shape (n_nodes, 3), optional
+        Those of the functional, m.
     """
     axes, several = _plane(normal, layers.reference), np.atleast_1d(s)
     load = np.zeros((len(nodes), 6))
     load[:, 2] = forces
     if couples is not None:
         load[:, 3:5] = couples @ axes.T
-    x, loaded = (nodes - point) @ axes.T, np.any(load, axis=1)
-    reach = contact_reach(layers, longest_edge(x, cells, loaded), float(several.min()))
-    away = np.linalg.norm(x, axis=1)
-    inside = away < reach + away[loaded].max()
-    chosen = [group[inside[group].any(axis=1)] for group in cells]
-    used = np.unique(np.concatenate([group.ravel() for group in chosen]))
-    chosen = [_facing(np.searchsorted(used, group), x[used]) for group in chosen if len(group)]
+    x = (nodes - point) @ axes.T
+    used = np.unique(np.concatenate([group.ravel() for group in cells]))
+    chosen = [_facing(np.searchsorted(used, group), x[used]) for group in cells if len(group)]
     x, load, plate = x[used], load[used], _in_plane(layers)
     K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
     rim = rim_nodes(chosen, len(used)) & ~load.any(axis=1)
@@ -367,28 +376,10 @@ def _by_wave_number(
     return still.T @ stiffness @ still, mixed - mixed.T, along.T @ stiffness @ along
 
 
-def longest_edge(
-    nodes: FloatArray, cells: Sequence[IntArray], loaded: npt.NDArray[np.bool_]
-) -> float:
-    """Return the longest edge of the elements that have some of the nodes, m."""
-    longest = 0.0
-    for group in cells:
-        corners = nodes[group[loaded[group].any(axis=1)]]
-        edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-        longest = max(longest, float(edges.max(initial=0.0)))
-    return longest
-
-
-def shared_edges(cells: Sequence[IntArray]) -> tuple[IntArray, IntArray]:
-    """Return the edges of surface elements, shape (n, 2), and how many elements have each."""
-    ends = [np.stack([group, np.roll(group, -1, axis=1)], axis=2).reshape(-1, 2) for group in cells]
-    edges, count = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0, return_counts=True)
-    return edges, count
-
-
 def rim_nodes(cells: Sequence[IntArray], n_nodes: int) -> npt.NDArray[np.bool_]:
     """Return which nodes are on edges that belong to a single element, shape (n_nodes,)."""
-    edges, count = shared_edges(cells)
+    ends = [np.stack([group, np.roll(group, -1, axis=1)], axis=2).reshape(-1, 2) for group in cells]
+    edges, count = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0, return_counts=True)
     rim = np.zeros(n_nodes, dtype=bool)
     rim[edges[count == 1]] = True
     return rim

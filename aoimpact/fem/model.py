@@ -458,10 +458,8 @@ class FEModel(Frozen):
 
         :meta private:
         """
-        along, n_nodes = unit_vector("direction", direction), 0
-        if self.nodes is not None:
-            n_nodes = len(self.nodes)
-        axes = axes_of(self.free, self.labels, n_nodes)
+        along = unit_vector("direction", direction)
+        axes = axes_of(self.free, self.labels, 0 if self.nodes is None else len(self.nodes))
         if axes is None:
             raise InputError("a translation needs nodes: make the model with FEModel(..., nodes=)")
         return axes @ along

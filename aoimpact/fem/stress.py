@@ -87,8 +87,7 @@ class Strain(Tensor):
 
     def along(self, direction: FloatArray) -> FloatArray:
         """Return the strain along a unit vector, shape (...)."""
-        found: FloatArray = np.einsum("...ij,i,j->...", self.tensor, direction, direction)
-        return found
+        return np.asarray(np.einsum("...ij,i,j->...", self.tensor, direction, direction))
 
 
 def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:
@@ -155,7 +154,7 @@ def averaged_strain(
     mesh: Mesh, material: AnyMaterial, places: Layout, displacement: FloatArray
 ) -> FloatArray:
     """Return the mean strain of the elements that meet at each place, shape (6, ..., n_places)."""
-    count = len(places.key)
+    count = len(places.node)
     averaged = np.zeros((6, *displacement.shape[:-2], count))
     for piece in pieces(mesh, material):
         to_nodes = extrapolation(piece.element.kind).T
@@ -234,7 +233,7 @@ def _averaged_slopes(
 ) -> list[sp.csr_array]:
     """∂/∂x, ∂/∂y, ∂/∂z at some places of a function given at all nodes, each (n, n_nodes)."""
     count = elements_at(mesh, material, places)
-    row = np.full(len(places.key), -1)
+    row = np.full(len(places.node), -1)
     row[wanted] = np.arange(len(wanted))
     found: list[tuple[IntArray, IntArray, FloatArray]] = []
     for piece in pieces(mesh, material):
@@ -275,8 +274,7 @@ def shown(places: Layout, material: AnyMaterial) -> IntArray:
     size = np.array([np.trace(of.stiffness) for of in each_of(material)])
     order = np.lexsort((size[places.which], places.node))
     last = np.append(np.diff(places.node[order]) > 0, True)
-    stiffest: IntArray = order[last]
-    return stiffest
+    return np.asarray(order[last])
 
 
 def _slopes_at_nodes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
@@ -284,8 +282,7 @@ def _slopes_at_nodes(corners: FloatArray, element: ReferenceElement) -> FloatArr
     gradient = element.gradient(element.stiffness_rule.points)
     det, cof = cofactors(jacobians(corners, gradient))
     slopes = np.einsum("gat,iteg->egai", gradient, cof / det)
-    carried: FloatArray = np.einsum("ng,egai->enai", extrapolation(element.kind), slopes)
-    return carried
+    return np.asarray(np.einsum("ng,egai->enai", extrapolation(element.kind), slopes))
 
 
 @cache
@@ -304,7 +301,7 @@ def extrapolation(kind: str) -> FloatArray:
 
 def elements_at(mesh: Mesh, material: AnyMaterial, places: Layout) -> FloatArray:
     """How many elements meet at each place."""
-    count = np.zeros(len(places.key))
+    count = np.zeros(len(places.node))
     for piece in pieces(mesh, material):
         count += np.bincount(places.of(piece).reshape(-1), minlength=len(count))
     return count

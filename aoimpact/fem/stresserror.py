@@ -105,8 +105,10 @@ def _free_of_traction(
     if body.attached is not None:
         kept[body.attached] = True
     kept = kept[places.node]
-    several = len(places.key) > len(loaded)
-    normals = surface.normals_at(places.cells, len(places.key)) if several else surface.node_normals
+    count = len(places.node)
+    normals = surface.node_normals
+    if count > len(loaded):
+        normals = surface.normals_at(places.cells, count)
     for number, of in enumerate(each_of(material)):
         if not isinstance(of, Solid):
             continue

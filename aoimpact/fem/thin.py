@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from ..base import FloatArray, IntArray
 from .beams import Beam, beam_mass, beam_stiffness
 from .laminate import Layers
-from .shells import element_mass, element_stiffness, nodal_normals
+from .shells import element_mass, element_stiffness, nodal_normals, rigid_ends
 
 # Elements are taken so many at a time that their strains stay in the caches.
 _BATCH = 512
@@ -35,26 +35,28 @@ def thin_stiffness_mass(
         N/m, N and N m; kg, kg m and kg m². Exactly symmetric, column indices sorted. Rows of M of
         rotations about a flat shell's normal are zero.
     """
-    places, indices, indptr = _pattern(len(nodes), [cells for cells, _ in parts])
-    surfaces = [cells for cells, part in parts if not isinstance(part, Beam)]
-    normals = iter(nodal_normals(nodes, surfaces) if surfaces else [])
-    constant = len({cells.shape[1] for cells in surfaces}) > 1
+    surfaces = [(cells, part) for cells, part in parts if not isinstance(part, Beam)]
+    joints = rigid_ends(nodes, surfaces) if surfaces else []
+    normals = nodal_normals(nodes, [cells for cells, _ in surfaces]) if surfaces else []
+    constant = len({cells.shape[1] for cells, _ in surfaces}) > 1
+    strips = [strip for _, strip, _ in joints]
+    places, indices, indptr = _pattern(len(nodes), [*(cells for cells, _ in parts), *strips])
     K, M = np.zeros(36 * len(indices)), np.zeros(36 * len(indices))
-    for (cells, part), place in zip(parts, places, strict=True):
-        normal = None if isinstance(part, Beam) else next(normals)
+    shells = iter(zip(normals, joints, places[len(parts) :], strict=True))
+    for (cells, part), place in zip(parts, places, strict=False):
+        if isinstance(part, Beam):
+            _add(K, place, beam_stiffness(nodes[cells], part))
+            _add(M, place, beam_mass(nodes[cells], part))
+            continue
+        normal, (ends, strip, links), there = next(shells)
         for start in range(0, len(cells), _BATCH):
             some = slice(start, start + _BATCH)
-            ends = nodes[cells[some]]
-            if isinstance(part, Beam):
-                k, m = beam_stiffness(ends, part), beam_mass(ends, part)
-            else:
-                assert normal is not None
-                k = element_stiffness(ends, part, normal[some], constant=constant)
-                m = element_mass(ends, part)
-            _add(K, place[some], k)
-            _add(M, place[some], m)
-    stiffness, mass = (_compressed(values, indices, indptr) for values in (K, M))
-    return stiffness, mass
+            at, more = nodes[cells[some]], (normal[some], ends[some])
+            _add(K, place[some], element_stiffness(at, part, *more, constant=constant))
+            _add(M, place[some], element_mass(at, part))
+        if len(strip):
+            _add(K, there, element_stiffness(nodes[strip], part, ends=links))
+    return _compressed(K, indices, indptr), _compressed(M, indices, indptr)
 
 
 def _compressed(

@@ -17,7 +17,7 @@ from ..base import FloatArray, IntArray
 from .beams import Beam, beam_inertial_error, beam_stiffness
 from .composition import Piece, pieces
 from .laminate import Layers
-from .shells import Strains, nodal_normals, nodal_strains, strain_rows
+from .shells import Strains, nodal_normals, nodal_strains, rigid_ends, strain_rows
 from .stress import UNIT_STRAINS
 from .stresserror import missing_energy
 
@@ -60,25 +60,23 @@ def shell_pieces(
     if not parts:
         return [], np.zeros(0, dtype=np.int64)
     normals = nodal_normals(mesh.nodes, [part.cells for part in parts])
+    joints = rigid_ends(mesh.nodes, [(part.cells, part.of) for part in parts])
     constant = len({part.cells.shape[1] for part in parts}) > 1
     number: dict[Any, int] = {}
-    keys = []
-    for part, normal in zip(parts, normals, strict=True):
-        which = number.setdefault(part.of, len(number))
-        corners = part.cells.ravel()
-        keys.append(
-            np.column_stack(
-                [corners, np.full(len(corners), which), normal.reshape(-1, 3).round(_ALIKE) + 0.0]
-            )
-        )
+    keys = [
+        np.column_stack([of, np.full(of.shape, number.setdefault(part.of, len(number))), on])
+        for part, normal in zip(parts, normals, strict=True)
+        for of, on in [(part.cells.ravel(), normal.reshape(-1, 3).round(_ALIKE) + 0.0)]
+    ]
     places, place = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
     ends = np.cumsum([part.cells.size for part in parts])[:-1]
     found = []
-    for part, normal, own in zip(parts, normals, np.split(place.reshape(-1), ends), strict=True):
+    split = np.split(place.reshape(-1), ends)
+    for part, normal, (link, *_), own in zip(parts, normals, joints, split, strict=True):
         rows = slice(None) if wanted is None else wanted[part.numbers]
         some = part.taken(rows)
         corners = mesh.nodes[some.cells]
-        strains = strain_rows(corners, part.of, normal[rows], constant=constant)
+        strains = strain_rows(corners, part.of, normal[rows], link[rows], constant=constant)
         at = own.reshape(part.cells.shape)[rows]
         found.append(ShellPiece(some, strains, at))
     return found, places[:, 0].astype(np.int64)

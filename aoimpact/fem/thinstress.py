@@ -21,7 +21,7 @@ import scipy.sparse as sp
 from ..base import FloatArray, InputError, IntArray, finite_array, text, warn
 from ..mesh import Mesh, group, taken
 from .beams import Beam, BeamSection, beam_frames, beam_rows
-from .composition import AnyMaterial, Materials, pieces
+from .composition import AnyMaterial, pieces, taken_material
 from .laminate import Layers
 from .material import PLACES, SIX
 from .stress import compliances, stress_rows
@@ -452,11 +452,10 @@ def _of_solids(
     known &= ~covered
     if not known.any():
         return total, known
-    assert isinstance(material, Materials)
     own = np.unique(mesh.cells[cells])
     mine = sp.diags_array(known.astype(np.float64)) @ wanted.weights[:, own]
     rows = _of_nodes(
-        taken(mesh, cells), material.taken(cells), sp.csr_array(mine), wanted.strain
+        taken(mesh, cells), taken_material(material, cells), sp.csr_array(mine), wanted.strain
     ).tocoo()
     j = 3 * own[rows.coords[1] // 3] + rows.coords[1] % 3
     return sp.csr_array((rows.data, (rows.coords[0], j)), shape=total.shape), known

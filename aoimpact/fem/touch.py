@@ -98,34 +98,26 @@ def _couples(
 
     They do the force's work on the deflection between the nodes, see `linked`. Zero on a solid.
     """
-    faces = np.unique(face)
-    faces = faces[surface.thin(faces)]
-    couples, cells = np.zeros((surface.mesh.n_nodes, 3)), surface.cell[faces]
-    if not len(faces):
-        return couples
-    normals = surface_normals(surface.mesh, cells)
-    for one, nodes, normal in zip(faces, surface.mesh.cells[cells], normals, strict=True):
-        on, count = face == one, np.count_nonzero(normal.any(axis=1))
-        nodes, normal = nodes[:count], normal[:count]
-        shape = surface.shape(face[on], uv[on])[:, :count]
-        motion = linked(surface.mesh.nodes[nodes], normal, shape)
+    couples = np.zeros((surface.mesh.n_nodes, 3))
+    for one in np.unique(face[surface.thin(face)]).tolist():
+        on = face == one
+        nodes, motion = _bent(surface.mesh, int(surface.cell[one]), surface.shape(face[on], uv[on]))
         couples[nodes] += np.einsum("p,i,pinj->nj", share[on], direction, motion)
     return couples
 
 
-def surface_normals(mesh: Mesh, numbers: IntArray) -> FloatArray:
-    """Return the surface's unit normals at the corners of shell elements, shape (n, 4, 3).
-
-    A triangle's fourth is zero.
-    """
-    nodes = mesh.cells[numbers]
-    blocks = [block for block in mesh.blocks if block.kind in ("quad", "triangle")]
-    near = [np.flatnonzero(np.isin(block.cells, nodes).any(axis=1)) for block in blocks]
-    cells = [block.cells[rows] for block, rows in zip(blocks, near, strict=True)]
-    found = np.zeros((mesh.n_cells, 4, 3))
-    for block, rows, normal in zip(blocks, near, nodal_normals(mesh.nodes, cells), strict=True):
-        found[block.first + rows, : normal.shape[1]] = normal
-    return found[numbers]
+def _bent(mesh: Mesh, number: int, shape: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return the nodes of a shell element, and `linked` of them for shape functions at places."""
+    block = next(of for of in mesh.blocks if number < of.numbers.stop)
+    nodes = block.cells[number - block.first]
+    groups = [nodes[None]]
+    for of in mesh.blocks:
+        near = np.isin(of.cells, nodes).any(axis=1)
+        near &= of.first + np.arange(len(of.cells)) != number
+        if of.kind in ("quad", "triangle"):
+            groups.append(of.cells[near])
+    normals = nodal_normals(mesh.nodes, groups)[0]
+    return nodes, linked(mesh.nodes[nodes], normals[0], shape[:, : len(nodes)])
 
 
 def motion_between(
@@ -155,14 +147,13 @@ def motion_between(
             continue
         number = block.first + int(held.argmax())
         cell = block.cells[number - block.first]
-        corners, shape = mesh.nodes[cell], (cell[:, None] == nodes) @ weights
+        shape = (cell[:, None] == nodes) @ weights
         if block.kind == "line":
             of = material_of(body.material, number)
             assert isinstance(of, Beam)
-            return cell, beam_motion(corners[None], of, float(shape[1]))
-        normals = surface_normals(mesh, np.array([number]))[0, : len(cell)]
+            return cell, beam_motion(mesh.nodes[cell][None], of, float(shape[1]))
         by_shift = np.eye(3)[:, None] * shape[:, None]
-        return cell, np.stack([by_shift, linked(corners, normals, shape[None])[0]], axis=2)
+        return cell, np.stack([by_shift, _bent(mesh, number, shape[None])[1][0]], axis=2)
     return None
 
 
@@ -215,14 +206,6 @@ def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
     return max((d for d in found if 0.0 < d < np.inf), default=np.inf)
 
 
-def normal_at(surface: Surface, point: FloatArray) -> FloatArray:
-    """Return the outward normal at a point of the surface, which is on no sharp edge."""
-    normal = surface.smooth_normal(_place(surface, point))
-    if normal is None:
-        raise _on_edge(point, "a point farther from the edge")
-    return normal
-
-
 def _side(
     surface: Surface, here: Place, normal: FloatArray | None, along: FloatArray | None
 ) -> float:
@@ -261,17 +244,6 @@ def _on_edge(point: FloatArray, cure: str) -> InputError:
         f"point {plain(point)} m is on a sharp edge or corner of the body, where the surface has "
         f"no normal; choose {cure}"
     )
-
-
-def pressed_normal(surface: Surface, point: FloatArray, along: FloatArray) -> FloatArray | None:
-    """Return the outward normal at a place on the surface; None on a sharp edge.
-
-    A place that is not on the surface, and a direction that does not press on it, are refused.
-    """
-    here = _place(surface, point)
-    normal = surface.smooth_normal(here)
-    _pressing(surface, here, normal, along)
-    return None if normal is None else _side(surface, here, normal, along) * normal
 
 
 def _pressing(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..base import InputError, instance, unit_vector
+from ..base import InputError, unit_vector
 from ..fem import ContactSurface
 from .elastic import Hertz
 
@@ -72,8 +72,7 @@ def law_between(
     >>> law_between(ball, flat).law == Hertz.between(steel, 0.01, steel, math.inf)
     True
     """
-    one = instance("projectile_surface", projectile_surface, ContactSurface)
-    two = instance("target_surface", target_surface, ContactSurface)
+    one, two = projectile_surface, target_surface
     angle = _angle(one, two, projectile_direction, target_direction)
     if angle is not None:
         return _at_angle(one, two, angle)

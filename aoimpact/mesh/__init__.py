@@ -32,6 +32,6 @@ from .mesh import (
     select,
     taken,
 )
-from .orient import against_neighbours
+from .orient import against_neighbours, dot, pairs, sides
 from .rigidity import motions_at, rigid_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,8 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray
 from .surface import SHARP
+
+_TINY = float(np.finfo(float).tiny)
 
 
 def against_neighbours(
@@ -30,27 +32,21 @@ def against_neighbours(
     """
     if not groups:
         return []
-    first = np.cumsum([0, *map(len, groups)])
-    n, ends = int(first[-1]), [np.stack([g, np.roll(g, -1, axis=1)], axis=2) for g in groups]
-    edge = np.concatenate([each.reshape(-1, 2) for each in ends])
-    owner = np.concatenate(
-        [np.repeat(first[i] + np.arange(len(g)), g.shape[1]) for i, g in enumerate(groups)]
+    edge, number, _, away = sides(nodes, groups)
+    forward, size = edge[:, 0] < edge[:, 1], np.linalg.norm(away, axis=1)
+    owner = np.repeat(
+        np.arange(sum(map(len, groups))),
+        np.concatenate([np.full(len(g), g.shape[1]) for g in groups]),
     )
-    forward = edge[:, 0] < edge[:, 1]
-    _, number, count = np.unique(
-        np.sort(edge, axis=1), axis=0, return_inverse=True, return_counts=True
-    )
-    number = number.reshape(-1)
-    order = np.argsort(number, kind="stable")
-    several = order[count[number[order]] > 2]
-    order = order[count[number[order]] == 2]
-    pairs = np.stack([order[::2], order[1::2]])
-    if len(several):
-        middle = np.concatenate([nodes[g].mean(axis=1) for g in groups])[owner[several]]
-        pairs = np.hstack(
-            [pairs, several[_going_on(nodes[edge[several]], middle, number[several])]]
-        )
-    one, other = pairs
+    n = int(owner[-1]) + 1
+    none = np.zeros((2, 0), dtype=np.int64)
+    one, other = np.hstack([none, *map(np.stack, pairs(number))])
+    # Collapsed elements go on nowhere.
+    straight = dot(away[one], away[other]) < -SHARP * size[one] * size[other]
+    some = (np.bincount(number)[number[one]] == 2) | straight
+    alone = np.bincount(one[some], minlength=len(number)) == 1
+    some &= alone[one] & alone[other]
+    one, other = one[some], other[some]
     alike = forward[one] != forward[other]
     # Elements are nodes of a graph and every one is there twice, as it is and turned: components of
     # this graph say which agree. A surface with one side only, as of Möbius, has a single one.
@@ -64,33 +60,43 @@ def against_neighbours(
     low = np.minimum(as_is, turned)
     balance = np.bincount(low, np.sign(turned - as_is), minlength=len(part))
     flipped = np.where(balance[low] >= 0.0, as_is > turned, as_is < turned)
-    return np.split(flipped, first[1:-1])
+    return np.split(flipped, np.cumsum([*map(len, groups)])[:-1])
 
 
-def _going_on(ends: FloatArray, middle: FloatArray, number: IntArray) -> IntArray:
-    """Return the pairs of elements, shape (2, any), that go on straight at edges of several.
+def sides(
+    nodes: FloatArray, groups: Sequence[IntArray]
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    """Return the sides of surface elements in turn, n in all.
 
-    Parameters
-    ----------
-    ends : ndarray, shape (n, 2, 3)
-        Ends of the edge of each element, m.
-    middle : ndarray, shape (n, 3)
-        Centre of the element, m.
+    Returns
+    -------
+    ends : ndarray of int, shape (n, 2)
     number : ndarray of int, shape (n,)
-        Number of the edge, ascending.
+        Of the edge: elements that are joined share it.
+    inside : ndarray, shape (n, 3)
+        From the first end to the middle of the element, m.
+    away : ndarray, shape (n, 3)
+        The part of it across the edge, m.
     """
-    along = ends[:, 1] - ends[:, 0]
-    away = middle - ends[:, 0]
-    with np.errstate(invalid="ignore", divide="ignore"):  # collapsed elements go on nowhere
-        share = np.einsum("ni,ni->n", away, along) / np.einsum("ni,ni->n", along, along)
-        away -= share[:, None] * along
-        away /= np.linalg.norm(away, axis=1, keepdims=True)
-    found = []
-    for apart in range(1, int(np.bincount(np.unique(number, return_inverse=True)[1]).max())):
-        one = np.arange(len(number) - apart)
-        straight = np.einsum("ni,ni->n", away[one], away[one + apart]) < -SHARP
-        one = one[(number[one] == number[one + apart]) & straight]
-        found.append(np.stack([one, one + apart]))
-    pairs = np.hstack(found)
-    alone = np.bincount(pairs.ravel(), minlength=len(number)) == 1
-    return pairs[:, alone[pairs].all(axis=0)]
+    ends = np.concatenate(
+        [np.stack([of, np.roll(of, -1, axis=1)], axis=2).reshape(-1, 2) for of in groups]
+    )
+    number = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+    middle = [np.repeat(nodes[of].mean(axis=1), of.shape[1], axis=0) for of in groups]
+    inside, along = np.concatenate(middle) - nodes[ends[:, 0]], np.diff(nodes[ends], axis=1)[:, 0]
+    share = dot(inside, along) / np.maximum(dot(along, along), _TINY)
+    return ends, number, inside, inside - share[:, None] * along
+
+
+def pairs(key: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
+    """Yield all pairs of entries with the same key, in both orders, in arrays without repeats."""
+    order = np.argsort(key, kind="stable")
+    for step in range(1, int(np.bincount(key).max())):
+        first = np.flatnonzero(key[order[step:]] == key[order[:-step]])
+        yield order[first], order[first + step]
+        yield order[first + step], order[first]
+
+
+def dot(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the products of vectors, rows of shape (n, 3)."""
+    return np.asarray(np.einsum("ni,ni->n", one, other))

@@ -180,25 +180,20 @@ class Subspace:
             self._next += 1
         return min(count, len(self._ordered))
 
-    def ritz(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return ω² (ascending) and M-orthonormal modes, shape (n_dofs, m), of `count` vectors.
-
-        Raises
-        ------
-        SingularError
-            If a mode that is no rigid motion has no stiffness.
-        """
-        omega2, coordinates = self.ritz_on_basis(count)
-        return omega2, self.first_vectors(len(coordinates)) @ coordinates
-
     def first_vectors(self, count: int) -> FloatArray:
         """Return the first of the M-orthonormal basis, shape (n_dofs, count): a view of all."""
         return self._basis[:count].T
 
     def ritz_on_basis(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return ω² and the modes' coordinates on the first vectors, shape (first, m); as `ritz`.
+        """Return ω² (ascending) and M-orthonormal modes of `count` vectors.
 
-        Only as many as there is need for: the last bits do not depend on those that came later.
+        By their coordinates on the first vectors, shape (first, m), only as many as there is need
+        for: the last bits do not depend on those that came later.
+
+        Raises
+        ------
+        SingularError
+            If a mode that is no rigid motion has no stiffness.
         """
         size, rigid = self.grow(count), self.rigid_count
         elastic = self._coordinates()[rigid:size]

@@ -32,7 +32,6 @@ from ..fem import (
     Orthotropic,
     Rayleigh,
     edge_length,
-    rim_distance,
 )
 from ..laws import (
     ContactLaw,
@@ -618,10 +617,6 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
         )
 
 
-# Rounding of a distance that is one whole element, and length of elements over the thickness up to
-# which a rim is resolved: with 5 and 2.5 mm, a blow on the rim of 2 mm is 5.1 and 0.9 % off.
-_ON_RIM, _FINE = 1e-6, 1.0
-
 # Thickness over width of solid elements that are those of a sheet, with room for rounding.
 _FLAT = 0.1 * (1.0 + 1e-6)
 
@@ -723,10 +718,7 @@ def _energy(plan: Plan) -> float:
 
 
 def _said_of_shells(run: Run, number: int) -> Iterator[str]:
-    """Say where solids should be shells, and where the mesh of a shell is too coarse at a contact.
-
-    For bending waves, or at a rim.
-    """
+    """Say where solids should be shells, and where elements of a shell are longer than waves."""
     contact, events = run.plan.contacts[number], run.events[number]
     for body, _, tip in touched(run.plan, contact):
         if shell := _as_a_shell(tip):
@@ -735,22 +727,15 @@ def _said_of_shells(run: Run, number: int) -> Iterator[str]:
             continue
         assert tip.point is not None
         edge = edge_length(tip.body.surface, tip.point)
-        long = f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} long, and"
         rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
         if rise > 0.0:
             waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)
             if waves > _WAVES:
                 yield (
-                    f"{long} bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
-                    f"{with_unit(_WAVES * edge / waves, 'm', 2)}; refine the mesh there"
+                    f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} "
+                    f"long, and bending waves of a force that rises in {with_unit(rise, 's', 3)} "
+                    f"need {with_unit(_WAVES * edge / waves, 'm', 2)}; refine the mesh there"
                 )
-        away = rim_distance(tip)
-        coarse = away < (1.0 - _ON_RIM) * edge and edge > _FINE * tip.thin.total_thickness
-        if coarse and run.plan.round_contact(contact) is not None:
-            yield (
-                f"{long} the rim of the shell is {with_unit(away, 'm', 2)} away: the force may be "
-                "5 % wrong, more than its error says; refine the mesh there"
-            )
 
 
 def _missed(run: Run) -> str:

@@ -89,32 +89,6 @@ def test_the_end_of_a_round_bar_is_flat(section: Any) -> None:
     assert hit.law.k == pytest.approx(ao.Hertz.between(STEEL, 0.005, STEEL, np.inf).k)
 
 
-def test_a_blow_on_the_rim_of_a_coarse_sheet_is_questioned() -> None:
-    sheet = ao.FEModel.from_mesh(ao.sheet_mesh((0.1, 0.1), (20, 20)), ao.Shell(2e-3, STEEL))
-    with pytest.warns(ao.AOImpactWarning, match=r"^target"):
-        ao.simulate(BALL, sheet.contact(point=(0, 0.05, 0)), 0.1, quantity="peak_force", rtol=0.1)
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
-def test_the_force_at_a_rim_is_known_to_its_error_only() -> None:
-    """On elements of 4 and 2 mm it differs by no more than what is said of the coarse ones."""
-    coarse, fine = (
-        ao.simulate(
-            BALL,
-            ao.FEModel.from_mesh(
-                ao.sheet_mesh((0.08, 0.08), (n, n)), ao.Shell(2e-3, STEEL)
-            ).contact(point=(0, 0.04, 0), direction=(0, 0, -1)),
-            0.5,
-            quantity="peak_force",
-            duration=8e-5,
-        )
-        for n in (20, 40)
-    )
-    off = abs(coarse.peak_force / fine.peak_force - 1.0)
-    assert off < coarse.error["peak_force"].total
-
-
 @pytest.mark.parametrize("z", [0.0, 4e-3])
 def test_a_point_on_the_face_of_a_shell_is_that_of_its_nodes(z: float) -> None:
     """Nodes on the lower face: offset of half the thickness."""

@@ -103,6 +103,50 @@ def test_shells_agree_with_solids(t: float) -> None:
     assert one.impulse == pytest.approx(other.impulse, rel=5e-3)
 
 
+def plate_of(shells: bool, web: bool) -> ao.Mesh:
+    """A plate of 40 x 40 x 2 mm, its web from below x = 0, or the half of it beyond x = 0."""
+    half, deep = 0.02, 0.012
+    if not shells:
+        sizes = ((0.04, 0.04, deep), (40, 20, 12)) if web else ((half, 0.04, 2e-3), (20, 20, 2))
+        box = ao.box_mesh(*sizes)
+        nodes = box.nodes - [half if web else 0.0, half, sizes[0][2]]
+        x, _, z = nodes[box.cells].mean(axis=1).T
+        used, cells = np.unique(box.cells[(z > -2e-3) | (np.abs(x) < 1e-3)], return_inverse=True)
+        return ao.Mesh(nodes[used], cells.reshape(-1, 8), "hexahedron")
+    skin = ao.sheet_mesh((2 * half if web else half, 0.04), (16 if web else 8, 16))
+    nodes = skin.nodes - np.array([half if web else 0.0, half, 0.0])
+    if not web:
+        return ao.Mesh(nodes, skin.cells, "quad")
+    stem = ao.sheet_mesh((deep - 1e-3, 0.04), (4, 16))
+    below = (stem.nodes - [0.0, half, 0.0])[:, [2, 1, 0]] * [1.0, 1.0, -1.0]
+    both, cells = np.vstack([nodes, below]), np.vstack([skin.cells, stem.cells + len(nodes)])
+    _, rows, back = np.unique(both.round(9), axis=0, return_index=True, return_inverse=True)
+    return ao.Mesh(both[rows], back.reshape(-1)[cells], "quad")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("place", "x"), [("web", 0.0), ("web", 2.5e-3), ("edge", 2e-3), ("clamp", 2.5e-3)]
+)
+def test_shells_agree_with_solids_near_webs_and_edges(place: str, x: float) -> None:
+    """Force within 2 %, and within what both claim."""
+    found = []
+    for shells in (True, False):
+        held = (lambda at: at[:, 0] < 1e-9, *["xyz"] * (1 + shells))
+        body = ao.FEModel.from_mesh(
+            plate_of(shells, place == "web"),
+            ao.Shell(2e-3, STEEL) if shells else STEEL,
+            fixed=[held] if place == "clamp" else None,
+            order=None if shells else 2,
+        )
+        tip = body.contact(point=(x, 0.0, 0.0), direction=(0, 0, -1))
+        found.append(ao.simulate(ao.ball(0.005, STEEL), tip, 1.0))
+    one, other = found
+    assert one.peak_force == pytest.approx(other.peak_force, rel=0.02)
+    claimed = sum(hit.error["peak_force"].total for hit in found)
+    assert one.peak_force == pytest.approx(other.peak_force, rel=claimed)
+
+
 def backed_plate(skin: bool) -> ao.FEModel:
     """60 x 60 x 6 mm, of which the lowest 2 mm are a shell on the face of the rest, or solid."""
     side, deep = 0.06, 4e-3 if skin else 6e-3
