@@ -11,5 +11,4 @@ from .interest import CONTROLLED, Keep, Named, keeper, quantity_of
 from .leftout import errors_left_out, finer_run
 from .order import first_guess
 from .sensor import Sensor
-from .sensorat import AccelerationAt, ReactionAt, StrainAt
-from .stressat import StressAt
+from .sensorat import AccelerationAt, ReactionAt, StrainAt, StressAt

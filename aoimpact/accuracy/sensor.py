@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
-from typing import Any
+from functools import cache, lru_cache
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -13,89 +13,18 @@ from ..base import FloatArray, Frozen, InputTypeError, held_warnings
 from ..fem import (
     ContactPoint,
     FEModel,
-    Layer,
     Stress,
     corner_stress,
     stresses_around,
     to_nodes,
 )
 from ..fields import Field, Response, response_of
-from ..linalg import SolverBook
 from ..mesh import weights_at
-from ..reduction import SOLVED
+from ..reduction import SharedSolutions
 from ..results import Quantity, Run
 
 # Runs that a search goes back to: of one order, and of those up to eight larger.
 _COMPARED = 9
-
-
-class Responses:
-    """The responses of a body in the runs that are compared, and what all of them share."""
-
-    def __init__(self, body: FEModel, number: int) -> None:
-        self.body, self.number, factors = body, number, SolverBook(body.inverse)
-        self._factors = factors
-
-        @lru_cache(maxsize=_COMPARED)
-        def response(run: Run) -> Response:
-            found = response_of(run.plan, run.recorder, run.events, number, factors)
-            assert found is not None  # a body with a mesh
-            return found
-
-        self.of = response
-
-    def dual(self, rows: Callable[[], Any]) -> Callable[[float], FloatArray]:
-        """Return s ↦ rows (K + s²M)⁻¹, the same for all models of a body."""
-
-        @lru_cache(maxsize=_COMPARED)
-        def dual(s: float) -> FloatArray:
-            solver = self._factors(s**2)
-            return np.stack([solver.solve_roughly(row, SOLVED)[0] for row in rows().toarray()])
-
-        return dual
-
-    def quantity(
-        self,
-        name: str,
-        unit: str,
-        seen: Callable[[Response, FloatArray], FloatArray],
-        point: tuple[FloatArray, Callable[[Stress], FloatArray], Layer] | None = None,
-    ) -> Quantity:
-        """Return a history of the body as a quantity of interest.
-
-        Parameters
-        ----------
-        name, unit : str
-        seen : callable
-            Response and times, s, to values of shape (times,).
-        point : (ndarray, callable, layer), optional
-            Where the elements' stress is taken, m, what of it, and in which layer of a shell, for
-            the error by the elements.
-        """
-
-        def history(run: Run, times: FloatArray) -> FloatArray:
-            if run.plan.bodies[self.number].wall:  # the body as one that does not deform
-                return np.full((1, len(times)), np.nan)
-            return np.asarray(seen(self.of(run), times)).reshape(1, -1)
-
-        def local(run: Run) -> float:
-            assert point is not None
-            values = np.abs(history(run, run.t)[0])
-            largest = float(values.max())
-            if not largest > 0.0:
-                return 0.0
-            with held_warnings():
-                field = self.of(run).field(run.t[[int(values.argmax())]])
-            return _roughness(self.body, field, *point) / largest
-
-        return Quantity(
-            name,
-            unit,
-            history=history,
-            each="bodies",
-            lasting=True,
-            local=None if point is None else local,
-        )
 
 
 class Sensor(Frozen):
@@ -105,19 +34,64 @@ class Sensor(Frozen):
     ----------
     body : FEModel or None
         None: the only finite-element body; of an impact of two the target.
+    named, unit : str
+        Of what it measures.
     memory : float
         By how much longer than the impact a record is, s.
     """
 
     body: Any
+    named: ClassVar[str]
+    unit: ClassVar[str]
     memory: float = 0.0
-
-    def quantity(self, body: FEModel, number: int) -> Quantity:
-        """Return the quantity of a body with that number in the plan."""
-        raise NotImplementedError
 
     def check(self, body: FEModel) -> None:
         """Refuse a body that has no such quantity."""
+
+    def measured(self, body: FEModel) -> Callable[[Response, FloatArray], FloatArray]:
+        """Return what gives the quantity of a body from a response and times, s, (times,)."""
+        raise NotImplementedError
+
+    def of_stress(self, body: FEModel) -> Callable[[Stress], FloatArray] | None:
+        """Return what is measured of the elements' stress, which errs there; None of no point."""
+        return None
+
+    def quantity(self, body: FEModel, number: int) -> Quantity:
+        """Return the quantity of a body with that number in the plan.
+
+        :meta private:
+        """
+        shared, measured = SharedSolutions(body), cache(lambda: self.measured(body))
+        of_stress = self.of_stress(body)
+
+        @lru_cache(maxsize=_COMPARED)
+        def response(run: Run) -> Response:
+            found = response_of(run.plan, run.recorder, run.events, number, shared)
+            assert found is not None  # a body with a mesh
+            return found
+
+        def history(run: Run, times: FloatArray) -> FloatArray:
+            if run.plan.bodies[number].wall:  # the body as one that does not deform
+                return np.full((1, len(times)), np.nan)
+            return np.asarray(measured()(response(run), times)).reshape(1, -1)
+
+        def local(run: Run) -> float:
+            values = np.abs(history(run, run.t)[0])
+            largest = float(values.max())
+            if not largest > 0.0 or of_stress is None:
+                return 0.0
+            with held_warnings():
+                field = response(run).field(run.t[[int(values.argmax())]])
+            return _roughness(body, field, self, of_stress) / largest
+
+        return Quantity(
+            self.named,
+            self.unit,
+            history=history,
+            each="bodies",
+            lasting=True,
+            local=None if of_stress is None else local,
+        )
 
 
 def body_of(body: Any) -> FEModel | None:
@@ -128,13 +102,7 @@ def body_of(body: Any) -> FEModel | None:
     return model
 
 
-def _roughness(
-    body: FEModel,
-    field: Field,
-    point: FloatArray,
-    seen: Callable[[Stress], FloatArray],
-    layer: Layer,
-) -> float:
+def _roughness(body: FEModel, field: Field, of: Any, seen: Callable[[Stress], FloatArray]) -> float:
     """Return by how much the elements about a point differ from their average there.
 
     The root mean square, as in the energy by which Zienkiewicz and Zhu estimate errors.
@@ -144,12 +112,12 @@ def _roughness(
     body : FEModel
     field : Field
         At one time.
-    point : ndarray, shape (3,)
-        m.
+    of : Sensor
+        With a point, and where in a shell or beam it is.
     seen : callable
         Stress to the number that is asked for.
-    layer : Layer
     """
+    point, layer = of.point, of.where
     assert body.mesh is not None
     nodes, weights = weights_at(body.mesh, to_nodes(body, point))
     square = 0.0

@@ -1,10 +1,11 @@
-"""Strain, filtered acceleration and reactions, as quantities of interest."""
+"""Stress, strain, filtered acceleration and reactions, as quantities of interest."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from ..base import (
     FloatArray,
     InputError,
+    InputTypeError,
     checked,
     choice,
     nonnegative,
@@ -20,19 +22,18 @@ from ..base import (
     warn,
     with_unit,
 )
-from ..fem import FEModel, Layer, Strain, Stress, StressRows, VirtualMotion, checked_layer
+from ..fem import FEModel, Layer, Strain, Stress, checked_layer
 from ..fields import (
     Channel,
-    Response,
-    filtered_acceleration,
+    TensorRows,
+    acceleration_of,
     gauge_ends,
+    gauge_strain,
     motion_rows,
     place_rows,
-    shell_gauge_rows,
-    strain_rows_at,
+    tensor_rows,
 )
-from ..results import Quantity
-from .sensor import Responses, Sensor, body_of
+from .sensor import Sensor, body_of
 
 # Channel frequency class that is taken if none was given, Hz.
 _CLASS = 1000.0
@@ -41,6 +42,86 @@ _CLASS = 1000.0
 _AFTER = 2.0
 
 _COMPONENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
+
+
+@dataclass(frozen=True, eq=False)
+class StressAt(Sensor):
+    """The stress at a point over the record, for ``simulate(quantity=StressAt(...))``.
+
+    ``error.mesh`` has what the elements leave out of the body's vibration and of the force, and by
+    how much their own stress differs from its average at the point.
+
+    Parameters
+    ----------
+    body : FEModel or ContactPoint
+        The body that takes part, by itself or by where it is touched.
+    point : array_like, shape (3,)
+        Anywhere in the undeformed body or on its surface, m.
+    component : str, optional
+        "xx", "yy", "zz", "xy", "yz", "xz" or "von_mises".
+    layer, part : optional
+        Where in a shell or beam, and of which group of elements; see `Field.stress`.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If the point is off the body, or the body has no mesh.
+
+    Examples
+    --------
+    >>> steel = Material(E=210e9, nu=0.3, rho=7800)
+    >>> plate = FEModel.from_mesh(box_mesh((0.2, 0.2, 0.01), (8, 8, 1)), steel)
+    >>> opposite = StressAt(plate, (0.1, 0.1, 0.0), "xx")  # simulate(..., quantity=opposite)
+    >>> opposite.component
+    'xx'
+    """
+
+    body: Any
+    point: FloatArray
+    component: str = "von_mises"
+    layer: Any = None
+    part: str | None = None
+    named, unit = "stress", "Pa"
+
+    def __post_init__(self) -> None:
+        model = body_of(self.body)
+        if model is None:
+            raise InputTypeError(f"body must be an FEModel or a contact point, got {self.body!r}")
+        if model.mesh is None:
+            raise InputError(f"body {model!r} has no mesh, without which no stress is known")
+        object.__setattr__(self, "body", model)
+        checked(self, point=place)
+        choice("component", self.component, (*_COMPONENTS, "von_mises"))
+        self._rows(model)
+        super().__post_init__()
+
+    @property
+    def where(self) -> Layer:
+        """The place in a shell or beam.
+
+        :meta private:
+        """
+        return checked_layer(self.layer, self.part)
+
+    def _rows(self, body: FEModel) -> TensorRows:
+        return tensor_rows(body, place_rows(body, self.point[None]), self.where)
+
+    def measured(self, body: FEModel) -> Any:
+        """See `Sensor`.
+
+        :meta private:
+        """
+        rows, seen = self._rows(body), self.of_stress(body)
+        return lambda response, times: seen(Stress(response.stress(rows, times)[:, 0], self.point))
+
+    def of_stress(self, body: FEModel) -> Callable[[Stress], FloatArray]:
+        """See `Sensor`.
+
+        :meta private:
+        """
+        if self.component == "von_mises":
+            return lambda stress: stress.von_mises
+        return lambda stress: stress[self.component]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +164,7 @@ class StrainAt(Sensor):
     length: float = 0.0
     layer: Any = None
     part: str | None = None
+    named, unit = "strain", ""
 
     def __post_init__(self) -> None:
         model = body_of(self.body)
@@ -96,10 +178,7 @@ class StrainAt(Sensor):
             choice("component", self.component, tuple(_COMPONENTS))
         else:
             checked(self, component=lambda name, x: tuple(unit_vector(name, x).tolist()))
-        if self.length:
-            shell_gauge_rows(model, *self.ends, self._where)  # which checks them
-        else:
-            strain_rows_at(model, self.point, self._where)
+        self.measured(model)  # which checks them
         super().__post_init__()
 
     @cached_property
@@ -119,37 +198,36 @@ class StrainAt(Sensor):
             along = np.array(self.component)
         return gauge_ends(self.body, self.point, along, self.length, "component")
 
-    def quantity(self, body: FEModel, number: int) -> Quantity:
-        """Return the quantity of a body with that number in the plan.
+    @property
+    def where(self) -> Layer:
+        """The place in a shell or beam.
+
+        :meta private:
+        """
+        return checked_layer(self.layer, self.part)
+
+    def measured(self, body: FEModel) -> Any:
+        """See `Sensor`.
 
         :meta private:
         """
         if self.length:
-            return self._of_gauge(body, number)
-        responses = Responses(body, number)
-        weights = self._weights
+            return gauge_strain(body, *self.ends, self.where)
+        rows, weights = self._rows(body), self._weights
+        return lambda response, times: response.stress(rows, times)[:, 0] @ weights
 
-        @cache
-        def by_dofs() -> tuple[StressRows, FloatArray]:
-            rows, compliance = strain_rows_at(body, self.point, self._where)
-            return rows, weights @ compliance
+    def of_stress(self, body: FEModel) -> Callable[[Stress], FloatArray] | None:
+        """See `Sensor`.
 
-        dual = responses.dual(lambda: by_dofs()[0].rows)
+        :meta private:
+        """
+        if self.length or (compliance := self._rows(body).compliance) is None:
+            return None
+        by_stress = self._weights @ compliance[0]
+        return lambda stress: np.asarray(stress.components @ by_stress)
 
-        def strain(response: Response, times: FloatArray) -> FloatArray:
-            rows, compliance = by_dofs()
-            under = response.half_space_stress(times, self.point[None])[:, 0]
-            found = rows.components(response.functionals(rows.rows, times, dual))[:, 0]
-            return np.asarray(found @ weights + under @ compliance)
-
-        def seen(stress: Stress) -> FloatArray:
-            return np.asarray(stress.components @ by_dofs()[1])
-
-        return responses.quantity("strain", "", strain, (self.point, seen, self._where))
-
-    @property
-    def _where(self) -> Layer:
-        return checked_layer(self.layer, self.part)
+    def _rows(self, body: FEModel) -> TensorRows:
+        return tensor_rows(body, place_rows(body, self.point[None]), self.where, strain=True)
 
     @property
     def _weights(self) -> FloatArray:
@@ -158,27 +236,6 @@ class StrainAt(Sensor):
         if isinstance(self.component, str):
             return np.asarray(components[list(_COMPONENTS).index(self.component)])
         return Strain(components, np.empty(0)).along(np.array(self.component))
-
-    def _of_gauge(self, body: FEModel, number: int) -> Quantity:
-        responses, (ends, along) = Responses(body, number), self.ends
-        axes = along[None]
-
-        @cache
-        def rows() -> Any:
-            of_shell = shell_gauge_rows(body, ends, along, self._where)
-            return motion_rows(body, place_rows(body, ends), axes) if of_shell is None else of_shell
-
-        dual = responses.dual(rows)
-        thin = body.mesh is not None and body.mesh.thin
-        size = float(np.linalg.norm(ends[1] - ends[0]))
-
-        def strain(response: Response, times: FloatArray) -> FloatArray:
-            if thin:
-                return np.asarray(response.functionals(rows(), times, dual)[0])
-            u = response.motion_at(ends, axes, rows(), times, dual, rates=False)[0]
-            return np.asarray((u[:, 1] - u[:, 0]) / size)
-
-        return responses.quantity("strain", "", strain)
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,6 +282,7 @@ class AccelerationAt(Sensor):
     cfc: float | None = None
     corner: float | None = None
     body: Any = None
+    named, unit = "acceleration", "m/s²"
 
     def __post_init__(self) -> None:
         if self.cfc is None and self.corner is None:
@@ -273,27 +331,13 @@ class AccelerationAt(Sensor):
                 f"{0.5 * carried:.2g} or less, or smaller elements"
             )
 
-    def quantity(self, body: FEModel, number: int) -> Quantity:
-        """Return the quantity of a body with that number in the plan.
+    def measured(self, body: FEModel) -> Any:
+        """See `Sensor`; what follows the record is not known, and not compared.
 
         :meta private:
         """
-        responses, places, axes = Responses(body, number), self.point[None], self.direction[None]
-
-        @cache
-        def rows() -> Any:
-            return motion_rows(body, place_rows(body, places), axes)
-
-        dual = responses.dual(rows)
-
-        def acceleration(response: Response, times: FloatArray) -> FloatArray:
-            def motion(at: FloatArray) -> tuple[FloatArray, FloatArray]:
-                return response.motion_at(places, axes, rows(), at, dual)
-
-            found = filtered_acceleration(motion, response.motion.duration, self.channel, times)
-            return np.nan_to_num(found)  # what follows the record is not known, and not compared
-
-        return responses.quantity("acceleration", "m/s²", acceleration)
+        seen = acceleration_of(body, self.point, self.direction, self.channel)
+        return lambda response, times: np.nan_to_num(seen(response, times))
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,6 +367,7 @@ class ReactionAt(Sensor):
     nodes: Any
     direction: FloatArray
     body: Any = None
+    named, unit = "reaction", "N"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "body", body_of(self.body))
@@ -338,20 +383,12 @@ class ReactionAt(Sensor):
         """
         body.grounding.nodes("nodes", self.nodes)
 
-    def quantity(self, body: FEModel, number: int) -> Quantity:
-        """Return the quantity of a body with that number in the plan.
+    def measured(self, body: FEModel) -> Any:
+        """See `Sensor`.
 
         :meta private:
         """
-        responses, grounding = Responses(body, number), body.grounding
-
-        @cache
-        def moved() -> VirtualMotion:
-            held = grounding.nodes("nodes", self.nodes)
-            motions = grounding.resultants(held, np.zeros(3))[:, :3]
-            return grounding.virtual((motions @ self.direction)[:, None])
-
-        def reaction(response: Response, times: FloatArray) -> FloatArray:
-            return response.held.work(moved(), times)
-
-        return responses.quantity("reaction", "N", reaction)
+        held = body.grounding.nodes("nodes", self.nodes)
+        motions = body.grounding.resultants(held, np.zeros(3))[:, :3]
+        moved = body.grounding.virtual((motions @ self.direction)[:, None])
+        return lambda response, times: response.held.work(moved, times)

@@ -9,5 +9,16 @@ from .fields import Field
 from .history import History
 from .picture import Shown, enlargement, movie_path, picture, write_movie
 from .response import Response, response_of, times_within
-from .rows import motion_rows, place_rows, shell_gauge_rows, strain_rows_at, stress_rows_at
-from .sensors import Filtered, Gauge, Probe, Reaction, gauge_at, gauge_ends, probe_at, reaction_of
+from .rows import TensorRows, motion_rows, place_rows, tensor_rows
+from .sensors import (
+    Filtered,
+    Gauge,
+    Probe,
+    Reaction,
+    acceleration_of,
+    gauge_at,
+    gauge_ends,
+    gauge_strain,
+    probe_at,
+    reaction_of,
+)

@@ -9,22 +9,17 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, IntArray, finite_array
-from ..fem import Damping, FEModel, Layer
+from ..fem import Damping, FEModel
 from ..integrate import Events, Motion, Recorder
-from ..linalg import LinearSolver
-from ..reduction import PACE, FullModel, Recovery
+from ..reduction import PACE, FullModel, Recovery, SharedSolutions
 from ..scene import Plan
 from .fields import Field
 from .held import Held
 from .history import LOOKS
 from .indentation import Indentation, indentations
-from .rows import compliance, stress_rows
-
-# s ↦ rows (K + s²M)⁻¹, of the rows that are asked for.
-Dual = Callable[[float], FloatArray]
+from .rows import TensorRows
 
 # Steps of the correction's shift in a doubling of it: runs that differ little share factors.
 _SHIFTS = 4
@@ -88,7 +83,6 @@ class Response:
         axes: FloatArray,
         rows: Any,
         times: FloatArray,
-        dual: Dual | None = None,
         *,
         rates: bool = True,
     ) -> tuple[FloatArray, FloatArray]:
@@ -97,7 +91,7 @@ class Response:
         rows: of the dofs, shape (p k, n_dofs), by `place_rows` and the axes. Without `rates` the
         velocity lacks the half-space's.
         """
-        u, v = (values.T for values in self._functionals(rows, times, dual))
+        u, v = (values.T for values in self._functionals(rows, times))
         added = self._half_space(places, times, rates=rates)
         u = u + (added[0] @ axes.T).reshape(u.shape)
         return u, v + (added[1] @ axes.T).reshape(v.shape)
@@ -216,32 +210,24 @@ class Response:
             raise InputError("times must have at least one, got none")
         return wanted
 
-    def stress(
-        self, weights: sp.csr_array, times: FloatArray, layer: Layer, *, strain: bool = False
-    ) -> FloatArray:
-        """Return stress or strain at places with the nodes' `weights`, shape (times, p, 6)."""
-        rows = stress_rows(self.body, weights, self.free, layer, strain=strain)
-        found = rows.components(self._functionals(rows.rows, times)[0])
-        assert self.body.nodes is not None
-        added = self.half_space_stress(times, weights @ self.body.nodes)
-        if strain:
-            added = np.einsum("pij,tpj->tpi", compliance(self.body, weights), added)
+    def stress(self, of: TensorRows, times: FloatArray) -> FloatArray:
+        """Return stress or strain at places, shape (times, p, 6)."""
+        found = of.elements.components(self.functionals(of.elements.rows, times))
+        added = self.half_space_stress(times, of.places)
+        if of.compliance is not None:
+            added = np.einsum("pij,tpj->tpi", of.compliance, added)
         return np.asarray(found + added)
 
-    def functionals(self, rows: Any, times: FloatArray, dual: Dual | None = None) -> FloatArray:
+    def functionals(self, rows: Any, times: FloatArray) -> FloatArray:
         """Return rows @ X for `rows` of shape (p, n_dofs), shape (p, times)."""
-        return self._functionals(rows, times, dual)[0]
+        return self._functionals(rows, times)[0]
 
-    def _functionals(
-        self, rows: Any, times: FloatArray, dual: Dual | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def _functionals(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """rows @ X and its rate, each shape (p, times)."""
         if self.recovery is None:
             u, v = self.motion.observed(rows, times)
         else:
-            of_coordinates, of_forces = self.recovery.functionals(
-                rows, None if dual is None else dual(self.recovery.s)
-            )
+            of_coordinates, of_forces = self.recovery.functionals(rows)
             u, v = self.motion.observed(of_coordinates, times)
             u = u + of_forces @ self.motion.force(times)
             v = v + of_forces @ self.motion.force_rate(times)
@@ -291,7 +277,7 @@ def response_of(
     recorder: Recorder,
     events: Sequence[Events],
     body: int,
-    inverse: Callable[[float], LinearSolver] | None = None,
+    shared: SharedSolutions | None = None,
 ) -> Response | None:
     """Return the response of a whole body in a run; None without finite elements.
 
@@ -305,8 +291,8 @@ def response_of(
         Of its contacts.
     body : int
         Its number in the plan.
-    inverse : callable, optional
-        s² ↦ the solver of K + s²M, where runs of several models of the body share it.
+    shared : SharedSolutions, optional
+        Of the runs of several models of the body.
     """
     model = plan.bodies[body]
     ours = [of for of, contact in zip(events, plan.contacts, strict=True) if contact.touches(body)]
@@ -320,7 +306,7 @@ def response_of(
         if not model.tips:
             return None
         pace = math.exp2(round(_SHIFTS * math.log2(PACE / (end - start))) / _SHIFTS)
-        recovery = Recovery(model.modal, model.modal.loads(plan.pull), pace, inverse)
+        recovery = Recovery(model.modal, model.modal.loads(plan.pull), pace, shared)
         held = not model.modal.body.rigid_modes.shape[1]
         if plan.preload and held:  # at rest all modes follow, the slow ones too: X = K⁻¹ B f
             q, forces = motion.observed(None, np.zeros(1))[0], motion.force(np.zeros(1))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -23,19 +25,33 @@ from ..mesh import Mesh, node_at, weights_at
 _ALONG = 8
 
 
-def stress_rows_at(body: FEModel, point: FloatArray, layer: Layer) -> StressRows:
-    """Return the stress at a point of a body by its dofs."""
-    solid(body, "stress")
-    assert body.free is not None
-    return stress_rows(body, place_rows(body, point[None]), body.free, layer)
+@dataclass(frozen=True, eq=False)
+class TensorRows:
+    """Stress or strain at places on a body.
+
+    Attributes
+    ----------
+    elements : StressRows
+        By its dofs.
+    places : ndarray, shape (p, 3)
+        m.
+    compliance : ndarray, shape (p, 6, 6), or None
+        Of strain, by which it follows from stress, 1/Pa.
+    """
+
+    elements: StressRows
+    places: FloatArray
+    compliance: FloatArray | None = None
 
 
-def strain_rows_at(body: FEModel, point: FloatArray, layer: Layer) -> tuple[StressRows, FloatArray]:
-    """Return the strain at a point by a body's dofs, and by stress, 1/Pa, (6, 6)."""
+def tensor_rows(
+    body: FEModel, weights: sp.csr_array, layer: Layer, *, strain: bool = False
+) -> TensorRows:
+    """Return stress or strain at places with the nodes' `weights`, shape (p, n_nodes)."""
+    assert body.nodes is not None
     assert body.free is not None
-    weights = place_rows(body, point[None])
-    rows = stress_rows(body, weights, body.free, layer, strain=True)
-    return rows, compliance(body, weights)[0]
+    rows = stress_rows(body, weights, body.free, layer, strain=strain)
+    return TensorRows(rows, weights @ body.nodes, compliance(body, weights) if strain else None)
 
 
 def shell_gauge_rows(

@@ -30,7 +30,7 @@ from ..fem import FEModel, Layer, Strain, Stress, VirtualMotion, selected_nodes,
 from .channel import Channel, filtered_acceleration
 from .history import History, Sensed
 from .response import Response
-from .rows import motion_rows, place_rows, shell_gauge_rows
+from .rows import motion_rows, place_rows, shell_gauge_rows, tensor_rows
 
 # sin of the angle between a gauge and the surface beyond which it does not lie on it.
 _OFF = 0.1
@@ -117,7 +117,7 @@ class Probe:
     def _histories(self) -> dict[str, History[Response]]:
         made = partial(_history, self._response, self.t)
         moved = partial(_moved, self._at, self._shape)
-        seen = partial(_stressed, self._weights, self._layer, self._places)
+        seen = partial(_stressed, self._response.body, self._weights, self._layer, self._places)
         return {
             "displacement": made("displacement", moved),
             "velocity": made("velocity", partial(moved, rates=True), displacement=moved),
@@ -331,14 +331,24 @@ def gauge_at(
     wanted, body = response.within(times), response.body
     place = finite_array("point", point, shape=(3,), unit="m", most=HUGE)
     ends, along = gauge_ends(body, place, unit_vector("direction", direction), length)
-    rows = shell_gauge_rows(body, ends, along, layer)
-    if rows is None:
-        axes = along[None]
-        between = At(ends, axes, motion_rows(body, place_rows(body, ends), axes))
-        seen: Any = partial(_elongation, between)
-    else:
-        seen = partial(_functional, rows)
+    seen = gauge_strain(body, ends, along, layer)
     return Gauge(_history(response, wanted, "strain of a gauge", seen), ends)
+
+
+def gauge_strain(body: FEModel, ends: FloatArray, along: FloatArray, layer: Layer) -> Any:
+    """Return what gives the strain between two ends from a response and times, s."""
+    rows = shell_gauge_rows(body, ends, along, layer)
+    if rows is not None:
+        return partial(_functional, rows)
+    axes = along[None]
+    return partial(_elongation, At(ends, axes, motion_rows(body, place_rows(body, ends), axes)))
+
+
+def acceleration_of(body: FEModel, point: FloatArray, axis: FloatArray, channel: Channel) -> Any:
+    """Return what gives the acceleration of a point behind a filter."""
+    places, axes = point[None], axis[None]
+    at = At(places, axes, motion_rows(body, place_rows(body, places), axes))
+    return partial(_filtered, at, (), channel)
 
 
 def reaction_of(response: Response, nodes: Any, times: Any) -> Reaction:
@@ -391,6 +401,7 @@ def _filtered(
 
 
 def _stressed(
+    body: FEModel,
     weights: sp.csr_array,
     layer: Layer,
     shape: tuple[int, ...],
@@ -400,7 +411,8 @@ def _stressed(
     strain: bool = False,
 ) -> FloatArray:
     """Stress, Pa, or strain at places with the nodes' weights."""
-    return response.stress(weights, times, layer, strain=strain).reshape(-1, *shape, 6)
+    rows = tensor_rows(body, weights, layer, strain=strain)
+    return response.stress(rows, times).reshape(-1, *shape, 6)
 
 
 def _functional(rows: sp.csr_array, response: Response, times: FloatArray) -> FloatArray:

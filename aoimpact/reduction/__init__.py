@@ -11,7 +11,7 @@ from .finer import finer_model, softer_model
 from .full import FullModel, body_model, full
 from .krylov import KrylovSpace, interface
 from .modes import modal
-from .recovery import PACE, SOLVED, Recovery
+from .recovery import PACE, Recovery, SharedSolutions
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid, turning, wall
 from .validity import fitted_times, is_valid_for

@@ -17,7 +17,6 @@ before.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -25,7 +24,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import FloatArray
-from ..linalg import ROUGH, LinearSolver
+from ..fem import FEModel
+from ..linalg import ROUGH, SolverBook
 
 if TYPE_CHECKING:
     from .body import Body
@@ -45,6 +45,28 @@ SOLVED = 1e-6
 _BALANCED = ROUGH
 
 
+class SharedSolutions:
+    """What the recoveries of several models of a body share.
+
+    Attributes
+    ----------
+    solver : SolverBook
+        s² ↦ the solver of K + s²M.
+    """
+
+    def __init__(self, body: FEModel) -> None:
+        self.solver = SolverBook(body.inverse)
+        self._duals: dict[tuple[int, float], tuple[Any, FloatArray]] = {}
+
+    def dual(self, rows: Any, s: float) -> FloatArray:
+        """Return rows (K + s²M)⁻¹, the same for all models: rows that are kept are solved once."""
+        key = id(rows), s
+        if key not in self._duals:
+            solve = self.solver(s**2).solve_roughly
+            self._duals[key] = rows, np.stack([solve(row, SOLVED)[0] for row in rows.toarray()])
+        return self._duals[key][1]
+
+
 @dataclass(frozen=True, eq=False)
 class Recovery:
     """The map from a reduced model's coordinates and the forces on it to its body's displacement.
@@ -58,14 +80,14 @@ class Recovery:
         Forces on the dofs per unit of each of the forces f: see `Body.loads`.
     s : float
         Frequency of the correction, rad/s; positive.
-    inverse : callable or None
-        s² ↦ the solver of K + s²M, where models of one body share it.
+    shared : SharedSolutions or None
+        Where several models of the body are compared.
     """
 
     model: Body
     loads: FloatArray
     s: float
-    inverse: Callable[[float], LinearSolver] | None = None
+    shared: SharedSolutions | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         # Do not pickle what is cheap to recompute.
@@ -96,16 +118,12 @@ class Recovery:
             at_once[:, : following.shape[1]] = following
         return np.hstack([self.model.modes, at_once])
 
-    def functionals(
-        self, rows: Any, dual: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def functionals(self, rows: Any) -> tuple[FloatArray, FloatArray]:
         """Return how linear functions of X depend on coordinates and forces.
 
         Parameters
         ----------
         rows : scipy.sparse matrix, shape (m, n_dofs)
-        dual : ndarray, shape (m, n_dofs), optional
-            rows (K + s²M)⁻¹, the same for all models of a body: with it nothing is solved.
 
         Returns
         -------
@@ -113,10 +131,11 @@ class Recovery:
             rows @ X = of_coordinates @ q + of_forces @ f.
         """
         n, body = len(self.model.omega), self.model.body
-        if dual is None:
+        if self.shared is None:
             shapes, weights = self._correction
             added = (rows @ shapes) @ weights
         else:
+            dual = self.shared.dual(rows, self.s)
             inertia = (body.M @ dual.T).T
             strained = (body.K @ dual.T).T @ self.basis
             parts = inertia @ self.basis, dual @ self.loads, inertia @ body.rigid_modes
@@ -153,7 +172,11 @@ class Recovery:
         directions, weights = _directions(r / (scale * size))
         if not directions.size:
             return directions, weights
-        solver = self.inverse(s2) if self.inverse else body.inverse(s2, solutions=len(weights))
+        solver = (
+            body.inverse(s2, solutions=len(weights))
+            if self.shared is None
+            else self.shared.solver(s2)
+        )
         shapes = [solver.solve_roughly(load, SOLVED)[0] for load in (scale * directions).T.copy()]
         return np.stack(shapes, axis=1), weights * size
 
