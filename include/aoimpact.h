@@ -62,7 +62,6 @@ typedef enum aoi_status {
     AOI_ERROR_NOT_FINITE,     /* an infinity or NaN came up where none may be                     */
     AOI_ERROR_NOT_POSITIVE,   /* a pivot, mass or stiffness that must be positive is not           */
     AOI_ERROR_NO_CONVERGENCE, /* an iteration reached its limit                                    */
-    AOI_ERROR_UNREACHED,      /* the contact functional does not move the body at all              */
     AOI_ERROR_SOLVER,         /* the caller's linear solver reported a failure                     */
     AOI_ERROR_TOLERANCE,      /* even the shortest step does not meet the tolerance                */
     AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */

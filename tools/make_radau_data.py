@@ -25,10 +25,6 @@ def at(polynomial: list[mp.mpf], x: mp.mpf) -> mp.mpf:
     return sum((a * x**k for k, a in enumerate(polynomial)), mp.mpf(0))
 
 
-def slope_of(polynomial: list[mp.mpf], x: mp.mpf) -> mp.mpf:
-    return sum((k * a * x ** (k - 1) for k, a in enumerate(polynomial) if k > 0), mp.mpf(0))
-
-
 def radau_nodes() -> list[mp.mpf]:
     """Roots of P_s - P_(s-1) on (0, 1], the last one being 1."""
     low = [*shifted_legendre(STAGES - 1), mp.mpf(0)]
@@ -181,31 +177,11 @@ def declare_series(nodes: list[mp.mpf]) -> None:
         "to_legendre[AOI_NODES][AOI_NODES]",
         to_legendre(nodes),
     )
-    declare(
-        "From values at 0 and the nodes to Legendre coefficients, by columns.",
-        "to_legendre_0[AOI_NODES + 1][AOI_NODES + 1]",
-        by_columns(to_legendre([mp.mpf(0), *nodes])),
-    )
-    declare(
-        "P_k at the nodes of the next step of the same length, by columns.",
-        "legendre_beyond[AOI_NODES + 1][AOI_NODES]",
-        [[at(shifted_legendre(k), 1 + c) for c in nodes] for k in range(STAGES + 1)],
-    )
-    declare(
-        "Slopes of P_k at the nodes, by columns.",
-        "legendre_slope[AOI_NODES + 1][AOI_NODES]",
-        [[slope_of(shifted_legendre(k), c) for c in nodes] for k in range(STAGES + 1)],
-    )
 
 
 def declare_moments(nodes: list[mp.mpf]) -> None:
     """What oscillators make of a polynomial force up to the nodes."""
     cardinal = cardinal_monomials(to_legendre(nodes))
-    declare(
-        "Derivatives of l_j at the start, by columns.",
-        "at_start[AOI_NODES][AOI_NODES]",
-        [[mp.factorial(m) * a for m, a in enumerate(polynomial)] for polynomial in cardinal],
-    )
     declare(
         "int_0^1 (1-x)^n/n! P_l(x) dx, by n.",
         "series[2 * AOI_RADAU_MOMENTS][AOI_NODES]",
@@ -227,14 +203,9 @@ def declare_extra(nodes: list[mp.mpf]) -> None:
         extra_weights(nodes, extra),
     )
     declare(
-        "l_j at the extra points, by columns.",
-        "force_at_extra[AOI_NODES][AOI_NODES]",
-        by_columns([lagrange(nodes, x) for x in extra]),
-    )
-    declare(
-        "The same for the cardinal polynomials of 0 and the nodes.",
-        "indentation_at_extra[AOI_NODES + 1][AOI_NODES]",
-        by_columns([lagrange(ends, x) for x in extra]),
+        "There the polynomial that is 1 at the start and 0 at the nodes, and l_j, by columns.",
+        "at_extra[AOI_NODES + 1][AOI_NODES]",
+        by_columns([[lagrange(ends, x)[0], *lagrange(nodes, x)] for x in extra]),
     )
     declare(
         "Slopes at the nodes of the cardinal polynomials of 0 and the nodes, by columns.",
@@ -264,19 +235,9 @@ def declare_edges(nodes: list[mp.mpf]) -> None:
         edge_rule(CHECKS)[1],
     )
     declare(
-        "l_j at its points.",
-        "force_at_check[2][AOI_EDGE_CHECKS][AOI_NODES]",
-        [[lagrange(nodes, x) for x in points] for points in checks],
-    )
-    declare(
-        "Cardinal polynomials of 0 and the nodes there.",
-        "indentation_at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1]",
-        [[lagrange(ends, x) for x in points] for points in checks],
-    )
-    declare(
-        "Those of the nodes at the share of the step that is left there.",
-        "remainder_at_check[2][AOI_EDGE_CHECKS][AOI_NODES]",
-        [[lagrange(ends, 1 - x)[1:] for x in points] for points in checks],
+        "At its points the polynomial that is 1 at the start and 0 at the nodes, and l_j.",
+        "at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1]",
+        [[[lagrange(ends, x)[0], *lagrange(nodes, x)] for x in points] for points in checks],
     )
 
 

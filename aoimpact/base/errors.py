@@ -163,38 +163,37 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     ),
     3: (SingularError, "a mass, stiffness or pivot that must be positive is not"),
     4: (IterationError, "an iteration did not converge"),
-    5: (InputError, "the contact functional does not move the body (it is zero on all free dofs)"),
-    6: (ConvergenceError, "the linear solver failed"),
-    7: (
+    5: (ConvergenceError, "the linear solver failed"),
+    6: (
         ConvergenceError,
         "even the shortest step does not meet the tolerance; take another rtol, where the law is "
         "your own a smoother one, or, where contacts act on a point without mass (m0 = 0), a small "
         "m0 or Newmark(dt=...)",
     ),
-    8: (
+    7: (
         ConvergenceError,
         "the run takes too many steps: they fill a GiB, or are far more than those of the run that "
         "it is to confirm; take a shorter duration, a larger rtol, fewer stiff oscillators, or "
         "Newmark(dt=...)",
     ),
-    9: (
+    8: (
         LawLimitError,
         "the indentation is beyond the range of the contact law; with a patch, take a larger "
         "radius, with a table, give deeper values",
     ),
-    10: (ConvergenceError, "the contact law gave no finite number"),
-    11: (
+    9: (ConvergenceError, "the contact law gave no finite number"),
+    10: (
         ConvergenceError,
         "less its patches' own indentation the contact law has no force, since its own falls from "
         "one value to another; make the law continuous, or the contact points without a radius",
     ),
-    12: (ConvergenceError, "it was stopped"),
-    13: (
+    11: (ConvergenceError, "it was stopped"),
+    12: (
         InputError,
         "friction needs a contact law that neither remembers nor pulls, and with damping fixed "
         "steps: give law=ao.Hertz(...), or solver=Newmark(dt=...)",
     ),
-    14: (
+    13: (
         ConvergenceError,
         "a contact with friction turns so often that its stretches find no room; take a larger dt, "
         "which draws them less finely",

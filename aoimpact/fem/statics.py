@@ -9,7 +9,6 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from .. import _core
 from ..base import FloatArray, InputTypeError, SingularError
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from ..mesh import motions_at
@@ -78,12 +77,12 @@ def static_mode(
     rigid, b = tip.body.rigid_modes, tip.b
     reach = rigid.T @ b
     if moves_rigidly(tip):
-        phi = np.empty_like(b)
-        mass = _core.static_free(np.ascontiguousarray(rigid.T), b, phi)
-        across = scipy.linalg.qr(reach[:, None])[0][:, 1:]
-        return StaticMode(phi, 0.0, tip.body.M @ phi, mass, rigid @ across)
-    phi = np.ascontiguousarray(displacement(tip.body, b, invert or tip.body.inverse))
-    k0 = _core.static_constrained(b, phi)
+        phi, k0 = rigid @ reach / (reach @ reach), 0.0
+        rigid = rigid @ scipy.linalg.qr(reach[:, None])[0][:, 1:]
+    else:
+        phi = displacement(tip.body, b, invert or tip.body.inverse)
+        k0 = 1.0 / float(b @ phi)
+        phi = k0 * phi
     m_phi = tip.body.M @ phi
     return StaticMode(phi, k0, m_phi, float(phi @ m_phi), rigid)
 

@@ -87,15 +87,9 @@ def _oscillators(
             ", or K is not positive semidefinite; see body.frequencies(10)"
         ) from None
     shapes = np.zeros((len(phi), count))
-    for i, oscillator in enumerate(of):
-        if oscillator >= 0:
-            shapes[:, oscillator] += c[i] * phi[:, i]
+    np.add.at(shapes.T, of[of >= 0], (c * phi).T[of >= 0])
     m, k = m[:count], k[:count]
     return _Oscillators(k / m, m, k, shapes)
-
-
-def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:
-    return _oscillators(tip, static, *_all_constraint_modes(tip))
 
 
 def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:
@@ -107,12 +101,16 @@ def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:
     n = tip.body.n_dofs
     order, most = np.arange(n), int(np.argmax(np.abs(tip.b)))
     order[[0, most]] = most, 0
-    h, work = np.empty(n), np.empty(n)
-    _core.constraint_reflector(np.ascontiguousarray(tip.b[order]), h)
+    h = tip.b[order] / np.linalg.norm(tip.b)
+    h[0] += math.copysign(1.0, h[0])
+    h *= math.sqrt(2.0) / np.linalg.norm(h)
     pencil = []
     for matrix in (tip.body.K, tip.body.M):
-        dense = np.ascontiguousarray(matrix.toarray()[np.ix_(order, order)])
-        _core.constraint_congruence(h, dense, work)
+        dense = matrix.toarray()[np.ix_(order, order)]
+        across = dense @ h
+        across -= 0.5 * (h @ across) * h
+        dense -= np.outer(h, across)
+        dense -= np.outer(across, h)
         pencil.append(dense[1:, 1:])
     omega2, y = dense_modes(pencil[0], pencil[1])
     phi = np.vstack([np.zeros(y.shape[1]), y])
@@ -143,8 +141,9 @@ def _first_oscillators(
     basis[0] = start / math.sqrt(mass)
     diagonal, off, look = np.empty(most), np.empty(most), n
     for k in range(most):
-        x = np.ascontiguousarray(base.solve(M @ basis[k]))
-        _core.constraint_project(b, z, x)
+        x = base.solve(M @ basis[k])
+        for _ in range(2):  # the first subtracts large numbers where b is soft beside the rest
+            x -= (b @ x) / (b @ z) * z
         x -= idle @ (idle.T @ (M @ x))
         parts = basis[: k + 1] @ (M @ x)
         x -= parts @ basis[: k + 1]
@@ -215,7 +214,7 @@ def _wanted_oscillators(
         if left_out == 0.0:
             return _ordered(found, order)
     if dofs <= _DENSE_MOST:
-        return _ordered(_all_oscillators(tip, static), order)
+        return _ordered(_oscillators(tip, static, *_all_constraint_modes(tip)), order)
     warn(
         f"n={n}: {len(found.m)} anti-oscillators were found in {_MOST_STEPS} steps, and one of up "
         f"to {left_out:.3g} kg may be missing. Take fewer, or method='krylov'"
@@ -313,7 +312,7 @@ def antioscillators(
     )
     static = static_mode(tip, invert=solvers)
     if wanted is None:
-        found = _ordered(_all_oscillators(tip, static), by)
+        found = _ordered(_oscillators(tip, static, *_all_constraint_modes(tip)), by)
     else:
         with bar(f"constraint modes of {dofs} dofs", unit="solution"):
             found = _wanted_oscillators(tip, static, wanted, by, solvers)

@@ -16,16 +16,6 @@ static const double *tangent_of(const double *of, size_t i)
     return of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;
 }
 
-/* A polynomial through its values at the nodes. */
-static double at_place(const double *nodes, double place)
-{
-    double legendre[AOI_NODES], slope;
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], nodes);
-    }
-    return aoi_legendre_evaluate(AOI_NODES, legendre, place, &slope);
-}
-
 /* Places of a row, and the stretches there. */
 typedef struct stretches {
     size_t count;
@@ -117,9 +107,7 @@ void aoi_row_forces(const aoi_contact *contact, const double *of, double place, 
         } else if (edge != AOI_EDGE_NONE) {
             aoi_edge_project(edge, force[i], force[i]);
         } else {
-            for (size_t k = 0; k < AOI_NODES; k++) {
-                force[i][k] = at_place(whole[i], place * aoi_radau_node[k]);
-            }
+            aoi_nodes_on_part(whole[i], place, force[i]);
         }
     }
 }
@@ -128,9 +116,7 @@ double aoi_row_slide_work(const aoi_contact *contact, const double *of, double p
 {
     double force[3][AOI_NODES], normal[AOI_NODES], work = 0.0, slope;
     aoi_row_forces(contact, of, place, force);
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        normal[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], force[0]); /* on the part */
-    }
+    aoi_nodes_to_legendre(force[0], normal); /* on the part */
     for (size_t k = 0; k < AOI_NODES; k++) {
         const double at = aoi_radau_node[k], weight = aoi_radau_to_legendre[0][k];
         (void)aoi_legendre_evaluate(AOI_NODES, normal, at, &slope);

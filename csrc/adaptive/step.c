@@ -113,11 +113,6 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
 static void extrapolate(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
     const double stretch = h / contact->last_length;
-    if (stretch == 1.0 && !rate) {
-        const double *beyond = &aoi_radau_legendre_beyond[0][0];
-        aoi_nodes_multiply_from(contact->last[0], beyond, contact->last + 1, indentation);
-        return;
-    }
     for (size_t i = 0; i < AOI_NODES; i++) {
         double slope;
         indentation[i] = aoi_legendre_evaluate(AOI_NODES + 1, contact->last,

@@ -27,9 +27,7 @@ static double top_of(const aoi_law *law, const aoi_contact_step *entry)
         aoi_law_forces(law, entry->memory, entry->piece, entry->indentation, entry->rate, &at_nodes);
         force = at_nodes.force;
     }
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        by_force[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], force);
-    }
+    aoi_nodes_to_legendre(force, by_force);
     return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }
 
@@ -148,9 +146,7 @@ static double end_slope(const double *legendre)
 static double force_slope(const aoi_contact_step *entry)
 {
     double legendre[AOI_NODES + 1] = {0.0};
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], entry->force);
-    }
+    aoi_nodes_to_legendre(entry->force, legendre);
     return end_slope(legendre);
 }
 

@@ -11,6 +11,7 @@
 #include "linear/vector.h"
 #include "law/law.h"
 #include "motion/modes.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/nodes.h"
 #include "collocation/collocation.h"

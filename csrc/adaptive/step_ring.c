@@ -7,6 +7,7 @@
 #include "model/system.h"
 #include "motion/modes.h"
 #include "motion/path.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/nodes.h"
 
@@ -23,7 +24,7 @@ void aoi_step_slopes(const aoi_modes *body, const double *force, double h, doubl
 {
     const int some = body->n > 0 && body->omega[body->n - 1] * h > AOI_PATH_FAST;
     for (size_t p = 0; p < body->ports && some; p++) {
-        aoi_nodes_multiply(&aoi_radau_at_start[0][0], force + p * AOI_NODES, slopes + p * AOI_NODES);
+        aoi_nodes_slopes_at_start(force + p * AOI_NODES, slopes + p * AOI_NODES);
     }
 }
 

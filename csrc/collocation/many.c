@@ -289,17 +289,20 @@ static void impulse_responses(const aoi_response *response, const aoi_contact *c
     }
 }
 
+/* By how much a value at the start is more than the polynomial through those at the nodes has there. */
+static double gap_of(double start, const double *nodes) { return start - aoi_nodes_at_start(nodes); }
+
 /* The law's force minus the polynomial's between the nodes. */
 static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, double *beyond)
 {
-    const double *at = &aoi_radau_indentation_at_extra[0][0];
+    const double *at = aoi_radau_at_extra[0];
     double indentation[AOI_NODES], rate[AOI_NODES] = {0.0}, force[AOI_NODES];
     aoi_law_values there;
-    aoi_nodes_multiply_from(entry->start, at, entry->indentation, indentation);
+    aoi_nodes_multiply_from(gap_of(entry->start, entry->indentation), at, entry->indentation, indentation);
     if (law->depends_on_rate) {
-        aoi_nodes_multiply_from(entry->start_rate, at, entry->rate, rate);
+        aoi_nodes_multiply_from(gap_of(entry->start_rate, entry->rate), at, entry->rate, rate);
     }
-    aoi_nodes_multiply(&aoi_radau_force_at_extra[0][0], entry->force, force);
+    aoi_nodes_multiply(aoi_radau_at_extra[1], entry->force, force);
     aoi_law_forces(law, entry->memory, entry->piece, indentation, rate, &there);
     for (size_t i = 0; i < AOI_NODES; i++) {
         beyond[i] = there.force[i] - force[i];
@@ -309,14 +312,15 @@ static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, doubl
 /* The same in a step with an edge, at the points of a finer quadrature rule. */
 static void find_beyond_edge(const aoi_law *law, const aoi_contact_step *entry, double *beyond)
 {
+    const double gap = gap_of(entry->start, entry->indentation);
+    const double rate_gap = law->depends_on_rate ? gap_of(entry->start_rate, entry->rate) : 0.0;
     for (size_t k = 0; k < AOI_EDGE_CHECKS; k++) {
-        const double *at = aoi_radau_indentation_at_check[entry->edge][k];
-        const double indentation = at[0] * entry->start + aoi_nodes_dot(at + 1, entry->indentation);
-        const double rate =
-            law->depends_on_rate ? at[0] * entry->start_rate + aoi_nodes_dot(at + 1, entry->rate) : 0.0;
+        const double *at = aoi_radau_at_check[entry->edge][k];
+        const double indentation = at[0] * gap + aoi_nodes_dot(at + 1, entry->indentation);
+        const double rate = law->depends_on_rate ? at[0] * rate_gap + aoi_nodes_dot(at + 1, entry->rate) : 0.0;
         aoi_law_value value;
         aoi_law_force(law, entry->memory, entry->piece, indentation, rate, &value);
-        beyond[k] = value.force - aoi_nodes_dot(aoi_radau_force_at_check[entry->edge][k], entry->force);
+        beyond[k] = value.force - aoi_nodes_dot(at + 1, entry->force);
     }
 }
 
@@ -325,11 +329,16 @@ static void add_errors(const aoi_contact_step *entry, double h, const double *be
                        aoi_collocation_error *error)
 {
     const int edge = entry->edge != AOI_EDGE_NONE;
+    const double gap = gap_of(0.0, answer);
     for (size_t k = 0, count = edge ? AOI_EDGE_CHECKS : AOI_NODES; k < count; k++) {
         const double weighted = h * (edge ? aoi_radau_check_weight[k] : aoi_radau_extra_weight[k]) * beyond[k];
         error->impulse += weighted;
-        error->indentation +=
-            weighted * (edge ? aoi_nodes_dot(aoi_radau_remainder_at_check[entry->edge][k], answer) : answer[k]);
+        if (edge) { /* what is left of the step is as long as the way to the point of the other edge */
+            const double *at = aoi_radau_at_check[AOI_EDGE_END - entry->edge][k];
+            error->indentation += weighted * (at[0] * gap + aoi_nodes_dot(at + 1, answer));
+        } else {
+            error->indentation += weighted * answer[k];
+        }
     }
 }
 

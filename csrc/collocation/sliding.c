@@ -93,7 +93,7 @@ static stops stops_of(const aoi_sliding *of, enum aoi_edge edge, const motion *a
 /* A place of an edge's finer rule: its cardinal polynomials stand for the linear function as well. */
 static double check_place(enum aoi_edge edge, size_t k)
 {
-    return aoi_nodes_dot(aoi_radau_indentation_at_check[edge][k] + 1, aoi_radau_node);
+    return aoi_nodes_dot(aoi_radau_at_check[edge][k] + 1, aoi_radau_node);
 }
 
 static void copy_path(const aoi_slide_path *from, aoi_slide_path *to)
@@ -342,13 +342,13 @@ int aoi_sliding_check(aoi_sliding *of, const aoi_contact_step *entry)
             force[k] = found.at[k].force[i];
         }
         if (edge == AOI_EDGE_NONE) {
-            aoi_nodes_multiply(&aoi_radau_force_at_extra[0][0], force, there);
+            aoi_nodes_multiply(aoi_radau_at_extra[1], force, there);
         } else {
             aoi_edge_project(edge, force, force);
         }
         for (size_t k = 0; k < checks; k++) {
             const double by_nodes =
-                edge == AOI_EDGE_NONE ? there[k] : aoi_nodes_dot(aoi_radau_force_at_check[edge][k], force);
+                edge == AOI_EDGE_NONE ? there[k] : aoi_nodes_dot(aoi_radau_at_check[edge][k] + 1, force);
             of->beyond[i][k] = found.at[AOI_NODES + k].force[i] - by_nodes;
         }
     }

@@ -19,17 +19,14 @@ typedef struct aoi_law_kind {
     void (*prepare)(aoi_law *law); /* NULL, or fills in parameters that follow from the others */
 } aoi_law_kind;
 
-extern const aoi_law_kind aoi_laws_elastic[];
-extern const size_t aoi_laws_elastic_count;
-extern const aoi_law_kind aoi_laws_viscous[];
-extern const size_t aoi_laws_viscous_count;
+extern const aoi_law_kind aoi_laws_power[];
+extern const size_t aoi_laws_power_count;
 extern const aoi_law_kind aoi_laws_plastic[];
 extern const size_t aoi_laws_plastic_count;
 extern const aoi_law_kind aoi_law_yang_sun;
 
-/* Potentials of laws whose elastic force is k d^(3/2), and k d; k is the first parameter. */
+/* Potential of laws whose elastic force is k d^(3/2); k is the first parameter. */
 double aoi_law_three_halves_energy(const aoi_law *law, const double *memory, double indentation);
-double aoi_law_linear_energy(const aoi_law *law, const double *memory, double indentation);
 
 /* d^(n-1) for d > 0. The exponents that people use cost a square root at most: pow is ten times
  * dearer. */

@@ -45,8 +45,7 @@ int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *p
     const struct {
         const aoi_law_kind *kind;
         size_t count;
-    } tables[] = {{aoi_laws_elastic, aoi_laws_elastic_count},
-                  {aoi_laws_viscous, aoi_laws_viscous_count},
+    } tables[] = {{aoi_laws_power, aoi_laws_power_count},
                   {aoi_laws_plastic, aoi_laws_plastic_count},
                   {&aoi_law_yang_sun, 1}};
     for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
@@ -178,6 +177,9 @@ static int own_indentation(const aoi_law *law, const double *memory, int piece,
 {
     search s = {law, memory, piece, indentation, rate, -HUGE_VAL, HUGE_VAL};
     double missing = HUGE_VAL, *d = own;
+    if (piece == AOI_NO_PIECE) {
+        return AOI_ERROR_LAW_JUMPS;
+    }
     *d = indentation;
     for (int i = 0; i < MOST_ITERATIONS; i++) {
         own_force(law, memory, piece, *d, rate, value);
@@ -222,8 +224,7 @@ void aoi_law_force(const aoi_law *law, const double *memory, int piece, double i
     double own;
     if (law->compliance == 0.0) {
         own_force(law, memory, piece, indentation, rate, value);
-    } else if (piece == AOI_NO_PIECE || own_indentation(law, memory, piece, indentation, rate, &own,
-                                                        value) == AOI_ERROR_LAW_JUMPS) {
+    } else if (own_indentation(law, memory, piece, indentation, rate, &own, value) == AOI_ERROR_LAW_JUMPS) {
         no_force(law, indentation, rate, value);
     } else if (law->compliance < 0.0 && own < aoi_law_rest(law, memory)) {
         /* The law begins with a force larger than the spring has yet: it does not yield before. */
@@ -342,6 +343,15 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
     return piece;
 }
 
+/* As own_indentation, on the piece that the motion is on. */
+static int own_at(const aoi_law *law, const double *memory, double indentation, double rate, double *own,
+                  aoi_law_value *value)
+{
+    double low, high;
+    const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
+    return own_indentation(law, memory, piece, indentation, rate, own, value);
+}
+
 void aoi_law_remember(const aoi_law *law, double indentation, double rate, double *memory)
 {
     if (!law->remember) {
@@ -349,11 +359,7 @@ void aoi_law_remember(const aoi_law *law, double indentation, double rate, doubl
     }
     if (law->compliance != 0.0 && indentation > aoi_law_rest(law, memory)) {
         aoi_law_value value;
-        double low, high;
-        const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
-        if (piece == AOI_NO_PIECE ||
-            own_indentation(law, memory, piece, indentation, rate, &indentation, &value) ==
-                AOI_ERROR_LAW_JUMPS) {
+        if (own_at(law, memory, indentation, rate, &indentation, &value) == AOI_ERROR_LAW_JUMPS) {
             return; /* as the force there, which stops the run */
         }
     }
@@ -400,21 +406,16 @@ int aoi_law_stands(const aoi_law *law, const double *memory, double indentation,
         return 1;
     }
     aoi_law_value value;
-    double low, high, own;
-    const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
-    return piece == AOI_NO_PIECE ||
-           own_indentation(law, memory, piece, indentation, rate, &own, &value) != AOI_ERROR_PATCH;
+    double own;
+    return own_at(law, memory, indentation, rate, &own, &value) != AOI_ERROR_PATCH;
 }
 
 /* That of a law with a compliance, up to its limit. */
 static double inner_potential(const aoi_law *law, const double *memory, double indentation)
 {
     aoi_law_value value;
-    double low, high;
-    const int piece = aoi_law_piece(law, memory, indentation, 0, &low, &high);
     double d;
-    if (piece == AOI_NO_PIECE ||
-        own_indentation(law, memory, piece, indentation, 0.0, &d, &value) == AOI_ERROR_LAW_JUMPS) {
+    if (own_at(law, memory, indentation, 0.0, &d, &value) == AOI_ERROR_LAW_JUMPS) {
         no_force(law, indentation, 0.0, &value);
         return value.force;
     }

@@ -9,7 +9,6 @@ const char *aoi_status_text(int status)
         [AOI_ERROR_NOT_FINITE] = "an infinity or NaN came up where none may be",
         [AOI_ERROR_NOT_POSITIVE] = "a mass, stiffness or pivot that must be positive is not",
         [AOI_ERROR_NO_CONVERGENCE] = "an iteration reached its limit",
-        [AOI_ERROR_UNREACHED] = "the contact functional does not move the body",
         [AOI_ERROR_SOLVER] = "the linear solver failed",
         [AOI_ERROR_TOLERANCE] = "even the shortest step does not meet the tolerance",
         [AOI_ERROR_TOO_LONG] = "the run needs more rows than there is room for",

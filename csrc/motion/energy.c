@@ -207,7 +207,7 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
                      const double *force, double x, double v, step_integrals *sum)
 {
     const double rise = rise_on(body, j, from), decay = body->decay ? body->decay[j] : 0.0;
-    double push[AOI_NODES] = {0.0}, whole[AOI_NODES], squared, moment;
+    double push[AOI_NODES] = {0.0}, pushed[AOI_NODES], whole[AOI_NODES], squared, moment;
     if (rise == 0.0 && decay == 0.0) {
         return;
     }
@@ -217,9 +217,8 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
     for (size_t p = 0; p < body->ports; p++) {
         aoi_nodes_add(body->push[p * body->n + j], force + p * AOI_NODES, push);
     }
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        whole[k] += aoi_nodes_dot(aoi_radau_to_legendre[k], push);
-    }
+    aoi_nodes_to_legendre(push, pushed);
+    aoi_nodes_add(1.0, pushed, whole);
     aoi_path_integrals(&path, &squared, &moment);
     sum->lost += 2.0 * decay * aoi_modes_inertia(body, j) * squared;
     sum->rising += rise * moment;
@@ -231,15 +230,10 @@ static double bent_by(const aoi_modes *body, double from, double h, double place
     double sum = 0.0;
     for (size_t k = 0; body->residual && body->load.count > 0 && k < body->ports * body->ports; k++) {
         const double *by = force + k % body->ports * AOI_NODES;
-        double load, slope, legendre[AOI_NODES], ignored;
+        double load, slope, part[AOI_NODES];
         aoi_modes_load(body, k / body->ports, from, &load, &slope);
-        for (size_t l = 0; l < AOI_NODES; l++) {
-            legendre[l] = aoi_nodes_dot(aoi_radau_to_legendre[l], by);
-        }
-        for (size_t i = 0; i < AOI_NODES && slope != 0.0; i++) {
-            sum += aoi_radau_to_legendre[0][i] * place * h * slope * body->residual[k] *
-                   aoi_legendre_evaluate(AOI_NODES, legendre, place * aoi_radau_node[i], &ignored);
-        }
+        aoi_nodes_on_part(by, place, part);
+        sum += place * h * slope * body->residual[k] * aoi_nodes_dot(aoi_radau_to_legendre[0], part);
     }
     return sum;
 }

@@ -1,7 +1,6 @@
 /* Products with the matrices of a step. */
 #include "motion/nodes.h"
 #include "law/law.h"
-#include "motion/radau.h"
 
 enum { N = AOI_NODES };
 
@@ -24,15 +23,6 @@ void aoi_nodes_multiply_from(double start, const double *column, const double *n
 {
     aoi_nodes_multiply(column + AOI_NODES, nodes, y);
     aoi_nodes_add(start, column, y);
-}
-
-double aoi_nodes_at_start(const double *nodes)
-{
-    double sum = 0.0;
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        sum += (k % 2 == 0 ? 1.0 : -1.0) * aoi_nodes_dot(aoi_radau_to_legendre[k], nodes);
-    }
-    return sum;
 }
 
 /* Takes the pivot row from the rows first .. last - 1. In column k they are left with what belongs to the

@@ -20,9 +20,6 @@ void aoi_nodes_multiply(const double *column, const double *x, double *y);
  * nodes. */
 void aoi_nodes_multiply_from(double start, const double *column, const double *nodes, double *y);
 
-/* The polynomial through the nodes, extrapolated to the start. */
-double aoi_nodes_at_start(const double *nodes);
-
 /* The inverse in place of a matrix with pivots near or above one, by rows or by columns. */
 void aoi_nodes_invert(double *matrix);
 

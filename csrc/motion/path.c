@@ -52,7 +52,7 @@ static const double STRONG = 0.1;
  * left of x, v oscillates. */
 static int along(const aoi_path *path, double *velocity, double *x, double *v)
 {
-    double place[AOI_NODES], rate[AOI_NODES], slope;
+    double place[AOI_NODES], rate[AOI_NODES];
     *x = path->x;
     *v = path->v;
     const double decay = path->straight ? 0.0 : path->decay; /* a straight force leaves no digits to lose */
@@ -62,35 +62,32 @@ static int along(const aoi_path *path, double *velocity, double *x, double *v)
         for (size_t k = 0; k < AOI_NODES; k++) {
             rate[k] /= path->h;
         }
-        *x -= aoi_legendre_evaluate(AOI_NODES, place, 0.0, &slope);
+        *x -= aoi_legendre_at_start(place);
     } else if (path->omega == 0.0 && path->straight && 2.0 * path->decay * path->h > AOI_PATH_FAST) {
         follow_free(path->decay, path->h, path->force, rate);
     } else {
         return 0; /* too slow, or it does not oscillate */
     }
-    *v -= aoi_legendre_evaluate(AOI_NODES, rate, 0.0, &slope);
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        velocity[i] = aoi_legendre_evaluate(AOI_NODES, rate, path->place * aoi_radau_node[i], &slope);
-    }
+    *v -= aoi_legendre_at_start(rate);
+    aoi_legendre_at_nodes(rate, 0.0, path->place, velocity);
     return 1;
 }
 
 /* Displacement and velocity at a share of the part. */
 static void state_at(const aoi_path *path, double share, double *x, double *v)
 {
-    double values[AOI_NODES], impulse[AOI_NODES], rate[AOI_NODES], slope;
+    double values[AOI_NODES], legendre[AOI_NODES], impulse[AOI_NODES], rate[AOI_NODES];
     const double part = path->place * share, time = part * path->h;
     const double pull = path->omega * path->omega * path->x;
     aoi_motion motion;
-    for (size_t k = 0; k < AOI_NODES; k++) { /* the force on the way there */
-        values[k] = aoi_legendre_evaluate(AOI_NODES, path->force, part * aoi_radau_node[k], &slope);
-    }
+    aoi_legendre_at_nodes(path->force, 0.0, part, values); /* the force on the way there */
+    aoi_nodes_to_legendre(values, legendre);
     aoi_oscillator_motion(path->omega, path->decay, time, &motion);
     aoi_oscillator_integrals(path->omega, path->decay, time, AOI_NODES, impulse, rate);
     *x = path->x + path->v * motion.impulse - pull * motion.step;
     *v = path->v * motion.rate - pull * motion.impulse;
     for (size_t k = 0; k < AOI_NODES; k++) {
-        const double of = time * aoi_nodes_dot(aoi_radau_to_legendre[k], values);
+        const double of = time * legendre[k];
         *x += of * impulse[k];
         *v += of * rate[k];
     }

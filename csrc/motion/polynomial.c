@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 /* (k+1) P_(k+1) = (2k+1) xi P_k - k P_(k-1): (2k+1)/(k+1) and k/(k+1). This keeps the dependency
  * chain short: one product and one difference per degree. */
@@ -33,12 +34,12 @@ double aoi_legendre_evaluate(size_t count, const double *coefficient, double at,
     return value;
 }
 
-void aoi_legendre_at_nodes(const double *coefficient, double place, double *values)
+void aoi_legendre_at_nodes(const double *coefficient, double from, double length, double *values)
 {
     double xi[AOI_NODES], before[AOI_NODES], here[AOI_NODES];
     for (size_t i = 0; i < AOI_NODES; i++) {
         before[i] = 1.0;
-        here[i] = xi[i] = 2.0 * (place * aoi_radau_node[i]) - 1.0;
+        here[i] = xi[i] = 2.0 * (from + length * aoi_radau_node[i]) - 1.0;
         values[i] = coefficient[0];
     }
     for (size_t k = 1; k < AOI_NODES; k++) {
@@ -62,17 +63,43 @@ void aoi_legendre_derive(size_t count, const double *coefficient, double *deriva
     }
 }
 
+void aoi_nodes_to_legendre(const double *nodes, double *legendre)
+{
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], nodes);
+    }
+}
+
+void aoi_nodes_on_part(const double *nodes, double place, double *part)
+{
+    double legendre[AOI_NODES];
+    aoi_nodes_to_legendre(nodes, legendre);
+    aoi_legendre_at_nodes(legendre, 0.0, place, part);
+}
+
+double aoi_nodes_at_start(const double *nodes)
+{
+    double legendre[AOI_NODES];
+    aoi_nodes_to_legendre(nodes, legendre);
+    return aoi_legendre_at_start(legendre);
+}
+
+void aoi_nodes_slopes_at_start(const double *nodes, double *slopes)
+{
+    double legendre[AOI_NODES];
+    aoi_nodes_to_legendre(nodes, legendre);
+    for (size_t m = 0; m < AOI_NODES; m++) {
+        slopes[m] = aoi_legendre_at_start(legendre);
+        aoi_legendre_derive(AOI_NODES, legendre, legendre);
+    }
+}
+
 void aoi_legendre_fit(const double *values, double *coefficient)
 {
-    double sum[AOI_NODES + 1] = {0.0};
-    for (size_t i = 0; i <= AOI_NODES; i++) {
-        for (size_t k = 0; k <= AOI_NODES; k++) {
-            sum[k] += aoi_radau_to_legendre_0[i][k] * values[i];
-        }
-    }
-    for (size_t k = 0; k <= AOI_NODES; k++) {
-        coefficient[k] = sum[k];
-    }
+    const double start = values[0];
+    aoi_nodes_to_legendre(values + 1, coefficient);
+    coefficient[AOI_NODES] = 0.5 * (start - aoi_legendre_at_start(coefficient));
+    coefficient[AOI_NODES - 1] -= coefficient[AOI_NODES]; /* P_8 - P_7 is 0 at the nodes, and 2 at the start */
 }
 
 /* The polynomial minus a level, or its slope. */
@@ -126,21 +153,18 @@ int aoi_legendre_falls(const double *values, const double *coefficient, double l
     return 0;
 }
 
-/* At the start, where that of P_k is -(-1)^k k (k + 1), and at the nodes. */
-static void slopes_of(size_t count, const double *coefficient, double *slope)
+/* The derivative of so many coefficients, and its values at the start and the nodes. */
+static void derive(size_t count, const double *coefficient, double *derived, double *values)
 {
-    double all[AOI_NODES + 1] = {0.0}, sign = 1.0;
-    slope[0] = 0.0;
-    for (size_t k = 1; k < count; k++, sign = -sign) {
-        all[k] = coefficient[k];
-        slope[0] += sign * (double)(k * (k + 1)) * coefficient[k];
-    }
-    aoi_nodes_multiply(&aoi_radau_legendre_slope[1][0], all + 1, slope + 1);
+    memset(derived, 0, (AOI_NODES + 1) * sizeof *derived);
+    aoi_legendre_derive(count, coefficient, derived);
+    values[0] = aoi_legendre_at_start(derived);
+    aoi_legendre_at_nodes(derived, 0.0, 1.0, values + 1);
 }
 
 int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value)
 {
-    double slope[AOI_NODES + 1], bend[AOI_NODES + 1], derived[AOI_NODES + 1], ignored, rest = 0.0;
+    double slope[AOI_NODES + 1], bend[AOI_NODES + 1], derived[AOI_NODES + 1], twice[AOI_NODES + 1], ignored, rest = 0.0;
     int found = 0;
     for (size_t k = 2; k < count; k++) { /* |P_k'| <= k (k+1) on [0, 1] */
         rest += fabs(coefficient[k]) * 0.5 * (double)(k * (k + 1));
@@ -148,9 +172,8 @@ int aoi_legendre_top(size_t count, const double *coefficient, double *place, dou
     if (fabs(coefficient[1]) > rest) {
         return 0; /* it only rises or only falls */
     }
-    slopes_of(count, coefficient, slope);
-    aoi_legendre_derive(count, coefficient, derived);
-    slopes_of(count, derived, bend);
+    derive(count, coefficient, derived, slope);
+    derive(count, derived, twice, bend);
     for (size_t i = 0; i < AOI_NODES; i++) {
         double from = i > 0 ? aoi_radau_node[i - 1] : 0.0, to = aoi_radau_node[i];
         int rises = slope[i] > 0.0, falls = slope[i + 1] <= 0.0;

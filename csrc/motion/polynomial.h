@@ -2,20 +2,41 @@
 #ifndef AOI_MOTION_POLYNOMIAL_H
 #define AOI_MOTION_POLYNOMIAL_H
 
-#include "aoimpact.h"
+#include "law/law.h"
 
 /* sum of count shifted Legendre coefficients at 0 <= at <= 1 (or a little outside), and its derivative
  * with respect to at; count <= AOI_NODES + 1. */
 double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope);
 
-/* Values of AOI_NODES coefficients at the nodes of the part up to place. */
-void aoi_legendre_at_nodes(const double *coefficient, double place, double *values);
+/* Values of AOI_NODES coefficients at the nodes of a part, from a place on and so long. */
+void aoi_legendre_at_nodes(const double *coefficient, double from, double length, double *values);
+
+/* The value of AOI_NODES coefficients at the start, where P_k is (-1)^k. */
+static inline double aoi_legendre_at_start(const double *coefficient)
+{
+    double even = 0.0, odd = 0.0;
+    for (size_t k = 0; k < AOI_NODES; k += 2) {
+        even += coefficient[k];
+        odd += coefficient[k + 1];
+    }
+    return even - odd;
+}
 
 /* Coefficients of the derivative; count of both, in place, too. */
 void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative);
 
 /* Coefficients from the values at the start and the nodes (AOI_NODES + 1 in, as many out). */
 void aoi_legendre_fit(const double *values, double *coefficient);
+
+/* Legendre coefficients of the polynomial through the nodes. */
+void aoi_nodes_to_legendre(const double *nodes, double *legendre);
+
+/* That polynomial at the nodes of the part of the step up to place; in place, too. */
+void aoi_nodes_on_part(const double *nodes, double place, double *part);
+
+/* The polynomial through the nodes, extrapolated to the start; and its derivatives there, AOI_NODES of them. */
+double aoi_nodes_at_start(const double *nodes);
+void aoi_nodes_slopes_at_start(const double *nodes, double *slopes);
 
 /* The first place in (0, 1] at which a polynomial falls to a level that lies below its value at the start,
  * as far as a look at the nodes shows; 0 where it does not. values: at the start and the nodes. */

@@ -8,22 +8,15 @@ enum { AOI_RADAU_MOMENTS = 13, AOI_EDGE_CHECKS = 10 };
 
 extern const double aoi_radau_node[AOI_NODES];
 extern const double aoi_radau_to_legendre[AOI_NODES][AOI_NODES];
-extern const double aoi_radau_to_legendre_0[AOI_NODES + 1][AOI_NODES + 1];
-extern const double aoi_radau_legendre_beyond[AOI_NODES + 1][AOI_NODES];
-extern const double aoi_radau_legendre_slope[AOI_NODES + 1][AOI_NODES];
-extern const double aoi_radau_at_start[AOI_NODES][AOI_NODES];
 extern const double aoi_radau_series[2 * AOI_RADAU_MOMENTS][AOI_NODES];
 extern const double aoi_radau_on_part[AOI_NODES][AOI_NODES][AOI_NODES];
 extern const double aoi_radau_extra_weight[AOI_NODES];
-extern const double aoi_radau_force_at_extra[AOI_NODES][AOI_NODES];
-extern const double aoi_radau_indentation_at_extra[AOI_NODES + 1][AOI_NODES];
+extern const double aoi_radau_at_extra[AOI_NODES + 1][AOI_NODES];
 extern const double aoi_radau_slope_at_node[AOI_NODES + 1][AOI_NODES];
 extern const double aoi_radau_edge_point[2][AOI_NODES];
 extern const double aoi_radau_indentation_at_edge[2][AOI_NODES + 1][AOI_NODES];
 extern const double aoi_radau_edge_projection[2][AOI_NODES][AOI_NODES];
 extern const double aoi_radau_check_weight[AOI_EDGE_CHECKS];
-extern const double aoi_radau_force_at_check[2][AOI_EDGE_CHECKS][AOI_NODES];
-extern const double aoi_radau_indentation_at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1];
-extern const double aoi_radau_remainder_at_check[2][AOI_EDGE_CHECKS][AOI_NODES];
+extern const double aoi_radau_at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1];
 
 #endif

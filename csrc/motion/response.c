@@ -390,26 +390,14 @@ void aoi_response_propagate(const aoi_response *response, const aoi_modes *body,
     }
 }
 
-/* Legendre coefficients, on the part of a step up to place, of a polynomial given at its nodes. */
-static void on_part(const double *force, double place, double *legendre)
-{
-    double whole[AOI_NODES], shrunk[AOI_NODES];
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        whole[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], force);
-    }
-    aoi_legendre_at_nodes(whole, place, shrunk);
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], shrunk);
-    }
-}
-
 void aoi_response_carry(const aoi_modes *body, double from, double h, const double *force,
                         double place, double *x, double *v)
 {
     const double time = place * h;
     for (size_t p = 0; p < body->ports; p++) {
-        double legendre[AOI_NODES];
-        on_part(force + p * AOI_NODES, place, legendre);
+        double part[AOI_NODES], legendre[AOI_NODES];
+        aoi_nodes_on_part(force + p * AOI_NODES, place, part);
+        aoi_nodes_to_legendre(part, legendre);
         for (size_t first = 0; first < body->n; first += AOI_LANES) {
             double by_impulse[AOI_LANES] = {0.0}, by_rate[AOI_LANES] = {0.0};
             aoi_motions motions;

@@ -167,13 +167,11 @@ void track_free(kept_track *kept);
 #define FUNCTIONS(X)                                                                               \
     /* laws.c */                                                                                   \
     X(law_force) X(law_potential)                                                                  \
-    /* reduce.c */                                                                                 \
-    X(static_constrained) X(static_free) X(constraint_project) X(constraint_reflector)             \
-    X(constraint_congruence) X(star_from_constraint_modes)                                         \
     /* krylov.c */                                                                                 \
     X(krylov_extend)                                                                               \
     /* star.c */                                                                                   \
-    X(star_receptance) X(modal_receptance) X(star_to_modal) X(star_from_modal)                     \
+    X(star_from_constraint_modes) X(star_receptance) X(modal_receptance) X(star_to_modal)          \
+    X(star_from_modal)                                                                             \
     /* sparse.c */                                                                                 \
     X(factors_find_panels) X(factors_solve)                                                        \
     /* multigrid.c */                                                                              \

@@ -2,6 +2,26 @@
 #include "python/binding.h"
 #include "star/receptance.h"
 
+PyObject *star_from_constraint_modes(PyObject *args)
+{
+    call of = {.status = AOI_OK};
+    size_t n = ANY_LENGTH, count = ANY_LENGTH;
+    aoi_star star = {.n = 0};
+    const double *phi_st, *m_phi_st, *phi, *m_phi, *omega2;
+    double k0, *m, *k, *coefficient;
+    int32_t *oscillator;
+    TAKE(&of, args, ARRAY('d', phi_st, n), ARRAY('d', m_phi_st, n), VALUE('x', k0), MATRIX('d', phi, count, n),
+         MATRIX('d', m_phi, count, n), ARRAY('d', omega2, count), ARRAY('D', m, count), ARRAY('D', k, count),
+         ARRAY('D', coefficient, count), ARRAY('I', oscillator, count));
+    if (of.status == AOI_OK) {
+        Py_BEGIN_ALLOW_THREADS
+        of.status = aoi_star_from_constraint_modes(n, count, phi_st, m_phi_st, k0, phi, m_phi, omega2, &star, m, k,
+                                                   coefficient, oscillator);
+        Py_END_ALLOW_THREADS
+    }
+    return finish(&of, "anti-oscillators", "nd", (Py_ssize_t)star.n, star.m0);
+}
+
 /* A term of one frequency costs some ten nanoseconds at most. */
 static size_t frequencies_a_piece(size_t n)
 {

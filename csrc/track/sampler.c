@@ -93,14 +93,6 @@ static const double *row_of(const aoi_sampler *sampler, size_t row)
     return sampler->track + sampler->index[row];
 }
 
-/* The force's polynomial over a contact's row. */
-static void fit_force(const double *of, double *legendre)
-{
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
-    }
-}
-
 /* The force of a contact at the nodes of the part of its row up to place. At an edge that is the
  * polynomial nearest on that part: the row's own is right only on the whole. */
 static void force_on_part(const aoi_sampler *sampler, size_t c, double place, double *force)
@@ -114,9 +106,7 @@ static void force_on_part(const aoi_sampler *sampler, size_t c, double place, do
         return;
     }
     if (place < 1.0) {
-        double legendre[AOI_NODES];
-        fit_force(of, legendre);
-        aoi_legendre_at_nodes(legendre, place, force);
+        aoi_nodes_on_part(whole, place, force);
     } else {
         memcpy(force, whole, AOI_NODES * sizeof *force);
     }
@@ -317,7 +307,7 @@ static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law
 static double force_at(const double *of, double place)
 {
     double legendre[AOI_NODES], slope;
-    fit_force(of, legendre);
+    aoi_nodes_to_legendre(of + AOI_TRACK_FORCE, legendre);
     return place > 0.0 ? aoi_legendre_evaluate(AOI_NODES, legendre, place, &slope)
                        : of[AOI_TRACK_START_FORCE];
 }

@@ -5,12 +5,12 @@
 
 #include <string.h>
 
-/* How many parameters an elastic law has; none of a name that is not among them. */
+/* How many parameters a law has; none of a name that is not among them. */
 static size_t count_of(const char *name)
 {
-    for (size_t i = 0; i < aoi_laws_elastic_count; i++) {
-        if (strcmp(aoi_laws_elastic[i].name, name) == 0) {
-            return aoi_laws_elastic[i].count;
+    for (size_t i = 0; i < aoi_laws_power_count; i++) {
+        if (strcmp(aoi_laws_power[i].name, name) == 0) {
+            return aoi_laws_power[i].count;
         }
     }
     return 0;

@@ -161,10 +161,8 @@ static void a_path_begins_where_it_does(void)
         for (size_t k = 0; k < AOI_NODES; k++) {
             force[k] = cos(0.01 * i + aoi_radau_node[k]);
         }
-        for (size_t k = 0; k < AOI_NODES; k++) {
-            series[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], force);
-        }
-        aoi_nodes_multiply(&aoi_radau_at_start[0][0], force, slopes);
+        aoi_nodes_to_legendre(force, series);
+        aoi_nodes_slopes_at_start(force, slopes);
         aoi_path_start(omega, decay, h, slopes, &x, &v);
         aoi_path_follow(omega, decay, h, series, path);
         const double here = aoi_legendre_evaluate(AOI_NODES, path, 0.0, &slope), size = 1.0 / (omega * omega);

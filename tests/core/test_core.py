@@ -198,11 +198,6 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
         {3, 4, 5},
     ),
     "law_potential": (lambda: [law("linear"), np.ones(4), np.zeros(4)], {2}),
-    "static_constrained": (lambda: [np.ones(4), np.ones(4)], {1}),
-    "static_free": (lambda: [np.eye(2, 4), np.ones(4), np.zeros(4)], {2}),
-    "constraint_project": (lambda: [np.ones(4), np.ones(4), np.arange(4.0)], {2}),
-    "constraint_reflector": (lambda: [np.ones(4), np.zeros(4)], {1}),
-    "constraint_congruence": (lambda: [np.ones(4), np.eye(4), np.zeros(4)], {1, 2}),
     "star_from_constraint_modes": (
         lambda: [
             *[np.ones(4), np.ones(4), 1.0, np.eye(2, 4), np.eye(2, 4), np.arange(1.0, 3.0)],

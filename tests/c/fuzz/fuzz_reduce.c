@@ -1,7 +1,6 @@
 /* From matrices to oscillators: dense vectors of any numbers. */
 #include "fuzz.h"
 #include "linear/vector.h"
-#include "star/reduce.h"
 
 enum { MOST = 6 };
 
@@ -11,24 +10,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const size_t n = take_between(&in, 1, MOST), count = take_below(&in, MOST);
     taker *some = take_byte(&in) % 4 ? take_signed : take_any;
     const double *b = take_array(&in, n, some), *z = take_array(&in, n, some);
-    const double *many = take_array(&in, n * count, some), *squares = take_array(&in, n * n, some);
-    double *x = take_array(&in, n, some), *work = take_room(&in, n), *a = take_room(&in, n * n);
-    double scalar = NAN, *c = take_room(&in, count), *m = take_room(&in, count), *k = take_room(&in, count);
-    if (aoi_static_constrained(n, b, x, &scalar) == AOI_OK) {
-        REQUIRE(isfinite(scalar) && scalar > 0.0 && aoi_vector_is_finite(n, x));
-    }
-    if (aoi_static_free(n, count, many, b, x, &scalar) == AOI_OK) {
-        REQUIRE(isfinite(scalar) && scalar > 0.0 && aoi_vector_is_finite(n, x));
-    }
-    memcpy(x, z, n * sizeof(double));
-    if (aoi_constraint_project(n, b, z, x) == AOI_OK) {
-        REQUIRE(aoi_vector_is_finite(n, x));
-    }
-    if (aoi_constraint_reflector(n, b, x) == AOI_OK) {
-        REQUIRE(aoi_vector_is_finite(n, x) && fabs(aoi_vector_dot(n, x, x) - 2.0) < 1e-12);
-        memcpy(a, squares, n * n * sizeof(double));
-        aoi_constraint_congruence(n, x, a, work);
-    }
+    const double *many = take_array(&in, n * count, some);
+    double *c = take_room(&in, count), *m = take_room(&in, count), *k = take_room(&in, count);
     const double *moved = take_array(&in, n * count, some), *omega2 = take_array(&in, count, take_any);
     int32_t of[MOST];
     aoi_star star;
