@@ -108,7 +108,7 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     bend = np.pad(curvatures, 1, constant_values=np.inf)
     beside = np.minimum(bend[:-2], bend[2:])  # negative, as all are at a peak
     smooth = (here >= before) & (here >= after) & (beside <= _LEAST_CURVATURE * bend[1:-1])
-    top, shift = _parabola_tops(t, force, np.flatnonzero(smooth) + 1)
+    top, shift = parabola_tops(t, force, np.flatnonzero(smooth) + 1)
     # A parabola's top is never below its sample: if the largest sample has one, it is among these.
     winner = int(np.argmax(top)) if top.size else 0
     if top.size and top[winner] >= force[best]:
@@ -116,7 +116,7 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     return float(force[best]), float(t[best])
 
 
-def _parabola_tops(
+def parabola_tops(
     t: FloatArray, force: FloatArray, middle: NDArray[np.intp]
 ) -> tuple[FloatArray, FloatArray]:
     """Return heights and times of the tops of the parabolas around the samples `middle`."""

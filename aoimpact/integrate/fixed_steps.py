@@ -119,11 +119,7 @@ class SteppedRecorder(Frozen):
         found = []
         for number, contact in enumerate(self.plan.contacts):
             of = layout.contact(rows, number)
-            one, other = (
-                layout.body(rows, i).port_velocities[port : port + contact.size]
-                for i, port in contact.ports
-            )
-            rate, *slide = one - other
+            rate, *slide = self.rates(number)
             events = find_events(self.times, of.force, of.indentation, rate)
             if contact.friction is not None and of.stuck is not None and of.tangential is not None:
                 mu, ratio, _ = contact.friction
@@ -134,6 +130,15 @@ class SteppedRecorder(Frozen):
                 events = events._replace(slips=slips)
             found.append(events)
         return tuple(found)
+
+    def rates(self, contact: int) -> FloatArray:
+        """Return the rates of a contact's indentation and slides, m/s, shape (size, times)."""
+        of = self.plan.contacts[contact]
+        one, other = (
+            self.plan.layout.body(self.record, body).port_velocities[port : port + of.size]
+            for body, port in of.ports
+        )
+        return np.asarray(one - other)
 
     def motion(self, body: int) -> SteppedMotion:
         return SteppedMotion(self, body, self.dt, self.dt)

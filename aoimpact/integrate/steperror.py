@@ -18,9 +18,8 @@ import numpy.typing as npt
 import scipy
 
 from ..base import FloatArray
-from ..laws import ContactLaw
 from ..scene import Plan
-from .events import find_impulse, find_peak
+from .events import find_peak, parabola_tops
 from .tolerances import AROUND_PEAK, DRAWN, LESSER, NO_DIGIT
 
 if TYPE_CHECKING:
@@ -76,20 +75,18 @@ def time_error(
         impulse the error is relative to that hundredth.
     """
     plan = fine.plan
-    contacts = range(len(plan.contacts))
-    unseen = StepError(_unseen_loads(plan, fine), _LOADS)
-    forces = [list(plan.layout.forces(record.record)) for record in (fine, coarse, coarser)]
-    missed = _missed_forces(plan, fine, coarse)
-    if not any(force.any() for record in forces for force in record):
+    unseen, missed = StepError(_unseen_loads(fine), _LOADS), _missed_forces(fine, coarse)
+    forces = [plan.layout.forces(run.record) for run in (fine, coarse, coarser)]
+    if not any(force.any() for force in forces):
         return StepError(1.0, _TOUCH) if missed.any() else unseen
-    near, far = _changes(plan, fine, coarse), _changes(plan, coarse, coarser)
+    near, far = _changes(fine, coarse), _changes(coarse, coarser)
     if near is None or far is None:
         return StepError(1.0, _FEW)
-    peaks = np.array([force.max() for force in forces[0]])
+    peaks = forces[0].max(axis=1)
     if not peaks.any():
         return StepError(1.0, _CHANGES)
     scales = _scales(peaks)
-    alone = peaks * [_touch_error(plan, fine, contact) for contact in contacts] / scales
+    alone = peaks * [_touch_error(fine, contact) for contact in range(len(peaks))] / scales
     # At second order this change is three times the error, and a quarter of the one before.
     found = max(
         StepError(max(near, far / 4.0), _CHANGES),
@@ -101,52 +98,44 @@ def time_error(
 
 
 def _scales(sizes: FloatArray) -> FloatArray:
-    """Scales of the contacts' errors: their sizes, or a hundredth of the largest."""
-    scales: FloatArray = np.maximum(sizes, LESSER * max(sizes.max(), np.finfo(float).tiny))
-    return scales
+    """Scales of errors, shape (contacts, …): their sizes, or a hundredth of the largest."""
+    least = LESSER * np.maximum(sizes.max(axis=0), np.finfo(float).tiny)
+    return np.asarray(np.maximum(sizes, least))
 
 
-def _changes(plan: Plan, ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
+def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
     """The largest relative change from a run to that with twice the step; None if too short."""
     shared = min(len(theirs.times), (len(ours.times) + 1) // 2)
     if shared < 3:
         return None
-    t, found, slid = ours.times[: 2 * shared - 1], [], []
-    for number in range(len(plan.contacts)):
-        one, two = (plan.layout.contact(record.record, number) for record in (ours, theirs))
-        found.append(_change(t, one.force[: len(t)], two.force[:shared]))
+    t, pressing, rubbing = ours.times[: 2 * shared - 1], [], []
+    for number in range(len(ours.plan.contacts)):
+        one, two = (of.plan.layout.contact(of.record, number) for of in (ours, theirs))
+        pressing.append(_change(t, one.force[None, : len(t)], two.force[None, :shared]))
         if one.tangential is not None and two.tangential is not None:
-            slid.append(_slid(t, one.tangential[:, : len(t)], two.tangential[:, :shared]))
-    largest = 0.0
-    for kind, (change, size) in enumerate(np.array(found).transpose(1, 2, 0)):
-        largest = max(largest, float((change / _scales(size)).max()))
-        if slid:
-            change, least = np.array(slid)[:, kind].T[0], _NO_FRICTION * size.max()
-            scales = np.maximum(_scales(np.array(slid)[:, kind, 1]), least)
-            largest = max(largest, float((change / scales).max()))
+            rubbing.append(_change(t, one.tangential[:, : len(t)], two.tangential[:, :shared]))
+    change, size = np.moveaxis(np.array(pressing), -1, 0)
+    largest = float((change / _scales(size)).max())
+    if rubbing:
+        change, slid = np.moveaxis(np.array(rubbing), -1, 0)
+        scales = np.maximum(_scales(slid), _NO_FRICTION * size.max(axis=0))
+        largest = max(largest, float((change / scales).max()))
     return largest
 
 
 def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[float, float], ...]:
-    """The change and the size of the peak force and of the impulse."""
-    every = t[::2]
-    peaks = find_peak(t, ours)[0], find_peak(every, theirs)[0]
-    around = np.maximum(ours[::2], theirs) >= AROUND_PEAK * max(peaks)
-    apart = float(np.abs(ours[::2] - theirs)[around].max(initial=abs(peaks[0] - peaks[1])))
-    sums = find_impulse(t, ours), find_impulse(every, theirs)
-    return (apart, max(peaks)), (abs(sums[0] - sums[1]), max(map(abs, sums)))
-
-
-def _slid(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[float, float], ...]:
-    """The same of the forces of friction along two tangents, shape (2, times)."""
-    size, other = np.linalg.norm(ours, axis=0), np.linalg.norm(theirs, axis=0)
-    peaks = size.max(), other.max()
+    """The change and the size of the peak and of the impulse of a force, shape (axes, times)."""
+    every, rubs = t[::2], len(ours) > 1
+    size, other = (np.linalg.norm(of, axis=0) if rubs else of[0] for of in (ours, theirs))
+    peaks = find_peak(t, size)[0], find_peak(every, other)[0]
     around = np.maximum(size[::2], other) >= AROUND_PEAK * max(peaks)
     away = np.linalg.norm(ours[:, ::2] - theirs, axis=0)
     apart = float(away[around].max(initial=abs(peaks[0] - peaks[1])))
-    apart = max(apart, _cut_corner(size))
-    sums = np.trapezoid(ours, t), np.trapezoid(theirs, t[::2])
-    moved = max(np.linalg.norm(sums, axis=1).max(), _TURNED * np.trapezoid(size, t))
+    sums = np.trapezoid(ours, t), np.trapezoid(theirs, every)
+    moved = float(np.linalg.norm(sums, axis=1).max())
+    if rubs:
+        apart = max(apart, _cut_corner(size))
+        moved = max(moved, _TURNED * float(np.trapezoid(size, t)))
     return (apart, max(peaks)), (float(np.linalg.norm(sums[0] - sums[1])), moved)
 
 
@@ -167,91 +156,70 @@ def _cut_corner(size: FloatArray) -> float:
     return most
 
 
-def _touch_error(plan: Plan, record: SteppedRecorder, contact: int) -> float:
+def _touch_error(run: SteppedRecorder, contact: int) -> float:
     """Bound the relative error of a peak force from touches at which the force jumps.
 
     A step detects a touch only at its end. Up to one step of the jump is then missing: as momentum
     of the touch, and, where the jump is the peak, as what the force has lost since. Two runs may
     miss the same, so their difference does not show it.
     """
-    law = plan.contacts[contact].law
-    force, indentation = plan.layout.contact(record.record, contact)[:2]
+    law, bodies = run.plan.contacts[contact].law, run.plan.bodies
+    force, indentation = run.plan.layout.contact(run.record, contact)[:2]
     peak = float(force.max())
     first = 1 + np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
     if force[0] == peak > 0.0 and not force[1:2].any():
         return 1.0  # a damper stops the bodies within the first step, however long: all runs agree
     if len(first) == 0:
         return 0.0
-    rate = (indentation[first] - indentation[first - 1]) / record.dt
-    jump = law.force(np.full(len(first), _AT_TOUCH * indentation.max()), rate)
     # A body with mass arrives with its previous velocity and may lose most of it within the step.
-    before = np.maximum(_approach(plan, record, contact)[first - 1], 0.0)
-    missed = law.force(np.minimum(before * record.dt, law.limit), before).max() - peak
-    impulse = record.dt * float(np.add.reduceat(force, first).max())
-    top = int(force.argmax())
-    if not (jump > _NO_JUMP * peak).any():
-        return min(1.0, max(0.0, float(missed) / peak))
-    at_touch = top in first or top - 1 in first  # a first sample at rounding has no force yet
-    lost = abs(float(force[min(top + 1, len(force) - 1)]) - peak) if at_touch else 0.0
-    worst = max(2.0 * float(jump.max()) * record.dt / impulse, lost / peak, float(missed) / peak)
-    return min(1.0, worst)
+    before = np.zeros(len(first))
+    if not any(bodies[body].massless for body, _ in run.plan.contacts[contact].ports):
+        before = np.maximum(run.rates(contact)[0][first - 1], 0.0)
+    missed = law.force(np.minimum(before * run.dt, law.limit), before).max() - peak
+    worst = [float(missed) / peak]
+    rate = (indentation[first] - indentation[first - 1]) / run.dt
+    jump = law.force(np.full(len(first), _AT_TOUCH * indentation.max()), rate)
+    if (jump > _NO_JUMP * peak).any():
+        impulse = run.dt * float(np.add.reduceat(force, first).max())
+        worst.append(2.0 * float(jump.max()) * run.dt / impulse)
+        top = int(force.argmax())
+        if top in first or top - 1 in first:  # a first sample at rounding has no force yet
+            worst.append(abs(float(force[min(top + 1, len(force) - 1)]) - peak) / peak)
+    return min(1.0, max(0.0, *worst))
 
 
-def _unseen_loads(plan: Plan, record: SteppedRecorder) -> float:
+def _unseen_loads(run: SteppedRecorder) -> float:
     """Loads that the steps do not see, as a share of the largest impulse or peak force.
 
     A step takes a load at its ends. A pulse within one is missed, whatever runs are compared: its
-    impulse, and, where a contact point without mass hands it on at once, its force.
+    impulse, and, where a contact point without mass hands it on at once, what it exceeds the ends
+    by. If a damper lets what a load does to a contact fade, a jump between the ends is missed, too.
     """
-    t, forces = record.times, list(plan.layout.forces(record.record))
-    impulse = max((abs(find_impulse(t, force)) for force in forces), default=0.0)
-    peak = max((float(force.max()) for force in forces), default=0.0)
+    t, plan, sums = run.times, run.plan, scipy.integrate.cumulative_trapezoid
+    forces = plan.layout.forces(run.record)
+    impulse = float(np.abs(np.trapezoid(forces, t)).max(initial=0.0))
     missed = beside = 0.0
     for load in plan.loads:
-        first, last = np.searchsorted(load.times, t[0], "right"), np.searchsorted(load.times, t[-1])
-        at_steps = np.interp(t, load.times, load.forces)
-        times = np.concatenate([t[:1], load.times[first:last]])
-        acting = np.concatenate([at_steps[:1], load.forces[first:last]])
-        bend = np.searchsorted(times, t, side="right") - 1  # the last before each step
-        since = 0.5 * (t - times[bend]) * (acting[bend] + at_steps)
-        impulses = scipy.integrate.cumulative_trapezoid
-        exact = impulses(acting, times, initial=0.0)[bend] + since
-        seen = impulses(at_steps, t, initial=0.0)
-        missed = max(missed, float(np.abs(exact - seen).max()))
+        within = load.times[(load.times > t[0]) & (load.times < t[-1])]
+        every = np.union1d(t, within)
+        acting, at_steps = (np.interp(of, load.times, load.forces) for of in (every, t))
+        exact = sums(acting, every, initial=0.0)[np.searchsorted(every, t)]
+        missed = max(missed, float(np.abs(exact - sums(at_steps, t, initial=0.0)).max()))
         impulse = max(impulse, float(np.abs(exact).max()))
         if plan.bodies[load.body].massless:
-            beside = max(
-                beside, _beyond_ends(t, at_steps, times, acting, _relaxes(plan, load.body))
-            )
+            step = np.clip(np.searchsorted(t, every, side="right") - 1, 0, len(t) - 2)
+            ends = np.stack([at_steps[step], at_steps[step + 1]])
+            seen = np.clip(acting, ends.min(axis=0), ends.max(axis=0))
+            touching = [of.law for of in plan.contacts if of.touches(load.body)]
+            if any(law.depends_on_rate for law in touching):
+                seen = np.interp(every, t, at_steps)
+            beside = max(beside, float(np.abs(acting - seen).max()))
+    peak = float(forces.max(initial=0.0))
     shares = (missed / impulse if missed else 0.0, beside / peak if peak else 0.0)
     return min(1.0, max(shares))
 
 
-def _relaxes(plan: Plan, body: int) -> bool:
-    """True if a damper on a massless point lets what a load's jump does to a contact fade."""
-    return any(
-        contact.law.depends_on_rate
-        for contact in plan.contacts
-        if body in (contact.first, contact.second)
-    )
-
-
-def _beyond_ends(
-    t: FloatArray, at_steps: FloatArray, times: FloatArray, acting: FloatArray, relaxes: bool
-) -> float:
-    """Excess of a load within a step over its values at the step's ends, N.
-
-    If what it does to a contact fades, a jump between the ends is missed as a pulse is.
-    """
-    if relaxes:
-        return float(np.abs(acting - np.interp(times, t, at_steps)).max())
-    step = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
-    ends = at_steps[step], at_steps[step + 1]
-    above, below = acting - np.maximum(*ends), np.minimum(*ends) - acting
-    return max(0.0, float(np.maximum(above, below).max()))
-
-
-def _missed_forces(plan: Plan, fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray:
+def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray:
     """Largest excess of each contact's force between steps over that at any step, N.
 
     Between steps the indentation rises as the parabola through three of them does, and is off by no
@@ -259,25 +227,21 @@ def _missed_forces(plan: Plan, fine: SteppedRecorder, coarse: SteppedRecorder) -
     vibrate by at most as much for all that f changes, and by r / ω³ for all that its slope changes;
     steps that are long beside the mode's period follow the displacement alone.
     """
-    size: dict[int, FloatArray] = {}
+    plan, size = fine.plan, dict[int, FloatArray]()
     missed = np.zeros(len(plan.contacts))
     for number, contact in enumerate(plan.contacts):
-        force, indentation = plan.layout.contact(fine.record, number)[:2]
+        law, (force, indentation) = contact.law, plan.layout.contact(fine.record, number)[:2]
         for body, _ in contact.ports:
             if body not in size:
                 size[body] = _unresolved(plan, body, fine.dt)
         vibration = 2.0 * sum(float(size[body][port]) for body, port in contact.ports)
         coarser = plan.layout.contact(coarse.record, number)[1]
-        crest = _highest_crest(force == 0.0, indentation, coarser)
-        missed[number] = _force_at(contact.law, crest)
+        depth = _highest_crest(force == 0.0, indentation, coarser)
+        missed[number] = law.force(min(depth, law.limit))
         if vibration > 0.0:
-            most = _force_at(contact.law, float(indentation.max()) + vibration)
-            missed[number] = max(missed[number], most - float(force.max()))
+            most = law.force(min(float(indentation.max()) + vibration, law.limit))
+            missed[number] = max(missed[number], float(most) - float(force.max()))
     return missed
-
-
-def _force_at(law: ContactLaw, indentation: float) -> float:
-    return float(law.force(min(indentation, law.limit), 0.0)) if indentation > 0.0 else 0.0
 
 
 def _highest_crest(free: npt.NDArray[np.bool_], ours: FloatArray, coarse: FloatArray) -> float:
@@ -287,12 +251,12 @@ def _highest_crest(free: npt.NDArray[np.bool_], ours: FloatArray, coarse: FloatA
     """
     before, here, after = ours[:-2], ours[1:-1], ours[2:]
     turns = free[:-2] & free[1:-1] & free[2:] & (here > before) & (here >= after)
-    rise = (after - before)[turns] ** 2 / (8.0 * (2.0 * here - before - after)[turns])
-    tops, where = here[turns] + rise, 1 + np.flatnonzero(turns)
+    where = 1 + np.flatnonzero(turns)
+    tops = parabola_tops(np.arange(float(len(ours))), ours, where)[0]
     if free[-2:].all() and ours[-1] > ours[-2]:
         tops, where = np.append(tops, ours[-1]), np.append(where, len(ours) - 1)
     if not len(tops):
-        return -np.inf
+        return 0.0
     shared = np.minimum(where // 2, min(len(coarse), (len(ours) + 1) // 2) - 1)
     return float((tops + np.abs(ours[2 * shared] - coarse[shared])).max())
 
@@ -313,13 +277,3 @@ def _unresolved(plan: Plan, body: int, dt: float) -> FloatArray:
     by_forces, by_weight = model.fast_compliance(slowest, weighed=pull > 0.0)
     found: FloatArray = by_forces @ changes + by_weight * pull
     return found
-
-
-def _approach(plan: Plan, record: SteppedRecorder, contact: int) -> FloatArray:
-    """The rate of indentation of a contact of bodies with mass; none where one has not."""
-    rates = np.zeros(len(record.times))
-    for (body, port), sign in zip(plan.contacts[contact].ports, (1.0, -1.0), strict=True):
-        if plan.bodies[body].massless:
-            return np.zeros(len(record.times))
-        rates += sign * plan.layout.body(record.record, body).port_velocities[port]
-    return rates
