@@ -182,10 +182,10 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
         key = id(contact.law)
         law = laws.get(key) or laws.setdefault(key, contact.law.for_core())
         joined[place] = contact.for_core(law)
-    bodies, moving, oblique = [], [], plan.oblique is not None
+    bodies, moving, oblique, pull = [], [], plan.oblique is not None, plan.pull
     for i, body in enumerate(plan.modal):
-        bodies.append(body.for_core(plan.pull, plan.load_on(i)))
-        moving.append(body.rates(plan.start(i)) if oblique else body.moving)
+        bodies.append(body.for_core(pull, plan.load_on(i) if plan.loads else None))
+        moving.append(body.rates(plan.start(i)) if oblique else body.whole.moving)
     scene = tuple(bodies), tuple(joined)
     velocities = (1.0,) * len(bodies) if oblique else tuple(plan.velocities)
     rest = None if plan.rest is None else np.concatenate(plan.rest.modes)

@@ -102,32 +102,26 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     best = int(np.argmax(force))
     if force[best] <= 0.0:
         return 0.0, float(t[0])
-    before, here, after = force[:-2], force[1:-1], force[2:]
-    # Half the curvature of the parabolas around all samples; not known beyond the record.
-    curvatures = np.diff(np.diff(force) / np.diff(t)) / (t[2:] - t[:-2])
-    bend = np.pad(curvatures, 1, constant_values=np.inf)
-    beside = np.minimum(bend[:-2], bend[2:])  # negative, as all are at a peak
-    smooth = (here >= before) & (here >= after) & (beside <= _LEAST_CURVATURE * bend[1:-1])
-    top, shift = parabola_tops(t, force, np.flatnonzero(smooth) + 1)
+    here, bend = force[1:-1], np.diff(force, 2)
+    beside = np.pad(bend, 1, constant_values=np.inf)  # not known beyond the record
+    beside = np.minimum(beside[:-2], beside[2:])  # negative, as all are at a peak
+    peaks = (here >= force[:-2]) & (here >= force[2:]) & (beside <= _LEAST_CURVATURE * bend)
+    middle = 1 + np.flatnonzero(peaks)
+    top, shift = parabola_tops(force, middle)
     # A parabola's top is never below its sample: if the largest sample has one, it is among these.
     winner = int(np.argmax(top)) if top.size else 0
     if top.size and top[winner] >= force[best]:
-        return float(top[winner]), float(shift[winner])
+        at = middle[winner]
+        return float(top[winner]), float(t[at] + shift[winner] * (t[at] - t[at - 1]))
     return float(force[best]), float(t[best])
 
 
-def parabola_tops(
-    t: FloatArray, force: FloatArray, middle: NDArray[np.intp]
-) -> tuple[FloatArray, FloatArray]:
-    """Return heights and times of the tops of the parabolas around the samples `middle`."""
-    left, right = t[middle] - t[middle - 1], t[middle + 1] - t[middle]
-    rise = (force[middle] - force[middle - 1]) / left
-    fall = (force[middle + 1] - force[middle]) / right
-    curvature = (fall - rise) / (left + right)
-    slope = rise + curvature * left
-    flat = curvature == 0.0
-    offset = np.where(flat, 0.0, -slope / (2.0 * np.where(flat, 1.0, curvature)))
-    return force[middle] + 0.5 * slope * offset, t[middle] + offset
+def parabola_tops(values: FloatArray, middle: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
+    """Return heights and places, in steps, of the tops of the parabolas around samples `middle`."""
+    before, here, after = values[middle - 1], values[middle], values[middle + 1]
+    slope, bend = 0.5 * (after - before), 2.0 * here - before - after
+    shift = np.divide(slope, bend, out=np.zeros(len(middle)), where=bend != 0.0)
+    return here + 0.5 * slope * shift, shift
 
 
 def find_contacts(
@@ -136,19 +130,40 @@ def find_contacts(
     """Return start and end of every interval in which the force acts.
 
     A contact starts and ends at a zero of the indentation, found between two samples by Hermite's
-    cubic through values and rates (straight line where the cubic is not monotone). Where a law's
-    force vanishes while there is still indentation, the end is where the falling force,
-    extrapolated, reaches zero. Contacts or gaps shorter than a step cannot be seen.
+    cubic through values and rates. Where a law's force vanishes while there is still indentation,
+    the end is where the falling force, extrapolated, reaches zero. Contacts or gaps shorter than a
+    step cannot be seen.
     """
     closed = force != 0.0  # a law that pulls is in contact while it does
     change = np.diff(closed.astype(np.int8))
-    starts = [_crossing(t, indentation, rate, int(i)) for i in np.flatnonzero(change == 1)]
-    ends = [_release(t, force, indentation, rate, int(i)) for i in np.flatnonzero(change == -1)]
-    if closed[0]:
-        starts.insert(0, float(t[0]))
-    if closed[-1]:
-        ends.append(float(t[-1]))
-    return tuple(zip(starts, ends, strict=True))
+    first, last = np.flatnonzero(change == 1), np.flatnonzero(change == -1)
+    zeros = np.append(_zeros(t, indentation, rate, np.append(first, last)), t[[0, -1]])
+    starts, ends, (begin, end) = zeros[: len(first)], zeros[len(first) : -2], zeros[-2:]
+    fall = force[np.maximum(last - 1, 0)] - force[last]
+    left = np.divide(force[last], fall, out=np.ones(len(last)), where=fall > 0.0)  # in steps
+    drawn = t[last] + np.minimum(left, 1.0) * (t[last + 1] - t[last])
+    ends = np.where(indentation[last + 1] > 0.0, drawn, ends)
+    starts = np.append([begin] * int(closed[0]), starts)
+    ends = np.append(ends, [end] * int(closed[-1]))
+    return tuple(zip(starts.tolist(), ends.tolist(), strict=True))
+
+
+def _zeros(
+    t: FloatArray, indentation: FloatArray, rate: FloatArray, steps: NDArray[np.intp]
+) -> FloatArray:
+    """Where the indentation is zero in [t_i, t_(i+1)] of each step; t_i if it is not in between.
+
+    Bodies touch from the start then, or are indented already, with a law that takes hold only now.
+    """
+    before, after = indentation[steps], indentation[steps + 1]
+    found = t[steps].copy()
+    for at in np.flatnonzero((before != 0.0) & (before * after <= 0.0)):
+        two = slice(steps[at], steps[at] + 2)
+        cubic = scipy.interpolate.CubicHermiteSpline(t[two], indentation[two], rate[two])
+        roots = cubic.roots(extrapolate=False)
+        rounded = t[two][np.abs(indentation[two]).argmin()]  # at an end but for rounding
+        found[at] = roots[0] if len(roots) else rounded
+    return found
 
 
 def find_slips(
@@ -210,47 +225,3 @@ def find_impulse(t: FloatArray, force: FloatArray) -> float:
     free body it changes the momentum by dt (F_n + F_{n+1}) / 2 in each step.
     """
     return float(np.trapezoid(force, t))
-
-
-def _crossing(t: FloatArray, indentation: FloatArray, rate: FloatArray, i: int) -> float:
-    """Return the time in [t_i, t_{i+1}] at which the indentation is zero."""
-    step = float(t[i + 1] - t[i])
-    before, after = float(indentation[i]), float(indentation[i + 1])
-    if before == 0.0 or before * after > 0.0:
-        # Touching from the start; or indented already, with a law that takes hold only now.
-        return float(t[i])
-    slopes = step * float(rate[i]), step * float(rate[i + 1])
-    return float(t[i]) + step * _hermite_root(before, after, *slopes)
-
-
-def _release(
-    t: FloatArray, force: FloatArray, indentation: FloatArray, rate: FloatArray, i: int
-) -> float:
-    """Return the time in [t_i, t_{i+1}] at which the force, positive at t_i, ends."""
-    if indentation[i + 1] <= 0.0:
-        return _crossing(t, indentation, rate, i)
-    step = float(t[i + 1] - t[i])
-    if i == 0 or force[i - 1] <= force[i]:
-        return float(t[i + 1])
-    slope = float(force[i - 1] - force[i]) / float(t[i] - t[i - 1])
-    return float(t[i]) + min(float(force[i]) / slope, step)
-
-
-def _hermite_root(before: float, after: float, slope_before: float, slope_after: float) -> float:
-    """Return s in [0, 1] where the cubic with these end values and slopes is zero.
-
-    `before` and `after` have opposite signs, or `after` is zero.
-    """
-    rise = after - before
-    # Fritsch and Carlson (1980): such slopes make the cubic monotone, hence its root unique.
-    if not (0.0 <= slope_before / rise <= 3.0 and 0.0 <= slope_after / rise <= 3.0):
-        return -before / rise
-    cubic = slope_before + slope_after - 2.0 * rise
-    square = 3.0 * rise - 2.0 * slope_before - slope_after
-
-    def value(s: float) -> float:
-        return before + s * (slope_before + s * (square + s * cubic))
-
-    if (value(1.0) > 0.0) == (before > 0.0):  # by rounding
-        return 1.0
-    return float(scipy.optimize.brentq(value, 0.0, 1.0, xtol=1e-16))

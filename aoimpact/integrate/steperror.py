@@ -136,7 +136,8 @@ def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[
     """The change and the size of the peak and of the impulse of a force, shape (axes, times)."""
     every, rubs = t[::2], len(ours) > 1
     size, other = (np.linalg.norm(of, axis=0) if rubs else of[0] for of in (ours, theirs))
-    peaks = find_peak(t, size)[0], find_peak(every, other)[0]
+    # Where slip of all begins, friction has a corner, of which no parabola tells the top.
+    peaks = [of.max() if rubs else find_peak(at, of)[0] for at, of in ((t, size), (every, other))]
     around = np.maximum(size[::2], other) >= _AROUND_PEAK * max(peaks)
     away = np.linalg.norm(ours[:, ::2] - theirs, axis=0)
     apart = float(away[around].max(initial=abs(peaks[0] - peaks[1])))
@@ -236,20 +237,15 @@ def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray
     vibrate by at most as much for all that f changes, and by r / ω³ for all that its slope changes;
     steps that are long beside the mode's period follow the displacement alone.
     """
-    plan, size = fine.plan, dict[int, FloatArray]()
-    missed = np.zeros(len(plan.contacts))
+    plan, missed = fine.plan, np.zeros(len(fine.plan.contacts))
+    size = [_unresolved(plan, body, fine.dt) for body in range(len(plan.bodies))]
     for number, contact in enumerate(plan.contacts):
         law, (force, indentation) = contact.law, plan.layout.contact(fine.record, number)[:2]
-        for body, _ in contact.ports:
-            if body not in size:
-                size[body] = _unresolved(plan, body, fine.dt)
         vibration = 2.0 * sum(float(size[body][port]) for body, port in contact.ports)
         coarser = plan.layout.contact(coarse.record, number)[1]
-        depth = _highest_crest(force == 0.0, indentation, coarser)
-        missed[number] = law.force(min(depth, law.limit))
-        if vibration > 0.0:
-            most = law.force(min(float(indentation.max()) + vibration, law.limit))
-            missed[number] = max(missed[number], float(most) - float(force.max()))
+        depth = [_highest_crest(force == 0.0, indentation, coarser), indentation.max() + vibration]
+        crest, most = law.force(np.minimum(depth, law.limit)) - [0.0, force.max()]
+        missed[number] = max(crest, most) if vibration > 0.0 else crest
     return missed
 
 
@@ -261,7 +257,7 @@ def _highest_crest(free: npt.NDArray[np.bool_], ours: FloatArray, coarse: FloatA
     before, here, after = ours[:-2], ours[1:-1], ours[2:]
     turns = free[:-2] & free[1:-1] & free[2:] & (here > before) & (here >= after)
     where = 1 + np.flatnonzero(turns)
-    tops = parabola_tops(np.arange(float(len(ours))), ours, where)[0]
+    tops = parabola_tops(ours, where)[0]
     if free[-2:].all() and ours[-1] > ours[-2]:
         tops, where = np.append(tops, ours[-1]), np.append(where, len(ours) - 1)
     if not len(tops):

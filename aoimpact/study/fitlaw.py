@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
-import scipy
+from scipy.optimize import least_squares
 
 from ..base import (
     HUGE,
@@ -190,56 +190,41 @@ class _Problem:
 
         A force that begins with a jump, or nearly so, has a minimum between any two samples.
         """
-        first = np.full(len(self.low), _ORIGIN)
-        found = self._within(first, self.low, self.high)
-        if self.data.depth > 0.0 and self.data.start is None:  # a curve: quick, several minima
+        first, data = np.full(len(self.low), _ORIGIN), self.data
+        refused = 2.0 * self.misfit(first)
+
+        def within(x: FloatArray, low: FloatArray, high: FloatArray) -> Any:
+            def misfit(x: FloatArray) -> FloatArray:
+                try:
+                    return self.misfit(x)
+                except AOImpactError:  # no law: the step is refused, and shorter ones are tried
+                    return refused
+
+            bounds, step = (low, high), _STEP / _ORIGIN
+            near = {"ftol": 1e-9, "xtol": 1e-8, "gtol": None}
+            return least_squares(misfit, x, "3-point", bounds, diff_step=step, **near)
+
+        found = within(first, self.low, self.high)
+        if data.depth > 0.0 and data.start is None:  # a curve: quick, several minima
             around = np.random.default_rng(0).uniform(-_AROUND, _AROUND, (_STARTS, len(first)))
             starts = np.clip(found.x + around, self.low, self.high)
-            others = [self._within(x, self.low, self.high, found.fun) for x in starts]
+            others = [within(x, self.low, self.high) for x in starts]
             return min((found, *others), key=lambda one: one.cost)
         # A force that is there soon after the contact has begun jumps.
-        early = self.law_at(found.x).force(_EARLY * self.data.depth, self.data.velocity)
-        if not early > _FOOT * self.data.force:
+        early = self.law_at(found.x).force(_EARLY * data.depth, data.velocity)
+        if not early > _FOOT * data.force:
             return found
         between = []
         for sample in range(-_SAMPLES, _SAMPLES):
             low, high = self.low.copy(), self.high.copy()
             ends = np.array([sample + _APART, sample + 1.0 - _APART])
-            low[-1], high[-1] = _ORIGIN + ends * self.data.sample / self.data.time
+            low[-1], high[-1] = _ORIGIN + ends * data.sample / data.time
             begin = np.append(found.x[:-1], 0.5 * (low[-1] + high[-1]))
-            between.append(self._within(begin, low, high, found.fun))
+            between.append(within(begin, low, high))
         best = min(between, key=lambda one: one.cost)
         # The first force depends on the start like a root, which no slope describes.
-        best.jac = np.delete(best.jac, np.argmax(best.fun + self.data.measured > 0.0), axis=0)
+        best.jac = np.delete(best.jac, np.argmax(best.fun + data.measured > 0.0), axis=0)
         return best
-
-    def _within(
-        self, x: FloatArray, low: FloatArray, high: FloatArray, least: FloatArray | None = None
-    ) -> Any:
-        """Return SciPy's solution between bounds; `least` is a misfit that is known."""
-
-        def misfit(x: FloatArray) -> FloatArray:
-            nonlocal least
-            try:
-                found = self.misfit(x)
-            except AOImpactError:
-                if least is None:
-                    raise
-                return 2.0 * least  # no law: the step is refused, and shorter ones are tried
-            if least is None or found @ found < least @ least:
-                least = found
-            return found
-
-        return scipy.optimize.least_squares(
-            misfit,
-            x,
-            "3-point",
-            (low, high),
-            ftol=1e-9,
-            xtol=1e-8,
-            gtol=None,
-            diff_step=_STEP / _ORIGIN,
-        )
 
 
 def fit_law(
@@ -333,15 +318,13 @@ def fit_law(
         variance = 2.0 * float(found.cost) / (len(data.measured) - len(found.x))
         errors, correlation = _uncertainty(found.jac, variance)
     values = problem.parameters(found.x)
-    poor = {
-        name: error for name, error in zip(names, errors, strict=False) if not error <= _DETERMINED
-    }
+    of_law = dict(zip(names, errors, strict=False))
+    poor = {name: error for name, error in of_law.items() if not error <= _DETERMINED}
     if poor:
-        shares = ", ".join(
-            f"{name} (± {error:.0%})" if error < math.inf else f"{name} (at all)"
-            for name, error in poor.items()
+        said = [f"{of} ({f'± {by:.0%}' if by < math.inf else 'at all'})" for of, by in poor.items()]
+        warn(
+            f"the data do not determine {', '.join(said)}: keep them, or measure where they matter"
         )
-        warn(f"the data do not determine {shares}: keep them, or measure where they matter")
     _warn_of_a_poor_fit(problem, found.x, math.sqrt(variance), poor)
     sizes = np.append(values[: len(names)], [data.time] * (len(values) - len(names)))
     return LawFit(
@@ -404,21 +387,19 @@ def _needed(law: Any) -> list[str]:
 
 def _free(law: ContactLaw, free: Iterable[str] | None) -> list[str]:
     """Return the names of the parameters to fit."""
-    entries = [entry.name for entry in fields(cast(Any, law))]
     if free is None:
         chosen = [name for name in _needed(law) if name not in _OF_THE_TEST]
     else:
-        chosen = [free] if isinstance(free, str) else list(texts("free", free))
+        chosen = list(texts("free", [free] if isinstance(free, str) else free))
+    values = {entry.name: getattr(law, entry.name) for entry in fields(cast(Any, law))}
     for name in chosen:
-        value = getattr(law, name, None) if name in entries else None
+        value = values.get(name)
         if not isinstance(value, float) or not value > 0.0:
             raise InputError(
                 f"free: {name!r} is no parameter above 0 of {law!r}; begin with a law that has one"
             )
-    if not chosen:
-        raise InputError(f"free is empty: nothing of {law!r} is to be fitted")
-    if len(set(chosen)) < len(chosen):
-        raise InputError(f"free must name each parameter once, got {chosen}")
+    if not chosen or len(set(chosen)) < len(chosen):
+        raise InputError(f"free must name parameters of {law!r} to fit, each once, got {chosen}")
     return chosen
 
 
@@ -426,17 +407,16 @@ def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
     """Return a law of that class to begin with, from the size of what was measured."""
     if not (isinstance(cls, type) and issubclass(cls, ContactLaw)):
         raise InputTypeError(f"law must be a contact law or its class, got {cls!r}")
-    known = {"mass": mass, "velocity": data.velocity}
-    given: dict[str, Any] = {
-        of.name: known[of.name] for of in fields(cast(Any, cls)) if of.name in known
-    }
-    units = {of.name: of.metadata.get("unit", "") for of in fields(cast(Any, cls))}
-    for name in _needed(cls):
-        unit = units.get(name, "")
-        if name in given:
+    known, needed = {"mass": mass, "velocity": data.velocity}, _needed(cls)
+    given: dict[str, Any] = {}
+    for of in fields(cast(Any, cls)):
+        name, unit = of.name, of.metadata.get("unit", "")
+        if name in known:
+            given[name] = known[name]
+        elif name not in needed:
             continue
-        if name == "k":
-            given[name] = data.force / data.depth ** given.get("n", cls.power)
+        elif name == "k":
+            given[name] = data.force / data.depth**cls.power
         elif name in _NAMED:
             given[name] = _NAMED[name]
         elif unit in _GUESSES and data.force > 0.0:
