@@ -34,7 +34,7 @@ from .grounding import Grounding, VirtualMotion
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
 from .labels import checked_labels
 from .laminate import Laminate, Layers, Ply, Shell
-from .layer import layer_compliance, mesh_compliance
+from .layer import layer_compliance, layer_compliance_of, mesh_compliance
 from .material import SIX, Material, warn_of_units
 from .model import FEModel
 from .orthotropic import Orthotropic, Solid

@@ -13,7 +13,7 @@ from thinmeshes import dofs, grid, matrices
 
 import aoimpact as ao
 from aoimpact import Laminate, Ply, Shell
-from aoimpact.fem import layer_compliance, mesh_compliance
+from aoimpact.fem import layer_compliance, layer_compliance_of, mesh_compliance
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -116,3 +116,10 @@ def test_a_laminate_is_meshed_as_it_is(kind: str, angles: tuple[float, ...]) -> 
     under = mesh_compliance(nodes, [cells], below, force, np.zeros(3), -up, s)
     assert above[0] == pytest.approx(whole, rel=3e-3)
     assert under[0] == pytest.approx(whole, rel=3e-3)
+
+
+def test_a_laminate_of_one_material_is_a_layer_of_it() -> None:
+    """Elements through the thickness against Rayleigh and Lamb."""
+    plies = Laminate([Ply(1e-3, STEEL), Ply(1e-3, STEEL)])
+    layer = layer_compliance(STEEL, 2e-3, 5e-4, 2e5)
+    assert layer_compliance_of(plies, 5e-4, 2e5) == pytest.approx(layer, abs=2e-11)

@@ -80,3 +80,16 @@ def test_a_yield_strength_is_shown_where_there_is_one() -> None:
     assert "yield" not in repr(Material(E=210e9, nu=0.3, rho=7800))
     steel = Material(E=210e9, nu=0.3, rho=7800, yield_strength=350e6)
     assert eval(repr(steel)) == steel
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"nu": 0.5}, r"^nu"),
+        ({"nu": 0.7}, r"^nu"),
+        ({"nu": -1.0}, r"^nu"),
+    ],
+)
+def test_impossible_constants_are_refused(changed: dict[str, float], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Material(**{"E": 210e9, "nu": 0.3, "rho": 7800.0, **changed})

@@ -154,3 +154,10 @@ def test_everything_is_written(tmp_path: Path) -> None:
     assert all(math.isfinite(float(row["computed"])) for row in rows)
     for number in range(1, 6):
         assert any(f"Table {number}" in row["table"] for row in rows)
+
+
+def test_printed_oscillator_recomputes_to_its_reference() -> None:
+    """The paper's m0 and k1: 814.36921 N and separation at 70.74284 µs by high-order methods."""
+    hit = paper_sphere.of_table_3(paper_sphere.BALL_MASS)
+    assert hit.peak_force == pytest.approx(814.3692123467, rel=5e-6)
+    assert hit.contact_duration == pytest.approx(70.7428420013e-6, rel=1e-5)
