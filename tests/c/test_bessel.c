@@ -124,23 +124,6 @@ static void exponentials_agree_with_quadrature(void)
     }
 }
 
-/* On the imaginary axis they are the trigonometric ones, on which far more is known. */
-static void exponentials_turn_into_sines(void)
-{
-    for (int i = -20; i <= 16; i++) {
-        const double z = pow(10.0, 0.25 * i);
-        double sine[COUNT], cosine[COUNT], re[COUNT], im[COUNT];
-        trigonometric(z, sine, cosine);
-        aoi_bessel_exponential(0.0, -z, COUNT, re, im);
-        for (size_t l = 0; l < COUNT; l++) {
-            CHECK(fabs(im[l] - sine[l]) < 4e-15, "z %g, l %zu: sine %.16g, not %.16g", z, l, im[l],
-                  sine[l]);
-            CHECK(fabs(re[l] - cosine[l]) < 4e-15, "z %g, l %zu: cosine %.16g, not %.16g", z, l, re[l],
-                  cosine[l]);
-        }
-    }
-}
-
 /* |P_l| <= 1 and |e^-z| <= 1 bound the integral, from z that do nothing to those that leave nothing. */
 static void exponentials_of_any_size_are_numbers(void)
 {
@@ -170,35 +153,9 @@ static void sines_of_many_turns_are_sines(void)
     }
 }
 
-/* Subnormal numbers take a processor a hundred times as long: a body that moves freely, of frequency 0, and steps far
- * shorter than a period must not make any. */
-static void small_arguments_make_no_subnormal_numbers(void)
-{
-    for (int i = -49; i <= 0; i++) {
-        const double z = i > -49 ? pow(10.0, 0.25 * i) : 0.0;
-        const double omega[AOI_LANES] = {0.0, z, 0.0, 1.0};
-        double re[COUNT], im[COUNT];
-        aoi_turn turn;
-        aoi_motions motions;
-        aoi_integrals integrals;
-        aoi_motion damped;
-        feclearexcept(FE_ALL_EXCEPT);
-        aoi_turn_make(omega, 1.0, &turn);
-        aoi_turn_motions(&turn, &motions);
-        aoi_turn_integrals(&turn, &integrals);
-        CHECK(!fetestexcept(FE_UNDERFLOW), "z %g: sines", z);
-        feclearexcept(FE_ALL_EXCEPT);
-        aoi_bessel_exponential(0.1 * z, z, COUNT, re, im);
-        aoi_oscillator_motion(z, 0.1 * z, 1.0, &damped);
-        CHECK(!fetestexcept(FE_UNDERFLOW), "z %g: exponentials", z);
-    }
-}
-
 int main(void)
 {
-    small_arguments_make_no_subnormal_numbers();
     exponentials_agree_with_quadrature();
-    exponentials_turn_into_sines();
     exponentials_of_any_size_are_numbers();
     agrees_with_quadrature();
     recurrence_holds_over_twelve_decades();

@@ -128,30 +128,6 @@ static void check_solution(const plant *p, double h, const char *what)
     }
 }
 
-/* Two pairs that do not know of each other, solved together and one by one. */
-static void strangers_do_not_disturb_each_other(void)
-{
-    const aoi_law law = hertz(1e9);
-    plant both = {.bodies = 0}, alone = {.bodies = 0};
-    for (int i = 0; i < 2; i++) {
-        add_rigid(&both, 1.0 + i, 1.0 + 0.5 * i);
-        add_rigid(&both, 3.0, -0.2);
-        join_rigid(&both, 2 * (size_t)i, 2 * (size_t)i + 1, -1e-5, &law);
-    }
-    add_rigid(&alone, 2.0, 1.5);
-    add_rigid(&alone, 3.0, -0.2);
-    join_rigid(&alone, 0, 1, -1e-5, &law);
-    prepare(&both);
-    prepare(&alone);
-    CHECK(solve(&both, 1e-5, 0, 0) == AOI_OK && solve(&alone, 1e-5, 0, 0) == AOI_OK, "solved");
-    check_solution(&both, 1e-5, "two pairs");
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        CHECK(near(both.entry[1].force[i], alone.entry[0].force[i], 1e-14), "node %zu", i);
-    }
-    free(both.work);
-    free(alone.work);
-}
-
 /* A row of ringing bodies pressed together, each but the ends in two contacts. */
 static void make_row(plant *p, const aoi_law *law, int massless)
 {
@@ -343,38 +319,8 @@ static void impulse_and_work_are_momentum_and_energy(void)
     free(p.work);
 }
 
-/* A law that gives no number, or a step far too long for it, is said so. */
-static void not_force(const aoi_law *law, const double *memory, int piece, double indentation, double rate,
-                      aoi_law_value *value)
-{
-    (void)law;
-    (void)memory;
-    (void)piece;
-    value->force = value->stiffness = value->damping = (indentation + rate) * NAN;
-}
-
-static double no_energy(const aoi_law *law, const double *memory, double indentation)
-{
-    (void)law;
-    (void)memory;
-    return 0.0 * indentation;
-}
-
-static void no_number_is_no_solution(void)
-{
-    const aoi_law law = {.force = not_force, .potential = no_energy, .limit = HUGE_VAL};
-    plant p = {.bodies = 0};
-    add_rigid(&p, 1.0, 1.0);
-    add_wall(&p);
-    join_rigid(&p, 0, 1, -1e-6, &law);
-    prepare(&p);
-    CHECK(solve(&p, 1e-5, 0, 0) == AOI_ERROR_NO_CONVERGENCE, "no solution");
-    free(p.work);
-}
-
 int main(void)
 {
-    strangers_do_not_disturb_each_other();
     contacts_that_share_bodies_are_solved_together();
     massless_contacts_share_their_compliance();
     the_end_of_a_step_is_of_order_fifteen();
@@ -382,6 +328,5 @@ int main(void)
     steps_at_the_edges_of_a_contact_are_right();
     the_tail_is_the_error_within_the_step();
     impulse_and_work_are_momentum_and_energy();
-    no_number_is_no_solution();
     return check_report();
 }

@@ -74,25 +74,6 @@ static void power_laws_of_any_size(void)
     }
 }
 
-static void random_equations(void)
-{
-    uint64_t seed = 9;
-    int failures = 0;
-    double worst = 0.0;
-    for (int i = 0; i < 200000; i++) {
-        const aoi_law law =
-            power_law(decades(&seed, -10.0, 14.0), i % 3 ? 1.5 : 1.0 + uniform(&seed));
-        const double free_end = decades(&seed, -15.0, 3.0);
-        const aoi_contact_equation equation = {free_end, decades(&seed, -20.0, 4.0), 0.0, 0.0,
-                                               free_end * 2.0 * (uniform(&seed) - 0.25)};
-        double force = 0.0, x = 0.0;
-        failures += aoi_contact_solve(&law, NULL, &equation, &force, &x) != AOI_OK;
-        worst = fmax(worst, fabs(x + equation.compliance * force - free_end) / free_end);
-    }
-    CHECK(failures == 0, "%d of 200000 equations not solved", failures);
-    CHECK(worst < 8.0 * DBL_EPSILON, "an equation is off by %g of its size", worst);
-}
-
 static void no_contact_no_force(void)
 {
     const aoi_law law = power_law(1e10, 1.5);
@@ -283,17 +264,6 @@ static void what_pulls_lets_go_at_rest(void)
           "too far to be held");
 }
 
-/* An equation whose rounding once led from one side of its root to the other for ever. */
-static void rounding_ends_the_search(void)
-{
-    const aoi_law law = dashpot("kelvin_voigt", 4211635.3715524143, 1000.0);
-    const aoi_contact_equation equation = {0.00011198581209396691, 2.7223566905432061e-08,
-                                           7.5587957871455655, 0.00097770430819561836, 0.0};
-    double force, x;
-    CHECK(aoi_contact_solve(&law, NULL, &equation, &force, &x) == AOI_OK, "it ends");
-    CHECK(fabs(x + equation.compliance * force - equation.indentation_free) < 1e-18, "and holds");
-}
-
 static void what_is_not_finite_is_said(void)
 {
     const aoi_law law = power_law(1e10, 1.5);
@@ -391,13 +361,11 @@ static void a_damper_that_stops_nearly_all_is_solved(void)
 int main(void)
 {
     power_laws_of_any_size();
-    random_equations();
     no_contact_no_force();
     too_deep_for_the_law();
     laws_with_kinks_and_damping();
     a_jump_at_touch_is_solved();
     what_pulls_lets_go_at_rest();
-    rounding_ends_the_search();
     what_is_not_finite_is_said();
     an_infinite_slope_ends_no_search();
     what_is_solved_is_solved();

@@ -249,24 +249,6 @@ static void a_push_goes_through_the_whole_row(void)
     }
 }
 
-/* Two equal springs under one rigid mass are one of twice the stiffness. */
-static void two_springs_are_one_of_twice_the_stiffness(void)
-{
-    const double mass = 0.3, dt = 1e-5, gives = 0.25 * dt * dt / mass, k = 1e7;
-    make(2, 1);
-    for (size_t i = 0; i < 2; i++) {
-        CHECK(aoi_law_create(&q.law[i], "linear", 1, &k) == AOI_OK, "a spring");
-        for (size_t j = 0; j < 2; j++) {
-            *entry(q.compliance, i, j) = gives;
-        }
-        q.free[i] = 1e-4;
-    }
-    CHECK(aoi_coupled_solve(&q.e, q.contact) == AOI_OK, "side by side");
-    const double expected = 1e-4 / (1.0 + 2.0 * k * gives);
-    CHECK(near(q.indentation[0], expected, 1e-14) && near(q.indentation[1], expected, 1e-14),
-          "they are pressed %g and %g, not %g", q.indentation[0], q.indentation[1], expected);
-}
-
 /* A dashpot that is stiffer than the step can resolve stops both of its bodies: no indentation, and
  * the force that it takes. */
 static void a_jump_holds_its_bodies_just_touching(void)
@@ -383,7 +365,6 @@ int main(void)
     bodies_touched_in_many_places(0, 7);
     what_is_not_touched_is_left_alone();
     a_push_goes_through_the_whole_row();
-    two_springs_are_one_of_twice_the_stiffness();
     a_jump_holds_its_bodies_just_touching();
     a_pull_that_cannot_hold_ends();
     stiff_forces_behind_a_gap_keep_their_digits();

@@ -297,20 +297,6 @@ static void energy_in_free_motion_is_constant(void)
     CHECK(near(kinetic + elastic, before, 1e-12), "energy %.17g, not %.17g", kinetic + elastic, before);
 }
 
-static void bodies_that_part_for_good_cost_nothing(void)
-{
-    plant p = {.bodies = 0};
-    uint64_t seed = 2;
-    part *body = add_ringing(&p, 3, 1, 1.0, 1e9, -1.0, &seed);
-    add_wall(&p);
-    body->x[1] = body->x[2] = -1e-6;
-    aoi_free_pair pair = pair_of(&p, 1e-5);
-    int touches;
-    CHECK(aoi_free_pair_next_touch(&pair, 1e9, 100, &touches) == AOI_OK && touches == 0 &&
-              pair.time == 1e9,
-          "thirty years of free motion in a hundred strides");
-}
-
 /* A free mass that drag has slowed down never comes farther than v / (2 sigma). */
 static void drag_stops_a_mass_before_the_wall(void)
 {
@@ -349,19 +335,6 @@ static void bodies_that_fall_side_by_side_do_not_press(void)
     CHECK(touches == 0 && pair.time == 1.0, "the whole record flown");
 }
 
-static void bodies_that_a_load_parts_in_their_origin_fly(void)
-{
-    /* They fall alike at first, and nothing but the fall to come has a size that rounding is measured by. */
-    int touches = -1;
-    plant p = falling(0.0, 35.0);
-    p.part[0].load_count = 2;
-    p.part[0].load_time[1] = 1.0;
-    p.part[0].load_force[1] = -1000.0;
-    aoi_free_pair pair = pair_of(&p, 0.0);
-    CHECK(aoi_free_pair_next_touch(&pair, 1.0, 1000, &touches) == AOI_OK, "in a few strides");
-    CHECK(touches == 0 && pair.time == 1.0, "the whole record flown");
-}
-
 static double fallen(double decay, double time)
 {
     return 9.81 / (2.0 * decay) * (time + expm1(-2.0 * decay * time) / (2.0 * decay));
@@ -374,60 +347,6 @@ static void the_one_with_less_drag_catches_up(void)
     CHECK(next_touch(&pair, 1.0) == 1, "it does");
     CHECK(near(fallen(1.0, pair.time) - fallen(35.0, pair.time), 0.01, 1e-12), "when: %.17g",
           pair.time);
-}
-
-/* Side by side at rest, within rounding of the gap, until a load that rises from nothing draws one away. */
-static void a_load_that_draws_away_from_touch_costs_nothing(void)
-{
-    for (int i = 0; i < 6; i++) {
-        plant p = {.bodies = 0};
-        part *ball = add_rigid(&p, 2.0, 0.0);
-        ball->omega[0] = i % 2 ? 300.0 : 0.0;
-        ball->load_count = 2;
-        ball->load_time[1] = 0.1;
-        ball->load_force[1] = -5.0;
-        add_wall(&p);
-        p.part[1].x[0] = 1.0;
-        aoi_free_pair pair = pair_of(&p, i < 2 ? -1.0 : -1.0 + (i < 4 ? 1.0 : -1.0) * 0.5 * DBL_EPSILON);
-        int touches = -1;
-        CHECK(aoi_free_pair_next_touch(&pair, 0.3, 1000, &touches) == AOI_OK && touches == 0, "case %d: it goes", i);
-    }
-}
-
-/* The same from the origin, where nothing tells how large rounding is, of a body that hardly turns in the time. */
-static void what_a_load_draws_away_from_the_origin_goes(void)
-{
-    for (int damped = 0; damped < 2; damped++) {
-        uint64_t seed = 5;
-        plant p = {.bodies = 0};
-        part *body = add_ringing(&p, 2, 1, 1.0, 30.0, 0.0, &seed);
-        body->shape[1] = body->push[1] = 2.0; /* moves as much as the whole, and more */
-        body->damped = damped;
-        body->decay[0] = body->decay[1] = 9.0;
-        body->load_count = 1;
-        body->load_force[0] = -1.0;
-        add_wall(&p);
-        aoi_free_pair pair = pair_of(&p, 0.0);
-        int touches = -1;
-        CHECK(aoi_free_pair_next_touch(&pair, 1e-4, 1000, &touches) == AOI_OK && touches == 0 && pair.time == 1e-4,
-              "it goes, damped %d: to %g", damped, pair.time);
-    }
-}
-
-/* Nothing at all has a size there if all of it hardly turns: x = -t^2 / 2, to (omega t)^2 / 12. */
-static void what_gravity_draws_from_the_origin_goes(void)
-{
-    const double end = 1e-4;
-    plant p = {.bodies = 0};
-    part *bob = add_rigid(&p, 1.0, 0.0);
-    bob->omega[0] = 30.0;
-    bob->pulled = 1;
-    bob->gravity[0] = -1.0;
-    add_wall(&p);
-    aoi_free_pair pair = pair_of(&p, 0.0);
-    int touches = -1;
-    CHECK(aoi_free_pair_next_touch(&pair, end, 1000, &touches) == AOI_OK && touches == 0, "it goes");
-    CHECK(pair.time == end && near(p.x[0], -0.5 * end * end, 1e-6), "all the time: to %g", p.x[0]);
 }
 
 /* What contact forces make of an indentation has its share in all derivatives: of a cosine. */
@@ -465,9 +384,6 @@ int main(void)
     a_damped_crest_is_lower();
     a_load_that_rises_pushes_a_ball_against_the_wall();
     a_load_that_begins_at_touch_presses();
-    a_load_that_draws_away_from_touch_costs_nothing();
-    what_a_load_draws_away_from_the_origin_goes();
-    what_gravity_draws_from_the_origin_goes();
     a_forced_part_moves_with_the_rest();
     the_third_derivative_is_the_slope_of_the_second();
     a_stiff_mass_creeps_up_with_its_load();
@@ -476,10 +392,8 @@ int main(void)
     a_touch_by_one_ripple_is_not_stepped_over();
     bodies_that_part_are_apart();
     energy_in_free_motion_is_constant();
-    bodies_that_part_for_good_cost_nothing();
     drag_stops_a_mass_before_the_wall();
     bodies_that_fall_side_by_side_do_not_press();
-    bodies_that_a_load_parts_in_their_origin_fly();
     the_one_with_less_drag_catches_up();
     return check_report();
 }

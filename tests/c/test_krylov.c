@@ -255,22 +255,6 @@ static void a_place_is_kept(void)
     }
 }
 
-static void several_ports(void)
-{
-    rod r;
-    rod_make(&r, 24, 1, 0.2, 3);
-    r.b[23] = r.b[24 + 8] = 1.0;
-    r.b[2 * 24 + 23] = -3.0; /* the first again */
-    CHECK(aoi_krylov_extend(&r.space, 8) == AOI_OK && r.space.count == 8, "8 vectors");
-    CHECK(r.calls == 9, "and one that was the first again, not %d solves", r.calls);
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) {
-            const double wanted = rod_receptance(&r, p, q, 0.2);
-            CHECK(near(projected_receptance(&r, p, q, 0.2), wanted, 1e-13), "port %d on %d", q, p);
-        }
-    }
-}
-
 /* Each port has its own chain of vectors: three each match six derivatives. */
 static void every_port_is_matched_alike(void)
 {
@@ -340,31 +324,6 @@ static void bad_arguments_are_refused(void)
     CHECK(aoi_krylov_work_size(12, 12) == 60, "work space");
 }
 
-static int stop(void *data)
-{
-    return --*(int *)data < 0;
-}
-
-/* Stopped anywhere, and gone on with, it is the same subspace. */
-static void growing_can_be_stopped(void)
-{
-    static rod whole, stopped;
-    rod_make(&whole, 8, 1, 0.3, 1);
-    whole.b[7] = 1.0;
-    CHECK(aoi_krylov_extend(&whole.space, 5) == AOI_OK && whole.space.count == 5, "grown");
-    for (int patience = 0; patience < 12; patience++) {
-        int left = patience;
-        const aoi_pause pause = {stop, &left};
-        rod_make(&stopped, 8, 1, 0.3, 1);
-        stopped.b[7] = 1.0;
-        stopped.space.pause = &pause;
-        CHECK(aoi_krylov_extend(&stopped.space, 5) == AOI_ERROR_STOPPED, "stopped after %d", patience);
-        for (size_t i = 0; i < stopped.space.count * 8; i++) {
-            CHECK(stopped.basis[i] == whole.basis[i], "column %zu", i / 8);
-        }
-    }
-}
-
 int main(void)
 {
     basis_is_orthonormal_in_mass();
@@ -374,11 +333,9 @@ int main(void)
     rigid_motion_stays();
     static_mode_is_given();
     a_place_is_kept();
-    several_ports();
     every_port_is_matched_alike();
     two_shifts_are_both_matched();
     bad_solvers_are_noticed();
     bad_arguments_are_refused();
-    growing_can_be_stopped();
     return check_report();
 }

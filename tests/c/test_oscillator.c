@@ -104,19 +104,6 @@ static void nearly_critical_damping_is_no_cliff(void)
     }
 }
 
-/* Where the way of computing changes (w t or s t of 0.5, hardly any spring), nothing else does. */
-static void seams_are_not_seen(void)
-{
-    uint64_t seed = 3;
-    for (int i = 0; i < 400; i++) {
-        const double ratio = decades(&seed, -4.0, 4.0), around = 0.5 * (1.0 + 1e-3 * (uniform(&seed) - 0.5));
-        const double w = ratio > 1.0 ? around : ratio * around, s = ratio > 1.0 ? around / ratio : around;
-        agrees(w, s, 1.0, 1e-12);
-        const double strong = decades(&seed, -0.2, 3.0), slow = 2e-4 * strong;
-        agrees(sqrt(slow * (1.0 + 1e-3 * (uniform(&seed) - 0.5))), strong, 1.0, 1e-12);
-    }
-}
-
 static void a_free_mass_falls(void)
 {
     aoi_motion ours;
@@ -228,7 +215,6 @@ int main(void)
 {
     every_regime_follows_its_equation();
     nearly_critical_damping_is_no_cliff();
-    seams_are_not_seen();
     a_free_mass_falls();
     motions_follow_each_other();
     integrals_are_those_of_the_motion();

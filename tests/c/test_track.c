@@ -358,51 +358,6 @@ static void what_is_no_track_is_refused(void)
     release(&p);
 }
 
-/* A sampler remembers where loads have bent; what it shows does not depend on what it was asked before. */
-static void bends_are_flown_over_once(void)
-{
-    uint64_t seed = 4;
-    for (int damped = 0; damped < 2; damped++) {
-        plant p = {.bodies = 0};
-        part *bar = add_ringing(&p, 3, 1, 0.5, 40.0, 0.3, &seed);
-        const double time[] = {0.1, 0.35, 0.6, 0.8}, force[] = {0.0, 3.0, -4.0, 1.0};
-        bar->damped = damped;
-        bar->decay[1] = 0.8;
-        bar->load_count = 4;
-        memcpy(bar->load_time, time, sizeof time);
-        memcpy(bar->load_force, force, sizeof force);
-        must_go(&p, 1e-9, 1.0);
-        double in_turn[64][MOST_ROWS], alone[MOST_ROWS];
-        const size_t rows = aoi_record_rows(&p.system);
-        CHECK(open_sampler(&p) == AOI_OK, "sampled");
-        for (size_t i = 0; i < 64; i++) {
-            aoi_sampler_column(p.sampler, (double)i / 63.0, 1, in_turn[i], 1);
-        }
-        for (size_t i = 0; i < 64; i++) {
-            if (i % 9 == 0) { /* else back in time, from far ahead */
-                CHECK(open_sampler(&p) == AOI_OK, "sampled");
-            }
-            double state[6], record[MOST_ROWS];
-            aoi_sampler_column(p.sampler, 1.0, 1, record, 1);
-            aoi_sampler_column(p.sampler, (double)i / 63.0, 1, alone, 1);
-            aoi_sampler_state(p.sampler, (double)i / 63.0, 0, state);
-            for (size_t k = 0; k < rows; k++) {
-                CHECK(alone[k] == in_turn[i][k], "column %zu, row %zu", i, k);
-            }
-            double x[6] = {0.0};
-            memcpy(x + 3, p.part[0].v, 3 * sizeof(double));
-            aoi_modes_advance(p.body, 0.0, (double)i / 63.0, x, x + 3);
-            CHECK(memcmp(x, state, sizeof x) == 0, "column %zu: flown in one go", i);
-            const double first = in_turn[0][AOI_BODY_KINETIC] + in_turn[0][AOI_BODY_ELASTIC];
-            const double *now = in_turn[i];
-            CHECK(fabs(now[AOI_BODY_KINETIC] + now[AOI_BODY_ELASTIC] + now[AOI_BODY_DISSIPATED] -
-                       now[AOI_BODY_WORK] - first) < 1e-12,
-                  "column %zu: the ledger", i);
-        }
-        release(&p);
-    }
-}
-
 int main(void)
 {
     what_is_no_track_is_refused();
@@ -413,6 +368,5 @@ int main(void)
     dense_output_meets_the_rows();
     columns_are_those_of_the_states();
     samples_do_not_depend_on_each_other();
-    bends_are_flown_over_once();
     return check_report();
 }

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aoimpact import AOImpactWarning, Material
+from aoimpact import AOImpactWarning, InputError, Material
 
 moduli = st.floats(1e6, 1.2e12)
 ratios = st.floats(-0.99, 0.499)
