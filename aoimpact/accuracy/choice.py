@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import ConvergenceError, InputError, held_warnings, positive, warn, with_unit
+from ..base import ConvergenceError, InputError, positive, warn, with_unit
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
 from ..reduction import Body
@@ -144,8 +144,7 @@ def choose_models(
             _order(model) or getattr(body, "most", _order(body)) == 0
             for model, body in zip(models, bodies, strict=True)
         )
-        with held_warnings():  # the last run repeats those of the chosen models
-            return record.run(plan.of_models(models, energies=False), timed, last=flexible)
+        return record.run(plan.of_models(models, energies=False), timed, last=flexible)
 
     if models := only_models(bodies):
         run = record.run(plan.of_models(models, energies=plan.energies), timed)

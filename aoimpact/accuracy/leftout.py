@@ -184,8 +184,7 @@ class _Changes:
         """The run of an altered plan; None where it cannot run."""
         if plan not in self._runs:
             try:
-                with held_warnings():
-                    self._runs[plan] = solve(plan, self._solver)
+                self._runs[plan] = solve(plan, self._solver)
             except AOImpactError:  # a contact beyond the range of its law
                 self._runs[plan] = None
         return self._runs[plan]
@@ -208,8 +207,7 @@ def _with_models(run: Run) -> Run:
             body = made[body]
         bodies.append(body)
     plan = replace(run.plan, bodies=tuple(bodies), energies=False)
-    with held_warnings():
-        return solve(plan, None)
+    return solve(plan, None)
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from ..base import (
     finite_array,
     real,
     text,
+    warn,
 )
 from ..fem import ContactPoint, Layers
 from ..laws import ContactLaw
@@ -583,6 +584,8 @@ class Scene:
                     find = partial(errors_left_out, interest=interest, solver=solver)
                     run = replace(run, left_out=find)
             run = replace(run, finer=partial(finer_run, solver=solver))
+        for message in run.said:
+            warn(message)
         record.warn_if_cut()
         warn_of_bodies(run, names)
         warn_of_run(run)

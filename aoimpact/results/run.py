@@ -134,6 +134,7 @@ class Run:
     # Returns the run with finer models, with which histories are compared for their errors.
     finer: Callable[[Run], Run | None] | None = None
     modelled: float = 0.0
+    said: tuple[str, ...] = ()  # warnings of the run, which `simulate` issues
 
     def __getstate__(self) -> dict[str, Any]:
         """Drop caches; evaluate the error estimate first, since its callable is not picklable."""

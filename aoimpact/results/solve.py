@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..base import InputError, InputTypeError, LawLimitError, warn, with_unit
+from ..base import InputError, InputTypeError, LawLimitError, held_warnings, warn, with_unit
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import PatchLaw, wider
 from ..reduction import FullModel
@@ -48,9 +48,13 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
         )
     kind = Run if plan.scene else Result
     try:
-        if isinstance(solver, Adaptive):
-            return kind(plan, *solve_adaptive(plan, solver))
-        return kind(plan, *solve_newmark(plan, solver))
+        with held_warnings() as said:
+            recorder, error = (
+                solve_adaptive(plan, solver)
+                if isinstance(solver, Adaptive)
+                else solve_newmark(plan, solver)
+            )
+        return kind(plan, recorder, error, said=tuple(said))
     except LawLimitError as error:
         if error.contact is None:
             raise
