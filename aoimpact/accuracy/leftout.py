@@ -473,7 +473,7 @@ def _softer(plan: Plan) -> Iterable[Altered]:
     """
     bodies = tuple(
         _derived(body, "softer", softer_model)
-        if _of_elements(body) and body.tips[0].body.mesh is not None
+        if body.tips and body.tips[0].body.mesh is not None
         else body
         for body in plan.bodies
     )
@@ -557,10 +557,8 @@ def _bounded(plan: Plan, met: Sequence[Met], left: Sequence[float]) -> Altered:
     """The plan without the compliances, m/N, that are left in laws."""
     contacts = []
     for contact, of, c in zip(plan.contacts, met, left, strict=True):
-        if c:
-            most = min(c, removable(own_law(contact.law), of.depth))
-            contact = contact._replace(law=_with_compliance(contact.law, -most))
-        contacts.append(contact)
+        most = min(c, removable(own_law(contact.law), of.depth)) if c else 0.0
+        contacts.append(contact._replace(law=_with_compliance(contact.law, -most)))
     return Altered(_with(plan, contacts) if any(left) else None, 1.0)
 
 
@@ -575,11 +573,10 @@ def finer_run(run: Run, solver: TimeSolver | None) -> Run | None:
         return None
     try:
         with held_warnings():
-            if not any(map(_of_elements, plan.bodies)):
+            if not any(body.tips for body in plan.bodies):
                 return None
             bodies = tuple(
-                _derived(body, "finer", finer_model) if _of_elements(body) else body
-                for body in plan.bodies
+                _derived(body, "finer", finer_model) if body.tips else body for body in plan.bodies
             )
             return solve(replace(plan, bodies=bodies, energies=False), solver)
     except AOImpactError:  # e.g. a contact wider than its patch
@@ -592,8 +589,3 @@ def _derived(model: BodyModel, name: str, make: Callable[[Any], BodyModel]) -> B
         model.kept[name] = make(model)
     found: BodyModel = model.kept[name]
     return found
-
-
-def _of_elements(model: BodyModel) -> bool:
-    """True if it has a finer model, or is that of a whole body."""
-    return bool(model.tips)

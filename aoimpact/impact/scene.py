@@ -580,9 +580,8 @@ class Scene:
         if tips:
             if run.chosen is None:
                 warn_of_misfit(run, names)
-                if run.plan.contacts:
-                    find = partial(errors_left_out, interest=interest, solver=solver)
-                    run = replace(run, left_out=find)
+                find = partial(errors_left_out, interest=interest, solver=solver)
+                run = replace(run, left_out=find) if run.plan.contacts else run
             run = replace(run, finer=partial(finer_run, solver=solver))
         for message in run.said:
             warn(message)
