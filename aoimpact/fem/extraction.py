@@ -463,7 +463,7 @@ def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArra
         load.body,
         load.point,
         load.frame,
-        replace(load.space, radius=0.5 * load.space.radius),
+        load.space.of_radius(0.5 * load.space.radius),
         behind=load.behind,
     )
     half_sunk, _ = half.add_all(own)
@@ -688,8 +688,6 @@ class _Load:
 
 def _tensor(material: Solid, frame: FloatArray) -> FloatArray:
     """C_ijkl in local axes."""
-    if isinstance(material, Material):
-        return IsotropicHalfSpace(material, 1.0).stiffness
     turned: FloatArray = np.einsum(
         "ai,bj,ck,dl,ijkl->abcd", frame, frame, frame, frame, material.tensor
     )

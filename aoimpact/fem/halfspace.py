@@ -13,10 +13,10 @@ Anisotropic half-space: one integral over the angle of plane waves (A. N. Stroh,
 
 from __future__ import annotations
 
+import copy
 import math
-from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -42,8 +42,58 @@ _APART = 1e-7
 _FAR = 30.0
 
 
-@dataclass(frozen=True)
-class IsotropicHalfSpace:
+class HalfSpace:
+    """The field of an elastic half-space under a unit force on a disc.
+
+    Attributes
+    ----------
+    radius : float
+        a of the pressure's disc, m.
+    stiffness : ndarray, shape (3, 3, 3, 3)
+        C_ijkl in local axes, Pa.
+    modulus, nu : float
+        E*, Pa, and Poisson's ratio; of an anisotropic one those of its isotropic equivalent.
+    """
+
+    radius: float
+    stiffness: FloatArray
+    modulus: float
+    nu: float
+    axis: ClassVar[int] = 2  # of the force
+
+    @property
+    def mean_displacement(self) -> float:
+        """Mean of u_z under the pressure itself, m/N: 0.6/(a E*) (Johnson, eq. 3.42a)."""
+        return 0.6 / (self.radius * self.modulus)
+
+    def displacement(self, y: FloatArray, *, rough: bool = False) -> FloatArray:
+        """Return u at local points `y`, m, shape (..., 3), for a force of 1 N."""
+        return self._fields(y, rough=rough)[0]
+
+    def displacement_stress(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return u, m, shape (..., 3), and σ, Pa, shape (..., 3, 3), for a force of 1 N."""
+        return self._fields(y, stress=True)
+
+    def strain(self, stress: FloatArray) -> FloatArray:
+        """Return the strain tensor of a stress tensor, shape (..., 3, 3)."""
+        compliance = np.linalg.pinv(self.stiffness.reshape(9, 9))
+        strain = stress.reshape(*stress.shape[:-2], 9) @ compliance
+        return np.asarray(strain.reshape(stress.shape))
+
+    def of_radius(self, radius: float) -> Self:
+        """Return the same half-space under a disc of another radius, m."""
+        other = copy.copy(self)
+        other.radius = radius
+        return other
+
+    def _fields(
+        self, y: FloatArray, *, stress: bool = False, rough: bool = False
+    ) -> tuple[FloatArray, FloatArray]:
+        """Displacement, and stress, which is empty where it is not asked for."""
+        raise NotImplementedError
+
+
+class IsotropicHalfSpace(HalfSpace):
     """The field of an isotropic half-space under a unit force.
 
     Parameters
@@ -53,50 +103,15 @@ class IsotropicHalfSpace:
         a of the pressure's disc, m.
     """
 
-    material: Material
-    radius: float
-    axis: ClassVar[int] = 2  # of the force
-
-    @property
-    def stiffness(self) -> FloatArray:
-        """The elastic tensor C_ijkl, Pa, shape (3, 3, 3, 3)."""
-        lam, mu = self.material.lame
-        d = np.eye(3)
-        shear = np.einsum("ik,jl->ijkl", d, d) + np.einsum("il,jk->ijkl", d, d)
-        found: FloatArray = lam * np.einsum("ij,kl->ijkl", d, d) + mu * shear
-        return found
-
-    @property
-    def nu(self) -> float:
-        """Poisson's ratio."""
-        return self.material.nu
-
-    @property
-    def mean_displacement(self) -> float:
-        """Mean of u_z under the pressure itself, m/N: 0.6/(a E*) (Johnson, eq. 3.42a)."""
-        return 0.6 / (self.radius * self.material.plane_strain_modulus)
-
-    def displacement(self, y: FloatArray, *, rough: bool = False) -> FloatArray:
-        """Return u at local points `y`, m, shape (..., 3), for a force of 1 N."""
-        return self._fields(y)[0]
-
-    def displacement_stress(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return u, m, shape (..., 3), and σ, Pa, shape (..., 3, 3), for a force of 1 N."""
-        u, stress = self._fields(y, stress=True)
-        assert stress is not None
-        return u, stress
-
-    def strain(self, stress: FloatArray) -> FloatArray:
-        """Return the strain tensor of a stress tensor, shape (..., 3, 3)."""
-        E, nu = self.material.E, self.material.nu
-        trace = np.einsum("...ii->...", stress)[..., None, None]
-        found: FloatArray = ((1.0 + nu) * stress - nu * trace * np.eye(3)) / E
-        return found
+    def __init__(self, material: Material, radius: float) -> None:
+        self.material, self.radius = material, radius
+        self.stiffness, self.nu = material.tensor, material.nu
+        self.modulus = material.plane_strain_modulus
 
     def _fields(
-        self, y: FloatArray, *, stress: bool = False
-    ) -> tuple[FloatArray, FloatArray | None]:
-        a, nu = self.radius, self.material.nu
+        self, y: FloatArray, *, stress: bool = False, rough: bool = False
+    ) -> tuple[FloatArray, FloatArray]:
+        a, nu = self.radius, self.nu
         a2, p0 = a * a, 1.5 / (math.pi * a * a)
         x1, x2, z = y[..., 0], y[..., 1], y[..., 2]
         away = np.hypot(x1, x2)
@@ -123,7 +138,7 @@ class IsotropicHalfSpace:
         along = (2.0 * (1.0 - nu) * v + 0.5 * a2 * p0 * z * zc) / twice_mu
         moved = np.stack([across * x1, across * x2, along], axis=-1)
         if not stress:
-            return moved, None
+            return moved, np.zeros(0)
         k3, qa = k**3, s / a * alpha
         bending = (1.0 - 2.0 * nu) / 3.0 * a2 / (r * r) * (1.0 - k3)
         hoop = share * (1.0 - nu) - (1.0 + nu) * qa
@@ -142,30 +157,17 @@ class IsotropicHalfSpace:
         return moved, p0 * sigma
 
 
-@dataclass(frozen=True, eq=False)
-class AnisotropicHalfSpace:
+class AnisotropicHalfSpace(HalfSpace):
     """The field of a half-space of any anisotropy under a unit force.
 
     Parameters
     ----------
-    stiffness : ndarray, shape (3, 3, 3, 3)
-        C_ijkl in local axes, Pa.
-    radius : float
-        a of the pressure's disc, m.
-    modulus, nu : float
-        E* of the half-space, Pa, and Poisson's ratio of its isotropic equivalent.
+    stiffness, radius, modulus, nu
+        As of any `HalfSpace`.
     """
 
-    stiffness: FloatArray
-    radius: float
-    modulus: float
-    nu: float
-    axis: ClassVar[int] = 2
-
-    @property
-    def mean_displacement(self) -> float:
-        """Mean of u_z under the pressure itself, m/N: 0.6/(a E*)."""
-        return 0.6 / (self.radius * self.modulus)
+    def __init__(self, stiffness: FloatArray, radius: float, modulus: float, nu: float) -> None:
+        self.stiffness, self.radius, self.modulus, self.nu = stiffness, radius, modulus, nu
 
     @cached_property
     def _waves(self) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
@@ -184,28 +186,12 @@ class AnisotropicHalfSpace:
             waves.append((n, p, a * np.linalg.solve(traction, -m.astype(complex))))
         return waves
 
-    def displacement(self, y: FloatArray, *, rough: bool = False) -> FloatArray:
-        """Return u at local points `y`, m, shape (..., 3), for a force of 1 N."""
-        return self._fields(y, slopes=False, rough=rough)[0]
-
-    def displacement_stress(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return u, m, shape (..., 3), and σ, Pa, shape (..., 3, 3), for a force of 1 N."""
-        u, slope = self._fields(y, slopes=True)
-        return u, np.einsum("ijkl,...kl->...ij", self.stiffness, slope)
-
-    def strain(self, stress: FloatArray) -> FloatArray:
-        """Return the strain tensor of a stress tensor, shape (..., 3, 3)."""
-        matrix = self.stiffness.reshape(9, 9)
-        strain = stress.reshape(*stress.shape[:-2], 9) @ np.linalg.pinv(matrix)
-        return np.asarray(strain.reshape(stress.shape))
-
     def _fields(
-        self, y: FloatArray, *, slopes: bool, rough: bool = False
+        self, y: FloatArray, *, stress: bool = False, rough: bool = False
     ) -> tuple[FloatArray, FloatArray]:
-        """Displacement and its gradient ∂u_k/∂x_l, which is 0 where it is not asked for."""
         a, points = self.radius, y.reshape(-1, 3)
         depth = np.maximum(points[:, 2:], 1e-7 * a)
-        u, slope = np.zeros((len(points), 3)), np.zeros((len(points), 3, 3))
+        u, slope = np.zeros(points.shape), np.zeros((len(points), 3, 3))
         for n, p, amplitude in self._waves[_EVERY // 2 if rough else 0 :: _EVERY if rough else 1]:
             place = (points @ n)[:, None] + p * depth
             far = np.abs(place) > _FAR * a
@@ -218,7 +204,7 @@ class AnisotropicHalfSpace:
                 (a * a - z * z) * logarithm + 2.0 * a * z,
             )
             u += 2.0 * np.real(f @ amplitude.T)
-            if not slopes:
+            if not stress:
                 continue
             df = np.where(
                 far,
@@ -228,7 +214,5 @@ class AnisotropicHalfSpace:
             slope[:, :, :2] += 2.0 * np.real(df @ amplitude.T)[:, :, None] * n[:2]
             slope[:, :, 2] += 2.0 * np.real((df * p) @ amplitude.T)
         scale = 3.0 / (16.0 * math.pi**2 * a**3) * math.pi / _ANGLES * (_EVERY if rough else 1)
-        return scale * u.reshape(y.shape), scale * slope.reshape(*y.shape, 3)
-
-
-HalfSpace = IsotropicHalfSpace | AnisotropicHalfSpace
+        of_slope = np.einsum("ijkl,nkl->nij", self.stiffness, slope)
+        return scale * u.reshape(y.shape), scale * of_slope.reshape(*y.shape, 3)

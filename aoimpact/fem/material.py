@@ -121,6 +121,11 @@ class Material:
         hooke[:3, :3] += lam
         return hooke
 
+    @property
+    def tensor(self) -> FloatArray:
+        """The elastic tensor C_ijkl, Pa, shape (3, 3, 3, 3)."""
+        return np.asarray(self.stiffness[PLACES][..., PLACES])
+
     def half_space(self, normal: npt.ArrayLike) -> Material:
         """Return what a contact on a surface with that normal meets: the material itself.
 

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import ROUNDING, FloatArray, IntArray
-from ..linalg import DENSE_DOFS, factorize, m_orthonormal
+from ..linalg import lowest, m_orthonormal
 from ..mesh import Surface, motions_at
 
 # bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
@@ -27,8 +27,8 @@ _MOVED = 1e-10
 # an offset holds like a spring of 1e-8 of the body's stiffness.
 _UNRESISTED = 1e-8
 
-# Regularisation of the motions' matrix; number of inverse iterations; motions in the first block.
-_HELD, _INVERSE_ITERATIONS, _FIRST_BLOCK = 1e-9, 4, 32
+# Motions that are asked for at first.
+_FIRST_BLOCK = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,31 +111,17 @@ def mechanism_of(
 
 
 def _null_space(gram: sp.csr_array) -> FloatArray:
-    """Return a basis of the null space, however large, of a positive semidefinite matrix.
-
-    By inverse iteration on a block that is larger than it.
-    """
+    """Return a basis of the null space, however large, of a positive semidefinite matrix."""
     n = gram.shape[0]
     size = np.sqrt(gram.diagonal())
     scale = sp.diags_array(1.0 / np.where(size > 0.0, size, 1.0))
-    scaled = (scale @ gram @ scale).tocsr()
-    regular = None
-    block = min(n, _FIRST_BLOCK)
+    scaled, wanted = (scale @ gram @ scale).tocsr(), min(n, _FIRST_BLOCK)
     while True:
-        if n <= DENSE_DOFS or block == n:
-            values, x = np.linalg.eigh(scaled.toarray())
-        else:
-            regular = regular or factorize(scaled + _HELD * sp.eye_array(n), checked=False)
-            x = np.random.default_rng(4).standard_normal((n, block))
-            for _ in range(_INVERSE_ITERATIONS):
-                x = np.linalg.qr(regular.solve(x))[0]
-            values, y = np.linalg.eigh(x.T @ (scaled @ x))
-            x = x @ y
+        values, x = lowest(scaled, sp.eye_array(n, format="csr"), wanted)
         null = values <= _UNRESISTED
-        if not null.all() or len(null) == n:
-            found: FloatArray = scale @ x[:, null]
-            return found
-        block = min(n, 4 * block)
+        if not null.all() or wanted == n:
+            return np.asarray(scale @ x[:, null])
+        wanted = min(n, 4 * wanted)
 
 
 def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mechanism | None:

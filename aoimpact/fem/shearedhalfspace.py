@@ -20,7 +20,6 @@ body with a concave surface has material.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,7 +34,6 @@ _ON_AXIS = 2e-3
 _ON_RIM = 1e-9
 
 
-@dataclass(frozen=True)
 class ShearedHalfSpace(IsotropicHalfSpace):
     """The field of an isotropic half-space under a unit force along its surface.
 
@@ -54,8 +52,8 @@ class ShearedHalfSpace(IsotropicHalfSpace):
         return 0.6 * (2.0 - self.nu) / (4.0 * self.material.shear_modulus * self.radius)
 
     def _fields(
-        self, y: FloatArray, *, stress: bool = False
-    ) -> tuple[FloatArray, FloatArray | None]:
+        self, y: FloatArray, *, stress: bool = False, rough: bool = False
+    ) -> tuple[FloatArray, FloatArray]:
         a, nu = self.radius, self.nu
         x1, x2, z = y[..., 0], y[..., 1], y[..., 2]
         r2 = np.maximum(x1 * x1 + x2 * x2, _ON_AXIS**2 * (a * a + z * z))
@@ -83,7 +81,7 @@ class ShearedHalfSpace(IsotropicHalfSpace):
         scale = 1.0 / (4.0 * math.pi * self.material.shear_modulus)
         moved = scale * np.stack(u, axis=-1)
         if not stress:
-            return moved, None
+            return moved, np.zeros(0)
         dd_fzz = -(fzzzz + 2.0 * d_fzz) / r2
         thrice = -2.0 * nu * (d_fzz + 4.0 * dd_f) / r2 + z * (d_fzzz + 4.0 * dd_fz) / r2
         deeper = -(1.0 - 2.0 * nu) * dd_fz - z * dd_fzz

@@ -78,6 +78,12 @@ def test_elements_joined_at_random(seed: int) -> None:
         assert found(body) == motions_without_force(body)
 
 
+def test_every_edge_of_a_staircase_is_a_hinge() -> None:
+    """More motions of parts than dense matrices are taken for."""
+    stairs = blocks([(i, 0, i) for i in range(90)], each=(1, 1, 1))
+    assert found(ao.FEModel.from_mesh(stairs, STEEL)) == 6 + 89
+
+
 @pytest.mark.parametrize("digits", [6, 5])
 def test_a_hinge_of_rounded_coordinates_is_one(digits: int) -> None:
     """Turned in space, its nodes are on a line only as far as a mesh file has digits."""
