@@ -15,7 +15,7 @@ _LIGHT = 1e-6
 _SHIFT = 1e-4
 
 # θ = 1/(ω² + s²) of a motion without mass is rounding: below this share of the largest θ.
-NO_MASS = 1e-12
+_NO_MASS = 1e-12
 
 
 def dense_modes(
@@ -64,9 +64,9 @@ def _of_light_motions(
     s2 = _SHIFT * float(np.trace(stiffness)) / whole
     inverse, modes = _solved(-mass, stiffness + s2 * mass, n)
     theta = -inverse
-    if theta[-1] < -np.sqrt(NO_MASS) * theta[0]:
+    if theta[-1] < -np.sqrt(_NO_MASS) * theta[0]:
         raise scipy.linalg.LinAlgError("mass is not positive semidefinite")
-    heavy = theta > NO_MASS * theta[0]
+    heavy = theta > _NO_MASS * theta[0]
     return 1.0 / theta[heavy] - s2, modes[:, heavy] / np.sqrt(theta[heavy])
 
 

@@ -6,11 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy
 
 from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, warn
 from .davidson import davidson
-from .dense import NO_MASS, dense_modes
+from .dense import dense_modes
 from .pencil import Pencil
 from .rigidity import m_orthonormal
 from .solvers import LinearSolver, linear_solver
@@ -21,9 +20,9 @@ DENSE_DOFS = 500
 # Eigenvalues closer than this, relative, are one multiple eigenvalue.
 EQUAL = 1e-9
 
-# Maximum restarts of ARPACK, and dofs up to which dense matrices replace it where these do not
-# suffice: where the eigenvalues lie close together, as if K and M had changed places.
-_RESTARTS, _DENSE_AT_WORST = 200, 2000
+# Dofs up to which dense matrices serve where iterations do not converge: where the eigenvalues lie
+# close together, as if K and M had changed places.
+_DENSE_AT_WORST = 2000
 
 # Least elastic eigenvalue over the first guess of s²: below it is rounding.
 _LEAST_SHIFT = 1e-30
@@ -167,22 +166,12 @@ def lowest(
         return _lowest_dense(K, M, n, rigid)
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
     near = _near(K, M, known, solver_at)
-    found = _by_cycles(K, M, near, n - count, rigid) if known is not None else None
-    if found is not None:
-        omega2, modes = found
-    else:
-        there = known is None or near.s2 == 0.0  # of an unknown null space the first guess stays
-        base = near if there else shifted(K, M, rigid, solver_at, near)
-        try:
-            modes = _lowest_sparse(K, M, base.solve, base.s2, n - count, rigid)
-            # Rayleigh and Ritz: where few digits of K leave rigid motions a stiffness, s² is next
-            # to it, and their rounding, by far the largest, is in all other modes.
-            omega2, turned = np.linalg.eigh(modes.T @ (K @ modes))
-            modes = modes @ turned
-        except ConvergenceError:
-            if dofs > _DENSE_AT_WORST:
-                raise
-            return _lowest_dense(K, M, n, rigid)
+    try:
+        omega2, modes = _iterated(K, M, n - count, known, near, solver_at)
+    except ConvergenceError:
+        if dofs > _DENSE_AT_WORST:
+            raise
+        return _lowest_dense(K, M, n, rigid)
     return (
         np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
         np.column_stack([rigid, modes])[:, :n],
@@ -201,19 +190,31 @@ def _near(
     return solver_at(_first_shift(K, M))
 
 
-def _by_cycles(
-    K: Any, M: Any, near: LinearSolver, n: int, rigid: FloatArray
-) -> tuple[FloatArray, FloatArray] | None:
-    """Eigenpairs by V-cycles of a solver; None, and factors in it, where these are quicker."""
-    if near.precondition is None:
-        return None
-    try:
-        return davidson(K, M, near.precondition, n, away_from=rigid, most=near.most)
-    except ConvergenceError:
-        if near.most == np.inf:
-            raise
-    near.factorise()
-    return None
+def _iterated(
+    K: Any,
+    M: Any,
+    n: int,
+    known: FloatArray | None,
+    near: LinearSolver,
+    solver_at: Callable[[float], LinearSolver],
+) -> tuple[FloatArray, FloatArray]:
+    """Eigenpairs by V-cycles where the solver has them and factors are no quicker, or solutions."""
+    cycle = near.precondition
+    if known is None:  # of an unknown null space the first guess stays
+        return davidson(K, M, near.solve, n, s2=near.s2)
+    if cycle is not None:
+
+        def cycles(columns: FloatArray) -> FloatArray:
+            return np.column_stack([cycle(np.ascontiguousarray(f)) for f in columns.T])
+
+        try:
+            return davidson(K, M, cycles, n, away_from=known, s2=near.s2, most=near.most)
+        except ConvergenceError:
+            if near.most == np.inf:
+                raise
+        near.factorise()
+    base = near if near.s2 == 0.0 else shifted(K, M, known, solver_at, near)
+    return davidson(K, M, base.solve, n, away_from=known, s2=base.s2)
 
 
 def warn_of_rounding(K: Any, modes: FloatArray, what: str) -> None:
@@ -239,98 +240,3 @@ def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray
     omega2[:count] = 0.0
     modes[:, :count] = rigid
     return np.maximum(omega2, 0.0), modes
-
-
-def _lowest_sparse(
-    K: Any,
-    M: Any,
-    solve: Callable[[FloatArray], FloatArray],
-    s2: float,
-    n: int,
-    away_from: FloatArray,
-) -> FloatArray:
-    """Return the modes of the `n` lowest eigenvalues, or a few more, shape (dofs, n), by ARPACK.
-
-    There are fewer if fewer motions have mass.
-
-    A Krylov space holds one vector of a multiple eigenvalue, so members of it can be missed. The
-    modes found are therefore deflated and the lowest of the rest computed, until that lies above.
-
-    Parameters
-    ----------
-    solve : callable
-        f ↦ (K + s²M)⁻¹ f.
-    away_from : ndarray, shape (dofs, r)
-        M-orthonormal eigenvectors to keep out of the result.
-
-    Raises
-    ------
-    ConvergenceError
-    """
-    omega2, modes = _arnoldi(K, M, solve, s2, n, away_from)
-    while len(omega2) >= n:
-        deflated = np.column_stack([away_from, modes])
-        next_omega2, next_mode = _arnoldi(K, M, solve, s2, 1, deflated)
-        if not len(next_omega2) or next_omega2[0] > omega2[n - 1] * (1.0 - EQUAL):
-            break
-        omega2 = np.append(omega2, next_omega2)
-        modes = np.column_stack([modes, next_mode])
-        order = np.argsort(omega2, kind="stable")
-        omega2, modes = omega2[order], modes[:, order]
-    return modes
-
-
-def _arnoldi(
-    K: Any,
-    M: Any,
-    solve: Callable[[FloatArray], FloatArray],
-    s2: float,
-    n: int,
-    deflated: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Return ω² and M-orthonormal modes of the `n` lowest eigenvalues, of fewer without mass.
-
-    By M + αK in place of M, which has the same modes with ω²/(1 + αω²). M does not see motions
-    without mass, such as rotations about a shell's normal: rounding in these would grow from one
-    Lanczos vector to the next (B. Nour-Omid et al., Math. Comp. 48, 663, 1987).
-    """
-    dofs = M.shape[0]
-    alpha = float(M.diagonal().sum() / K.diagonal().sum())
-    part = 1.0 - alpha * s2  # K + s²M = part (K + s²/part (M + αK))
-    m_deflated = M @ deflated
-
-    def project(x: FloatArray) -> FloatArray:
-        projected: FloatArray = x - deflated @ (m_deflated.T @ x)
-        return projected
-
-    def inverse(f: FloatArray) -> FloatArray:
-        return part * project(solve(np.ascontiguousarray(f).ravel()))
-
-    whole = part * solve(M @ np.random.default_rng(2).standard_normal(dofs))
-    start = project(whole)
-    if start @ (M @ start) <= (NO_MASS * NO_MASS) * (whole @ (M @ whole)):
-        return np.zeros(0), np.zeros((dofs, 0))  # every motion with mass is deflated
-    operator = scipy.sparse.linalg.LinearOperator((dofs, dofs), matvec=inverse, dtype=np.float64)
-    try:
-        values, vectors = scipy.sparse.linalg.eigsh(
-            operator,  # used for its shape only: OPinv stands for the inverse
-            k=n,
-            M=M + alpha * K,
-            sigma=-s2 / part,
-            OPinv=operator,
-            which="LM",
-            v0=start,
-            maxiter=_RESTARTS,
-            ncv=min(dofs, max(2 * n + 1, 20)),
-        )
-    except scipy.sparse.linalg.ArpackError as error:
-        raise ConvergenceError(
-            f"ARPACK did not find {n} eigenpairs of {dofs} dofs ({error}); ask for fewer or all, "
-            "or make the body less slender: K has few digits for stiffness so small"
-        ) from None
-    order = np.argsort(values)
-    values, vectors = values[order], project(vectors[:, order])
-    mass = np.einsum("ij,ij->j", vectors, M @ vectors)
-    heavy = mass > NO_MASS * (M.diagonal() @ vectors**2)
-    omega2 = values[heavy] / (1.0 - alpha * values[heavy])
-    return omega2, vectors[:, heavy] / np.sqrt(mass[heavy])
