@@ -15,7 +15,6 @@ from ..fem import (
     FEModel,
     Stress,
     corner_stress,
-    stresses_around,
     to_nodes,
 )
 from ..fields import Field, Response, response_of
@@ -119,18 +118,16 @@ def _roughness(body: FEModel, field: Field, of: Any, seen: Callable[[Stress], Fl
     """
     point, layer = of.point, of.where
     assert body.mesh is not None
+    assert body.material is not None
     nodes, weights = weights_at(body.mesh, to_nodes(body, point))
-    square = 0.0
+    square, moved = 0.0, field.of_elements[0]
+    if body.mesh.thin:
+        moved = np.hstack([field.displacement[0], field.rotation[0]])
     for node, weight in zip(nodes, weights, strict=True):
-        if body.mesh.thin:
-            moved = np.hstack([field.displacement[0], field.rotation[0]])
-            assert body.material is not None
-            around = corner_stress(body.mesh, body.material, int(node), layer, moved)
-            if not len(around):  # a beam is exact
-                continue
-            pair = Stress(around.mean(axis=0), point), Stress(around, point)
-        else:
-            pair = stresses_around(body, field.of_elements[0], int(node))
+        around = corner_stress(body.mesh, body.material, int(node), layer, moved)
+        if not len(around):  # a beam is exact
+            continue
+        pair = Stress(around.mean(axis=0), point), Stress(around, point)
         averaged, of_elements = map(seen, pair)
         square += abs(weight) * float(np.mean((of_elements - averaged) ** 2))
     return math.sqrt(square)

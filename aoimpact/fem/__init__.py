@@ -49,12 +49,9 @@ from .statics import (
     static_mode,
     whole_motion,
 )
-from .stress import Strain, Stress, compliances, gauss_stress, nodal_stress, stress_rows
-from .stresserror import energy_error, missing_energy, stresses_around
-from .supports import selected_nodes
-from .thinerror import thin_stiffness_error
-from .thinextraction import ThinExtraction
-from .thinstress import (
+from .stress import Strain, Stress, compliances, gauss_stress, nodal_stress
+from .stresserror import energy_error, missing_energy
+from .stressrows import (
     Layer,
     StressRows,
     beam_von_mises,
@@ -62,4 +59,7 @@ from .thinstress import (
     checked_layer,
     corner_stress,
 )
+from .supports import selected_nodes
+from .thinerror import thin_stiffness_error
+from .thinextraction import ThinExtraction
 from .touch import edge_length, motion_between, to_nodes

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, choice
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
@@ -199,58 +198,6 @@ def hooke(strain: FloatArray, material: OneMaterial) -> FloatArray:
     return stress
 
 
-def stress_rows(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> sp.csr_array:
-    """Return the stress at some nodes as a linear function of all displacements.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    material : Material, Orthotropic or Materials
-    nodes : ndarray of int
-        Each once.
-
-    Returns
-    -------
-    scipy.sparse.csr_array, shape (6 len(nodes), 3 n_nodes)
-        Its product with the displacements is `nodal_stress` there, component by component.
-    """
-    places = layout(mesh, material)
-    wanted = shown(places, material)[nodes]
-    slopes = _averaged_slopes(mesh, material, places, wanted)
-    found, order = [], []
-    for number, of in enumerate(each_of(material)):
-        on = np.flatnonzero(places.which[wanted] == number)
-        by_slope = zip(slopes, hooke(UNIT_STRAINS, of).swapaxes(0, 1), strict=True)
-        one, two, three = (sp.kron(slope[on], by, format="csr") for slope, by in by_slope)
-        found.append(one + two + three)
-        order.append(on)
-    row = np.argsort(np.concatenate(order))
-    return sp.csr_array(sp.vstack(found, format="csr")[(6 * row[:, None] + np.arange(6)).ravel()])
-
-
-def _averaged_slopes(
-    mesh: Mesh, material: AnyMaterial, places: Layout, wanted: IntArray
-) -> list[sp.csr_array]:
-    """∂/∂x, ∂/∂y, ∂/∂z at some places of a function given at all nodes, each (n, n_nodes)."""
-    count = elements_at(mesh, material, places)
-    row = np.full(len(places.node), -1)
-    row[wanted] = np.arange(len(wanted))
-    found: list[tuple[IntArray, IntArray, FloatArray]] = []
-    for piece in pieces(mesh, material):
-        around = np.flatnonzero((row[places.of(piece)] >= 0).any(axis=1))
-        for batch in batches(piece.taken(around)):
-            cells, at_places = batch.cells, places.of(batch)
-            cell, local = np.nonzero(row[at_places] >= 0)
-            slopes = _slopes_at_nodes(mesh.nodes[cells], piece.element)[cell, local]
-            at = at_places[cell, local]
-            slopes /= count[at][:, None, None]
-            i = np.repeat(row[at], cells.shape[1])
-            found.append((i, cells[cell].ravel(), slopes.reshape(-1, 3)))
-    i, j, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    shape = (len(wanted), mesh.n_nodes)
-    return [sp.csr_array((values[:, axis], (i, j)), shape=shape) for axis in range(3)]
-
-
 def compliances(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> FloatArray:
     """Return strain by stress at some nodes, 1/Pa, shape (n, 6, 6), of the material shown there.
 
@@ -277,8 +224,8 @@ def shown(places: Layout, material: AnyMaterial) -> IntArray:
     return np.asarray(order[last])
 
 
-def _slopes_at_nodes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
-    """∂φ_a/∂x_i of the Gauss points at the nodes, shape (n_cells, n_local, n_local, 3)."""
+def slopes_at_nodes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
+    """Return ∂φ_a/∂x_i of the Gauss points at the nodes, shape (n_cells, n_local, n_local, 3)."""
     gradient = element.gradient(element.stiffness_rule.points)
     det, cof = cofactors(jacobians(corners, gradient))
     slopes = np.einsum("gat,iteg->egai", gradient, cof / det)

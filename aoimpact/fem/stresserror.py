@@ -28,14 +28,10 @@ from .model import FEModel
 from .orthotropic import Solid
 from .stress import (
     ANGLE,
-    Stress,
     averaged_strain,
     batches,
-    extrapolation,
-    gauss_of,
     gauss_strain,
     hooke,
-    shown,
 )
 from .supports import constrained
 
@@ -118,37 +114,3 @@ def _free_of_traction(
             across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
             stress = across @ stress @ across
         strain[:, free] = np.linalg.solve(of.stiffness * ANGLE, stress[:, *SIX].T)
-
-
-def stresses_around(body: FEModel, displacement: FloatArray, node: int) -> tuple[Stress, Stress]:
-    """Return the stress at a node, averaged and as each of the elements that meet there has it.
-
-    Where materials meet, of the elements of the stiffest.
-
-    Parameters
-    ----------
-    body : FEModel
-        Made from a mesh.
-    displacement : ndarray, shape (n_nodes, 3)
-        m.
-    node : int
-
-    Returns
-    -------
-    averaged, of_elements : Stress
-        Of shapes (6,) and (n, 6), Pa.
-    """
-    mesh, material = body.mesh, body.material
-    assert mesh is not None
-    assert material is not None
-    places, parts = layout(mesh, material), []
-    place = shown(places, material)[node]
-    for piece in pieces(mesh, material):
-        around, local = np.nonzero(places.of(piece) == place)
-        if len(around):
-            at_gauss = gauss_of(mesh, piece.taken(around), displacement)
-            parts.append(
-                np.einsum("eg,egc->ec", extrapolation(piece.element.kind)[local], at_gauss)
-            )
-    found = np.concatenate(parts)
-    return Stress(found.mean(axis=0), mesh.nodes[node]), Stress(found, mesh.nodes[node])

@@ -1,9 +1,9 @@
-"""Stress of shells and beams at places of a body, by displacements and rotations.
+"""Stress at places of a body as a linear function of displacements and rotations.
 
-The strains of a shell element are carried from its points of quadrature to its corners by the
-(bi)linear function that fits them best, and become the stresses of a layer there. At a node these
-are averaged over the elements of one shell on one smooth surface. Stress of a beam belongs to its
-element: it jumps where members meet, and at loads.
+The strains of a solid or shell element are carried from its points of quadrature to its nodes by
+the (bi, tri)linear function that fits them best, and become stress there, of shells that of a
+layer. At a node these are averaged over the elements of one material, or of one shell on one smooth
+surface. Stress of a beam belongs to its element: it jumps where members meet, and at loads.
 """
 
 from __future__ import annotations
@@ -19,12 +19,13 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, IntArray, finite_array, text, warn
-from ..mesh import Mesh, group, taken
+from ..mesh import Mesh, group
 from .beams import Beam, BeamSection, beam_frames, beam_rows
-from .composition import AnyMaterial, pieces, taken_material
+from .composition import AnyMaterial, layout, pieces
 from .laminate import Layers
 from .material import PLACES, SIX
-from .stress import compliances, stress_rows
+from .orthotropic import Solid
+from .stress import UNIT_STRAINS, batches, hooke, slopes_at_nodes
 from .thinerror import shell_pieces
 
 _OF_SHELLS = ("bottom", "middle", "top")
@@ -218,9 +219,29 @@ class _Wanted:
         whole = shared.data == np.diff(near.indptr)[place]
         return cell[whole], place[whole]
 
-    def has(self, of: Layers | Beam) -> bool:
-        """True if a shell or beam has the layer; a beam without an orientation has no sides."""
+    @cached_property
+    def chosen(self) -> IntArray:
+        """The element whose stress each place has, -1 where there is none.
+
+        Of elements that hold the place, one of the stiffest shell; without shells, solid.
+        """
+        of_shell, stiffness = np.zeros((2, self.mesh.n_cells))
+        for part in pieces(self.mesh, self.material, Layers | Solid):
+            if self.has(part.of):
+                stiffness[part.numbers] = np.trace(part.of.stiffness[:2, :2])
+                of_shell[part.numbers] = isinstance(part.of, Layers)
+        cell, place = self.held
+        cell, place = cell[stiffness[cell] > 0.0], place[stiffness[cell] > 0.0]
+        order = np.lexsort((cell, stiffness[cell], of_shell[cell], place))
+        found = np.full(self.weights.shape[0], -1)
+        found[place[order]] = cell[order]  # of each place the last
+        return found
+
+    def has(self, of: Solid | Layers | Beam) -> bool:
+        """True if a solid, shell or beam has the layer; a beam without an orientation no sides."""
         layer = self.layer
+        if isinstance(of, Solid):
+            return not (layer.ply or layer.of_beams)
         if isinstance(of, Layers):
             return not layer.of_beams and not (layer.ply and layer.of[0] >= len(of.plies))
         if layer.ply or (layer.place and not of.holds(layer.of)):
@@ -229,7 +250,12 @@ class _Wanted:
 
 
 def body_stress_rows(
-    mesh: Mesh, material: AnyMaterial, weights: sp.csr_array, layer: Layer, *, strain: bool = False
+    mesh: Mesh,
+    material: AnyMaterial,
+    weights: sp.csr_array,
+    layer: Layer = Layer(),
+    *,
+    strain: bool = False,
 ) -> StressRows:
     """Return the stress at places of a body, by all dofs of its nodes.
 
@@ -242,29 +268,24 @@ def body_stress_rows(
     material : Material, Orthotropic, Shell, Laminate, Beam or Materials
     weights : scipy.sparse.csr_array, shape (n, n_nodes)
         The nodes' shares at each place.
-    layer : Layer
+    layer : Layer, optional
         By a ply's number stress is along the ply's axes, else in the body's.
     strain : bool, optional
         The tensor of strain in place of stress.
     """
-    count = weights.shape[0]
-    if not mesh.thin:
-        if layer.part is not None:
-            raise InputError(
-                f"part={layer.part!r} tells shells and beams apart that meet, and this body has "
-                "none; leave it out"
-            )
-        return StressRows(_of_nodes(mesh, material, weights, strain), np.ones(count, dtype=bool))
-    wanted = _Wanted(mesh, material, weights, layer, strain)
-    _check_layer(wanted)
-    total, known = _of_shells(wanted)
-    beams = list(_of_beams(wanted, known))
+    if mesh.thin:
+        _check_layer(_Wanted(mesh, material, weights, layer))
+    elif layer.part is not None:
+        raise InputError(
+            f"part={layer.part!r} tells shells and beams apart that meet, and this body has none; "
+            "leave it out"
+        )
+    wanted = _Wanted(mesh, material, weights, layer if mesh.thin else Layer(), strain)
+    known = wanted.chosen >= 0
+    beams = list(_of_beams(wanted))
+    rows = sp.csr_array(sp.vstack([_averaged(wanted), *(strains for _, strains in beams)]))
     for part, _ in beams:
         known[part.place] = True
-    if not (layer.ply or layer.of_beams):
-        solids, on = _of_solids(wanted, known)
-        total, known = sp.csr_array(total + solids), known | on
-    rows = sp.csr_array(sp.vstack([total, *(strains for _, strains in beams)]))
     return StressRows(rows, known, tuple(part for part, _ in beams), layer, strain)
 
 
@@ -289,86 +310,96 @@ def _check_layer(wanted: _Wanted) -> None:
 def corner_stress(
     mesh: Mesh, material: AnyMaterial, node: int, layer: Layer, moved: FloatArray
 ) -> FloatArray:
-    """Return the stress of each shell element at a node, (n, 6), for displacements and rotations.
+    """Return the stress at a node of each element over which it is averaged, (n, 6); of no beam.
 
     Parameters
     ----------
-    moved : ndarray, shape (n_nodes, 6)
+    moved : ndarray, shape (n_nodes, 3 or 6)
+        Displacements and, of shells, rotations.
     """
-    values = [np.zeros((0, 6))]
     wanted = _Wanted(mesh, material, sp.csr_array(np.eye(1, mesh.n_nodes, node)), layer)
-    for _, cells, rows in _corners(wanted, np.arange(mesh.n_nodes) == node)[0]:
-        some = np.flatnonzero(np.isin(cells, wanted.held[0]))
-        ends = mesh.cells[cells[some], : rows.shape[2] // 6]
-        values.append(
-            np.einsum("ncd,nd->nc", rows[some], moved[ends].reshape(len(some), rows.shape[2]))
-        )
+    values, cell = [np.zeros((0, 6))], int(wanted.chosen[0])
+    if cell >= 0:
+        spots, corners = _corners(wanted, np.arange(mesh.n_nodes) == node)
+        here = spots[cell, (mesh.cells[cell] == node).argmax()]
+        for spot, ends, rows in corners:
+            own, ends = rows[spot == here], ends[spot == here]
+            x = moved[ends, : rows.shape[2] // ends.shape[1]]
+            values.append(np.einsum("ncd,nd->nc", own, x.reshape(len(own), rows.shape[2])))
     return np.concatenate(values)
 
 
-def _of_shells(wanted: _Wanted) -> tuple[sp.csr_array, npt.NDArray[np.bool_]]:
-    """Stress at the places that elements of shells hold, (6 n, 6 n_nodes), and which these are.
+def _averaged(wanted: _Wanted) -> sp.csr_array:
+    """Stress at the places that elements of shells and solids hold, (6 n, dofs).
 
-    The mean over the elements of one smooth surface of a shell; the stiffest, where several meet.
+    The mean over the elements of one smooth surface of a shell, or of one solid.
     """
-    mesh, weights = wanted.mesh, wanted.weights
-    stiffness = np.full(mesh.n_cells, -1.0)
-    for part in pieces(mesh, wanted.material, Layers):
-        if wanted.has(part.of):
-            stiffness[part.numbers] = part.of.stiffness[0, 0] + part.of.stiffness[1, 1]
-    cell, place = wanted.held
-    cell, place = cell[stiffness[cell] >= 0.0], place[stiffness[cell] >= 0.0]
-    order = np.lexsort((cell, stiffness[cell], place))
-    chosen = np.full(weights.shape[0], -1)
-    chosen[place[order]] = cell[order]  # of each place the last
+    mesh, chosen = wanted.mesh, wanted.chosen
     known = chosen >= 0
     nodes = np.zeros(mesh.n_nodes, dtype=bool)
     nodes[mesh.cells[chosen[known]]] = True
-    shape = (6 * len(known), 6 * mesh.n_nodes)
-    if not known.any():
-        return sp.csr_array(shape), known
-    found, spots = _corners(wanted, nodes)
-    count = np.bincount(np.concatenate([spot for spot, *_ in found]), minlength=spots.max() + 1)
-    means = sp.csr_array((6 * len(count), shape[1]))
-    for spot, cells, rows in found:
-        ends = mesh.cells[cells, : rows.shape[2] // 6]
-        scaled = rows / count[spot][:, None, None]
-        means += _by_dofs(spot, ends, scaled, means.shape)
-    at = weights.tocoo()
+    spots, corners = _corners(wanted, nodes)
+    count = np.bincount(spots[spots >= 0], minlength=1)
+    means = sp.csr_array((6 * len(count), (6 if mesh.thin else 3) * mesh.n_nodes))
+    for spot, ends, rows in corners:
+        means += _by_dofs(spot, ends, rows / count[spot][:, None, None], means.shape)
+    at = wanted.weights.tocoo()
     place, node = (each[known[at.coords[0]]] for each in at.coords)
     corner = (mesh.cells[chosen[place]] == node[:, None]).argmax(axis=1)
     shares = (at.data[known[at.coords[0]]], (place, spots[chosen[place], corner]))
     mixed = sp.csr_array(shares, shape=(len(known), len(count)))
-    return sp.csr_array(sp.kron(mixed, np.eye(6)) @ means), known
+    return sp.csr_array(sp.kron(mixed, np.eye(6)) @ means)
 
 
 def _corners(
     wanted: _Wanted, nodes: npt.NDArray[np.bool_]
-) -> tuple[list[tuple[IntArray, IntArray, FloatArray]], IntArray]:
-    """For corners at some nodes: their spots, elements and rows of stress, (n, 6, dofs).
+) -> tuple[IntArray, Iterator[tuple[IntArray, IntArray, FloatArray]]]:
+    """Return the spots of elements at some nodes, and for corners there the rows of stress.
 
-    A spot is a node of one smooth surface of one shell. Also the spots of all elements' corners,
-    (n_cells, 4), -1 where they are not known.
+    A spot is a node of one smooth surface of one shell, or of one solid material.
+
+    Returns
+    -------
+    spots : ndarray of int, shape of `Mesh.cells`
+        -1 where they are not known.
+    corners : iterator
+        Spots, (m,), nodes of the elements, (m, k), and rows, (m, 6, 3 k or 6 k).
     """
-    mesh, layer = wanted.mesh, wanted.layer
-    near = np.asarray(nodes[mesh.cells].any(axis=1))
-    found, spots = [], np.full((mesh.n_cells, 4), -1)
-    for piece in shell_pieces(mesh, wanted.material, near)[0]:
-        of, numbers = piece.part.of, piece.part.numbers
-        if not len(numbers) or not wanted.has(of):
-            continue
-        spots[numbers, : piece.places.shape[1]] = piece.places
-        by_strain, turn = _station(of, layer.of or "top", wanted.strain)
-        cell, corner = np.nonzero(nodes[piece.part.cells])
-        to_corners = np.linalg.pinv(piece.strains.shape)
-        for some in _batches(len(cell)):
-            own = piece.strains.rows[cell[some], :, :8]
-            at = np.einsum("nq,nqsd->nsd", to_corners[corner[some]], own)
-            stress = np.einsum("sc,nsd->ncd", by_strain, at)
-            frames = piece.strains.frames[cell[some]] if turn is None else turn[None].swapaxes(1, 2)
-            stress = np.einsum("ncb,nbd->ncd", _turning(frames), stress)
-            found.append((piece.places[cell[some], corner[some]], numbers[cell[some]], stress))
-    return found, spots
+    mesh, layer, strain = wanted.mesh, wanted.layer, wanted.strain
+    near, places = np.asarray(nodes[mesh.cells].any(axis=1)), layout(mesh, wanted.material)
+    spots = np.full(mesh.cells.shape, -1)
+    shells, of_shells = shell_pieces(mesh, wanted.material, near)
+    shells = [piece for piece in shells if wanted.has(piece.part.of)]
+    for piece in shells:
+        spots[piece.part.numbers, : piece.places.shape[1]] = piece.places
+    solids = [of.taken(near[of.numbers]) for of in pieces(mesh, wanted.material)]
+    solids = [of for of in solids if wanted.has(of.of)]
+    for of in solids:
+        spots[of.numbers, : of.element.n_nodes] = len(of_shells) + places.of(of)
+
+    def corners() -> Iterator[tuple[IntArray, IntArray, FloatArray]]:
+        for piece in shells:
+            by_strain, turn = _station(piece.part.of, layer.of or "top", strain)
+            cell, corner = np.nonzero(nodes[piece.part.cells])
+            to_corners = np.linalg.pinv(piece.strains.shape)
+            for some in _batches(len(cell)):
+                own = piece.strains.rows[cell[some], :, :8]
+                at = np.einsum("nq,nqsd->nsd", to_corners[corner[some]], own)
+                rows = np.einsum("sc,nsd->ncd", by_strain, at)
+                frames = piece.strains.frames[cell[some]]
+                frames = frames if turn is None else turn[None].swapaxes(1, 2)
+                rows = np.einsum("ncb,nbd->ncd", _turning(frames), rows)
+                yield piece.places[cell[some], corner[some]], piece.part.cells[cell[some]], rows
+        for of in solids:
+            by_slope = UNIT_STRAINS if strain else hooke(UNIT_STRAINS, of.of)
+            for batch in batches(of):
+                ends = batch.cells
+                cell, corner = np.nonzero(nodes[ends])
+                slopes = slopes_at_nodes(mesh.nodes[ends], batch.element)[cell, corner]
+                rows = np.einsum("cik,nai->ncak", by_slope, slopes).reshape(len(cell), 6, -1)
+                yield spots[batch.numbers[cell], corner], ends[cell], rows
+
+    return spots, corners()
 
 
 def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, FloatArray | None]:
@@ -395,12 +426,12 @@ def _turning(frames: FloatArray) -> FloatArray:
     return found.swapaxes(1, 2)
 
 
-def _of_beams(
-    wanted: _Wanted, known: npt.NDArray[np.bool_]
-) -> Iterator[tuple[_Sections, sp.csr_array]]:
-    """Sections of beams' elements that hold a place not yet known, and rows of their strains."""
+def _of_beams(wanted: _Wanted) -> Iterator[tuple[_Sections, sp.csr_array]]:
+    """Sections of beams' elements at places that no shell has, and rows of their strains."""
     mesh, (cell, place) = wanted.mesh, wanted.held
-    cell, place = cell[~known[place]], place[~known[place]]
+    shells = [part.numbers for part in pieces(mesh, wanted.material, Layers)]
+    free = ~np.isin(wanted.chosen, np.concatenate([[-2], *shells]))
+    cell, place = cell[free[place]], place[free[place]]
     for part in pieces(mesh, wanted.material, Beam):
         own = np.isin(cell, part.numbers)
         if not wanted.has(part.of) or not own.any():
@@ -439,45 +470,14 @@ def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> Floa
     return found
 
 
-def _of_solids(
-    wanted: _Wanted, covered: npt.NDArray[np.bool_]
-) -> tuple[sp.csr_array, npt.NDArray[np.bool_]]:
-    """Stress at other places that solids hold, (6 n, 6 n_nodes), and which these are."""
-    mesh, material, (cell, place) = wanted.mesh, wanted.material, wanted.held
-    known = np.zeros(len(covered), dtype=bool)
-    total = sp.csr_array((6 * len(known), 6 * mesh.n_nodes))
-    solids = [piece.numbers for piece in pieces(mesh, material)]
-    cells = np.sort(np.concatenate([np.zeros(0, dtype=np.int64), *solids]))
-    known[place[np.isin(cell, cells)]] = True
-    known &= ~covered
-    if not known.any():
-        return total, known
-    own = np.unique(mesh.cells[cells])
-    mine = sp.diags_array(known.astype(np.float64)) @ wanted.weights[:, own]
-    rows = _of_nodes(
-        taken(mesh, cells), taken_material(material, cells), sp.csr_array(mine), wanted.strain
-    ).tocoo()
-    j = 3 * own[rows.coords[1] // 3] + rows.coords[1] % 3
-    return sp.csr_array((rows.data, (rows.coords[0], j)), shape=total.shape), known
-
-
-def _of_nodes(
-    mesh: Mesh, material: AnyMaterial, weights: sp.csr_array, strain: bool
-) -> sp.csr_array:
-    """Stress at places of a body of solids, (6 n, 3 n_nodes)."""
-    near = np.unique(weights.indices)
-    rows = stress_rows(mesh, material, near)
-    if strain:
-        rows = sp.block_diag(list(compliances(mesh, material, near)), format="csr") @ rows
-    return sp.csr_array(sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ rows)
-
-
 def _by_dofs(
     place: IntArray, cells: IntArray, rows: FloatArray, shape: tuple[int, int]
 ) -> sp.csr_array:
     """Rows, (n, 6, dofs), of elements by their own dofs by all, added up at each place."""
     i = np.broadcast_to((6 * place[:, None] + np.arange(6))[..., None], rows.shape)
-    j = np.broadcast_to(_dofs(cells, shape[1] // 6)[:, None], rows.shape)
+    turns = rows.shape[2] > 3 * cells.shape[1]
+    dofs = _dofs(cells, shape[1] // 6) if turns else (3 * cells[..., None] + np.arange(3))
+    j = np.broadcast_to(dofs.reshape(len(cells), 1, -1), rows.shape)
     return sp.csr_array((rows.ravel(), (i.ravel(), j.ravel())), shape=shape)
 
 
