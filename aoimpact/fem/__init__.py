@@ -28,7 +28,7 @@ from .contacttime import (
     slow_shift,
 )
 from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
-from .extraction import Extraction, field_error, split
+from .extraction import Extraction, split
 from .frequencyresponse import FrequencyResponse
 from .grounding import Grounding, VirtualMotion
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
@@ -60,6 +60,5 @@ from .stressrows import (
     corner_stress,
 )
 from .supports import selected_nodes
-from .thinerror import thin_stiffness_error
 from .thinextraction import ThinExtraction
 from .touch import edge_length, motion_between, to_nodes

@@ -46,7 +46,6 @@ from .patch import spread
 from .shearedhalfspace import ShearedHalfSpace
 from .stresserror import energy_error, missing_energy
 from .subdivision import cells_towards, sides_towards
-from .thinerror import thin_energy_error
 
 # A direction is along the normal where 1 - |cos θ| is below this: a milliradian.
 _ALONG = 1e-6
@@ -193,7 +192,7 @@ def _missing(
 
     At supports -u_B is interpolated between nodes, so that R has an error of either sign there.
     """
-    false, own = field_error(body, w, ~splitting.smooth, math.sqrt(solver.pencil.s2))
+    false, own = energy_error(body, w, ~splitting.smooth, math.sqrt(solver.pencil.s2))
     held = np.isin(body.mesh.cells, _supported(body)).any(axis=1)
     return missing_energy(false, own), missing_energy(false[~held], own[~held])
 
@@ -219,37 +218,6 @@ def _under_pressure(
     # w is quadratic in the distance from the middle, and by reciprocity in the radius of the
     # pressure: under it, it has the mean g₀ + 0.8 g₁ a², and in the middle g₀ + 0.4 g₁ a².
     return mean, 2.0 * abs(mean - middle)
-
-
-def field_error(
-    body: Any, field: FloatArray, loaded: npt.NDArray[np.bool_], s: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return twice the strain energy of averaged strain less the elements' own, and of their own.
-
-    Parameters
-    ----------
-    body : FEModel
-        Made from a mesh.
-    field : ndarray, shape (1 or 2, n_nodes, 3)
-        Displacement, m, and rotation.
-    loaded : ndarray of bool, shape (n_nodes,)
-        Nodes that may carry traction.
-    s : float
-        rad/s; the field moves at the frequency i s, or s.
-
-    Returns
-    -------
-    difference, own : ndarray, shape (n_cells,)
-        Of each element, J.
-    """
-    if not body.mesh.thin:
-        return energy_error(body, field[0], loaded)
-    of_thin = thin_energy_error(body.mesh, body.material, np.hstack(list(field)), s)
-    if not pieces(body.mesh, body.material):
-        return of_thin
-    loaded = loaded | np.isin(np.arange(len(loaded)), body.mesh.thin_nodes)
-    difference, own = energy_error(body, field[0], loaded)
-    return difference + of_thin[0], own + of_thin[1]
 
 
 def _oblique(

@@ -34,6 +34,7 @@ from .stress import (
     hooke,
 )
 from .supports import constrained
+from .thinerror import thin_energy_error
 
 # No share of the energy is taken to be less true than this.
 _LEAST_TRUE = 0.1
@@ -46,7 +47,7 @@ def missing_energy(difference: FloatArray, own: FloatArray) -> float:
 
 
 def energy_error(
-    body: FEModel, moved: FloatArray, loaded: npt.NDArray[np.bool_]
+    body: FEModel, field: FloatArray, loaded: npt.NDArray[np.bool_], s: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:
     """Return twice the strain energy of averaged strain less the elements' own, and of their own.
 
@@ -54,28 +55,36 @@ def energy_error(
     ----------
     body : FEModel
         Made from a mesh.
-    moved : ndarray, shape (n_nodes, 3)
-        Displacement, m.
+    field : ndarray, shape ([1 or 2,] n_nodes, 3)
+        Displacement, m, and rotation of shells and beams.
     loaded : ndarray of bool, shape (n_nodes,)
         Nodes that may carry traction, beside those of supports, added masses and springs.
+    s : float, optional
+        rad/s; the field moves at the frequency i s, or s.
 
     Returns
     -------
     difference, own : ndarray, shape (n_cells,)
         Of each element, J.
     """
-    mesh, material = body.mesh, body.material
+    mesh, material, field = body.mesh, body.material, field.reshape(-1, len(loaded), 3)
     assert mesh is not None
     assert material is not None
-    places = layout(mesh, material)
-    averaged = averaged_strain(mesh, material, places, moved)
-    _free_of_traction(averaged, body, places, loaded)
     difference, own = np.zeros((2, mesh.n_cells))
-    for piece in pieces(mesh, material):
+    if mesh.thin:
+        difference, own = thin_energy_error(mesh, material, np.hstack(list(field)), s)
+        loaded = loaded | np.isin(np.arange(len(loaded)), mesh.thin_nodes)
+    solids = pieces(mesh, material)
+    if not solids:
+        return difference, own
+    places = layout(mesh, material)
+    averaged = averaged_strain(mesh, material, places, field[0])
+    _free_of_traction(averaged, body, places, loaded)
+    for piece in solids:
         rule, of = piece.element.stiffness_rule, piece.of
         shape = piece.element.shape(rule.points)
         for batch in batches(piece):
-            strain, det = gauss_strain(mesh, batch, moved)
+            strain, det = gauss_strain(mesh, batch, field[0])
             own[batch.numbers] = (det * _energy(strain, of)) @ rule.weights
             strain -= averaged[:, places.of(batch)] @ shape.T
             difference[batch.numbers] = (det * _energy(strain, of)) @ rule.weights

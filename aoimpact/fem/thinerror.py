@@ -8,7 +8,7 @@ they bend and shear under their own inertia (`beam_inertial_error`).
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +19,6 @@ from .composition import Piece, pieces
 from .laminate import Layers
 from .shells import Strains, nodal_normals, nodal_strains, rigid_ends, strain_rows
 from .stress import UNIT_STRAINS
-from .stresserror import missing_energy
 
 # Tensors of membrane strain, curvature and shear by each of the generalised strains, (8, 3, 3, 3).
 _UNIT = np.zeros((8, 3, 3, 3))
@@ -30,7 +29,7 @@ _UNIT[6:, 2] = UNIT_STRAINS[[5, 4]]
 _ALIKE = 6
 
 
-class ShellPiece:
+class ShellPiece(NamedTuple):
     """The elements of one kind of one shell, and the surfaces on which their corners lie.
 
     Attributes
@@ -41,8 +40,9 @@ class ShellPiece:
         For each corner the number of its node on its smooth surface, through all pieces.
     """
 
-    def __init__(self, part: Piece, strains: Strains, places: IntArray) -> None:
-        self.part, self.strains, self.places = part, strains, places
+    part: Piece
+    strains: Strains
+    places: IntArray
 
 
 def shell_pieces(
@@ -75,31 +75,13 @@ def shell_pieces(
     for part, normal, (link, *_), own in zip(parts, normals, joints, split, strict=True):
         rows = slice(None) if wanted is None else wanted[part.numbers]
         some = part.taken(rows)
+        if not len(some.rows):
+            continue
         corners = mesh.nodes[some.cells]
         strains = strain_rows(corners, part.of, normal[rows], link[rows], constant=constant)
         at = own.reshape(part.cells.shape)[rows]
         found.append(ShellPiece(some, strains, at))
     return found, places[:, 0].astype(np.int64)
-
-
-def mean_at_nodes(shells: list[ShellPiece], moved: FloatArray, count: int) -> list[FloatArray]:
-    """Return the mean strains at the elements' corners, in the elements' axes, (n, nodes, 8).
-
-    Parameters
-    ----------
-    shells : list of ShellPiece
-    moved : ndarray, shape (n_nodes, 6)
-        Displacements and rotations.
-    count : int
-        How many places there are.
-    """
-    total, elements = np.zeros((count, 3, 3, 3)), np.zeros(count)
-    for piece in shells:
-        own = nodal_strains(piece.strains, moved[piece.part.cells])
-        np.add.at(total, piece.places, _tensors(own, piece.strains.frames))
-        elements += np.bincount(piece.places.ravel(), minlength=count)
-    total /= elements[:, None, None, None]
-    return [_components(total[piece.places], piece.strains.frames) for piece in shells]
 
 
 def thin_energy_error(
@@ -130,8 +112,14 @@ def thin_energy_error(
         own[part.numbers] = np.einsum("ni,nij,nj->n", x, stiffness, x)
         difference[part.numbers] = beam_inertial_error(mesh.nodes[part.cells], part.of, x, s)
     shells, places = shell_pieces(mesh, material)
-    averaged = mean_at_nodes(shells, moved, len(places))
-    for piece, mean in zip(shells, averaged, strict=True):
+    total, elements = np.zeros((len(places), 3, 3, 3)), np.zeros(len(places))
+    for piece in shells:
+        corners = nodal_strains(piece.strains, moved[piece.part.cells])
+        np.add.at(total, piece.places, _tensors(corners, piece.strains.frames))
+        elements += np.bincount(piece.places.ravel(), minlength=len(places))
+    total /= elements[:, None, None, None]
+    for piece in shells:
+        mean = _components(total[piece.places], piece.strains.frames)
         x = moved[piece.part.cells].reshape(len(mean), -1)
         strain = np.einsum("nqsd,nd->nqs", piece.strains.rows[:, :, :8], x)
         off = strain - np.einsum("qa,nas->nqs", piece.strains.shape, mean)
@@ -139,22 +127,6 @@ def thin_energy_error(
             energy = np.einsum("nqi,ij,nqj->nq", values, piece.part.of.stiffness, values)
             found[piece.part.numbers] = (piece.strains.weights * energy).sum(axis=1)
     return difference, own
-
-
-def thin_stiffness_error(
-    body: Any, deflection: FloatArray, near: npt.NDArray[np.bool_], s: float
-) -> float:
-    """Return how much too stiff a mesh is for a deflection of its free dofs at i s, relative.
-
-    Parameters
-    ----------
-    near : ndarray of bool, shape (n_cells,)
-        Elements under a contact: the compliance removed there makes them good.
-    """
-    moved = np.hstack(list(body.at_nodes(deflection)))
-    false, own = thin_energy_error(body.mesh, body.material, moved, s)
-    whole = float(own.sum())
-    return missing_energy(false[~near], own[~near]) / whole if whole else 0.0
 
 
 def _tensors(strains: FloatArray, frames: FloatArray) -> FloatArray:

@@ -29,10 +29,9 @@ from ..fem import (
     FEModel,
     ThinExtraction,
     centre_of,
-    field_error,
+    energy_error,
     missing_energy,
     moves_rigidly,
-    thin_stiffness_error,
     whole_motion,
 )
 from .band import Band, band_of
@@ -902,21 +901,23 @@ class Body(Frozen, BodyModel):
             if known is None:
                 return 0.0
             assert point.direction is not None
-            deflection = self.deflection(2.0**octave, port + axis)
+            moved = point.body.at_nodes(self.deflection(2.0**octave, port + axis))
+            # Of elements of a shell about the contact the compliance removed takes care.
+            counted: Any = slice(None)
             if isinstance(known, ThinExtraction):
-                found[key] = thin_stiffness_error(point.body, deflection, known.near, 2.0**octave)
-                return found[key]
-            assert isinstance(known, Extraction)
-            field, sign = known.mesh_field, known.splitting.frame[2] @ point.direction
-            if axis:
-                if known.sheared is None:
-                    return 0.0
-                field, sign = known.sheared[axis - 1], 1.0
-            moved = math.copysign(1.0, sign) * deflection
-            beyond = point.body.at_nodes(moved, len(field)) - field
-            false, own = field_error(point.body, beyond, ~known.splitting.smooth, 2.0**octave)
+                counted, loaded = ~known.near, np.asarray(point.forces.any(axis=(0, 2)))
+            else:
+                assert isinstance(known, Extraction)
+                field, sign = known.mesh_field, known.splitting.frame[2] @ point.direction
+                if axis:
+                    if known.sheared is None:
+                        return 0.0
+                    field, sign = known.sheared[axis - 1], 1.0
+                moved = math.copysign(1.0, sign) * moved[: len(field)] - field
+                loaded = ~known.splitting.smooth
+            false, own = energy_error(point.body, moved, loaded, 2.0**octave)
             whole = float(own.sum())
-            found[key] = missing_energy(false, own) / whole if whole else 0.0
+            found[key] = missing_energy(false[counted], own[counted]) / whole if whole else 0.0
         return found[key]
 
     def _with_tips(self, tips: tuple[ContactPoint, ...]) -> Body:

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..fem import (
     SHIFT_TIMES_DURATION,
-    field_error,
+    energy_error,
     highest_shift,
     near_static,
     own_contact_time,
@@ -93,7 +93,7 @@ def softer_model(model: Body) -> Body:
     loaded = np.asarray(pressed.any(axis=(0, 2)))
     for j in np.flatnonzero(omega2):
         moved = body.at_nodes(model.modes[:, j])
-        false, own = field_error(body, moved, loaded, float(model.omega[j]))
+        false, own = energy_error(body, moved, loaded, float(model.omega[j]))
         share = min(float(false.sum() / own.sum()), 1.0 - _LEAST)
         omega2[j] *= 1.0 - share * (1.0 + safety * (1.0 - share) ** 2)
     order = np.argsort(omega2, kind="stable")
