@@ -8,6 +8,7 @@ motions of no stiffness. The preconditioner works in single precision, the itera
 from __future__ import annotations
 
 import copy
+import math
 import threading
 from dataclasses import dataclass
 from typing import Any
@@ -16,17 +17,16 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import ConvergenceError, FloatArray, bar
+from ..base import ConvergenceError, FloatArray, SingularError, bar
 from ..mesh import Mesh, rigid_motions
 from .blocks import Blocks, diagonal_blocks, slabs
-from .cg import conjugate_gradients
 from .coarsening import aggregated, corner_interpolation
 from .dissection import fill
 from .finest import Finest, add, add_to_diagonal, finest_level, in_order, reduced
 from .method import Inverse, Method
 from .pencil import Pencil
 from .rows import congruent
-from .smoother import Smoother
+from .smoother import Smoother, inner
 from .superlu import factorize
 
 Single = npt.NDArray[np.float32]
@@ -236,29 +236,56 @@ class Multigrid:
     def iterate(self, rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
         """Return (K + s²M)⁻¹ `rhs`, shape (n,), and the iterations that it took, `most` at most.
 
+        With β after Polak and Ribière, which forgives the preconditioner its rounding.
+
         Raises
         ------
+        SingularError
+            If a motion turns out to have no positive stiffness.
         ConvergenceError
+            If the iterations do not suffice, or the preconditioner is not positive: of a matrix
+            that is nearly singular, by its rounding.
         """
-        pencil, limit = self.pencil, int(min(most, _MOST_ITERATIONS))
-        with self._in_use:
-            found = conjugate_gradients(
-                self.product,
-                self.precondition,
-                rhs,
-                tolerance=tolerance,
-                most=max(1, limit),
-                what=pencil.what,
-                label=f"multigrid, {pencil.n} dofs",
-            )
-        if not found.left <= tolerance:
-            raise ConvergenceError(
-                f"solver 'multigrid' of {pencil.what} ({pencil.n} dofs) reached {found.left:.2g} "
-                f"of the right-hand side in {limit} iterations, {tolerance:g} was asked for: the "
-                "matrix is nearly singular (a mechanism, missing supports, ν near .5) or its "
-                "elements are flat. Take another solver"
-            )
-        return found.x, found.iterations
+        what, limit = self.pencil.what, max(1, int(min(most, _MOST_ITERATIONS)))
+        size = math.sqrt(inner(rhs, rhs))
+        if size == 0.0:
+            return np.zeros_like(rhs), 0
+        x, r = np.zeros_like(rhs), rhs
+        label, digits = f"multigrid, {self.pencil.n} dofs", -math.log10(tolerance)
+        with self._in_use, bar(label, digits, unit="digit") as progress:
+            p = z = self.precondition(r)
+            rz, reached = inner(r, z), 0.0
+            for iteration in range(1, limit + 1):
+                along = self.product(p)
+                curvature = inner(p, along)
+                if not rz > 0.0:
+                    raise ConvergenceError(
+                        f"iterations with {what} have to be given up: it is nearly singular, and "
+                        "the rounding of what speeds them up takes over; take another solver"
+                    )
+                if not curvature > 0.0:
+                    raise SingularError(
+                        f"{what} is singular or not positive definite: a motion has a stiffness "
+                        f"of {curvature:.2g}"
+                    )
+                step = rz / curvature
+                x += step * p
+                before, r = r, r - step * along
+                left = math.sqrt(inner(r, r)) / size
+                if left <= tolerance:
+                    return x, iteration
+                progress.update(max(0.0, -math.log10(left) - reached))
+                reached = max(reached, -math.log10(left))
+                z = self.precondition(r)
+                rz_next = inner(r, z)
+                p = z + (rz_next - inner(before, z)) / rz * p
+                rz = rz_next
+        raise ConvergenceError(
+            f"solver 'multigrid' of {what} ({self.pencil.n} dofs) reached {left:.2g} of the "
+            f"right-hand side in {limit} iterations, {tolerance:g} was asked for: the matrix is "
+            "nearly singular (a mechanism, missing supports, ν near .5) or its elements are flat. "
+            "Take another solver"
+        )
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x."""

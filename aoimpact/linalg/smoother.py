@@ -9,7 +9,6 @@ import scipy
 from .. import _core
 from ..base import FloatArray, SingularError
 from .blocks import Blocks, in_stages
-from .cg import inner
 
 Single = npt.NDArray[np.float32]
 
@@ -96,3 +95,8 @@ class Smoother:
             r = r + step * product
             rz_before = rz
         return float(scipy.linalg.eigvalsh_tridiagonal(diagonal, off)[-1])
+
+
+def inner(a: FloatArray, b: FloatArray) -> float:
+    """Return aᵀb without BLAS, whose threads keep cores busy after it and change the last bits."""
+    return float(np.einsum("i,i->", a, b))
