@@ -341,13 +341,13 @@ _PYRAMID = _cell(
 
 # Shells and beams: a surface has one side, seen from +z, and a line none.
 _LINE = _cell("line", ((0, 0, 0), (1, 0, 0)), ((-1, 0, 0), (1, 0, 0)))
+_SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
+_QUAD = _cell("quad", _SQUARE, ((-1, 0, 0), (0, -1, 0), (1, 0, 0), (0, 1, 0)))
 _TRIANGLE = _cell(
-    "triangle", ((0, 0, 0), (1, 0, 0), (0, 1, 0)), ((-1, 0, 0), (0, -1, 0), (1, 1, 0))
-)
-_QUAD = _cell(
-    "quad",
-    ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)),
-    ((-1, 0, 0), (0, -1, 0), (1, 0, 0), (0, 1, 0)),
+    "triangle",
+    _SQUARE[[0, 1, 3]],
+    ((-1, 0, 0), (0, -1, 0), (1, 1, 0)),
+    of_brick=_SQUARE[[[0, 1, 2], [0, 2, 3]]],
 )
 
 # The nodes after the corners, each in the middle of these corners (VTK's file-format figures).

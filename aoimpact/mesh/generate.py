@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import combinations, permutations, product
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -116,15 +116,9 @@ def _subdivided_tetrahedron(n: int) -> tuple[IntArray, IntArray]:
     tets : ndarray of int, shape (n³, 4)
     """
     grid = np.array(np.meshgrid(*[np.arange(n)] * 3, indexing="ij")).reshape(3, -1).T
-    pieces = []
-    for order in permutations(range(3)):
-        steps = np.zeros((4, 3), dtype=np.int64)
-        for k, axis in enumerate(order):
-            steps[k + 1 :, axis] += 1
-        simplices = grid[:, None, :] + steps
-        x, y, z = np.moveaxis(simplices, 2, 0)
-        pieces.append(simplices[((x >= y) & (y >= z)).all(axis=1)])
-    lattice = np.concatenate(pieces)
+    every = grid[:, None, None] + reference_element("tetra").cell.of_brick.astype(np.int64)
+    x, y, z = np.moveaxis(every, 3, 0)
+    lattice = every[((x >= y) & (y >= z)).all(axis=2)]
     x, y, z = np.moveaxis(lattice, 2, 0)
     weights = np.stack([n - x, x - y, y - z, z], axis=-1).reshape(-1, 4)
     barycentric, number = np.unique(weights, axis=0, return_inverse=True)
@@ -185,22 +179,9 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
     Mesh(459 nodes, 200 hexahedron, sets: xmin, xmax, ymin, ymax, zmin, zmax)
     """
     sides, counts = _sides(lengths, divisions, 3)
-    element = reference_element(choice("kind", kind, KINDS))
+    choice("kind", kind, KINDS)
     _refuse_monster(8.0 * float(min(math.prod(counts), 10**30)), "divisions", counts)
-    # Nodes of all elements on the lattice of quarter bricks, shape (n_cells, n_nodes, 3).
-    local = 4.0 * (element.linear.shape(element.nodes) @ element.cell.of_brick)
-    bricks = 4 * np.array(list(product(*(range(count) for count in counts))))
-    lattice = bricks[:, None, None, :] + np.rint(local).astype(np.int64)[None]
-    lattice = lattice.reshape(-1, element.n_nodes, 3)
-    places = 4 * np.array(counts) + 1
-    keys = np.ravel_multi_index(tuple(np.moveaxis(lattice, 2, 0)), tuple(places))
-    used, cells = np.unique(keys, return_inverse=True)
-    grid = np.stack(np.unravel_index(used, tuple(places)), axis=1)
-    sets = {}
-    for axis, name in enumerate("xyz"):
-        sets[f"{name}min"] = np.flatnonzero(grid[:, axis] == 0)
-        sets[f"{name}max"] = np.flatnonzero(grid[:, axis] == places[axis] - 1)
-    return Mesh(grid * (sides / (places - 1)), cells.reshape(keys.shape), kind, sets)
+    return _lattice(sides, counts, kind)
 
 
 def sheet_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "quad") -> Mesh:
@@ -232,19 +213,33 @@ def sheet_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = 
     >>> ao.sheet_mesh((0.3, 0.2), (6, 4))
     Mesh(35 nodes, 24 quad, sets: xmin, xmax, ymin, ymax, rim)
     """
-    sides, (n, m) = _sides(lengths, divisions, 2)
+    sides, counts = _sides(lengths, divisions, 2)
     choice("kind", kind, ("quad", "triangle"))
-    _refuse_monster(float(min((n + 1) * (m + 1), 10**30)), "divisions", [n, m])
-    row, column = (each.ravel() for each in np.indices((n + 1, m + 1)))
-    number = np.arange(len(row)).reshape(n + 1, m + 1)
-    corners = (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
-    cells = np.stack([each.ravel() for each in corners], axis=1)
-    if kind == "triangle":
-        cells = np.stack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
-    edges = {"xmin": row == 0, "xmax": row == n, "ymin": column == 0, "ymax": column == m}
-    edges["rim"] = np.logical_or.reduce(list(edges.values()))
-    nodes = np.stack([row * (sides[0] / n), column * (sides[1] / m), 0.0 * row], axis=1)
-    return Mesh(nodes, cells, kind, {name: np.flatnonzero(on) for name, on in edges.items()})
+    _refuse_monster(float(min((counts[0] + 1) * (counts[1] + 1), 10**30)), "divisions", counts)
+    sheet = _lattice(sides, counts, kind)
+    rim = np.unique(np.concatenate(list(sheet.node_sets.values())))
+    return Mesh(sheet.nodes, sheet.cells, kind, {**sheet.node_sets, "rim": rim})
+
+
+def _lattice(sides: FloatArray, counts: list[int], kind: str) -> Mesh:
+    """The mesh of a box or rectangle of equal bricks, each cut into elements of one kind."""
+    element, axes = reference_element(kind), len(counts)
+    # Nodes of all elements on the lattice of quarter bricks, shape (n_cells, n_nodes, axes).
+    local = 4.0 * (element.linear.shape(element.nodes) @ element.cell.of_brick)[..., :axes]
+    bricks = 4 * np.array(list(product(*(range(count) for count in counts))))
+    lattice = bricks[:, None, None, :] + np.rint(local).astype(np.int64)[None]
+    lattice = lattice.reshape(-1, element.n_nodes, axes)
+    places = 4 * np.array(counts) + 1
+    keys = np.ravel_multi_index(tuple(np.moveaxis(lattice, 2, 0)), tuple(places))
+    used, cells = np.unique(keys, return_inverse=True)
+    grid = np.stack(np.unravel_index(used, tuple(places)), axis=1)
+    sets = {}
+    for axis, name in enumerate("xyz"[:axes]):
+        sets[f"{name}min"] = np.flatnonzero(grid[:, axis] == 0)
+        sets[f"{name}max"] = np.flatnonzero(grid[:, axis] == places[axis] - 1)
+    nodes = np.zeros((len(grid), 3))
+    nodes[:, :axes] = grid * (sides / (places - 1))
+    return Mesh(nodes, cells.reshape(keys.shape), kind, sets)
 
 
 def _refuse_monster(n_nodes: float, name: str, value: object) -> None:
