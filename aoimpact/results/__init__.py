@@ -17,7 +17,7 @@ from .advice import (
     warning_limits,
 )
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
-from .motion import BodyResult, Energy
+from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy
 from .plot import shown_bodies
 from .quantities import (
     COLUMNS,
