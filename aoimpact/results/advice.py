@@ -660,11 +660,7 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
 
 # Longest element over the length of a bending wave, (D/(m s²))^(1/4) at s = 10/T. With elements
 # half as long again a force is 1 % off by quadrilaterals, and 6 % by triangles.
-_WAVES = 2.0
-
-# Times at which bodies that never touch are looked at: so many in each of the shortest periods, at
-# least and at most; between them, where a parabola is least.
-_EACH_PERIOD, _SAMPLES, _MOST_SAMPLES = 8, 121, 20_000
+_BENDING = 2.0
 
 
 def warning_limits(plan: Plan) -> tuple[float, float]:
@@ -730,18 +726,18 @@ def _said_of_shells(run: Run, number: int) -> Iterator[str]:
         rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
         if rise > 0.0:
             waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)
-            if waves > _WAVES:
+            if waves > _BENDING:
                 yield (
                     f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} "
                     f"long, and bending waves of a force that rises in {with_unit(rise, 's', 3)} "
-                    f"need {with_unit(_WAVES * edge / waves, 'm', 2)}; refine the mesh there"
+                    f"need {with_unit(_BENDING * edge / waves, 'm', 2)}; refine the mesh there"
                 )
 
 
 def _missed(run: Run) -> str:
     """The warning of bodies that never pressed on each other, for those that came closest."""
     recorder, layout = run.recorder, run.plan.layout
-    t = _times_between(run) if recorder.dense else recorder.times
+    t = run.even_times(0.0, run.duration) if recorder.dense else recorder.times
     rows = recorder.rows(t, energies=False)
     gaps = 0.0 - layout.indentations(rows)
     number = int(gaps.min(axis=1).argmin())
@@ -783,13 +779,6 @@ def _missed(run: Run) -> str:
         f"{text}: at its end they are still {gap_at(-1)} apart and approach at {speed:.3g} m/s; "
         f"take a duration beyond {with_unit(needed, 's')}, or a smaller gap"
     )
-
-
-def _times_between(run: Run) -> FloatArray:
-    """Times, s, that show the vibration of all bodies, as far as a memory of some MB allows."""
-    fastest = max((float(of.omega.max(initial=0.0)) for of in run.plan.modal), default=0.0)
-    wanted = math.ceil(_EACH_PERIOD * fastest * run.duration / (2.0 * math.pi))
-    return np.linspace(0.0, run.duration, min(max(wanted, _SAMPLES), _MOST_SAMPLES))
 
 
 def _least(t: FloatArray, gap: FloatArray) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError, positive, with_unit
+from ..base import FloatArray, Frozen, InputError, positive, read_only, with_unit
 from ..fem import checked_layer, whole_motion
 from ..fields import (
     Field,
@@ -187,9 +187,7 @@ class BodyResult(Frozen):
     @cached_property
     def spin(self) -> FloatArray:
         """Angular velocity over time, rad/s, shape (n, 3), as `final_spin` has it at the end."""
-        spin = self._whole_motion(self._run.t)[3:].T
-        spin.flags.writeable = False
-        return spin
+        return read_only(self._whole_motion(self._run.t)[3:].T)
 
     @cached_property
     def _at_end(self) -> FloatArray:

@@ -46,12 +46,6 @@ AnyRun = TypeVar("AnyRun", bound="Run")
 # Shown before and after the contact, as a share of its length.
 _MARGIN = 0.1
 
-# Points of a curve: in the shortest period of the models, and in all.
-_PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
-
-# Shown before and after the contact, as shares of its length.
-_BEFORE, _AFTER = 0.1, 0.4
-
 # Elements of a rigid ball's picture, over its radius.
 _SIZE = 0.35
 
@@ -67,18 +61,16 @@ def shown(run: AnyRun, during: During) -> AnyRun:
     InputError
         If `during` is neither a word nor a span within the record.
     """
-    start, end = _span(run, during)
+    start, end = span_of(run, during)
     if run.recorder.dense and run.asked is None:
-        fastest = max(float(body.omega.max(initial=0.0)) for body in run.plan.modal)
-        wanted = _PER_PERIOD * (end - start) * fastest / (2.0 * math.pi)
-        even = np.linspace(start, end, int(np.clip(wanted, _FEWEST, _MOST)))
         own = run.t[(run.t >= start) & (run.t <= end)]
-        return run.at(np.union1d(even, own))
+        return run.at(np.union1d(run.even_times(start, end), own))
     first = max(0, int(np.searchsorted(run.t, start, side="right")) - 1)
     return replace(run, asked=run.t[first : int(np.searchsorted(run.t, end)) + 1])
 
 
-def _span(run: Run, during: During) -> tuple[float, float]:
+def span_of(run: Run, during: During) -> tuple[float, float]:
+    """Return the start and the end of what is drawn, s."""
     if isinstance(during, str):
         word = choice("during", during, ("contact", "record"))
         if word == "record" or run.touching is None:
@@ -293,16 +285,6 @@ def _bodies_named(run: Run, number: int) -> str:
     contact, called = run.plan.contacts[number], run.contact_names[number]
     first, second = (run.plan.body_names[body] for body in (contact.first, contact.second))
     return called if contact.name or not (first and second) else f"{called}: {first} on {second}"
-
-
-def times_of_contact(hit: Result, count: int) -> FloatArray:
-    """Return times from shortly before the first contact to shortly after the last one, s."""
-    if hit.touching is None:
-        return np.linspace(0.0, hit.duration, count)
-    start, end = hit.touching
-    length = end - start
-    first, last = max(0.0, start - _BEFORE * length), min(hit.duration, end + _AFTER * length)
-    return np.linspace(first, last, count)
 
 
 def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArray]:

@@ -383,7 +383,7 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
 def _rebounds(of: Speeds) -> FloatArray:
     """Velocities after contact, m/s; NaN for bodies held at rest, unless all are."""
     still = of.still
-    return np.where(still & ~still.all(axis=0), np.nan, of.after)
+    return np.where(still & ~still.all(axis=0), np.nan, of.after) if still.any() else of.after
 
 
 def _restitution(of: Speeds) -> FloatArray:
@@ -394,7 +394,7 @@ def _restitution(of: Speeds) -> FloatArray:
     came = of.before[first] - of.before[second]
     if not came.all():
         return np.empty(0)
-    after = np.where(of.still, 0.0, of.after)
+    after = np.where(still, 0.0, of.after) if (still := of.still).any() else of.after
     return np.array([(after[second] - after[first]) / came])
 
 

@@ -25,6 +25,7 @@ from ..base import (
     checked,
     finite_array,
     integer,
+    read_only,
     text,
     with_unit,
     write_csv,
@@ -38,11 +39,14 @@ from . import plot as figures
 from .advice import Advice, limits, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
-from .quantities import all_numbers, look_up, number_errors
+from .quantities import QUANTITIES, all_numbers, look_up, number_errors
 from .summary import impact_rows, scene_rows, summary_html, summary_text
 from .table import ROLES, as_dataframe, as_dataset, columns, different
 
 _NOTHING_KNOWN = LeftOut()
+
+# Points of a curve: in the shortest period of the models, and in all.
+_PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
 
 
 @dataclass(frozen=True)
@@ -202,24 +206,27 @@ class Run:
     @cached_property
     def t(self) -> FloatArray:
         """Times [s], shape (n,)."""
-        times = self.recorder.times if self.asked is None else self.asked
-        times.flags.writeable = False
-        return times
+        return read_only(self.recorder.times if self.asked is None else self.asked)
+
+    def even_times(self, start: float, end: float) -> FloatArray:
+        """Return even times, s, that show the vibration of all bodies, as far as memory allows.
+
+        :meta private:
+        """
+        fastest = max((float(of.omega.max(initial=0.0)) for of in self.plan.modal), default=0.0)
+        wanted = _PER_PERIOD * (end - start) * fastest / (2.0 * math.pi)
+        return np.linspace(start, end, int(np.clip(wanted, _FEWEST, _MOST)))
 
     @cached_property
     def _rows(self) -> FloatArray:
-        rows = self.recorder.rows(self.t, self.energies)
-        rows.flags.writeable = False
-        return rows
+        return read_only(self.recorder.rows(self.t, self.energies))
 
     @cached_property
     def forces(self) -> FloatArray:
         """Contact forces, N, shape (contacts, n); made without the motions, which cost more."""
         if "_rows" in self.__dict__:
             return self.plan.layout.forces(self._rows)
-        forces = self.recorder.forces(self.t)
-        forces.flags.writeable = False
-        return forces
+        return read_only(self.recorder.forces(self.t))
 
     @cached_property
     def bodies(self) -> tuple[BodyResult, ...]:
@@ -262,9 +269,12 @@ class Run:
     @property
     def _parted(self) -> float:
         """The end of the last contact, or of the record without any, s; of steps the next one."""
-        end = self.duration if self.touching is None else min(self.touching[1], self.duration)
+        touching, end = self.touching, self.duration
+        end = end if touching is None else min(touching[1], end)
+        if self.recorder.dense:
+            return end
         steps = self.recorder.times
-        return end if self.recorder.dense else float(steps[np.searchsorted(steps, end)])
+        return float(steps[np.searchsorted(steps, end)])
 
     @cached_property
     def _finer(self) -> Run | None:
@@ -285,7 +295,7 @@ class Run:
         """
         known = [body.centre_known for body in self.plan.bodies]
         speeds = self.compared_velocities
-        return speeds if all(known) else np.where(known, speeds, np.nan)
+        return speeds if all(known) else read_only(np.where(known, speeds, np.nan))
 
     @cached_property
     def compared_velocities(self) -> FloatArray:
@@ -296,9 +306,7 @@ class Run:
         :meta private:
         """
         rows = self.recorder.rows(np.array([self._parted]), energies=False)
-        speeds = self.plan.layout.centre_velocities(rows)[:, 0]
-        speeds.flags.writeable = False
-        return speeds
+        return read_only(self.plan.layout.centre_velocities(rows)[:, 0])
 
     @property
     def contacts(self) -> Any:
@@ -665,6 +673,10 @@ class Result(Eventful, Run):
             raise InputError(f"{name}: this impact has no friction; give simulate(..., friction=)")
         return found
 
+    def _number(self, quantity: str) -> float:
+        values = QUANTITIES[quantity].values(self)
+        return float(values[0]) if len(values) else math.nan
+
     @property
     def tangential_restitution(self) -> float:
         """Tangential velocity of the centre of mass after the last contact over that before.
@@ -672,7 +684,7 @@ class Result(Eventful, Run):
         It is that of the projectile past the target, along its first direction; negative where it
         goes back. NaN where `restitution` is, and where it had none.
         """
-        return self.numbers.get("tangential_restitution", math.nan)
+        return self._number("tangential_restitution")
 
     @property
     def projectile(self) -> BodyResult:
@@ -751,7 +763,7 @@ class Result(Eventful, Run):
         NaN without a rebound, if the bodies have not met or the record ends in contact, and where
         the centre of mass is not known (see `BodyResult`).
         """
-        return self.numbers.get("rebound_velocity", math.nan)
+        return self._number("rebound_velocity")
 
     @property
     def restitution(self) -> float:
@@ -761,7 +773,7 @@ class Result(Eventful, Run):
         constrained or of infinite mass. NaN without a rebound, and where a centre of mass
         is not known.
         """
-        return self.numbers.get("restitution", math.nan)
+        return self._number("restitution")
 
     plot = figures.plot
     plot_indentation = figures.plot_indentation
@@ -814,7 +826,8 @@ class Result(Eventful, Run):
         >>> hit.movie("impact.gif", frames=40)  # doctest: +SKIP
         """
         file, speed = movie_path(path, fps)
-        wanted = figures.times_of_contact(self, integer("frames", frames, low=2, high=10_000))
+        count = integer("frames", frames, low=2, high=10_000)
+        wanted = np.linspace(*figures.span_of(self, "contact"), count)
         if times is not None:
             wanted = np.atleast_1d(finite_array("times", times, unit="s"))
         bodies, down = figures.shown_bodies(self, wanted)

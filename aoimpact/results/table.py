@@ -120,11 +120,10 @@ def as_dataset(run: Run, names: Sequence[str] | None) -> Any:
     for kind, owners in called.items():
         for name, unit, meaning in _HISTORIES[kind]:
             rows = [_history(run, kind, number, name) for number in range(len(owners))]
-            known = [row for row in rows if row is not None]
-            if rows and not known:
+            known = next((row for row in rows if row is not None), None)
+            if known is None:
                 continue
-            unknown = np.full_like(known[0], np.nan) if known else np.empty((0, len(run.t)))
-            values = np.array([unknown if row is None else row for row in rows] or unknown)
+            values = np.array([np.full_like(known, np.nan) if of is None else of for of in rows])
             dims = (kind, "time", "axis")[: values.ndim]
             if kind == "run":
                 values, dims = values[0], ("time",)

@@ -303,6 +303,16 @@ def test_the_summary_has_how_far_the_limits_are() -> None:
         assert f"\n  {name} " in repr(hit)
 
 
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+def test_plates_respond_in_three_ways_by_the_ratio_of_masses() -> None:
+    """R. Olsson, Composites A 31, 879 (2000): by waves below 0.2, quasi-statically above 2."""
+    target = star(plate(SOFT, 0.005, BOTH_ENDS))
+    ratios = [0.1, 0.19, 0.21, 1.9, 2.1, 10.0]
+    balls = [ao.rigid(mass=ratio * target.mass) for ratio in ratios]
+    meant = [advised(strike(target, 0.1, projectile=ball))["mass ratio"].meaning for ball in balls]
+    assert meant[0] == meant[1] != meant[2] == meant[3] != meant[4] == meant[5] != meant[0]
+
+
 @pytest.mark.parametrize(("velocity", "within"), [(1e-4, True), (1.0, False)])
 def test_yield_of_a_law_that_yields(velocity: float, within: bool) -> None:
     law = ao.ElasticPlastic.between(STEEL, R, SOFT, math.inf)
