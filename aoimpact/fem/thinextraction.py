@@ -11,7 +11,7 @@ import numpy.typing as npt
 import scipy
 from scipy.sparse.linalg import spsolve
 
-from ..base import FloatArray, IntArray
+from ..base import ROUNDING, FloatArray, IntArray
 from ..linalg import LinearSolver
 from ..mesh import Surface, boundary, sides, taken
 from .beams import Beam
@@ -49,9 +49,6 @@ _NEARLY = 1e-2
 # The mesh about a contact at an edge reaches over so many of its edges: with 4 forces change by
 # less than 0.5 %. It is halved so many times at most, and once more; the logarithm has the rest.
 _ABOUT, _MOST = 2.0, 3
-
-# Rounding of shares of a force.
-_SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -127,7 +124,7 @@ def extracted_from_shell(
     cosine = float(tip.direction @ normal)
     forces = tip.forces / cosine
     own = _pressed(body.surface, tip)
-    whole = np.abs(body.on_dofs(own) - tip.b / cosine).max() <= _SAME
+    whole = np.abs(body.on_dofs(own) - tip.b / cosine).max() <= ROUNDING
     if whole:  # supports hold a part of it in the body
         forces = own
     shares, couples = forces[0] @ normal, forces[1]
@@ -145,7 +142,8 @@ def extracted_from_shell(
     excess = [plate_compliance(layers, wide, each) for each in several] - of_layers
     at_edge = bool((rim_nodes(groups, mesh.n_nodes) & loaded).any())
     if at_edge and whole:
-        about = (away < _ABOUT * edge)[mesh.cells].any(axis=1)
+        close = away < _ABOUT * edge
+        about = np.concatenate([part.numbers[close[part.cells].any(axis=1)] for part in parts])
         found, error = _at_rim(tip, edge / layers.total_thickness, about, several)
     else:
         found = mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, several, couples)
@@ -178,7 +176,7 @@ def _pressed(surface: Surface, tip: Any) -> FloatArray:
 
 
 def _at_rim(
-    tip: Any, thicknesses: float, about: npt.NDArray[np.bool_], several: FloatArray
+    tip: Any, thicknesses: float, about: IntArray, several: FloatArray
 ) -> tuple[FloatArray, float]:
     """Return what the mesh yields more than plates where a surface ends, and its error, m/N.
 
@@ -192,12 +190,12 @@ def _at_rim(
     tip : ContactPoint
     thicknesses : float
         Edge of the elements over t.
-    about : ndarray of bool, shape (n_cells,)
-        The elements about the contact.
+    about : ndarray of int
+        The elements of shells about the contact.
     several : ndarray, shape (n,)
         Frequencies, rad/s.
     """
-    body, cells, found = tip.body, np.flatnonzero(about), []
+    body, cells, found = tip.body, np.sort(about), []
     held = np.hstack(list(body.at_nodes(np.ones(body.n_dofs)) == 0.0)).astype(np.float64)
     held = held[np.unique(body.mesh.cells[cells])]
     local, of = taken(body.mesh, cells), taken_material(body.material, cells)
@@ -208,7 +206,7 @@ def _at_rim(
             of, held = taken_material(of, np.repeat(np.arange(local.n_cells // 4), 4)), mean @ held
         shells = [(part.cells, part.of) for part in pieces(local, of, Layers)]
         K, M = thin_stiffness_mass(local.nodes, shells)
-        free = np.flatnonzero(held.ravel() < 1.0 - _SAME)
+        free = np.flatnonzero(held.ravel() < 1.0 - ROUNDING)
         b = np.hstack(list(_pressed(boundary(local), tip))).ravel()[free]
         found.append([b @ spsolve((K + s * s * M)[free][:, free].tocsc(), b) for s in several])
     coarse, fine, finer = np.array(found)[[0, -2, -1]]

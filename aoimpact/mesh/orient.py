@@ -39,8 +39,7 @@ def against_neighbours(
         np.concatenate([np.full(len(g), g.shape[1]) for g in groups]),
     )
     n = int(owner[-1]) + 1
-    none = np.zeros((2, 0), dtype=np.int64)
-    one, other = np.hstack([none, *map(np.stack, pairs(number))])
+    one, other = np.hstack([np.stack(some) for some in pairs(number)])
     # Collapsed elements go on nowhere.
     straight = dot(away[one], away[other]) < -SHARP * size[one] * size[other]
     some = (np.bincount(number)[number[one]] == 2) | straight
@@ -91,7 +90,7 @@ def sides(
 def pairs(key: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
     """Yield all pairs of entries with the same key, in both orders, in arrays without repeats."""
     order = np.argsort(key, kind="stable")
-    for step in range(1, int(np.bincount(key).max())):
+    for step in range(1, max(2, int(np.bincount(key).max()))):  # at least an empty one
         first = np.flatnonzero(key[order[step:]] == key[order[:-step]])
         yield order[first], order[first + step]
         yield order[first + step], order[first]
