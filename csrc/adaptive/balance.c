@@ -15,6 +15,7 @@
 #include "collocation/collocation.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Shares of the contact time. A sudden change is an implicit step of length SUDDEN: over it indentations stay, but where a
  * dashpot vanishes at the touch. There a force falls from the whole load like the square root of time, and what falls
@@ -105,9 +106,7 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
                                          .last_indentation = from,
                                          .rate = contact->start_rate};
     run->balanced[count].contact = c;
-    for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
-        run->balanced[count].memory[i] = contact->memory[i];
-    }
+    memcpy(run->balanced[count].memory, contact->memory, sizeof contact->memory);
     return count + 1;
 }
 

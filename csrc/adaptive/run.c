@@ -375,11 +375,8 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
     aoi_pair_now(run, c, &pair);
     pair.gap += aoi_law_rest(of->law, contact->memory) + contact->slack;
     for (int side = 0; side < 2; side++) {
-        const size_t b = of->body[side], n = system->body[b].n, first = system->first[b];
-        for (size_t j = 0; j < n; j++) {
-            copy[j] = run->x[first + j];
-            copy[n + j] = run->v[first + j];
-        }
+        const size_t b = of->body[side], n = system->body[b].n;
+        aoi_body_copy(run, b, copy);
         aoi_modes_advance(&system->body[b], run->body[b].time, now, copy, copy + n);
         pair.x[side] = copy;
         pair.v[side] = copy + n;
@@ -402,17 +399,10 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
 /* Sets the states of a contact's two bodies to those that look_ahead computed for the present time. */
 static void land(aoi_adaptive *run, size_t c, const double *copy)
 {
-    const aoi_system *system = run->system;
     for (int side = 0; side < 2; side++) {
-        const size_t b = system->contact[c].body[side];
-        const size_t n = system->body[b].n, first = system->first[b];
-        aoi_body_account(run, b, aoi_run_now(run), copy, copy + n);
-        for (size_t j = 0; j < n; j++) {
-            run->x[first + j] = copy[j];
-            run->v[first + j] = copy[n + j];
-        }
-        run->body[b].time = aoi_run_now(run);
-        copy += 2 * n;
+        const size_t b = run->system->contact[c].body[side];
+        aoi_body_take(run, b, copy);
+        copy += 2 * run->system->body[b].n;
     }
 }
 

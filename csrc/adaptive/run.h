@@ -239,11 +239,12 @@ void aoi_contact_close(aoi_adaptive *run, size_t c);
 /* Opens a closed contact. */
 void aoi_contact_open(aoi_adaptive *run, size_t c);
 
-/* Adds the work and the losses of a body's free motion up to a time and a state to its ledger. */
-void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x, const double *v);
-
 /* Lists a body among those that go into the next row. */
 void aoi_body_note_change(aoi_adaptive *run, size_t b);
+
+/* Copies the state of a body: x, then v; and takes one that has become its state at the present time. */
+void aoi_body_copy(const aoi_adaptive *run, size_t b, double *state);
+void aoi_body_take(aoi_adaptive *run, size_t b, const double *state);
 
 /* Advances a body in free motion to the present time. */
 void aoi_body_bring(aoi_adaptive *run, size_t b);

@@ -11,6 +11,7 @@
 #include "collocation/collocation.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Place of the force's largest maximum in the step: that of the indentation, or, for a rate-dependent law, of the
  * polynomial through its forces at the nodes. At an edge that is not the step's own, which is the nearest in the mean
@@ -45,17 +46,14 @@ static void note_rubbing_peak(aoi_adaptive *run, const aoi_contact_step *entry, 
 static void note_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h)
 {
     const aoi_law *law = aoi_step_law(run, entry);
-    double rates[AOI_NODES + 1] = {entry->start_rate}, by_rate[AOI_NODES + 1], slope, rate = 0.0;
+    double by_rate[AOI_NODES + 1], slope, rate = 0.0;
     aoi_law_value value;
     if (!aoi_step_may_peak(&run->contact[entry->contact], entry)) {
         return;
     }
     const double place = top_of(law, entry);
     if (law->depends_on_rate) {
-        for (size_t i = 0; i < AOI_NODES; i++) {
-            rates[i + 1] = entry->rate[i];
-        }
-        aoi_legendre_fit(rates, by_rate); /* the slope of the indentation's series would lose digits */
+        aoi_legendre_fit(entry->start_rate, entry->rate, by_rate); /* the slope of the indentation's series would lose digits */
         rate = aoi_legendre_evaluate(AOI_NODES + 1, by_rate, place, &slope);
     }
     if (place < 1.0) {
@@ -77,9 +75,8 @@ static void move_body(aoi_adaptive *run, size_t b, double h)
     const double now = aoi_run_now(run);
     double *before = run->free_state[0], work, dissipated;
     const int booked = aoi_body_has_ledger(body);
-    for (size_t j = 0; booked && j < body->n; j++) {
-        before[j] = x[j];
-        before[body->n + j] = v[j];
+    if (booked) {
+        aoi_body_copy(run, b, before);
     }
     aoi_response_propagate(&run->response[b], body, now, force, x, v);
     if (booked) {
@@ -174,9 +171,7 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
     }
     contact->impulse_scale = fmax(contact->impulse_scale, contact->since_touch);
     contact->indentation_scale = fmax(contact->indentation_scale, largest);
-    for (size_t i = 0; i <= AOI_NODES; i++) {
-        contact->last[i] = entry->legendre[i];
-    }
+    memcpy(contact->last, entry->legendre, sizeof contact->last);
     contact->last_length = h;
     contact->begins = 0;
     contact->start = entry->indentation[end];

@@ -30,7 +30,7 @@ static int falls_below(const double *values, double tolerance, double *place)
     }
     *place = 1.0;
     if (early || values[AOI_NODES] < -tolerance) {
-        aoi_legendre_fit(values, coefficient);
+        aoi_legendre_fit(values[0], values + 1, coefficient);
         (void)aoi_legendre_falls(values, coefficient, -0.5 * tolerance, place);
     }
     return 1;
@@ -70,7 +70,7 @@ static void leaves(const double *values, double tolerance, int kind, aoi_adaptiv
     if (contact->event == kind || !(attempt->growth >= 1.0) || !may_dip(values, tolerance)) {
         return;
     }
-    aoi_legendre_fit(values, coefficient);
+    aoi_legendre_fit(values[0], values + 1, coefficient);
     if (aoi_legendre_dips(coefficient, -tolerance, -0.5 * tolerance, &place)) {
         aoi_step_note_event(place, kind, contact, attempt);
     }

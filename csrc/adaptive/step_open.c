@@ -82,10 +82,7 @@ static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_free_pair *pair
     for (int side = 0; side < 2; side++) {
         const size_t b = of->body[side], n = run->system->body[b].n;
         const double sign = side == 0 ? 1.0 : -1.0;
-        for (size_t j = 0; j < n; j++) {
-            copy[j] = pair->x[side][j];
-            copy[n + j] = pair->v[side][j];
-        }
+        aoi_body_copy(run, b, copy);
         pair->x[side] = copy;
         pair->v[side] = copy + n;
         copy += 2 * n;

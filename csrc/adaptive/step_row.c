@@ -9,15 +9,11 @@
 
 static size_t write_body(const aoi_adaptive *run, size_t b, double *row)
 {
-    const size_t n = run->system->body[b].n, first = run->system->first[b];
     row[AOI_TRACK_BODY] = (double)b;
     row[AOI_TRACK_BODY_WORK] = run->body[b].work;
     row[AOI_TRACK_BODY_LOST] = run->body[b].dissipated;
-    for (size_t j = 0; j < n; j++) {
-        row[AOI_TRACK_STATE + j] = run->x[first + j];
-        row[AOI_TRACK_STATE + n + j] = run->v[first + j];
-    }
-    return AOI_TRACK_STATE + 2 * n;
+    aoi_body_copy(run, b, row + AOI_TRACK_STATE);
+    return AOI_TRACK_STATE + 2 * run->system->body[b].n;
 }
 
 static void write_contact(const aoi_adaptive_contact *contact, const aoi_contact_step *entry, double *of)
@@ -32,15 +28,9 @@ static void write_contact(const aoi_adaptive_contact *contact, const aoi_contact
     of[AOI_TRACK_LOST] = 0.0;
     of[AOI_TRACK_RATE] = contact->touch_rate;
     of[AOI_TRACK_START_FORCE] = contact->force;
-    for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
-        of[AOI_TRACK_MEMORY + i] = contact->memory[i];
-    }
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        of[AOI_TRACK_FORCE + i] = entry->force[i];
-    }
-    for (size_t i = 0; i <= AOI_NODES; i++) {
-        of[AOI_TRACK_INDENTATION + i] = entry->legendre[i];
-    }
+    memcpy(of + AOI_TRACK_MEMORY, contact->memory, sizeof contact->memory);
+    memcpy(of + AOI_TRACK_FORCE, entry->force, sizeof entry->force);
+    memcpy(of + AOI_TRACK_INDENTATION, entry->legendre, sizeof entry->legendre);
 }
 
 /* Behind a contact with friction, whose three entries these are, at the end of the step. */

@@ -346,7 +346,7 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
                               aoi_contact_step *entry, aoi_collocation_error *error)
 {
     const aoi_contact *contact = &system->contact[entry->contact];
-    double values[AOI_NODES + 1] = {entry->start}, answer[AOI_NODES];
+    double answer[AOI_NODES];
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
     impulse_responses(response, contact, entry->axis, answer);
     if (entry->sliding) { /* as aoi_sliding_check has found */
@@ -356,10 +356,7 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
         (entry->edge == AOI_EDGE_NONE ? find_beyond : find_beyond_edge)(contact->law, entry, beyond);
         add_errors(entry, h, beyond, answer, error);
     }
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        values[i + 1] = entry->indentation[i];
-    }
-    aoi_legendre_fit(values, entry->legendre);
+    aoi_legendre_fit(entry->start, entry->indentation, entry->legendre);
     const double *c = entry->legendre;
     /* A term may vanish by symmetry: its neighbour counts a fifth. */
     const double last = fabs(c[AOI_NODES]) + 0.2 * fabs(c[AOI_NODES - 1]);

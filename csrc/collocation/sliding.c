@@ -33,9 +33,7 @@ static motion motion_of(const aoi_contact_step *entry)
 {
     motion made;
     for (size_t i = 0; i < 3; i++) {
-        double values[AOI_NODES + 1] = {entry[i].start};
-        memcpy(values + 1, entry[i].indentation, sizeof entry[i].indentation);
-        aoi_legendre_fit(values, made.series[i]);
+        aoi_legendre_fit(entry[i].start, entry[i].indentation, made.series[i]);
     }
     return made;
 }

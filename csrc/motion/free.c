@@ -12,7 +12,7 @@ void aoi_forced_fit(double from, double length, const double *values, aoi_forced
     forced->from = from;
     forced->length = length;
     forced->bend = 0.0;
-    aoi_legendre_fit(values, forced->series[0]);
+    aoi_legendre_fit(values[0], values + 1, forced->series[0]);
     for (size_t d = 1; d <= AOI_DERIVATIVES; d++) {
         aoi_legendre_derive(AOI_NODES + 1, forced->series[d - 1], forced->series[d]);
         for (size_t k = 0; k <= AOI_NODES; k++) {

@@ -94,10 +94,9 @@ void aoi_nodes_slopes_at_start(const double *nodes, double *slopes)
     }
 }
 
-void aoi_legendre_fit(const double *values, double *coefficient)
+void aoi_legendre_fit(double start, const double *nodes, double *coefficient)
 {
-    const double start = values[0];
-    aoi_nodes_to_legendre(values + 1, coefficient);
+    aoi_nodes_to_legendre(nodes, coefficient);
     coefficient[AOI_NODES] = 0.5 * (start - aoi_legendre_at_start(coefficient));
     coefficient[AOI_NODES - 1] -= coefficient[AOI_NODES]; /* P_8 - P_7 is 0 at the nodes, and 2 at the start */
 }

@@ -25,8 +25,8 @@ static inline double aoi_legendre_at_start(const double *coefficient)
 /* Coefficients of the derivative; count of both, in place, too. */
 void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative);
 
-/* Coefficients from the values at the start and the nodes (AOI_NODES + 1 in, as many out). */
-void aoi_legendre_fit(const double *values, double *coefficient);
+/* AOI_NODES + 1 coefficients from the values at the start and the nodes. */
+void aoi_legendre_fit(double start, const double *nodes, double *coefficient);
 
 /* Legendre coefficients of the polynomial through the nodes. */
 void aoi_nodes_to_legendre(const double *nodes, double *legendre);

@@ -63,7 +63,7 @@ static void a_fit_gives_its_polynomial_back(void)
         for (size_t i = 0; i < AOI_NODES; i++) {
             values[i + 1] = aoi_legendre_evaluate(COUNT, c, aoi_radau_node[i], &slope);
         }
-        aoi_legendre_fit(values, fitted);
+        aoi_legendre_fit(values[0], values + 1, fitted);
         for (int k = 0; k < COUNT; k++) {
             CHECK(fabs(fitted[k] - c[k]) < 2e-14, "coefficient %d: %g, not %g", k, fitted[k], c[k]);
         }
@@ -77,7 +77,7 @@ static void fit(double (*f)(double), double *values, double *coefficient)
     for (size_t i = 0; i < AOI_NODES; i++) {
         values[i + 1] = f(aoi_radau_node[i]);
     }
-    aoi_legendre_fit(values, coefficient);
+    aoi_legendre_fit(values[0], values + 1, coefficient);
 }
 
 static double parabola(double x) { return (x + 0.1) * (0.7 - x); } /* top at 0.3, zero at 0.7 */
@@ -152,7 +152,7 @@ static void no_top_lies_hidden_between_nodes(void)
         for (size_t k = 0; k < AOI_NODES; k++) {
             values[k + 1] = cos(turns * aoi_radau_node[k] + phase) + rise * aoi_radau_node[k];
         }
-        aoi_legendre_fit(values, c);
+        aoi_legendre_fit(values[0], values + 1, c);
         for (int at = 1; at < 1000; at++) {
             double before, here;
             (void)aoi_legendre_evaluate(COUNT, c, 1e-3 * (at - 1), &before);
