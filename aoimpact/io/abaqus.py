@@ -210,15 +210,13 @@ class AbaqusDeck:
     Attributes
     ----------
     cards : list of Keyword
-    instances : mapping of str to list of (str, ndarray)
-        By part, the beginning of the names of its sets in the mesh, such as "Bar-1.", and the
-        matrix by which the instance is turned.
+    whole : Scope
     blocks : list of _Elements
         The blocks of the mesh.
     """
 
     cards: list[Keyword]
-    instances: dict[str, list[tuple[str, FloatArray]]]
+    whole: Scope
     blocks: list[_Elements]
 
     @property
@@ -273,10 +271,11 @@ class AbaqusDeck:
             if not addition and card.name not in _SECTIONS:
                 continue
             elset = card.options.get("ELSET", elset if addition else "")
-            for before, turn in self.instances.get(card.part, []):
-                name = groups.get(key(before + elset), "")
+            for scope in self.whole.placed_as(card.part):
+                of = f"{scope.name}.{elset}" if scope.name else elset
+                name = groups.get(key(of), "")
                 if name not in source.raw.cell_sets:
-                    raise card.error(f"there is no ELSET {before + elset!r}")
+                    raise card.error(f"there is no ELSET {of!r}")
                 members = source.raw.cell_sets[name]
                 of_set = None, dims[members].max(initial=0), ""
                 read, dim, options = _SECTIONS.get(card.name, of_set)
@@ -286,7 +285,7 @@ class AbaqusDeck:
                 given = source.instead(name, dim)
                 if read is None and given is None:
                     raise card.error(
-                        f"it is not supported; take it into the section of {before + elset} by "
+                        f"it is not supported; take it into the section of {of} by "
                         "read_sections(given=), or delete it"
                     )
                 if read is None:
@@ -297,7 +296,7 @@ class AbaqusDeck:
                 if given is None:
                     card.check_options("ELSET", "MATERIAL", "CONTROLS", *options.split())
                     with refusing(card.error):
-                        given = read(_Section(source, self, card, turn, own))
+                        given = read(_Section(source, self, card, scope.turn, own))
                 found[name] = given
         for dim in np.unique(bare[bare > 0]).tolist():
             first, *more = np.flatnonzero(bare == dim).tolist()
@@ -378,29 +377,27 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
         whole.inner[name] = scope.read().placed(instance, whole.first)
         whole.first = whole.inner[name].behind()
     whole.read()
-    bodies = [*whole.inner.values()] or [whole]
-    every = list(whole.blocks())
-    blocks = [block for block, *_ in every]
-    types = np.array([block.type for block in blocks], dtype=str)
-    dims = np.array([block.dim for block in blocks], dtype=int)
+    every, bodies = list(whole.blocks()), [*whole.inner.values()] or [whole]
+    deck = AbaqusDeck(cards, whole, [block for block, *_ in every])
     # In a body of shells and beams nothing else with a shape is part of it.
-    kept = (dims > 0) | (dims == 3).any()
-    kinds = [block.kind if own else "" for block, own in zip(blocks, kept.tolist(), strict=True)]
-    unread = np.array([not kind for kind in kinds], dtype=bool)
+    solid = any(block.dim == 3 for block in deck.blocks)
+    kinds = [block.kind if block.dim or solid else "" for block in deck.blocks]
+    sizes = [len(block.labels) for block in deck.blocks]
+    dims, types, unread = (
+        np.repeat(np.array(of, kind), sizes)
+        for of, kind in (
+            ([block.dim for block in deck.blocks], int),
+            ([block.type for block in deck.blocks], str),
+            ([not kind for kind in kinds], bool),
+        )
+    )
     node_sets, cell_sets = _named(whole)
-    sizes = [len(block.labels) for block in blocks]
-    of = np.repeat(np.arange(len(blocks)), sizes)
-    of_bodies, left_out = {body.name for body in bodies}, {}
-    for name, members in cell_sets.items():
-        own = of[members]
+    left_out = {}
+    for name, own in cell_sets.items():
         others = own[dims[own] != 3 if (dims[own] == 3).any() else unread[own]]
-        if len(others) and name not in of_bodies:
+        if len(others) and name not in {body.name for body in bodies}:
             left_out[name] = raw.listed(types[others].tolist())
-    turned = {"": [("", np.eye(3))]}
-    for scope in whole.inner.values():
-        turned.setdefault(scope.part, []).append((f"{scope.name}.", scope.turn))
-    deck = AbaqusDeck(cards, turned, blocks)
-    _warn(file, whole, deck, types[~unread].tolist())
+    _warn(file, deck, {of.type for of, kind in zip(deck.blocks, kinds, strict=True) if kind})
     places = np.concatenate([body.places for body in bodies])
     return raw.RawMesh(
         places,
@@ -439,10 +436,9 @@ def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
     return found["NSET"], found["ELSET"]
 
 
-def _warn(file: Path, whole: Scope, deck: AbaqusDeck, shown: list[str]) -> None:
+def _warn(file: Path, deck: AbaqusDeck, shown: set[str]) -> None:
     """Name in one warning the contents of the deck that are not in the mesh."""
-    said = []
-    counts = deck.counts
+    said, counts, whole = list[str](), deck.counts, deck.whole
     solids = any(name.startswith("C3D") for name in counts)
     # No model has plane elements beside solids: a mesher wrote sides, and edges as trusses.
     edges = "|T3D" if any(re.match(_SIDES, name) for name in counts) else ""
@@ -450,20 +446,14 @@ def _warn(file: Path, whole: Scope, deck: AbaqusDeck, shown: list[str]) -> None:
     rest = {name: count for name, count in counts.items() if not solid.match(name)}
     unread = {name: count for name, count in rest.items() if name not in shown}
     if names := [f"*{card.name}" for card in deck.cards if _kind(card.name) == "connection"]:
-        said.append(
-            "connections between nodes were left out, and the body is computed without them: "
-            + raw.listed(names)
-        )
+        without = "were left out, and the body is computed without them"
+        said.append(f"connections between nodes {without}: {raw.listed(names)}")
     if changes := sum(card.name == "MODELCHANGE" for card in deck.cards):
         said.append(f"{changes} *MODEL CHANGE were left out: the body has all elements")
-    if solids and rest != unread:
-        said.append(
-            "elements that are no solids are not part of the body, unless their groups are named "
-            f"as shells and beams: {raw.listed(rest)}"
-        )
-    elif unread:
+    if others := raw.listed(rest if solids else unread):
         what = "no solids" if solids else "no solids, shells or beams"
-        said.append(f"elements that are {what} are not part of the body: {raw.listed(unread)}")
+        unless = ", unless their groups are named as shells and beams" * (rest != unread)
+        said.append(f"elements that are {what} are not part of the body{unless}: {others}")
     used = {scope.part for scope in whole.inner.values()}
     if unused := [part.name for at, part in whole.parts.items() if at not in used]:
         said.append(f"parts without an instance are left out: {', '.join(unused)}")
@@ -600,6 +590,10 @@ class Scope:
         new.name, new.part, new.first, new._found = of.name, of.part, first, {}
         new.places, new.turn = places[:-4], (places[-3:] - places[-4]).T
         return new
+
+    def placed_as(self, part: str) -> list[Scope]:
+        """Return the instances of a part; itself for what belongs to none."""
+        return [one for one in self.inner.values() if one.part == part] if part else [self]
 
     def behind(self) -> dict[Which, int]:
         """Return the numbers, as `first`, that follow those of its nodes and elements."""
@@ -963,7 +957,7 @@ class _Section:
 
     def differs(self, of: str, other: str, cure: str) -> None:
         """Say what CalculiX takes otherwise, if the deck may be for it."""
-        if len(self.deck.instances) == 1:  # CalculiX has no parts
+        if not self.deck.whole.inner:  # CalculiX has no parts
             self.source.left_out.append(f"{of} as in Abaqus; {other} ({cure})")
 
     def axes(self, name: str) -> tuple[FloatArray, int]:

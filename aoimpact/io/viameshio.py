@@ -17,31 +17,21 @@ from ..base import IntArray, MeshError, warn
 from ..mesh import meshio_of_all_kinds
 from .raw import DIMENSIONS, RawBlock, RawMesh, check_count, grouped
 
-# meshio's formats by the end of a file's name.
-_FORMATS = {
-    ".avs": "avsucd",
-    ".dato": "permas",
-    ".mesh": "medit",
-    ".meshb": "medit",
-    ".post": "permas",
-    ".su2": "su2",
-    ".ugrid": "ugrid",
-    ".xdmf": "xdmf",
-    ".xmf": "xdmf",
-    ".xml": "dolfin-xml",
-}
-
-# The numbers of nodes and of cells that a text of a format announces; several add up.
-_ANNOUNCED = {
-    "avsucd": (r"\A(?:#.*\n)*\s*(\d+)", r"\A(?:#.*\n)*\s*\d+\s+(\d+)"),
-    "dolfin-xml": (r'<vertices\s+size="(\d+)"', r'<cells\s+size="(\d+)"'),
+# meshio's formats: the ends of their files' names, and what announces the numbers of nodes and of
+# cells in a text of theirs; several add up.
+_FORMATS: dict[str, tuple[str, ...]] = {
+    "avsucd": (".avs", r"\A(?:#.*\n)*\s*(\d+)", r"\A(?:#.*\n)*\s*\d+\s+(\d+)"),
+    "dolfin-xml": (".xml", r'<vertices\s+size="(\d+)"', r'<cells\s+size="(\d+)"'),
     "medit": (
+        ".mesh .meshb",
         r"\bVertices\s+(\d+)",
         r"\b(?:Edges|Triangles|Quadrilaterals|Tetrahedra|Hexah?edra|Prisms|Pyramids)\s+(\d+)",
     ),
-    "su2": (r"\bNPOIN\s*=\s*(\d+)", r"\b(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)"),
-    "ugrid": (r"\A\s*(\d+)", r"\A\s*\d+" + 6 * r"\s+(\d+)"),
+    "permas": (".dato .post",),
+    "su2": (".su2", r"\bNPOIN\s*=\s*(\d+)", r"\b(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)"),
+    "ugrid": (".ugrid", r"\A\s*(\d+)", r"\A\s*\d+" + 6 * r"\s+(\d+)"),
     "xdmf": (
+        ".xdmf .xmf",
         r'<Geometry[^>]*>\s*<DataItem[^>]*Dimensions="(\d+)',
         r'<Topology[^>]*NumberOfElements="(\d+)"',
     ),
@@ -71,14 +61,15 @@ def read(file: Path) -> RawMesh:
     AOImpactWarning
         If meshio warns, or if the file announces no numbers.
     """
-    where, name = f"mesh file {str(file)!r}", _FORMATS.get(file.suffix.lower())
+    where, suffix = f"mesh file {str(file)!r}", file.suffix.lower()
+    name = next((name for name, (ends, *_) in _FORMATS.items() if suffix in ends.split()), None)
     if name is None:
         kind = f"files {file.suffix}" if file.suffix else "files without a suffix"
         raise MeshError(f"{where}: {kind} are not read; write .msh or .vtu")
     content = file.read_bytes()
     text = "" if b"\0" in content else content.decode("latin-1")
     announced = []
-    for pattern in _ANNOUNCED.get(name, ()) if text else ():
+    for pattern in _FORMATS[name][1:] if text else ():
         found = [match.groups() for match in re.finditer(pattern, text)]
         announced.append(sum(int(count[:19]) for counts in found for count in counts))
         if not found or announced[-1] > len(content):

@@ -36,12 +36,8 @@ _WITHOUT_VOLUME = (0, 2, 4, 6, 7, 30, 34, 35, 36, 51, 60, 61, 62, 68, 69, 70, 75
 # Pixels and voxels go along the axes, quadrilaterals and hexahedra around.
 _ORDERS = {8: (0, 1, 3, 2), 11: (0, 1, 3, 2, 4, 5, 7, 6)}
 
-# NumPy's types by the names in XML and in legacy files.
-_XML_TYPES = {
-    **{f"Int{8 * size}": f"i{size}" for size in (1, 2, 4, 8)},
-    **{f"UInt{8 * size}": f"u{size}" for size in (1, 2, 4, 8)},
-    **{f"Float{8 * size}": f"f{size}" for size in (4, 8)},
-}
+# Types of numbers in XML, which are NumPy's but for capitals, and NumPy's by those of legacy files.
+_XML_TYPES = re.compile("U?Int(8|16|32|64)|Float(32|64)")
 _LEGACY_TYPES = {
     **{"char": "i1", "short": "i2", "int": "i4", "long": "i8", "vtktypeint64": "i8"},
     **{"unsigned_char": "u1", "unsigned_short": "u2", "unsigned_int": "u4", "unsigned_long": "u8"},
@@ -258,18 +254,20 @@ class _Arrays:
 
     def __init__(self, root: ElementTree.Element, appended: bytes, *, raw: bool) -> None:
         self.order = ">" if root.get("byte_order") == "BigEndian" else "<"
-        header = _XML_TYPES.get(root.get("header_type", "UInt32"), "u4")
-        self.header = np.dtype(self.order + header)
+        self.header = self.type(root.get("header_type", "UInt32"))
         self.appended, self.raw = appended, raw
         compressor = root.get("compressor", "")
         if compressor not in _COMPRESSORS:
             raise ValueError(f"{compressor} is not read; save it with zlib")
         self.decompress = _COMPRESSORS[compressor]
 
+    def type(self, name: str) -> np.dtype[Any]:
+        if not _XML_TYPES.fullmatch(name):
+            raise ValueError(f"data of type {name!r} are not read")
+        return np.dtype(self.order + np.dtype(name.lower()).str[1:])
+
     def of(self, array: ElementTree.Element) -> Any:
-        type_ = array.get("type", "")
-        if type_ not in _XML_TYPES:
-            raise ValueError(f"data of type {type_!r} are not read")
+        dtype = self.type(array.get("type", ""))
         text = (array.text or "").encode("latin-1", "replace")
         match array.get("format", "ascii"):
             case "ascii":
@@ -281,7 +279,6 @@ class _Arrays:
                 content = tail if self.raw else _base64(tail)
             case other:
                 raise ValueError(f"data of format {other!r} are not read")
-        dtype = np.dtype(self.order + _XML_TYPES[type_])
         size = self.header.itemsize
         count = int(_from_bytes(content, self.header, 1)[0])  # of bytes, or of blocks
         if self.decompress is None:
