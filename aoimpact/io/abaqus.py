@@ -1057,12 +1057,10 @@ class _Section:
             if isinstance(own, Orthotropic) and _is_name(turned):
                 angle = self.angle(turned, self.along(axis))
             plies.append(Ply(length * self.source.length, own, angle))
-        if "SYMMETRIC" in options:
-            plies += plies[::-1]
-        total = sum(ply.thickness for ply in plies)
         text = key(options.get("OFFSET", "0"))
         (nodes,) = card.reals(0, [{"SPOS": "0.5", "SNEG": "-0.5"}.get(text, text)])
-        return layered(plies, lambda: tuple(self.along(axis).tolist()), 0.0 - nodes * total)
+        symmetric = "SYMMETRIC" in options
+        return layered(plies, lambda: self.along(axis), 0.0, -nodes, symmetric=symmetric)
 
     def beam(self) -> OneMaterial:
         """Return a beam; its z axis is the section's axis 1, and y is against axis 2."""

@@ -262,12 +262,9 @@ def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
     files: list[Path] = []
     wanted = []
     for role, given in (("K", K), ("M", M)):
-        if isinstance(given, tuple):
-            if len(given) != 2 or not isinstance(given[1], str):
-                raise InputTypeError(f"{role} must be a path, or (path, name of the matrix)")
-            given, name = given
-        else:
-            name = ""
+        if isinstance(given, tuple) and (len(given) != 2 or not isinstance(given[1], str)):
+            raise InputTypeError(f"{role} must be a path, or (path, name of the matrix)")
+        given, name = given if isinstance(given, tuple) else (given, "")
         files.append(files[0] if given is None and files else file_path(role, given))
         wanted.append(name.strip().upper())
     read = {}

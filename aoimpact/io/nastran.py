@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -332,14 +333,9 @@ def _make_right_handed(nodes: FloatArray, block: RawBlock) -> None:
 # --------------------------------------------------------------- nodes and coordinate systems
 
 
-class _Definition(NamedTuple):
-    """A system as its entry gives it: by labels of nodes, or by points in another system."""
-
-    error: Callable[[str], MeshError]
-    kind: str
-    nodes: list[int]
-    reference: int
-    points: list[float]
+# A system as its entry gives it: kind, three nodes or the system of three points, and these; and
+# the error of the entry.
+_Definition = tuple[tuple[str, tuple[int, ...], tuple[float, ...]], Callable[[str], MeshError]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -412,16 +408,18 @@ class Grids:
             return self._known[label]
         if label not in self.definitions or label in self._open or len(self._open) > _DEEPEST:
             raise error(f"coordinate system {label} is not defined (CORD1x, CORD2x), or by itself")
-        own_error, kind, nodes, reference, given = self.definitions[label]
+        (kind, of, given), own_error = self.definitions[label]
         self._open.append(label)
-        if nodes:
-            rows = rows_of(self.labels, np.array(nodes)).tolist()
-            for node in [node for node, at in zip(nodes, rows, strict=True) if at < 0][:1]:
-                raise own_error(f"node {node} is not there")
-            own = [self.axes(int(self.systems[at]), own_error) for at in rows]
-            points = [of.basic(self.x[at : at + 1])[0] for of, at in zip(own, rows, strict=True)]
+        if given:
+            points = self.axes(of[0], own_error).basic(np.reshape(given, (3, 3)))
         else:
-            points = list(self.axes(reference, own_error).basic(np.reshape(given, (3, 3))))
+            rows = rows_of(self.labels, np.array(of))
+            if (rows < 0).any():
+                raise own_error(f"node {of[int(np.argmin(rows))]} is not there")
+            own = [self.axes(int(system), own_error) for system in self.systems[rows]]
+            points = np.concatenate(
+                [a.basic(x[None]) for a, x in zip(own, self.x[rows], strict=True)]
+            )
         self._open.remove(label)
         ends = points[1] - points[0], points[2] - points[0]
         axes = triad(*ends, own_error)[[1, 2, 0]]  # z, and a point in the plane of x
@@ -431,20 +429,14 @@ class Grids:
 def _definitions(bulk: BulkData) -> dict[int, _Definition]:
     """Return the coordinate systems of a deck: CORD1x by three nodes, CORD2x by three points."""
     found: dict[int, _Definition] = {}
-
-    def add(table: Table, row: int, label: int, *more: Any) -> None:
-        one = _Definition(partial(table.refused, row), *more)
-        if label < 1 or found.setdefault(label, one)[1:] != one[1:]:
-            raise one.error(f"coordinate system {label} is there twice, or not > 0")
-
-    for kind in "RCS":
-        table = bulk.table(**{f"CORD1{kind}": 8})
-        for row, (label, *nodes) in enumerate(table.integers(0, 4).tolist()):
-            add(table, row, label, kind, nodes, 0, [])
-        table = bulk.table(**{f"CORD2{kind}": 11})
-        labels, points = table.integers(0, 2).tolist(), table.reals(2, 9).tolist()
-        for row, (label, reference) in enumerate(labels):
-            add(table, row, label, kind, [], reference, points[row])
+    for kind, (entry, most) in product("RCS", (("CORD1", 8), ("CORD2", 11))):
+        table = bulk.table(**{entry + kind: most})
+        numbers = table.integers(0, 4 if most == 8 else 2).tolist()
+        points = table.reals(2, 9 if most == 11 else 0).tolist()
+        for row, (label, *of) in enumerate(numbers):
+            one, error = (kind, tuple(of), tuple(points[row])), partial(table.refused, row)
+            if label < 1 or found.setdefault(label, (one, error))[0] != one:
+                raise error(f"coordinate system {label} is there twice, or not > 0")
     return found
 
 
@@ -762,13 +754,9 @@ def _laminate(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
         thickness = card.real(at + 1, f"T{len(plies) + 1}", thickness)
         angle = card.real(at + 2, "THETA", 0.0)
         plies.append(Ply(thickness * reader.source.length, reader.material(label, card), angle))
-    if card.text(7) == "SYM":
-        plies += plies[::-1]
-    total = sum(ply.thickness for ply in plies)
-    offset = reader.offset(own, card)
-    if card.text(1):
-        offset += card.real(1, "Z0") * reader.source.length + 0.5 * total
-    return layered(plies, lambda: reader.fibres(own, card), offset)
+    offset = reader.offset(own, card) + card.real(1, "Z0", 0.0) * reader.source.length
+    share, symmetric = 0.5 * bool(card.text(1)), card.text(7) == "SYM"
+    return layered(plies, lambda: reader.fibres(own, card), offset, share, symmetric=symmetric)
 
 
 def _bar(reader: Reader, card: Card, own: IntArray, shear: float = math.inf) -> OneMaterial:

@@ -295,13 +295,23 @@ def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...]:
 
 
 def layered(
-    plies: list[Ply], axis: Callable[[], tuple[float, ...]], offset: float
+    plies: list[Ply],
+    axis: Callable[[], Any],
+    offset: float,
+    share: float = 0.0,
+    *,
+    symmetric: bool = False,
 ) -> Shell | Laminate:
-    """Return the shell of some plies; the axis is asked for if one of them has fibres."""
+    """Return the shell of some plies; the axis is asked for if one of them has fibres.
+
+    The middle lies a length and a share of the thickness above the nodes.
+    """
+    plies = plies + plies[::-1] * symmetric
+    offset += share * sum(ply.thickness for ply in plies)
     fibrous = any(isinstance(ply.material, Orthotropic) for ply in plies)
     if len(plies) == 1 and not fibrous:
         return Shell(plies[0].thickness, plies[0].material, offset)
-    return Laminate(plies, axis() if fibrous else None, offset)
+    return Laminate(plies, np.asarray(axis()).tolist() if fibrous else None, offset)
 
 
 @contextmanager
