@@ -1,4 +1,4 @@
-"""Validators of single arguments: they convert, or raise an error that names the argument.
+"""Checks of single arguments, and records that check theirs and whose arrays are read-only.
 
 Every function takes the argument's name first and returns the value in the one form that the
 rest of the package works with (`float`, `int`, contiguous native float64 arrays).
@@ -13,17 +13,22 @@ import math
 import numbers
 import operator
 import os
-import reprlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from reprlib import repr as _short
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from .arrays import FloatArray, IntArray
 from .errors import InputError, InputTypeError
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+# Takes an argument's name and value, and returns the value in the form that is kept.
+Check = Callable[[str, Any], Any]
 
 # In SI units: squares and cubes of what is not larger are numbers, and so are products of two.
 HUGE = 1e100
@@ -51,7 +56,7 @@ def real(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> fl
         return value  # the common case: asking for what else is a real number takes far longer
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value.item()
-    if not _is_real(value):
+    if not isinstance(value, numbers.Real) or isinstance(value, (bool, np.bool_)):
         raise InputTypeError(f"{name} must be a real number, got {_short(value)}")
     try:
         number = float(value)
@@ -124,8 +129,7 @@ def instance(name: str, value: Any, *kinds: type[Any]) -> Any:
 
 def text(name: str, value: Any) -> str:
     """Return `value` if it is a string."""
-    checked: str = instance(name, value, str)
-    return checked
+    return str(instance(name, value, str))
 
 
 def texts(name: str, value: Any) -> tuple[str, ...]:
@@ -328,8 +332,7 @@ def unit_vector(name: str, value: Any) -> FloatArray:
         raise InputError(f"{name} must not be the zero vector")
     # Scaled first: the square of 1e-200 would vanish.
     scaled = vector / scale
-    unit: FloatArray = scaled / np.linalg.norm(scaled)
-    return unit
+    return np.asarray(scaled / np.linalg.norm(scaled))
 
 
 def place(name: str, value: Any) -> FloatArray:
@@ -450,14 +453,6 @@ def _real_array(name: str, value: Any, order: Literal["C", "K"]) -> FloatArray:
         return np.asarray(array, dtype=np.float64, order=order)
 
 
-def _is_real(value: Any) -> bool:
-    return isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
-
-
-def _short(value: Any) -> str:
-    return reprlib.repr(value)
-
-
 def writable_folder(path: str | os.PathLike[str]) -> Path:
     """Make a folder, or find that it is there, and that files can be made in it.
 
@@ -478,3 +473,81 @@ def writable_folder(path: str | os.PathLike[str]) -> Path:
             f"cannot write to the folder {str(folder)!r}: {reason}; give another one"
         ) from None
     return folder
+
+
+# ------------------------------------------------------------------------------- records
+
+
+def checked(record: Any, /, **checks: Check | tuple[type[Any], ...]) -> None:
+    """Check fields of a frozen dataclass that is being made: by a function, or for classes."""
+    for name, check in checks.items():
+        value = getattr(record, name)
+        if isinstance(check, tuple):
+            instance(name, value, *check)
+        else:
+            object.__setattr__(record, name, check(name, value))
+
+
+def read_only(array: FloatArray) -> FloatArray:
+    """Return an array after making it read-only."""
+    array.flags.writeable = False
+    return array
+
+
+class Frozen:
+    """Makes the arrays of a dataclass, and those in its tuples and mappings, read-only.
+
+    Also when it is unpickled or copied: NumPy forgets it then. A class with a `__post_init__` of
+    its own calls this one at its end.
+    """
+
+    def __post_init__(self) -> None:
+        _freeze(vars(self))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        Frozen.__post_init__(self)
+
+
+def _freeze(items: tuple[Any, ...] | dict[Any, Any]) -> None:
+    for item in items.values() if isinstance(items, dict) else items:
+        if isinstance(item, np.ndarray):
+            item.flags.writeable = False
+        elif isinstance(item, tuple | dict):
+            _freeze(item)
+
+
+class Found(Mapping[str, Any]):
+    """Values by name, each of which is found when it is first read.
+
+    Parameters
+    ----------
+    names : callable
+        Returns the names.
+    find : callable
+        Returns the value of a name; raises KeyError where there is none.
+    known : mapping, optional
+        Values that have been found; their names come last.
+    """
+
+    def __init__(
+        self,
+        names: Callable[[], Iterable[str]],
+        find: Callable[[str], Any],
+        known: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._names, self._find, self._found = names, find, dict(known or {})
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._found:
+            self._found[name] = self._find(name)
+        return self._found[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(dict.fromkeys([*self._names(), *self._found]))
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
+
+    def __reduce__(self) -> Any:
+        return dict, (dict(self),)

@@ -6,6 +6,7 @@ works for callers who do not know `AOImpactError`.
 
 from __future__ import annotations
 
+import importlib
 import math
 import reprlib
 import sys
@@ -13,6 +14,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import Any
 
 
 class AOImpactError(Exception):
@@ -112,6 +114,32 @@ class MissingPackageError(AOImpactError, ImportError):
 
 class AOImpactWarning(UserWarning):
     """Something is likely to be a mistake, but may be intended."""
+
+
+def optional_package(name: str, what: str, otherwise: str = "") -> Any:
+    """Import a package that `what` needs.
+
+    Parameters
+    ----------
+    name : str
+        Name of the module, of the package for pip, and of an extra of aoimpact.
+    what : str
+        The function that needs it, such as "to_dataframe".
+    otherwise : str, optional
+        The alternative, such as "take .to_csv(path)".
+
+    Raises
+    ------
+    MissingPackageError
+        If it is not installed.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        more = f", or {otherwise}" if otherwise else ""
+        raise MissingPackageError(
+            f"{what} needs {name}, which is not installed: pip install {name}{more}"
+        ) from None
 
 
 # Modules in which no line of a caller is: this package, and what it calls itself through, such as

@@ -42,7 +42,7 @@ def bar(
     from tqdm import tqdm  # slow to import
 
     options: dict[str, Any] = {"delay": _DELAY, "leave": False, "miniters": 0}
-    shown = wanted and (_in_notebook() or _on_terminal())
+    shown = wanted and (_in_notebook() or (sys.stderr is not None and sys.stderr.isatty()))
     with tqdm(total=total, desc=what, unit=" " + unit, disable=not shown, **options) as drawn:
         if not shown or getattr(_open, "bar", None) is not None:
             yield drawn
@@ -69,10 +69,6 @@ def advance(unit: str, n: float = 1) -> None:
     outer = getattr(_open, "bar", None)
     if outer is not None and outer.unit == " " + unit:
         outer.update(n)
-
-
-def _on_terminal() -> bool:
-    return sys.stderr is not None and sys.stderr.isatty()
 
 
 def _in_notebook() -> bool:

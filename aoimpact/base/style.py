@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .arrays import FloatArray
+from .checks import FloatArray
 from .errors import InputTypeError
 from .units import scale_for, scale_of
 
@@ -77,8 +77,7 @@ def given_axes(ax: Any) -> Axes:
     import matplotlib.axes
 
     if ax is None:
-        made: Axes = new_axes()
-        return made
+        ax = new_axes()
     if not isinstance(ax, matplotlib.axes.Axes):
         raise InputTypeError(
             f"ax must be the Axes to draw on, such as plt.subplots()[1], got {type(ax).__name__}"
@@ -131,21 +130,20 @@ def draw_curves(
     kwargs : dict, optional
         For all curves.
     """
-    ax = given_axes(ax)
+    axes = given_axes(ax)
     x, x_name, x_unit = across
     largest = max(float(np.nanmax(np.abs(y), initial=0.0)) for y, _ in curves)
     reach = float(np.max(np.abs(x), initial=0.0))
-    x_scale = scale_of(ax.get_xlabel(), x_unit) or scale_for(reach, x_unit)
-    y_scale = scale_of(ax.get_ylabel(), unit) or scale_for(largest, unit)
+    x_scale = scale_of(axes.get_xlabel(), x_unit) or scale_for(reach, x_unit)
+    y_scale = scale_of(axes.get_ylabel(), unit) or scale_for(largest, unit)
     for y, style in curves:
-        ax.plot(x_scale.factor * x, y_scale.factor * y, **style | (kwargs or {}))
-    ax.set_xlabel(label(x_name, x_scale.unit))
-    ax.set_ylabel(label(name, y_scale.unit))
-    ax.grid(True, alpha=0.3)
+        axes.plot(x_scale.factor * x, y_scale.factor * y, **style | (kwargs or {}))
+    axes.set_xlabel(label(x_name, x_scale.unit))
+    axes.set_ylabel(label(name, y_scale.unit))
+    axes.grid(True, alpha=0.3)
     if x_unit == "s":
         span = x_scale.factor * x[[0, -1]]  # also where a curve has no values at an end
-        ax.update_datalim(np.stack([span, np.zeros(2)], axis=1), updatey=False)
-        ax.margins(x=0.0)
-    legend(ax)
-    made: Axes = ax
-    return made
+        axes.update_datalim(np.stack([span, np.zeros(2)], axis=1), updatey=False)
+        axes.margins(x=0.0)
+    legend(axes)
+    return axes

@@ -10,12 +10,10 @@ from contextvars import copy_context
 from functools import cache
 from typing import Any
 
-_Calls = Sequence[Callable[[], Any]]
-
 _PREFIX = "aoimpact"
 
 
-def at_once(calls: _Calls) -> None:
+def at_once(calls: Sequence[Callable[[], Any]]) -> None:
     """Make all calls, and return when all have ended.
 
     The caller's thread takes its share. Calls from within one of them are made one by one: a thread
@@ -42,7 +40,7 @@ def at_once(calls: _Calls) -> None:
         other.result()
 
 
-def _one_by_one(calls: _Calls) -> None:
+def _one_by_one(calls: Sequence[Callable[[], Any]]) -> None:
     for call in calls:
         call()
 

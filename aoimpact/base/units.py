@@ -38,13 +38,9 @@ def scale_for(largest: float, unit: str) -> Scale:
 
 def scale_of(label: str, unit: str) -> Scale | None:
     """Return the scale that an axis label such as "force (kN)" states, or None."""
-    _, _, bracket = label.rpartition("(")
-    if not label.endswith(unit + ")"):
-        return None
-    prefix = bracket[: -len(unit) - 1]
-    for exponent, name in _PREFIXES.items():
-        if name == prefix:
-            return Scale(10.0**-exponent, name + unit)
+    for exponent, prefix in _PREFIXES.items():
+        if label.endswith(f"({prefix}{unit})"):
+            return Scale(10.0**-exponent, prefix + unit)
     return None
 
 

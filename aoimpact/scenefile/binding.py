@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -110,12 +110,15 @@ class Table:
         Annotations for parameters that the function leaves open.
     owner : callable, optional
         Another function whose arguments the table gives; the tables within are for what it makes.
+    keep : bool
+        True if what is made takes long, and is kept for the next run of a sweep.
     """
 
     function: Callable[..., Any]
     keys: Mapping[str, str] = field(default_factory=dict)
     hints: Mapping[str, Any] = field(default_factory=dict)
     owner: Callable[..., Any] | None = None
+    keep: bool = False
 
     @cached_property
     def parameters(self) -> dict[str, inspect.Parameter]:
@@ -195,7 +198,6 @@ class Binder:
         value: Mapping[str, Any],
         place: Place,
         given: Mapping[str, Any] | None = None,
-        keep: bool = False,
     ) -> Call:
         """Bind a table to the function whose keywords fit its keys best, the first of several.
 
@@ -213,7 +215,7 @@ class Binder:
             self.say((*place, key), f"unknown name {key!r}{hint}")
         for key in missing:
             self.say(place, f"{key!r} is missing, {table.parameters[key].annotation.wanted}")
-        calls = [Call(of, {}, place, keep) for of in (table.function, table.owner) if of]
+        calls = [Call(of, {}, place, table.keep) for of in (table.function, table.owner) if of]
         around, self.around = self.around, {"self": calls[-1], **given}
         for key in known:
             if key in value:
@@ -257,6 +259,16 @@ def table(*functions: Table | Callable[..., Any], added: bool = False) -> Reader
         return binder.bind(tables, value, place, given)
 
     return Reader("a table", (dict,), read)
+
+
+def calls(node: Any) -> Iterator[Call]:
+    """Yield the calls in a value, those in a call's arguments before it."""
+    if isinstance(node, Call):
+        yield from calls(node.arguments)
+        yield node
+    elif isinstance(node, Mapping | list | tuple):
+        for value in node.values() if isinstance(node, Mapping) else node:
+            yield from calls(value)
 
 
 # --------------------------------------------------------------------------------- annotations
@@ -335,12 +347,10 @@ def _number(binder: Binder, value: Any, place: Place) -> Any:
         return [_number(binder, of, (*place, i)) for i, of in enumerate(value)]
     if isinstance(value, bool) or not isinstance(value, int | float):
         binder.say(place, f"must be a number, got {_shown(value)}")
-    elif isinstance(value, int) and abs(value) > _LARGEST:
+    elif isinstance(value, int) and abs(value) > 1.7976931348623157e308:
         binder.say(place, "must be finite, got an integer beyond 1.8e308")
     return value
 
-
-_LARGEST = int(1.7976931348623157e308)
 
 TEXT = Reader("text", (str,))
 PATH = Reader("a path", (str,), lambda binder, value, place: binder.folder / value)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import AccelerationAt, keeper
+from ..accuracy import AccelerationAt
 from ..base import (
     AOImpactError,
     FloatArray,
@@ -29,7 +29,7 @@ from ..base import (
 from ..fem import ContactPoint
 from ..impact import simulate
 from ..results import COLUMNS, Result, Run
-from .binding import Call
+from .binding import Call, calls
 from .lines import Place, holds, line_of
 from .sweeping import place_of
 from .tables import SceneBinder
@@ -149,13 +149,13 @@ class SceneFile:
         checked(self, path=file_path, data=(Mapping,), text=(str,))
         bound = SceneBinder(self.data, self.path.parent)
         object.__setattr__(self, "_bound", bound)
-        self._refuse(bound.problems)
-        with self._located(self.kind, "report"):
-            keeper(self.reported or None)
-        with self._located("sweep", "keep"):
-            keeper(self.swept or self.reported or None)
-        with self._located("sweep"):
-            self._refuse(list(self._sweep_problems()))
+        problems: list[Any] = list(bound.problems)
+        if not any(place[:1] in ((), ("sweep",)) for place, _ in bound.problems):
+            try:
+                problems += self._sweep_problems()
+            except SceneFileError as error:
+                problems.append(error)
+        self._refuse(problems)
 
     def __repr__(self) -> str:
         return f"SceneFile({str(self.path)!r})"
@@ -187,7 +187,7 @@ class SceneFile:
     def grid(self) -> dict[str, list[Any]]:
         """The grid of [sweep] as `sweep` takes it: values by place; empty without such a table."""
         sweep = self._bound.bound.get("sweep")
-        return {} if sweep is None else dict(self._made(sweep.arguments["over"], {}))
+        return {} if sweep is None else dict(self._made(sweep, {}))
 
     @property
     def swept(self) -> tuple[str, ...]:
@@ -199,36 +199,32 @@ class SceneFile:
         """Names of the bodies: in their scene, in an impact in [bodies]."""
         return tuple(name for name, _ in self._bound.taking)
 
-    def _refuse(self, problems: Sequence[tuple[Place, str]]) -> None:
-        """Raise an error that has all problems, each with its line."""
-        if problems:
-            lines = [self._at(*problem) for problem in problems[:_SHOWN]]
-            if len(problems) > _SHOWN:
-                lines.append(f"{self.path}: and {len(problems) - _SHOWN} more")
+    def _refuse(self, problems: Sequence[tuple[Place, str] | SceneFileError]) -> None:
+        """Raise an error that has all problems, if there are any, each with its line."""
+        shown = problems[:_SHOWN]
+        lines = [self._at(*of) if isinstance(of, tuple) else str(of) for of in shown]
+        if len(problems) > _SHOWN:
+            lines.append(f"{self.path}: and {len(problems) - _SHOWN} more")
+        if lines:
             raise SceneFileError("\n".join(lines))
 
     def _sweep_problems(self) -> Iterator[tuple[Place, str]]:
-        """Yield what is wrong with the sweep of a file that is otherwise right."""
-        settings = self.data.get("sweep", {})
-        if settings.get("workers", 1) < 1:
-            yield ("sweep", "workers"), f"must be at least 1, got {settings['workers']}"
-        if settings.get("keep") == []:
-            yield ("sweep", "keep"), "names nothing: leave it out to keep what the file reports"
-        grid = self.grid
+        """Yield what is wrong with the sweep, and with the file only by its values."""
         before: dict[str, Any] = {}
-        for name, values in grid.items():
-            at = ("sweep", "over", *name.split("."))
+        for name, values in self.grid.items():
             told: list[str] = []
             kinds = {type(of) if isinstance(of, int | float) else repr(of): of for of in values}
             for value in kinds.values():
                 try:
-                    data = self._with(before | {name: value})
-                    told += [text for _, text in SceneBinder(data, self.path.parent).problems]
+                    found = SceneBinder(self._with(before | {name: value}), self.path.parent)
+                    new = [of for of in found.problems if of not in self._bound.problems]
+                    told += [text for _, text in new]
                 except InputError as error:
                     told.append(str(error))
-            before[name] = values[0]
+            if not told:
+                before[name] = values[0]
             for text in dict.fromkeys(told):
-                yield at, text
+                yield self._bound.swept[name], text
 
     def replaced(self, values: Mapping[str, Any]) -> SceneFile:
         """Return the file with other values at dotted places, and without its sweep.
@@ -264,10 +260,8 @@ class SceneFile:
         if not isinstance(values, Mapping):
             raise InputTypeError(f"values must be a dict of places and values, got {values!r}")
         texts("values", values.keys())
-        try:
+        with self._located():
             data = self._with(values)
-        except InputError as error:
-            raise SceneFileError(f"{self.path}: {error}") from None
         return SceneFile(self.path, data, self.text, self._kept)
 
     def _with(self, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -310,7 +304,16 @@ class SceneFile:
         >>> file = ao.read_scene(path)
         >>> results = ao.simulate_many([file.case()])
         """
-        return self._made(self._bound.bound[self.kind], {})
+        case, made = self._bound.bound[self.kind], dict[int, Any]()
+        problems: dict[int, SceneFileError] = {}
+        for call in calls(case):  # first all that takes no time
+            if not call.keep and all(id(of) in made for of in calls(call.arguments)):
+                try:
+                    self._made(call, made)
+                except SceneFileError as error:
+                    problems[id(call)] = error
+        self._refuse(list(problems.values()))
+        return self._made(case, made)
 
     def _made(self, node: Any, made: dict[int, Any]) -> Any:
         """Return a value with all calls in it made, each once; `made` has those made before."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..base import InputError, nearest
-from .binding import Binder, Reader, Table
+from .binding import Reader, Table
 from .lines import Place
 
 # More values of one place than these are a slip of the pen.
@@ -35,18 +35,18 @@ def _range(start: float, to: float, count: int, spacing: str = "linear") -> list
 _RANGE = Table(_range, {"from": "start"})
 
 
-def _read_over(binder: Binder, value: Any, place: Place) -> dict[str, Any]:
+def _read_over(binder: Any, value: Any, place: Place) -> dict[str, Any]:
     """Values by the dotted name of their place, a list or the call of a range."""
     found: dict[str, Any] = {}
-    for name, entry in value.items():
-        at = (*place, name)
-        if isinstance(entry, dict) and "from" in entry:
-            found[name] = binder.bind(_RANGE, entry, at)
+    for key, entry in value.items():
+        at = (*place, key)
+        name = ".".join(map(str, at[2:]))
+        if isinstance(entry, dict) and "from" not in entry:
+            found |= _read_over(binder, entry, at)
         elif isinstance(entry, dict):
-            inner = _read_over(binder, entry, at)
-            found |= {f"{name}.{below}": values for below, values in inner.items()}
+            found[name], binder.swept[name] = binder.bind(_RANGE, entry, at), at
         elif isinstance(entry, list) and entry:
-            found[name] = entry
+            found[name], binder.swept[name] = entry, at
         else:
             binder.say(at, "must be a list of values, or { from = 0.0, to = 1.0, count = 5 }")
     if not value:

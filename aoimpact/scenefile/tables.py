@@ -11,14 +11,14 @@ from typing import Annotated, Any
 import numpy as np
 
 from .. import accuracy, fem, impact, integrate, io, laws, reduction
-from ..accuracy import Sensor
-from ..base import FloatArray, InputError
+from ..accuracy import Sensor, keeper
+from ..base import FloatArray, InputError, integer, nearest
 from ..fem import ContactPoint, Damping, Layers, OneMaterial, contact_point, thin_groups
 from ..impact import Scene, SceneCase
 from ..laws import LAWS
 from ..mesh import Mesh, box_mesh, sheet_mesh, sphere_mesh
 from ..reduction import BodyModel, body_model
-from ..results import Handle
+from ..results import BodyResult, ContactResult, ErrorEstimate, Handle
 from .binding import PATH, READERS, Binder, Call, Numbers, Reader, Table, passes_on, table
 from .lines import Place
 from .sweeping import OVER
@@ -183,13 +183,11 @@ def _of_matrices(
 def _read_model(binder: Binder, value: Any, place: Place) -> Call | None:
     """The model of a body that is touched at the places read before."""
     touched = binder.around.get("contact")
-    return binder.bind_typed(
-        _MODELS, value, place, given={"tip": touched, "tips": touched}, keep=True
-    )
+    return binder.bind_typed(_MODELS, value, place, given={"tip": touched, "tips": touched})
 
 
 _MODELS = {
-    one.__name__: Table(one)
+    one.__name__: Table(one, keep=True)
     for one in (reduction.antioscillators, reduction.modal, reduction.interface, reduction.full)
 }
 _CONTACT = Annotated[Any, table(fem.FEModel.contact, added=True)]
@@ -208,8 +206,8 @@ _BODIES = (
     Table(reduction.wall, {"wall": "material"}),
     Table(reduction.ball, {"ball": "radius"}),
     Table(reduction.AOModel),
-    Table(_touched, owner=_meshed),
-    Table(_touched, owner=_of_matrices),
+    Table(_touched, owner=_meshed, keep=True),
+    Table(_touched, owner=_of_matrices, keep=True),
 )
 
 # ---------------------------------------------------------------------------- laws and solvers
@@ -312,6 +310,35 @@ _PROBES = Mapping[str, Annotated[Any, _SENSOR]]
 
 # ------------------------------------------------------------------------- impacts and scenes
 
+# Parts of results, by the beginning of names of their numbers.
+_PARTS: dict[str, type] = dict.fromkeys(("bodies", "projectile", "target"), BodyResult)
+_PARTS |= {"contacts": ContactResult, "error": ErrorEstimate}
+
+
+def _read_number(binder: SceneBinder, name: str, place: Place) -> Any:
+    """The name of a number of the results."""
+    try:
+        keeper((name,))
+    except InputError as error:
+        return binder.say(place, str(error).removeprefix("keep: "))
+    first, *rest = name.split(".")
+    if first not in _PARTS or (first == "contacts" and "impact" in binder.data):
+        return name
+    if first in ("bodies", "contacts"):
+        listed = binder.taking if first == "bodies" else binder.data["scene"].get("contacts", ())
+        numbers = [str(i) for i, _ in enumerate(listed)]
+        number = rest.pop(0) if rest else ""
+        if number not in numbers:
+            return binder.say_unknown(place, first, number, numbers)
+    part, last = _PARTS[first], rest[0] if rest else ""
+    known = {*dir(part), *vars(part)["__dataclass_fields__"]}
+    if last not in known:
+        binder.say(place, f"{name!r}: {part.__name__} has no {last!r}{nearest(last, known)}")
+    return name
+
+
+_NAMES = Sequence[Annotated[Any, Reader("the name of a number", (str,), _read_number)]]
+
 
 def _read_role(binder: SceneBinder, name: str, place: Place) -> Any:
     body = binder.entry("bodies", name, place)
@@ -326,7 +353,7 @@ _ROLE = Annotated[Any, Reader("a name from [bodies]", (str,), _read_role)]
 def _impact(
     projectile: _ROLE,
     target: _ROLE,
-    report: Sequence[str] | None = None,
+    report: _NAMES | None = None,
     probes: _PROBES | None = None,
     **more: Any,
 ) -> dict[str, Any]:
@@ -388,7 +415,7 @@ def _scene(
     bodies: Sequence[Annotated[Any, Reader("a table", (dict,), _read_member)]],
     contacts: Sequence[Annotated[Any, table(_contact, added=True)]] = (),
     loads: Sequence[Annotated[Any, _LOADS]] = (),
-    report: Sequence[str] | None = None,
+    report: _NAMES | None = None,
     probes: _PROBES | None = None,
     duration: float | None = None,
     **more: Any,
@@ -404,11 +431,14 @@ _SCENE = Table(_scene, hints={"quantity": _WANTED}, owner=Scene)
 
 def _sweep(
     over: Annotated[Any, OVER],
-    keep: Sequence[str] | None = None,
+    keep: _NAMES | None = None,
     workers: int = 1,
     checkpoint: str | None = None,
-) -> None:
-    """Read by `batch`."""
+) -> Any:
+    """The grid; `batch` reads the others."""
+    integer("workers", workers, low=1)
+    keeper(keep)
+    return over
 
 
 def _read_each(binder: SceneBinder, value: Any, place: Place) -> None:
@@ -447,6 +477,8 @@ class SceneBinder(Binder):
         Bodies that take part, by name, in the order of the run.
     handles : dict of str to Call
         Bodies in the scene, by their names there.
+    swept : dict of str to tuple
+        Places in the file of what a sweep changes, by dotted name.
     """
 
     def __init__(self, data: Mapping[str, Any], folder: Path) -> None:
@@ -454,6 +486,7 @@ class SceneBinder(Binder):
         self.data = data
         self.taking: list[tuple[str, Any]] = []
         self.handles: dict[str, Any] = {}
+        self.swept: dict[str, Place] = {}
         self._found: dict[Place, Any] = {}
         self.bound = self.bind(_FILE, data, ()).arguments
         if ("impact" in data) == ("scene" in data):
@@ -479,9 +512,7 @@ _ENTRIES = {
     "bodies": Reader(
         "a table",
         (dict,),
-        lambda binder, value, place: binder.bind(
-            _BODIES, value, place, {"name": place[-1]}, keep=True
-        ),
+        lambda binder, value, place: binder.bind(_BODIES, value, place, {"name": place[-1]}),
     ),
 }
 

@@ -200,6 +200,29 @@ def test_all_problems_at_once(tmp_path: Path) -> None:
     assert {2, 5, 15} <= {int(text.split(":")[1]) for text in str(error.value).splitlines()}
 
 
+def test_all_wrong_values_at_once(tmp_path: Path) -> None:
+    wrong = STARS.replace("mass = 0.03", "mass = -1").replace("k = 1e9", "k = -1e9")
+    (tmp_path / "a.toml").write_text(wrong)
+    with pytest.raises(SceneFileError) as error:
+        ao.read_scene(tmp_path / "a.toml").simulate()
+    assert len(str(error.value).splitlines()) == 2
+
+
+@pytest.mark.parametrize("key", ["velocity", '"velocity"', '"impact.velocity"', "impact.velocity"])
+def test_a_key_of_a_sweep_has_its_line_however_it_is_written(key: str, tmp_path: Path) -> None:
+    text = f'{STARS}[sweep.over]\n"bodies.ball.mass" = [1.0]\n{key} = ["x"]\n'
+    (tmp_path / "a.toml").write_text(text)
+    with pytest.raises(SceneFileError, match=f"toml:{len(text.splitlines())}: "):
+        ao.read_scene(tmp_path / "a.toml")
+
+
+@pytest.mark.parametrize("name", ["contacts.3.peak_force", "bodies.bal.label", "error.x", "bodies"])
+def test_names_of_no_numbers_are_refused_before_the_run(name: str, tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(ROW.replace("[scene]", f'[scene]\nreport = ["{name}"]'))
+    with pytest.raises(SceneFileError, match="report"):
+        ao.read_scene(tmp_path / "a.toml")
+
+
 @pytest.mark.parametrize("count", [3000, 30_000])
 def test_the_first_of_thousands_of_problems_are_shown(count: int, tmp_path: Path) -> None:
     """Where the text is long as well, without lines, which would take minutes to find."""
