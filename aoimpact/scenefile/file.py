@@ -306,8 +306,9 @@ class SceneFile:
         """
         case, made = self._bound.bound[self.kind], dict[int, Any]()
         problems: dict[int, SceneFileError] = {}
-        for call in calls(case):  # first all that takes no time
-            if not call.keep and all(id(of) in made for of in calls(call.arguments)):
+        for call in calls(case):  # first all that takes no time; a scene is filled in its order
+            late = call.keep or "self" in call.arguments
+            if not late and all(id(of) in made for of in calls(call.arguments)):
                 try:
                     self._made(call, made)
                 except SceneFileError as error:
