@@ -21,7 +21,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..base import FloatArray, IntArray, MeshError, require, warn
+from ..base import FloatArray, IntArray, MeshError, nearest, require, warn
 from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
 from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
@@ -239,9 +239,8 @@ class AbaqusDeck:
     def normals(self) -> Keyword | None:
         """The first card with normals, which turn beams."""
         for card in self.cards:
-            if card.name == "NORMAL" or (
-                card.name == "NODE" and any(text.rstrip(", ").count(",") > 3 for text in card.data)
-            ):
+            nodes = card.data if card.name == "NODE" else ()
+            if card.name == "NORMAL" or any(of.rstrip(", ").count(",") > 3 for of in nodes):
                 return card
         return None
 
@@ -299,9 +298,9 @@ class AbaqusDeck:
                         given = read(_Section(source, self, card, scope.turn, own))
                 found[name] = given
         for dim in np.unique(bare[bare > 0]).tolist():
-            first, *more = np.flatnonzero(bare == dim).tolist()
+            first, count = int(np.argmax(bare == dim)), np.count_nonzero(bare == dim)
             label = int(np.concatenate([block.labels for block in self.blocks])[first])
-            why = f"element {label} and {len(more)} others have no section"
+            why = f"{count} elements have no section, the first is {label}"
             if dim == dims.max():
                 keyword = self.blocks[int(source.raw.block_of(first))].keyword
                 raise keyword.error(f"{why}; write one, or give from_mesh materials", label=label)
@@ -357,7 +356,8 @@ def _sorted(keywords: list[Keyword]) -> Scope:
         elif _kind(name) == "unsupported":
             raise keyword.error("it is not supported; write the mesh out without it")
         elif not _kind(name) and (name not in ("", "END") or keyword.data):
-            raise keyword.error("it is not known, and may change the mesh; leave it out")
+            like = nearest(name, [*_READ, *_SECTIONS])
+            raise keyword.error(f"it is not known, and may change the body{like}; leave it out")
     if len(within) > 1:
         raise keywords[-1].error(f"*END {within[-1][0]} is missing")
     if parts and loose is not None:

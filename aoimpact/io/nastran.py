@@ -767,12 +767,9 @@ def _bar(reader: Reader, card: Card, own: IntArray, shear: float = math.inf) -> 
     card.must_be(6, "NSM", 0.0)
     area, I1, I2, J = card.reals(2, "A I1 I2 J")
     points = [[card.real(at + i, "C to F", 0.0) for i in (1, 0)] for at in (8, 10, 12, 14)]
-    factors = [card.real(at, "K1, K2", shear) or math.inf for at in (17, 16)]
-    second = I2, card.real(18, "I12", 0.0), I1
-    section = reader.source.numbers(
-        area, second, J, np.diag(np.divide(1.0, factors)), np.array(points)
-    )
-    return _beam(reader, card, own, section)
+    inverse = [1.0 / (card.real(at, "K1, K2", shear) or math.inf) for at in (17, 16)]
+    second, more = (I2, card.real(18, "I12", 0.0), I1), (np.diag(inverse), np.array(points))
+    return _beam(reader, card, own, reader.source.numbers(area, second, J, *more))
 
 
 def _constant(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
