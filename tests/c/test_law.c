@@ -696,6 +696,44 @@ static void what_no_law_is_made_of(void)
     CHECK(aoi_law_check(NULL) == AOI_ERROR_ARGUMENT, "no law");
 }
 
+static void spring_of_one(const aoi_law *law, const double *memory, int piece, double d, double rate,
+                          aoi_law_value *value)
+{
+    (void)law;
+    (void)memory;
+    (void)piece;
+    (void)rate;
+    *value = (aoi_law_value){d, 1.0, 0.0};
+}
+
+static int stuck_piece(const aoi_law *law, const double *memory, double d, int rising, double *low,
+                       double *high)
+{
+    (void)law;
+    (void)memory;
+    (void)d;
+    (void)rising;
+    *low = 0.0;
+    *high = 1.0;
+    return 0;
+}
+
+static void pieces_that_go_no_further_are_an_error(void)
+{
+    double note[AOI_LAW_NOTE] = {0.0}, low, high;
+    aoi_law_value value;
+    const aoi_law law = {.force = spring_of_one, .piece = stuck_piece, .limit = HUGE_VAL,
+                         .compliance = 0.5, .note = note};
+    CHECK(aoi_law_piece(&law, NULL, 0.4, 1, &low, &high) == 0 && high == 0.5, "the first piece");
+    CHECK(aoi_law_piece(&law, NULL, 0.6, 1, &low, &high) == AOI_NO_PIECE, "there is no other");
+    aoi_law_push(&law, NULL, 0.6, 1.0, &value);
+    CHECK(isnan(value.force) && note[0] == 0.6 && note[1] == 1.0, "and no force");
+    aoi_law plastic = law_among("thornton", 2e-9);
+    const double memory[AOI_LAW_MEMORY] = {0.0};
+    CHECK(aoi_law_piece(&plastic, memory, HUGE_VAL, 1, &low, &high) >= 0 && high == HUGE_VAL,
+          "the last piece holds even the infinite");
+}
+
 int main(void)
 {
     forces_follow_their_formulas();
@@ -718,5 +756,6 @@ int main(void)
     a_damper_that_pulls_has_a_force_within_a_patch();
     no_number_in_no_number_out();
     what_no_law_is_made_of();
+    pieces_that_go_no_further_are_an_error();
     return check_report();
 }

@@ -541,6 +541,31 @@ static void a_preloaded_contact_rings_as_its_load_falls(void)
     release(&p);
 }
 
+/* A place at touch between a body that strikes it and one that flies on before it, to which it catches up: all forces
+ * balance, k1 (V t - u)^(3/2) = u / soft + k2 (u - w t)^(3/2), the last only where it presses. */
+static void a_place_that_is_struck_catches_up_with_what_flies_on(void)
+{
+    const double V = 3.5, w = 1.5, k[] = {1e9, 1e8}, soft = 1e-5, end = 1e-4;
+    const aoi_law laws[] = {hertz(k[0]), hertz(k[1])};
+    double low = w * end, high = V * end;
+    for (int i = 0; i < 100; i++) {
+        const double u = 0.5 * (low + high);
+        *(k[0] * pow(V * end - u, 1.5) > u / soft + k[1] * pow(u - w * end, 1.5) ? &low : &high) = u;
+    }
+    const double wanted[] = {k[0] * pow(V * end - low, 1.5), k[1] * pow(low - w * end, 1.5)};
+    for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
+        plant p = pushed_by_two(V, soft, 0.0, &laws[0], &laws[1]);
+        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1], NULL, NULL};
+        p.part[2].v[0] = w;
+        must_go(&p, rtol, end);
+        for (size_t c = 0; c < 2; c++) {
+            CHECK(near(p.run->contact[c].force, wanted[c], rtol), "rtol %g: contact %zu has %.12g N, not %.12g", rtol, c,
+                  p.run->contact[c].force, wanted[c]);
+        }
+        release(&p);
+    }
+}
+
 int main(void)
 {
     a_massless_contact_is_a_spring_in_series();
@@ -560,5 +585,6 @@ int main(void)
     what_presses_on_a_massless_place_is_shared_from_the_start();
     what_strikes_a_place_only_shares_out_its_force();
     what_a_dashpot_leaves_stays_in_equilibrium();
+    a_place_that_is_struck_catches_up_with_what_flies_on();
     return check_report();
 }

@@ -329,6 +329,48 @@ static void unusable_factors_are_refused(void)
     }
 }
 
+/* A dense matrix is one panel, whatever its width leaves over when swept four columns at a time;
+ * cut into any other panels it has the same inverse. */
+static void panels_do_not_change_the_solution(void)
+{
+    static double a[MOST][MOST];
+    static factored f;
+    uint64_t seed = 21;
+    int32_t place[MOST];
+    double x[MOST];
+    for (int32_t n = 1; n <= 23; n++) {
+        /* min(i, j): a rod's compliance, whose solution to a load at its end is a unit there. */
+        for (int32_t i = 0; i < n; i++) {
+            place[i] = i;
+            for (int32_t j = 0; j < n; j++) {
+                a[i][j] = 1.0 + (i < j ? i : j);
+            }
+        }
+        factored_make(&f, n, a, place);
+        CHECK(f.factors.panel_count == 1 && f.panel[1] == n, "a dense matrix is one panel");
+        for (int cut = 0; cut < 6; cut++) {
+            for (int32_t i = 0; i < n; i++) {
+                x[i] = i + 1.0;
+            }
+            aoi_factors_solve(&f.factors, x);
+            double worst = fabs(x[n - 1] - 1.0);
+            for (int32_t i = 0; i + 1 < n; i++) {
+                worst = fmax(worst, fabs(x[i]));
+            }
+            CHECK(worst < 1e-13, "%d columns in %zu panels: off by %g", (int)n,
+                  f.factors.panel_count, worst);
+            f.factors.panel_count = 0;
+            for (int32_t j = 1; j <= n; j++) {
+                if (j == n || cut == 0 || uniform(&seed) < 0.15 * cut) {
+                    f.panel[++f.factors.panel_count] = j;
+                }
+            }
+            CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_OK, "cut %d of %d", cut,
+                  (int)n);
+        }
+    }
+}
+
 int main(void)
 {
     chain_has_its_eigenvectors();
@@ -339,5 +381,6 @@ int main(void)
     panels_are_found_where_patterns_are_alike();
     panels_that_do_not_fit_are_refused();
     unusable_factors_are_refused();
+    panels_do_not_change_the_solution();
     return check_report();
 }
