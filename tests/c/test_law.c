@@ -734,6 +734,53 @@ static void pieces_that_go_no_further_are_an_error(void)
           "the last piece holds even the infinite");
 }
 
+/* Whoever looks for the depth of an energy finds one. */
+static void energy_grows_past_the_limit(void)
+{
+    for (size_t i = 0; i < EVERY; i++) {
+        if (every[i].compliance == 0.0) {
+            continue;
+        }
+        aoi_law law = law_at(i);
+        const double memory[AOI_LAW_MEMORY] = {0.0};
+        double before = 0.0;
+        law.limit = 1e-5;
+        for (double d = 1e-7; d < 1e6; d *= 1.1) {
+            const double energy = aoi_law_potential(&law, memory, d);
+            CHECK(energy > before, "%s stores %g J at %g m", every[i].name, energy, d);
+            before = energy;
+        }
+    }
+}
+
+static double pulling_law(double d, double rate) { return d - 1.0 + rate; }
+
+static void the_force_alone_is_the_force(void)
+{
+    const aoi_user_law user = {.function = {pulling_law}, .given = {1}};
+    double note[AOI_LAW_NOTE] = {0.0};
+    aoi_law laws[EVERY + 3];
+    for (size_t i = 0; i < EVERY; i++) {
+        laws[i] = law_at(i);
+    }
+    for (int pulls = 0; pulls < 2; pulls++) {
+        CHECK(aoi_law_create_user(&laws[EVERY + pulls], &user, 1, pulls) == AOI_OK, "made");
+    }
+    laws[EVERY + 2] = within_patch(cubic_law, 0.1, NULL);
+    for (size_t i = 0; i < EVERY + 3; i++) {
+        const double memory[AOI_LAW_MEMORY] = {0.0};
+        for (double d = -1e-6; d < 2.0; d = d < 1e-9 ? 2.0 * d + 3e-6 : 3.0 * d) {
+            aoi_law_value value;
+            aoi_law_push(&laws[i], memory, d, -0.2, &value);
+            CHECK(aoi_law_push_only(&laws[i], memory, d, -0.2) == value.force, "law %zu at %g", i, d);
+        }
+    }
+    aoi_law broken = within_patch(nan_law, 0.0, note);
+    CHECK(isnan(aoi_law_push_only(&broken, NULL, 1.5, 2.0)) && note[0] == 1.5 && note[1] == 2.0 &&
+              note[2] == AOI_ERROR_LAW,
+          "NaN is noted");
+}
+
 int main(void)
 {
     forces_follow_their_formulas();
@@ -757,5 +804,7 @@ int main(void)
     no_number_in_no_number_out();
     what_no_law_is_made_of();
     pieces_that_go_no_further_are_an_error();
+    the_force_alone_is_the_force();
+    energy_grows_past_the_limit();
     return check_report();
 }
