@@ -102,13 +102,18 @@ class SteppedRecorder(Frozen):
         return self.times
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
-        return np.array([np.interp(times, self.times, row) for row in self.record])
+        return self._between(self.record, times)
 
     def forces(self, times: FloatArray) -> FloatArray:
-        return self.plan.layout.forces(self.rows(times, energies=False))
+        return self._between(self.plan.layout.forces(self.record), times)
 
     def pushes(self, times: FloatArray) -> FloatArray:
-        return self.plan.layout.pushes(self.rows(times, energies=False))
+        return self._between(self.plan.layout.pushes(self.record), times)
+
+    def _between(self, rows: FloatArray, times: FloatArray) -> FloatArray:
+        """Rows of the record at times, s, on straight lines between the steps."""
+        found = [np.interp(times, self.times, row) for row in rows]
+        return np.array(found).reshape(len(rows), len(times))
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         return self.final[body]
