@@ -73,23 +73,6 @@ class Events(NamedTuple):
         return bool(self.contacts) and self.contacts[-1][1] >= end * (1.0 - ROUNDING)
 
 
-def find_events(
-    t: FloatArray, force: FloatArray, indentation: FloatArray, rate: FloatArray
-) -> Events:
-    """Return the events of a record sampled at `t`.
-
-    Parameters
-    ----------
-    t : (n,) array
-        Times, increasing [s].
-    force, indentation, rate : (n,) arrays
-        Contact force [N], indentation [m] and its time derivative [m/s].
-    """
-    peak_force, peak_time = find_peak(t, force)
-    contacts = find_contacts(t, force, indentation, rate)
-    return Events(peak_force, peak_time, contacts, find_impulse(t, force))
-
-
 def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     """Return the largest force and its time, to second order in the step.
 
@@ -216,12 +199,3 @@ def _drawn_on(t: FloatArray, values: FloatArray, i: int) -> float:
         return float(t[i])
     step = float(t[i - 1] - t[i - 2]) * last / (before - last)
     return float(min(t[i - 1] + step, t[i]))
-
-
-def find_impulse(t: FloatArray, force: FloatArray) -> float:
-    """Return the integral of the force by the trapezium rule.
-
-    This is the momentum that Newmark's average-acceleration rule itself transfers, exactly: on a
-    free body it changes the momentum by dt (F_n + F_{n+1}) / 2 in each step.
-    """
-    return float(np.trapezoid(force, t))

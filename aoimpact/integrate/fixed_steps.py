@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from time import perf_counter
 from typing import ClassVar
 
@@ -24,7 +25,7 @@ from ..base import (
 )
 from ..laws import ContactLaw, check_width
 from ..scene import Plan
-from .events import Events, find_events, find_slips
+from .events import Events, find_contacts, find_peak, find_slips
 from .motion import SteppedMotion
 from .newmark import Newmark
 from .steperror import StepError, time_error
@@ -120,20 +121,19 @@ class SteppedRecorder(Frozen):
 
     @cached_property
     def events(self) -> tuple[Events, ...]:
-        layout, rows = self.plan.layout, self.record
-        found = []
+        t, found = self.times, []
         for number, contact in enumerate(self.plan.contacts):
-            of = layout.contact(rows, number)
+            of, slips = self.plan.layout.contact(self.record, number), None
             rate, *slide = self.rates(number)
-            events = find_events(self.times, of.force, of.indentation, rate)
+            spans = find_contacts(t, of.force, of.indentation, rate)
             if contact.friction is not None and of.stuck is not None and of.tangential is not None:
                 mu, ratio, _ = contact.friction
                 size = np.maximum(np.linalg.norm(of.tangential, axis=0), np.finfo(float).tiny)
                 ahead = (of.tangential * slide).sum(axis=0) / size - mu / ratio * rate
-                left = mu * of.force - size
-                slips = find_slips(self.times, events.contacts, of.stuck, left, ahead)
-                events = events._replace(slips=slips)
-            found.append(events)
+                slips = find_slips(t, spans, of.stuck, mu * of.force - size, ahead)
+            # The momentum that average acceleration passes on in each step, exactly.
+            impulse = float(np.trapezoid(of.force, t))
+            found.append(Events(*find_peak(t, of.force), spans, impulse, slips))
         return tuple(found)
 
     def rates(self, contact: int) -> FloatArray:
@@ -162,8 +162,21 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
     AOImpactWarning
         If the step is too large for any digit to be right.
     """
-    began = perf_counter()
-    run, error = _with_step(plan, rule, rule.dt) if rule.dt else _to_tolerance(plan, rule)
+    began, length, rtol = perf_counter(), plan.duration, rule.rtol
+    if rule.dt is None and plan.slides and rtol < 4.0 * DRAWN:
+        raise InputError(
+            f"Newmark(rtol={rtol:g}): friction is known to {DRAWN:g}; give rtol={4 * DRAWN:g} "
+            "or more, or dt"
+        )
+    dt = length / _steps(plan, rule, rule.dt or first_step(plan), length)
+    step = partial(newmark_run, plan, rule, start=_start(plan, rule))
+    error: StepError | None = None
+    if rule.dt is None:
+        run, error = _to_tolerance(step, dt, rtol, plan)
+    else:
+        run = step(dt, energies=plan.energies)
+        if rule.estimate:
+            error = _error(run, _trial(step, 2.0 * dt), _trial(step, 4.0 * dt))
     if error is not None and error.share == 1.0:
         warn(
             f"dt={run.dt:g} s is far too large, no digit is right: {error.why}; take a smaller "
@@ -175,32 +188,14 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
     return run, None if error is None else error.share
 
 
-def _with_step(plan: Plan, rule: Newmark, dt: float) -> tuple[SteppedRecorder, StepError | None]:
-    """Run with a step given, and with twice and four times that for the error estimate."""
-    dt = plan.duration / _steps(plan, rule, dt, plan.duration)
-    start = _start(plan, rule)
-    run = newmark_run(plan, rule, dt, start=start, energies=plan.energies)
-    if not rule.estimate:
-        return run, None
-    return run, _error(
-        run, _trial(plan, rule, 2.0 * dt, start), _trial(plan, rule, 4.0 * dt, start)
-    )
-
-
-def _to_tolerance(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, StepError]:
+def _to_tolerance(
+    step: Callable[..., SteppedRecorder], first: float, rtol: float, plan: Plan
+) -> tuple[SteppedRecorder, StepError]:
     """Halve the step until three successive ones agree."""
-    rtol, length = rule.rtol, plan.duration
-    if plan.slides and rtol < 4.0 * DRAWN:
-        raise InputError(
-            f"Newmark(rtol={rtol:g}): friction is known to {DRAWN:g}; give rtol={4 * DRAWN:g} "
-            "or more, or dt"
-        )
-    steps = _steps(plan, rule, first_step(plan), length)
-    start = _start(plan, rule)
-    before = [_trial(plan, rule, length / (more * steps), start) for more in (2, 1)]
+    before = [_trial(step, 0.5 * first), _trial(step, first)]
     for halving in range(2, _MOST_HALVINGS + 2):
-        dt = length / (2**halving * steps)
-        fine = _trial(plan, rule, dt, start, energies=plan.energies)
+        dt = first / 2**halving
+        fine = _trial(step, dt, energies=plan.energies)
         error = _error(fine, *before)
         if isinstance(fine, SteppedRecorder):
             if error.share <= rtol:
@@ -215,11 +210,11 @@ def _to_tolerance(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, StepError
 
 
 def _trial(
-    plan: Plan, rule: Newmark, dt: float, start: _Start, *, energies: bool = False
+    step: Callable[..., SteppedRecorder], dt: float, *, energies: bool = False
 ) -> SteppedRecorder | ConvergenceError:
     """Run with steps that may be too long: to be solved, or not to gain energy at a touch."""
     try:
-        return newmark_run(plan, rule, dt, start=start, energies=energies)
+        return step(dt, energies=energies)
     except (IterationError, NotFiniteError) as error:
         return error
 
