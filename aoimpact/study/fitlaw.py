@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import least_squares
+import scipy
 
 from ..base import (
     HUGE,
@@ -202,7 +202,9 @@ class _Problem:
 
             bounds, step = (low, high), _STEP / _ORIGIN
             near = {"ftol": 1e-9, "xtol": 1e-8, "gtol": None}
-            return least_squares(misfit, x, "3-point", bounds, diff_step=step, **near)
+            return scipy.optimize.least_squares(
+                misfit, x, "3-point", bounds, diff_step=step, **near
+            )
 
         found = within(first, self.low, self.high)
         if data.depth > 0.0 and data.start is None:  # a curve: quick, several minima
