@@ -174,7 +174,7 @@ def spelled(made: Any, module: str) -> Any:
     @functools.wraps(made)
     def checked(*args: Any, **kwargs: Any) -> Any:
         for name in kwargs:
-            if name not in known:
+            if name not in parameters:
                 called = made.__qualname__.removesuffix(".__init__")
                 hint = nearest(name, known) or f"; it has {', '.join(known) or 'none'}"
                 raise InputTypeError(f"{called} has no keyword {name!r}{hint}")
