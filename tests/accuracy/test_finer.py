@@ -82,7 +82,7 @@ def test_models_for_the_force_warn_where_the_motion_is_wrong_and_only_there() ->
     hit = struck(name, 5)
     for history in HISTORIES:
         what = history.replace("_", " ")
-        with pytest.warns(ao.AOImpactWarning, match=rf"^{what} of \w+ may be off by .* duration="):
+        with pytest.warns(ao.AOImpactWarning, match=rf"^{what}"):
             getattr(hit.target, history)
     early = hit.at(np.linspace(0.0, 0.5 * hit.contact_duration, 20))
     cured = struck(name, 30, duration=LONG)

@@ -36,7 +36,7 @@ def test_bricks_that_lock_in_bending_are_seen_in_the_force() -> None:
     )
     true = abs(rough.peak_force / fine.peak_force - 1.0)
     assert true > 0.02
-    with pytest.warns(ao.AOImpactWarning, match=r"target: elements of first order .*order=2"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^target"):
         assert true < rough.error.total + fine.error.total
     assert rough.error.mesh > 5.0 * fine.error.mesh
 

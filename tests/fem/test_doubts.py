@@ -47,7 +47,7 @@ def test_locking(nu: float) -> None:
     """Bending of a clamped bar: elements of first order are far too stiff, the cure serves."""
     rubber = ao.Material(E=1e7, nu=nu, rho=1100)
     closed = 1.8751**2 / (2 * np.pi) / 0.1**2 * np.sqrt(1e7 * 0.01**2 / 12 / 1100)
-    with pytest.warns(ao.AOImpactWarning, match=rf"10 elements of first order have nu={nu}: .*=2"):
+    with pytest.warns(ao.AOImpactWarning, match=f"nu={nu}"):
         stiff = ao.FEModel.from_mesh(BAR, rubber, fixed=[("xmin", "xyz")])
     assert stiff.frequencies(1)[0] > 1.3 * closed
     with warnings.catch_warnings():

@@ -122,7 +122,7 @@ def test_neighbours_are_turned_to_one_side(turned: list[int]) -> None:
     cells = mesh.cells.copy()
     cells[turned] = cells[turned][:, ::-1]
     raw = meshio.Mesh(mesh.nodes, [("quad", cells)])
-    with pytest.warns(ao.AOImpactWarning, match=f"{len(turned)} of 12 surface elements"):
+    with pytest.warns(ao.AOImpactWarning, match=f"^{len(turned)} "):
         read = ao.read_mesh(raw)
     corners = read.nodes[read.cells]
     assert (np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] > 0).all()

@@ -318,7 +318,7 @@ def test_a_held_body_that_swings_through_a_soft_law(k):
 def test_a_run_without_end_is_refused_before_memory_is_full():
     """A stiff swing against a wall for a day: some 10⁸ contacts."""
     swing = ao.AOModel(m0=1.0, k0=1e6)
-    with pytest.raises(ao.ConvergenceError, match=r"at t = .* shorter duration"):
+    with pytest.raises(ao.ConvergenceError, match="duration"):
         hit(1e-3, projectile=swing, target=WALL, law=ao.Hertz(k=1e10), duration=1e5)
 
 

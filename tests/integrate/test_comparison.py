@@ -79,9 +79,7 @@ def test_ten_thousand_bounces_are_within_the_tolerance(rtol):
 @pytest.mark.parametrize(("count", "rtol"), [(1000, 1e-12), (10_000, 1e-11), (10_000, 1e-12)])
 def test_what_rounding_does_to_many_bounces_is_said(count, rtol):
     """Each bounce is rounded as the one before: doubles have no more digits to give."""
-    with pytest.warns(
-        ao.AOImpactWarning, match="by rounding, which adds up over that many contacts"
-    ):
+    with pytest.warns(ao.AOImpactWarning, match=r"^rtol"):
         run, ball = bouncing(count, rtol)
     assert largest_error(run, ball) <= run.error.time < 1e-14 * count
 

@@ -497,7 +497,7 @@ def test_vibration_before_a_slow_press_is_not_missed_by_a_rule_that_damps_it():
     scene.connect(mass, wall, ao.Linear(1e9), gap=1.9e-8)
     scene.apply(mass, force=([0.0, 20e-3], [100.0, 210.0]))
     damping = ao.Newmark(dt=1e-4, beta=0.3025, gamma=0.6)
-    with pytest.warns(ao.AOImpactWarning, match="may touch between two steps, or in vibration"):
+    with pytest.warns(ao.AOImpactWarning, match=r"^dt"):
         run = scene.simulate(duration=20e-3, solver=damping)
     exact = scene.simulate(duration=20e-3, solver=ao.Adaptive(rtol=1e-8)).events[0].peak_force
     assert run.events[0].peak_force < 0.2 * exact

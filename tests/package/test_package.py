@@ -228,7 +228,7 @@ def test_folders_are_entered_by_their_door() -> None:
 
 # Files of rooms that tests import. The list only shrinks.
 OPENED = """
-    batch.checkpoint batch.digest batch.plain fields.vtu integrate.fixed_steps integrate.newmark
+    batch.checkpoint batch.digest batch.plain fields.vtu integrate.fixed_steps
     reduction.validity
 """
 

@@ -82,5 +82,5 @@ def test_a_missing_package_is_named(
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     call = {"frame": HalfSine().result().to_dataframe, "xarray": HalfSine().result().to_xarray}
-    with pytest.raises(MissingPackageError, match=f"pip install {package}, or take"):
+    with pytest.raises(MissingPackageError, match=package):
         call[method]()
