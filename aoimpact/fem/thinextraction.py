@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import scipy
-from scipy.sparse.linalg import spsolve
 
 from ..base import ROUNDING, FloatArray, IntArray
-from ..linalg import LinearSolver
+from ..linalg import LinearSolver, factorize
 from ..mesh import Surface, boundary, sides, taken
 from .beams import Beam
 from .compliance import ContactCompliance
@@ -208,7 +207,7 @@ def _at_rim(
         K, M = thin_stiffness_mass(local.nodes, shells)
         free = np.flatnonzero(held.ravel() < 1.0 - ROUNDING)
         b = np.hstack(list(_pressed(boundary(local), tip))).ravel()[free]
-        found.append([b @ spsolve((K + s * s * M)[free][:, free].tocsc(), b) for s in several])
+        found.append([b @ factorize((K + s * s * M)[free][:, free]).solve(b) for s in several])
     coarse, fine, finer = np.array(found)[[0, -2, -1]]
     slope = (finer - fine) / math.log(2.0)
     excess = coarse - fine - slope * math.log(thicknesses / 2.0**halvings)
