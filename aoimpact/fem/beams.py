@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, checked, finite_array, positive, sequence
+from ..base import PRINTED, FloatArray, InputError, checked, finite_array, positive, sequence
 from .laminate import FAR_OFF
 from .material import Material
 
@@ -27,9 +27,6 @@ _PARALLEL = 1e-6
 # Places on half a side of a rectangle at which stress is looked for: a parabola over the side that
 # falls to 0 at half a side from its largest value is missed by 1/(2 n)² of that at most, 0.4 %.
 _HALF_A_SIDE = 8
-
-# Distance outside a section, relative, that is rounding.
-_EDGE = 1e-9
 
 # Terms of the series of a rectangle's torsion. The last is 1e-9 of the first in the constant J, and
 # 6e-6 in the stress.
@@ -237,7 +234,7 @@ class TubularSection:
         R, r = self.radius, self.radius - self.thickness
         y, z = np.moveaxis(points, -1, 0)
         square = y**2 + z**2
-        bore = square < (r * (1.0 - _EDGE)) ** 2
+        bore = square < (r * (1.0 - PRINTED)) ** 2
         inner = R * R * r * r / np.where(square > 0.0, square, 1.0) ** 2 if r else 0.0 * square
         kappa, second = 0.75 + 0.5 * nu, 0.25 * np.pi * (R**4 - r**4)
         found = np.zeros((*points.shape, 3))
@@ -414,11 +411,11 @@ class Beam:
 
         :meta private:
         """
-        most = np.abs(self.numbers.points).max(axis=0) * (1.0 + _EDGE)
+        most = np.abs(self.numbers.points).max(axis=0) * (1.0 + PRINTED)
         if isinstance(self.section, TubularSection):
             bore = self.section.radius - self.section.thickness
             away = math.hypot(*place)
-            return bore * (1.0 - _EDGE) <= away <= self.section.radius * (1.0 + _EDGE)
+            return bore * (1.0 - PRINTED) <= away <= self.section.radius * (1.0 + PRINTED)
         return bool((np.abs(place) <= most).all())
 
     def stress(self, strains: FloatArray, place: tuple[float, float] | None = None) -> FloatArray:

@@ -15,6 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import (
+    PRINTED,
+    ROUNDING,
     FloatArray,
     Frozen,
     InputError,
@@ -69,9 +71,6 @@ PATCH_OVER_CONTACT = 1.4
 # of a point force times 1 - (k r)²/5: 1 % less.
 _OF_DEPTH = 0.25
 
-# Shares of the force that a support takes over; below, they are rounding.
-_HELD = 1e-12
-
 # Patches are made so many times wider where a contact turns out to be stiffer than the mesh.
 _WIDER = 2.0
 
@@ -80,16 +79,10 @@ _WIDER = 2.0
 # follows the logarithm of a radius that is small for the surface's; those of wide patches are not.
 _WITHIN_EDGE = 0.15
 
-# How far the length of a unit vector may be from 1.
-_UNIT = 1e-9
-
 # Where the surface has less room than a patch was to have, it is made smaller by at least so much,
 # a little within where the surface was found to end, but no smaller than this many edges of
 # elements: forces on less are those on a point.
 _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
-
-# How far the length of a functional's resultant may be from 1 for it to be a mean displacement.
-_MEAN = 1e-9
 
 # How far the resultant may be from 1, and the couple over the body's size from 0, unsaid; also sin²
 # of the angle with the axis of a tube.
@@ -106,7 +99,7 @@ _SMALLEST, _LARGEST = 1e-50, 1e50
 
 def _unit_direction(name: str, value: Any) -> FloatArray:
     unit = finite_array(name, value, shape=(3,))
-    if abs(math.hypot(*unit) - 1.0) > _UNIT:
+    if abs(math.hypot(*unit) - 1.0) > PRINTED:
         raise InputError(f"{name} must be a unit vector, got {plain(unit)}")
     return unit
 
@@ -805,7 +798,7 @@ def _of_functional(body: FEModel, b: Any, radius: float | str) -> ContactPoint:
     tip = ContactPoint(body, values)
     if body.nodes is not None:
         length = float(np.linalg.norm(tip.resultant))
-        if abs(length - 1.0) <= _MEAN:
+        if abs(length - 1.0) <= PRINTED:
             tip = replace(tip, direction=tip.resultant / length)
         _warn_of_no_mean(tip, length)
     return _placed(tip, 0.0 if isinstance(radius, str) else radius)
@@ -893,7 +886,7 @@ def _on_node(body: FEModel, node: int, along: FloatArray) -> Touch:
 def _made(body: FEModel, touch: Touch, **how: Any) -> ContactPoint:
     """The contact point of a touch, its forces on the dofs that are free."""
     b = body.on_dofs(touch.forces)
-    if np.abs(b).max(initial=0.0) <= _HELD:
+    if np.abs(b).max(initial=0.0) <= ROUNDING:
         raise InputError(
             f"point {plain(touch.point)} m with direction {plain(touch.direction)}: supports hold "
             "all nodes of the contact; choose another point or direction, or release the nodes in "

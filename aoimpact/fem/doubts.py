@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray, InputError, plain, warn
+from ..base import PRINTED, FloatArray, InputError, plain, warn
 from ..mesh import Mesh
 from .beams import Beam
 from .composition import AnyMaterial, pieces
@@ -23,9 +23,6 @@ _NEARLY_INCOMPRESSIBLE = 0.45
 _CURVED = 0.01
 
 _TINY = float(np.finfo(float).tiny)
-
-# Nodes closer than this fraction of the mesh's size are at the same place.
-_COINCIDENT = 1e-9
 
 
 def warn_of_locking(mesh: Mesh, material: AnyMaterial) -> None:
@@ -114,9 +111,7 @@ def warn_of_separate_parts(mesh: Mesh, masses: Any) -> None:
     sizes = np.bincount(of_cell, minlength=count)
     other = int(np.flatnonzero(of_cell != sizes.argmax())[0])
     place = plain(mesh.nodes[mesh.cells[other]].mean(axis=0))
-    pairs = scipy.spatial.KDTree(mesh.nodes).query_pairs(
-        _COINCIDENT * mesh.size, output_type="ndarray"
-    )
+    pairs = scipy.spatial.KDTree(mesh.nodes).query_pairs(PRINTED * mesh.size, output_type="ndarray")
     cure = "make a body of each, by part="
     if len(pairs):
         cure = f"merge the {len(pairs)} pairs of nodes that lie at the same place"

@@ -38,7 +38,7 @@ from ..linalg import LinearSolver
 from ..mesh import plane_of, taken
 from .assembly import stiffness_mass
 from .compliance import ContactCompliance
-from .composition import Materials, pieces, taken_material
+from .composition import each_of, pieces, taken_material
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
 from .material import Material
 from .orthotropic import Solid
@@ -46,6 +46,7 @@ from .patch import spread
 from .shearedhalfspace import ShearedHalfSpace
 from .stresserror import energy_error, missing_energy
 from .subdivision import cells_towards, sides_towards
+from .touch import of_face
 
 # A direction is along the normal where 1 - |cos θ| is below this: a milliradian.
 _ALONG = 1e-6
@@ -363,7 +364,8 @@ def split(
     frame = np.vstack([plane_of(-normal, tangent), -normal])
     local = (mesh.nodes - point) @ frame.T
     behind = bool((local[:, 2] < -_FAR_BEHIND * np.linalg.norm(local, axis=1)).any())
-    material, own = _at_contact(body, point)
+    material: Any = of_face(body.surface, body.material, int(body.surface.nearest(point).face[0]))
+    own: int | None = each_of(body.material).index(material)
     level = local[:, 2].min() > -_FLAT * mesh.size
     space: HalfSpace
     isotropic = IsotropicHalfSpace if tangent is None else ShearedHalfSpace
@@ -445,17 +447,6 @@ def _supported(body: Any) -> IntArray:
     held = (body.at_nodes(np.ones(body.n_dofs)) == 0.0).any(axis=2)
     turns = np.isin(np.arange(body.mesh.n_nodes), body.mesh.thin_nodes)
     return np.flatnonzero(held[0] | (turns & held[1]))
-
-
-def _at_contact(body: Any, point: FloatArray) -> tuple[Solid, int | None]:
-    """The material of the element at a place of the surface, and its number among several."""
-    material = body.material
-    number = 0
-    if isinstance(material, Materials):
-        cell = int(body.surface.cell[body.surface.nearest(point).face[0]])
-        number, material = int(material.index[cell]), material.of(cell)
-    assert isinstance(material, Solid)
-    return material, number
 
 
 def cutoff(y: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:

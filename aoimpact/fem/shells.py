@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import FloatArray, InputError, IntArray, plain
+from ..base import PRINTED, FloatArray, InputError, IntArray, plain
 from ..mesh import dot, pairs, sides
 from .laminate import Layers
 
@@ -42,9 +42,6 @@ _ENDS = 0.8
 
 # Corners of a strip along the edge of an element that are on the element.
 _ON_ELEMENT = np.array([0.0, 0.0, 1.0, 1.0])[:, None]
-
-# Sine of an angle between normals that is rounding.
-_LEVEL = 1e-9
 
 # Sine of the angle between a fibre axis and the normal below which there is no direction.
 _ACROSS = 1e-6
@@ -325,7 +322,7 @@ def strain_rows(
     height = local[:, None, None, :, 2]
     rows[..., 1, 0] += height * rows[..., 0, 1]
     rows[..., 1, 1] -= height * rows[..., 0, 0]
-    if normals is not None and np.abs(normals[..., :2]).max(initial=0.0) > _LEVEL:
+    if normals is not None and np.abs(normals[..., :2]).max(initial=0.0) > PRINTED:
         _turn_to_surface(rows, local, normals)
     rows = rows @ frames[:, None, None, None]
     if ends is not None and ends.any():

@@ -111,15 +111,9 @@ def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
         shape = piece.element.shape(piece.element.stiffness_rule.points)
         for batch in batches(piece):
             points[batch.numbers, : len(shape)] = shape @ mesh.nodes[batch.cells]
-            found = gauss_of(mesh, batch, displacement)
-            components[..., batch.numbers, : len(shape), :] = found
+            stress = hooke(gauss_strain(mesh, batch, displacement)[0], piece.of)
+            components[..., batch.numbers, : len(shape), :] = np.moveaxis(stress, 0, -1)
     return Stress(components, points)
-
-
-def gauss_of(mesh: Mesh, piece: Piece, displacement: FloatArray) -> FloatArray:
-    """Return the components of `gauss_stress` of some elements, shape (..., n, n_gauss, 6)."""
-    strain = gauss_strain(mesh, piece, displacement)[0]
-    return np.moveaxis(hooke(strain, piece.of), 0, -1)
 
 
 def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, InputError, IntArray, finite_array, text, warn
+from ..base import PRINTED, FloatArray, InputError, IntArray, finite_array, text, warn
 from ..mesh import Mesh, group
 from .beams import Beam, BeamSection, beam_frames, beam_rows
 from .composition import AnyMaterial, layout, pieces
@@ -30,9 +30,6 @@ from .thinerror import shell_pieces
 
 _OF_SHELLS = ("bottom", "middle", "top")
 _SIDES = (*_OF_SHELLS, "left", "right")
-
-# Share of a node at a place that is rounding.
-_NONE = 1e-9
 
 # Elements are taken so many at a time.
 _BATCH = 4096
@@ -207,7 +204,7 @@ class _Wanted:
         """Elements, of the layer's part, and the places they hold: all nodes with a share in it."""
         mesh, part = self.mesh, self.layer.part
         near = sp.csr_array(self.weights, copy=True)
-        near.data = (np.abs(near.data) > _NONE).astype(np.float64)
+        near.data = (np.abs(near.data) > PRINTED).astype(np.float64)
         near.eliminate_zeros()
         cells = np.arange(mesh.n_cells) if part is None else group(mesh, "part", part)
         rows = np.repeat(cells, mesh.cells.shape[1])

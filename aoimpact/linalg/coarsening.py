@@ -8,19 +8,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import FloatArray, IntArray
+from ..base import ROUNDING, FloatArray, IntArray
 from ..mesh import Mesh
 from .blocks import diagonal_blocks
 
 # ω of the prolongation's smoothing, over λ_max of D⁻¹A (Vanek, Mandel and Brezina 1996).
 _DAMPING = 4.0 / 3.0
-
-# Weights of a linear element at the nodes of a quadratic one that are rounding; the others are
-# 1/8 or more.
-_NO_WEIGHT = 1e-9
-
-# Candidates that depend on others within an aggregate, by their share of its Gram matrix.
-_DEPENDENT = 1e-12
 
 
 def corner_interpolation(mesh: Mesh) -> tuple[sp.csr_array, IntArray]:
@@ -50,7 +43,7 @@ def corner_interpolation(mesh: Mesh) -> tuple[sp.csr_array, IntArray]:
         done[nodes] = True
         cell, local = np.divmod(first, element.n_nodes)
         weights, parents = shape[local], number[block.cells[cell, : element.n_corners]]
-        used = np.abs(weights) > _NO_WEIGHT
+        used = np.abs(weights) > ROUNDING
         rows.append(np.repeat(nodes, used.sum(axis=1)))
         columns.append(parents[used])
         values.append(weights[used])
@@ -87,7 +80,7 @@ def aggregated(A: Any, candidates: FloatArray, highest: float) -> tuple[Any, Flo
     gram = np.einsum("nbi,nbj->nij", candidates, candidates)[order]
     values, vectors = np.linalg.eigh(np.add.reduceat(gram, starts, axis=0))
     # gram = V Λ Vᵀ: with B = Q R, Q is B V Λ^(-1/2) and R is Λ^(1/2) Vᵀ; zero where dependent.
-    kept = values > _DEPENDENT * values[:, -1:]
+    kept = values > ROUNDING * values[:, -1:]
     root = np.sqrt(np.where(kept, values, 0.0))
     inverse_root = np.divide(1.0, root, out=np.zeros_like(root), where=kept)
     local = np.matmul(candidates, (vectors * inverse_root[:, None, :])[aggregate])

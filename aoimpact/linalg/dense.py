@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from ..base import FloatArray, SingularError
+from ..base import ROUNDING, FloatArray, SingularError
 
 # Smallest pivot of M, relative to its diagonal, with which the reduction by M⁻¹ keeps the digits of
 # low ω².
@@ -13,9 +13,6 @@ _LIGHT = 1e-6
 
 # s², relative to the mean of K_ii over that of M_ii, where modes are found by (K + s²M)⁻¹.
 _SHIFT = 1e-4
-
-# θ = 1/(ω² + s²) of a motion without mass is rounding: below this share of the largest θ.
-_NO_MASS = 1e-12
 
 
 def dense_modes(
@@ -64,9 +61,9 @@ def _of_light_motions(
     s2 = _SHIFT * float(np.trace(stiffness)) / whole
     inverse, modes = _solved(-mass, stiffness + s2 * mass, n)
     theta = -inverse
-    if theta[-1] < -np.sqrt(_NO_MASS) * theta[0]:
+    if theta[-1] < -np.sqrt(ROUNDING) * theta[0]:
         raise scipy.linalg.LinAlgError("mass is not positive semidefinite")
-    heavy = theta > _NO_MASS * theta[0]
+    heavy = theta > ROUNDING * theta[0]
     return 1.0 / theta[heavy] - s2, modes[:, heavy] / np.sqrt(theta[heavy])
 
 

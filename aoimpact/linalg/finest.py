@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, SingularError, at_once
+from ..base import PRINTED, FloatArray, SingularError, at_once
 from ..mesh import rigid_motions
 from .blocks import Blocks, Stored, diagonal_blocks, diagonal_places
 from .matrices import check_entries
@@ -29,9 +29,6 @@ Column = npt.NDArray[np.int32]
 # Threads take the rows in so many shares. What comes of them is added up in their order, so that
 # the number of threads changes no bit.
 _SHARES = 4
-
-# Force of a translation on a dof, of its stiffness, that the rounding of K leaves.
-_UNRESISTED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +167,7 @@ def _without_nodes(pencil: Pencil) -> Finest:
     A = pencil.matrix()
     check_entries(A)
     moves = np.tile(np.eye(3), (A.shape[0] // 3 + 1, 1))[: A.shape[0]]
-    inner = np.abs(pencil.K @ moves) <= _UNRESISTED * pencil.K.diagonal()[:, None]
+    inner = np.abs(pencil.K @ moves) <= PRINTED * pencil.K.diagonal()[:, None]
     if A.shape[0] % 3 == 0 and inner.mean() > 0.5:  # the others are on nodes beside supports
         A, motions = A.tobsr((3, 3)), moves.reshape(-1, 3, 3)
     else:

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import ConvergenceError, FloatArray, SingularError, bar
+from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, bar
 from ..mesh import Mesh, rigid_motions
 from .blocks import Blocks, diagonal_blocks, slabs
 from .coarsening import aggregated, corner_interpolation
@@ -42,9 +42,6 @@ _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
 _DENSE = 300
-
-# Least square of an aspect ratio: of a flat element's, rounding.
-_FLAT = 1e-12
 
 # A level that has not less than this share of the dofs above it is no progress: K does not couple.
 _SHRINKS = 0.7
@@ -137,7 +134,8 @@ class Multigrid:
         while True:
             if len(self._levels) == 1:
                 self._second = A, candidates, places
-            if A.shape[0] <= _DENSE or _entries(A, affordable) <= affordable:
+            few = 0.5 * A.nnz <= affordable and fill(A).entries <= affordable
+            if few or A.shape[0] <= _DENSE:
                 break
             A, candidates = self._to_aggregates(A, candidates, places)
             places = None
@@ -353,12 +351,6 @@ def _inverse(multigrid: Multigrid) -> Inverse:
     return Inverse(multigrid.solve, iterate, multigrid.precondition, at=below)
 
 
-def _entries(A: Any, affordable: float) -> float:
-    """Entries of L, or of A itself where these alone are too many."""
-    stored = 0.5 * float(A.nnz)
-    return stored if stored > affordable else fill(A).entries
-
-
 class _Iterations(Method):
     """Its cost, by entries of K in place of those of L."""
 
@@ -395,7 +387,7 @@ def _aspect(mesh: Mesh) -> float:
             np.add.at(about, corner, squares)
     lengths = np.linalg.eigvalsh(about[about.any(axis=1)].reshape(-1, 3, 3))
     return float(
-        np.median(np.sqrt(lengths[:, 2] / np.maximum(lengths[:, 0], _FLAT * lengths[:, 2])))
+        np.median(np.sqrt(lengths[:, 2] / np.maximum(lengths[:, 0], ROUNDING * lengths[:, 2])))
     )
 
 

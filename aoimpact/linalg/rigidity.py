@@ -10,12 +10,6 @@ import scipy.sparse as sp
 
 from ..base import PRINTED, FloatArray, SingularError
 
-# A vector of which no more than this is new, in length, lies in the space but for rounding.
-_NEW = 1e-9
-
-# Relative difference below which motions are the same one (rotation of a line about itself).
-_DEPENDENT = 1e-9
-
 
 def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> FloatArray:
     """Return an M-orthonormal basis of the part of `vectors` that `space` does not span.
@@ -55,7 +49,7 @@ def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> Floa
                 x = x - unit * (momentum @ x)
             mx = M @ x
             length = float(np.sqrt(max(x @ mx, 0.0)))
-            if length > _NEW * size:
+            if length > PRINTED * size:
                 found.append((x / length, mx / length))
         basis = np.stack([x for x, _ in found], axis=1) if found else vectors[:, :0]
     return basis
@@ -113,7 +107,7 @@ def unresisted_motions(
 def _null_combinations(motions: FloatArray, forces: FloatArray) -> FloatArray:
     """Return motions · c of all combinations c with forces · c = 0 to rounding."""
     _, size, right = np.linalg.svd(motions, full_matrices=False)
-    kept = size > _DEPENDENT * size[0]
+    kept = size > PRINTED * size[0]
     combination = right[kept].T / size[kept]
     combination = combination @ np.linalg.svd(forces @ combination, full_matrices=False)[2].T
     basis: FloatArray = motions @ combination

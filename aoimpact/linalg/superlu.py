@@ -154,31 +154,26 @@ def check_condition(
         If λ_min / λ_max, by inverse iterations (three, or one where that leaves no doubt) and the
         largest row sum, is below 2e-15.
     """
-    scale = np.sqrt(np.abs(matrix.diagonal() if diagonal is None else diagonal))
-    if not (scale > 0.0).all() or not _is_regular(matrix, solve, scale):
-        raise SingularError(f"{what} is singular to rounding")
-
-
-def _is_regular(matrix: Any, solve: Callable[[FloatArray], FloatArray], scale: FloatArray) -> bool:
     # Scaled by its diagonal, so that elements of very different size do not count as singular.
-    x = np.random.default_rng(0).standard_normal(len(scale))
-    inverse = 0.0
-    for iteration in range(3):
+    scale = np.sqrt(np.abs(matrix.diagonal() if diagonal is None else diagonal))
+    x, inverse, largest = np.random.default_rng(0).standard_normal(len(scale)), np.inf, 1.0
+    for iteration in range(3 if (scale > 0.0).all() else 0):
         x /= np.linalg.norm(x)
         x = scale * solve(scale * x)
         inverse = float(np.linalg.norm(x))
         if not np.isfinite(inverse):
-            return False
+            break
         if iteration == 0:
             most = 1.0 / (_SINGULAR * _UNLUCKY * np.sqrt(len(x)) * inverse)
             if float(np.diff(matrix.indptr).max()) < most:  # a row sum of entries up to 1
-                return True
+                return
             parts = np.abs(matrix.data), matrix.indices, matrix.indptr
             sizes = type(matrix)(parts, shape=matrix.shape)
             largest = float((sizes @ (1.0 / scale) / scale).max())
             if largest < most:
-                return True
-    return inverse * largest < 1.0 / _SINGULAR
+                return
+    if not inverse * largest < 1.0 / _SINGULAR:
+        raise SingularError(f"{what} is singular to rounding")
 
 
 def _set_up(pencil: Pencil) -> Inverse:

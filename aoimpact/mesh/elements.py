@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import FloatArray, IntArray
+from ..base import ROUNDING, FloatArray, IntArray
 
 # Least 1 - z, at an apex: the inverse of its square is finite.
 _APEX = 1e-150
@@ -126,7 +126,7 @@ class ReferenceElement:
     @cached_property
     def edges(self) -> IntArray:
         """The corners at both ends of the edges on which nodes lie, shape (n_edges, 2)."""
-        weights = self.linear.shape(self.nodes[self.n_corners :]) > 1e-12
+        weights = self.linear.shape(self.nodes[self.n_corners :]) > ROUNDING
         return np.nonzero(weights[weights.sum(axis=1) == 2])[1].reshape(-1, 2)
 
     @property
@@ -460,13 +460,13 @@ def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
         sides = np.eye(3)[[] if kind == "line" else [2]]
     for normal in sides:
         height = element.nodes @ normal
-        on = np.flatnonzero(np.abs(height - height.max()) < 1e-12)
+        on = np.flatnonzero(np.abs(height - height.max()) < ROUNDING)
         corner = on < element.n_corners
         arms = element.nodes[on] - element.nodes[on[corner]].mean(axis=0)
         turn = np.arctan2(arms @ np.cross(normal, arms[0]), arms @ arms[0] * np.linalg.norm(normal))
         first = 0.0 if element.thin else turn[corner].min()  # a surface element begins as it does
         turn = np.round(turn - first, 9) % (2.0 * np.pi)
-        middle = np.linalg.norm(arms, axis=1) < 1e-12
+        middle = np.linalg.norm(arms, axis=1) < ROUNDING
         nodes, n_corners = on[np.lexsort((turn, middle, ~corner))], int(corner.sum())
         found.append(ReferenceFace(nodes, n_corners, *_side(len(nodes))))
     return tuple(found)

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import (
+    PRINTED,
     FloatArray,
     InputError,
     IntArray,
@@ -73,7 +74,7 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
         raise InputError(f"size={h:g} m is larger than the sphere (radius={R:g} m)")
     n_exact = _STRETCH * _ICOSAHEDRON_ANGLE * (R / h)
     _refuse_monster(80.0 / 3.0 * n_exact * n_exact * n_exact, "size", f"{h:g}, of radius={R:g} m,")
-    n = 2 * max(1, int(np.ceil(n_exact / 2.0 - 1e-9)))
+    n = 2 * max(1, int(np.ceil(n_exact / 2.0 - PRINTED)))
     directions, cones = _icosahedron()
     barycentric, tets = _subdivided_tetrahedron(n)
     keys, places = _cone_points(directions, cones, barycentric, n)
@@ -82,7 +83,7 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     cells = number.reshape(len(cones), -1)[:, tets].reshape(-1, 4)
     volume = np.linalg.det(corners[cells[:, 1:]] - corners[cells[:, :1]])
     cells = np.where(volume[:, None] < 0.0, cells[:, [0, 2, 1, 3]], cells)
-    outside = np.flatnonzero(np.abs(np.linalg.norm(corners, axis=1) - 1.0) < 1e-9)
+    outside = np.flatnonzero(np.abs(np.linalg.norm(corners, axis=1) - 1.0) < PRINTED)
     straight = of_second_order(Mesh(corners, cells, "tetra", {"surface": outside}))
     surface, nodes = straight.node_sets["surface"], straight.nodes.copy()
     nodes[surface] /= np.linalg.norm(nodes[surface], axis=1)[:, None]

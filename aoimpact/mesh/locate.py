@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import FloatArray, InputError, IntArray, plain
+from ..base import ROUNDING, FloatArray, InputError, IntArray, plain
 from .elements import ReferenceElement
 from .mesh import Mesh
 
@@ -14,9 +14,6 @@ AT_NODE = 1e-6
 # Distance off the mesh, as a share of the element's size, at which a point counts as on it: faceted
 # surfaces leave such slivers.
 _ON_SURFACE = 0.02
-
-# Tolerance for a point to count as inside the element.
-_INSIDE = 1e-12
 
 # Newton's method for the reference coordinates: largest number of steps, and size of the last.
 _MOST_STEPS = 30
@@ -53,7 +50,7 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
         off = float(np.linalg.norm(shape @ corners - point) / size)
         if off < best:
             best, nodes, weights = off, members, shape
-        if best <= _INSIDE:
+        if best <= ROUNDING:
             break
     if best > _ON_SURFACE:
         low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, MeshError
+from ..base import PRINTED, ROUNDING, FloatArray, IntArray, MeshError
 from .elements import ReferenceFace, reference_faces
 from .mesh import Mesh
 
@@ -31,9 +31,6 @@ _CONVERGED = 1e-10
 # Distance from a side's middle from which an iteration does not come back to it.
 _LOST = 1.5
 
-# Distance outside of a side that counts as on it: its edge belongs to both neighbours.
-_ON_EDGE = 1e-9
-
 # Cosine of the angle between faces, 45°, above which their edge is sharp. Between the faces of a
 # round body of few linear elements there are up to 40°.
 SHARP = np.sqrt(0.5)
@@ -42,14 +39,8 @@ SHARP = np.sqrt(0.5)
 # sides of eight nodes. It is 4/3 on sides of six nodes, and 1.39 on those of nine.
 _BETWEEN = 2.0
 
-# Distances, as a share of the side's size, that Newton's iteration leaves; they count as none.
-_SAME_PLACE = 1e-9
-
-# Margin as a share of the side's size: far more than rounding and `_ON_EDGE`.
+# Margin as a share of the side's size: far more than rounding and `PRINTED`.
 _BESIDE = 1e-6
-
-# Determinant, relative to the largest entry squared, below which tangents are one direction.
-_SINGULAR = 1e-12
 
 # Points of which the nearest ones on the surface are kept: of a few contacts.
 _REMEMBERED = 16
@@ -277,7 +268,7 @@ class Surface:
                 break
         x = self.at(face, uv)[0]
         distance = np.linalg.norm(x - point, axis=1)
-        shared = np.flatnonzero(distance <= distance.min() + _SAME_PLACE * radius[face].max())
+        shared = np.flatnonzero(distance <= distance.min() + PRINTED * radius[face].max())
         shared = shared[np.argsort(distance[shared], kind="stable")]
         shared = shared[self._continuing(face[shared], x[shared[0]], float(radius[face].max()))]
         found = Place(face[shared], uv[shared], x[shared], distance[shared])
@@ -309,7 +300,7 @@ class Surface:
         ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
         a, b = self.mesh.nodes[ends[..., 0]], self.mesh.nodes[ends[..., 1]]
         lengths = [np.linalg.norm(of, axis=2) for of in (a - x, b - x, b - a)]
-        through = (lengths[0] + lengths[1] <= lengths[2] + _SAME_PLACE * size) & (lengths[2] > 0.0)
+        through = (lengths[0] + lengths[1] <= lengths[2] + PRINTED * size) & (lengths[2] > 0.0)
         shared = [
             np.unique(ends[(skin == number)[:, None] & through], axis=0, return_counts=True)[1]
             for number in range(count)
@@ -393,14 +384,14 @@ class Surface:
                 break
         x, tangents = self.at(face, uv)
         # Unconverged iterates belong to faces that the line misses.
-        missed = np.linalg.norm((points - x) @ across.T, axis=1) > _SAME_PLACE * self.balls[1][face]
+        missed = np.linalg.norm((points - x) @ across.T, axis=1) > PRINTED * self.balls[1][face]
         uv[missed] = np.inf
         return uv, x, np.cross(tangents[:, 0], tangents[:, 1]) @ axis
 
     def _inside(self, face: IntArray, uv: FloatArray) -> npt.NDArray[np.bool_]:
         u, v = uv.T
         furthest = np.where(self._triangle[self.side[face]], u + v, np.maximum(u, v))
-        inside: npt.NDArray[np.bool_] = (uv >= -_ON_EDGE).all(axis=1) & (furthest <= 1.0 + _ON_EDGE)
+        inside: npt.NDArray[np.bool_] = (uv >= -PRINTED).all(axis=1) & (furthest <= 1.0 + PRINTED)
         return inside
 
     def _clamped(self, face: IntArray, uv: FloatArray) -> FloatArray:
@@ -494,7 +485,7 @@ def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
     (a, b), (c, d) = matrix[:, 0].T, matrix[:, 1].T
     det = a * d - b * c
     size = np.abs(matrix).max(axis=(1, 2))
-    safe = np.where(np.abs(det) > _SINGULAR * size**2, det, np.inf)
+    safe = np.where(np.abs(det) > ROUNDING * size**2, det, np.inf)
     step = np.stack([d * right[:, 0] - b * right[:, 1], a * right[:, 1] - c * right[:, 0]], axis=1)
     step /= safe[:, None]
     cut: FloatArray = np.clip(step, -_LONGEST, _LONGEST)
