@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -44,9 +45,8 @@ _INVERSE_STEPS, _FURTHER = 8, 0.01
 # 1 000 to 10 000 times as long as thick is off by 1 % and more above, by 0.3 % at most below.
 _DROWNED = 0.2
 
-# s² as `_FIRST_SHIFT`, and passes, by which strain is taken out of rigid modes: each leaves
-# s²/(ω² + s²) of it.
-_STRAIN_SHIFT, _STRAIN_PASSES = 1e-10, 3
+# s² over the first guess, and passes, by which strain is taken out of rigid modes.
+_STRAIN_SHIFT, _STRAIN_PASSES = 1e-6, 3
 
 
 def shifted(
@@ -113,16 +113,12 @@ def null_space(K: Any, M: Any) -> FloatArray:
         scale = np.linalg.norm(abs(K) @ np.abs(modes), axis=0)
         rigid = forces <= ROUNDING * scale
         if not rigid.all() or len(rigid) < wanted or wanted == n:
-            return _without_strain(K, M, modes[:, rigid])
+            break
         wanted = min(n, 2 * wanted)
-
-
-def _without_strain(K: Any, M: Any, modes: FloatArray) -> FloatArray:
-    """Take the last elastic rounding out of rigid modes, and make them M-orthonormal."""
-    if modes.shape[1]:
+    modes = modes[:, rigid]
+    if rigid.any():
         # Each pass leaves s²/(ω² + s²) of the strain, so s² lies far below any elastic ω².
-        s2 = _STRAIN_SHIFT * float(K.diagonal().sum() / M.diagonal().sum())
-        near_k = linear_solver(Pencil(K, M, s2))
+        near_k = linear_solver(Pencil(K, M, _STRAIN_SHIFT * _first_shift(K, M)))
         for _ in range(_STRAIN_PASSES):
             modes = modes - near_k.solve(K @ modes)
     return np.ascontiguousarray(m_orthonormal(None, modes, M))
@@ -165,7 +161,11 @@ def lowest(
     if dofs <= DENSE_DOFS or n > dofs // 5:
         return _lowest_dense(K, M, n, rigid)
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
-    near = _near(K, M, known, solver_at)
+    near = None
+    if known is not None and not count:
+        with suppress(SingularError):  # by rounding
+            near = solver_at(0.0)
+    near = near or solver_at(_first_shift(K, M))
     try:
         omega2, modes = _iterated(K, M, n - count, known, near, solver_at)
     except ConvergenceError:
@@ -176,18 +176,6 @@ def lowest(
         np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
         np.column_stack([rigid, modes])[:, :n],
     )
-
-
-def _near(
-    K: Any, M: Any, known: FloatArray | None, solver_at: Callable[[float], LinearSolver]
-) -> LinearSolver:
-    """The solver of K itself where it is regular; else that of the first guess of s²."""
-    if known is not None and known.shape[1] == 0:
-        try:
-            return solver_at(0.0)
-        except SingularError:  # rounding
-            pass
-    return solver_at(_first_shift(K, M))
 
 
 def _iterated(
