@@ -46,7 +46,7 @@ from aoimpact.base import with_unit
 from aoimpact.integrate.dense import adaptive_run
 from aoimpact.integrate.fixed_steps import newmark_run
 from aoimpact.reduction import body_model
-from aoimpact.scene import Contact, Plan
+from aoimpact.scene import Contact, Scenario
 
 
 def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
@@ -57,15 +57,15 @@ def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
         yield Run(f"rtol={rtol:g}", seconds, error_of(case, exact, found))
 
 
-def plan_of(scene: dict[str, Any]) -> Plan:
+def plan_of(scene: dict[str, Any]) -> Scenario:
     """The scene as `simulate` hands it on."""
     bodies = body_model("projectile", scene["projectile"]), body_model("target", scene["target"])
     contact = Contact(0, 0, 1, 0, scene["law"], scene.get("gap", 0.0))
     speeds = scene["velocity"], 0.0
-    return Plan(bodies, speeds, (contact,), (), 0.0, scene["duration"], True)
+    return Scenario(bodies, speeds, (contact,), (), 0.0, scene["duration"], True)
 
 
-def core_arguments(plan: Plan) -> tuple[Any, Any, Any, Any]:
+def core_arguments(plan: Scenario) -> tuple[Any, Any, Any, Any]:
     """Bodies, contacts, and how the bodies move at the start, as the core takes them."""
     bodies = tuple(body.for_core() for body in plan.modal)
     (contact,) = plan.contacts

@@ -35,10 +35,10 @@ from aoimpact import (
     simulate,
 )
 from aoimpact.base import choice, instance, integer, positive, sequence, with_unit
-from aoimpact.impact import checked_duration, checked_numbers, contact_width
+from aoimpact.impact import checked_duration, checked_numbers, plan_impact
 from aoimpact.integrate import rigid_contact_time
 from aoimpact.reduction import body_model
-from aoimpact.scene import Contact, reduced_mass
+from aoimpact.scene import reduced_mass
 
 # Steps of Newmark's rule by scene: the longest of these runs takes a second or two.
 _STEPS = {
@@ -128,8 +128,8 @@ def work_precision(
     }
     exact = _given(reference) if reference is not None else _reference(scene)
     models = [body.modal for body in bodies]
-    width = contact_width(law, models, velocity)
-    between = Contact(0, 0, 1, 0, law, 0.0).of_models(models, width).law
+    plan = plan_impact(*models, law, velocity=velocity, duration=duration)
+    between = plan.contacts[0].law
     contact_time = rigid_contact_time(between, reduced_mass(*models), abs(velocity))
     ode = None
     if names:

@@ -15,7 +15,7 @@ from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
 from ..reduction import Body
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
-from ..scene import Plan
+from ..scene import Scenario
 from .hierarchy import Models, fixed_model, only_models
 from .leftout import errors_left_out
 from .order import LOOSEST, Orders, search
@@ -76,7 +76,7 @@ def checked_rtol(rtol: float | None) -> float:
 
 
 def choose_models(
-    plan: Plan,
+    plan: Scenario,
     interest: Callable[[], Quantity],
     rtol: float | None,
     solver: Any,
@@ -90,7 +90,7 @@ def choose_models(
 
     Parameters
     ----------
-    plan : Plan
+    plan : Scenario
         Of the bodies.
     interest : callable
         Returns the quantity of interest.
@@ -203,7 +203,7 @@ def _order(model: Any) -> int:
     return getattr(model, "n", 1)
 
 
-def time_rule(solver: Any, tolerance: float, plan: Plan, *, given: bool) -> tuple[Any, float]:
+def time_rule(solver: Any, tolerance: float, plan: Scenario, *, given: bool) -> tuple[Any, float]:
     """Return what integrates in time, and its share of the tolerance.
 
     Parameters
@@ -211,7 +211,7 @@ def time_rule(solver: Any, tolerance: float, plan: Plan, *, given: bool) -> tupl
     solver : Adaptive, Newmark or None
         As the caller gave it.
     tolerance : float
-    plan : Plan
+    plan : Scenario
         Of the bodies.
     given : bool
         True if it was given, so that the solver must keep it.

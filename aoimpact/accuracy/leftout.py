@@ -51,7 +51,7 @@ from ..reduction import (
     softer_model,
 )
 from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
-from ..scene import Contact, Plan, extraction_of
+from ..scene import Contact, Scenario, extraction_of
 from .hierarchy import model_hierarchy
 
 # A run is repeated with laws and bodies stiffer or softer by no more than this, and the change is
@@ -145,7 +145,7 @@ class _Changes:
 
     def __init__(self, quantity: Quantity, run: Run, solver: TimeSolver | None) -> None:
         self._quantity, self._run, self._solver = quantity, run, solver
-        self._runs: dict[Plan, Run | None] = {}
+        self._runs: dict[Scenario, Run | None] = {}
 
     def sum(self, causes: Sequence[Iterable[Altered]]) -> _Change:
         """Return the sum of the changes by several causes."""
@@ -180,7 +180,7 @@ class _Changes:
         known = {quantity.name: change}
         return _Change(Found(lambda: errors, lambda name: extended(errors[name]), known), when)
 
-    def _altered(self, plan: Plan) -> Run | None:
+    def _altered(self, plan: Scenario) -> Run | None:
         """The run of an altered plan; None where it cannot run."""
         if plan not in self._runs:
             try:
@@ -249,7 +249,7 @@ class Altered:
 
     Attributes
     ----------
-    plan : Plan or None
+    plan : Scenario or None
         None: unchanged.
     size : float
         The relative change of stiffness that is meant.
@@ -257,7 +257,7 @@ class Altered:
         How many times smaller that of the plan is.
     """
 
-    plan: Plan | None
+    plan: Scenario | None
     size: float = 0.0
     scale: float = 1.0
 
@@ -353,7 +353,7 @@ def alterations(run: Run, *, at_nodes: bool) -> Alterations | None:
     )
 
 
-def _of_contact(plan: Plan, number: int, met: Met, *, at_nodes: bool) -> list[_End] | None:
+def _of_contact(plan: Scenario, number: int, met: Met, *, at_nodes: bool) -> list[_End] | None:
     """Errors of the compliances at a contact; none for models given by numbers."""
     contact, contact_time = plan.contacts[number], met.contact_time
     if contact_time <= 0.0:
@@ -409,7 +409,7 @@ def unbent(tip: ContactPoint, s: float) -> float:
     return _TWICE * tip.bending_compliance(s) * fast / (1.0 + fast)
 
 
-def _across(plan: Plan, ends: Sequence[Sequence[_End]]) -> Altered:
+def _across(plan: Scenario, ends: Sequence[Sequence[_End]]) -> Altered:
     """The plan with other compliances between the normal force and the slides, by their errors."""
     contacts = []
     for contact, of in zip(plan.contacts, ends, strict=True):
@@ -425,7 +425,7 @@ def _across(plan: Plan, ends: Sequence[Sequence[_End]]) -> Altered:
 
 
 def _stiffer(
-    plan: Plan, slopes: Sequence[float], ends: Sequence[Sequence[_End]], sign: float
+    plan: Scenario, slopes: Sequence[float], ends: Sequence[Sequence[_End]], sign: float
 ) -> Altered:
     """The plan with bodies stiffer by their errors (softer, for sign 1), and laws to suit."""
     shares: dict[int, float] = {}
@@ -456,7 +456,7 @@ def _is_bare(law: ContactLaw, tip: ContactPoint) -> bool:
     return not (tip.patch or tip.thin or isinstance(law, HertzianLaw))
 
 
-def _any_bare(plan: Plan) -> bool:
+def _any_bare(plan: Scenario) -> bool:
     tips = (
         (own_law(contact.law), plan.bodies[body].touched_at(port))
         for contact in plan.contacts
@@ -465,7 +465,7 @@ def _any_bare(plan: Plan) -> bool:
     return any(tip is not None and _is_bare(law, tip) for law, tip in tips)
 
 
-def _softer(plan: Plan) -> Iterable[Altered]:
+def _softer(plan: Scenario) -> Iterable[Altered]:
     """The plans with bodies whose modes are softer by the errors of their elements.
 
     First with laws to suit, so that the responses at the frequencies of the extraction stay as they
@@ -503,7 +503,7 @@ def _met(run: Run, number: int) -> Met:
     return Met(end - start, events.peak_time - start, run.deepest(number))
 
 
-def _in_series(plan: Plan, slopes: Sequence[float], compliances: Sequence[float]) -> Altered:
+def _in_series(plan: Scenario, slopes: Sequence[float], compliances: Sequence[float]) -> Altered:
     """The plan with these compliances, m/N, in series with the laws."""
     largest = max(
         (slope * change for slope, change in zip(slopes, compliances, strict=True)), default=0.0
@@ -536,7 +536,7 @@ def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
     return replace(law, compliance=law.compliance - change, limit=math.inf)
 
 
-def _with_law_error(plan: Plan) -> Altered:
+def _with_law_error(plan: Scenario) -> Altered:
     """The plan with Hertz's laws stiffer by their errors."""
     errors = [contact.law_error for contact in plan.contacts]
     if not any(errors):
@@ -553,7 +553,7 @@ def _with_law_error(plan: Plan) -> Altered:
     return Altered(_with(plan, contacts), max(errors), scale)
 
 
-def _bounded(plan: Plan, met: Sequence[Met], left: Sequence[float]) -> Altered:
+def _bounded(plan: Scenario, met: Sequence[Met], left: Sequence[float]) -> Altered:
     """The plan without the compliances, m/N, that are left in laws."""
     contacts = []
     for contact, of, c in zip(plan.contacts, met, left, strict=True):
@@ -562,7 +562,7 @@ def _bounded(plan: Plan, met: Sequence[Met], left: Sequence[float]) -> Altered:
     return Altered(_with(plan, contacts) if any(left) else None, 1.0)
 
 
-def _with(plan: Plan, contacts: Sequence[Contact]) -> Plan:
+def _with(plan: Scenario, contacts: Sequence[Contact]) -> Scenario:
     return replace(plan, contacts=tuple(contacts), energies=False)
 
 

@@ -21,7 +21,7 @@ from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
 from ..reduction import AOModel, Body, fitted_times, is_valid_for
 from ..results import QUANTITIES, Speeds, warning_limits
-from ..scene import Plan, normal_gap
+from ..scene import Scenario, normal_gap
 
 ERROR = "error.time"
 
@@ -51,7 +51,7 @@ class _Pair(NamedTuple):
     ----------
     number : int
         Among those that the core is given.
-    plan : Plan
+    plan : Scenario
     fits : (float, float)
         Durations of the contact, s, between which the models are valid without a further check.
     limits : (float, float)
@@ -59,7 +59,7 @@ class _Pair(NamedTuple):
     """
 
     number: int
-    plan: Plan
+    plan: Scenario
     fits: tuple[float, float]
     limits: tuple[float, float]
 

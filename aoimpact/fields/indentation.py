@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base import FloatArray, IntArray
 from ..fem import SIX, Extraction
-from ..scene import Plan, extraction_of
+from ..scene import Scenario, extraction_of
 
 # Radius of a contact, over that of the patch, below which the force counts as one at a point: far
 # from it, closed forms would lose digits as the square of the distance over the radius.
@@ -74,7 +74,7 @@ class Indentation:
         return np.asarray((more - less) * change[:, None, None])
 
 
-def indentations(plan: Plan, body: int) -> tuple[Indentation, ...]:
+def indentations(plan: Scenario, body: int) -> tuple[Indentation, ...]:
     """Return the fields of a body's contacts in a plan, one for each of its contact points."""
     found: dict[int, Indentation] = {}
     model = plan.bodies[body]

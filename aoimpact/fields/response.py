@@ -14,7 +14,7 @@ from ..base import FloatArray, InputError, IntArray, finite_array
 from ..fem import Damping, FEModel
 from ..integrate import Events, Motion, Recorder
 from ..reduction import PACE, FullModel, Recovery, SharedSolutions
-from ..scene import Plan
+from ..scene import Scenario
 from .fields import Field
 from .held import Held
 from .history import LOOKS
@@ -273,7 +273,7 @@ def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:
 
 
 def response_of(
-    plan: Plan,
+    plan: Scenario,
     recorder: Recorder,
     events: Sequence[Events],
     body: int,
@@ -283,7 +283,7 @@ def response_of(
 
     Parameters
     ----------
-    plan : Plan
+    plan : Scenario
         What was run.
     recorder : Recorder
         The run.

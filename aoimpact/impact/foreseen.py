@@ -19,7 +19,7 @@ from ..laws import own_law, round_contact
 from ..linalg import LinearSolver
 from ..reduction import BodyModel, FullModel
 from ..results import RecordLength
-from ..scene import Contact, Load, Plan
+from ..scene import Contact, Load, Scenario
 from .defaults import turns
 from .oblique import ROLES, with_functionals
 
@@ -29,11 +29,11 @@ class Foreseen:
 
     Parameters
     ----------
-    plan : Plan
+    plan : Scenario
         Of the bodies as they were given.
     """
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Scenario) -> None:
         self._plan = plan
 
     def record(self, length: float | None) -> RecordLength:
@@ -66,7 +66,7 @@ class Foreseen:
         *,
         wider: bool = False,
         bounded: bool = False,
-    ) -> Plan:
+    ) -> Scenario:
         """Return the plan with the patches, widths and directions that its contacts have.
 
         Parameters
@@ -177,7 +177,7 @@ class Foreseen:
         return replace(body, tips=(*body.tips[:port], fit, *body.tips[port + 1 :]))
 
 
-def _around(plan: Plan, names: Sequence[str]) -> list[tuple[int, ...]]:
+def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
     """For each body the contact points whose direction of travel must be reversed."""
     roles: dict[tuple[int, int], set[bool]] = {}
     sides: dict[ContactPoint | None, set[bool]] = {}
@@ -196,7 +196,7 @@ def _around(plan: Plan, names: Sequence[str]) -> list[tuple[int, ...]]:
     return around
 
 
-def _with_functionals(plan: Plan, names: Sequence[str]) -> Plan:
+def _with_functionals(plan: Scenario, names: Sequence[str]) -> Scenario:
     """The plan of bodies with three ports for each place where they are touched."""
     assert plan.oblique is not None
     sides = [{of.first for of in plan.contacts}, {of.second for of in plan.contacts}]

@@ -52,7 +52,7 @@ from ..scene import (
     Friction,
     Load,
     Oblique,
-    Plan,
+    Scenario,
     normal_gap,
 )
 from .defaults import (
@@ -444,7 +444,7 @@ class Scene:
             self._refuse_overlap()
         return self._run(plan, length, quantity, rtol, solver, linear_solver, began)
 
-    def _plan(self, *, energies: bool = True, preload: bool = False) -> Plan:
+    def _plan(self, *, energies: bool = True, preload: bool = False) -> Scenario:
         """The scene of the bodies as they were given, whose contacts are of places.
 
         Raises
@@ -463,7 +463,7 @@ class Scene:
                 for of in self._members
             )
             gravity = gravity if self._falls is None else float(along @ self._falls)
-        return Plan(
+        return Scenario(
             bodies,
             speeds,
             tuple(self._contacts),
@@ -504,13 +504,12 @@ class Scene:
             )
             for of in members
         )
-        return Oblique(
-            axes, velocities, self.gravity * axes[0] if self._falls is None else self._falls
-        )
+        falls = self.gravity * axes[0] if self._falls is None else self._falls
+        return Oblique(axes, velocities, falls)
 
     def _run(
         self,
-        plan: Plan,
+        plan: Scenario,
         length: float | None,
         quantity: Any,
         rtol: float | None,
@@ -526,7 +525,7 @@ class Scene:
 
         Parameters
         ----------
-        plan : Plan
+        plan : Scenario
             Of the bodies as they were given.
         length : float or None
             Duration, s.
@@ -543,21 +542,17 @@ class Scene:
         record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
         names = [self._called(body) for body in range(len(plan.bodies))]
         tips = [tip for body in plan.bodies for tip in body.tips]
-        ways = [(False, False)]
-        if any(tip.automatic for tip in tips):
-            ways.append((True, False))
-        if any(isinstance(tip.thin, Layers) for tip in tips):
-            ways.append((True, True))
+        automatic = any(tip.automatic for tip in tips)
+        layered = any(isinstance(tip.thin, Layers) for tip in tips)
+        ways = [(False, False), *[(True, False)] * automatic, *[(True, True)] * layered]
         for wider, bounded in ways:
             factors: dict[Any, LinearSolver] = {}
             fitted = foreseen.fitted(names, factors, wider=wider, bounded=bounded)
             interest = partial(self._interest, quantity, fitted)
             try:
                 if not chosen:
-                    run = record.run(
-                        fitted.of_models(fitted.bodies, energies=plan.energies),
-                        partial(solve, solver=solver),
-                    )
+                    made = fitted.of_models(fitted.bodies, energies=plan.energies)
+                    run = record.run(made, partial(solve, solver=solver))
                     break
                 with bar("models", unit="solution"):
                     run = choose_models(
@@ -590,7 +585,7 @@ class Scene:
         warn_of_run(run)
         return run
 
-    def _interest(self, quantity: Any, plan: Plan) -> Quantity:
+    def _interest(self, quantity: Any, plan: Scenario) -> Quantity:
         """The quantity of interest; where nothing meets, the motion of a body to be reduced."""
         bodies = plan.bodies
         if isinstance(quantity, Handle):
@@ -612,7 +607,7 @@ class Scene:
             )
         return interest
 
-    def _refuse_restitution(self, plan: Plan) -> None:
+    def _refuse_restitution(self, plan: Scenario) -> None:
         """Refuse a restitution unless one contact of two approaching bodies defines it."""
         speeds = {plan.velocities[body] for contact in plan.contacts for body, _ in contact.ports}
         if len(plan.contacts) != 1 or len(speeds) != 2:

@@ -16,7 +16,7 @@ from ..laws import ContactLaw, own_law
 from ..linalg import Solver
 from ..reduction import BodyModel, body_model
 from ..results import Result, TimeSolver, warn_of_exchange
-from ..scene import Plan
+from ..scene import Scenario
 from .defaults import checked_numbers, turns
 from .foreseen import Foreseen
 from .oblique import checked_spin, vector_or_number
@@ -208,7 +208,7 @@ class Impact(Scene):
 
     def touch(
         self, law: ContactLaw | None, friction: float | None = None, *, energies: bool = True
-    ) -> Plan:
+    ) -> Scenario:
         """Return the plan under a law, or Hertz's of the surfaces if it is left out."""
         turned = (False, False) if law is not None else self.turned
         self._join((0, 0), (1, 0), law, self.gap, turned=turned, friction=friction)
@@ -256,7 +256,7 @@ def plan_impact(
     duration: float,
     gap: float = 0.0,
     energies: bool = True,
-) -> Plan:
+) -> Scenario:
     """Check the arguments of `simulate`, and return them as the solvers take them.
 
     Raises

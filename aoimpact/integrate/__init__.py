@@ -1,4 +1,4 @@
-"""Integration in time: a `scene.Plan` goes in, a recorder comes out.
+"""Integration in time: a `scene.Scenario` goes in, a recorder comes out.
 
 Newmark's rule with fixed steps, and the adaptive method to a tolerance. Both recorders have one
 interface (recorder.py). `results` runs plans by them (solve.py); other

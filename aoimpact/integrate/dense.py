@@ -18,7 +18,7 @@ import numpy as np
 from .. import _core
 from ..base import FloatArray, IntArray, LawLimitError, MemoryLimitError
 from ..laws import CoreLaw
-from ..scene import Plan
+from ..scene import Scenario
 from .band import narrow_order
 from .events import Events
 from .motion import Motion, dense_motion
@@ -37,7 +37,7 @@ class DenseRecorder:
 
     Attributes
     ----------
-    plan : Plan
+    plan : Scenario
         What was run.
     rtol : float
         The requested tolerance.
@@ -59,7 +59,7 @@ class DenseRecorder:
         How long the run took, s.
     """
 
-    plan: Plan
+    plan: Scenario
     rtol: float
     scene: tuple[tuple[Any, ...], tuple[Any, ...]]
     track: Any
@@ -154,12 +154,12 @@ class DenseRecorder:
         return dense_motion(self, body)
 
 
-def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> DenseRecorder:
+def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) -> DenseRecorder:
     """Run a scene to a tolerance.
 
     Parameters
     ----------
-    plan : Plan
+    plan : Scenario
     rtol : float
     most_steps : int, optional
         The run is given up after about as many.
@@ -246,7 +246,7 @@ def _slips(
     return tuple(found)
 
 
-def _order(plan: Plan) -> IntArray | None:
+def _order(plan: Scenario) -> IntArray | None:
     """A better order of the contacts; a wall hands the force of none on to the others."""
     couples = [body.residual is not None or bool(body.push.any()) for body in plan.modal]
     return narrow_order([(contact.first, contact.second) for contact in plan.contacts], couples)

@@ -24,7 +24,7 @@ from ..base import (
     warn,
 )
 from ..laws import ContactLaw, check_width
-from ..scene import Plan
+from ..scene import Scenario
 from .events import Events, find_contacts, find_peak, find_slips
 from .motion import SteppedMotion
 from .newmark import Newmark
@@ -65,7 +65,7 @@ class SteppedRecorder(Frozen):
 
     Attributes
     ----------
-    plan : Plan
+    plan : Scenario
         What was run.
     rule : Newmark
     dt : float
@@ -80,7 +80,7 @@ class SteppedRecorder(Frozen):
         How long the run took, with those that its error is estimated from, s.
     """
 
-    plan: Plan
+    plan: Scenario
     rule: Newmark
     dt: float
     times: FloatArray
@@ -149,7 +149,7 @@ class SteppedRecorder(Frozen):
         return SteppedMotion(self, body, self.dt, self.dt)
 
 
-def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | None]:
+def solve_newmark(plan: Scenario, rule: Newmark) -> tuple[SteppedRecorder, float | None]:
     """Run a scene with fixed steps; return the run and its error, from runs with larger steps.
 
     Raises
@@ -189,7 +189,7 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
 
 
 def _to_tolerance(
-    step: Callable[..., SteppedRecorder], first: float, rtol: float, plan: Plan
+    step: Callable[..., SteppedRecorder], first: float, rtol: float, plan: Scenario
 ) -> tuple[SteppedRecorder, StepError]:
     """Halve the step until three successive ones agree."""
     before = [_trial(step, 0.5 * first), _trial(step, first)]
@@ -229,7 +229,7 @@ def _error(*runs: SteppedRecorder | ConvergenceError) -> StepError:
 
 
 def newmark_run(
-    plan: Plan,
+    plan: Scenario,
     rule: Newmark,
     dt: float,
     *,
@@ -241,7 +241,7 @@ def newmark_run(
 
     Parameters
     ----------
-    plan : Plan
+    plan : Scenario
     rule : Newmark
     dt : float
         s.
@@ -293,7 +293,7 @@ def newmark_run(
     return SteppedRecorder(plan, rule, dt, t, rows, final)
 
 
-def _steps(plan: Plan, rule: Newmark, dt: float, duration: float) -> int:
+def _steps(plan: Scenario, rule: Newmark, dt: float, duration: float) -> int:
     """The least number of steps of `dt` that covers `duration`, both in s."""
     steps = duration / dt * (1.0 - ROUNDING)
     needed = 8.0 * plan.layout.rows * (steps + 1.0)
@@ -308,7 +308,7 @@ def _steps(plan: Plan, rule: Newmark, dt: float, duration: float) -> int:
     return max(1, math.ceil(steps))
 
 
-def _start(plan: Plan, rule: Newmark) -> _Start:
+def _start(plan: Scenario, rule: Newmark) -> _Start:
     """The contact forces just after t = 0, and their rates.
 
     Where a contact point has no mass, the bodies' state does not determine it: its place, or
@@ -339,7 +339,7 @@ def _start(plan: Plan, rule: Newmark) -> _Start:
     return found
 
 
-def first_step(plan: Plan) -> float:
+def first_step(plan: Scenario) -> float:
     """A fiftieth of the shortest contact that rigid bodies would have, s."""
     shortest = plan.duration / 20.0
     if plan.fastest == 0.0:

@@ -57,7 +57,7 @@ class Motion:
         return float(self.run.duration)
 
     def force(self, times: FloatArray) -> FloatArray:
-        """Return the forces along their directions, N, shape (p, times); see `Plan.port_forces`."""
+        """Return the forces along their directions, N, (p, times); see `Scenario.port_forces`."""
         found: FloatArray = self.run.plan.port_forces(self.body, times, self.run.pushes(times))
         return found
 

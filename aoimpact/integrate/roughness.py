@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base import ConvergenceError
 from ..laws import ContactLaw
-from ..scene import Contact, Plan
+from ..scene import Contact, Scenario
 
 # A user's law whose force scatters by a larger share is refused under any tolerance: steps grow
 # with its root. A contact takes 3 steps without scatter, 60 with 1e-9, and 6 000 with this share.
@@ -36,7 +36,7 @@ _PLACES = ((0.03, 0.9), (0.1, -0.7), (0.2, 0.5), (0.4, -0.3), (0.6, 0.1))
 _SOME = 1e-6
 
 
-def refuse_rough(plan: Plan, rtol: float) -> None:
+def refuse_rough(plan: Scenario, rtol: float) -> None:
     """Check that the user's laws of a scene are smooth enough for a tolerance.
 
     Raises
@@ -86,7 +86,7 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
     return float(np.median(found)) if found else 0.0
 
 
-def _depth(plan: Plan, contact: Contact) -> float:
+def _depth(plan: Scenario, contact: Contact) -> float:
     """The deepest indentation of rigid bodies; a micrometre where that is not known."""
     energy = 0.5 * plan.reduced_mass(contact) * plan.fastest**2
     try:

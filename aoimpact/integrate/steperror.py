@@ -18,7 +18,7 @@ import numpy.typing as npt
 import scipy
 
 from ..base import FloatArray
-from ..scene import Plan
+from ..scene import Scenario
 from .events import find_peak, parabola_tops
 from .tolerances import DRAWN, LESSER
 
@@ -266,7 +266,7 @@ def _highest_crest(free: npt.NDArray[np.bool_], ours: FloatArray, coarse: FloatA
     return float((tops + np.abs(ours[2 * shared] - coarse[shared])).max())
 
 
-def _unresolved(plan: Plan, body: int, dt: float) -> FloatArray:
+def _unresolved(plan: Scenario, body: int, dt: float) -> FloatArray:
     """The largest vibration of a body's ports in modes that steps do not resolve, m, (ports,)."""
     model, load, slowest = plan.bodies[body], plan.load_on(body), _RESOLVED / dt
     pull = 0.0 if plan.preload else float(np.linalg.norm(plan.pull))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base import ConvergenceError, warn
-from ..scene import Plan
+from ..scene import Scenario
 from .adaptive import Adaptive
 from .comparison import difference, most_touches
 from .dense import DenseRecorder, adaptive_run
@@ -63,7 +63,7 @@ FRICTION = 1e-5
 GAIN = 1.5
 
 
-def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | None]:
+def solve_adaptive(plan: Scenario, rule: Adaptive) -> tuple[DenseRecorder, float | None]:
     """Run a scene to a tolerance; return the run and its relative error, if known.
 
     Several contacts take a smaller tolerance: two bodies may meet, after others, at a small part of
@@ -100,7 +100,7 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | N
     return run if run.rtol == rule.rtol else replace(run, rtol=rule.rtol), error
 
 
-def _refuse_gain(plan: Plan, run: DenseRecorder) -> None:
+def _refuse_gain(plan: Scenario, run: DenseRecorder) -> None:
     """Refuse a run in which bodies got more energy than there was.
 
     That is what the rounding of time makes of contacts that are over within its last digits.
@@ -130,7 +130,7 @@ def _refuse_gain(plan: Plan, run: DenseRecorder) -> None:
 
 
 def _confirmed(
-    plan: Plan, first: DenseRecorder, rtol: float, touches: int
+    plan: Scenario, first: DenseRecorder, rtol: float, touches: int
 ) -> tuple[DenseRecorder, float | None]:
     """Return the run of the smallest tolerance that was needed, and its error, if known."""
     speed = max(map(abs, plan.velocities))

@@ -48,7 +48,7 @@ from ..reduction import Body, BodyModel, is_valid_for
 from .errors import ErrorEstimate, percent
 
 if TYPE_CHECKING:
-    from ..scene import Contact, Plan
+    from ..scene import Contact, Scenario
     from .run import Result, Run
 
 
@@ -130,21 +130,21 @@ class Limit(NamedTuple):
 class _Joint(NamedTuple):
     """Properties of a contact that are known before the run."""
 
-    plan: Plan
+    plan: Scenario
     contact: Contact
     law: ContactLaw
     materials: list[Material | None]
     surface: RoundContact | None
 
 
-def touched(plan: Plan, contact: Contact) -> Iterator[tuple[int, int, ContactPoint]]:
+def touched(plan: Scenario, contact: Contact) -> Iterator[tuple[int, int, ContactPoint]]:
     """Yield the bodies that a contact touches at known places: number, port and place."""
     for body, port in contact.ports:
         if (tip := plan.bodies[body].touched_at(port)) is not None:
             yield body, port, tip
 
 
-def limits(plan: Plan, contact: Contact) -> dict[str, Limit]:
+def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
     """Return the limits of a contact by name, as far as its law and bodies are known."""
     law, materials = own_law(contact.law), contact.materials(plan.bodies)
     joint = _Joint(plan, contact, law, materials, round_contact(law, materials))
@@ -663,7 +663,7 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
 _BENDING = 2.0
 
 
-def warning_limits(plan: Plan) -> tuple[float, float]:
+def warning_limits(plan: Scenario) -> tuple[float, float]:
     """Return up to which force, N, and velocity, m/s, an impact needs no warning; 0 of none."""
     contact, mass = plan.contacts[0], plan.bodies[0].known_mass
     if any(_as_a_shell(tip) for _, _, tip in touched(plan, contact)):
@@ -705,7 +705,7 @@ def warn_of_run(run: Run) -> None:
         warn(text)
 
 
-def _energy(plan: Plan) -> float:
+def _energy(plan: Scenario) -> float:
     """Kinetic energy of all bodies at the start, J; infinite where a mass is, or is not known."""
     moving = [
         (body.known_mass, v) for body, v in zip(plan.bodies, plan.velocities, strict=True) if v

@@ -34,7 +34,7 @@ from ..fields import Response, movie_path, picture, response_of, times_within, w
 from ..integrate import Events, Recorder
 from ..laws import Dent, own_law
 from ..reduction import FullModel
-from ..scene import Plan
+from ..scene import Scenario
 from . import plot as figures
 from .advice import Advice, limits, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
@@ -127,7 +127,7 @@ class Run:
     1.0
     """
 
-    plan: Plan  # bodies, contacts and loads that were integrated
+    plan: Scenario  # bodies, contacts and loads that were integrated
     recorder: Recorder  # the solver's own record, from which curves are read
     time_error: float | None
     chosen: Chosen | None = None

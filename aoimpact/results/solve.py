@@ -10,7 +10,7 @@ from ..base import InputError, InputTypeError, LawLimitError, held_warnings, war
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import PatchLaw, wider
 from ..reduction import FullModel
-from ..scene import Plan
+from ..scene import Scenario
 from .advice import touched
 from .run import Result, Run
 
@@ -20,7 +20,7 @@ TimeSolver = Adaptive | Newmark
 _BY_DEFAULT, _RUBBING = Adaptive(), Adaptive(rtol=1e-4)
 
 
-def solve(plan: Plan, solver: TimeSolver | None) -> Run:
+def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
     """Run a plan; by default to a tolerance, with a full model or damped friction in steps.
 
     Raises
@@ -116,12 +116,12 @@ class RecordLength:
         if not self.given:
             self.length, self._settled = self._first, False
 
-    def run(self, plan: Plan, solve: Callable[[Plan], Run], *, last: bool = True) -> Run:
+    def run(self, plan: Scenario, solve: Callable[[Scenario], Run], *, last: bool = True) -> Run:
         """Run a plan for this length, or, where that is open, until its impact is over.
 
         Parameters
         ----------
-        plan : Plan
+        plan : Scenario
         solve : callable
         last : bool, optional
             Whether this run determines the length: not one with bodies that are rigid for a trial.
@@ -152,7 +152,7 @@ class RecordLength:
             )
 
 
-def _lasting(plan: Plan, length: float) -> Plan:
+def _lasting(plan: Scenario, length: float) -> Scenario:
     """The plan with that duration, s."""
     return plan if plan.duration == length else replace(plan, duration=length)
 

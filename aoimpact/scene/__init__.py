@@ -1,7 +1,7 @@
 """A scene as the integrators take it: bodies, contacts, loads, and rest under load.
 
-A `Plan` is all that a run needs to know. `impact` makes plans, `integrate` runs them, and `results`
-reads them; what a user calls a `Scene` stands in `impact`.
+A `Scenario` is all that a run needs to know. `impact` makes it, `integrate` runs it, and `results`
+reads it; what a user calls a `Scene` stands in `impact`.
 """
 
 from .bodies import stepped
@@ -12,6 +12,6 @@ from .contact import (
     extraction_of,
     normal_gap,
 )
-from .plan import Oblique, Plan, reduced_mass
 from .rows import RecordLayout
+from .scenario import Oblique, Scenario, reduced_mass
 from .stepped import Equations, SteppedBody

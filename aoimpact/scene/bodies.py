@@ -29,7 +29,7 @@ def stepped(
     gravity : float or ndarray, shape (3,), optional
         m/s², along the direction of travel or in three directions.
     load : (times, forces), optional
-        As `Plan.load_on` gives it.
+        As `Scenario.load_on` gives it.
     rest : ndarray, shape (n,), optional
         Displacements of its modes (`modal`) at the start; undeformed if not given.
     pressed : ndarray, shape (p,), optional

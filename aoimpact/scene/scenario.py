@@ -45,7 +45,7 @@ class Oblique:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Scenario:
     """All that a run needs to know.
 
     Attributes
@@ -90,7 +90,7 @@ class Plan:
     around: Sequence[tuple[int, ...]] = ()
     bounded: bool = False
 
-    def of_models(self, models: Sequence[BodyModel], *, energies: bool) -> Plan:
+    def of_models(self, models: Sequence[BodyModel], *, energies: bool) -> Scenario:
         """Return the plan of models in place of the bodies, with laws to suit.
 
         Raises
