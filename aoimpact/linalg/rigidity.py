@@ -43,16 +43,15 @@ def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> Floa
         whole = np.sqrt(np.einsum("ij,ij->j", basis, M @ basis).clip(0.0))
         if space is not None and space.shape[1]:
             basis = basis - space @ (space.T @ (M @ basis))
-        found: list[tuple[FloatArray, FloatArray]] = []
+        found, momenta, k = np.empty_like(basis, order="F"), np.empty_like(basis, order="F"), 0
         for x, size in zip(basis.T, whole, strict=True):
-            for unit, momentum in found:
-                x = x - unit * (momentum @ x)
+            x = x - found[:, :k] @ (momenta[:, :k].T @ x)
             mx = M @ x
             length = float(np.sqrt(max(x @ mx, 0.0)))
             if length > PRINTED * size:
-                found.append((x / length, mx / length))
-        basis = np.stack([x for x, _ in found], axis=1) if found else vectors[:, :0]
-    return basis
+                found[:, k], momenta[:, k], k = x / length, mx / length, k + 1
+        basis = found[:, :k]
+    return np.ascontiguousarray(basis)
 
 
 def unresisted_motions(
