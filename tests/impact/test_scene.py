@@ -1,6 +1,7 @@
 """Scenes of many bodies: what SciPy, Newmark's rule, closed forms and symmetry say of them."""
 
 import concurrent.futures
+import dataclasses
 import itertools
 import math
 import pickle
@@ -845,3 +846,32 @@ def test_a_gap_whose_square_is_no_number_is_refused_by_name() -> None:
     first, second = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=1.0))
     with pytest.raises(ao.InputError, match=r"^gap"):
         scene.connect(first, second, ao.Hertz(1e9), gap=1e300)
+
+
+def test_all_degrees_of_freedom_damped_by_their_modes_die_away_as_in_closed_form() -> None:
+    k, m, zeta, force = 5e5, 0.2, 0.05, 100.0
+    K, M = np.array([[k]]), np.array([[m]])
+    body = ao.FEModel(K=K, M=M, damping=ao.ModalDamping(zeta))
+    scene = ao.Scene()
+    loaded = scene.add(ao.full(body.contact(dof=0)))
+    scene.apply(loaded, force=force)
+    run = scene.simulate(duration=0.01, solver=ao.Newmark(dt=2e-6))
+    omega = math.sqrt(k / m)
+    fast, decay = omega * math.sqrt(1.0 - zeta**2), np.exp(-zeta * omega * run.t)
+    ringing = np.cos(fast * run.t) + zeta * omega / fast * np.sin(fast * run.t)
+    exact = force / k * (1.0 - decay * ringing)
+    np.testing.assert_allclose(run[loaded].displacement, exact, atol=1e-5 * force / k)
+
+
+def test_a_copy_of_a_model_with_other_numbers_is_one_of_these() -> None:
+    """A body of finite elements and then some mass on its contact: a star of numbers."""
+    chain = ao.FEModel(K=np.array([[2e6, -1e6], [-1e6, 1e6]]), M=np.diag([0.5, 0.5]))
+    star = ao.antioscillators(chain.contact(dof=1))
+    heavier = dataclasses.replace(star, m0=star.m0 + 0.3)
+    numbers = ao.AOModel(m0=star.m0 + 0.3, k0=star.k0, m=star.m, k=star.k)
+    hits = [
+        ao.simulate(ao.rigid(mass=0.1), one, 1.0, law=ao.Linear(k=1e6), duration=2e-3)
+        for one in (heavier, numbers, star)
+    ]
+    assert hits[0].peak_force == pytest.approx(hits[1].peak_force, rel=1e-12)
+    assert hits[2].peak_force < 0.99 * hits[0].peak_force
