@@ -111,7 +111,9 @@ def errors_left_out(
         return LeftOut()
     changes, name = _Changes(quantity, run, solver), quantity.name
     mesh, contact = changes.sum(altered.mesh), changes.sum(altered.contact)
-    if _any_bare(plan):
+    ends = [(own_law(of.law), *end) for of in plan.contacts for end in of.ports]
+    tips = [(law, plan.bodies[body].touched_at(port)) for law, body, port in ends]
+    if any(tip is not None and _is_bare(law, tip) for law, tip in tips):
         mesh = _Change({}, mesh.when)
     if quantity.lasting:
         series, _, across = altered.mesh
@@ -454,15 +456,6 @@ def _stiffer(
 def _is_bare(law: ContactLaw, tip: ContactPoint) -> bool:
     """True if a solid mesh's indentation at a node stays in series with a law."""
     return not (tip.patch or tip.thin or isinstance(law, HertzianLaw))
-
-
-def _any_bare(plan: Scenario) -> bool:
-    tips = (
-        (own_law(contact.law), plan.bodies[body].touched_at(port))
-        for contact in plan.contacts
-        for body, port in contact.ports
-    )
-    return any(tip is not None and _is_bare(law, tip) for law, tip in tips)
 
 
 def _softer(plan: Scenario) -> Iterable[Altered]:

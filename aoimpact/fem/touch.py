@@ -234,11 +234,6 @@ def _place(surface: Surface, point: FloatArray) -> Place:
     return here
 
 
-def _distinct(normals: FloatArray) -> FloatArray:
-    """Return the normals, each once: a flat side has many faces."""
-    return np.unique(np.where(np.abs(normals) > ROUNDING, normals, 0.0).round(6), axis=0)
-
-
 def _on_edge(point: FloatArray, cure: str) -> InputError:
     return InputError(
         f"point {plain(point)} m is on a sharp edge or corner of the body, where the surface has "
@@ -259,9 +254,11 @@ def _pressing(
     assert along is not None
     faces = surface.normal(here.face, here.uv)
     if np.abs(faces @ along).max() < _TANGENT:
+        known = np.where(np.abs(faces) > ROUNDING, faces, 0.0).round(6)
+        normals = ", ".join(map(plain, np.unique(known, axis=0)))  # a flat side has many faces
         raise InputError(
             f"direction {plain(along)} runs along the edge at point {plain(point)} m, where faces "
-            f"with the outward normals {', '.join(map(plain, _distinct(faces)))} meet: nothing "
+            f"with the outward normals {normals} meet: nothing "
             "would press on them; choose a direction into the body"
         )
     return along

@@ -117,13 +117,17 @@ class Probe:
     def _histories(self) -> dict[str, History[Response]]:
         made = partial(_history, self._response, self.t)
         moved = partial(_moved, self._at, self._shape)
-        seen = partial(_stressed, self._response.body, self._weights, self._layer, self._places)
         return {
             "displacement": made("displacement", moved),
             "velocity": made("velocity", partial(moved, rates=True), displacement=moved),
-            "stress": made("stress", seen),
-            "strain": made("strain", partial(seen, strain=True)),
+            "stress": made("stress", self._tensor),
+            "strain": made("strain", partial(self._tensor, strain=True)),
         }
+
+    def _tensor(self, response: Response, times: FloatArray, *, strain: bool = False) -> FloatArray:
+        """Stress, Pa, or strain in a run of the body."""
+        rows = tensor_rows(response.body, self._weights, self._layer, strain=strain)
+        return response.stress(rows, times).reshape(-1, *self._places, 6)
 
     @property
     def _places(self) -> tuple[int, ...]:
@@ -398,21 +402,6 @@ def _filtered(
     motion = partial(response.motion_at, *at)
     found = filtered_acceleration(motion, response.motion.duration, channel, times)
     return found.reshape(-1, *shape)
-
-
-def _stressed(
-    body: FEModel,
-    weights: sp.csr_array,
-    layer: Layer,
-    shape: tuple[int, ...],
-    response: Response,
-    times: FloatArray,
-    *,
-    strain: bool = False,
-) -> FloatArray:
-    """Stress, Pa, or strain at places with the nodes' weights."""
-    rows = tensor_rows(body, weights, layer, strain=strain)
-    return response.stress(rows, times).reshape(-1, *shape, 6)
 
 
 def _functional(rows: sp.csr_array, response: Response, times: FloatArray) -> FloatArray:

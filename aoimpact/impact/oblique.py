@@ -104,7 +104,15 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
     """
     found: FloatArray | None = None
     for both in ends:
-        _refuse_same_side(*both)
+        first, second = both
+        tips = [model.touched_at(port) for _, model, port in both]
+        normals = [tip.normal for tip in tips if tip is not None and tip.normal is not None]
+        if len(normals) == 2 and normals[0] @ normals[1] > 0.0:
+            raise InputError(
+                f"{first[0]} and {second[0]} are touched on the same side, where their surfaces "
+                f"face {plain(normals[0])} and {plain(normals[1])}. The axes of their meshes are "
+                "parallel: give a point on the opposite side of one, or turn its mesh"
+            )
         for name, model, port in reversed(both):
             tip = model.touched_at(port)
             if tip is None:
@@ -123,20 +131,6 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
     along = _DOWN if found is None else found
     tangents = plane_of(along, np.eye(3)[int(np.argmin(np.abs(along)))])
     return np.vstack([along, tangents])
-
-
-def _refuse_same_side(
-    first: tuple[str, BodyModel, int], second: tuple[str, BodyModel, int]
-) -> None:
-    """Refuse contact points of two meshes, with parallel axes, whose normals point the same way."""
-    tips = [model.touched_at(port) for _, model, port in (first, second)]
-    normals = [tip.normal for tip in tips if tip is not None and tip.normal is not None]
-    if len(normals) == 2 and normals[0] @ normals[1] > 0.0:
-        raise InputError(
-            f"{first[0]} and {second[0]} are touched on the same side, where their surfaces face "
-            f"{plain(normals[0])} and {plain(normals[1])}. The axes of their meshes are parallel: "
-            "give a point on the opposite side of one, or turn its mesh"
-        )
 
 
 def _direction(name: str, tip: ContactPoint) -> FloatArray:

@@ -252,9 +252,10 @@ class AbaqusDeck:
         for card in takewhile(lambda card: card.name != "STEP", self.cards):
             if card.name == "MATERIAL":
                 own = found.setdefault(key(card.options.get("NAME", "")), {})
-            if card.name in own:
+            kind = _kind(card.name)
+            if kind == "material" and card.name in own:
                 raise card.error("the material has it twice")
-            if _kind(card.name) in ("material", "inelastic"):
+            if kind in ("material", "inelastic"):  # which may be several, or of a contact
                 own[card.name] = card
         return found
 
@@ -269,7 +270,7 @@ class AbaqusDeck:
             addition = _kind(card.name) == "addition"
             if not addition and card.name not in _SECTIONS:
                 continue
-            elset = card.options.get("ELSET", elset if addition else "")
+            elset = card.options.get("ELSET", elset if addition else "").replace('"', "")
             for scope in self.whole.placed_as(card.part):
                 of = f"{scope.name}.{elset}" if scope.name else elset
                 name = groups.get(key(of), "")
@@ -966,11 +967,11 @@ class _Section:
         The other axes are turned about this one. Without such a line it is the third; where it is
         blank there the first, as in Abaqus.
         """
-        found = {
-            one.part: one
-            for one in self.deck.cards
-            if one.name == "ORIENTATION" and key(one.options.get("NAME", "")) == key(name)
-        }
+        found: dict[str, Keyword] = {}
+        for one in self.deck.cards:
+            its = key(one.options.get("NAME", "")) if one.name == "ORIENTATION" else None
+            if its == key(name) and found.setdefault(one.part, one) is not one:
+                raise one.error(f"the orientation {name} is defined twice")
         own = found.get(self.card.part) or found.get("")
         if own is None:
             raise self.card.error(f"there is no *ORIENTATION {name!r}")

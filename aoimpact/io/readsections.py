@@ -6,6 +6,8 @@ import os
 from collections.abc import Mapping
 from typing import get_args
 
+import numpy as np
+
 from ..base import (
     InputError,
     MeshError,
@@ -16,9 +18,11 @@ from ..base import (
     text,
     warn,
 )
-from ..fem import OneMaterial
+from ..fem import Laminate, OneMaterial, Shell
+from ..mesh import against_neighbours
 from .abaqusdeck import key
 from .load import load
+from .raw import RawMesh
 from .sections import Source
 
 
@@ -59,6 +63,7 @@ def read_sections(
         The deck's units of length in m, of force in N, and of time in s. The units of modulus and
         density follow, ``force/scale**2`` and ``force*time**2/scale**4``, as solvers take them.
         For mm, N, t, s: ``scale=1e-3``; mm, kN, kg, ms: ``scale=1e-3, force=1e3, time=1e-3``;
+        mm, kg, s: ``scale=1e-3, force=1e-3``;
         in, lbf, s: ``scale=0.0254, force=4.44822``.
     given : mapping of str to Material, Orthotropic, Shell, Laminate or Beam, optional
         In SI units, in place of cards: sections by their groups, materials by their names; that of
@@ -143,6 +148,28 @@ def read_sections(
                 f"given: {name!r} is no section or material in use{nearest(name, found)}; "
                 f"the deck's groups are {', '.join(map(repr, found))}"
             )
+    _refuse_turned(raw, found, where)
     if source.left_out:
         warn(f"{where}: {'; '.join(dict.fromkeys(source.left_out))}")
     return found
+
+
+def _refuse_turned(raw: RawMesh, found: Mapping[str, OneMaterial], where: str) -> None:
+    """Refuse shells that `read_mesh` turns over, where offset or plies are those of one side."""
+    sided = []
+    for name, of in found.items():
+        layers = of.plies if isinstance(of, Laminate) else ()
+        plies = [(one.thickness, one.material, one.angle_deg % 180.0) for one in layers]
+        over = [(*of_ply, -angle % 180.0) for *of_ply, angle in plies[::-1]]
+        sided += [name] * (isinstance(of, Shell | Laminate) and (of.offset != 0.0 or over != plies))
+    shells = [i for i, block in enumerate(raw.blocks) if block.kind in ("quad", "triangle")]
+    turned = np.zeros(raw.first[-1], dtype=bool)
+    cells = [raw.blocks[i].cells for i in shells] if sided else []
+    for i, own in zip(shells, against_neighbours(raw.nodes, cells), strict=False):
+        turned[raw.first[i] : raw.first[i + 1]] = own
+    for name in sided:
+        if turned[raw.cell_sets[name]].any():
+            raise MeshError(
+                f"{where}: elements of {name!r} have normals against those of their neighbours, "
+                "and its offset or plies are those of one side; turn them in the mesher"
+            )

@@ -49,6 +49,7 @@ _UNITS = {
     "m, N, kg, s": (1.0, 1.0, 1.0, "scale=1"),
     "mm, N, t, s": (1e-3, 1.0, 1.0, "scale=1e-3"),
     "mm, kN, kg, ms": (1e-3, 1e3, 1e-3, "scale=1e-3, force=1e3, time=1e-3"),
+    "mm, kg, s": (1e-3, 1e-3, 1.0, "scale=1e-3, force=1e-3"),
     "in, lbf, s": (0.0254, 4.44822, 1.0, "scale=0.0254, force=4.44822"),
     "cm, g, µs": (1e-2, 1e7, 1e-6, "scale=1e-2, force=1e7, time=1e-6"),
 }

@@ -22,8 +22,8 @@ def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
     InputError
         If the law is stiffer than that from the first touch on.
     """
-    untouched = compliance == 0.0 or isinstance(law, PatchLaw)
-    return law if untouched else _within_patch(law, compliance)
+    whole = compliance == 0.0 or isinstance(law, PatchLaw)
+    return law if whole else _within_patch(law, compliance)
 
 
 @lru_cache(maxsize=256)  # many models of the same bodies have the same law

@@ -93,7 +93,9 @@ def davidson(
                 n = min(n, basis.shape[1] + new.shape[1])
                 open_pairs, before = open_pairs[:n], before[:n]
             block = new
-            stiffness = _bordered(stiffness, basis, block, K @ block)
+            stiff_block = K @ block
+            beside, own = basis.T @ stiff_block, block.T @ stiff_block
+            stiffness = np.block([[stiffness, beside], [beside.T, 0.5 * (own + own.T)]])
             basis = np.column_stack([basis, block])
             omega2, within = scipy.linalg.eigh(stiffness)
             modes, omega2_n = basis @ within[:, :n], omega2[:n]
@@ -120,12 +122,3 @@ def davidson(
         "solutions: parts of the body may be far softer than others, or its elements flat. Ask for "
         "fewer modes, or take a coarser mesh"
     )
-
-
-def _bordered(
-    stiffness: FloatArray, basis: FloatArray, block: FloatArray, k_block: FloatArray
-) -> FloatArray:
-    """The projection of K on the basis and the block, from that on the basis."""
-    beside = basis.T @ k_block
-    own = block.T @ k_block
-    return np.block([[stiffness, beside], [beside.T, 0.5 * (own + own.T)]])

@@ -132,20 +132,16 @@ def check_stiffness(K: sp.csr_array) -> Factorization | None:
     _check_minors("K", K, 1.0 + PRINTED)
     if len(diagonal) > CHECKED_DOFS:
         return None
+    # Each dof is held by a small share of its own stiffness, so that no scale of the dofs matters.
+    regular = K + sp.diags_array(np.where(diagonal > 0.0, PRINTED * diagonal, 1.0))
     try:
-        return factorize(_made_regular(K), what="K")
+        return factorize(regular, what="K")
     except SingularError as error:
         raise InputError(
             f"K must be positive semidefinite, no motion may give energy back: {error}, with "
             f"{PRINTED:g} of its diagonal added; look for signs lost or entries missing "
             "where K was exported, and give it with all its digits"
         ) from None
-
-
-def _made_regular(K: sp.csr_array) -> sp.csr_array:
-    """Hold each dof by a small share of its own stiffness, so that no scale of the dofs matters."""
-    diagonal = K.diagonal()
-    return K + sp.diags_array(np.where(diagonal > 0.0, PRINTED * diagonal, 1.0))
 
 
 def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> FloatArray | None:

@@ -58,6 +58,7 @@ KEYWORDS = {
     "TRANSVERSESHEARSTIFFNESS": [SHELL + "*TRANSVERSE SHEAR STIFFNESS\n1E6, 1E6, 0.\n" + STEEL],
     "NONSTRUCTURALMASS": [SHELL + "*NONSTRUCTURAL MASS, ELSET=ALL, UNITS=TOTAL MASS\n2.\n" + STEEL],
     "ORIENTATION": [
+        PLIED + "\n1,0,0, 0,1,0\n*ORIENTATION, NAME=O\n0,1,0, -1,0,0\n" + PLY,
         PLIED + ", SYSTEM=CYLINDRICAL\n0,0,0, 0,0,1\n" + PLY,
         PLIED + ", DEFINITION=NODES\n1, 2\n" + PLY,
         PLIED + "\n1,0,0, 2,0,0\n" + PLY,
@@ -203,3 +204,34 @@ def test_what_is_no_deck_has_no_sections(tmp_path: Path) -> None:
         ao.read_sections(tmp_path / "none.inp")
     with pytest.raises(ao.InputError, match="scale"):
         ao.read_sections(tmp_path / "a.msh", scale=0.0)
+
+
+FOLDED = """*NODE
+1, 0., 0., 0.
+2, .1, 0., 0.
+3, .1, .1, 0.
+4, 0., .1, 0.
+5, .2, 0., 0.
+6, .2, .1, 0.
+*ELEMENT, TYPE=S4, ELSET="a b"
+1, 1, 2, 3, 4
+2, 3, 6, 5, 2
+*MATERIAL, NAME=PLY
+*ELASTIC, TYPE=LAMINA
+1E11, 1E10, .3, 5E9, 5E9, 4E9
+*DENSITY
+1600.
+*SHELL SECTION, ELSET="a b", COMPOSITE
+.001, 3, PLY, """
+
+
+@pytest.mark.filterwarnings("ignore:.*have no E3")
+def test_plies_of_one_side_are_refused_where_elements_are_turned_over(tmp_path: Path) -> None:
+    """Angles about a normal that is turned round change their sign; 0 and 90° do not."""
+    deck = tmp_path / "folded.inp"
+    deck.write_text(FOLDED + "45.\n")
+    with pytest.raises(ao.MeshError, match="a b"):
+        ao.read_sections(deck)
+    for text in (FOLDED + "90.\n", FOLDED.replace("3, 6, 5, 2", "2, 5, 6, 3") + "45.\n"):
+        deck.write_text(text)
+        assert list(ao.read_sections(deck)) == ["a b"]
