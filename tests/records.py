@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import aoimpact as ao
 from aoimpact import Result
 from aoimpact.impact import plan_impact
-from aoimpact.integrate.fixed_steps import SteppedRecorder
+from aoimpact.integrate import SteppedRecorder
 
 FloatArray = NDArray[np.float64]
 

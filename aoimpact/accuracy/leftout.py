@@ -312,7 +312,10 @@ def alterations(run: Run, *, at_nodes: bool) -> Alterations | None:
     at_nodes : bool
         True to count the mesh's indentation at nodes as its error under laws that leave it.
     """
-    plan, met = run.plan, [_met(run, i) for i in range(len(run.plan.contacts))]
+    plan, met = run.plan, []
+    for number, events in enumerate(run.events):
+        start, end = events.peak_contact or (0.0, 0.0)
+        met.append(Met(end - start, events.peak_time - start, run.deepest(number)))
     ends: list[list[_End]] = []
     for number, of in enumerate(met):
         found = _of_contact(plan, number, of, at_nodes=at_nodes)
@@ -487,13 +490,6 @@ def _softer(plan: Scenario) -> Iterable[Altered]:
         contacts.append(contact._replace(law=_with_compliance(contact.law, -change)))
     yield Altered(replace(_with(plan, contacts), bodies=bodies), size=1.0)
     yield Altered(replace(plan, bodies=bodies, energies=False), size=1.0)
-
-
-def _met(run: Run, number: int) -> Met:
-    """Duration, rise and depth that a contact of a run reached."""
-    events = run.events[number]
-    start, end = events.peak_contact or (0.0, 0.0)
-    return Met(end - start, events.peak_time - start, run.deepest(number))
 
 
 def _in_series(plan: Scenario, slopes: Sequence[float], compliances: Sequence[float]) -> Altered:

@@ -3,6 +3,9 @@
 Plain impacts run many in one call of the core (plain.py); all others by `simulate`. For `cli`.
 """
 
+from .checkpoint import Checkpoint
+from .digest import Digests
 from .many import simulate_many
+from .plain import ANSWERS, PLAIN_NUMBERS, plain_numbers
 from .sweep import sweep, sweep_file
 from .sweep_table import SweepTable

@@ -212,7 +212,10 @@ def mesh_compliance(
     x = (nodes - point) @ axes.T
     used = np.unique(np.concatenate([group.ravel() for group in cells]))
     chosen = [_facing(np.searchsorted(used, group), x[used]) for group in cells if len(group)]
-    x, load, plate = x[used], load[used], _in_plane(layers)
+    x, load = x[used], load[used]
+    plate: Layers = Laminate(layers.plies, (1.0, 0.0, 0.0), layers.offset)
+    if _isotropic(layers):  # with its middle at the nodes
+        plate = Shell(layers.total_thickness, layers.plies[0].material)
     K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
     rim = rim_nodes(chosen, len(used)) & ~load.any(axis=1)
     # Where bending makes no membrane force, only w and its rotations move.
@@ -243,13 +246,6 @@ def contact_reach(layers: Layers, edge: float, s: float) -> float:
 
 def _isotropic(layers: Layers) -> bool:
     return len(layers.plies) == 1 and isinstance(layers.plies[0].material, Material)
-
-
-def _in_plane(layers: Layers) -> Layers:
-    """The layers with their x axis along x; an isotropic one with its middle at the nodes."""
-    if _isotropic(layers):
-        return Shell(layers.total_thickness, layers.plies[0].material)
-    return Laminate(layers.plies, (1.0, 0.0, 0.0), layers.offset)
 
 
 def _numbers(layers: Layers) -> tuple[float, float, float, float]:

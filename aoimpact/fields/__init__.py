@@ -22,3 +22,4 @@ from .sensors import (
     probe_at,
     reaction_of,
 )
+from .vtu import write_series

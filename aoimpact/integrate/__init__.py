@@ -7,7 +7,7 @@ folders take the solvers' settings and `Events` from here.
 
 from .adaptive import Adaptive
 from .events import Events
-from .fixed_steps import rigid_contact_time, solve_newmark
+from .fixed_steps import SteppedRecorder, rigid_contact_time, solve_newmark
 from .motion import Motion
 from .newmark import Newmark
 from .recorder import Recorder

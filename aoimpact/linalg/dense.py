@@ -33,8 +33,11 @@ def dense_modes(
     SingularError
         If mass is not positive semidefinite, or LAPACK does not converge.
     """
+    factor, failed = scipy.linalg.lapack.dpotrf(mass, lower=1)
+    pivots = np.diagonal(factor) ** 2
     try:
-        if _has_light_motions(mass):
+        # A motion may have next to no mass, as where elements integrate it at few points.
+        if failed or (pivots < _LIGHT * np.diagonal(mass)).any():
             return _of_light_motions(stiffness, mass, n)
         return _solved(stiffness, mass, n)
     except scipy.linalg.LinAlgError as error:
@@ -42,13 +45,6 @@ def dense_modes(
             f"K and M have no modes that can be computed ({error}); give both with all their "
             "digits, hold what is too heavy to move, and condense out what has no mass"
         ) from None
-
-
-def _has_light_motions(mass: FloatArray) -> bool:
-    """True if some motion has next to no mass, as where elements integrate it at few points."""
-    factor, failed = scipy.linalg.lapack.dpotrf(mass, lower=1)
-    pivots = np.diagonal(factor) ** 2
-    return bool(failed or (pivots < _LIGHT * np.diagonal(mass)).any())
 
 
 def _of_light_motions(

@@ -14,4 +14,4 @@ from .modes import modal
 from .recovery import PACE, Recovery, SharedSolutions
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid, turning, wall
-from .validity import fitted_times, is_valid_for
+from .validity import fitted_times, is_valid_for, unbalanced

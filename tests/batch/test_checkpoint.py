@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import aoimpact as ao
 from aoimpact.base import LawLimitError, RoomError, SceneFileError
-from aoimpact.batch.checkpoint import Checkpoint
+from aoimpact.batch import Checkpoint
 
 
 def key(i: int) -> str:

@@ -13,7 +13,7 @@ import pytest
 from every_law import LAWS, law_of
 
 import aoimpact as ao
-from aoimpact.batch.digest import Digests
+from aoimpact.batch import Digests
 from aoimpact.results import Handle
 
 STAR = {"m0": 0.1, "k0": 1e5, "m": [0.2, 0.3], "k": [1e6, 2e6]}
@@ -100,7 +100,7 @@ def test_a_thing_inside_itself_ends() -> None:
 
 def test_the_same_in_another_process() -> None:
     code = (
-        "import aoimpact as ao; from aoimpact.batch.digest import Digests;"
+        "import aoimpact as ao; from aoimpact.batch import Digests;"
         "print(Digests(None).of({'b': {'y', 'x', 'z'}, 'a': ao.Hertz(k=2.0)}))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -12,7 +12,7 @@ from impacts import beam_star, pair
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.batch.plain import PLAIN_NUMBERS, plain_numbers
+from aoimpact.batch import PLAIN_NUMBERS, plain_numbers
 from aoimpact.results import COLUMNS
 
 NAMES = tuple(sorted(PLAIN_NUMBERS))

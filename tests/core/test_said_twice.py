@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from aoimpact.batch import plain
+from aoimpact.batch import ANSWERS
 from aoimpact.integrate import tolerances
 from aoimpact.laws import law
 
@@ -32,10 +32,10 @@ def test_columns_of_plain_impacts() -> None:
     assert case == given
     found = enumerated("python/many.c", "ANSWER_STATUS")
     first = found.pop("ANSWER_VELOCITIES")
-    assert plain.ANSWERS[first:] == ("FIRST", "SECOND")
+    assert ANSWERS[first:] == ("FIRST", "SECOND")
     assert found.pop("ANSWER_COLUMNS") == first + 2
     for name, column in found.items():
-        assert plain.ANSWERS[column] == name.removeprefix("ANSWER_")
+        assert ANSWERS[column] == name.removeprefix("ANSWER_")
 
 
 def test_shares() -> None:

@@ -11,7 +11,7 @@ import pytest
 from bodies import distorted_box
 
 import aoimpact as ao
-from aoimpact.fields.vtu import write_series
+from aoimpact.fields import write_series
 from aoimpact.mesh import KINDS
 
 

@@ -10,8 +10,8 @@ import scipy.sparse as sp
 from paperbodies import BALL_MASS, LAW, LENGTH, WIDTH, beam_model
 
 import aoimpact as ao
-from aoimpact.batch.plain import plain_numbers
-from aoimpact.reduction.validity import unbalanced
+from aoimpact.batch import plain_numbers
+from aoimpact.reduction import unbalanced
 
 from twelve import ALUMINIUM, FLOOR, IMPACTS, STEEL, block, cube, law
 
