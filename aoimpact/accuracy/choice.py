@@ -166,8 +166,17 @@ def choose_models(
         if found.error > tolerance:
             _warn_of_the_best(found, quantity, tolerance)
         run = record.run(plan.of_models(found.models, energies=plan.energies), timed)
-    if given:
-        _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
+    error = run.time_error
+    if given and error is not None and error + found.error > tolerance:
+        cure = f"take {type(rule).__name__}(rtol={in_time:.1g})"
+        if isinstance(rule, Newmark) and rule.dt is not None:
+            finer = rule.dt * min(0.5, math.sqrt(in_time / error))
+            cure = f"take dt={finer:.1g} or less, or Newmark() without dt"
+        raise ConvergenceError(
+            f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about {error:.2g} of "
+            f"the peak force or the impulse, and that of the models, {found.error:.2g}, are more; "
+            f"{cure}"
+        )
     run = replace(run, chosen=_chosen(found, quantity, tolerance))
     return replace(run, left_out=left_out) if meshed else run
 
@@ -236,20 +245,3 @@ def time_rule(solver: Any, tolerance: float, plan: Scenario, *, given: bool) -> 
             "no rtol"
         )
     return solver, in_time
-
-
-def _refuse_coarse(
-    rule: Any, error: float | None, in_models: float, tolerance: float, in_time: float
-) -> None:
-    """Refuse a run whose time integration leaves more error than is allowed."""
-    if error is None or error + in_models <= tolerance:
-        return
-    if isinstance(rule, Newmark) and rule.dt is not None:
-        finer = rule.dt * min(0.5, math.sqrt(in_time / error))
-        cure = f"take dt={finer:.1g} or less, or Newmark() without dt"
-    else:
-        cure = f"take {type(rule).__name__}(rtol={in_time:.1g})"
-    raise ConvergenceError(
-        f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about {error:.2g} of the "
-        f"peak force or the impulse, and that of the models, {in_models:.2g}, are more; {cure}"
-    )

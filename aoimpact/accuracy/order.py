@@ -312,9 +312,18 @@ def search(
     places = tuple([unlike.index(body) for body in bodies])
     scales, fits = first_guess(bodies, run, quantity), 0
     while True:
-        made = tuple([_hierarchy(body, scales, oscillators, solver, factors) for body in unlike])
+        time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
+        made: list[Hierarchy] = []
+        for body in unlike:  # with models that were made for an impact like this one, if any were
+            make = partial(model_hierarchy, body, time, slow, solver)
+            if isinstance(body, FullModel):
+                # The factors are taken from those set up, so that their memory can be freed.
+                known = factors.pop(body.body, None) if factors and solver == "auto" else None
+                key = tuple([tip.key for tip in body.tips]), time, slow, solver, oscillators
+                make = partial(body.body.kept.get, key, partial(make, known))
+            made.append(make())
         first, fits = tuple([one.first + oscillators for one in made]), fits + 1
-        trials = _Trials(quantity, run, places, made, first)
+        trials = _Trials(quantity, run, places, tuple(made), first)
         most, loosest, too_wide = math.inf, None, 0
         while True:
             largest = trials.enlarge()
@@ -352,23 +361,6 @@ def search(
                     return trials.found(applies)
                 raise failure or _no_convergence(trials)
             trials.orders = trials.further(error, applies)
-
-
-def _hierarchy(
-    body: Any,
-    scales: TimeScales,
-    oscillators: int,
-    solver: Solver,
-    factors: dict[Any, LinearSolver] | None,
-) -> Hierarchy:
-    """The models of a body: those that were made for an impact like this one, if any were."""
-    time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
-    if not isinstance(body, FullModel):
-        return model_hierarchy(body, time, slow, solver)
-    # The factors are taken from those set up, so that their memory can be freed.
-    known = factors.pop(body.body, None) if factors and solver == "auto" else None
-    key = tuple([tip.key for tip in body.tips]), time, slow, solver, oscillators
-    return body.body.kept.get(key, partial(model_hierarchy, body, time, slow, solver, known))
 
 
 def _no_convergence(trials: _Trials) -> ConvergenceError:

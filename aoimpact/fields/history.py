@@ -80,6 +80,12 @@ class History(Generic[S]):
         found: FloatArray = apart.reshape(len(self.t), -1).max(axis=1)
         return _DIFFERENCES * found / (largest if largest > 0.0 else 1.0)
 
+    @property
+    def doubt(self) -> FloatArray:
+        """What the values may lack, with its sign, shape (n, ...); 0 of a full model."""
+        right = self.seen(self.finer() or self.source, self.t)
+        return np.asarray(_DIFFERENCES * (right - self.values))
+
     def told(self) -> FloatArray:
         """Return the values, and warn if they may be badly wrong."""
         warn_if_wrong(self.name, self.t, self.error)

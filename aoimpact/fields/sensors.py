@@ -152,6 +152,14 @@ class Probe:
         """Velocity, m/s, in the shape of `displacement`."""
         return self._histories["velocity"].told()
 
+    @property
+    def doubt(self) -> FloatArray:
+        """What `velocity` may lack, with its sign, m/s.
+
+        :meta private:
+        """
+        return self._histories["velocity"].doubt
+
     @cached_property
     def acceleration(self) -> FloatArray:
         """Acceleration, m/s², in the shape of `displacement`, as the body's model has it.

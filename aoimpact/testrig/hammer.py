@@ -88,9 +88,10 @@ def frf(
     Returns
     -------
     MeasuredResponse
-        Its ``error`` is the sum of three parts: what the second half of the record adds, which is
+        Its ``error`` is the sum of four parts: what the second half of the record adds, which is
         more than the vibration after the record would if it falls to a half or less in that time;
-        the change from every second sample to all; and, of several hits, what their scatter leaves
+        the change from every second sample to all; what the model of a probe leaves out, by a
+        finer one; and, of several hits, what their scatter leaves
         unknown with 95 % confidence if the noise is that of the response.
 
     Raises
@@ -121,7 +122,8 @@ def frf(
     hits = _hits(force, response)
     motion = hits[0][1]
     velocity, step, samples = motion.unit == "m/s", 1.0 / motion.rate, len(motion.t)
-    struck, moved = np.swapaxes([[load.values, motion.values] for load, motion in hits], 0, 1)
+    rows = [[load.values, motion.values, lack] for load, motion, lack in hits]
+    struck, moved, doubt = np.swapaxes(rows, 0, 1)
     count = samples + samples % 2  # even, so that every second sample has these frequencies, too
     f = np.arange(1, count // 2 + 1) / (count * step)
 
@@ -138,7 +140,8 @@ def frf(
             _spectra(moved[:, ::2], 2.0 * step, count // 2, velocity),
         )[which]
         rest = np.abs(values - shorter)
-        error = rest + np.abs(values - coarser)
+        lacking = _estimates(loaded, _spectra(doubt, step, count, velocity))[0]
+        error = rest + np.abs(values - coarser) + np.abs(lacking)
         if len(hits) > 1:
             # |error|² over (1/γ² - 1)|H|²/(n - 1) has the F distribution of 2 and 2(n - 1) degrees
             # of freedom, whose quantile this is, over n - 1.
@@ -159,29 +162,30 @@ def frf(
     )
 
 
-def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal]]:
-    """Return the force and the motion of each hit, which have the same even times."""
+def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal, FloatArray]]:
+    """Return the force and the motion of each hit, and what this may lack, at the same times."""
     forces, responses = (of if isinstance(of, list) else [of] for of in (force, response))
     if len(forces) != len(responses) or not forces:
         raise InputError(
             "force and response must have one entry for each hit, got "
             f"{len(forces)} and {len(responses)}"
         )
-    hits: list[tuple[Signal, Signal]] = []
+    hits: list[tuple[Signal, Signal, FloatArray]] = []
     for hit, (struck, moved) in enumerate(zip(forces, responses, strict=True)):
         instance("force", struck, Signal, Run)
         instance("response", moved, Signal, Probe)
-        motion = moved
+        motion, lack = moved, np.zeros(len(moved.t))
         if isinstance(moved, Probe):
-            motion = Signal(moved.t, moved.velocity, unit="m/s", name="velocity")
+            motion, lack = Signal(moved.t, moved.velocity, "m/s", "velocity"), moved.doubt
         load = struck
         if isinstance(struck, Run):
             load = Signal(motion.t, force_at(struck, 0, motion.t))
         first, start = hits[0][1] if hits else motion, motion.t[0]
-        if motion.unit not in ("m/s", "m/s²") or motion.unit != first.unit:
+        known = load.unit == "N" and motion.unit in ("m/s", "m/s²")
+        if not known or motion.unit != first.unit:
             raise InputError(
-                f"response of hit {hit} must be in m/s or m/s², as those of all hits, got "
-                f"{motion.unit}; give Signal(t, values, unit='m/s')"
+                f"force and response of hit {hit} must be in N, and m/s or m/s² as of all hits, "
+                f"got {load.unit} and {motion.unit}; give Signal(t, values, unit='m/s')"
             )
         # Hits may begin at any time; force and response of one hit begin together.
         wanted = first.t - first.t[0]
@@ -199,7 +203,7 @@ def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal]]:
                 f"hit {hit}: the hammer struck {len(touched)} times, last at {last}. Its force has "
                 "gaps in its spectrum: strike again, with a lighter hammer or a softer tip"
             )
-        hits.append((load, motion))
+        hits.append((load, motion, lack))
     return hits
 
 
