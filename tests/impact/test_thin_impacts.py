@@ -377,9 +377,10 @@ def test_a_corner_of_a_sheet_is_struck_as_that_of_solids() -> None:
     known, *hits = (
         ao.simulate(ball, tip, 1.0, quantity="peak_force", duration=1e-4) for tip in tips
     )
-    for hit in hits:
-        assert hit.peak_force == pytest.approx(known.peak_force, rel=0.04)
-        assert 0.01 < hit.error["peak_force"].total < 1.0
+    for hit in hits:  # elements of 5 mm hold the corner and the contact, those of 1.25 mm do not
+        off = abs(hit.peak_force / known.peak_force - 1.0)
+        assert off < hit.error["peak_force"].total < 0.1
+    assert off < 0.02
 
 
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")  # of a coarse mesh
