@@ -299,8 +299,8 @@ def search(
         `rtol`, since other errors, such as the mesh's, are larger. Models that would need a third
         more vectors than for `LOOSEST` meet that one only.
     best : bool, optional
-        Whether, where no models tried meet the tolerance, those of the least error are returned,
-        if it is below 1.
+        True to return the models of the least error, if it is below 1, where no models tried meet
+        the tolerance.
 
     Raises
     ------

@@ -136,7 +136,7 @@ def extracted_from_shell(
     away -= away[loaded].max()
     groups, near = _around(tip, parts, away < contact_reach(layers, edge, several[0]))
     of_layers = np.array([layer_compliance_of(layers, radius, each) for each in several])
-    # What infinite plates yield more than layers under a patch of some width.
+    # Compliance of infinite plates beyond that of their layers under a patch of some width.
     wide = max(0.5 * layers.total_thickness, 0.0 if tip.patch is None else tip.patch.radius)
     excess = [plate_compliance(layers, wide, each) for each in several] - of_layers
     at_edge = bool((rim_nodes(groups, mesh.n_nodes) & loaded).any())

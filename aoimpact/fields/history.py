@@ -36,7 +36,7 @@ class History(Generic[S]):
     name : str
         For messages.
     source : S
-        What it is read from: a `Response`, or a run.
+        The `Response`, or the run, that it is read from.
     finer : callable
         Returns the same with a finer model; None where there is none.
     seen : callable
@@ -82,7 +82,7 @@ class History(Generic[S]):
 
     @property
     def doubt(self) -> FloatArray:
-        """What the values may lack, with its sign, shape (n, ...); 0 of a full model."""
+        """Signed bound of the error of the values, shape (n, ...); 0 for a full model."""
         right = self.seen(self.finer() or self.source, self.t)
         return np.asarray(_DIFFERENCES * (right - self.values))
 
@@ -94,7 +94,7 @@ class History(Generic[S]):
 
 @dataclass(frozen=True, eq=False)
 class Sensed(Generic[S]):
-    """What one sensor measures; its error is found when it is first read."""
+    """The history of one sensor; its error is found when it is first read."""
 
     _history: History[S] = field(repr=False)
 

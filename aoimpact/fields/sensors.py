@@ -154,7 +154,7 @@ class Probe:
 
     @property
     def doubt(self) -> FloatArray:
-        """What `velocity` may lack, with its sign, m/s.
+        """Signed bound of the error of `velocity`, m/s, in its shape.
 
         :meta private:
         """
@@ -388,7 +388,7 @@ def _errors(
     return Found(lambda: histories, lambda name: histories[name].error)
 
 
-# What sensors see of a response at times, s: each returns values of shape (times, ...).
+# Readings of a response at times, s: each returns values of shape (times, ...).
 
 
 def _moved(
@@ -423,7 +423,7 @@ def _elongation(at: At, response: Response, times: FloatArray) -> FloatArray:
 
 
 def _work(moved: VirtualMotion, response: Response, times: FloatArray) -> FloatArray:
-    """What the ground does along some motions of it, N or N m."""
+    """Forces of the ground along some motions of it, N or N m, shape (times, m)."""
     return response.held.work(moved, times).T
 
 

@@ -1,4 +1,4 @@
-"""What is foreseen of a scene by rigid bodies: how long it lasts, and how wide its contacts are.
+"""A scene as rigid bodies foresee it: how long it lasts, and how wide its contacts are.
 
 The patches of contact points whose radius was left out follow from that, and so do the laws.
 """

@@ -37,7 +37,7 @@ _FORMATS: dict[str, tuple[str, ...]] = {
     ),
 }
 
-# What meshio says of the names of SU2's markers, which are read here.
+# Message of meshio about the names of SU2's markers, which are read here.
 _RENUMBERED = re.compile(r"(Warning: )?meshio does not support tags of string.*?replaced by \d+")
 
 _INDEXED = re.compile(r"<(vertex|triangle|tetrahedron)\s+index\s*=\W(\d+)")

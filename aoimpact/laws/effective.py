@@ -28,6 +28,7 @@ def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
 
 @lru_cache(maxsize=256)  # many models of the same bodies have the same law
 def _within_patch(law: ContactLaw, compliance: float) -> ContactLaw:
+    """The law with a compliance, m/N, taken out."""
     try:
         return law.within_patch(compliance)
     except InputError:

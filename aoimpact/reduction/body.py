@@ -902,7 +902,7 @@ class Body(Frozen, BodyModel):
                 return 0.0
             assert point.direction is not None
             moved = point.body.at_nodes(self.deflection(2.0**octave, port + axis))
-            # Of elements of a shell about the contact the compliance removed takes care.
+            # The compliance removed takes care of a shell's elements about the contact.
             counted: Any = slice(None)
             if isinstance(known, ThinExtraction):
                 counted, loaded = ~known.near, np.asarray(point.forces.any(axis=(0, 2)))

@@ -46,7 +46,7 @@ _BALANCED = ROUGH
 
 
 class SharedSolutions:
-    """What the recoveries of several models of a body share.
+    """Solutions that the recoveries of several models of a body share.
 
     Attributes
     ----------
