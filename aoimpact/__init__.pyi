@@ -12,10 +12,10 @@ from .base import MeshError as MeshError
 from .base import SingularError as SingularError
 from .batch import simulate_many as simulate_many
 from .batch import sweep as sweep
+from .contact import ContactPoint as ContactPoint
 from .fem import Beam as Beam
 from .fem import BeamSection as BeamSection
 from .fem import CircularSection as CircularSection
-from .fem import ContactPoint as ContactPoint
 from .fem import FEModel as FEModel
 from .fem import Laminate as Laminate
 from .fem import Material as Material

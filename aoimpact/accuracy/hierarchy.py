@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fem import ContactPoint, moves_rigidly, shortest_contact_time
+from ..contact import ContactPoint, moves_rigidly, shortest_contact_time
 from ..linalg import LinearSolver, Solver
 from ..reduction import Body, BodyModel, FullModel, KrylovSpace, antioscillators, rigid
 

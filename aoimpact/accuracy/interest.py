@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..base import FloatArray, InputError, InputTypeError, choice, nearest, sequence
-from ..fem import ContactPoint
+from ..contact import ContactPoint
 from ..reduction import BodyModel, FullModel
 from ..results import (
     IMPACT_CHOICES,

@@ -41,7 +41,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import AOImpactError, FloatArray, Found, held_warnings
-from ..fem import ContactPoint, Extraction
+from ..contact import ContactPoint, Extraction
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law, removable
 from ..reduction import (
     Body,

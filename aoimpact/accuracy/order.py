@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
-from ..fem import own_contact_time
+from ..contact import own_contact_time
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel
 from ..results import Quantity, Run

@@ -10,13 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..base import FloatArray, Frozen, InputTypeError, held_warnings
-from ..fem import (
-    ContactPoint,
-    FEModel,
-    Stress,
-    corner_stress,
-    to_nodes,
-)
+from ..contact import ContactPoint, to_nodes
+from ..fem import FEModel, Stress, corner_stress
 from ..fields import Field, Response, response_of
 from ..mesh import weights_at
 from ..reduction import SharedSolutions

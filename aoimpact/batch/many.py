@@ -24,7 +24,7 @@ from ..base import (
     text,
     warn,
 )
-from ..fem import ContactPoint
+from ..contact import ContactPoint
 from ..impact import simulate
 from ..laws import Linear
 from ..reduction import rigid

@@ -23,7 +23,7 @@ from ..base import (
     plain,
     write_csv,
 )
-from ..fem import ContactPoint
+from ..contact import ContactPoint
 from ..results import quantity_unit
 
 # Rows of a printed table: what they hold is seen, and the note below stays on the screen.

@@ -30,7 +30,6 @@ import numpy.typing as npt
 
 from ..base import HUGE, FloatArray, Frozen, InputError, InputTypeError, choice, finite_array
 from ..linalg import lowest
-from .contact import ContactPoint
 from .damping import Damping, ModalDamping, Rayleigh
 from .model import FEModel
 from .statics import displacement
@@ -184,11 +183,10 @@ def _without_damping(
 
 def _functional(body: FEModel, name: str, point: Any) -> FloatArray:
     """The functional b of a contact point of the body."""
-    if not isinstance(point, ContactPoint):
-        raise InputTypeError(f"{name} must come from body.contact(...), got {point!r}")
-    if point.body is not body:
-        raise InputError(f"{name} is a point of another body: take it from this body's contact()")
-    return point.b
+    if getattr(point, "body", None) is not body:
+        kind = InputError if hasattr(point, "body") else InputTypeError
+        raise kind(f"{name} must come from this body's contact(...), got {point!r}")
+    return np.asarray(point.b)
 
 
 def _modes(body: FEModel, highest: float, most: int) -> tuple[FloatArray, FloatArray, float] | None:

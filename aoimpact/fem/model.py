@@ -72,8 +72,8 @@ from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
 
 if TYPE_CHECKING:
+    from ..contact import ContactPoint
     from .audit import Audit
-    from .contact import ContactPoint
     from .frequencyresponse import FrequencyResponse
     from .grounding import Grounding
 
@@ -749,7 +749,7 @@ class FEModel(Frozen):
         >>> body.contact(b=b)
         ContactPoint(functional of 2 dofs of a body of 132 dofs)
         """
-        from .contact import contact_point
+        from ..contact import contact_point
 
         return contact_point(self, point, direction, node, dof, b, radius, expected)
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import FloatArray, IntArray
-from ..fem import SIX, Extraction
+from ..contact import Extraction
+from ..fem import SIX
 from ..scene import Scenario, extraction_of
 
 # Radius of a contact, over that of the patch, below which the force counts as one at a point: far

@@ -8,17 +8,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, IntArray
-from ..fem import (
-    AnyMaterial,
-    FEModel,
-    Layer,
-    Strain,
-    StressRows,
-    body_stress_rows,
-    compliances,
-    motion_between,
-    to_nodes,
-)
+from ..contact import motion_between, to_nodes
+from ..fem import AnyMaterial, FEModel, Layer, Strain, StressRows, body_stress_rows, compliances
 from ..mesh import Mesh, node_at, weights_at
 
 # Places along a gauge on a shell at which its strain is taken.

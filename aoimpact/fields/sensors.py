@@ -26,7 +26,8 @@ from ..base import (
     warn,
     with_unit,
 )
-from ..fem import FEModel, Layer, Strain, Stress, VirtualMotion, selected_nodes, to_nodes
+from ..contact import to_nodes
+from ..fem import FEModel, Layer, Strain, Stress, VirtualMotion, selected_nodes
 from .channel import Channel, filtered_acceleration
 from .history import History, Sensed
 from .response import Response

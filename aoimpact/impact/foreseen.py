@@ -13,7 +13,7 @@ from typing import Any
 
 from ..accuracy import alike
 from ..base import AOImpactError, ConvergenceError, InputError
-from ..fem import SHIFT_TIMES_DURATION, ContactPoint, contact_within
+from ..contact import SHIFT_TIMES_DURATION, ContactPoint, contact_within
 from ..integrate import rigid_contact_time
 from ..laws import own_law, round_contact
 from ..linalg import LinearSolver

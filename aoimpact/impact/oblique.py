@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, InputError, finite_array, nonnegative, plain
-from ..fem import ContactPoint
+from ..contact import ContactPoint
 from ..laws import ContactLaw
 from ..mesh import plane_of
 from ..reduction import Body, BodyModel, FullModel, turning

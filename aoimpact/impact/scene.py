@@ -33,7 +33,8 @@ from ..base import (
     text,
     warn,
 )
-from ..fem import ContactPoint, Layers
+from ..contact import ContactPoint
+from ..fem import Layers
 from ..laws import ContactLaw
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model

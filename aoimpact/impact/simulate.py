@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ..accuracy import Sensor, checked_rtol, quantity_of
 from ..base import InputError, InputTypeError, boolean, plain, warn
-from ..fem import ContactPoint
+from ..contact import ContactPoint
 from ..laws import ContactLaw, own_law
 from ..linalg import Solver
 from ..reduction import BodyModel, body_model

@@ -11,7 +11,8 @@ import scipy.io
 import scipy.sparse as sp
 
 from ..base import FloatArray, InputTypeError, file_path, writable_folder
-from ..fem import ContactPoint, FEModel
+from ..contact import ContactPoint
+from ..fem import FEModel
 from ..reduction import AOModel
 
 # Digits with which a double is read as it was written.

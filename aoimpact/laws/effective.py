@@ -1,7 +1,7 @@
 """The contact law between models of bodies: without the compliance of their meshes at the contact.
 
 The finite elements of each body have some compliance c in place of the half-space's indentation,
-which the law contains (`fem/extraction.py`). It is taken out of the law, F = law(δ + c F).
+which the law contains (`contact/extraction.py`). It is taken out of the law, F = law(δ + c F).
 """
 
 from __future__ import annotations

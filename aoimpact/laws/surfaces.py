@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import InputError, unit_vector
-from ..fem import ContactSurface
+from ..contact import ContactSurface
 from .elastic import Hertz
 
 # Directions of travel within 5° are one direction in one frame.

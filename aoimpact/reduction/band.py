@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..base import FloatArray, warn, with_unit
-from ..fem import SHIFT_TIMES_DURATION, highest_shift, near_static
+from ..contact import SHIFT_TIMES_DURATION, highest_shift
+from ..fem import near_static
 from .recovery import Recovery
 
 if TYPE_CHECKING:

@@ -20,20 +20,16 @@ import numpy.typing as npt
 
 from .. import _core
 from ..base import HUGE, FloatArray, Frozen, InputError, InputTypeError, finite_array, integer
-from ..fem import (
+from ..contact import (
     ContactCompliance,
     ContactPoint,
     ContactSurface,
-    Damping,
     Extraction,
-    FEModel,
     ThinExtraction,
     centre_of,
-    energy_error,
-    missing_energy,
     moves_rigidly,
-    whole_motion,
 )
+from ..fem import Damping, FEModel, energy_error, missing_energy, whole_motion
 from .band import Band, band_of
 
 if TYPE_CHECKING:

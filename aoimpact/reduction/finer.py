@@ -19,13 +19,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..fem import (
-    SHIFT_TIMES_DURATION,
-    energy_error,
-    highest_shift,
-    near_static,
-    own_contact_time,
-)
+from ..contact import SHIFT_TIMES_DURATION, highest_shift, own_contact_time
+from ..fem import energy_error, near_static
 from ..linalg import m_orthonormal
 from .body import Body, of_modes
 from .krylov import only_excited

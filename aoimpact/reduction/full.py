@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, Frozen, InputError, InputTypeError, boolean, checked
-from ..fem import ContactPoint, FEModel, ModalDamping, moves_rigidly, static_mode
+from ..contact import ContactPoint, moves_rigidly, static_mode
+from ..fem import FEModel, ModalDamping
 from .body import Body, BodyModel, Pull, Velocity, checked_ports
 from .modes import all_modes
 from .reduction import antioscillators

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 
 from ..base import InputError, bar, boolean, instance, integer, warn
-from ..fem import (
+from ..contact import (
     SHIFT_TIMES_DURATION,
     ContactPoint,
     fitted_shifts,

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 
 from ..base import FloatArray, InputError, integer, warn
-from ..fem import ContactPoint, FEModel, refuse_massless
+from ..contact import ContactPoint, refuse_massless
+from ..fem import FEModel
 from ..linalg import Solver, checked_solver, lowest, warn_of_rounding
 from .body import Body, checked_ports, of_modes
 from .star import excited

@@ -22,7 +22,7 @@ from ..base import (
     integer,
     warn,
 )
-from ..fem import ContactPoint, StaticMode, refuse_mechanism, static_mode
+from ..contact import ContactPoint, StaticMode, refuse_mechanism, static_mode
 from ..linalg import (
     DENSE_DOFS,
     EQUAL,

@@ -29,7 +29,8 @@ from ..base import (
     text,
     written_file,
 )
-from ..fem import ContactPoint, ContactSurface, Damping, Material, damping_or_none
+from ..contact import ContactPoint, ContactSurface
+from ..fem import Damping, Material, damping_or_none
 from ..linalg import EQUAL
 from .body import AsWhole, Body, ways_of
 

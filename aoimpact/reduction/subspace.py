@@ -16,14 +16,14 @@ import scipy
 
 from .. import _core
 from ..base import FloatArray, SingularError, require
-from ..fem import (
+from ..contact import (
     SHIFT_TIMES_DURATION,
     ContactPoint,
-    displacement,
     moves_rigidly,
     refuse_massless,
     refuse_mechanism,
 )
+from ..fem import displacement
 from ..linalg import (
     FEW_SOLUTIONS,
     LinearSolver,

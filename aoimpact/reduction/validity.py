@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..fem import SHIFT_TIMES_DURATION
+from ..contact import SHIFT_TIMES_DURATION
 from .body import Body, BodyModel
 
 # Factor by which a contact may be shorter than what was fitted before it is checked: measured on

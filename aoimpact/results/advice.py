@@ -23,16 +23,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..base import ROUNDING, FloatArray, plain, warn, with_unit
-from ..fem import (
-    SHIFT_TIMES_DURATION,
-    ContactPoint,
-    Layers,
-    Material,
-    Materials,
-    Orthotropic,
-    Rayleigh,
-    edge_length,
-)
+from ..contact import SHIFT_TIMES_DURATION, ContactPoint, edge_length
+from ..fem import Layers, Material, Materials, Orthotropic, Rayleigh
 from ..laws import (
     ContactLaw,
     ElasticPlastic,

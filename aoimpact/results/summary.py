@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..base import FloatArray, plain, with_unit
-from ..fem import ContactPoint
+from ..contact import ContactPoint
 from .errors import ROUNDING, ErrorParts, percent
 from .quantities import QUANTITIES, Quantity
 from .table import ROLES

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import HUGE, FloatArray, InputError
-from ..fem import ContactCompliance, Extraction, Material, ThinExtraction
+from ..contact import ContactCompliance, Extraction, ThinExtraction
+from ..fem import Material
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, effective_law, own_law
 from ..reduction import BodyModel
 from .rows import ContactRows

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
-from .. import fem
+from .. import contact, fem
 from ..base import nearest
 from .lines import Place
 
@@ -26,7 +26,9 @@ class Numbers:
 
 
 # What annotations name: also what a body's methods return, whose files import that of bodies.
-_STAND_INS = vars(fem) | {"npt": SimpleNamespace(ArrayLike=Numbers), "FloatArray": Numbers}
+_STAND_INS = (
+    vars(fem) | vars(contact) | {"npt": SimpleNamespace(ArrayLike=Numbers), "FloatArray": Numbers}
+)
 
 
 @dataclass(frozen=True, eq=False)

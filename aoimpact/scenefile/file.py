@@ -26,7 +26,7 @@ from ..base import (
     file_path,
     texts,
 )
-from ..fem import ContactPoint
+from ..contact import ContactPoint
 from ..impact import simulate
 from ..results import COLUMNS, Result, Run
 from .binding import Call, calls

@@ -13,7 +13,8 @@ import numpy as np
 from .. import accuracy, fem, impact, integrate, io, laws, reduction
 from ..accuracy import Sensor, keeper
 from ..base import FloatArray, InputError, integer, nearest
-from ..fem import ContactPoint, Damping, Layers, OneMaterial, contact_point, thin_groups
+from ..contact import ContactPoint, contact_point
+from ..fem import Damping, Layers, OneMaterial, thin_groups
 from ..impact import Scene, SceneCase
 from ..laws import LAWS
 from ..mesh import Mesh, box_mesh, sheet_mesh, sphere_mesh

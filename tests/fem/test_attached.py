@@ -15,7 +15,7 @@ from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 import aoimpact as ao
 from aoimpact import AOImpactWarning, InputError
-from aoimpact.fem import static_mode
+from aoimpact.contact import static_mode
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 BLOCK = ao.box_mesh((0.06, 0.04, 0.02), (3, 2, 1))

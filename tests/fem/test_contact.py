@@ -20,7 +20,7 @@ from aoimpact import (
     box_mesh,
     paper_sphere_mesh,
 )
-from aoimpact.fem import centre_of, static_mode
+from aoimpact.contact import centre_of, static_mode
 from aoimpact.mesh import KINDS
 
 

@@ -18,7 +18,7 @@ from bodies import mixed_box
 
 import aoimpact as ao
 from aoimpact import ContactPoint
-from aoimpact.fem import Extraction
+from aoimpact.contact import Extraction
 from aoimpact.mesh import KINDS
 
 FloatArray = npt.NDArray[np.float64]

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 
 from aoimpact import Material, Orthotropic
-from aoimpact.fem import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
+from aoimpact.contact import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from thinmeshes import dofs, grid, matrices
 
 import aoimpact as ao
 from aoimpact import Laminate, Ply, Shell
-from aoimpact.fem import layer_compliance, layer_compliance_of, mesh_compliance
+from aoimpact.contact import layer_compliance, layer_compliance_of, mesh_compliance
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import scipy.integrate
 from bodies import distorted_box
 
 from aoimpact import InputError, box_mesh, sphere_mesh
-from aoimpact.fem import spread
+from aoimpact.contact import spread
 from aoimpact.mesh import KINDS, boundary
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import pytest
 
 import aoimpact as ao
-from aoimpact.fem import ShearedHalfSpace, split, spread
+from aoimpact.contact import ShearedHalfSpace, split, spread
 
 FloatArray = npt.NDArray[np.float64]
 

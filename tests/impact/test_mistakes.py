@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.fem import ContactSurface
+from aoimpact.contact import ContactSurface
 from aoimpact.laws import law_between
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import aoimpact as ao
-from aoimpact.fem import ContactSurface
+from aoimpact.contact import ContactSurface
 from aoimpact.laws import law_between
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)

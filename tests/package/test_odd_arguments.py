@@ -24,7 +24,7 @@ from every_law import law_of
 
 import aoimpact as ao
 from aoimpact import testrig
-from aoimpact.fem import Patch
+from aoimpact.contact import Patch
 from aoimpact.reduction import KrylovSpace
 from aoimpact.results import Handle
 from aoimpact.scenefile import SceneFile

@@ -8,12 +8,18 @@ from typing import Any
 import numpy as np
 
 from ..base import ROUNDING, FloatArray, InputError, IntArray, RoomError, plain, warn
+from ..fem import (
+    AnyMaterial,
+    Beam,
+    Layers,
+    OneMaterial,
+    beam_motion,
+    linked,
+    material_of,
+    nodal_normals,
+)
 from ..mesh import Mesh, Place, Surface, nearest_line
-from .beams import Beam, beam_motion
-from .composition import AnyMaterial, OneMaterial, material_of
-from .laminate import Layers
 from .patch import Patch, spread
-from .shells import linked, nodal_normals
 
 # A point this far off the surface, as a fraction of the size of the face there, still means the
 # surface: linear elements cut the corners of a round body by about so much. Beyond the smaller

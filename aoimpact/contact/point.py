@@ -35,28 +35,29 @@ from ..base import (
     unit_vector,
     warn,
 )
+from ..fem import (
+    Beam,
+    FEModel,
+    Layers,
+    Material,
+    OneMaterial,
+    Shell,
+    beam_motion,
+    label_of,
+    labelled_rows,
+    material_of,
+    nodes_by_number,
+    one_node,
+    pieces,
+)
 from ..linalg import LinearSolver
 from ..mesh import AT_NODE, nearest_line, surface_shape
-from .beams import Beam, beam_motion
 from .compliance import ContactCompliance
-from .composition import OneMaterial, material_of, pieces
-from .contactsurface import ContactSurface, contact_surface
 from .extraction import Extraction, extracted
-from .labels import label_of, labelled_rows, nodes_by_number, one_node
-from .laminate import Layers, Shell
 from .layer import bending_length
-from .material import Material
-from .model import FEModel
 from .patch import Patch
 from .thinextraction import extracted_from_beam, extracted_from_shell, patch_on_shell
-from .touch import (
-    Touch,
-    edge_length,
-    of_face,
-    thickness,
-    to_nodes,
-    touched,
-)
+from .touch import Touch, edge_length, of_face, thickness, to_nodes, touched
 
 # Cosine of the angle with a beam's axis above which a force is along it: 45°.
 _ALONG = math.sqrt(0.5)
@@ -106,6 +107,40 @@ def _unit_direction(name: str, value: Any) -> FloatArray:
 
 # Share of a translation's energy outside all rigid motions that is rounding: 1e-6 of its size.
 _OF_ANOTHER_MOTION = 1e-12
+
+
+@dataclass(frozen=True)
+class ContactSurface:
+    """The surface of a body at its contact.
+
+    Attributes
+    ----------
+    material : Material
+    curvatures : (float, float)
+        Principal curvatures, 1/m; positive where the body is convex.
+    directions : pair of unit vectors, or None
+        Along which the surface bends so, in the body's coordinates; None where any will do.
+    error : float
+        How wrong each curvature may be, 1/m.
+
+    Examples
+    --------
+    >>> ContactSurface(Material(E=210e9, nu=0.3, rho=7800), (100.0, 0.0)).radii
+    (0.01, inf)
+    """
+
+    material: Material
+    curvatures: tuple[float, float]
+    directions: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    error: float = 0.0
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Principal radii, m; infinite where the curvature is less than its error."""
+        first, second = (
+            math.inf if abs(kappa) <= self.error else 1.0 / kappa for kappa in self.curvatures
+        )
+        return first, second
 
 
 @dataclass(frozen=True, eq=False)
@@ -438,7 +473,9 @@ class ContactPoint(Frozen):
         shape = surface_shape(surface, self.point)
         if self.normal is not None and float(shape.normal @ self.normal) < 0.0:
             shape = shape.from_below
-        return contact_surface(shape, material)
+        first, second = shape.curvatures.tolist()
+        along: Any = shape.directions
+        return ContactSurface(material, (first, second), along, shape.error)
 
     @cached_property
     def material(self) -> Material | None:

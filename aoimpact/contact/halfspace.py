@@ -21,7 +21,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from ..base import FloatArray
-from .material import Material
+from ..fem import Material
 
 # Distances below these shares of a are replaced by them: they change the field by their square.
 _ON_AXIS, _ON_RIM = 1e-4, 1e-9

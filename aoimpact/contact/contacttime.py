@@ -8,13 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base import ROUNDING, InputError, positive
-from .contact import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadratic
-from .model import FEModel
-
-# s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the
-# highest ω²: below ω₁² of all but the longest bodies, and above what rounding takes for a singular
-# matrix.
-_NEAR_K = 1e-9
+from ..fem import near_static
+from .point import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadratic
 
 
 def fitted_shifts(
@@ -29,17 +24,17 @@ def fitted_shifts(
             )
     else:
         times = [positive("contact_time", contact_time, unit="s")]
-        for tip in tips:
-            _check_resolved(tip, contact_time)
+        shortest = max(shortest_contact_time(tip) for tip in tips)
+        if contact_time < shortest:
+            raise InputError(
+                f"contact_time={contact_time:g} s is shorter than what the mesh resolves at the "
+                f"contact, {shortest:.2g} s: give the duration of the contact in seconds, or "
+                "refine the mesh"
+            )
     shifts = [SHIFT_TIMES_DURATION / times[0]]
     if duration is not None and (slow := slow_shift(tips[0], duration)) < shifts[0]:
         shifts.append(slow)
     return shifts
-
-
-def near_static(body: FEModel) -> float:
-    """Return s² of a K + s²M that has factors and is as good as K, (rad/s)²."""
-    return _NEAR_K * float(body.K.diagonal().sum() / body.M.diagonal().sum())
 
 
 def slow_shift(tip: ContactPoint, duration: float) -> float:
@@ -80,13 +75,3 @@ def refuse_massless(tips: Sequence[ContactPoint]) -> None:
                 "and modes leave their compliance out; take antioscillators(tip, "
                 "method='eigen') or full(tip), or give the dofs mass"
             )
-
-
-def _check_resolved(tip: ContactPoint, contact_time: float) -> None:
-    shortest = shortest_contact_time(tip)
-    if contact_time < shortest:
-        raise InputError(
-            f"contact_time={contact_time:g} s is shorter than what the mesh resolves at the "
-            f"contact, {shortest:.2g} s: give the duration of the contact in seconds, or refine "
-            "the mesh"
-        )

@@ -26,9 +26,7 @@ import numpy.typing as npt
 import scipy
 
 from ..base import FloatArray, IntArray
-from .laminate import Laminate, Layers, Shell
-from .material import Material
-from .thin import thin_stiffness_mass
+from ..fem import Laminate, Layers, Material, Shell, thin_stiffness_mass
 
 ComplexArray = npt.NDArray[np.complex128]
 

@@ -34,17 +34,22 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, IntArray, RoomError
+from ..fem import (
+    Material,
+    Solid,
+    each_of,
+    energy_error,
+    missing_energy,
+    pieces,
+    stiffness_mass,
+    taken_material,
+)
 from ..linalg import LinearSolver
 from ..mesh import plane_of, taken
-from .assembly import stiffness_mass
 from .compliance import ContactCompliance
-from .composition import each_of, pieces, taken_material
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
-from .material import Material
-from .orthotropic import Solid
 from .patch import spread
 from .shearedhalfspace import ShearedHalfSpace
-from .stresserror import energy_error, missing_energy
 from .subdivision import cells_towards, sides_towards
 from .touch import of_face
 

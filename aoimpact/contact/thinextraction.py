@@ -11,12 +11,19 @@ import numpy.typing as npt
 import scipy
 
 from ..base import ROUNDING, FloatArray, IntArray
+from ..fem import (
+    FOLD,
+    Beam,
+    Layers,
+    Piece,
+    element_frames,
+    pieces,
+    taken_material,
+    thin_stiffness_mass,
+)
 from ..linalg import LinearSolver, factorize
 from ..mesh import Surface, boundary, sides, taken
-from .beams import Beam
 from .compliance import ContactCompliance
-from .composition import Piece, pieces, taken_material
-from .laminate import Layers
 from .layer import (
     contact_reach,
     layer_compliance_of,
@@ -25,9 +32,7 @@ from .layer import (
     rim_nodes,
     slow_bending,
 )
-from .shells import FOLD, element_frames
 from .subdivision import halved
-from .thin import thin_stiffness_mass
 from .touch import touched
 
 # c is taken at s = 0.87/T, and compared with that at 3.3/T and 10/T, as shares of 10/T. A change of

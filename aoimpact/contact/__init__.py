@@ -1,0 +1,30 @@
+"""Where a body is touched: the contact point, its weights b and patch, and its compliance.
+
+The static mode and the shifts s of a contact, too. `laws` takes patches and surfaces from here,
+`reduction` the functional b.
+"""
+
+from .compliance import ContactCompliance
+from .contacttime import (
+    fitted_shifts,
+    highest_shift,
+    refuse_massless,
+    shortest_contact_time,
+    slow_shift,
+)
+from .extraction import Extraction, split
+from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
+from .layer import layer_compliance, layer_compliance_of, mesh_compliance
+from .patch import Patch, spread
+from .point import (
+    SHIFT_TIMES_DURATION,
+    ContactPoint,
+    ContactSurface,
+    contact_point,
+    contact_within,
+    own_contact_time,
+)
+from .shearedhalfspace import ShearedHalfSpace
+from .staticmode import StaticMode, centre_of, moves_rigidly, refuse_mechanism, static_mode
+from .thinextraction import ThinExtraction
+from .touch import edge_length, motion_between, to_nodes
