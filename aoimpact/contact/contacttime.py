@@ -17,13 +17,13 @@ def fitted_shifts(
 ) -> list[float]:
     """Return the shifts s, rad/s, for that contact time at any of the places, and duration."""
     if contact_time is None:
-        times = [min(own_contact_time(tip) for tip in tips)]
-        if math.isinf(times[0]):
+        contact_time = min(own_contact_time(tip) for tip in tips)
+        if math.isinf(contact_time):
             raise InputError(
                 "no contact_time can be estimated where K gives b no stiffness; give it"
             )
     else:
-        times = [positive("contact_time", contact_time, unit="s")]
+        positive("contact_time", contact_time, unit="s")
         shortest = max(shortest_contact_time(tip) for tip in tips)
         if contact_time < shortest:
             raise InputError(
@@ -31,7 +31,7 @@ def fitted_shifts(
                 f"contact, {shortest:.2g} s: give the duration of the contact in seconds, or "
                 "refine the mesh"
             )
-    shifts = [SHIFT_TIMES_DURATION / times[0]]
+    shifts = [SHIFT_TIMES_DURATION / contact_time]
     if duration is not None and (slow := slow_shift(tips[0], duration)) < shifts[0]:
         shifts.append(slow)
     return shifts

@@ -307,7 +307,9 @@ class FEModel(Frozen):
         warn_of_locking(solid, made_of)
         warn_of_curved_offsets(solid, made_of)
         warn_of_separate_parts(solid, heavier)
-        attached = _attached(heavier, stiffer)
+        fastened = None if heavier is None else heavier.diagonal(), stiffer
+        dofs = [np.flatnonzero(of) for of in fastened if of is not None]
+        attached = np.unique(np.concatenate([[], *dofs]) // 3).astype(np.int64)
         if stiffer is not None:
             stiffer = np.pad(stiffer, (0, K.shape[0] - len(stiffer)))[free]
         K, M = _completed(K, M, heavier, stiffer, free)
@@ -779,13 +781,6 @@ class FEModel(Frozen):
         from .audit import audited
 
         return audited(self, frequencies=integer("frequencies", frequencies, low=0))
-
-
-def _attached(masses: Any, springs: FloatArray | None) -> IntArray:
-    """Nodes that something is fastened to."""
-    dofs = [np.flatnonzero(masses.diagonal())] if masses is not None else []
-    dofs += [np.flatnonzero(springs)] if springs is not None else []
-    return np.unique(np.concatenate([[], *dofs]) // 3).astype(np.int64)
 
 
 def _completed(
