@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base import AOImpactError, boolean, held_warnings
-from ..impact import checked_numbers, plan_impact
+from ..base import AOImpactError, boolean, held_warnings, nonnegative
+from ..impact import SPEEDS, checked_duration, number_or_vector, plan_impact
 from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
 from ..reduction import AOModel, Body, fitted_times, is_valid_for
@@ -39,9 +39,6 @@ _REQUIRED = {"projectile", "target", "law", "velocity", "duration"}
 _KEYWORDS = _REQUIRED | {"solver", "gap", "energies"}
 
 _BY_DEFAULT = Adaptive()
-
-# Numbers between these need no further check, which would take as long as all else in Python.
-_SMALL, _LARGE = 1e-30, 1e30
 
 
 class _Pair(NamedTuple):
@@ -169,21 +166,13 @@ def _given(case: Any) -> tuple[float, ...] | None:
     solver = case.get("solver") or _BY_DEFAULT
     if not isinstance(solver, Adaptive):
         return None
-    velocity, duration, gap = case["velocity"], case["duration"], case.get("gap", 0.0)
-    energies = case.get("energies", True)
-    if not (
-        type(velocity) is type(duration) is type(gap) is float
-        and type(energies) is bool
-        and _SMALL <= velocity <= _LARGE
-        and _SMALL <= duration <= _LARGE
-        and (gap == 0.0 or _SMALL <= gap <= _LARGE)
-    ):
-        try:
-            boolean("energies", energies)
-            velocity, duration, gap = checked_numbers(velocity, duration, gap)
-        except AOImpactError:  # simulate raises it
-            return None
-        if duration is None or velocity < 0.0:
-            return None
-        gap = normal_gap(gap)
+    try:
+        boolean("energies", case.get("energies", True))
+        velocity, vector = number_or_vector("velocity", case["velocity"], SPEEDS, "m/s")
+        duration = checked_duration(case["duration"])
+        gap = normal_gap(nonnegative("gap", case.get("gap", 0.0), unit="m"))
+    except AOImpactError:  # simulate raises it
+        return None
+    if vector is not None or velocity <= 0.0:
+        return None
     return velocity, gap, duration, solver.rtol

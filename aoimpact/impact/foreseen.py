@@ -6,21 +6,20 @@ The patches of contact points whose radius was left out follow from that, and so
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 from ..accuracy import alike
-from ..base import AOImpactError, ConvergenceError, InputError
+from ..base import AOImpactError, InputError, plain
 from ..contact import SHIFT_TIMES_DURATION, ContactPoint, contact_within
 from ..integrate import rigid_contact_time
-from ..laws import own_law, round_contact
+from ..laws import ContactLaw, own_law, round_contact
 from ..linalg import LinearSolver
 from ..reduction import BodyModel, FullModel
 from ..results import RecordLength
 from ..scene import Contact, Load, Scenario
-from .defaults import turns
 from .oblique import ROLES, with_functionals
 
 
@@ -49,8 +48,8 @@ class Foreseen:
         plan = self._plan
         times = [time for time in self._times if time is not None]
         if not times:
-            for contact in plan.contacts:
-                self._time(contact, strict=True)
+            for met in filter(None, map(self._met, plan.contacts)):
+                rigid_contact_time(*met)  # which says why a law gives none
             raise InputError(
                 "duration was left out, and cannot be foreseen: no velocity, gravity or constant "
                 "force brings bodies that have a contact towards each other; give it"
@@ -107,50 +106,30 @@ class Foreseen:
 
     @cached_property
     def _times(self) -> list[float | None]:
-        return [self._time(contact) for contact in self._plan.contacts]
+        """The duration of each contact, s; None where it is not known."""
+        return [_known(rigid_contact_time, self._met(contact)) for contact in self._plan.contacts]
 
     @cached_property
     def _widths(self) -> list[float | None]:
-        return [self._width(contact) for contact in self._plan.contacts]
+        """The radius of each contact at its largest force, m; None where it is not known."""
 
-    def _time(self, contact: Contact, *, strict: bool = False) -> float | None:
-        """The duration of a contact, s.
-
-        None where nothing moves, both masses are infinite, or the law never takes the energy.
-
-        strict: True to raise the error of a law that gives no number.
-        """
-        mass, speed = self._reduced_mass(contact), self._plan.fastest
-        if speed == 0.0 or math.isinf(mass):
-            return None
-        try:
-            return rigid_contact_time(own_law(contact.law), mass, speed)
-        except AOImpactError as error:
-            if strict and isinstance(error, ConvergenceError):
-                raise
-            return None
-
-    def _width(self, contact: Contact) -> float | None:
-        """The radius of a contact at its largest force, m.
-
-        None where nothing moves, the law has no surface, or never takes the energy.
-        """
-        mass, speed, law = self._reduced_mass(contact), self._plan.fastest, own_law(contact.law)
-        if speed == 0.0 or math.isinf(mass):
-            return None
-        # A body of unknown material is taken to be rigid.
-        materials = [of for of in contact.materials(self._plan.bodies) if of is not None]
-        found = round_contact(law, materials)
-        radius = law.relative_radius if found is None else found.radius
-        try:
+        def width(law: ContactLaw, mass: float, speed: float) -> float | None:
+            found = round_contact(law, materials)
+            radius = law.relative_radius if found is None else found.radius
             return None if radius is None else math.sqrt(radius * law.stroke(0.5 * mass * speed**2))
-        except AOImpactError:
-            return None
 
-    def _reduced_mass(self, contact: Contact) -> float:
+        widths = []
+        for contact in self._plan.contacts:
+            # A body of unknown material is taken to be rigid.
+            materials = [of for of in contact.materials(self._plan.bodies) if of is not None]
+            widths.append(_known(width, self._met(contact)))
+        return widths
+
+    def _met(self, contact: Contact) -> tuple[ContactLaw, float, float] | None:
+        """The law of a contact, its reduced mass, kg, and speed, m/s; None where nothing moves."""
         bodies = (self._plan.bodies[body] for body, _ in contact.ports)
-        share = math.fsum(1.0 / body.most_mass for body in bodies)
-        return 1.0 / share if share > 0.0 else math.inf
+        share, speed = math.fsum(1.0 / body.most_mass for body in bodies), self._plan.fastest
+        return (own_law(contact.law), 1.0 / share, speed) if share > 0.0 < speed else None
 
     def _fit(
         self,
@@ -177,6 +156,14 @@ class Foreseen:
         return replace(body, tips=(*body.tips[:port], fit, *body.tips[port + 1 :]))
 
 
+def _known(find: Callable[..., float | None], met: Any) -> float | None:
+    """What is found of a contact; None where it does not move, or its law takes no such energy."""
+    try:
+        return None if met is None else find(*met)
+    except AOImpactError:
+        return None
+
+
 def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
     """For each body the contact points whose direction of travel must be reversed."""
     roles: dict[tuple[int, int], set[bool]] = {}
@@ -191,9 +178,48 @@ def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
             continue
         model, outward = plan.bodies[body], True in ways
         like = len(sides[model.touched_at(port)]) > 1  # one place stands for two like bodies
-        if turns(names[body], model, port, outward=outward, like=like):
+        if _turns(names[body], model, port, outward=outward, like=like):
             around[body] = (*around[body], port)
     return around
+
+
+def _turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool) -> bool:
+    """True if the direction at a contact must be turned round, to go out of the body or into it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the body.
+    body : model
+    port : int
+        Which of its places.
+    outward : bool
+        Whether it must go out of the body, which is then on the projectile's side.
+    like : bool
+        Whether the same place stands for another body on the other side, so that the direction
+        suits one of them.
+
+    Raises
+    ------
+    InputError
+        If it was given the wrong way round.
+    """
+    tip = body.touched_at(port)
+    if tip is None or tip.normal is None or tip.direction is None or tip.point is None:
+        return False
+    if (float(tip.direction @ tip.normal) > 0.0) == outward:
+        return False
+    if like:
+        return True
+    if tip.directed and tip.thin is None:
+        way, opposite = ("out of", "into") if outward else ("into", "out of")
+        raise InputError(
+            f"{name}: direction {plain(tip.direction)} goes {opposite} the body at point "
+            f"{plain(tip.point)} m, whose outward normal is {plain(tip.normal)}. It is the "
+            "projectile's direction of travel, out of the projectile and into the target, and goes "
+            f"{way} this body: leave direction out, turn it round, or swap the two bodies"
+        )
+    return True
 
 
 def _with_functionals(plan: Scenario, names: Sequence[str]) -> Scenario:

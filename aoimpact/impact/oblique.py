@@ -18,6 +18,7 @@ from ..contact import ContactPoint
 from ..laws import ContactLaw
 from ..mesh import plane_of
 from ..reduction import Body, BodyModel, FullModel, turning
+from .defaults import in_range
 
 # Directions of travel within 5° are one; a contact point's is along its normal within 1°.
 _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
@@ -27,37 +28,15 @@ ROLES = (1.0, -1.0)
 
 # Coefficients of friction: the squares of bounds on stretches must be numbers, and what the least
 # does to a body must be more than the rounding of its normal force.
-_LEAST_FRICTION, _MOST_FRICTION = 1e-10, 1e100
+_RANGE = 1e-10, 1e100
 
 # Along the outward normal of a body without a mesh.
 _DOWN = np.array([0.0, 0.0, -1.0])
 
 
-def vector_or_number(name: str, value: Any, unit: str) -> FloatArray | None:
-    """Return a vector in three directions, or None of a number along the direction of travel."""
-    if not isinstance(value, list | tuple | np.ndarray):
-        return None
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        return None
-    return finite_array(name, value, shape=(3,), unit=unit)
-
-
 def checked_friction(value: Any) -> float | None:
     """Return a coefficient of friction; None if it was left out."""
-    if value is None:
-        return None
-    friction = nonnegative("friction", value)
-    if friction > _MOST_FRICTION:
-        raise InputError(
-            f"friction={friction:g} is beyond {_MOST_FRICTION:g}, where its square and its bound "
-            "are no numbers any more; surfaces that never slip have friction=1e3"
-        )
-    if 0.0 < friction < _LEAST_FRICTION:
-        raise InputError(
-            f"friction={friction:g} is below {_LEAST_FRICTION:g}, where it is lost in the rounding "
-            "of the normal force; smooth surfaces have friction=0"
-        )
-    return friction
+    return value if value is None else in_range("friction", nonnegative("friction", value), _RANGE)
 
 
 def checked_spin(value: Any) -> FloatArray | None:
@@ -67,11 +46,9 @@ def checked_spin(value: Any) -> FloatArray | None:
 
 def refuse_held(name: str, model: BodyModel) -> None:
     """Refuse the spin of a body that cannot turn."""
-    held = model.constrained
-    if held or (
-        isinstance(model, Body) and model.numbers is not None and model.numbers.inertia is None
-    ):
-        why = "is held" if held else "has no inertia to turn with"
+    numbers = model.numbers if isinstance(model, Body) else None
+    if model.constrained or (numbers is not None and numbers.inertia is None):
+        why = "is held" if model.constrained else "has no inertia to turn with"
         raise InputError(
             f"spin: {name} {why}; give the spin of a free body: ao.ball(...), "
             "ao.rigid(mass, inertia=) or one of finite elements"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import uuid
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from time import perf_counter
@@ -16,6 +15,7 @@ import numpy.typing as npt
 from ..accuracy import (
     Sensor,
     checked_linear_solver,
+    checked_rtol,
     choose_models,
     errors_left_out,
     finer_run,
@@ -39,6 +39,7 @@ from ..laws import ContactLaw
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model
 from ..results import (
+    ROLES,
     Handle,
     Quantity,
     Run,
@@ -56,12 +57,7 @@ from ..scene import (
     Scenario,
     normal_gap,
 )
-from .defaults import (
-    checked_duration,
-    checked_gravity,
-    checked_speed,
-    chosen_law,
-)
+from .defaults import SPEEDS, checked_duration, chosen_law, number_or_vector
 from .foreseen import Foreseen
 from .oblique import (
     axes_of,
@@ -69,13 +65,16 @@ from .oblique import (
     checked_spin,
     refuse_held,
     refuse_plastic,
-    vector_or_number,
     with_tangents,
 )
 
+# m/s², the most on a neutron star. Above ten times as much, depths of contacts are no more than the
+# rounding of the ways that bodies fall, and drawn scenes were wrong by 1e-7 to 1e-4.
+_GRAVITIES = 0.0, 1e12
+
 
 @dataclass(frozen=True)
-class _Mark:
+class Mark:
     """Tells the handles of one scene from those of another."""
 
     name: str = field(metadata={"identity": True})
@@ -118,18 +117,15 @@ class Scene:
     """
 
     def __init__(self, *, gravity: float | npt.ArrayLike = 0.0) -> None:
-        falls = vector_or_number("gravity", gravity, "m/s²")
-        size = gravity if falls is None else float(np.linalg.norm(falls))
-        self._begin(checked_gravity(size), uuid.uuid4().hex, falls)
-
-    def _begin(self, gravity: float, mark: str, falls: FloatArray | None = None) -> None:
-        self.gravity, self._falls = gravity, falls  # along the direction of travel, or in three
+        # Along the direction of travel, and in three directions where it is given so.
+        self.gravity, self._falls = number_or_vector("gravity", gravity, _GRAVITIES, "m/s²")
         self._members: list[Member] = []
         self._contacts: list[Contact] = []
-        self._between: dict[tuple[int, int, int, int], list[int]] = {}  # contacts at the same place
+        # Laws and gaps of the contacts between two places.
+        self._between: dict[tuple[int, int, int, int], list[tuple[ContactLaw, float]]] = {}
         self._loads: list[Load] = []
         # Copies and pickles keep it: their handles are as good. An impact of two bodies has none.
-        self._mark = _Mark(mark)
+        self._mark = Mark(uuid.uuid4().hex)
 
     def __repr__(self) -> str:
         labels = ", ".join(member.body.label for member in self._members[:6])
@@ -182,12 +178,24 @@ class Scene:
         >>> scene = ao.Scene()
         >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0, name="ball")
         """
-        called, along = text("name", name), vector_or_number("velocity", velocity, "m/s")
-        size = velocity if along is None else float(np.linalg.norm(along))
-        speed, where = checked_speed(size), real("position", position, unit="m")
-        turns, model = checked_spin(spin), body_model("body", body)
-        self._members.append(Member(model, speed, where, called, along, turns))
+        where, called = real("position", position, unit="m"), text("name", name)
+        self._take("body", body, velocity, spin, where, called)
         return Handle(len(self._members) - 1, name=called, scene=self._mark.name)
+
+    def _take(
+        self,
+        argument: str,
+        body: Any,
+        velocity: Any,
+        spin: Any,
+        position: float = 0.0,
+        name: str = "",
+    ) -> Member:
+        """Add a body that was given as an argument, and return it with its motion."""
+        model, turns = body_model(argument, body), checked_spin(spin)
+        speed, vector = number_or_vector("velocity", velocity, SPEEDS, "m/s")
+        self._members.append(Member(model, speed, position, name, vector, turns))
+        return self._members[-1]
 
     def connect(
         self,
@@ -251,51 +259,37 @@ class Scene:
         law: ContactLaw | None,
         gap: float,
         name: str = "",
-        turned: Sequence[bool] = (False, False),
         friction: float | None = None,
     ) -> int:
-        """Add a contact of two (body, port) with that distance, m, at the start.
-
-        turned: of each, whether its direction of travel must be reversed.
-        """
+        """Add a contact of two (body, port) with that distance, m, at the start."""
         if law is not None and not isinstance(law, ContactLaw):
             raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-        ends = first, second
-        bodies = [self._members[body].body for body, _ in ends]
-        if all(math.isinf(body.static_mass) for body in bodies):
+        ends = [(self._members[body].body, port) for body, port in (first, second)]
+        names = self._called(first[0]), self._called(second[0])
+        if all(math.isinf(body.static_mass) for body, _ in ends):
             raise InputError(
-                f"{' and '.join(self._called(body) for body, _ in ends)} are both of infinite "
-                "mass: there is no motion between them"
+                f"{' and '.join(names)} are both of infinite mass: there is no motion between them"
             )
         law_error, mu = 0.0, checked_friction(friction)
         if law is None:
-            models = [
-                (body.turned((port,) if turn else ()), port)
-                for body, (_, port), turn in zip(bodies, ends, turned, strict=True)
-            ]
-            found = chosen_law(models, [self._called(body) for body, _ in ends])
+            found = chosen_law(ends, names)
             law, law_error = found.law, found.error
         if mu:
             refuse_plastic(law)
-        contact = Contact(*first, *second, law, normal_gap(gap), text("name", name))
-        contact = contact._replace(
-            law_error=law_error, friction=None if mu is None else Friction(mu)
+        contact = Contact(
+            *(*first, *second, law, normal_gap(gap), text("name", name)),
+            friction=None if mu is None else Friction(mu),
+            law_error=law_error,
         )
-        self._refuse_again(contact)
-        self._between.setdefault(contact[:4], []).append(len(self._contacts))
+        same = self._between.setdefault(contact[:4], [])
+        if (law, gap) in same:
+            raise InputError(
+                f"contact {len(self._contacts)} is the same as another: {' and '.join(names)} "
+                "under the same law and gap; leave this one out, or double the law's stiffness"
+            )
+        same.append((law, gap))
         self._contacts.append(contact)
         return len(self._contacts) - 1
-
-    def _refuse_again(self, contact: Contact) -> None:
-        """Refuse a second contact between the same two places with the same law and gap."""
-        for number in self._between.get(contact[:4], []):
-            other = self._contacts[number]
-            if (other.law, other.gap) == (contact.law, contact.gap):
-                first, second = (self._called(body) for body, _ in contact.ports)
-                raise InputError(
-                    f"contact {number} is the same: {first} and {second} under the same law and "
-                    "gap; leave this one out, or double the law's stiffness"
-                )
 
     def apply(self, body: Handle, *, force: Any) -> None:
         """Apply a force to a body's contact coordinate, along the direction of travel.
@@ -352,11 +346,9 @@ class Scene:
         return handle
 
     def _called(self, body: int) -> str:
-        name, role = self._members[body].name or self._members[body].body.name, self._role(body)
+        role = f"body {body}" if self._mark.name else ROLES[body]
+        name = self._members[body].name or self._members[body].body.name
         return f"{role} ({name})" if name else role
-
-    def _role(self, body: int) -> str:
-        return f"body {body}"
 
     # ------------------------------------------------------------------- running
 
@@ -430,7 +422,6 @@ class Scene:
         1143
         """
         began = perf_counter()
-        length = None if duration is None else checked_duration(duration)
         boolean("energies", energies)
         boolean("preload", preload)
         if not self._members:
@@ -441,9 +432,15 @@ class Scene:
                 "preload: rest with friction is not known; start without preload, and let the "
                 "weight or the load grow: apply(body, force=([0, time], [0, force]))"
             )
-        if not preload:
-            self._refuse_overlap()
-        return self._run(plan, length, quantity, rtol, solver, linear_solver, began)
+        for number, contact in enumerate(() if preload else self._contacts):
+            if contact.gap < 0.0:
+                first, second = self._called(contact.first), self._called(contact.second)
+                raise InputError(
+                    f"contact {number}: {first} and {second} overlap by {-contact.gap:g} m at the "
+                    "start; change position or gap, or start with preload=True from the rest that "
+                    "gravity and loads press them to"
+                )
+        return self._run(plan, duration, quantity, rtol, solver, linear_solver, began)
 
     def _plan(self, *, energies: bool = True, preload: bool = False) -> Scenario:
         """The scene of the bodies as they were given, whose contacts are of places.
@@ -511,7 +508,7 @@ class Scene:
     def _run(
         self,
         plan: Scenario,
-        length: float | None,
+        duration: Any,
         quantity: Any,
         rtol: float | None,
         solver: TimeSolver | None,
@@ -528,9 +525,7 @@ class Scene:
         ----------
         plan : Scenario
             Of the bodies as they were given.
-        length : float or None
-            Duration, s.
-        quantity, rtol, solver, linear_solver
+        duration, quantity, rtol, solver, linear_solver
             As of `simulate`.
         began : float
             When the call began, by `perf_counter`, s.
@@ -538,8 +533,11 @@ class Scene:
         controlled = quantity is not None or rtol is not None
         chosen = controlled or any(body.reducible for body in plan.bodies)
         linear = checked_linear_solver(linear_solver, chosen=chosen)
+        if controlled:  # bad input is refused before any work is done
+            checked_rtol(rtol)
+            self._interest(quantity, plan)
         foreseen = Foreseen(plan)
-        record = foreseen.record(length)
+        record = foreseen.record(None if duration is None else checked_duration(duration))
         record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
         names = [self._called(body) for body in range(len(plan.bodies))]
         tips = [tip for body in plan.bodies for tip in body.tips]
@@ -600,34 +598,19 @@ class Scene:
                 f"quantity={interest.name!r} is of contacts with friction; give friction="
             )
         if interest.name == "restitution" and plan.scene:
-            self._refuse_restitution(plan)
+            met = {plan.velocities[body] for of in plan.contacts for body, _ in of.ports}
+            if len(plan.contacts) != 1 or len(met) != 2:
+                raise InputError(
+                    f"quantity={interest.name!r} is of one contact between two bodies that come "
+                    f"with velocities, and the scene has {len(plan.contacts)} contacts and "
+                    f'{len(met)} velocities; give "rebound_velocity", that of every body'
+                )
         if interest.each == "contacts" and not plan.contacts:
             raise InputError(
                 f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "
                 "the handle of a body for its displacement"
             )
         return interest
-
-    def _refuse_restitution(self, plan: Scenario) -> None:
-        """Refuse a restitution unless one contact of two approaching bodies defines it."""
-        speeds = {plan.velocities[body] for contact in plan.contacts for body, _ in contact.ports}
-        if len(plan.contacts) != 1 or len(speeds) != 2:
-            count = f"{len(plan.contacts)} contacts"
-            raise InputError(
-                'quantity="restitution" is of one contact between two bodies that come with '
-                f"velocities, and the scene has {count if len(plan.contacts) != 1 else 'none'}; "
-                'give "rebound_velocity", that of every body'
-            )
-
-    def _refuse_overlap(self) -> None:
-        for number, contact in enumerate(self._contacts):
-            if contact.gap < 0.0:
-                first, second = self._called(contact.first), self._called(contact.second)
-                raise InputError(
-                    f"contact {number}: {first} and {second} overlap by {-contact.gap:g} m at the "
-                    "start; change position or gap, or start with preload=True from the rest that "
-                    "gravity and loads press them to"
-                )
 
 
 @dataclass(frozen=True)

@@ -6,23 +6,17 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
-from ..accuracy import Sensor, checked_rtol, quantity_of
-from ..base import InputError, InputTypeError, boolean, plain, warn
+from ..accuracy import Sensor
+from ..base import InputError, InputTypeError, boolean, nonnegative, plain, warn
 from ..contact import ContactPoint
-from ..laws import ContactLaw, own_law
+from ..laws import ContactLaw
 from ..linalg import Solver
-from ..reduction import BodyModel, body_model
-from ..results import Result, TimeSolver, warn_of_exchange
+from ..results import ROLES, Result, TimeSolver, warn_of_exchange
 from ..scene import Scenario
-from .defaults import checked_numbers, turns
 from .foreseen import Foreseen
-from .oblique import checked_spin, vector_or_number
-from .scene import Member, Scene
-
-_NAMES = "projectile", "target"
+from .scene import Mark, Scene
 
 
 def simulate(
@@ -129,16 +123,15 @@ def simulate(
     (1001.5, 10.88)
     """
     began = perf_counter()
-    impact = Impact(projectile, target, velocity, spin=spin, gap=gap, duration=duration)
-    impact.refuse_smooth(friction)
-    boolean("energies", energies)
-    warn_of_exchange(*impact.bodies)
-    # Bad input is refused before any work is done.
-    if quantity is not None or rtol is not None:
-        checked_rtol(rtol)
-        quantity_of(quantity, impact.bodies, pair=True)
-    plan = impact.touch(law, friction, energies=energies)
-    result = impact._run(plan, impact.duration, quantity, rtol, solver, linear_solver, began)
+    scene, plan = pair(
+        *(projectile, target, velocity, law),
+        friction=friction,
+        spin=spin,
+        gap=gap,
+        energies=energies,
+    )
+    warn_of_exchange(*plan.bodies)
+    result = scene._run(plan, duration, quantity, rtol, solver, linear_solver, began)
     assert isinstance(result, Result)
     if duration is not None and result.in_contact_at_end:
         warn(
@@ -148,123 +141,62 @@ def simulate(
     return result
 
 
-class Impact(Scene):
-    """The scene of a projectile that moves towards a target at rest.
+def pair(
+    projectile: Any,
+    target: Any,
+    velocity: Any,
+    law: ContactLaw | None,
+    *,
+    friction: float | None = None,
+    spin: Any = None,
+    gap: float = 0.0,
+    energies: bool = True,
+) -> tuple[Scene, Scenario]:
+    """Return the scene of a projectile that moves towards a target at rest, and its plan.
 
     Parameters
     ----------
-    projectile, target, velocity, spin, gap, duration
+    projectile, target, velocity, law, friction, spin, gap, energies
         As of `simulate`.
 
     Raises
     ------
     InputError, InputTypeError
-        For an argument that makes no sense.
+        For an argument that makes no sense, or a law that is left out and not known.
     """
-
-    def __init__(
-        self,
-        projectile: Any,
-        target: Any,
-        velocity: float | npt.ArrayLike,
-        *,
-        spin: npt.ArrayLike | None = None,
-        gap: float = 0.0,
-        duration: float | None = None,
-    ) -> None:
-        self._begin(0.0, "")
-        turns = checked_spin(spin)
-        vector = vector_or_number("velocity", velocity, "m/s")
-        size = velocity if vector is None else float(np.linalg.norm(vector))
-        self.velocity, self.duration, self.gap = checked_numbers(size, duration, gap)
-        for name, body in zip(_NAMES, (projectile, target), strict=True):
-            model = body_model(name, body)
-            if model.ports > 1 and model.places > 1:
-                raise InputTypeError(
-                    f"{name} is touched in several places: build a Scene, and connect its ports"
-                )
-            moving = (self.velocity, 0.0, "", vector, turns) if not self._members else (0.0,)
-            self._members.append(Member(model, *moving))
-        if self.velocity < 0.0 and not self.bodies[0].constrained:
-            raise InputError(
-                f"velocity={self.velocity:g} m/s: the projectile flies away from the target, and "
-                "nothing turns it round; give the speed at which it comes, or build a Scene with "
-                "what brings it back (gravity, a load, a body behind it)"
+    scene = Scene()
+    scene._mark = Mark("")
+    moving = scene._take("projectile", projectile, velocity, spin)
+    held = scene._take("target", target, 0.0, None)
+    for name, member in zip(ROLES, (moving, held), strict=True):
+        if member.body.ports > 1 and member.body.places > 1:
+            raise InputTypeError(
+                f"{name} is touched in several places: build a Scene, and connect its ports"
             )
-
-    def refuse_smooth(self, friction: float | None) -> None:
-        """Refuse a velocity in three directions, or a spin, without friction."""
-        *_, vector, spin = self._members[0]
-        if friction is None and vector is not None:
-            raise InputError(
-                f"velocity={plain(vector)} m/s is a vector, and friction is left out: "
-                "give friction=0 for smooth surfaces or a coefficient, or the speed alone"
-            )
-        if friction is None and spin is not None:
-            raise InputError(
-                f"spin={plain(spin)} rad/s is felt by friction alone, which is left out: give a "
-                "coefficient, or leave spin out"
-            )
-
-    def touch(
-        self, law: ContactLaw | None, friction: float | None = None, *, energies: bool = True
-    ) -> Scenario:
-        """Return the plan under a law, or Hertz's of the surfaces if it is left out."""
-        turned = (False, False) if law is not None else self.turned
-        self._join((0, 0), (1, 0), law, self.gap, turned=turned, friction=friction)
-        plan, vector = self._plan(energies=energies), self._members[0].vector
-        if plan.oblique is not None and vector is not None and plan.velocities[0] <= 0.0:
-            raise InputError(
-                f"velocity={plain(vector)} m/s does not approach the target along "
-                f"{plain(plan.oblique.axes[0])}, into its surface; give a velocity with a part "
-                "along that"
-            )
-        return plan
-
-    @property
-    def bodies(self) -> tuple[BodyModel, BodyModel]:
-        """Projectile and target, as they were given."""
-        first, second = self._members
-        return first.body, second.body
-
-    @property
-    def turned(self) -> tuple[bool, bool]:
-        """True if the direction of travel of each body must be reversed; see `turns`."""
-        first, second = self.bodies
-        tip = first.touched_at()
-        like = tip is not None and tip is second.touched_at()
-        return (
-            turns("projectile", first, 0, outward=True, like=like),
-            turns("target", second, 0, outward=False, like=like),
+    speed = moving.velocity
+    if speed == 0.0:
+        raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
+    if speed < 0.0 and not moving.body.constrained:
+        raise InputError(
+            f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing turns "
+            "it round; give the speed at which it comes, or build a Scene with what brings it back "
+            "(gravity, a load, a body behind it)"
         )
-
-    @property
-    def law(self) -> ContactLaw:
-        """The law between the bodies themselves."""
-        return own_law(self._contacts[0].law)
-
-    def _role(self, body: int) -> str:
-        return _NAMES[body]
+    scene._join((0, 0), (1, 0), law, nonnegative("gap", gap, unit="m"), friction=friction)
+    plan = scene._plan(energies=boolean("energies", energies))
+    if plan.oblique is not None and moving.vector is not None and plan.velocities[0] <= 0.0:
+        raise InputError(
+            f"velocity={plain(moving.vector)} m/s does not approach the target along "
+            f"{plain(plan.oblique.axes[0])}, into its surface; give a velocity with a part "
+            "along that"
+        )
+    return scene, plan
 
 
 def plan_impact(
-    projectile: Any,
-    target: Any,
-    law: ContactLaw | None,
-    *,
-    velocity: float,
-    duration: float,
-    gap: float = 0.0,
-    energies: bool = True,
+    projectile: Any, target: Any, law: ContactLaw | None, *, duration: float, **more: Any
 ) -> Scenario:
-    """Check the arguments of `simulate`, and return them as the solvers take them.
-
-    Raises
-    ------
-    InputError, InputTypeError
-        For an argument that makes no sense.
-    """
-    impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
-    plan = impact.touch(law, energies=boolean("energies", energies))
-    plan = Foreseen(plan).fitted(_NAMES, {})
-    return replace(plan.of_models(plan.bodies, energies=energies), duration=duration)
+    """Check the arguments of `pair`, and return them as the solvers take them."""
+    _, plan = pair(projectile, target, law=law, **more)
+    plan = Foreseen(plan).fitted(ROLES, {})
+    return replace(plan.of_models(plan.bodies, energies=plan.energies), duration=duration)

@@ -33,3 +33,4 @@ from .quantities import (
 )
 from .run import Handle, Result, Run
 from .solve import AS_LONG_AGAIN, RecordLength, TimeSolver, solve
+from .table import ROLES

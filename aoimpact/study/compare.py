@@ -31,7 +31,7 @@ from ..base import (
     with_unit,
     write_csv,
 )
-from ..impact import Foreseen, Impact, simulate
+from ..impact import Foreseen, pair, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw, own_law
 from ..linalg import Solver, checked_solver
@@ -309,8 +309,7 @@ def compare(
         if label in labels:
             raise InputError(f"other_targets: {label!r} is a row of its own; give another label")
     with held_warnings():  # each run has them again
-        impact = Impact(projectile, target, velocity, gap=gap, duration=duration)
-        plan, duration = impact.touch(law), impact.duration
+        _, plan = pair(projectile, target, velocity, law, gap=gap)
         law = own_law(plan.contacts[0].law)
         if duration is None:
             duration = simulate(projectile, target, velocity, law=law, gap=gap).duration

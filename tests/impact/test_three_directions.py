@@ -70,7 +70,7 @@ DOWN = (0.0, 0.3, -1.0)
             },
             "shells",
         ),
-        ({"velocity": DOWN, "friction": 1e-300}, "friction=0"),
+        ({"velocity": DOWN, "friction": 1e-300}, r"^friction"),
         (
             {
                 "velocity": (1.0, 0, 0),
