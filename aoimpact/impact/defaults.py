@@ -27,7 +27,8 @@ def in_range(name: str, value: float, bounds: tuple[float, float], unit: str = "
     low, high = bounds
     if value and not low <= abs(value) <= high:
         raise InputError(
-            f"{name}={value:g} {unit} is beyond what can be computed: give 0, or {low:g} to {high:g}"
+            f"{name}={value:g} {unit} is beyond what can be computed: give 0, or from {low:g} to "
+            f"{high:g}"
         )
     return value
 
