@@ -5,21 +5,24 @@ as attributes of a run's bodies, `accuracy` takes stresses and their errors; `te
 """
 
 from .channel import Channel, filtered_acceleration, zero_phase
-from .fields import Field
-from .history import History
-from .picture import Shown, enlargement, movie_path, picture, write_movie
+from .field import Field
+from .picture import Shown, enlargement, write_movie, write_series
 from .response import Response, response_of, times_within
-from .rows import TensorRows, motion_rows, place_rows, tensor_rows
 from .sensors import (
     Filtered,
     Gauge,
+    History,
     Probe,
     Reaction,
+    TensorRows,
     acceleration_of,
+    errors_of,
     gauge_at,
     gauge_ends,
     gauge_strain,
+    motion_rows,
+    place_rows,
     probe_at,
     reaction_of,
+    tensor_rows,
 )
-from .vtu import write_series

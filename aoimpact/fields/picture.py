@@ -1,10 +1,10 @@
-"""Pictures of deformed bodies, still and moving, by PyVista."""
+"""Pictures of deformed bodies, still and moving, by PyVista, and files that ParaView opens."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,6 +36,8 @@ _WINDOW = 960, 720
 
 _OTHERWISE = "write files for ParaView: to_vtu(path)"
 
+DOWN = (0.0, 0.0, -1.0)
+
 # Direction to the camera: along two axes across the direction of travel, and against it.
 _VIEW = (0.55, -0.75, 0.5)
 
@@ -65,7 +67,7 @@ def picture(
     bodies: Sequence[Shown],
     times: FloatArray,
     *,
-    down: Sequence[float] | FloatArray = (0.0, 0.0, -1.0),
+    down: Sequence[float] | FloatArray = DOWN,
     scale: float | None = None,
 ) -> tuple[Any, Callable[[int], None]]:
     """Return a picture of bodies, and the function that draws them at one of the times.
@@ -133,21 +135,14 @@ def picture(
     return plotter, draw
 
 
-def write_movie(path: Path, fps: float, plotter: Any, draw: Callable[[int], None], n: int) -> Path:
-    """Write a movie of n frames, and close the picture."""
-    if path.suffix.lower() == ".gif":
-        plotter.open_gif(path, fps=fps)
-    else:
-        plotter.open_movie(path, framerate=fps)
-    for which in range(n):
-        draw(which)
-        plotter.write_frame()
-    plotter.close()
-    return path
-
-
-def movie_path(path: str | os.PathLike[str], fps: float) -> tuple[Path, float]:
-    """Return the path and the frames a second of a movie.
+def write_movie(
+    path: str | os.PathLike[str],
+    fps: float,
+    shown: Callable[[], tuple[Sequence[Shown], Sequence[float] | FloatArray]],
+    times: FloatArray,
+    scale: float | None,
+) -> Path:
+    """Write a movie of bodies, with the direction that points down, a frame a time.
 
     Raises
     ------
@@ -156,16 +151,32 @@ def movie_path(path: str | os.PathLike[str], fps: float) -> tuple[Path, float]:
     InputError
         If the path does not end in .gif or .mp4, or its folder is not there.
     """
-    file, speed = file_path("path", path), positive("fps", fps, unit="Hz")
-    if file.suffix.lower() not in (".gif", ".mp4"):
+    file, speed = _in_folder(path), positive("fps", fps, unit="Hz")
+    kind = file.suffix.lower()
+    if kind not in (".gif", ".mp4"):
         raise InputError(f"path must end in .gif or .mp4, got {str(file)!r}")
-    if not file.parent.is_dir():
-        raise InputError(f"path={str(file)!r}: there is no folder {str(file.parent)!r}")
     optional_package("pyvista", "a movie", _OTHERWISE)
     optional_package("imageio", "a movie", "draw single pictures: field.plot(which=)")
-    if file.suffix.lower() == ".mp4":
+    if kind == ".mp4":
         optional_package("imageio_ffmpeg", "a movie of type .mp4", "take .gif")
-    return file, speed
+    bodies, down = shown()
+    plotter, draw = picture(bodies, times, down=down, scale=scale)
+    if kind == ".gif":
+        plotter.open_gif(file, fps=speed)
+    else:
+        plotter.open_movie(file, framerate=speed)
+    for which in range(len(times)):
+        draw(which)
+        plotter.write_frame()
+    plotter.close()
+    return file
+
+
+def _in_folder(path: str | os.PathLike[str]) -> Path:
+    file = file_path("path", path)
+    if not file.parent.is_dir():
+        raise InputError(f"path={str(file)!r}: there is no folder {str(file.parent)!r}")
+    return file
 
 
 def enlargement(bodies: Sequence[Shown]) -> float:
@@ -177,3 +188,57 @@ def enlargement(bodies: Sequence[Shown]) -> float:
     exact = _SHOWN * size / largest
     power = 10.0 ** math.floor(math.log10(exact))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= exact * (1.0 + 1e-9))
+
+
+def write_series(
+    path: str | os.PathLike[str],
+    mesh: Mesh,
+    times: FloatArray,
+    data: Mapping[str, FloatArray],
+    of_cells: Mapping[str, FloatArray] | None = None,
+) -> Path:
+    """Write data at the nodes, and return the path of the .pvd file.
+
+    Parameters
+    ----------
+    path : path
+        Its suffix, .vtu or .pvd or none, does not count.
+    mesh : Mesh
+    times : ndarray, shape (k,)
+        s; the timesteps that ParaView shows.
+    data : mapping of str to ndarray, shape (k, n_nodes, ...)
+    of_cells : mapping of str to ndarray, shape (k, n_cells), optional
+        Data of the elements.
+
+    Raises
+    ------
+    InputError
+        If the folder is not there.
+    """
+    from xml.sax.saxutils import quoteattr  # would bring urllib and ssl with it
+
+    meshio = meshio_of_all_kinds()
+    given = _in_folder(path)
+    stem = given.with_suffix("") if given.suffix.lower() in (".vtu", ".pvd") else given
+    digits = len(str(len(times) - 1))
+    names = [f"{stem.name}_{i:0{digits}d}.vtu" for i in range(len(times))]
+    for i, name in enumerate(names):
+        # Double precision in binary: what is read back is what was written, to the last bit.
+        meshio.Mesh(
+            mesh.nodes,
+            [(block.kind, block.cells) for block in mesh.blocks],
+            point_data={key: np.ascontiguousarray(values[i]) for key, values in data.items()},
+            cell_data={
+                key: [values[i, block.numbers] for block in mesh.blocks]
+                for key, values in (of_cells or {}).items()
+            },
+        ).write(stem.parent / name, file_format="vtu", binary=True)
+    entries = [
+        f'    <DataSet timestep="{float(time)!r}" group="" part="0" file={quoteattr(name)}/>'
+        for time, name in zip(times, names, strict=True)
+    ]
+    head = '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">'
+    lines = ['<?xml version="1.0"?>', head, "  <Collection>", *entries, "  </Collection>"]
+    listing = stem.parent / f"{stem.name}.pvd"
+    listing.write_text("\n".join([*lines, "</VTKFile>", ""]), encoding="utf-8")
+    return listing

@@ -1,4 +1,10 @@
-"""The response of a whole body in a run: its motion replayed, and recovered on all dofs."""
+"""The response of a whole body in a run: its motion replayed, and recovered on all dofs.
+
+A contact force F on a patch moves the elements about it as they can. Of that, F times
+`Extraction.mesh_field` stands for the field u_B of a half-space under Hertz's pressure, which is
+known in closed form for the present radius of the contact. It is put in place of the mesh's, so
+that displacement and stress are right under the contact, however large the elements are.
+"""
 
 from __future__ import annotations
 
@@ -6,40 +12,90 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..base import FloatArray, InputError, IntArray, finite_array
-from ..fem import Damping, FEModel
+from ..contact import Extraction
+from ..fem import SIX, Damping, FEModel, Rayleigh, VirtualMotion
 from ..integrate import Events, Motion, Recorder
 from ..reduction import PACE, FullModel, Recovery, SharedSolutions
-from ..scene import Scenario
-from .fields import Field
-from .held import Held
-from .history import LOOKS
-from .indentation import Indentation, indentations
-from .rows import TensorRows
+from ..scene import Scenario, extraction_of
+from .field import LOOKS, Field
+
+if TYPE_CHECKING:
+    from .sensors import TensorRows
 
 # Steps of the correction's shift in a doubling of it: runs that differ little share factors.
 _SHIFTS = 4
+
+# Radius of a contact, over that of the patch, below which the force counts as one at a point: far
+# from it, closed forms would lose digits as the square of the distance over the radius.
+_NARROWEST = 1e-2
+
+# Places and times that are worked on at once: some 100 MB.
+_AT_ONCE = 50_000
+
+# A rate is the difference over this share of the force.
+_STEP = 1e-4
 
 
 def times_within(times: Any, end: float) -> FloatArray:
     """Return ascending times within a record, s, shape (n,), which may be its end to rounding."""
     wanted = np.atleast_1d(finite_array("times", times, unit="s"))
-    if wanted.ndim != 1:
-        raise InputError(f"times must be a flat list, got shape {wanted.shape}; ravel it")
-    falls = np.flatnonzero(np.diff(wanted) < 0.0)
-    if len(falls):
-        before, after = wanted[falls[0] : falls[0] + 2]
-        raise InputError(f"times must ascend, got {before:g} s before {after:g} s; sort them")
+    if wanted.ndim != 1 or (np.diff(wanted) < 0.0).any():
+        raise InputError("times must be a flat list that ascends; ravel and sort them")
     if wanted.size and (wanted[0] < 0.0 or wanted[-1] > end * (1.0 + 1e-12)):
         raise InputError(
             f"times must lie within the record, 0 to {end:g} s, got {wanted[0]:g} to "
             f"{wanted[-1]:g} s; take a longer duration"
         )
     return wanted
+
+
+@dataclass(frozen=True, eq=False)
+class Indentation:
+    """The half-space's field at one contact point of a body.
+
+    Attributes
+    ----------
+    port : int
+        Number of the contact point.
+    extraction : Extraction
+    inward : float
+        1 where a positive force on the port pushes into the body, else -1.
+    width : callable
+        Radius of the contact, m, under forces, N, shape (n,).
+    """
+
+    port: int
+    extraction: Extraction
+    inward: float
+    width: Callable[[FloatArray], FloatArray]
+
+    def pressing(self, motion: Motion, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return what presses into the body, N, and its rate, N/s, shape (n,) each."""
+        force = np.maximum(self.inward * motion.force(times)[self.port], 0.0)
+        rate = self.inward * motion.force_rate(times)[self.port]
+        return force, np.where(force > 0.0, rate, 0.0)
+
+    def at(self, x: FloatArray, force: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return displacement, m, (n, p, 3), and stress, Pa, (n, p, 6), at places (p, 3)."""
+        u, stress = np.zeros((len(force), len(x), 3)), np.zeros((len(force), len(x), 6))
+        pressed = np.flatnonzero(force > 0.0)
+        for i in np.array_split(pressed, 1 + len(pressed) * len(x) // _AT_ONCE):
+            width = np.maximum(self.width(force[i]), _NARROWEST * self.extraction.radius)
+            moved, tensor = self.extraction.splitting.half_space_field(x, width)
+            u[i] = force[i, None, None] * moved
+            stress[i] = force[i, None, None] * tensor[..., *SIX]
+        return u, stress
+
+    def rate(self, x: FloatArray, force: FloatArray, rate: FloatArray) -> FloatArray:
+        """Return the rate of the displacement, m/s, (n, p, 3), where the force has that rate."""
+        more, less = (self.at(x, (1.0 + step) * force)[0] for step in (_STEP, -_STEP))
+        change = np.divide(rate, 2.0 * _STEP * force, out=np.zeros_like(rate), where=force > 0.0)
+        return np.asarray((more - less) * change[:, None, None])
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,91 +113,104 @@ class Response:
         When the largest force acts, s.
     static_deflection : ndarray, shape (n_dofs,), or None
         The part of the deflection at rest under load that `recovery` misses, m.
-    finer : callable, optional
-        Returns the response in the run with finer models; None where there is none.
-    indentations : tuple of Indentation
+    indentations : sequence of Indentation
         The half-space's fields at its contacts, in place of what the mesh makes of them.
     damping : Damping or None
-        That of the body's model.
+        That of the body's model; that of modes acts on the free dofs alone.
     gravity : ndarray, shape (3,)
         m/s².
+    finer : callable, optional
+        Returns the response in the run with finer models; None where there is none.
     """
 
     body: FEModel
     motion: Motion
     recovery: Recovery | None
     peak_time: float
-    static_deflection: FloatArray | None = None
-    finer: Callable[[], Response | None] | None = field(default=None, repr=False)
-    indentations: tuple[Indentation, ...] = ()
-    damping: Damping | None = None
-    gravity: FloatArray = field(default_factory=lambda: np.zeros(3))
-
-    def motion_at(
-        self,
-        places: FloatArray,
-        axes: FloatArray,
-        rows: Any,
-        times: FloatArray,
-        *,
-        rates: bool = True,
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return displacement and velocity at places (p, 3) along axes (k, 3), (times, p k).
-
-        rows: of the dofs, shape (p k, n_dofs), by `place_rows` and the axes. Without `rates` the
-        velocity lacks the half-space's.
-        """
-        u, v = (values.T for values in self._functionals(rows, times))
-        added = self._half_space(places, times, rates=rates)
-        u = u + (added[0] @ axes.T).reshape(u.shape)
-        return u, v + (added[1] @ axes.T).reshape(v.shape)
+    static_deflection: FloatArray | None
+    indentations: Sequence[Indentation]
+    damping: Damping | None
+    gravity: FloatArray
+    finer: Callable[[], Response | None] | None = field(repr=False)
 
     @property
-    def held(self) -> Held:
-        """The body as it is held, for the forces of its supports."""
-        return Held(self.body.grounding, self.motion, self.recovery, self.damping, self.gravity)
+    def duration(self) -> float:
+        """Length of the record, s."""
+        return self.motion.duration
+
+    @cached_property
+    def larger(self) -> Response | None:
+        """The response with a finer model; None of a full model."""
+        return None if self.finer is None or self.recovery is None else self.finer()
+
+    def work(self, of: VirtualMotion, times: FloatArray) -> FloatArray:
+        """Return what the ground's forces do along m motions of it, N or N m, shape (m, times).
+
+        See `fem.grounding`; of a body's own dofs by K X + C Ẋ + M Ẍ of those that are constrained.
+        """
+        motion, known = self.motion, self.body.grounding
+        alpha, beta = 0.0, 0.0
+        if isinstance(self.damping, Rayleigh):
+            alpha, beta = self.damping.alpha, self.damping.beta
+        if self.recovery is None:
+            stiffness = np.asarray(of.ground.T @ known.K - of.springs.T)
+            mass = np.asarray(of.ground.T @ known.M[:, self.body.free])
+            u, v = motion.observed(stiffness, times)
+            drag = alpha * motion.observed(mass, times)[1]
+            found = u + motion.acceleration(mass, times) + beta * v + drag
+        else:
+            model, loads = self.recovery.model, self.recovery.loads
+            q, rates = motion.observed(None, times)
+            # M Ẍ + C Ẋ is wanted: of modal damping, which acts on the free dofs, nothing is.
+            inertia = (model.modes.T @ loads) @ motion.force(times)
+            inertia = inertia - model.omega[:, None] ** 2 * (q + beta * rates)
+            found = (of.inertia.T @ model.modes) @ inertia
+            found = found - (of.phi.T @ loads) @ motion.force(times)
+        return np.asarray(found - (of.weight @ self.gravity)[:, None])
 
     def field(self, times: Any = None) -> Field:
         """See `BodyResult.field`."""
         wanted = self.within(self.peak_time if times is None else times)
+        free, nodes = self.free, self.body.nodes
+        assert nodes is not None
         u, v = self.motion.observed(None, wanted)
         if self.recovery is not None:
             u = self.recovery.displacement(u, self.motion.force(wanted))
             v = self.recovery.displacement(v, self.motion.force_rate(wanted))
         u, v = self._completed(None, u, v, wanted)
-        moved, speeds = self._at_nodes(u), self._at_nodes(v)
-        turned = self._at_nodes(u, rotations=True) if self._rotates else None
-        assert self.body.nodes is not None
-        added = self._half_space(self.body.nodes, wanted)
+        everywhere = np.zeros((2, len(wanted), 2 * nodes.size))  # 0 where they are constrained
+        everywhere[0][:, free], everywhere[1][:, free] = u.T, v.T
+        (moved, turned), (speeds, _) = (
+            of.reshape(len(wanted), 2, -1, 3).swapaxes(0, 1) for of in everywhere
+        )
+        added = self.half_space(nodes, wanted)
         return Field(
             self.body,
             wanted,
             moved + added[0],
             speeds + added[1],
-            moved,
-            partial(self.half_space_stress, wanted),
             turned,
-            _error=partial(self._error, wanted),
+            moved,
+            partial(self._stress_added, wanted),
+            partial(self._error, wanted),
         )
 
-    def half_space_stress(self, times: FloatArray, places: FloatArray) -> FloatArray:
-        """Return what contacts add to the elements' stress at places (p, 3), (times, p, 6)."""
-        return self._half_space(places, times, rates=False)[2]
+    def _stress_added(self, times: FloatArray, places: FloatArray) -> FloatArray:
+        return self.half_space(places, times, rates=False)[2]
 
-    def _half_space(
+    def half_space(
         self, places: FloatArray, times: FloatArray, *, rates: bool = True
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The half-space's displacement, its rate and stress at places; 0 without contacts.
+        """Return what half-spaces under contacts add at places (p, 3): displacement, rate, stress.
 
-        Without the rates, which take twice as long, zeros.
+        Shapes (times, p, 3) and (times, p, 6). Without the rates, which take twice as long, zeros.
         """
         u, v, stress = (np.zeros((len(times), len(places), count)) for count in (3, 3, 6))
         for of in self.indentations:
-            force = of.pressing(self.motion.force(times))
+            force, rate = of.pressing(self.motion, times)
             moved, tensor = of.at(places, force)
             u, stress = u + moved, stress + tensor
             if rates:
-                rate = of.inward * self.motion.force_rate(times)[of.port]
                 v = v + of.rate(places, force, rate)
         return u, v, stress
 
@@ -159,41 +228,32 @@ class Response:
 
     def _error(self, times: FloatArray) -> FloatArray | None:
         """Relative error of the field at `times` in the norm of strain energy; None if unknown."""
-        if (finer := self._finer) is None:
+        if (finer := self.larger) is None:
             return None
-        ours, theirs = self._shapes, finer._shapes
+        looks = np.union1d(times, np.linspace(0.0, self.duration, LOOKS))
+        (ours, mine), (theirs, right), (_, seen) = (
+            self._parts(times),
+            finer._parts(times),
+            finer._parts(looks),
+        )
         shapes, n = np.hstack([ours, theirs]), ours.shape[1]
         product = shapes.T @ (self.body.K @ shapes)
-        apart = np.vstack([self._amounts(times), -finer._amounts(times)])
-        looks = np.union1d(times, np.linspace(0.0, self.motion.duration, LOOKS))
-        largest = _energy(product[n:, n:], finer._amounts(looks)).max(initial=0.0)
-        return np.sqrt(_energy(product, apart) / (largest if largest > 0.0 else 1.0))
+        largest = _energy(product[n:, n:], seen).max(initial=0.0)
+        apart = _energy(product, np.vstack([mine, -right]))
+        return np.sqrt(apart / (largest if largest > 0.0 else 1.0))
 
-    def compared(self) -> Response | None:
-        """Return the response with a finer model; None of a full model."""
-        return self._finer
-
-    @cached_property
-    def _finer(self) -> Response | None:
-        return None if self.finer is None or self.recovery is None else self.finer()
-
-    @cached_property
-    def _shapes(self) -> FloatArray:
-        """The shapes that deform the body, (n_dofs, k)."""
+    def _parts(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Shapes that deform the body, (n_dofs, k), and how much of each there is, (k, times)."""
         assert self.recovery is not None
-        at_rest = [] if self.static_deflection is None else [self.static_deflection[:, None]]
-        return np.hstack([self.recovery.basis, self.recovery.shapes, *at_rest])
+        q, forces = self.motion.observed(None, times)[0], self.motion.force(times)
+        shapes = [self.recovery.basis, self.recovery.shapes]
+        amounts = [q, forces, self.recovery.amounts(q, forces)]
+        if self.static_deflection is not None:
+            shapes.append(self.static_deflection[:, None])
+            amounts.append(np.ones((1, len(times))))
+        return np.hstack(shapes), np.vstack(amounts)
 
-    def _amounts(self, times: FloatArray) -> FloatArray:
-        """How much of each of the `_shapes` there is, (k, times)."""
-        assert self.recovery is not None
-        coordinates = self.motion.observed(None, times)[0]
-        forces = self.motion.force(times)
-        added = self.recovery.amounts(coordinates, forces)
-        at_rest = [] if self.static_deflection is None else [np.ones((1, len(times)))]
-        return np.vstack([coordinates, forces, added, *at_rest])
-
-    @cached_property
+    @property
     def free(self) -> IntArray:
         """The body's dofs among those of its nodes, whose places are known."""
         if self.body.free is None:
@@ -205,25 +265,21 @@ class Response:
 
     def within(self, times: Any) -> FloatArray:
         """Return checked times within the record, s; at least one."""
-        wanted = times_within(times, self.motion.duration)
+        wanted = times_within(times, self.duration)
         if not wanted.size:
             raise InputError("times must have at least one, got none")
         return wanted
 
     def stress(self, of: TensorRows, times: FloatArray) -> FloatArray:
         """Return stress or strain at places, shape (times, p, 6)."""
-        found = of.elements.components(self.functionals(of.elements.rows, times))
-        added = self.half_space_stress(times, of.places)
+        found = of.elements.components(self.functionals(of.elements.rows, times)[0])
+        added = self._stress_added(times, of.places)
         if of.compliance is not None:
             added = np.einsum("pij,tpj->tpi", of.compliance, added)
         return np.asarray(found + added)
 
-    def functionals(self, rows: Any, times: FloatArray) -> FloatArray:
-        """Return rows @ X for `rows` of shape (p, n_dofs), shape (p, times)."""
-        return self._functionals(rows, times)[0]
-
-    def _functionals(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """rows @ X and its rate, each shape (p, times)."""
+    def functionals(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return rows @ X and its rate for `rows` of shape (p, n_dofs), each shape (p, times)."""
         if self.recovery is None:
             u, v = self.motion.observed(rows, times)
         else:
@@ -238,32 +294,14 @@ class Response:
     ) -> tuple[FloatArray, FloatArray]:
         """Add to rows @ X, or to X where rows is None, what neither model nor recovery contain."""
         for of in self.indentations:
-            forces, rates = self.motion.force(times), self.motion.force_rate(times)
-            force = of.pressing(forces)
-            field = of.mesh_field(self.free)
+            force, rate = of.pressing(self.motion, times)
+            field = of.extraction.mesh_field.reshape(-1)[self.free]
             field = field if rows is None else rows @ field
-            u = u - np.outer(field, force)
-            v = v - np.outer(field, np.where(force > 0.0, of.inward * rates[of.port], 0.0))
+            u, v = u - np.outer(field, force), v - np.outer(field, rate)
         if self.static_deflection is not None:
             at_rest = self.static_deflection if rows is None else rows @ self.static_deflection
             u = u + at_rest[:, None]
         return u, v
-
-    @cached_property
-    def _rotates(self) -> bool:
-        """True if dofs of the body are rotations."""
-        assert self.body.nodes is not None
-        return bool(self.free.max() >= self.body.nodes.size)
-
-    def _at_nodes(self, dofs: FloatArray, *, rotations: bool = False) -> FloatArray:
-        """Dofs (n_dofs, k) as vectors at all nodes, zero where they are constrained."""
-        free, nodes = self.free, self.body.nodes
-        assert nodes is not None
-        n = nodes.size
-        own = (free >= n) == rotations
-        full = np.zeros((dofs.shape[1], n))
-        full[:, free[own] % n] = dofs[own].T
-        return full.reshape(-1, len(nodes), 3)
 
 
 def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:
@@ -278,6 +316,7 @@ def response_of(
     events: Sequence[Events],
     body: int,
     shared: SharedSolutions | None = None,
+    finer: Callable[[], Response | None] | None = None,
 ) -> Response | None:
     """Return the response of a whole body in a run; None without finite elements.
 
@@ -293,6 +332,8 @@ def response_of(
         Its number in the plan.
     shared : SharedSolutions, optional
         Of the runs of several models of the body.
+    finer : callable, optional
+        See `Response`.
     """
     model = plan.bodies[body]
     ours = [of for of, contact in zip(events, plan.contacts, strict=True) if contact.touches(body)]
@@ -317,13 +358,19 @@ def response_of(
     if not isinstance(gravity, np.ndarray):
         down = None if tip is None or model.weightless else tip.direction
         gravity = np.zeros(3) if down is None else plan.gravity * down
-    return Response(
-        model.tips[0].body,
-        motion,
-        recovery,
-        peak_time,
-        static_deflection=at_rest,
-        indentations=indentations(plan, body),
-        damping=model.damping,
-        gravity=gravity,
-    )
+    fields = dict[int, Indentation]()
+    for contact in plan.contacts:
+        port = contact.port_of(body)
+        if not contact.touches(body) or port in fields:
+            continue
+        known, touched = extraction_of(contact.law, model, port), model.touched_at(port)
+        if touched is None or touched.direction is None or not isinstance(known, Extraction):
+            continue  # of a shell the mesh's own field is all that is known
+        if touched.body.mesh is None or touched.body.mesh.thin:
+            continue  # shells beside the solids take the mesh's own field as well
+        inward = float(np.sign(known.splitting.frame[2] @ touched.direction))
+        between = plan.round_contact(contact)
+        width = partial(np.full_like, fill_value=known.radius)
+        fields[port] = Indentation(port, known, inward, between.width if between else width)
+    found = model.tips[0].body, motion, recovery, peak_time, at_rest, (*fields.values(),)
+    return Response(*found, model.damping, gravity, finer)

@@ -6,10 +6,10 @@ its error is judged where it measures.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -26,12 +26,32 @@ from ..base import (
     warn,
     with_unit,
 )
-from ..contact import to_nodes
-from ..fem import FEModel, Layer, Strain, Stress, VirtualMotion, selected_nodes
+from ..contact import motion_between, to_nodes
+from ..fem import (
+    FEModel,
+    Layer,
+    Strain,
+    Stress,
+    StressRows,
+    VirtualMotion,
+    body_stress_rows,
+    compliances,
+    selected_nodes,
+)
+from ..mesh import node_at, weights_at
 from .channel import Channel, filtered_acceleration
-from .history import History, Sensed
+from .field import LOOKS, solid, warn_if_wrong
 from .response import Response
-from .rows import motion_rows, place_rows, shell_gauge_rows, tensor_rows
+
+# Share of a displacement over the length of the record below which a velocity is rounding.
+_AT_REST = 1e-9
+
+# The error is so many times the difference to a finer model, whose own error is taken
+# to be half as large: 98 % of them are then within it, see tools/sensor_errors.py.
+_DIFFERENCES = 2.0
+
+# Places along a gauge on a shell at which its strain is taken.
+_ALONG = 8
 
 # sin of the angle between a gauge and the surface beyond which it does not lie on it.
 _OFF = 0.1
@@ -42,16 +62,162 @@ _OFF = 0.1
 _BEYOND, _BESIDE, _SHORTER = 0.25, 0.1, 0.01
 
 
-class At(NamedTuple):
-    """Places and axes of a measured motion; see `Response.motion_at`."""
+class _Source(Protocol):
+    """A response, or a run, over its `duration`, s, and the same with a finer model."""
+
+    @property
+    def duration(self) -> float: ...
+    @property
+    def larger(self) -> Self | None: ...
+
+
+S = TypeVar("S", bound=_Source)
+
+
+@dataclass(frozen=True, eq=False)
+class History(Generic[S]):
+    """A quantity over time, and its error, each found when it is first read.
+
+    Attributes
+    ----------
+    name : str
+        For messages.
+    source : S
+        The `Response`, or the run, that it is read from.
+    seen : callable
+        Source and times, s, to values of shape (n, ...).
+    t : ndarray, shape (n,)
+        s.
+    displacement : callable, optional
+        The displacement, as `seen`, of which this is the rate.
+    """
+
+    name: str
+    source: S
+    seen: Callable[[S, FloatArray], FloatArray] = field(repr=False)
+    t: FloatArray
+    displacement: Callable[[S, FloatArray], FloatArray] | None = field(default=None, repr=False)
+
+    @cached_property
+    def values(self) -> FloatArray:
+        """The values, shape (n, ...)."""
+        return self.seen(self.source, self.t)
+
+    @cached_property
+    def error(self) -> FloatArray | None:
+        """Error by the body's model, relative to the largest value, (n,); None of a full model.
+
+        The largest of all components, by one more run with a finer model.
+        """
+        if (finer := self.source.larger) is None:
+            return None
+        looks = np.union1d(self.t, np.linspace(0.0, self.source.duration, LOOKS))
+        right, least = self.seen(finer, looks), 0.0
+        if self.displacement is not None:  # a velocity that is rounding beside it
+            most = float(np.abs(self.displacement(finer, looks)).max())
+            least = _AT_REST * most / self.source.duration
+        largest = np.nanmax(np.abs(right), initial=least)
+        apart = np.abs(self.values - right[np.searchsorted(looks, self.t)])
+        found: FloatArray = apart.reshape(len(self.t), -1).max(axis=1)
+        return _DIFFERENCES * found / (largest if largest > 0.0 else 1.0)
+
+    @property
+    def doubt(self) -> FloatArray:
+        """Signed bound of the error of the values, shape (n, ...); 0 for a full model."""
+        right = self.seen(self.source.larger or self.source, self.t)
+        return np.asarray(_DIFFERENCES * (right - self.values))
+
+    def told(self) -> FloatArray:
+        """Return the values, and warn if they may be badly wrong."""
+        warn_if_wrong(self.name, self.t, self.error)
+        return self.values
+
+
+@dataclass(frozen=True, eq=False)
+class Sensed:
+    """The history of one sensor; its error is found when it is first read."""
+
+    _history: History[Response] = field(repr=False)
+
+    @property
+    def t(self) -> FloatArray:
+        """Times, s, shape (n,)."""
+        return self._history.t
+
+    @property
+    def error(self) -> FloatArray | None:
+        """Error by the body's model, relative to the largest value, (n,); None of a full model.
+
+        It is found by one more run, with a finer model.
+        """
+        return self._history.error
+
+
+@dataclass(frozen=True, eq=False)
+class At:
+    """Motion along axes at places, as rows of a body's dofs, (p k, n_dofs), by `motion_rows`.
+
+    Attributes
+    ----------
+    places, axes : ndarrays, shapes (p, 3), (k, 3)
+        m, and unit vectors.
+    rows : sparse array, shape (p k, n_dofs)
+    shape : tuple of int
+        Of a motion at each time.
+    """
 
     places: FloatArray
     axes: FloatArray
     rows: Any
+    shape: tuple[int, ...]
+
+    def motion(
+        self, response: Response, times: FloatArray, *, rates: bool = True
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return displacement, m, and velocity, m/s; without `rates` this lacks half-spaces'."""
+        motion = response.functionals(self.rows, times)
+        added = response.half_space(self.places, times, rates=rates)
+        u, v = (
+            of.T.reshape(-1, *self.shape) + (more @ self.axes.T).reshape(-1, *self.shape)
+            for of, more in zip(motion, added[:2], strict=True)
+        )
+        return u, v
+
+    def displacement(self, response: Response, times: FloatArray) -> FloatArray:
+        """Return the displacement, m."""
+        return self.motion(response, times, rates=False)[0]
+
+    def velocity(self, response: Response, times: FloatArray) -> FloatArray:
+        """Return the velocity, m/s."""
+        return self.motion(response, times)[1]
+
+    def filtered(self, channel: Channel, response: Response, times: FloatArray) -> FloatArray:
+        """Return the acceleration behind a filter, m/s²."""
+        motion = partial(self.motion, response)
+        return filtered_acceleration(motion, response.duration, channel, times)
+
+    def elongation(self, response: Response, times: FloatArray) -> FloatArray:
+        """Return the elongation between two places over their distance."""
+        first, second = self.displacement(response, times).T
+        return np.asarray((second - first) / np.linalg.norm(self.places[1] - self.places[0]))
 
 
 @dataclass(frozen=True, eq=False)
-class Filtered(Sensed[Response]):
+class TensorAt:
+    """Stress, Pa, or strain at places with the nodes' `weights`, shape (p, n_nodes)."""
+
+    weights: sp.csr_array
+    layer: Layer
+    shape: tuple[int, ...]
+    strain: bool
+
+    def __call__(self, response: Response, times: FloatArray) -> FloatArray:
+        rows = tensor_rows(response.body, self.weights, self.layer, strain=self.strain)
+        return response.stress(rows, times).reshape(-1, *self.shape, 6)
+
+
+@dataclass(frozen=True, eq=False)
+class Filtered(Sensed):
     """Acceleration behind the filter of a channel.
 
     Attributes
@@ -75,7 +241,7 @@ class Filtered(Sensed[Response]):
 
 
 @dataclass(frozen=True, eq=False)
-class Gauge(Sensed[Response]):
+class Gauge(Sensed):
     """Strain of a gauge over time: the mean along its length.
 
     Attributes
@@ -110,34 +276,7 @@ class Probe:
     points: FloatArray
     _response: Response = field(repr=False)
     _at: At = field(repr=False)
-    _along: bool = field(repr=False)  # True of motion along one direction
-    _weights: sp.csr_array = field(repr=False)  # of the nodes at the points
-    _layer: Layer = field(repr=False)
-
-    @cached_property
-    def _histories(self) -> dict[str, History[Response]]:
-        made = partial(_history, self._response, self.t)
-        moved = partial(_moved, self._at, self._shape)
-        return {
-            "displacement": made("displacement", moved),
-            "velocity": made("velocity", partial(moved, rates=True), displacement=moved),
-            "stress": made("stress", self._tensor),
-            "strain": made("strain", partial(self._tensor, strain=True)),
-        }
-
-    def _tensor(self, response: Response, times: FloatArray, *, strain: bool = False) -> FloatArray:
-        """Stress, Pa, or strain in a run of the body."""
-        rows = tensor_rows(response.body, self._weights, self._layer, strain=strain)
-        return response.stress(rows, times).reshape(-1, *self._places, 6)
-
-    @property
-    def _places(self) -> tuple[int, ...]:
-        return self.points.shape[:-1]
-
-    @property
-    def _shape(self) -> tuple[int, ...]:
-        """Shape of a motion at each time."""
-        return self._places if self._along else (*self._places, 3)
+    _histories: Mapping[str, History[Response]] = field(repr=False)
 
     @property
     def displacement(self) -> FloatArray:
@@ -178,12 +317,11 @@ class Probe:
             "modes of the model, and has no error; take probe.filtered(cfc=1000), or "
             "quantity=AccelerationAt(point, direction, cfc=1000)"
         )
-        motion = self._response.motion
-        after = np.minimum(self.t + motion.resolution, motion.duration)
-        before = np.maximum(self.t - motion.resolution, 0.0)
-        speeds = (self._response.motion_at(*self._at, times)[1] for times in (after, before))
-        change = np.subtract(*speeds) / (after - before)[:, None]
-        return np.asarray(change.reshape(-1, *self._shape))
+        response, apart = self._response, self._response.motion.resolution
+        after = np.minimum(self.t + apart, response.duration)
+        before = np.maximum(self.t - apart, 0.0)
+        change = self._at.velocity(response, after) - self._at.velocity(response, before)
+        return np.asarray((change.T / (after - before)).T)
 
     def filtered(self, cfc: float | None = None, *, corner: float | None = None) -> Filtered:
         """Return the acceleration behind a filter.
@@ -217,11 +355,11 @@ class Probe:
         >>> probe.filtered(cfc=1000).acceleration.shape == probe.t.shape
         True
         """
-        channel, response = Channel(cfc=cfc, corner=corner), self._response
-        seen = partial(_filtered, self._at, self._shape, channel)
-        found = Filtered(_history(response, self.t, "filtered acceleration", seen), channel)
-        _ = found._history.values  # which refuses a record that is too short
-        return found
+        channel = Channel(cfc=cfc, corner=corner)
+        seen = partial(self._at.filtered, channel)
+        history = History("filtered acceleration", self._response, seen, self.t)
+        _ = history.values  # which refuses a record that is too short
+        return Filtered(history, channel)
 
     @cached_property
     def error(self) -> Mapping[str, FloatArray]:
@@ -230,9 +368,10 @@ class Probe:
         ``error["displacement"]``, "velocity", "stress" and "strain", each of the largest of its
         components; see `BodyResult.error`. It is empty of a full model.
         """
-        of_motion = {name: self._histories[name] for name in ("displacement", "velocity")}
-        solid = self._response.body.material is not None
-        return _errors(self._response, self._histories if solid else of_motion)
+        names = ["displacement", "velocity"]
+        if self._response.body.material is not None:
+            names += ["stress", "strain"]
+        return errors_of(self._response, {name: self._histories[name] for name in names})
 
     @property
     def stress(self) -> Stress:
@@ -278,16 +417,7 @@ class Reaction:
     points: FloatArray
     _response: Response = field(repr=False)
     _nodes: IntArray = field(repr=False)
-
-    @cached_property
-    def _histories(self) -> dict[str, History[Response]]:
-        grounding = self._response.body.grounding
-        ways = grounding.resultants(self._nodes, self.centre)
-        names = {"force": "reaction", "moment": "moment of the reaction"}
-        return {
-            key: _history(self._response, self.t, name, partial(_work, grounding.virtual(of)))
-            for (key, name), of in zip(names.items(), np.hsplit(ways, 2), strict=True)
-        }
+    _histories: Mapping[str, History[Response]] = field(repr=False)
 
     @property
     def force(self) -> FloatArray:
@@ -301,8 +431,16 @@ class Reaction:
 
     @cached_property
     def nodal_force(self) -> FloatArray:
-        """Forces on the nodes, N, shape (n, p, 3); they add up to `force`."""
-        return self._response.held.at_nodes(self._nodes, self.t)
+        """Forces on the nodes, N, shape (n, p, 3); they add up to `force`.
+
+        Each node takes three static solutions of the body.
+        """
+        response, grounding = self._response, self._response.body.grounding
+        ways = (
+            grounding.resultants(self._nodes[[i]], of)[:, :3] for i, of in enumerate(self.points)
+        )
+        found = [response.work(grounding.virtual(motions), self.t).T for motions in ways]
+        return np.stack(found, axis=1)
 
     @cached_property
     def error(self) -> Mapping[str, FloatArray]:
@@ -311,7 +449,7 @@ class Reaction:
         ``error["force"]`` and ``error["moment"]``; see `BodyResult.error`. It is empty of a full
         model.
         """
-        return _errors(self._response, self._histories)
+        return errors_of(self._response, self._histories)
 
 
 def probe_at(
@@ -333,8 +471,16 @@ def probe_at(
             raise InputError(f"point must have shape (3,) or (p, 3), got {places.shape}")
         weights = place_rows(body, places.reshape(-1, 3))
     axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
-    at = At(np.atleast_2d(places), axes, motion_rows(body, weights, axes))
-    return Probe(wanted, places, response, at, direction is not None, weights, layer)
+    shape = places.shape if direction is None else places.shape[:-1]
+    at = At(np.atleast_2d(places), axes, motion_rows(body, weights, axes), shape)
+    tensors = (TensorAt(weights, layer, places.shape[:-1], strain) for strain in (False, True))
+    readings = {"displacement": at.displacement, "velocity": at.velocity}
+    readings |= dict(zip(("stress", "strain"), tensors, strict=True))
+    histories = {
+        name: History(name, response, seen, wanted, at.displacement if name == "velocity" else None)
+        for name, seen in readings.items()
+    }
+    return Probe(wanted, places, response, at, histories)
 
 
 def gauge_at(
@@ -345,23 +491,38 @@ def gauge_at(
     place = finite_array("point", point, shape=(3,), unit="m", most=HUGE)
     ends, along = gauge_ends(body, place, unit_vector("direction", direction), length)
     seen = gauge_strain(body, ends, along, layer)
-    return Gauge(_history(response, wanted, "strain of a gauge", seen), ends)
+    return Gauge(History("strain of a gauge", response, seen, wanted), ends)
 
 
 def gauge_strain(body: FEModel, ends: FloatArray, along: FloatArray, layer: Layer) -> Any:
-    """Return what gives the strain between two ends from a response and times, s."""
-    rows = shell_gauge_rows(body, ends, along, layer)
-    if rows is not None:
-        return partial(_functional, rows)
-    axes = along[None]
-    return partial(_elongation, At(ends, axes, motion_rows(body, place_rows(body, ends), axes)))
+    """Return what gives the strain between two ends from a response and times, s.
+
+    On a shell it is the mean along the gauge on a layer, of solids the change of distance.
+    """
+    if body.mesh is None or not body.mesh.thin:
+        axes = along[None]
+        return At(ends, axes, motion_rows(body, place_rows(body, ends), axes), (2,)).elongation
+    x, w = np.polynomial.legendre.leggauss(_ALONG)
+    places = ends[0] + np.outer(0.5 + 0.5 * x, ends[1] - ends[0])
+    rows = tensor_rows(body, place_rows(body, places), layer, strain=True).elements
+    if not rows.linear:
+        raise InputError(
+            "a gauge sits on a surface, and beams have only an axis; take the strain of a side, "
+            "probe(point, layer=, part=).strain"
+        )
+    component = Strain(np.eye(6), places).along(along)
+    return partial(_functional, sp.csr_array(sp.kron(0.5 * w[None], component[None]) @ rows.rows))
+
+
+def _functional(rows: sp.csr_array, response: Response, times: FloatArray) -> FloatArray:
+    return np.asarray(response.functionals(rows, times)[0][0])
 
 
 def acceleration_of(body: FEModel, point: FloatArray, axis: FloatArray, channel: Channel) -> Any:
     """Return what gives the acceleration of a point behind a filter."""
     places, axes = point[None], axis[None]
-    at = At(places, axes, motion_rows(body, place_rows(body, places), axes))
-    return partial(_filtered, at, (), channel)
+    at = At(places, axes, motion_rows(body, place_rows(body, places), axes), ())
+    return partial(at.filtered, channel)
 
 
 def reaction_of(response: Response, nodes: Any, times: Any) -> Reaction:
@@ -369,63 +530,28 @@ def reaction_of(response: Response, nodes: Any, times: Any) -> Reaction:
     wanted = response.within(times)
     held = response.body.grounding.nodes("nodes", nodes)
     assert response.body.nodes is not None
-    points = response.body.nodes[held]
-    return Reaction(wanted, points.mean(axis=0), points, response, held)
-
-
-def _history(
-    response: Response, times: FloatArray, name: str, seen: Any, displacement: Any = None
-) -> History[Response]:
-    duration = response.motion.duration
-    return History(name, response, response.compared, seen, times, duration, displacement)
-
-
-def _errors(
-    response: Response, histories: Mapping[str, History[Response]]
-) -> Mapping[str, FloatArray]:
-    """The errors of histories by name; none of a full model."""
-    if response.compared() is None:
-        return {}
-    return Found(lambda: histories, lambda name: histories[name].error)
-
-
-# Readings of a response at times, s: each returns values of shape (times, ...).
-
-
-def _moved(
-    at: At,
-    shape: tuple[int, ...],
-    response: Response,
-    times: FloatArray,
-    *,
-    rates: bool = False,
-) -> FloatArray:
-    """Displacement, m, or velocity, m/s, of places."""
-    return response.motion_at(*at, times, rates=rates)[int(rates)].reshape(-1, *shape)
-
-
-def _filtered(
-    at: At, shape: tuple[int, ...], channel: Channel, response: Response, times: FloatArray
-) -> FloatArray:
-    """Acceleration of places behind a filter, m/s²."""
-    motion = partial(response.motion_at, *at)
-    found = filtered_acceleration(motion, response.motion.duration, channel, times)
-    return found.reshape(-1, *shape)
-
-
-def _functional(rows: sp.csr_array, response: Response, times: FloatArray) -> FloatArray:
-    return np.asarray(response.functionals(rows, times)[0])
-
-
-def _elongation(at: At, response: Response, times: FloatArray) -> FloatArray:
-    """Elongation between two places over their distance."""
-    first, second = response.motion_at(*at, times, rates=False)[0].T
-    return np.asarray((second - first) / np.linalg.norm(at.places[1] - at.places[0]))
+    points, grounding = response.body.nodes[held], response.body.grounding
+    centre = points.mean(axis=0)
+    names = {"force": "reaction", "moment": "moment of the reaction"}
+    histories = {
+        key: History(name, response, partial(_work, grounding.virtual(of)), wanted)
+        for (key, name), of in zip(
+            names.items(), np.hsplit(grounding.resultants(held, centre), 2), strict=True
+        )
+    }
+    return Reaction(wanted, centre, points, response, held, histories)
 
 
 def _work(moved: VirtualMotion, response: Response, times: FloatArray) -> FloatArray:
     """Forces of the ground along some motions of it, N or N m, shape (times, m)."""
-    return response.held.work(moved, times).T
+    return response.work(moved, times).T
+
+
+def errors_of(source: S, histories: Mapping[str, History[S]]) -> Mapping[str, FloatArray]:
+    """Return the errors of histories by name; none of a full model."""
+    if source.larger is None:
+        return {}
+    return Found(lambda: histories, lambda name: histories[name].error)
 
 
 def gauge_ends(
@@ -478,3 +604,76 @@ def gauge_ends(
     if size == 0.0:
         raise InputError(f"{where}: both ends are one point of the surface")
     return ends, along / size
+
+
+@dataclass(frozen=True, eq=False)
+class TensorRows:
+    """Stress or strain at places on a body.
+
+    Attributes
+    ----------
+    elements : StressRows
+        By its dofs.
+    places : ndarray, shape (p, 3)
+        m.
+    compliance : ndarray, shape (p, 6, 6), or None
+        Of strain, by which it follows from stress, 1/Pa.
+    """
+
+    elements: StressRows
+    places: FloatArray
+    compliance: FloatArray | None
+
+
+def tensor_rows(
+    body: FEModel, weights: sp.csr_array, layer: Layer, *, strain: bool = False
+) -> TensorRows:
+    """Return stress or strain at places with the nodes' `weights`, shape (p, n_nodes)."""
+    mesh, material = solid(body, "stress")
+    assert body.free is not None
+    rows, compliance = body_stress_rows(mesh, material, weights, layer, strain=strain), None
+    if not rows.known.all():
+        raise InputError(
+            f"{layer}: the body has no such place at the point (of a beam without orientation the "
+            "sides are not known)"
+        )
+    if strain:
+        compliance = np.zeros((weights.shape[0], 6, 6))
+        if not mesh.thin:  # under whose contacts there is no half-space
+            near = np.unique(weights.indices)
+            of_nodes = compliances(mesh, material, near).reshape(-1, 36)
+            compliance = (weights[:, near].toarray() @ of_nodes).reshape(-1, 6, 6)
+    return TensorRows(rows.of_dofs(body.free), weights @ mesh.nodes, compliance)
+
+
+def place_rows(body: FEModel, places: FloatArray) -> sp.csr_array:
+    """Return the nodes' weights at places (p, 3), m, of a body, shape (p, n_nodes)."""
+    assert body.nodes is not None
+    weights = sp.lil_array((len(places), len(body.nodes)))
+    for i, place in enumerate(places):
+        if body.mesh is None:
+            weights[i, node_at(body.nodes, place)] = 1.0
+        else:
+            where, shares = weights_at(body.mesh, to_nodes(body, place))
+            weights[i, where] = shares
+    return weights.tocsr()
+
+
+def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.csr_array:
+    """Return the motion along axes (k, 3) at places with the nodes' weights, (p k, n_dofs)."""
+    assert body.free is not None
+    rows = sp.csr_array(sp.kron(weights, axes))
+    if body.mesh is None or not body.mesh.thin:
+        return rows[:, body.free]
+    n, own = rows.shape[1], np.arange(len(axes))
+    rows.resize((rows.shape[0], 2 * n))  # rotations move no node, but places between nodes
+    rows = rows.tolil()
+    for place in np.flatnonzero(np.diff(weights.indptr) > 1):
+        held = slice(*weights.indptr[place : place + 2])
+        known = motion_between(body, weights.indices[held], weights.data[held])
+        if known is not None:
+            nodes, motion = known
+            dofs = 3 * nodes[:, None, None] + np.array([[0], [n]]) + np.arange(3)
+            at = np.ix_(place * len(axes) + own, dofs.ravel())
+            rows[at] = np.tensordot(axes, motion, 1).reshape(len(axes), -1)
+    return rows.tocsr()[:, body.free]

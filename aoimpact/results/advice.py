@@ -1,12 +1,10 @@
 """Every warning about a run: its models, its contacts, and what linear elasticity is not for.
 
-Limits of linear elasticity are rules (`_RULES`), each a function of a contact before it is run:
-what it limits, up to where, the warning beyond it, and how far a run has gone. `limits` has those
-that are known, from which come the warnings of a run, the force and speed up to which many impacts
-need none, and the rows of `Advice` in a summary. Bodies that yield, contacts as wide as the bodies
-are curved, plates that stretch, and speeds near that of waves have no small error: each has one
-warning a run, with its cure. What is not known of a body is not checked, so models given by numbers
-cost nothing.
+`RULES` is the table of the limits of linear elasticity. A rule says of a contact up to which force,
+speed or energy no warning is due (`Limit`), and makes the rows of a run: name, value, limit, text
+(`Advice`). Warnings of a run and the lines of a summary are these rows; many impacts at once need
+the limits alone. What is not known of a body is not checked, so models given by numbers cost
+nothing.
 
 A model fitted to a contact of duration T has the receptance of its body at the frequency i s,
 s ~ 10/T. The forces that it leaves unbalanced at the frequency of the contact that it has met show
@@ -17,12 +15,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..base import ROUNDING, FloatArray, plain, warn, with_unit
+from ..base import ROUNDING, plain, warn, with_unit
 from ..contact import SHIFT_TIMES_DURATION, ContactPoint, edge_length
 from ..fem import Layers, Material, Materials, Orthotropic, Rayleigh
 from ..laws import (
@@ -41,7 +40,7 @@ from .errors import ErrorEstimate, percent
 
 if TYPE_CHECKING:
     from ..scene import Contact, Scenario
-    from .run import Result, Run
+    from .run import Run
 
 
 # ------------------------------------------------------------------- limits of linear elasticity
@@ -74,20 +73,24 @@ class Advice:
 
     Attributes
     ----------
-    name : {"yield", "deflection", "mass ratio", "speed"}
+    name : str
+        "yield", "deflection", "mass ratio" or "speed".
     value : float
         What it has reached, relative: of the force of first yield, of the thickness or the size of
         the body, of the target's mass, or of the velocity of waves.
     limit : float
         Up to where it needs no thought; infinite where there is no such limit.
     meaning : str
-        In words.
+        In words; empty where a summary leaves it out.
+    warning : str
+        Beyond the limit, in words.
     """
 
     name: str
     value: float
     limit: float
     meaning: str
+    warning: str = field(default="", repr=False)
 
     @property
     def within(self) -> bool:
@@ -107,16 +110,13 @@ class Limit(NamedTuple):
         Quantity that is limited: the force of the contact, N, the speed at which its bodies meet,
         m/s, or the energy of all bodies, J, with which one may move too far.
     most : float
-    said : callable
-        The warning, from the run and the value reached; empty if the motion does not confirm it.
-    advice : callable, optional
-        How far an impact has gone, as far as the summary says it.
+    rows : callable
+        Rows of a run, from the run and the value of this quantity.
     """
 
-    of: str = "force"
-    most: float = math.inf
-    said: Callable[[Run, float], str] = lambda run, value: ""
-    advice: Callable[[Result], Iterable[Advice]] = lambda result: ()
+    of: str
+    most: float
+    rows: Callable[[Run, float], Iterable[Advice]]
 
 
 class _Joint(NamedTuple):
@@ -125,8 +125,9 @@ class _Joint(NamedTuple):
     plan: Scenario
     contact: Contact
     law: ContactLaw
-    materials: list[Material | None]
+    materials: list[Material]
     surface: RoundContact | None
+    tips: list[tuple[int, int, ContactPoint]]
 
 
 def touched(plan: Scenario, contact: Contact) -> Iterator[tuple[int, int, ContactPoint]]:
@@ -139,9 +140,24 @@ def touched(plan: Scenario, contact: Contact) -> Iterator[tuple[int, int, Contac
 def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
     """Return the limits of a contact by name, as far as its law and bodies are known."""
     law, materials = own_law(contact.law), contact.materials(plan.bodies)
-    joint = _Joint(plan, contact, law, materials, round_contact(law, materials))
-    found = ((name, rule(joint)) for name, rule in _RULES.items())
+    known, tips = [of for of in materials if of is not None], list(touched(plan, contact))
+    joint = _Joint(plan, contact, law, known, round_contact(law, materials), tips)
+    found = ((name, rule(joint)) for name, rule in RULES.items())
     return {name: limit for name, limit in found if limit is not None}
+
+
+def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]:
+    """Yield the rows of a contact of a run; of all rules, or of those that may be exceeded."""
+    plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
+    moving = [(body.known_mass, v) for body, v in zip(plan.bodies, plan.velocities, strict=True)]
+    reached = {
+        "force": events.peak_force,
+        "speed": abs(plan.velocities[contact.first] - plan.velocities[contact.second]),
+        "energy": sum(0.5 * (math.inf if m is None else m) * v * v for m, v in moving if v),
+    }
+    for limit in limits(plan, contact).values() if events.contacts else ():
+        if not exceeded or reached[limit.of] > limit.most:
+            yield from limit.rows(run, reached[limit.of])
 
 
 def contact_name(run: Run, contact: Contact) -> str:
@@ -151,36 +167,34 @@ def contact_name(run: Run, contact: Contact) -> str:
 
 def _yield(joint: _Joint) -> Limit | None:
     """The force at which the first of the bodies begins to yield below the surface."""
-    surface, law = joint.surface, joint.law
-
-    def advice(result: Result) -> Iterator[Advice]:
-        ratio, had = result.peak_force / first, ", as the law has it" if law.has_memory else ""
-        way = "elastic" if ratio <= 1.0 else f"beyond{had}"
-        yield Advice("yield", ratio, 1.0, f"of the force of first yield: {way}")
-
+    surface, law, warning = joint.surface, joint.law, ""
+    of_yield = [
+        (yield_force(surface.modulus, surface.radius, yield_pressure(of)), of)
+        for of in joint.materials
+        if surface is not None and of.yield_strength
+    ]
     if isinstance(law, ElasticPlastic | Thornton):
-        first = law.yield_force
-        return Limit(advice=advice) if math.isfinite(first) else None
-    known = [(of, of.yield_strength) for of in joint.materials if of is not None]
-    if surface is None or law.has_memory or not any(strength for _, strength in known):
+        first, most = law.yield_force, math.inf
+    elif surface is None or law.has_memory or not of_yield:
         return None
-    first, pressure, strength = min(
-        (yield_force(surface.modulus, surface.radius, yield_pressure(of)), yield_pressure(of), by)
-        for of, by in known
-        if by
-    )
-
-    def said(run: Run, force: float) -> str:
-        return (
-            f"{contact_name(run, joint.contact)}: the largest pressure, "
-            f"{with_unit(surface.pressure(force), 'Pa', 3)}, exceeds {pressure / strength:.3g} "
-            f"times yield_strength={with_unit(strength, 'Pa', 3)}, so that a body yields from "
-            f"{with_unit(first, 'N', 3)} on. Use ElasticPlastic(k={surface.k:.6g}, "
-            f"yield_force={first:.4g}, hardness={2.8 * strength:.4g}, "
-            f"relative_radius={surface.radius:.6g})."
+    else:
+        first, softest = min(of_yield, key=itemgetter(0))
+        most, strength = first, softest.yield_strength or 0.0
+        warning = (
+            f"exceeds {yield_pressure(softest) / strength:.3g} times yield_strength="
+            f"{with_unit(strength, 'Pa', 3)}, so that a body yields from {with_unit(first, 'N', 3)}"
+            f" on. Use ElasticPlastic(k={surface.k:.6g}, yield_force={first:.4g}, hardness="
+            f"{2.8 * strength:.4g}, relative_radius={surface.radius:.6g})."
         )
 
-    return Limit("force", first, said, advice)
+    def rows(run: Run, force: float) -> Iterator[Advice]:
+        ratio, had = force / first, ", as the law has it" if law.has_memory else ""
+        way, told = "elastic" if ratio <= 1.0 else f"beyond{had}", warning
+        if surface is not None and warning:
+            told = f"the largest pressure, {with_unit(surface.pressure(force), 'Pa', 3)}, {warning}"
+        yield Advice("yield", ratio, 1.0, f"of the force of first yield: {way}", told)
+
+    return Limit("force", most, rows) if math.isfinite(first) else None
 
 
 def _width(joint: _Joint) -> Limit | None:
@@ -188,39 +202,33 @@ def _width(joint: _Joint) -> Limit | None:
     if (surface := joint.surface) is None:
         return None
 
-    def said(run: Run, force: float) -> str:
-        width = float(surface.width(force)) / surface.radius
-        return (
-            f"{contact_name(run, joint.contact)}: at the peak the contact has a radius of "
-            f"{width:.2g} times the radius of curvature R={with_unit(surface.radius, 'm', 3)}, "
-            f"with strains of about {_STRAIN * width:.1%}: Hertz's law and linear elasticity are "
-            "for small ones; take a lower velocity, or a measured law, Tabulated(...), and check "
-            "that R is in metres"
+    def rows(_: Run, force: float) -> Iterator[Advice]:
+        width, radius = float(surface.width(force)) / surface.radius, surface.radius
+        warning = (
+            f"at the peak the contact has a radius of {width:.2g} times the radius of curvature "
+            f"R={with_unit(radius, 'm', 3)}, with strains of about {_STRAIN * width:.1%}: Hertz's "
+            "law and linear elasticity are for small ones; take a lower velocity or a measured "
+            "law, Tabulated(...), and check that R is in metres"
         )
+        yield Advice("width", width, _WIDTH, "", warning)
 
-    return Limit("force", surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5, said)
+    return Limit("force", surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5, rows)
 
 
 def _speed(joint: _Joint) -> Limit | None:
     """The speed of bodies that meet too fast."""
-    speeds = [of.bar_speed for of in joint.materials if of is not None]
-    if not speeds:
-        return None
-    slowest = min(speeds)
+    slowest = min((of.bar_speed for of in joint.materials), default=0.0)
 
-    def said(run: Run, speed: float) -> str:
-        return (
-            f"{contact_name(run, joint.contact)}: the bodies meet at {speed:.4g} m/s, "
-            f"{speed / slowest:.1%} of the speed of waves, {slowest:.4g} m/s: strains are as "
-            "large, and linear elasticity is for small ones; take a lower velocity, and check E "
-            "and rho"
+    def rows(_: Run, speed: float) -> Iterator[Advice]:
+        ratio, meaning = speed / slowest, f"of that of waves: slow up to {_SPEED:g}"
+        warning = (
+            f"the bodies meet at {speed:.4g} m/s, {ratio:.1%} of the speed of waves, "
+            f"{slowest:.4g} m/s: strains are as large, and linear elasticity is for small ones; "
+            "take a lower velocity, and check E and rho"
         )
+        yield Advice("speed", ratio, _SPEED, meaning, warning)
 
-    def advice(result: Result) -> Iterator[Advice]:
-        ratio = abs(result.velocity) / slowest
-        yield Advice("speed", ratio, _SPEED, f"of that of waves: slow up to {_SPEED:g}")
-
-    return Limit("speed", _SPEED * slowest, said, advice)
+    return Limit("speed", _SPEED * slowest, rows) if joint.materials else None
 
 
 def _deflection(joint: _Joint) -> Limit | None:
@@ -230,54 +238,33 @@ def _deflection(joint: _Joint) -> Limit | None:
     """
     plan, energies = joint.plan, []
     alone = not plan.weighed and not plan.loads
-    for body, _, tip in touched(plan, joint.contact):
-        model, mesh = plan.bodies[body], tip.body.mesh
-        if model.constrained and mesh is not None:
-            least = min(_THICKNESS * tip.depth, _SIZE * mesh.size)
-            energies.append(
-                0.5 * model.star.k0 * least**2
-                if alone and isinstance(model, Body) and model.ports == 1
-                else 0.0
-            )
+    held = [
+        (body, port, tip, tip.body.mesh.size)
+        for body, port, tip in joint.tips
+        if plan.bodies[body].constrained and tip.body.mesh is not None
+    ]
+    for body, _, tip, size in held:
+        model, most, energy = plan.bodies[body], min(_THICKNESS * tip.depth, _SIZE * size), 0.0
+        if alone and isinstance(model, Body) and model.ports == 1:
+            energy = 0.5 * model.star.k0 * most**2
+        energies.append(energy)
 
-    def said(run: Run, _: float) -> str:
-        for name, value, size, what, share in _deflections(run, joint.contact):
-            if value * size > share * size:
-                told = f"{name} deflects by {with_unit(value * size, 'm', 3)}, and is"
-                return f"{told} {with_unit(size, 'm', 3)} {_TOO_FAR[what]}"
-        return ""
-
-    def advice(result: Result) -> Iterator[Advice]:
-        for name, value, _, what, share in _deflections(result, joint.contact):
+    def rows(run: Run, _: float) -> Iterator[Advice]:
+        for body, port, tip, size in held:
+            name = run.names[body]
+            moved = float(np.abs(run.bodies[body].port_displacements[port]).max(initial=0.0))
+            of, share, what, cure = size, _SIZE, "size", "long: check units and supports"
+            if _THICKNESS * tip.depth < share * size and _stretches(tip):
+                of, share, what = tip.depth, _THICKNESS, "thickness"
+                cure = "thick: constrained on both sides it stretches, and is stiffer than linear"
             meaning = f"of the {what} of {name}: small up to {share:g}"
-            yield Advice("deflection", value, share, meaning)
+            warning = (
+                f"{name} deflects by {with_unit(moved, 'm', 3)}, and is {with_unit(of, 'm', 3)} "
+                f"{cure}; take a lower velocity, or do not trust deflection and stress"
+            )
+            yield Advice("deflection", moved / of, share, meaning, warning)
 
-    return Limit("energy", min(energies), said, advice) if energies else None
-
-
-_TOO_FAR = {
-    "thickness": "thick: constrained on both sides it stretches, and is stiffer than linear "
-    "elasticity has it; take a lower velocity, or do not trust deflection and stress to better "
-    "than tens of percent",
-    "size": "long: linear elasticity is for small rotations; take a lower velocity, or check units "
-    "and supports",
-}
-
-
-def _deflections(run: Run, contact: Contact) -> Iterator[tuple[str, float, float, str, float]]:
-    """Each constrained body of a contact that has a mesh, with how far it deflects.
-
-    Its name, the deflection over what it has to be small beside, m, the name of that, and the share
-    of it that is small.
-    """
-    for body, port, tip in touched(run.plan, contact):
-        if not run.plan.bodies[body].constrained or tip.body.mesh is None:
-            continue
-        moved = float(np.abs(run.bodies[body].port_displacements[port]).max(initial=0.0))
-        size, what, share = tip.body.mesh.size, "size", _SIZE
-        if _THICKNESS * tip.depth < share * size and _stretches(tip):
-            size, what, share = tip.depth, "thickness", _THICKNESS
-        yield run.names[body], moved / size, size, what, share
+    return Limit("energy", min(energies), rows) if energies else None
 
 
 def _stretches(tip: ContactPoint) -> bool:
@@ -297,49 +284,58 @@ def _stretches(tip: ContactPoint) -> bool:
 
 def _thickness(joint: _Joint) -> Limit | None:
     """The force of a contact that is wider than a shell, or a beam's wall, is thick."""
-    tips = touched(joint.plan, joint.contact)
-    walls = [tip.thin.narrowest for _, _, tip in tips if tip.thin is not None]
+    walls = [tip.thin.narrowest for _, _, tip in joint.tips if tip.thin is not None]
     if (surface := joint.surface) is None or not walls:
         return None
     half = 0.5 * min(walls)
 
-    def said(run: Run, force: float) -> str:
-        return (
-            f"{contact_name(run, joint.contact)}: at the peak the contact has a radius of "
-            f"{with_unit(float(surface.width(force)), 'm', 3)}, more than half the thickness of "
-            f"the shell or beam, {with_unit(min(walls), 'm', 3)}: its law is that of a "
-            "half-space, and so thin a wall is none; take solids, or a measured law, Tabulated(...)"
+    def rows(_: Run, force: float) -> Iterator[Advice]:
+        width = float(surface.width(force))
+        warning = (
+            f"at the peak the contact has a radius of {with_unit(width, 'm', 3)}, more than half "
+            f"the thickness of the shell or beam, {with_unit(2.0 * half, 'm', 3)}: its law is that "
+            "of a half-space, and so thin a wall is none; take solids, or Tabulated(...)"
         )
+        yield Advice("thickness", width, half, "", warning)
 
-    return Limit("force", surface.k * (half * half / surface.radius) ** 1.5, said)
+    return Limit("force", surface.k * (half * half / surface.radius) ** 1.5, rows)
 
 
 def _mass_ratio(joint: _Joint) -> Limit | None:
     """The masses, which no warning limits: they tell plates' ways of response apart."""
+    first, second = (joint.plan.bodies[body] for body, _ in joint.contact.ports)
+    if not first.known_mass or not second.mass or not second.constrained or second.wall:
+        return None
+    ratio, meaning = first.known_mass / second.mass, "supports and waves both matter"
+    if ratio < _WAVES:
+        meaning = "over before waves return, if it is a plate"
+    elif ratio > _QUASI_STATIC:
+        meaning = "quasi-static, by the stiffness of its supports"
+    row = Advice("mass ratio", ratio, math.inf, f"of the target: {meaning}")
+    return Limit("force", math.inf, lambda *_: [row])
 
-    def advice(result: Result) -> Iterator[Advice]:
-        first, second = result.plan.bodies
-        if not first.known_mass or not second.mass or not second.constrained or second.wall:
-            return
-        ratio = first.known_mass / second.mass
-        meaning = "of the target: supports and waves both matter"
-        if ratio < _WAVES:
-            meaning = "of the target: over before waves return, if it is a plate"
-        elif ratio > _QUASI_STATIC:
-            meaning = "of the target: quasi-static, by the stiffness of its supports"
-        yield Advice("mass ratio", ratio, math.inf, meaning)
 
-    return Limit(advice=advice)
+def _shell(joint: _Joint) -> Limit | None:
+    """No force where solid elements are those of a sheet."""
+    told = [(body, shell) for body, _, tip in joint.tips if (shell := _as_a_shell(tip))]
+
+    def rows(run: Run, force: float) -> Iterator[Advice]:
+        for body, shell in told:
+            name = run.names[body]
+            yield Advice(f"shell {name}", force, 0.0, "", f"{name}: {shell}")
+
+    return Limit("force", 0.0, rows) if told else None
 
 
 # In the order of a summary.
-_RULES: dict[str, Callable[[_Joint], Limit | None]] = {
+RULES: dict[str, Callable[[_Joint], Limit | None]] = {
     "yield": _yield,
     "width": _width,
     "deflection": _deflection,
     "mass ratio": _mass_ratio,
     "speed": _speed,
     "thickness": _thickness,
+    "shell": _shell,
 }
 
 
@@ -383,21 +379,20 @@ def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
             touched_for = max(ends) - min(starts) if max(starts) > min(ends) else 0.0
             told = f"{names[body]} was fitted to a contact of {with_unit(fitted, 's')}, but "
             if not is_valid_for(model, contact_time, port):
-                said.add(body)
-                warn(
-                    f"{told}the one of the peak force lasts {with_unit(contact_time, 's')}: at "
-                    "that time scale the model is not exact enough for its force to be right; "
-                    f"make it with contact_time={contact_time:.2g}, or give the finite-element "
-                    "body itself and rtol"
+                told += (
+                    f"the one of the peak force lasts {with_unit(contact_time, 's')}: its force is "
+                    f"not exact; make it with contact_time={contact_time:.2g}"
                 )
             elif not is_valid_for(model, touched_for, port, _BALANCED_AGAIN):
-                said.add(body)
-                warn(
-                    f"{told}is touched again and again for {with_unit(touched_for, 's')}: its "
-                    "motion in between is not exact enough for the later forces, impulse and "
-                    f"rebound to be right; make it with duration={touched_for:.2g} and some more "
-                    "oscillators, or give the finite-element body itself and rtol"
+                told += (
+                    f"is touched again and again for {with_unit(touched_for, 's')}: later forces, "
+                    "impulse and rebound are not exact; make it with "
+                    f"duration={touched_for:.2g} and some more oscillators"
                 )
+            else:
+                continue
+            said.add(body)
+            warn(f"{told}, or give the finite-element body itself and rtol")
 
 
 def follows(run: Run, body: int) -> bool:
@@ -458,57 +453,46 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
         Names of the bodies, for messages.
     """
     plan = run.plan
-    for number, body in enumerate(plan.bodies):
-        if isinstance(damping := body.damping, Rayleigh) and body.massless:
-            _warn_of_lag(damping.beta, body.static_mass, _touches(run, number), names[number])
+    for number, (body, name) in enumerate(zip(plan.bodies, names, strict=True)):
+        # The dashpots β k on a contact without mass let it follow its force with the time constant
+        # β; the compliance of such a contact is taken without them (`Rayleigh`).
+        longest = max((end - start for start, end in _touches(run, number)), default=math.inf)
+        lag = body.damping.beta if isinstance(body.damping, Rayleigh) and body.massless else 0.0
+        if lag > _LAGS * longest:
+            warn(
+                f"{name} has no mass at its contact (m0 = 0), where damping with beta = "
+                f"{with_unit(lag, 's')} does not act: in a contact of {with_unit(longest, 's')} "
+                "force and rebound are not those of a light contact mass; give one, "
+                f"m0={_LIGHT * body.static_mass:.1g}"
+            )
         if plan.gravity and body.weightless:
             warn(
-                f"gravity has no effect on {body.label}: the supports of an AO model given by "
-                "numbers, or by matrices without nodes, are not known; make it by "
-                "antioscillators(...) of a body with nodes"
+                f"gravity has no effect on {body.label}: the supports of an AO model without nodes "
+                "are not known; make it by antioscillators(...) of a body with nodes"
             )
-        moves = plan.velocities[number] != 0.0 or not body.constrained
-        if not body.centre_known and moves:
+        if not body.centre_known and (plan.velocities[number] != 0.0 or not body.constrained):
             warn(
-                f"{names[number]}: the centre of mass of a body given by K and M alone is known "
-                "only where it is free and struck through it; the centre's displacement, its "
-                "velocity and what follows from it (rebound_velocity, restitution) are NaN: give "
-                "the nodes as well, FEModel(K=, M=, nodes=)"
+                f"{name}: the centre of mass of a body given by K and M alone is known only where "
+                "it is free and struck through it; without it rebound_velocity and restitution are "
+                "NaN: give the nodes as well, FEModel(K=, M=, nodes=)"
             )
     checked = set()
-    for contact in plan.contacts if any(body.tips for body in plan.bodies) else ():
-        tips = [plan.bodies[of].touched_at(port) for of, port in contact.ports]
-        for tip, (number, _) in zip(tips, contact.ports, strict=True):
-            if tip is not None and (number, tip) not in checked:
-                checked.add((number, tip))
-                _warn_of_direction(tip, names[number])
-                law = own_law(contact.law)
-                if tip.body.mesh is None and isinstance(law, HertzianLaw):
-                    warn(
-                        f"{names[number]}: {type(law).__name__}'s law contains the indentation of "
-                        "a half-space, and so do K and M of solid elements: the force may be far "
-                        "too small. Give their mesh, body.with_mesh(...)"
-                    )
-        first, second = tips
-        if first is not None and second is not None:
-            _warn_of_side(first, second, [names[number] for number, _ in contact.ports])
-
-
-def _warn_of_lag(
-    beta: float, mass: float, touches: Sequence[tuple[float, float]], name: str
-) -> None:
-    """Warn where stiffness-proportional damping would hold a massless contact back.
-
-    The dashpots β k on a contact without mass let it follow its force with the time constant β;
-    the compliance of such a contact is taken without them (`Rayleigh`).
-    """
-    longest = max((end - start for start, end in touches), default=math.inf)
-    if beta > _LAGS * longest:
-        warn(
-            f"{name} has no mass at its contact (m0 = 0), where damping with beta = "
-            f"{with_unit(beta, 's')} does not act: in a contact of {with_unit(longest, 's')} force "
-            f"and rebound are not those of a light contact mass; give one, m0={_LIGHT * mass:.1g}"
-        )
+    for contact in plan.contacts:
+        tips = list(touched(plan, contact))
+        law = own_law(contact.law)
+        for number, _, tip in tips:
+            if (number, tip) in checked:
+                continue
+            checked.add((number, tip))
+            _warn_of_direction(tip, names[number])
+            if tip.body.mesh is None and isinstance(law, HertzianLaw):
+                warn(
+                    f"{names[number]}: {type(law).__name__}'s law contains the indentation of a "
+                    "half-space, and so do K and M of solid elements: the force may be far too "
+                    "small. Give their mesh, body.with_mesh(...)"
+                )
+        if len(tips) == 2:
+            _warn_of_side(*tips[0][::2], *tips[1][::2], names)
 
 
 def _warn_of_direction(tip: ContactPoint, name: str) -> None:
@@ -520,14 +504,15 @@ def _warn_of_direction(tip: ContactPoint, name: str) -> None:
         angle = math.degrees(math.acos(cosine))
         warn(
             f"{name} is touched along {plain(tip.direction)}, {angle:.0f}° off the normal of its "
-            f"surface at {plain(tip.point)} m: contact is along the normal and without friction, "
-            "so this is the impact of bodies that are guided along that direction; if they are "
-            "not, leave direction out and give the speed along the normal, "
-            f"{cosine:.3g} of it"
+            f"surface at {plain(tip.point)} m, as a body that is guided along that direction; if "
+            f"it is not, leave direction out and give the speed along the normal, {cosine:.3g} of "
+            "it"
         )
 
 
-def _warn_of_side(first: ContactPoint, second: ContactPoint, names: Sequence[str]) -> None:
+def _warn_of_side(
+    body: int, first: ContactPoint, other: int, second: ContactPoint, names: Sequence[str]
+) -> None:
     """Warn of bodies on the same side of a common point, if they share coordinates."""
     if first.body is second.body or first.point is None or second.point is None:
         return
@@ -537,9 +522,9 @@ def _warn_of_side(first: ContactPoint, second: ContactPoint, names: Sequence[str
     opposite = float(first.direction @ second.direction) < 0.0
     if opposite and np.linalg.norm(first.point - second.point) <= near:
         warn(
-            f"{names[0]} and {names[1]} touch at {plain(first.point)} m with outward normals on "
-            "the same side: if their coordinates are the same, they are inside each other, and one "
-            "is touched on its far side; choose the point that faces the other body"
+            f"{names[body]} and {names[other]} touch at {plain(first.point)} m with outward "
+            "normals on the same side: if their coordinates are the same, one is touched on its "
+            "far side; choose the point that faces the other body"
         )
 
 
@@ -554,9 +539,8 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
     free, size = tip.body.free, tip.body.nodes.size
     if free is not None and np.count_nonzero(free < size) < size:
         warn(
-            "projectile moves though supports hold it, and nothing holds the target: it moves as "
-            "it would deflect under a force at the contact, and swings back. If it is what is "
-            "struck, exchange projectile and target; if it flies, leave its supports (fixed=) out"
+            "projectile moves though supports hold it, and nothing holds the target: exchange them "
+            "if it is what is struck; if it flies, leave its supports (fixed=) out"
         )
 
 
@@ -584,7 +568,7 @@ MESH_LIMIT = 0.1
 def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
     """Warn of a large error by meshes or contacts, and name the cure."""
     quantity, plan = error.quantity or "force", run.plan
-    tips = {(b, at): tip for of in plan.contacts for b, at, tip in touched(plan, of)}
+    tips = {(body, port): tip for of in plan.contacts for body, port, tip in touched(plan, of)}
     meshed = [
         (run.names[body], tip, mesh.quadratic)
         for (body, _), tip in sorted(tips.items())
@@ -593,19 +577,18 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
     if meshed and error.mesh is not None and error.mesh > MESH_LIMIT:
         linear = [name for name, _, quadratic in meshed if not quadratic]
         names = " and ".join(dict.fromkeys(linear or [name for name, *_ in meshed]))
-        what, cure = "the mesh makes", "take smaller elements"
-        if linear and not any(tip.thin for _, tip, _ in meshed):
-            what = "elements of first order make"
-            cure = "add midside nodes with FEModel.from_mesh(..., order=2)"
+        cure = "take smaller elements"
         if any(_as_a_shell(tip) for _, tip, _ in meshed):
             cure = "take ao.Shell or ao.Laminate"
+        elif linear and not any(tip.thin for _, tip, _ in meshed):
+            cure = "elements of first order: add midside nodes with FEModel.from_mesh(..., order=2)"
         size = f"of {percent(error.mesh)} %" if math.isfinite(error.mesh) else "without bound"
-        warn(f"{names}: {what} an error {size} in the {quantity}; {cure}")
+        warn(f"{names}: the mesh makes an error {size} in the {quantity}; {cure}")
     if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
-            f"the contact makes an error of {percent(error.contact)} % in the {quantity}: it "
-            "reaches over an edge, its patch is wide, curvatures are not known, or a modal model "
-            "has too few modes. Move it, give a smaller radius, law= or more modes"
+            f"the contact makes an error of {percent(error.contact)} % in the {quantity}, by an "
+            "edge, a wide patch, unknown curvatures or too few modes. Move it, give a smaller "
+            "radius, law= or more modes"
         )
 
 
@@ -642,9 +625,8 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
     """
     if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
         warn(
-            f"the run's energy ledger is off by {energy:.2g} of the largest energy stored, though "
-            f"its error should be {error:.2g}: the run is not to be trusted, unless it is a law's "
-            "own energy that is not the work of its force"
+            f"energy drifts by {energy:.2g} of the largest energy stored, though its error should "
+            f"be {error:.2g}: do not trust the run, unless a law's energy is not its force's work"
         )
 
 
@@ -657,11 +639,8 @@ _BENDING = 2.0
 
 def warning_limits(plan: Scenario) -> tuple[float, float]:
     """Return up to which force, N, and velocity, m/s, an impact needs no warning; 0 of none."""
-    contact, mass = plan.contacts[0], plan.bodies[0].known_mass
-    if any(_as_a_shell(tip) for _, _, tip in touched(plan, contact)):
-        return 0.0, 0.0
-    most = {"force": math.inf, "speed": math.inf}
-    for limit in limits(plan, contact).values():
+    mass, most = plan.bodies[0].known_mass, {"force": math.inf, "speed": math.inf}
+    for limit in limits(plan, plan.contacts[0]).values():
         of, value = limit.of, limit.most
         if of == "energy":
             of, value = "speed", math.sqrt(2.0 * value / mass) if mass else 0.0
@@ -678,52 +657,35 @@ def warn_of_run(run: Run) -> None:
     ----------
     run : Run
     """
-    plan, energy = run.plan, _energy(run.plan)
-    worst: dict[str, tuple[float, float, Limit]] = {}
-    for contact, events in zip(plan.contacts, run.events, strict=True):
-        speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
-        reached = {"force": events.peak_force, "speed": speed, "energy": energy}
-        for name, limit in limits(plan, contact).items() if events.contacts else ():
-            value = reached[limit.of]
-            excess = value / limit.most if limit.most else math.inf
-            if value > limit.most and excess >= worst.get(name, (0.0,))[0]:
-                worst[name] = excess, value, limit
-    pressed = any(events.contacts for events in run.events)
-    texts = [_missed(run)] if plan.contacts and not pressed else []
-    texts += [limit.said(run, value) for _, value, limit in worst.values()]
-    for number in range(len(plan.contacts)):
-        texts += _said_of_shells(run, number)
-    for text in filter(None, texts):
+    contacts, worst = run.plan.contacts, dict[str, tuple[float, str]]()
+    if contacts and not any(events.contacts for events in run.events) and (text := _missed(run)):
         warn(text)
+    for number, contact in enumerate(contacts):
+        for row in advice(run, number, exceeded=True):
+            excess = row.value / row.limit if row.limit else math.inf
+            if not row.within and excess >= worst.get(row.name, (0.0,))[0]:
+                worst[row.name] = excess, f"{contact_name(run, contact)}: {row.warning}"
+    for _, text in worst.values():
+        warn(text)
+    for number in range(len(contacts)):
+        _warn_of_waves(run, number)
 
 
-def _energy(plan: Scenario) -> float:
-    """Kinetic energy of all bodies at the start, J; infinite where a mass is, or is not known."""
-    moving = [
-        (body.known_mass, v) for body, v in zip(plan.bodies, plan.velocities, strict=True) if v
-    ]
-    return math.fsum(0.5 * (math.inf if mass is None else mass) * v * v for mass, v in moving)
-
-
-def _said_of_shells(run: Run, number: int) -> Iterator[str]:
-    """Say where solids should be shells, and where elements of a shell are longer than waves."""
-    contact, events = run.plan.contacts[number], run.events[number]
-    for body, _, tip in touched(run.plan, contact):
-        if shell := _as_a_shell(tip):
-            yield f"{run.names[body]}: {shell}"
-        if not isinstance(tip.thin, Layers) or tip.body.surface is None:
+def _warn_of_waves(run: Run, number: int) -> None:
+    """Warn where elements of a shell at a contact are longer than waves."""
+    events = run.events[number]
+    rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
+    for body, _, tip in touched(run.plan, run.plan.contacts[number]) if rise > 0.0 else ():
+        if not isinstance(tip.thin, Layers) or tip.body.surface is None or tip.point is None:
             continue
-        assert tip.point is not None
         edge = edge_length(tip.body.surface, tip.point)
-        rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
-        if rise > 0.0:
-            waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)
-            if waves > _BENDING:
-                yield (
-                    f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} "
-                    f"long, and bending waves of a force that rises in {with_unit(rise, 's', 3)} "
-                    f"need {with_unit(_BENDING * edge / waves, 'm', 2)}; refine the mesh there"
-                )
+        waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)
+        if waves > _BENDING:
+            warn(
+                f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} long, "
+                f"and bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
+                f"{with_unit(_BENDING * edge / waves, 'm', 2)}; refine the mesh there"
+            )
 
 
 def _missed(run: Run) -> str:
@@ -738,27 +700,18 @@ def _missed(run: Run) -> str:
     moved = float(np.abs(layout.body(rows, contact.first).port_displacements).max())
     if gap.max() <= ROUNDING * moved:  # side by side
         return ""
-
-    def gap_at(sample: int) -> str:
-        return with_unit(float(gap[sample]), "m", 3)
-
     text = f"{contact_name(run, contact)}: no contact in {with_unit(run.duration, 's')}"
-    if gap.max() == gap[at]:
-        return f"{text}: they stay {gap_at(0)} apart, and nothing moves them; give one a velocity"
     if at == 0:
-        speeds = [run.plan.velocities[body] for body, _ in contact.ports]
-        cure = (
-            "their spin parts the points of contact faster than their velocities bring them "
-            "together: change its sign, or take less"
-            if run.plan.oblique is not None and speeds[0] > speeds[1]
-            else "they do not approach at first, and a load or gravity parts them: change its sign"
-            if speeds[0] == speeds[1]
-            else "the first body of a contact is behind the second along the direction of travel, "
-            "and faster: exchange them, or change the signs of velocities"
+        return (
+            f"{text}: they move apart, or stay, from {with_unit(float(gap[0]), 'm', 3)} on; give "
+            "velocities, spins or loads of the other sign, or exchange the bodies"
         )
-        return f"{text}: they move apart, from {gap_at(0)} to {gap_at(-1)}; {cure}"
     if at < len(t) - 1:
-        least, when = _least(t[at - 1 : at + 2], gap[at - 1 : at + 2])
+        # The least of the parabola through three.
+        before, after = (float(gap[at + i] - gap[at]) for i in (-1, 1))
+        shift = 0.5 * (before - after) / (before + after) if before + after > 0.0 else 0.0
+        least = float(gap[at]) - 0.25 * (before - after) * shift
+        when = float(t[at] + shift * (t[at + 1] - t[at]))
         if least <= 0.0 and not recorder.dense:
             return f"{text} at any step, but perhaps between two: take a smaller dt"
         return (
@@ -768,14 +721,6 @@ def _missed(run: Run) -> str:
     speed = float(gap[-2] - gap[-1]) / float(t[-1] - t[-2])
     needed = run.duration + float(gap[-1]) / speed
     return (
-        f"{text}: at its end they are still {gap_at(-1)} apart and approach at {speed:.3g} m/s; "
-        f"take a duration beyond {with_unit(needed, 's')}, or a smaller gap"
+        f"{text}: at its end they are still {with_unit(float(gap[-1]), 'm', 3)} apart and approach "
+        f"at {speed:.3g} m/s; take a duration beyond {with_unit(needed, 's')}, or a smaller gap"
     )
-
-
-def _least(t: FloatArray, gap: FloatArray) -> tuple[float, float]:
-    """The least gap, m, and when, s, of the parabola through three, the middle one the least."""
-    before, after = (float(gap[i] - gap[1]) for i in (0, 2))
-    shift = 0.5 * (before - after) / (before + after) if before + after > 0.0 else 0.0
-    least = float(gap[1]) - 0.25 * (before - after) * shift
-    return least, float(t[1] + shift * (t[2] - t[1]))

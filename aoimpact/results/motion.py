@@ -22,6 +22,7 @@ from ..fields import (
     Probe,
     Reaction,
     Response,
+    errors_of,
     gauge_at,
     probe_at,
     reaction_of,
@@ -260,9 +261,7 @@ class BodyResult(Frozen):
         >>> hit.target.error["velocity"].shape == hit.t.shape
         True
         """
-        if self._run.compared_run() is None:
-            return {}
-        return {name: of.error for name, of in self._histories.items() if of.error is not None}
+        return errors_of(self._run, self._histories)
 
     @cached_property
     def _histories(self) -> dict[str, History[Run]]:
@@ -271,10 +270,8 @@ class BodyResult(Frozen):
             name: History(
                 f"{name.replace('_', ' ')} of {self.name}",
                 run,
-                run.compared_run,
                 partial(_moved, self._number, name),
                 run.t,
-                run.duration,
                 moved if name.endswith("velocity") else None,
             )
             for name in self._motion

@@ -30,13 +30,13 @@ from ..base import (
     with_unit,
     write_csv,
 )
-from ..fields import Response, movie_path, picture, response_of, times_within, write_movie
+from ..fields import Response, response_of, times_within, write_movie
 from ..integrate import Events, Recorder
 from ..laws import Dent, own_law
 from ..reduction import FullModel
 from ..scene import Scenario
 from . import plot as figures
-from .advice import Advice, limits, warn_of_ledger, warn_of_mesh
+from .advice import Advice, advice, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Eventful
 from .quantities import QUANTITIES, all_numbers, look_up, number_errors
@@ -193,13 +193,11 @@ class Run:
         return different(given, [f"contact {i}" for i in range(len(given))])
 
     def _response(self, body: int) -> Response | None:
-        response = response_of(self.plan, self.recorder, self.events, body)
-        if response is None:
-            return None
-        return replace(response, finer=partial(self._finer_response, body))
+        finer = partial(self._finer_response, body)
+        return response_of(self.plan, self.recorder, self.events, body, finer=finer)
 
     def _finer_response(self, body: int) -> Response | None:
-        return None if self._finer is None else self._finer._response(body)
+        return None if self.larger is None else self.larger._response(body)
 
     # ------------------------------------------------------------------- histories
 
@@ -277,15 +275,12 @@ class Run:
         return float(steps[np.searchsorted(steps, end)])
 
     @cached_property
-    def _finer(self) -> Run | None:
-        return None if self.finer is None else self.finer(replace(self, asked=None))
-
-    def compared_run(self) -> Run | None:
-        """Return the run with finer models; None where there is none.
+    def larger(self) -> Run | None:
+        """The run with finer models; None where there is none.
 
         :meta private:
         """
-        return self._finer
+        return None if self.finer is None else self.finer(replace(self, asked=None))
 
     @cached_property
     def parting(self) -> FloatArray:
@@ -747,8 +742,7 @@ class Result(Eventful, Run):
         >>> [(of.name, of.within) for of in hit.advice]
         [('yield', True), ('speed', True)]
         """
-        known = limits(self.plan, self.plan.contacts[0]) if self.contacts else {}
-        return tuple(of for limit in known.values() for of in limit.advice(self))
+        return tuple(row for row in advice(self, 0) if row.meaning)
 
     @property
     def hertz_pressure(self) -> float:
@@ -825,14 +819,11 @@ class Result(Eventful, Run):
         --------
         >>> hit.movie("impact.gif", frames=40)  # doctest: +SKIP
         """
-        file, speed = movie_path(path, fps)
         count = integer("frames", frames, low=2, high=10_000)
         wanted = np.linspace(*figures.span_of(self, "contact"), count)
         if times is not None:
             wanted = np.atleast_1d(finite_array("times", times, unit="s"))
-        bodies, down = figures.shown_bodies(self, wanted)
-        drawn = picture(bodies, wanted, down=down, scale=scale)
-        return write_movie(file, speed, *drawn, len(wanted))
+        return write_movie(path, fps, lambda: figures.shown_bodies(self, wanted), wanted, scale)
 
     def __repr__(self) -> str:
         return summary_text("Impact", impact_rows(self), 18)

@@ -160,7 +160,7 @@ def test_a_thin_plate_held_on_both_sides_stretches_a_cantilever_does_not() -> No
     held = star(plate(ALU, thin, BOTH_ENDS))
     law = ao.Hertz.between(STEEL, R, ALU, math.inf)
     (text,) = said(held, 2.0, law=law)
-    assert text.startswith("target deflects by ")
+    assert "target deflects by " in text
     assert "is 1 mm thick: constrained on both sides it stretches" in text
     deflection = np.abs(strike_quietly(held, 2.0, law).target.displacement).max()
     assert deflection > 0.5 * thin

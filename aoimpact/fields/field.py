@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FloatArray, InputError, choice, integer
+from ..base import FloatArray, InputError, choice, integer, warn, with_unit
 from ..fem import (
+    AnyMaterial,
     FEModel,
     Stress,
     beam_von_mises,
@@ -23,10 +24,14 @@ from ..fem import (
     nodal_stress,
     thickness_of_cells,
 )
-from . import vtu
-from .history import warn_if_wrong
-from .picture import Shown, movie_path, picture, write_movie
-from .rows import solid
+from ..mesh import Mesh
+from .picture import DOWN, Shown, picture, write_movie, write_series
+
+# Relative error from which on a history warns.
+_BADLY_WRONG = 0.2
+
+# Times of the record at which the largest value is looked for.
+LOOKS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +43,8 @@ class Field:
     body : FEModel
     times : ndarray, shape (k,)
         s.
-    displacement, velocity : ndarrays, shape (k, n_nodes, 3)
-        m and m/s.
+    displacement, velocity, rotation : ndarrays, shape (k, n_nodes, 3)
+        m, m/s and, of the nodes of shells and beams, rad.
 
     Notes
     -----
@@ -52,11 +57,11 @@ class Field:
     times: FloatArray
     displacement: FloatArray
     velocity: FloatArray
+    rotation: FloatArray
     # Under contacts: the elements' part of the displacement, and the half-space's stress at places.
-    _of_elements: FloatArray | None = field(default=None, repr=False)
-    _half_space: Callable[[FloatArray], FloatArray] | None = field(default=None, repr=False)
-    _rotation: FloatArray | None = field(default=None, repr=False)
-    _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False, kw_only=True)
+    of_elements: FloatArray = field(repr=False)
+    _half_space: Callable[[FloatArray], FloatArray] = field(repr=False)
+    _error: Callable[[], FloatArray | None] = field(repr=False)
 
     @cached_property
     def error(self) -> FloatArray | None:
@@ -67,23 +72,10 @@ class Field:
         return self._error()
 
     @property
-    def rotation(self) -> FloatArray:
-        """Rotations of the nodes of shells and beams, rad, in the shape of `displacement`."""
-        return np.zeros_like(self.displacement) if self._rotation is None else self._rotation
-
-    @property
     def _dofs(self) -> FloatArray:
         """Displacements and rotations of all nodes, shape (k, all dofs)."""
         dofs = np.concatenate([self.displacement, self.rotation], axis=1)
         return dofs.reshape(len(self.times), -1)
-
-    @property
-    def of_elements(self) -> FloatArray:
-        """The displacement without the half-space's under contacts, in the shape of `displacement`.
-
-        :meta private:
-        """
-        return self.displacement if self._of_elements is None else self._of_elements
 
     def __repr__(self) -> str:
         times = ", ".join(f"{time:.6g}" for time in self.times[:4])
@@ -156,8 +148,6 @@ class Field:
             return Stress(found_at.components(found_at.rows @ self._dofs.T), mesh.nodes)
         evaluate = nodal_stress if place == "nodes" else gauss_stress
         found = evaluate(mesh, material, self.of_elements)
-        if self._half_space is None:
-            return found
         added = self._half_space(found.points.reshape(-1, 3)).reshape(found.components.shape)
         return Stress(found.components + added, found.points)
 
@@ -201,7 +191,7 @@ class Field:
             "principal": stress.principal,
         }
         if not mesh.thin:
-            return vtu.write_series(path, mesh, self.times, data)
+            return write_series(path, mesh, self.times, data)
         data["rotation"] = self.rotation
         for side in ("middle", "bottom"):
             data[f"stress_{side}"] = self.stress(layer=side).components
@@ -210,14 +200,13 @@ class Field:
             "thickness": np.broadcast_to(thickness, (len(self.times), mesh.n_cells)),
             "von_mises_of_beams": beam_von_mises(mesh, material, self._dofs),
         }
-        return vtu.write_series(path, mesh, self.times, data, own)
+        return write_series(path, mesh, self.times, data, own)
 
     def _shown(self) -> Shown:
         """Return the body as it is drawn: without its mean displacement where it has no support."""
         mesh, _ = solid(self.body, "a picture")
         moved, free = self.displacement, self.body.free
-        assert free is not None
-        if np.count_nonzero(free < moved[0].size) == moved[0].size:
+        if free is None or np.count_nonzero(free < moved[0].size) == moved[0].size:
             moved = moved - moved.mean(axis=1, keepdims=True)
         return Shown(mesh, mesh.nodes, moved, self.stress().von_mises)
 
@@ -296,6 +285,26 @@ class Field:
         >>> field = hit.target.field([1e-4, 2e-4])
         >>> path = field.movie("bar.gif")  # doctest: +SKIP
         """
-        file, speed = movie_path(path, fps)
-        drawn = picture([self._shown()], self.times, scale=scale)
-        return write_movie(file, speed, *drawn, len(self.times))
+        return write_movie(path, fps, lambda: ([self._shown()], DOWN), self.times, scale)
+
+
+def solid(body: FEModel, what: str) -> tuple[Mesh, AnyMaterial]:
+    """Return the body's mesh and material; `what` needs them."""
+    if body.mesh is None or body.material is None:
+        raise InputError(
+            f"{what} needs elements and a material, and this body was given by its matrices K and "
+            "M: make it with FEModel.from_mesh(mesh, material)"
+        )
+    return body.mesh, body.material
+
+
+def warn_if_wrong(what: str, times: FloatArray, error: FloatArray | None) -> None:
+    """Warn where a history may be badly wrong; `error` is relative, None where not known."""
+    if error is None or not (error > _BADLY_WRONG).any():
+        return
+    first, worst = float(times[int(np.argmax(error > _BADLY_WRONG))]), float(np.nanmax(error))
+    warn(
+        f"{what} may be off by {worst:.0%} of the largest, from t = {with_unit(first, 's')} on: "
+        "the model gives the force, but not the free vibration afterwards; give quantity= a motion "
+        f"or stress of the body, or make its model with duration={times[-1]:.2g} and a larger n"
+    )
