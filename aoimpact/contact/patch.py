@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import scipy
 
-from ..base import FloatArray, RoomError, checked, integer, positive
+from ..base import FloatArray, RoomError
 from ..mesh import Place, Surface, plane_of
 
 # Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
@@ -52,9 +51,6 @@ class Patch:
 
     radius: float
     faces: int
-
-    def __post_init__(self) -> None:
-        checked(self, radius=partial(positive, unit="m"), faces=partial(integer, low=1))
 
 
 @dataclass(frozen=True, eq=False)

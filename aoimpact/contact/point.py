@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,6 @@ from ..base import (
     InputError,
     InputTypeError,
     RoomError,
-    boolean,
-    checked,
     choice,
     finite_array,
     held_warnings,
@@ -85,8 +83,8 @@ _WITHIN_EDGE = 0.15
 # elements: forces on less are those on a point.
 _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 
-# How far the resultant may be from 1, and the couple over the body's size from 0, unsaid; also sin²
-# of the angle with the axis of a tube.
+# Warn if abs(resultant - 1) or couple/size exceeds this; also sin² of the angle with the axis of a
+# tube.
 _NEARLY = 1e-3
 
 # s T of the shift for a contact of duration T. On the paper's beam 8 to 14 are alike, a third of it
@@ -94,16 +92,8 @@ _NEARLY = 1e-3
 # measured to be worse for each solve.
 SHIFT_TIMES_DURATION = 10.0
 
-# Entries of a functional whose squares, times masses and stiffnesses, are numbers.
+# Range of abs(b) for which bᵀKb and bᵀMb neither overflow nor underflow.
 _SMALLEST, _LARGEST = 1e-50, 1e50
-
-
-def _unit_direction(name: str, value: Any) -> FloatArray:
-    unit = finite_array(name, value, shape=(3,))
-    if abs(math.hypot(*unit) - 1.0) > PRINTED:
-        raise InputError(f"{name} must be a unit vector, got {plain(unit)}")
-    return unit
-
 
 # Share of a translation's energy outside all rigid motions that is rounding: 1e-6 of its size.
 _OF_ANOTHER_MOTION = 1e-12
@@ -179,11 +169,6 @@ class ContactPoint(Frozen):
     shift : float or None
         s of the impact that the patch was fitted to, rad/s.
 
-    Raises
-    ------
-    InputError, InputTypeError
-        If an attribute is of another type or shape, or b is zero.
-
     Examples
     --------
     >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
@@ -207,32 +192,6 @@ class ContactPoint(Frozen):
     contact_radius: float | None = None
     tangents: FloatArray | None = None
     shift: float | None = None
-
-    def __post_init__(self) -> None:
-        if not callable(getattr(type(self.body), "com_functional", None)):
-            raise InputTypeError(f"body must be an FEModel, got {self.body!r}")
-        n_nodes = 0 if self.body.nodes is None else len(self.body.nodes)
-        checks: dict[str, Any] = {
-            "direction": _unit_direction,
-            "point": place,
-            "node": partial(integer, low=0, high=n_nodes - 1),
-            "normal": partial(finite_array, shape=(3,)),
-            "contact_radius": partial(positive, unit="m"),
-            "tangents": partial(finite_array, shape=(2, 3)),
-        }
-        known = {name: of for name, of in checks.items() if getattr(self, name) is not None}
-        always: dict[str, Any] = {"directed": boolean, "automatic": boolean}
-        checked(self, b=self._functional, patch=(Patch, type(None)), **known, **always)
-        super().__post_init__()
-
-    def _functional(self, name: str, value: Any) -> FloatArray:
-        b = finite_array(name, value, shape=(self.body.n_dofs,))
-        size = float(np.abs(b).max(initial=0.0))
-        if not _SMALLEST <= size <= _LARGEST:
-            raise InputError(
-                f"{name} must have entries of about 1, not all zero: the largest is {size:g}"
-            )
-        return b
 
     @cached_property
     def key(self) -> tuple[Any, ...]:
@@ -264,23 +223,20 @@ class ContactPoint(Frozen):
 
         :meta private:
         """
+        known = vars(self).get("extraction")  # found for the impact
         if self.thin is not None and self.directed and self.normal is not None:
             other = replace(self, normal=-self.normal)  # a projectile: touched on its other side
-            known = vars(self).get("extraction")  # found for the impact
             if known is not None and isinstance(self.thin, Layers) and self.thin.sided:
                 known = other._extracted(self.body.inverse(known.s**2))
-            if known is not None:
-                vars(other)["extraction"] = known
-            return other
-        opposite = None if self.direction is None else -self.direction
-        tip = replace(self, b=-self.b, direction=opposite)
-        if "extraction" in vars(self):
-            vars(tip)["extraction"] = self.extraction
-            if isinstance(self.extraction, Extraction) and self.extraction.oblique is not None:
+        else:
+            opposite = None if self.direction is None else -self.direction
+            other = replace(self, b=-self.b, direction=opposite)
+            if isinstance(known, Extraction) and known.oblique is not None:
                 signs = np.array([-1.0, 1.0, 1.0])
-                turned = self.extraction.oblique * np.outer(signs, signs)
-                vars(tip)["extraction"] = replace(self.extraction, oblique=turned)
-        return tip
+                known = replace(known, oblique=known.oblique * np.outer(signs, signs))
+        if known is not None:
+            vars(other)["extraction"] = known
+        return other
 
     @cached_property
     def functionals(self) -> tuple[ContactPoint, ...]:
@@ -320,13 +276,10 @@ class ContactPoint(Frozen):
     @property
     def _along_beam(self) -> float:
         """Cosine of the angle between the direction and the axis of the beam at the contact."""
-        assert self.body.mesh is not None
-        assert self.point is not None
-        assert self.direction is not None
-        first, last = self.body.mesh.nodes[
-            self.body.mesh.cells[nearest_line(self.body.mesh, self.point)[0], :2]
-        ]
-        return abs(float(self.direction @ (last - first))) / float(np.linalg.norm(last - first))
+        mesh: Any = self.body.mesh
+        point: Any = self.point
+        axis = np.diff(mesh.nodes[mesh.cells[nearest_line(mesh, point)[0], :2]], axis=0)[0]
+        return abs(float(self.direction @ axis)) / float(np.linalg.norm(axis))
 
     def check_wall(self) -> None:
         """Refuse a force that would bend the wall of a tube of beams, which is rigid.
@@ -375,51 +328,44 @@ class ContactPoint(Frozen):
 
         :meta private:
         """
-        if self.contact_radius is not None or self.point is None:
-            return math.nan if self.contact_radius is None else self.contact_radius
+        if self.contact_radius is not None:
+            return self.contact_radius
+        if self.point is None:
+            return math.nan
         if isinstance(self.thin, Beam):
             return _WITHIN_EDGE * math.sqrt(self.thin.numbers.area)
-        assert self.body.surface is not None
-        within = _WITHIN_EDGE * edge_length(self.body.surface, self.point)
+        surface: Any = self.body.surface
+        within = _WITHIN_EDGE * edge_length(surface, self.point)
         return within if self.patch is None else min(within, self.patch.radius / PATCH_OVER_CONTACT)
 
     @property
     def _covered(self) -> bool:
         """True if the force presses on solids through a shell that lies on them."""
-        mesh, material = self.body.mesh, self.body.material
-        assert mesh is not None
-        assert material is not None
-        if not mesh.thin:
+        body: Any = self.body
+        if not body.mesh.thin:
             return False
-        solids = [piece.cells.ravel() for piece in pieces(mesh, material)]
-        if not solids:
-            return False
-        both = np.intersect1d(np.concatenate(solids), mesh.thin_nodes)
+        solids = [piece.cells.ravel() for piece in pieces(body.mesh, body.material)]
+        both = np.intersect1d(np.concatenate([[], *solids]), body.mesh.thin_nodes)
         pressed_on = self.forces[0].any(axis=1)
         return bool(np.isin(np.flatnonzero(pressed_on), both).all())
 
     def _extracted(self, solver: LinearSolver) -> ContactCompliance:
-        assert self.point is not None
-        assert self.direction is not None
         if isinstance(self.thin, Beam):
             return extracted_from_beam(self, self.thin, self.width, solver)
-        assert self.body.surface is not None
-        normal = touched(self.body.surface, self.point, None, 0.0).normal
-        assert normal is not None
+        surface: Any = self.body.surface
+        point: Any = self.point
+        normal: Any = touched(surface, point, None, 0.0).normal
         if self._covered:
             raise InputError(
-                f"point {plain(self.point)} m is where a shell lies on solids, whose indentation "
+                f"point {plain(point)} m is where a shell lies on solids, whose indentation "
                 "is not known; mesh the shell with solids there, or touch the body elsewhere"
             )
         if self.thin is not None:
-            assert self.normal is not None
             layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
             return extracted_from_shell(self, layers, self.width, solver)
         found = extracted(self, normal, self.width, solver)
-        given = self.patch is not None and not self.automatic
-        if given and -found.removed > found.error:  # more than the mesh explains
-            assert self.patch is not None
-            raise InputError(
+        if self.patch is not None and not self.automatic and -found.removed > found.error:
+            raise InputError(  # more than the mesh explains
                 f"radius={self.patch.radius:g}: the patch is so wide that the body yields less to "
                 "its mean displacement than under the contact; give a smaller radius, or leave it "
                 "out"
@@ -462,20 +408,18 @@ class ContactPoint(Frozen):
         InputError
             If the point is on a sharp edge.
         """
-        surface, material = self.body.surface, self.material
-        if material is None or self.point is None:
+        surface: Any = self.body.surface
+        if self.material is None or self.point is None:
             return None
         if isinstance(self.thin, Beam):
-            end = self._along_beam > _ALONG
-            return ContactSurface(material, (0.0 if end else self.thin.section.curvature, 0.0))
-        if surface is None:
-            return None
+            across = 0.0 if self._along_beam > _ALONG else self.thin.section.curvature
+            return ContactSurface(self.material, (across, 0.0))
         shape = surface_shape(surface, self.point)
         if self.normal is not None and float(shape.normal @ self.normal) < 0.0:
             shape = shape.from_below
         first, second = shape.curvatures.tolist()
         along: Any = shape.directions
-        return ContactSurface(material, (first, second), along, shape.error)
+        return ContactSurface(self.material, (first, second), along, shape.error)
 
     @cached_property
     def material(self) -> Material | None:
@@ -489,10 +433,9 @@ class ContactPoint(Frozen):
         if of is None or normal is None:
             return None
         if isinstance(of, Layers):
-            assert self.body.surface is not None
-            assert self.point is not None
-            here = self.body.surface.nearest(self.point)
-            facing = self.body.surface.normal(here.face, here.uv)[0]
+            surface: Any = self.body.surface
+            here = surface.nearest(self.point)
+            facing = surface.normal(here.face, here.uv)[0]
             return of.half_space(top=bool(facing @ normal > 0.0))
         return of.half_space(normal)
 
@@ -530,8 +473,7 @@ class ContactPoint(Frozen):
 
         :meta private:
         """
-        layers = self._layers
-        if layers is None:
+        if (layers := self._layers) is None:
             return 0.0
         return float(0.125 / (layers.inertia[0] * (s * bending_length(layers, s)) ** 2))
 
@@ -546,8 +488,7 @@ class ContactPoint(Frozen):
     @property
     def resultant(self) -> FloatArray:
         """Sum of the nodes' forces for a unit contact force, shape (3,): the direction."""
-        forces: FloatArray = self.forces[0].sum(axis=0)
-        return forces
+        return np.asarray(self.forces[0].sum(axis=0))
 
     @property
     def forces(self) -> FloatArray:
@@ -645,14 +586,14 @@ def contact_point(
         raise InputError(
             f"give either {names[0]}, or point and direction, not both: {names[0]} has its own"
         )
-    if radius not in ("auto", 0.0) and (dof is not None or body.surface is None):
-        what = "a single dof" if dof is not None else "a body without faces of elements"
+    if radius not in ("auto", 0.0) and (names[0] in ("dof", "b") or body.surface is None):
+        what = "a body without faces of elements" if names[0] not in ("dof", "b") else names[0]
         raise InputError(
             f"radius={radius}: {what} has no patch; give radius=0, or point on a body from "
             "FEModel.from_mesh(mesh, material)"
         )
     if b is not None:
-        return _of_functional(body, b, radius)
+        return _of_functional(body, b)
     if dof is not None:
         return _at_dof(body, integer("dof", dof, low=0, high=body.n_dofs - 1))
     if body.nodes is None and (node is None or body.labels is None):
@@ -686,7 +627,6 @@ def _at_point(
     expected: float | None,
 ) -> ContactPoint:
     if body.mesh is None:
-        assert along is not None
         return _made(body, _on_node(body, _nearest_node(body, where), along))
     how: dict[str, Any] = {"directed": along is not None, "contact_radius": expected}
     how["automatic"] = isinstance(radius, str)
@@ -730,7 +670,7 @@ def contact_within(
     InputError
         If there is no room for any patch that the mesh shows.
     """
-    assert tip.point is not None
+    point: Any = tip.point
     layers, radius = tip.thin, PATCH_OVER_CONTACT * contact_radius
     if isinstance(layers, Beam):
         return tip
@@ -742,7 +682,7 @@ def contact_within(
         radius *= _WIDER
     kept = {name: getattr(tip, name) for name in ("directed", "automatic", "tangents")}
     try:
-        return _with_room(tip.body, tip.point, tip.direction, radius, kept)
+        return _with_room(tip.body, point, tip.direction, radius, kept)
     except InputError:
         if layers is None:
             raise
@@ -757,12 +697,12 @@ def _with_room(
     how: dict[str, Any],
 ) -> ContactPoint:
     """The contact with a patch of that radius, or of one that has room."""
-    assert body.surface is not None
+    surface: Any = body.surface
     with held_warnings():  # the point has had its warnings
-        least = min(radius, _LEAST_PATCH * edge_length(body.surface, point))
+        least = min(radius, _LEAST_PATCH * edge_length(surface, point))
         while True:
             try:
-                return _made(body, touched(body.surface, point, along, radius), **how)
+                return _made(body, touched(surface, point, along, radius), **how)
             except RoomError as error:
                 radius = min(_WITHIN * error.room, _SMALLER * radius)
                 if radius < least:
@@ -774,36 +714,34 @@ def _with_room(
 
 def _on_beam(body: FEModel, point: FloatArray, along: FloatArray | None) -> Touch:
     """A place on a beam, whose axis moves as its element does; off the axis it faces that."""
-    assert body.mesh is not None
-    assert body.material is not None
+    mesh: Any = body.mesh
     given, point = point, to_nodes(body, point)
-    cell, place, gap = nearest_line(body.mesh, point)
-    ends = body.mesh.cells[cell, :2]
-    x = (1.0 - place) * body.mesh.nodes[ends[0]] + place * body.mesh.nodes[ends[1]]
-    of = material_of(body.material, cell)
-    assert isinstance(of, Beam)
-    if gap > math.sqrt(of.numbers.area) + AT_NODE * body.mesh.size:
+    cell, place, gap = nearest_line(mesh, point)
+    ends = mesh.cells[cell, :2]
+    x = (1.0 - place) * mesh.nodes[ends[0]] + place * mesh.nodes[ends[1]]
+    made_of: Any = body.material
+    of: Any = material_of(made_of, cell)
+    if gap > math.sqrt(of.numbers.area) + AT_NODE * mesh.size:
         raise InputError(
             f"point {plain(point)} m is {gap:.3g} m from the nearest place on the axis of a beam, "
             f"{plain(x)} m; give a point there (is it in metres?)"
         )
     if along is None:
         away = float(np.linalg.norm(x - given))
-        if away <= AT_NODE * body.mesh.size:
+        if away <= AT_NODE * mesh.size:
             raise InputTypeError(
                 "contact needs direction: a beam has no normal on its axis; or give a point on "
                 "the side that is touched"
             )
         along = (x - given) / away
-    shares = beam_motion(body.mesh.nodes[ends][None], of, place)
-    forces = np.zeros((2, body.mesh.n_nodes, 3))
+    shares = beam_motion(mesh.nodes[ends][None], of, place)
+    forces = np.zeros((2, mesh.n_nodes, 3))
     forces[:, ends] = np.einsum("i,ineJ->enJ", along, shares)
-    node = int(ends[round(place)]) if min(place, 1.0 - place) < AT_NODE else None
     members = ends[None]
-    if node is not None:
-        members = body.mesh.cells[(body.mesh.cells[:, :2] == node).any(axis=1), :2]
-    axes = np.diff(body.mesh.nodes[members], axis=1)[:, 0]
-    inner = node is None or len(members) > 1
+    if at_node := min(place, 1.0 - place) < AT_NODE:
+        members = mesh.cells[(mesh.cells[:, :2] == ends[round(place)]).any(axis=1), :2]
+    axes = np.diff(mesh.nodes[members], axis=1)[:, 0]
+    inner = not at_node or len(members) > 1
     if inner and (np.abs(axes @ along) > _ALONG * np.linalg.norm(axes, axis=1)).all():
         warn(
             f"direction {plain(along)} is along the beam at point {plain(x)} m, where it has only "
@@ -823,101 +761,73 @@ def _at_dof(body: FEModel, dof: int) -> ContactPoint:
     return _placed(ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node))
 
 
-def _of_functional(body: FEModel, b: Any, radius: float | str) -> ContactPoint:
+def _of_functional(body: FEModel, b: Any) -> ContactPoint:
     """The contact of a functional of one's own, with as much of a place as it has."""
     values = finite_array("b", b, ndim=1).copy()
+    size = float(np.abs(values).max(initial=0.0))
     if len(values) != body.n_dofs:
         whole = body.nodes is not None and len(values) == 3 * len(body.nodes)
         raise InputError(
             f"b must have one entry for each of the {body.n_dofs} rows of K, got {len(values)}"
             + ("; take b[body.free]" if whole else "")
         )
+    if not _SMALLEST <= size <= _LARGEST:
+        raise InputError(f"b must have entries of about 1, not all zero: the largest is {size:g}")
     tip = ContactPoint(body, values)
-    if body.nodes is not None:
-        length = float(np.linalg.norm(tip.resultant))
-        if abs(length - 1.0) <= PRINTED:
-            tip = replace(tip, direction=tip.resultant / length)
-        _warn_of_no_mean(tip, length)
-    return _placed(tip, 0.0 if isinstance(radius, str) else radius)
-
-
-def _placed(tip: ContactPoint, radius: float = 0.0) -> ContactPoint:
-    """The same functional with the place of the surface that its force presses on, if it does.
-
-    With a radius the patch of which it is said to carry the pressure.
-    """
-    surface = tip.body.surface
-    if radius and tip.direction is None:
-        length = float(np.linalg.norm(tip.resultant))
-        raise InputError(
-            f"radius={radius}: a patch carries the whole force, but b sums up to {length:.4g} "
-            "along its direction; scale b so that it is 1, or leave radius out"
+    if body.nodes is None:
+        return tip
+    forces, resultant = tip.forces[0], tip.resultant
+    length = float(np.linalg.norm(resultant))
+    with np.errstate(invalid="ignore", divide="ignore"):  # without a resultant
+        centre = (forces @ resultant / length**2) @ body.nodes
+    couple = float(np.linalg.norm(np.cross(body.nodes - centre, forces).sum(axis=0)))
+    if abs(length - 1.0) > _NEARLY or couple > _NEARLY * np.ptp(body.nodes, axis=0).max():
+        warn(
+            f"b is no mean displacement: its entries sum up to {plain(resultant)}, of length "
+            f"{length:.4g}, with a couple of {couple:.3g} N m; scale b so that it is 1, and leave "
+            "out what is across it, if u is not to be a multiple or to tell rotation"
         )
-    if surface is None or tip.direction is None:
+    return (
+        tip if abs(length - 1.0) > PRINTED else _placed(replace(tip, direction=resultant / length))
+    )
+
+
+def _placed(tip: ContactPoint) -> ContactPoint:
+    """The same functional with the place of the surface that its force presses on, if it does."""
+    surface, nodes, direction = tip.body.surface, tip.body.nodes, tip.direction
+    if surface is None or nodes is None:
         return tip
-    assert tip.body.nodes is not None
-    forces = tip.forces[0] @ tip.direction
-    centre = forces @ tip.body.nodes
-    spread = float(np.sqrt(np.abs(forces) @ ((tip.body.nodes - centre) ** 2).sum(axis=1)))
+    forces = tip.forces[0] @ direction
+    centre = forces @ nodes
+    spread = float(np.sqrt(np.abs(forces) @ ((nodes - centre) ** 2).sum(axis=1)))
     place = surface.nearest(centre)
-    if float(place.distance[0]) > (radius or spread + AT_NODE * surface.mesh.size):
-        if radius:
-            raise InputError(
-                f"radius={radius}: the forces of b act about {plain(centre)} m, farther than that "
-                "from the surface of the mesh; leave radius out"
-            )
+    if float(place.distance[0]) > spread + AT_NODE * surface.mesh.size:
         return tip
-    if radius:
-        touch = touched(surface, place.x[0], tip.direction, radius)
-        return replace(tip, point=touch.point, patch=touch.patch, normal=touch.normal)
     try:
-        normal = touched(surface, place.x[0], tip.direction, 0.0).normal
+        normal = touched(surface, place.x[0], direction, 0.0).normal
     except InputError:  # along the surface
         return tip
     return replace(tip, point=place.x[0], normal=normal, directed=False)
 
 
-def _warn_of_no_mean(tip: ContactPoint, length: float) -> None:
-    """Say where a functional is no mean displacement: it does not move, or turns, as the body."""
-    if abs(length - 1.0) > _NEARLY:
-        warn(
-            f"b is no mean displacement: its entries sum up to {plain(tip.resultant)}, of length "
-            f"{length:.4g}, so that where the body translates by 1 m, u = bᵀX is {length:.4g} m at "
-            "most, and a contact force loads the body with that multiple; scale b so that it is 1"
-        )
-        return
-    assert tip.body.nodes is not None
-    forces, along = tip.forces[0], tip.resultant / length
-    arms = tip.body.nodes - (forces @ along / length) @ tip.body.nodes
-    couple = float(np.linalg.norm(np.cross(arms, forces).sum(axis=0)))
-    if couple > _NEARLY * float(np.ptp(tip.body.nodes, axis=0).max()):
-        warn(
-            f"b is no mean displacement along its direction {plain(along)}: its entries across "
-            f"that are a couple of {couple:.3g} N m for each newton; leave them out, if u is not "
-            "to tell rotation"
-        )
-
-
-def _at_label(body: FEModel, label: int, along: FloatArray | None) -> ContactPoint:
+def _at_label(body: FEModel, label: int, along: Any) -> ContactPoint:
     """A node of a body whose nodes are known by their labels only."""
-    assert body.labels is not None
-    assert along is not None
-    rows = labelled_rows(body.labels, label)
-    b = np.zeros(body.n_dofs)
-    b[rows] = along[body.labels[rows, 1] - 1]
+    labels: Any = body.labels
+    rows, b = labelled_rows(labels, label), np.zeros(body.n_dofs)
+    b[rows] = body.translation(along)[rows]
     if not b.any():
         raise InputError(
             f"node {label} with direction {plain(along)}: its free components are "
-            f"{', '.join(map(str, body.labels[rows, 1]))}, none of them along it"
+            f"{', '.join(map(str, labels[rows, 1]))}, none of them along it"
         )
     return ContactPoint(body, b, along)
 
 
-def _on_node(body: FEModel, node: int, along: FloatArray) -> Touch:
-    assert body.nodes is not None
-    forces = np.zeros((2, *body.nodes.shape))
+def _on_node(body: FEModel, node: int, along: Any) -> Touch:
+    nodes: Any = body.nodes
+    forces = np.zeros((2, *nodes.shape))
     forces[0, node] = along
-    return Touch(body.nodes[node], along, forces)
+    return Touch(nodes[node], along, forces)
 
 
 def _made(body: FEModel, touch: Touch, **how: Any) -> ContactPoint:
@@ -938,17 +848,16 @@ def _made(body: FEModel, touch: Touch, **how: Any) -> ContactPoint:
 
 def _closest(body: FEModel, point: FloatArray) -> tuple[int, float]:
     """The node next to a point, and how far off it is, m; 0 for a point that is the node."""
-    assert body.nodes is not None
-    distance = np.linalg.norm(body.nodes - point, axis=1)
+    nodes: Any = body.nodes
+    distance = np.linalg.norm(nodes - point, axis=1)
     node = int(np.argmin(distance))
-    at = distance[node] <= AT_NODE * np.linalg.norm(np.ptp(body.nodes, axis=0))
+    at = distance[node] <= AT_NODE * np.linalg.norm(np.ptp(nodes, axis=0))
     return node, 0.0 if at else float(distance[node])
 
 
 def _nearest_node(body: FEModel, point: FloatArray) -> int:
     """Return the node that is meant by a point of a body without faces."""
-    assert body.nodes is not None
-    nodes = body.nodes
+    nodes: Any = body.nodes
     node, gap = _closest(body, point)
     if gap == 0.0:
         return node
