@@ -9,9 +9,8 @@ know none.
 from .effective import check_width, effective_law, own_law, wider
 from .elastic import Hertz, Linear, PowerLaw
 from .laminate import YangSun
-from .law import ContactLaw, CoreLaw, Dent, HertzianLaw, PatchLaw, removable
+from .law import ContactLaw, CoreLaw, Dent, HertzianLaw, PatchLaw, removable, restitution
 from .plastic import ElasticPlastic, Thornton, yield_force, yield_pressure
-from .restitution import restitution
 from .roundcontact import RoundContact, round_contact
 from .surfaces import LawFromSurfaces, law_between
 from .tabulated import Tabulated

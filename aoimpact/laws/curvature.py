@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,10 @@ def contact_modulus(material_1: Material, material_2: Material) -> float:
     """Return E*, Pa: 1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂, eq. (16)."""
     instance("material_1", material_1, Material)
     instance("material_2", material_2, Material)
-    return 1.0 / (1.0 / material_1.plane_strain_modulus + 1.0 / material_2.plane_strain_modulus)
+    modulus = 1.0 / (1.0 / material_1.plane_strain_modulus + 1.0 / material_2.plane_strain_modulus)
+    if modulus == 0.0:
+        raise InputError("E is too small to compute with: its modulus E* is 0 Pa")
+    return modulus
 
 
 def _curvature(name: str, radius: Any) -> float:
@@ -44,42 +46,14 @@ def _curvature(name: str, radius: Any) -> float:
     return 1.0 / number
 
 
-def relative_radius(radius_1: Any, radius_2: Any) -> float:
-    """Return R, m, of two spheres: 1/R = 1/R₁ + 1/R₂, eq. (17); a hollow one has R < 0.
-
-    Raises
-    ------
-    InputError
-        If the surfaces do not touch in a point: two flats, or a ball not smaller than its cup.
-    """
-    curvature = _curvature("radius_1", radius_1) + _curvature("radius_2", radius_2)
-    if math.isinf(float(radius_1)) and math.isinf(float(radius_2)):
-        raise InputError(
-            "radius_1 and radius_2 are both infinite: two flats have no Hertz contact; "
-            "give at least one finite radius"
-        )
-    if curvature <= 0.0:
-        raise InputError(
-            f"radius_1={float(radius_1):g} m and radius_2={float(radius_2):g} m do not touch in a "
-            "point: a hollow radius is negative and must be larger in magnitude than the other one"
-        )
-    return 1.0 / curvature
-
-
-def is_pair(radii: Any) -> bool:
-    """True if an argument is meant as principal radii, and not as one radius."""
-    if isinstance(radii, np.ndarray):
-        return radii.ndim > 0
-    return isinstance(radii, Sequence) and not isinstance(radii, (str, bytes))
-
-
-def _pair(name: str, radii: Any) -> tuple[float, float]:
-    if is_pair(radii):
-        if len(radii) != 2:
-            raise InputError(f"{name} must be one radius or two principal ones, got {radii!r}")
-        return _curvature(f"{name}[0]", radii[0]), _curvature(f"{name}[1]", radii[1])
-    curvature = _curvature(name, radii)
-    return curvature, curvature
+def _curvatures(name: str, radii: Any) -> list[float]:
+    """Principal curvatures, 1/m, of one radius or of two principal ones."""
+    pair = isinstance(radii, (list, tuple)) or (isinstance(radii, np.ndarray) and radii.ndim > 0)
+    if not pair:
+        return [_curvature(name, radii)] * 2
+    if len(radii) != 2:
+        raise InputError(f"{name} must be one radius or two principal ones, got {radii!r}")
+    return [_curvature(f"{name}[{i}]", radius) for i, radius in enumerate(radii)]
 
 
 def relative_curvatures(radii_1: Any, radii_2: Any, angle: Any) -> tuple[float, float]:
@@ -97,18 +71,18 @@ def relative_curvatures(radii_1: Any, radii_2: Any, angle: Any) -> tuple[float, 
     InputError
         If the surfaces do not touch in a point.
     """
-    (first, second), (third, fourth) = _pair("radius_1", radii_1), _pair("radius_2", radii_2)
+    first, second = _curvatures("radius_1", radii_1), _curvatures("radius_2", radii_2)
     turn = real("angle", angle, unit="rad")
     cosine, sine = math.cos(turn), math.sin(turn)
-    one, other = first - second, third - fourth
-    total = first + second + third + fourth
+    one, other, total = first[0] - first[1], second[0] - second[1], sum(first) + sum(second)
     # |A - B| from eq. (4.4), written as a sum of squares
     apart = math.hypot(one + other * (cosine - sine) * (cosine + sine), 2.0 * other * cosine * sine)
     low, high = (total - apart) / 4.0, (total + apart) / 4.0
     if low <= 4.0 * np.finfo(float).eps * high or high <= 0.0:
         raise InputError(
             f"radius_1={radii_1!r} and radius_2={radii_2!r} at angle={float(angle):g} rad do not "
-            "touch in a point but along a line or over an area; hollow radii are negative"
+            "touch in a point but along a line or over an area. Give a finite radius; a hollow one "
+            "is negative, and larger in magnitude than the other"
         )
     return low, high
 
@@ -128,6 +102,9 @@ def elliptic_contact(modulus: float, low: float, high: float) -> tuple[float, fl
         A ≤ B, 1/m.
     """
 
+    if low == high:
+        return 4.0 / 3.0 * modulus / math.sqrt(2.0 * low), 0.0
+
     def integrals(complement: float) -> tuple[float, float]:
         complete = float(scipy.special.ellipkm1(complement))
         return complete, float(scipy.special.elliprd(0.0, complement, 1.0)) / 3.0
@@ -139,8 +116,7 @@ def elliptic_contact(modulus: float, low: float, high: float) -> tuple[float, fl
 
     # (b/a)² falls a little slower than (A/B)^(4/3), and is 1 for A = B.
     bottom = 2.0 * math.log(low / high) - 1.0
-    root = scipy.optimize.brentq(excess, bottom, 1e-3, xtol=1e-15) if high > low else 0.0
-    complement = min(1.0, math.exp(root))
+    complement = min(1.0, math.exp(scipy.optimize.brentq(excess, bottom, 1e-3, xtol=1e-15)))
     complete, d = integrals(complement)
     k = 2.0 * math.pi * modulus / 3.0 * math.sqrt(d / (complete**3 * low))
     return k, math.sqrt(1.0 - complement)

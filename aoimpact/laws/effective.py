@@ -14,6 +14,7 @@ from ..base import FloatArray, InputError, LawLimitError
 from .law import MOST_SHARE, ContactLaw, PatchLaw
 
 
+@lru_cache(maxsize=256)  # many models of the same bodies have the same law
 def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
     """Return a law with a compliance, m/N, taken out, unless that has been done.
 
@@ -22,13 +23,8 @@ def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
     InputError
         If the law is stiffer than that from the first touch on.
     """
-    whole = compliance == 0.0 or isinstance(law, PatchLaw)
-    return law if whole else _within_patch(law, compliance)
-
-
-@lru_cache(maxsize=256)  # many models of the same bodies have the same law
-def _within_patch(law: ContactLaw, compliance: float) -> ContactLaw:
-    """The law with a compliance, m/N, taken out."""
+    if compliance == 0.0 or isinstance(law, PatchLaw):
+        return law
     try:
         return law.within_patch(compliance)
     except InputError:

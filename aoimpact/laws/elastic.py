@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from ..base import InputError, nonnegative, real
 from ..fem import Laminate, Material, Orthotropic, Shell
-from .curvature import (
-    contact_modulus,
-    elliptic_contact,
-    half_space,
-    is_pair,
-    relative_curvatures,
-    relative_radius,
-)
+from .curvature import contact_modulus, elliptic_contact, half_space, relative_curvatures
 from .law import ContactLaw, HertzianLaw, parameter
 
 
@@ -105,9 +97,6 @@ class Hertz(HertzianLaw, kind="hertz"):
         modulus = contact_modulus(
             half_space("material_1", material_1), half_space("material_2", material_2)
         )
-        if not is_pair(radius_1) and not is_pair(radius_2):
-            radius = relative_radius(radius_1, radius_2)
-            return cls(4.0 / 3.0 * modulus * math.sqrt(radius), relative_radius=radius)
         k, eccentricity = elliptic_contact(modulus, *relative_curvatures(radius_1, radius_2, angle))
         radius = (0.75 * k / modulus) ** 2  # of the spheres with the same law
         return cls(k, relative_radius=radius, eccentricity=eccentricity)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from ..base import InputError, positive
@@ -57,6 +58,7 @@ class YangSun(HertzianLaw, kind="yang_sun", has_memory=True, unloading_power=2.5
     critical_indentation: float = field(metadata=parameter(positive, "m"))
     beta: float | None = field(default=None, metadata=parameter(_share))
 
+    @cached_property
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.critical_indentation, self.beta or 0.0)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import Field, dataclass, field, fields, replace
 from functools import cached_property, partial
 from typing import Any, ClassVar, NamedTuple, Self, cast
@@ -14,12 +15,14 @@ import scipy
 
 from .. import _core
 from ..base import (
+    PRINTED,
     FloatArray,
     InputError,
     InputTypeError,
     boolean,
     checked,
     finite_array,
+    instance,
     positive,
     real,
     with_unit,
@@ -86,6 +89,9 @@ _INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
 # Smallest restitution: below it, a rebound velocity in double precision has less than four digits.
 _LEAST_RESTITUTION = 1e-12
+
+# Energy, J, from which powers of all quantities of a rigid impact are still numbers.
+_LEAST_ENERGY = 1e-250
 
 _NO_NOTE = np.full(3, math.nan)
 
@@ -213,8 +219,9 @@ class ContactLaw:
         ]
         return ", ".join([type(self).__name__, *parts])
 
+    @cached_property
     def _parameters(self) -> tuple[float, ...]:
-        """Return what the core makes the law from, in the order of its row in csrc/law."""
+        """What the core makes the law from, in the order of its row in csrc/law."""
         values = (getattr(self, entry.name) for entry in self._fields() if not entry.kw_only)
         return tuple(value for value in values if isinstance(value, float))
 
@@ -234,17 +241,7 @@ class ContactLaw:
         """
         # A note is the core's word on where and why a law gave no force.
         note = _NO_NOTE.copy()
-        return CoreLaw(*self._row, 0.0, self.limit, note, self._data())
-
-    @cached_property
-    def _row(self) -> tuple[str, tuple[float, ...]]:
-        return self.kind, self._parameters()
-
-    @property
-    def _static_power(self) -> tuple[float, float] | None:
-        """log k and n of a law whose force at no rate is k δⁿ; None of others."""
-        k = None if self.has_memory else getattr(self, "k", None)
-        return None if k is None else (math.log(k), float(getattr(self, "n", self.power)))
+        return CoreLaw(self.kind, self._parameters, 0.0, self.limit, note, self._data())
 
     def force(
         self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0, *, along: bool = False
@@ -351,14 +348,8 @@ class ContactLaw:
 
     def _steepest(self, compliance: float) -> float:
         """Return the own indentation, m, up to which c dF/dδ is less than the share allowed."""
-        if self._static_power is not None:  # c k n δ^(n-1) is that share
-            log_k, n = self._static_power
-            left = math.log(MOST_SHARE / compliance) - math.log(n) - log_k
-            if left <= (n - 1.0) * math.log(_INDENTATIONS[0]):
-                raise InputError(f"compliance={compliance:g} m/N is more than {self!r} has itself")
-            return math.exp(left / (n - 1.0)) if left < (n - 1.0) * _LONGEST else math.inf
 
-        def excess(delta: FloatArray | float) -> FloatArray:
+        def excess(delta: FloatArray | float) -> Any:
             return compliance * self._stiffest(np.asarray(delta)) - MOST_SHARE
 
         within = _INDENTATIONS[self.limit >= _INDENTATIONS]
@@ -374,7 +365,11 @@ class ContactLaw:
                 raise InputError(f"compliance={compliance:g} m/N is more than {self!r} has itself")
             if beyond.any():
                 high = start + int(beyond.argmax())
-                return _root(excess, within[high - 1], within[high])
+                ends = within[high - 1], within[high]
+                try:
+                    return float(scipy.optimize.brentq(excess, *ends, xtol=1e-18))
+                except ValueError:  # no change of sign: a law with noise returns different values
+                    return float(ends[0])
         return math.inf
 
     def _work(self, indentation: float) -> float:
@@ -406,9 +401,9 @@ class ContactLaw:
         0.0001
         """
         wanted = positive("energy", energy, unit="J")
-        if self._static_power is not None:  # k δ^(n+1)/(n+1)
-            log_k, n = self._static_power
-            stroke = (math.log(wanted) + math.log(n + 1.0) - log_k) / (n + 1.0)
+        if not self.has_memory and (k := getattr(self, "k", None)):  # k δ^(n+1)/(n+1)
+            n = getattr(self, "n", self.power)
+            stroke = (math.log(wanted) + math.log(n + 1.0) - math.log(k)) / (n + 1.0)
             if abs(stroke) > _LONGEST:
                 which = "takes" if stroke < 0.0 else "never takes"
                 raise InputError(f"{self!r} {which} an energy of {wanted:g} J within its range")
@@ -471,23 +466,40 @@ class ContactLaw:
     def rigid_restitution(self, mass: float, velocity: float) -> float:
         """Return the restitution of a rigid pair of that reduced mass, kg, at a velocity, m/s.
 
+        See `restitution`.
+
         Examples
         --------
         >>> law = ao.Tsuji.from_restitution(1e9, 0.5, mass=0.1)
         >>> round(law.rigid_restitution(0.1, 1.0), 6)
         0.5
         """
-        mass = positive("mass", mass, unit="kg")
-        velocity = positive("velocity", velocity, unit="m/s")
-        if self.damped_by:
-            closed_form, scale = self._closed_form(mass, velocity)
-            return closed_form(scale * getattr(self, self.damped_by))
-        if not self.depends_on_rate and not self.has_memory:
-            return 1.0
-        deepest = self.stroke(0.5 * mass * velocity * velocity)
-        if self.depends_on_rate:
-            return integrated_restitution(self.force, mass, velocity, deepest)
-        return math.sqrt(float(self.potential(deepest)) / self._work(deepest))
+        m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
+        energy, delivered = 0.5 * m * v * v, math.nan
+        if _LEAST_ENERGY < energy < 1.0 / _LEAST_ENERGY:
+            with suppress(ArithmeticError):
+                if self.damped_by:
+                    closed_form, scale = self._closed_form(m, v)
+                    delivered = closed_form(scale * getattr(self, self.damped_by))
+                elif self.depends_on_rate:
+                    delivered = integrated_restitution(self.force, m, v, self.stroke(energy))
+                elif self.has_memory:
+                    deepest = self.stroke(energy)
+                    delivered = math.sqrt(float(self.potential(deepest)) / self._work(deepest))
+                else:
+                    delivered = 1.0
+        if 1.0 + PRINTED < delivered < math.inf:
+            raise InputError(
+                f"law={self!r} gives more energy than it takes: at mass={m:g} kg and velocity="
+                f"{v:g} m/s rigid bodies would part {delivered:g} times as fast as they meet; let "
+                "its force be no larger on the way out than on the way in"
+            )
+        if not 0.0 <= delivered < math.inf:
+            raise InputError(
+                f"mass={m:g} kg and velocity={v:g} m/s on {self!r}: some power of them is beyond "
+                "the range of numbers; give values nearer to 1 (kg, m/s, N/m^n)"
+            )
+        return min(delivered, 1.0)
 
     def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
         """Return the restitution as a function of one number, and this over the damping."""
@@ -507,19 +519,48 @@ class ContactLaw:
                 f"restitution must be from {_LEAST_RESTITUTION:g} (double precision) to 1, "
                 f"got {e:g}"
             )
-        mass = positive("mass", mass, unit="kg")
-        velocity = positive("velocity", velocity, unit="m/s")
-        closed_form, scale = self._closed_form(mass, velocity)
+        m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
+        closed_form, scale = self._closed_form(m, v)
         reached = damping_for(closed_form, e) if number is None else number(e)
         law: Self = replace(cast(Any, self), **{self.damped_by: reached / scale})
         return law
 
 
-def _root(excess: Callable[[float], Any], low: float, high: float) -> float:
-    try:
-        return float(scipy.optimize.brentq(lambda x: float(excess(x)), low, high, xtol=1e-18))
-    except ValueError:  # no change of sign: a law with noise returns different values
-        return float(low)
+def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
+    """Return what part of its speed a rigid pair gets back after one contact.
+
+    By closed form where there is one, by energy for laws whose loss is plastic, else by integration
+    to ten digits; no formula fitted to a nominal restitution takes part.
+
+    Parameters
+    ----------
+    law : ContactLaw
+    mass : float
+        Reduced mass of the pair, m1 m2 / (m1 + m2); of one body against a wall its own, kg.
+    velocity : float
+        Of approach, m/s.
+
+    Returns
+    -------
+    float
+        e, from 0 to 1.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If `law` is none, or `mass` or `velocity` is not positive, or numbers end on the way, or a
+        user's law gives more energy than it takes.
+
+    Examples
+    --------
+    >>> published = ao.HuntCrossley.from_restitution(1e9, 0.5, velocity=1.0, formula="flores")
+    >>> round(ao.restitution(published, mass=0.01, velocity=1.0), 4)
+    0.4704
+    >>> law = ao.HuntCrossley.from_restitution(k=1e9, restitution=0.5, velocity=1.0)
+    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 12)
+    0.5
+    """
+    return float(instance("law", law, ContactLaw).rigid_restitution(mass, velocity))
 
 
 def removable(law: ContactLaw, indentation: float) -> float:

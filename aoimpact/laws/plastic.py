@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import scipy
 
-from ..base import InputError, positive
+from ..base import InputError, positive, real
 from ..fem import Material
-from .curvature import contact_modulus, relative_radius
+from .curvature import contact_modulus
+from .elastic import Hertz
 from .law import HertzianLaw, parameter
 
 # Tabor: the hardness of a metal that no longer hardens, in yield strengths.
@@ -24,10 +26,20 @@ def yield_force(modulus: float, radius: float, pressure: float) -> float:
     modulus, radius, pressure : float
         E*, Pa, R, m, and p, Pa.
     """
-    if modulus == 0.0:
-        raise InputError("E is too small to compute with: its modulus E* is 0 Pa")
     reach = radius * (pressure / modulus)
     return math.pi**3 / 6.0 * pressure * reach * reach
+
+
+def _spheres(
+    material_1: Material, radius_1: float, material_2: Material, radius_2: float
+) -> tuple[float, float, float]:
+    """Return k, N/m^1.5, R, m, and E*, Pa, of Hertz's contact of two spheres."""
+    modulus = contact_modulus(material_1, material_2)
+    for name, radius in (("radius_1", radius_1), ("radius_2", radius_2)):
+        real(name, radius, unit="m", infinite=True)  # not two
+    law = Hertz.between(material_1, radius_1, material_2, radius_2)
+    assert law.relative_radius is not None
+    return law.k, law.relative_radius, modulus
 
 
 def yield_pressure(material: Material) -> float:
@@ -160,12 +172,9 @@ class Thornton(_Yielding, kind="thornton"):
         >>> round(law.yield_force, 2)  # N
         4.97
         """
-        modulus = contact_modulus(material_1, material_2)
-        radius = relative_radius(radius_1, radius_2)
+        k, radius, modulus = _spheres(material_1, radius_1, material_2, radius_2)
         pressure = positive("yield_pressure", yield_pressure, unit="Pa")
-        force = yield_force(modulus, radius, pressure)
-        k = 4.0 / 3.0 * modulus * math.sqrt(radius)
-        return cls(k, force, relative_radius=radius)
+        return cls(k, yield_force(modulus, radius, pressure), relative_radius=radius)
 
 
 @dataclass(frozen=True, repr=False)
@@ -263,8 +272,7 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
         >>> round(law.plastic_indentation * 1e6, 1)  # µm
         18.8
         """
-        modulus = contact_modulus(material_1, material_2)
-        radius = relative_radius(radius_1, radius_2)
+        k, radius, modulus = _spheres(material_1, radius_1, material_2, radius_2)
         softer = min(material_1, material_2, key=_hardness)
         pressure = _hardness(softer)
         if hardness is not None:
@@ -281,7 +289,6 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
             if strength < math.inf:
                 yielding.append(yield_pressure(replace(material, yield_strength=strength)))
         force = yield_force(modulus, radius, min(yielding))
-        k = 4.0 / 3.0 * modulus * math.sqrt(radius)
         return cls(k, force, pressure, relative_radius=radius)
 
     @property
@@ -295,6 +302,7 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
         """Slope of the plastic line, N/m."""
         return 2.0 * math.pi * self.relative_radius * self.hardness
 
+    @cached_property
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.yield_force, self._slope)
 

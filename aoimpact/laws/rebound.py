@@ -26,18 +26,9 @@ def oscillator_restitution(ratio: float) -> float:
     e = exp(-2 ζ arccos ζ / √(1-ζ²)), with arcosh and √(ζ²-1) where ζ > 1: from T. Schwager,
     T. Pöschel, Granular Matter 9 (2007) 465-469, with its branches joined.
     """
-    return math.exp(-_loss(ratio))
-
-
-def _loss(ratio: float) -> float:
-    if ratio < 1.0:
-        # arccos ζ / √(1-ζ²) without loss of digits near 1
-        sine = math.sqrt((1.0 - ratio) * (1.0 + ratio))
-        return 2.0 * ratio * math.atan2(sine, ratio) / sine
-    if ratio == 1.0:
-        return 2.0
-    root = math.sqrt((ratio - 1.0) * (ratio + 1.0))
-    return 2.0 * ratio * math.asinh(root) / root
+    sine = math.sqrt(abs((1.0 - ratio) * (1.0 + ratio)))  # loses no digits near 1
+    angle = math.atan2(sine, ratio) if ratio < 1.0 else math.asinh(sine)
+    return math.exp(-2.0 * ratio * (angle / sine if sine else 1.0))
 
 
 def swing_restitution(ratio: float) -> float:

@@ -72,11 +72,11 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
     if not isinstance(law, HertzianLaw) or getattr(law, "n", _POWER) != _POWER:
         return None
     k: Any = law.k  # type: ignore[attr-defined]
-    eccentricity: float = getattr(law, "eccentricity", 0.0)
-    if (radius := law.relative_radius) is not None:
-        return RoundContact(k, 0.75 * k / math.sqrt(radius), radius, eccentricity)
-    if not materials or any(material is None for material in materials):
-        return None
-    modulus = 1.0 / math.fsum(1.0 / of.plane_strain_modulus for of in materials if of is not None)
-    root = 0.75 * k / modulus
-    return RoundContact(k, modulus, root * root, eccentricity)  # ** raises where this overflows
+    radius = law.relative_radius
+    if radius is None:
+        if not materials or any(of is None for of in materials):
+            return None
+        root = 0.75 * k * math.fsum(1.0 / of.plane_strain_modulus for of in materials if of)
+        radius = root * root  # ** raises where this overflows
+    modulus = 0.75 * k / math.sqrt(radius)
+    return RoundContact(k, modulus, radius, getattr(law, "eccentricity", 0.0))

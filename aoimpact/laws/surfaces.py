@@ -127,14 +127,11 @@ def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFrom
 
 def _hertz(one: ContactSurface, two: ContactSurface, angle: float, shift: float = 0.0) -> Hertz:
     """Hertz's law with the curvatures of one surface shifted."""
-    radii = [_inverse(1.0 / radius + shift) if shift else radius for radius in one.radii]
-    pair = (radii, two.radii)
-    first, second = (each[0] if each[0] == each[1] else each for each in pair)
-    return Hertz.between(one.material, first, two.material, second, angle=angle)
-
-
-def _inverse(curvature: float) -> float:
-    return 1.0 / curvature if curvature else math.inf
+    radii = np.array(one.radii)
+    if shift:
+        with np.errstate(divide="ignore"):  # flat
+            radii = 1.0 / (1.0 / radii + shift)
+    return Hertz.between(one.material, radii.tolist(), two.material, two.radii, angle=angle)
 
 
 def _said(one: ContactSurface, two: ContactSurface) -> str:

@@ -54,8 +54,14 @@ class Tabulated(ContactLaw, kind="table"):
             depth, push = np.insert(depth, 0, 0.0), np.insert(push, 0, 0.0)
         if push[0] != 0.0:
             raise InputError(f"force must be 0 N at indentation 0, got force[0] = {push[0]:g} N")
-        _increasing("indentation", "m", depth, strictly=True)
-        _increasing("force", "N", push, strictly=False)
+        for name, unit, values in (("indentation", "m", depth), ("force", "N", push)):
+            steps, least = np.diff(values), math.ulp(0.0) if values is depth else 0.0
+            if (steps < least).any():
+                i = int(np.argmax(steps < least))
+                raise InputError(
+                    f"{name} must {'increase' if least else 'never fall'} from point to point: "
+                    f"after {values[i]:g} {unit} comes {values[i + 1]:g} {unit}"
+                )
         if push[1] <= 0.0:
             raise InputError(
                 f"force must be positive at indentation {depth[1]:g} m; let the table begin where "
@@ -63,7 +69,7 @@ class Tabulated(ContactLaw, kind="table"):
             )
         object.__setattr__(self, "indentation", tuple(depth.tolist()))
         object.__setattr__(self, "force_values", tuple(push.tolist()))
-        if not np.isfinite(_table(self.indentation, self.force_values)).all():
+        if not np.isfinite(self._table).all():
             raise InputError(
                 f"indentation up to {depth[-1]:g} m and force up to {push[-1]:g} N have slopes or "
                 "energies that are no numbers; leave points out that are far from any motion"
@@ -80,32 +86,20 @@ class Tabulated(ContactLaw, kind="table"):
         return self.indentation[-1]
 
     def _data(self) -> FloatArray:
-        return _table(self.indentation, self.force_values)
+        return self._table
 
-
-def _increasing(name: str, unit: str, values: FloatArray, *, strictly: bool) -> None:
-    steps = np.diff(values)
-    wrong = np.flatnonzero(steps <= 0.0 if strictly else steps < 0.0)
-    if wrong.size:
-        i = int(wrong[0])
-        raise InputError(
-            f"{name} must {'increase' if strictly else 'never fall'} from point to point: after "
-            f"{values[i]:g} {unit} comes {values[i + 1]:g} {unit}"
-        )
-
-
-@functools.lru_cache(maxsize=64)
-def _table(indentation: tuple[float, ...], force: tuple[float, ...]) -> FloatArray:
-    """Return the core's table, shape (4, n): indentations, forces, slopes, energies."""
-    depth, push = np.array(indentation), np.array(force)
-    length = np.diff(depth)
-    with np.errstate(over="ignore", invalid="ignore"):  # of a rise next to none, or next to all
-        try:
-            slope = scipy.interpolate.PchipInterpolator(depth, push).derivative()(depth)
-            # Hermite's cubic integrates to the trapezium's area and what the slopes add to it.
-            lean = length * (slope[:-1] - slope[1:]) / 12.0
-            area = length * ((push[:-1] + push[1:]) / 2.0 + lean)
-            energy = np.array([math.fsum(area[:i]) for i in range(len(depth))])
-        except (ValueError, OverflowError):  # of slopes or energies that are no numbers
-            return np.full((4, len(depth)), np.nan)
-    return np.stack([depth, push, np.maximum(slope, 0.0), energy])
+    @functools.cached_property
+    def _table(self) -> FloatArray:
+        """The core's table, shape (4, n): indentations, forces, slopes, energies."""
+        depth, push = np.array(self.indentation), np.array(self.force_values)
+        length = np.diff(depth)
+        with np.errstate(over="ignore", invalid="ignore"):  # of a rise next to none, or next to all
+            try:
+                slope = scipy.interpolate.PchipInterpolator(depth, push).derivative()(depth)
+                # Hermite's cubic integrates to the trapezium's area and what the slopes add to it.
+                lean = length * (slope[:-1] - slope[1:]) / 12.0
+                area = length * ((push[:-1] + push[1:]) / 2.0 + lean)
+                energy = np.array([math.fsum(area[:i]) for i in range(len(depth))])
+            except (ValueError, OverflowError):  # of slopes or energies that are no numbers
+                return np.full((4, len(depth)), np.nan)
+        return np.stack([depth, push, np.maximum(slope, 0.0), energy])

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from ..base import choice, nonnegative, positive
 from .elastic import exponent
@@ -166,6 +167,7 @@ class Tsuji(HertzianLaw, kind="tsuji", depends_on_rate=True, damped_by="alpha"):
         law = cls(k, 0.0, mass, relative_radius=relative_radius)
         return law._delivering(restitution, law.mass, 1.0)
 
+    @cached_property
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.alpha * math.sqrt(self.mass) * math.sqrt(self.k))
 
