@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from ..base import (
     write_csv,
 )
 from ..results import Result
-from .signal import RISEN, STANDARD_GRAVITY, Signal, contacts
+from .signal import RISEN, STANDARD_GRAVITY, UNFILTERED, Signal, contacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -147,7 +147,7 @@ class DropWeight(Frozen):
 
     def _point(self, i: int) -> Point:
         columns = self.t, self.force, self.deflection, self.energy
-        return Point(*(float(column[i]) for column in columns))
+        return Point(*(column[i].item() for column in columns))
 
     # ---------------------------------------------------------------------- output
 
@@ -163,7 +163,7 @@ class DropWeight(Frozen):
         >>> test = drop_weight(hit)
         >>> ax = test.plot_deflection()
         """
-        return self._over_deflection(ax, self.force, "force", "N", kwargs)
+        return self._draw(ax, "force", "deflection", kwargs)
 
     def plot_energy(self, ax: Axes | None = None, *, over: str = "time", **kwargs: Any) -> Axes:
         """Draw the energy that the specimen has taken up; keywords go to ``Axes.plot``.
@@ -185,9 +185,7 @@ class DropWeight(Frozen):
         >>> test = drop_weight(hit)
         >>> ax = test.plot_energy(over="deflection")
         """
-        if choice("over", over, ("time", "deflection")) == "deflection":
-            return self._over_deflection(ax, self.energy, "energy", "J", kwargs)
-        return self._shown(Signal(self.t, self.energy, "J", "energy")).plot(ax, **kwargs)
+        return self._draw(ax, "energy", choice("over", over, ("time", "deflection")), kwargs)
 
     def plot_force(self, ax: Axes | None = None, *, raw: bool = True, **kwargs: Any) -> Axes:
         """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey.
@@ -201,23 +199,20 @@ class DropWeight(Frozen):
         >>> test = drop_weight(hit)
         >>> ax = test.plot_force()
         """
-        before = self.signal.raw if raw else None
-        return self._shown(replace(self.signal, name="force", raw=before)).plot(ax, **kwargs)
+        return self._draw(ax, "force", "time", kwargs, self.signal.raw if raw else None)
 
-    def _over_deflection(
-        self, ax: Axes | None, values: FloatArray, name: str, unit: str, kwargs: dict[str, Any]
+    def _draw(
+        self, ax: Any, name: str, over: str, kwargs: dict[str, Any], raw: Signal | None = None
     ) -> Axes:
-        shown = slice(*np.searchsorted(self.t, [self.start, self.end]))
-        across = self.deflection[shown], "deflection", "m"
-        return draw_curves(ax, across, name, unit, [(values[shown], kwargs)])
-
-    def _shown(self, signal: Signal) -> Signal:
-        """The part of a signal around the contact, over the time since the first touch."""
-        margin = 0.1 * (self.end - self.start)
-        first, last = np.searchsorted(self.t, [self.start - margin, self.end + margin])
-        shown = slice(max(int(first) - 1, 0), int(last) + 1)
-        raw = signal.raw and self._shown(signal.raw)
-        return replace(signal, t=signal.t[shown] - self.start, values=signal.values[shown], raw=raw)
+        """Draw force or energy over the time since the first touch, or while they touch."""
+        margin = 0.1 * (self.end - self.start) if over == "time" else 0.0
+        shown = slice(*np.searchsorted(self.t, [self.start - margin, self.end + margin]))
+        across, unit = (self.t - self.start, "s") if over == "time" else (self.deflection, "m")
+        curves = [(getattr(self, name)[shown], kwargs)]
+        if raw is not None:
+            curves.insert(0, (raw.values[shown], UNFILTERED))
+        of = {"force": "N", "energy": "J"}[name]
+        return draw_curves(ax, (across[shown], over, unit), name, of, curves)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write t, force, velocity, deflection and energy, one row a time, under a header line.
@@ -333,37 +328,27 @@ def drop_weight(
     for name, given in (("mass", mass), ("velocity", velocity)):
         if given is None:
             raise InputError(f"{name} of the impactor is not known: give {name}=")
-    kilograms, speed = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
-    pull = nonnegative("gravity", STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²")
+    m, v_i = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
+    g = nonnegative("gravity", STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²")
     if cfc is not None:
         signal = signal.filtered(cfc)
     raw = signal.raw or signal
     begin, end = _touches(source, signal, start)
     with np.errstate(all="ignore"):
-        fall = make_interp_spline(raw.t, pull - raw.values / kilograms, k=1, check_finite=False)
+        fall = make_interp_spline(raw.t, g - raw.values / m, k=1, check_finite=False)
         gained, way = fall.antiderivative(1), fall.antiderivative(2)
-        first = speed - pull * (begin - raw.t[0])  # it falls freely before it touches
+        first = v_i - g * (begin - raw.t[0])  # it falls freely before it touches
         v = first + gained(raw.t)
         deflection = first * (raw.t - begin) + way(raw.t) - way(begin)
-        energy = 0.5 * kilograms * (speed - v) * (speed + v) + kilograms * pull * deflection
+        energy = 0.5 * m * (v_i - v) * (v_i + v) + m * g * deflection
     if not np.isfinite(energy).all():
         raise InputError(
-            f"mass = {kilograms:g} kg, velocity = {speed:g} m/s, gravity = {pull:g} m/s²: energies "
+            f"mass = {m:g} kg, velocity = {v_i:g} m/s, gravity = {g:g} m/s²: energies "
             "overflow; are they in these units?"
         )
+    simulated = isinstance(source, Result)
     test = DropWeight(
-        t=signal.t,
-        force=signal.values,
-        velocity=v,
-        deflection=deflection,
-        energy=energy,
-        signal=signal,
-        mass=kilograms,
-        impact_velocity=speed,
-        gravity=pull,
-        start=begin,
-        end=end,
-        simulated=isinstance(source, Result),
+        signal.t, signal.values, v, deflection, energy, signal, m, v_i, g, begin, end, simulated
     )
     _warn_of_doubts(test, cfc)
     return test

@@ -12,10 +12,10 @@ from ..base import (
     FloatArray,
     Frozen,
     InputError,
-    InputTypeError,
     checked,
     draw_curves,
     finite_array,
+    instance,
     integer,
     nonnegative,
     positive,
@@ -48,6 +48,9 @@ _SAMPLES_OF_CLASS = 10.0, 1e6
 # passes the second, and ends where it is below the first again. Noise of the channel, usually 0.4 %
 # of the peak rms, passes the first now and then, but not the second.
 BEGINS, RISEN = 0.01, 0.1
+
+# Line of a signal before it was filtered.
+UNFILTERED = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,16 +95,14 @@ class Signal(Frozen):
 
     def __post_init__(self) -> None:
         checked(self, unit=text, name=text, raw=(Signal, type(None)))
-        times = finite_array("t", self.t, ndim=1, unit="s", most=HUGE).copy()
-        values = finite_array(
-            "values", self.values, shape=times.shape, unit=self.unit, most=HUGE
-        ).copy()
+        times = finite_array("t", self.t, ndim=1, unit="s", most=HUGE)
+        values = finite_array("values", self.values, shape=times.shape, unit=self.unit, most=HUGE)
         still = np.flatnonzero(np.diff(times) <= 0.0)
         if len(times) < 2 or len(still):
             first = still[0] if len(still) else 0
             raise InputError(f"t must be two times or more that rise, got {times[first:][:2]} s")
-        object.__setattr__(self, "t", times)
-        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "t", times.copy())
+        object.__setattr__(self, "values", values.copy())
         super().__post_init__()
 
     def __repr__(self) -> str:
@@ -148,7 +149,9 @@ class Signal(Frozen):
         """
         space = nonnegative("margin", margin, unit="s")
         wanted = None if rate is None else positive("rate", rate, unit="Hz")
-        if isinstance(source, Signal):
+        if isinstance(source, tuple) and len(source) == 2:
+            source = cls(*source)
+        if isinstance(instance("source", source, Signal, tuple, Run, Probe), Signal):
             return source if wanted is None else source.resampled(wanted)
         if isinstance(source, Run):
             number = integer("contact", contact, low=0, high=len(source.events) - 1)
@@ -165,19 +168,13 @@ class Signal(Frozen):
             before = round(space * wanted)
             force = np.pad(force_at(source, number, times), before)
             return cls((np.arange(len(force)) - before) / wanted, force)
-        if isinstance(source, Probe):
-            if source.velocity.ndim != 1:
-                raise InputError(
-                    "source must be a motion along one direction: probe(..., direction=...)"
-                )
-            values = np.gradient(source.velocity, source.t)
-            return cls(source.t, values, unit="m/s²", name="acceleration")
-        if isinstance(source, tuple) and len(source) == 2:
-            return cls.of(cls(*source), rate=rate)
-        raise InputTypeError(
-            "source must be a Signal, a pair (t, values), a Result, a Run or a probe, got "
-            f"{type(source).__name__}"
-        )
+        if isinstance(source, tuple) or source.velocity.ndim != 1:
+            raise InputError(
+                "source must be a pair (t, values) or a motion along one direction: "
+                "probe(..., direction=...)"
+            )
+        values = np.gradient(source.velocity, source.t)
+        return cls(source.t, values, unit="m/s²", name="acceleration")
 
     # ------------------------------------------------------------------- its samples
 
@@ -292,11 +289,9 @@ class Signal(Frozen):
         >>> signal = Signal(time, np.sin(2e3 * np.pi * time))
         >>> ax = signal.plot()
         """
-        if self.raw is not None:
-            grey = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
-            ax = replace(self.raw, raw=None).plot(ax, **grey)
-        across = self.t, "time", "s"
-        return draw_curves(ax, across, self.name, self.unit, [(self.values, kwargs)])
+        curves = [] if self.raw is None else [(self.raw.values, UNFILTERED)]
+        curves.append((self.values, kwargs))
+        return draw_curves(ax, (self.t, "time", "s"), self.name, self.unit, curves)
 
 
 def force_at(run: Run, contact: int, times: FloatArray) -> FloatArray:
