@@ -132,17 +132,8 @@ class Table:
                 annotation=reader(self.hints.get(name, of.annotation))
             )
             for name, of in found.items()
+            if name != "self"
         }
-
-    def fit(
-        self, value: Mapping[str, Any], given: Mapping[str, Any]
-    ) -> tuple[list[str], list[str], list[str]]:
-        """Return the keys that the table may have, and which of a value are unknown and missing."""
-        known = {
-            key: of for key, of in self.parameters.items() if of.annotation and key not in given
-        }
-        missing = [key for key, of in known.items() if of.default is of.empty and key not in value]
-        return list(known), [key for key in value if key not in known], missing
 
 
 @cache
@@ -195,30 +186,36 @@ class Binder:
         self.say(place, f"{where} has no {name!r}{nearest(name, known)}; it has {listed}")
 
     def bind(
-        self,
-        tables: Table | Sequence[Table],
-        value: Mapping[str, Any],
-        place: Place,
-        given: Mapping[str, Any] | None = None,
+        self, tables: Table | Sequence[Table], value: Mapping[str, Any], place: Place, **given: Any
     ) -> Call:
         """Bind a table to the function whose keywords fit its keys best, the first of several.
 
+        Methods are those of what the owner of the table around makes.
+
         Parameters
         ----------
-        given : dict, optional
+        given : optional
             Arguments that do not come from the table.
         """
-        given = given or {}
+
+        def fit(table: Table) -> tuple[Table, list[str], list[str], list[str]]:
+            """Return the keys that a table may have, those unknown to it, and those missing."""
+            known = {
+                k: of for k, of in table.parameters.items() if of.annotation and k not in given
+            }
+            missing = [k for k, of in known.items() if of.default is of.empty and k not in value]
+            return table, list(known), [key for key in value if key not in known], missing
+
         options = [tables] if isinstance(tables, Table) else tables
-        fits = [(one, *one.fit(value, given)) for one in options]
-        table, known, unknown, missing = min(fits, key=lambda fit: len(fit[2]) + len(fit[3]))
+        table, known, unknown, missing = min(map(fit, options), key=lambda of: len(of[2] + of[3]))
         for key in unknown:
             hint = nearest(key, known) or f"; known are {', '.join(known)}"
             self.say((*place, key), f"unknown name {key!r}{hint}")
         for key in missing:
             self.say(place, f"{key!r} is missing, {table.parameters[key].annotation.wanted}")
         calls = [Call(of, {}, place, table.keep) for of in (table.function, table.owner) if of]
-        around, self.around = self.around, {"self": calls[-1], **given}
+        around = self.around
+        self.around = {"self": calls[-1] if table.owner else around.get("self"), **given}
         for key in known:
             if key in value:
                 of = table.parameters[key]
@@ -249,18 +246,16 @@ class Binder:
         return None if made is None else self.bind(made, given, place, **more)
 
 
-def table(*functions: Table | Callable[..., Any], added: bool = False) -> Reader:
-    """Return what reads a table that gives the arguments of one of some functions.
-
-    `added`: what it makes is added to what the owner of the table around makes.
-    """
+def table(*functions: Table | Callable[..., Any]) -> Reader:
+    """Return what reads a table that gives the arguments of one of some functions."""
     tables = [of if isinstance(of, Table) else Table(of) for of in functions]
+    return Reader("a table", (dict,), lambda binder, *of: binder.bind(tables, *of))
 
-    def read(binder: Binder, value: Any, place: Place) -> Call:
-        given = {"self": binder.around["self"]} if added else {}
-        return binder.bind(tables, value, place, given)
 
-    return Reader("a table", (dict,), read)
+def typed(*functions: Callable[..., Any]) -> Reader:
+    """Return what reads a table whose key `type` names one of some functions."""
+    tables = {of.__name__: Table(of) for of in functions}
+    return Reader("a table", (dict,), lambda binder, *of: binder.bind_typed(tables, *of))
 
 
 def calls(node: Any) -> Iterator[Call]:

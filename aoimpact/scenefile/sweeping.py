@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import InputError, nearest
+from ..base import InputError, choice, integer, nearest, positive, real
 from .binding import Reader, Table
 from .lines import Place
 
@@ -17,19 +17,13 @@ _MOST_VALUES = 1_000_000
 
 def _range(start: float, to: float, count: int, spacing: str = "linear") -> list[Any]:
     """Return values from the first to the last; whole numbers where the steps are whole."""
-    if not 1 <= count <= _MOST_VALUES:
-        raise InputError(f"count: must be from 1 to {_MOST_VALUES}, got {count}")
-    if not np.isfinite([start, to]).all():
-        raise InputError(f"from and to must be finite, got {start:g}, {to:g}")
-    if spacing not in ("linear", "log"):
-        raise InputError(f"spacing: must be 'linear' or 'log', got {spacing!r}")
-    if spacing == "log":
-        if not (start > 0.0 and to > 0.0):
-            raise InputError(f"spacing: 'log' needs from and to above 0, got {start:g}, {to:g}")
-        return list(np.geomspace(start, to, count).tolist())
-    found = np.linspace(start, to, count)
+    integer("count", count, low=1, high=_MOST_VALUES)
+    log = choice("spacing", spacing, ("linear", "log")) == "log"
+    for name, end in (("from", start), ("to", to)):
+        (positive if log else real)(name, end)
+    found = (np.geomspace if log else np.linspace)(start, to, count)
     whole = isinstance(start, int) and isinstance(to, int) and (found == np.rint(found)).all()
-    return [int(value) if whole else float(value) for value in found]
+    return list((found.astype(int) if whole and not log else found).tolist())
 
 
 _RANGE = Table(_range, {"from": "start"})

@@ -20,7 +20,7 @@ from ..laws import LAWS
 from ..mesh import Mesh, box_mesh, sheet_mesh, sphere_mesh
 from ..reduction import BodyModel, body_model
 from ..results import BodyResult, ContactResult, ErrorEstimate, Handle
-from .binding import PATH, READERS, Binder, Call, Numbers, Reader, Table, passes_on, table
+from .binding import PATH, READERS, Binder, Call, Numbers, Reader, Table, passes_on, table, typed
 from .lines import Place
 from .sweeping import OVER
 
@@ -184,14 +184,14 @@ def _of_matrices(
 def _read_model(binder: Binder, value: Any, place: Place) -> Call | None:
     """The model of a body that is touched at the places read before."""
     touched = binder.around.get("contact")
-    return binder.bind_typed(_MODELS, value, place, given={"tip": touched, "tips": touched})
+    return binder.bind_typed(_MODELS, value, place, tip=touched, tips=touched)
 
 
 _MODELS = {
     one.__name__: Table(one, keep=True)
     for one in (reduction.antioscillators, reduction.modal, reduction.interface, reduction.full)
 }
-_CONTACT = Annotated[Any, table(fem.FEModel.contact, added=True)]
+_CONTACT = Annotated[Any, table(fem.FEModel.contact)]
 
 
 def _touched(
@@ -256,14 +256,13 @@ def _read_law(binder: Binder, value: Any, place: Place) -> Any:
             makers = (_of_surfaces(cls.between), *makers)
             follows["between"] = hertz.arguments.get("between")
             given |= {"angle": k["angle"]} if "angle" in k else {}
-    return binder.bind(makers, given, place, follows)
+    return binder.bind(makers, given, place, **follows)
 
 
 _LAWS = {name: law for name, law in LAWS.items() if law is not laws.UserLaw}
 _LAW_TABLES = {
     law: (Table(law), Table(getattr(law, "from_restitution", law))) for law in _LAWS.values()
 }
-_SOLVERS = {one.__name__: Table(one) for one in (integrate.Adaptive, integrate.Newmark)}
 
 # ------------------------------------------------------------------------------------- sensors
 
@@ -366,7 +365,7 @@ _MEMBER = Table(Scene.add, hints={"body": Annotated[Any, _named("bodies")]})
 
 def _read_member(binder: SceneBinder, value: Any, place: Place) -> Any:
     name = value.get("name", value.get("body", ""))
-    found = binder.bind(_MEMBER, {"name": name, **value}, place, {"self": binder.around["self"]})
+    found = binder.bind(_MEMBER, {"name": name, **value}, place)
     if isinstance(name, str):  # or it has been refused
         if name in binder.handles:
             binder.say((*place, "name"), f"{name!r} is another body of the scene; give a new name")
@@ -407,14 +406,14 @@ def _read_wanted(binder: SceneBinder, value: Any, place: Place) -> Any:
     return (_read_handle if "port" in value else _read_sensor)(binder, value, place)
 
 
-_LOADS = table(Table(Scene.apply, hints={"force": float}), _history, added=True)
+_LOADS = table(Table(Scene.apply, hints={"force": float}), _history)
 
 
 @passes_on(Scene.simulate)
 def _scene(
     self: Scene,
     bodies: Sequence[Annotated[Any, Reader("a table", (dict,), _read_member)]],
-    contacts: Sequence[Annotated[Any, table(_contact, added=True)]] = (),
+    contacts: Sequence[Annotated[Any, table(_contact)]] = (),
     loads: Sequence[Annotated[Any, _LOADS]] = (),
     report: _NAMES | None = None,
     probes: _PROBES | None = None,
@@ -513,19 +512,17 @@ _ENTRIES = {
     "bodies": Reader(
         "a table",
         (dict,),
-        lambda binder, value, place: binder.bind(_BODIES, value, place, {"name": place[-1]}),
+        lambda binder, value, place: binder.bind(_BODIES, value, place, name=place[-1]),
     ),
 }
 
 _SECTIONS = fem.BeamSection, fem.RectangularSection, fem.CircularSection, fem.TubularSection
-_SOLVER = Reader(
-    "a table", (dict,), lambda binder, value, place: binder.bind_typed(_SOLVERS, value, place)
-)
+_SOLVERS = integrate.Adaptive, integrate.Newmark
 READERS.update(
     {
         **dict.fromkeys(_SECTIONS, table(*_SECTIONS)),
         **dict.fromkeys((fem.Rayleigh, fem.ModalDamping), table(fem.Rayleigh, fem.ModalDamping)),
-        **dict.fromkeys((integrate.Adaptive, integrate.Newmark), _SOLVER),
+        **dict.fromkeys(_SOLVERS, typed(*_SOLVERS)),
         **dict.fromkeys((Sensor, ContactPoint), _SENSOR),
         fem.Ply: table(fem.Ply),
         laws.ContactLaw: Reader("a table", (dict,), _read_law),

@@ -151,7 +151,8 @@ class Signal(Frozen):
         wanted = None if rate is None else positive("rate", rate, unit="Hz")
         if isinstance(source, tuple) and len(source) == 2:
             source = cls(*source)
-        if isinstance(instance("source", source, Signal, tuple, Run, Probe), Signal):
+        instance("source", source, Signal, tuple, Run, Probe)
+        if isinstance(source, Signal):
             return source if wanted is None else source.resampled(wanted)
         if isinstance(source, Run):
             number = integer("contact", contact, low=0, high=len(source.events) - 1)
