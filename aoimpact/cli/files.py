@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +38,8 @@ def write_files(scene: SceneFile, result: Run, out: str | os.PathLike[str]) -> t
     result.to_csv(files[0])
     if found := scene.probes(result):
         files.append(folder / "probes.csv")
-        columns = {"time [s]": result.t, **found}
-        write_csv(files[-1], columns, np.column_stack(list(columns.values())).tolist())
+        rows = np.column_stack([result.t, *found.values()]).tolist()
+        write_csv(files[-1], ["time [s]", *found], rows)
     for name in _FIGURES:
         if hasattr(result, f"plot_{name}"):
             axes: Any = getattr(result, f"plot_{name}")()
@@ -57,57 +57,44 @@ _ERRORS = "total", "mesh", "contact", "model", "time", "energy"
 
 
 def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
-    """Return what JSON can hold of a result; null where a number is not known."""
-    kept: Any = keeper(quantities) if quantities else None
-    errors = {name: getattr(result.error, name) for name in _ERRORS}
+    """Return what a report has of a result."""
+    kept: Any = keeper(quantities) if quantities else lambda _: {}
+
+    def intervals(name: str) -> Any:
+        """Start and end of each touch, or slip; by contact, where there may be several."""
+        found = [getattr(of, name) for of in result.each_contact]
+        return found[0] if isinstance(result, Result) else found
+
     vectors: dict[str, Any] = {}
     if result.plan.oblique is not None:
         for name in ("final_velocity", "final_spin"):
-            vectors[name] = [_known(list(getattr(body, name))) for body in result.bodies]
-        vectors["slip_intervals"] = _intervals(result, "slip_intervals")
+            vectors[name] = [list(getattr(body, name)) for body in result.bodies]
+        vectors["slip_intervals"] = intervals("slip_intervals")
     return {
-        "quantities": _known(kept(result) if quantities else {}),
-        "bodies": list(result.names),
+        "quantities": kept(result),
+        "bodies": result.names,
         **vectors,
-        "contact_names": list(result.contact_names),
-        "contacts": _intervals(result, "intervals"),
+        "contact_names": result.contact_names,
+        "contacts": intervals("intervals"),
         "in_contact_at_end": result.in_contact_at_end,
-        "relative_errors": _known(errors),
+        "relative_errors": {name: getattr(result.error, name) for name in _ERRORS},
         "solver": result.solver,
     }
 
 
 def rows(table: SweepTable) -> dict[str, Any]:
-    """Return what JSON can hold of a sweep; null where a number is not known, "inf" of a wall."""
+    """Return what a report has of a sweep; "inf" of a wall."""
     found = []
     for number, values in enumerate(table.data):
-        row = _known(dict(zip(table.columns, values.item(), strict=True)), otherwise=str)
-        row |= _known({name: float(values[name]) for name in table.quantities})
+        row = dict(zip(table.columns, values.item(), strict=True))
+        row |= {name: "inf" for name in table.parameters if row[name] == math.inf}
         if number in table.errors:
             row["error"] = str(table.errors[number])
         found.append(row)
-    return {
-        "parameters": list(table.parameters),
-        "quantities": list(table.quantities),
-        "rows": found,
-    }
-
-
-def _intervals(result: Run, name: str) -> list[Any]:
-    """Start and end of each touch, or slip; by contact, where there may be several."""
-    found = [[list(interval) for interval in getattr(of, name)] for of in result.each_contact]
-    return found[0] if isinstance(result, Result) else found
+    return {"parameters": table.parameters, "quantities": table.quantities, "rows": found}
 
 
 def as_json(report: dict[str, Any]) -> str:
-    """Return the text of a report; numbers with all their digits."""
-    return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False)
-
-
-def _known(value: Any, otherwise: Callable[[float], str | None] = lambda _: None) -> Any:
-    """The value in JSON's types; null, or the replacement given, for NaN and infinity."""
-    if isinstance(value, dict):
-        return {name: _known(of, otherwise) for name, of in value.items()}
-    if isinstance(value, list):
-        return [_known(of, otherwise) for of in value]
-    return otherwise(value) if isinstance(value, float) and not math.isfinite(value) else value
+    """Return the text of a report; numbers with all their digits, null for one not known."""
+    known = json.loads(json.dumps(report), parse_constant=lambda _: None)
+    return json.dumps(known, indent=2, ensure_ascii=False)
