@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base import COLOURS, draw_curves, legend, styled, with_unit
 from . import beam, sphere
-from .sphere import BALL, MESH_SIZES, RESOLVED_FORCE, SPEEDS, pair
+from .sphere import BALL, SPEEDS, pair
 from .table import texts
 
 if TYPE_CHECKING:
@@ -93,23 +93,17 @@ def figure_05(ax: Axes) -> None:
 
 def figure_06(ax: Axes) -> None:
     """Masses and springs between two spheres, which make the modified law."""
-    model = sphere.one_ao()
-    m0, m1 = f"m0\n{with_unit(model.m0, 'kg', 3)}", f"m1\n{with_unit(model.m[0], 'kg', 3)}"
-    k1, k = f"k1\n{with_unit(model.k[0], 'N/m', 3)}", with_unit(sphere.LAW.k, "N/m^1.5", 3)
-    for x, name in ((0, m1), (2, m0), (5, m0), (7, m1)):
-        box = {"facecolor": "0.9", "boxstyle": "square"}
-        ax.text(x, 0.0, name, ha="center", va="center", bbox=box, fontsize=9)
-    zigzag = [0.0, *(0.2, -0.2) * 8, 0.0]
-    for start, end, name in ((0, 2, k1), (2, 5, f"F = k δ^1.5\nk = {k}"), (5, 7, k1)):
-        ax.plot(np.linspace(start, end, len(zigzag)), zigzag, "-", color="black", linewidth=1.0)
-        ax.text(0.5 * (start + end), 0.4, name, ha="center", fontsize=8)
-    for left, right, y, heads, name in (
-        (-0.5, 0.7, 1.3, "->", "V"),
-        (0.5, 6.5, -1.0, "<->", "modified interaction law"),
-    ):
-        ax.annotate("", (right, y), (left, y), arrowprops={"arrowstyle": heads})
-        ax.text(0.5 * (left + right), y + 0.1, name, ha="center")
-    ax.set(xlim=(-1, 8), ylim=(-1.2, 1.8))
+    model, law = sphere.one_ao(), ("F = k δ^1.5\nk", sphere.LAW.k, "N/m^1.5")
+    m0, m1, k1 = ("m0", model.m0, "kg"), ("m1", model.m[0], "kg"), ("k1", model.k[0], "N/m")
+    ax.axhline(0.0, color="black")
+    for x, (name, value, unit) in enumerate((m1, k1, m0, law, m0, k1, m1)):
+        box = {"facecolor": "0.9" if unit == "kg" else "white", "boxstyle": "square"}
+        said = f"{name} = {with_unit(value, unit, 3)}".replace(" = ", "\n", unit == "kg")
+        ax.text(x, 0.0, said, ha="center", va="center", bbox=box, fontsize=8)
+    ax.annotate("V", (0.5, 0.7), (-0.5, 0.7), va="center", arrowprops={"arrowstyle": "->"})
+    ax.annotate("", (5.6, -0.6), (0.4, -0.6), arrowprops={"arrowstyle": "<->"})
+    ax.text(3.0, -0.55, "modified interaction law", ha="center", va="bottom")
+    ax.set(xlim=(-0.7, 6.7), ylim=(-1.0, 1.0))
     ax.axis("off")
 
 
@@ -175,26 +169,7 @@ def figure_11(ax: Axes) -> None:
         draw_curves(ax, (hit.t, "time", "s"), "displacement", "m", [curve])
 
 
-def figure_mesh(left: Axes, right: Axes) -> None:
-    """Not in the paper: k1 and the force follow the mesh, and not towards the truth."""
-    sizes, paper = [None, *MESH_SIZES], 1053
-    own, *nodes = map(sphere.node_count, sizes)
-    for ax, name, (shipped, *others), printed in (
-        (left, "k1 (MN/m)", [1e-6 * sphere.one_ao(size).k[0] for size in sizes], 275.7),
-        (right, "peak force (N)", [pair(sphere.one_ao(size)).peak_force for size in sizes], 812.6),
-    ):
-        ax.semilogx(nodes, others, "o-", color=COLOURS[0], label="meshes of this package")
-        ax.plot([own], [shipped], "D", color=COLOURS[1], label="the shipped mesh")
-        ax.plot([paper], [printed], label="the paper", **CROSS)
-        ax.set_xticks([300, 1000, 3000, 10000], ["300", "1000", "3000", "10 000"])
-        ax.minorticks_off()
-        ax.set(xlabel="nodes", ylabel=name, xlim=(200, 10_000), ylim=(0, None))
-    right.axhline(RESOLVED_FORCE, color="black", linewidth=1.2, label="resolved contact")
-    right.axhline(pair(BALL).peak_force, label="rigid masses", **RIGID)
-    right.set(ylim=(0, 1100))
-
-
 FIGURES = (
     *(figure_03, figure_04, figure_05, figure_06, figure_07, figure_08, figure_09),
-    *(figure_10, figure_11, figure_mesh),
+    *(figure_10, figure_11),
 )

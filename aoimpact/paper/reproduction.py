@@ -16,7 +16,7 @@ from .table import Row, markdown
 TABLES = (
     *(sphere.table_1, sphere.table_2, sphere.table_3, sphere.impact, sphere.method),
     *(sphere.modal_series, sphere.energy, beam.table_4, beam.table_5, beam.oscillators),
-    *(beam.force, beam.displacement, sphere.resolved, sphere.mesh),
+    *(beam.force, beam.displacement, sphere.resolved),
 )
 
 
@@ -26,8 +26,8 @@ def reproduce(out: str | os.PathLike[str], *, progress: bool = True) -> list[Pat
     Parameters
     ----------
     out : path
-        Folder for ``results.csv``, ``results.md``, ``figure_03.png`` ... ``figure_11.png`` and
-        ``figure_mesh.png``; made if there is none.
+        Folder for ``results.csv``, ``results.md``, ``figure_03.png`` ... ``figure_11.png``;
+        made if there is none.
     progress : bool, optional
         True to show a progress bar (only ever on a terminal).
 

@@ -29,11 +29,9 @@ RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 # Radius of the patch, m, that the shipped mesh resolves; the contact's own is 0.32 mm.
 PATCH = 0.003
 
-# Numbers of modes of Fig. 4; velocities of Fig. 7, m/s; sizes of elements, m, of meshes beside
-# the paper's.
+# Numbers of modes of Fig. 4; velocities of Fig. 7, m/s.
 MODE_COUNTS = (6, 25, 50, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000)
 SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 0.25, 0.5, 1.0, 2.0, 10.0)
-MESH_SIZES = (0.008, 0.005, 0.003)
 
 # Newmark's steps at 1 m/s, s. The paper does not give its own. Finite elements and modes: at 0.1 µs
 # the peak force has converged to some 1e-5. Rigid and one-AO spheres: the light m0 rings at about
@@ -85,26 +83,19 @@ def at_one_dof(
 
 
 @cache
-def sphere(size: float | None = None) -> ao.ContactPoint:
-    """Return the touched point of a sphere of the paper's mesh, or of elements of a size, m.
+def sphere() -> ao.ContactPoint:
+    """Return the touched point of a sphere of the paper's mesh.
 
     The target is the projectile's mirror image: one contact functional serves both.
     """
-    mesh = ao.paper_sphere_mesh() if size is None else ao.sphere_mesh(RADIUS, size)
-    return at_one_dof(ao.FEModel.from_mesh(mesh, STEEL), (RADIUS, 0.0, 0.0), (1.0, 0.0, 0.0))
-
-
-def node_count(size: float | None = None) -> int:
-    """Return the number of nodes of a sphere's mesh."""
-    nodes = sphere(size).body.nodes
-    assert nodes is not None
-    return len(nodes)
+    body = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), STEEL)
+    return at_one_dof(body, (RADIUS, 0.0, 0.0), (1.0, 0.0, 0.0))
 
 
 @cache
-def one_ao(size: float | None = None) -> ao.AOModel:
+def one_ao() -> ao.AOModel:
     """Return the sphere by one anti-oscillator (Table 3)."""
-    return ao.antioscillators(sphere(size), n=1)
+    return ao.antioscillators(sphere(), n=1)
 
 
 @cache
@@ -223,10 +214,3 @@ def resolved() -> list[Row]:
     bodies = all_dofs(), BALL, ao.antioscillators(patch, n=1)
     values = [value for body in bodies for value in force_and_time(pair(body))]
     return beside("resolved", *values, 811.5)
-
-
-def mesh() -> list[Row]:
-    """Dependence of k1 and the force on the mesh."""
-    bodies = [one_ao(size) for size in MESH_SIZES]
-    values = [value for one in bodies for value in (1e-6 * one.k[0], pair(one).peak_force)]
-    return beside("mesh", *values, nodes=[node_count(size) for size in MESH_SIZES])
