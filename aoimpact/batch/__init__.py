@@ -3,9 +3,7 @@
 Plain impacts run many in one call of the core (plain.py); all others by `simulate`. For `cli`.
 """
 
-from .checkpoint import Checkpoint
-from .digest import Digests
+from .checkpoint import Checkpoint, Digests
 from .many import simulate_many
 from .plain import ANSWERS, PLAIN_NUMBERS, plain_numbers
-from .sweep import sweep, sweep_file
-from .sweep_table import SweepTable
+from .sweep import SweepTable, sweep, sweep_file

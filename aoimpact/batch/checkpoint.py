@@ -1,24 +1,40 @@
 """A file of finished cases, from which a sweep that was stopped resumes.
 
-It is text: a line of JSON for each case, with its digest, its numbers or its error, and its
-warnings. Nothing in it is executed. Cases are found by their digests, so they may be changed, added
-or reordered. Lines are only added, each by a single write: sweeps may share a file, and a process
-that is killed leaves at most its last line incomplete, which is ignored.
+It is text: a line of JSON for each case, with its digest, its numbers and its warnings. Nothing in
+it is executed. Cases are found by a digest of their content, the same in every process whatever has
+been cached since, so they may be changed, added or reordered. Lines are only added, each by a
+single write: sweeps may share a file, and a process that is killed leaves at most its last line
+incomplete, which is ignored. Cases that failed are not kept: they are run again.
 """
 
 from __future__ import annotations
 
+import dataclasses
+import io
 import json
 import os
-from contextlib import ExitStack
+import pickle
+from collections.abc import Iterator, Mapping
+from functools import cached_property, lru_cache
+from hashlib import blake2b
 from typing import Any
 
-from ..base import AOImpactError, InputError, InputTypeError, file_path, warn
+import numpy as np
+import scipy.sparse as sp
+
+from ..base import InputError, InputTypeError, file_path, warn
+from ..fem import FEModel
 
 # Value kept of a case, or its exception; and its warnings.
 Outcome = tuple[Any, tuple[str, ...]]
 
 _HEAD = b'{"aoimpact": "checkpoint"}\n'
+
+# Bytes: two among a million million cases are taken for one with a chance of 1e-15.
+_SIZE = 16
+
+# Bodies that are digested once; a sweep shares a handful.
+_MOST_REMEMBERED = 16
 
 
 class Checkpoint:
@@ -41,74 +57,75 @@ class Checkpoint:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        name = str(file_path("checkpoint", path))
+        self._name = str(file_path("checkpoint", path))
         self._places: dict[str, int] = {}
-        with ExitStack() as stack:
-            try:
-                # Without buffer: each line is written at once.
-                self._written = stack.enter_context(open(name, "ab", buffering=0))
-                self._read = stack.enter_context(open(name, "rb"))
-            except OSError as error:
-                raise InputError(
-                    f"checkpoint {name!r} cannot be opened: {error.strerror}; give another path"
-                ) from None
-            self._read_all(name)
-            self._files = stack.pop_all()
+        try:
+            with open(self._name, "a+b") as file:
+                self._find_lines(file)
+        except OSError as error:
+            raise InputError(
+                f"checkpoint {self._name!r} cannot be opened: {error.strerror}; give another path"
+            ) from None
 
-    def _read_all(self, name: str) -> None:
+    def _find_lines(self, file: Any) -> None:
         """Find all lines; cut off an incomplete last one."""
-        head = self._read.readline()
+        file.seek(0)
+        head = file.readline()
         if not _HEAD.startswith(head):
-            raise InputError(f"checkpoint {name!r} is a file of another kind; give another path")
+            raise InputError(
+                f"checkpoint {self._name!r} is a file of another kind; give another path"
+            )
         if head != _HEAD:  # new, or killed during its first write
-            self._written.truncate(0)
-            self._written.write(_HEAD)
+            file.truncate(0)
+            file.write(_HEAD)
             return
         place, damaged = len(head), 0
-        for line in self._read:
+        for line in file:
             if not line.endswith(b"\n"):
-                self._written.truncate(place)
+                file.truncate(place)
                 break
             try:
                 record = json.loads(line)
                 _outcome(record)
                 self._places[record["case"]] = place
-            except (ValueError, TypeError, LookupError, AttributeError, RecursionError):
+            except (ValueError, TypeError, LookupError, RecursionError):
                 damaged += line != _HEAD
             place += len(line)
         if damaged:
-            warn(f"checkpoint {name!r} is damaged in {damaged} lines: their cases are run again")
+            name = f"checkpoint {self._name!r}"
+            warn(f"{name} is damaged in {damaged} lines: their cases are run again")
 
     def __contains__(self, digest: str) -> bool:
         return digest in self._places
 
     def __enter__(self) -> Checkpoint:
+        self._written = open(self._name, "ab", buffering=0)  # each line is written at once
         return self
 
     def __exit__(self, *_: object) -> None:
         """Wait until everything is on the disk, and release the file."""
         os.fsync(self._written.fileno())
-        self._files.close()
+        self._written.close()
 
     def get(self, digest: str) -> Outcome:
         """Return the outcome under a digest."""
-        self._read.seek(self._places[digest])
-        return _outcome(json.loads(self._read.readline()))
+        with open(self._name, "rb") as file:
+            file.seek(self._places[digest])
+            return _outcome(json.loads(file.readline()))
 
     def put(self, digest: str, outcome: Outcome) -> None:
-        """Write a line; it survives if the process is killed after that.
+        """Write the outcome of a case that has not failed; it survives if the process is killed.
 
-        `get` has it when the file is opened again. Errors that are not this package's are left out.
+        `get` has it when the file is opened again.
         """
         value, messages = outcome
-        record: dict[str, Any] = {"case": digest, "warnings": messages}
-        if isinstance(value, AOImpactError):
-            record["error"] = [type(value).__name__, value.args, vars(value)]
-        elif isinstance(value, Exception):
-            return  # it may not occur again
-        else:
-            record["value"] = value
-        self._written.write(f"{json.dumps(record, default=str)}\n".encode())
+        if not isinstance(value, Exception):
+            record = {"case": digest, "warnings": messages, "value": value}
+            self._written.write(f"{json.dumps(record)}\n".encode())
+
+
+def _outcome(record: Any) -> Outcome:
+    return record["value"], tuple(map(str, record["warnings"]))
 
 
 def as_json(value: Any) -> Any:
@@ -127,17 +144,81 @@ def as_json(value: Any) -> Any:
         ) from None
 
 
-def _outcome(record: Any) -> Outcome:
-    messages = tuple(map(str, record["warnings"]))
-    if "error" not in record:
-        return record["value"], messages
-    name, arguments, state = record["error"]
-    kind = {kind.__name__: kind for kind in _kinds(AOImpactError)}[name]
-    error = kind.__new__(kind, *arguments)  # their own __init__ takes other arguments
-    error.args = tuple(arguments)
-    vars(error).update(state)
-    return error, messages
+class Digests:
+    """Digests of cases; bodies that many of them share are digested once.
+
+    Parameters
+    ----------
+    key : str or None
+        Stands for the code of all functions, which count by their names then; None refuses them.
+    shared : optional
+        Belongs to every case.
+    """
+
+    def __init__(self, key: str | None, shared: Any = None) -> None:
+        self.key, self._shared = key, shared
+        self.once = lru_cache(_MOST_REMEMBERED)(lambda value: self._digest(list(_state(value))))
+
+    def of(self, value: Any, name: str = "case") -> str:
+        """Return the digest of a value; the order of its keywords does not count.
+
+        Raises
+        ------
+        InputTypeError
+            If it has a function and there is no key, or something that cannot be looked into.
+        """
+        if isinstance(value, Mapping):
+            value = dict(sorted(value.items(), key=repr))
+        try:
+            return self._digest((self.key, self._shared, value)).hex()
+        except (TypeError, ValueError, RecursionError, pickle.PicklingError) as error:
+            raise InputTypeError(
+                f"{name}: a checkpoint cannot tell whether it has changed: {error}"
+            ) from None
+
+    def _digest(self, value: Any) -> bytes:
+        content = io.BytesIO()
+        _Content(content, self).dump(value)
+        return blake2b(content.getbuffer(), digest_size=_SIZE).digest()
 
 
-def _kinds(kind: type[AOImpactError]) -> list[type[AOImpactError]]:
-    return [kind, *(lower for each in kind.__subclasses__() for lower in _kinds(each))]
+class _Content(pickle.Pickler):
+    """Pickles what values are made of, equal ones alike: neither their caches nor any code."""
+
+    def __init__(self, file: io.BytesIO, digests: Digests) -> None:
+        super().__init__(file, protocol=5)
+        self.fast = True  # two parts count the same whether or not they are one object
+        self._digests = digests
+
+    def reducer_override(self, value: Any) -> Any:
+        """Return how pickle rebuilds a value: as a tuple of its class and of its parts."""
+        kind: Any = type(value)
+        parts: Any = None
+        if isinstance(value, type):
+            return NotImplemented
+        if sp.issparse(value):
+            csr = value.tocsr()
+            parts = csr.shape, csr.indptr, csr.indices, csr.data
+        elif isinstance(value, np.ndarray):
+            content = value.tolist() if value.dtype.hasobject else value.tobytes()
+            parts = value.dtype.str, value.shape, content
+        elif dataclasses.is_dataclass(kind):
+            fields = dataclasses.fields(value)
+            parts = [getattr(value, of.name) for of in fields if not of.metadata.get("identity")]
+        elif callable(value):
+            if self._digests.key is None:
+                raise TypeError("of functions give key=, a text that you change with them")
+            parts = getattr(value, "__module__", ""), getattr(value, "__qualname__", "")
+        elif hasattr(value, "__dict__"):
+            model = isinstance(value, FEModel)  # which is as it was made, unlike a scene
+            parts = self._digests.once(value) if model else list(_state(value))
+        else:
+            return NotImplemented
+        return tuple, (f"{kind.__module__}.{kind.__qualname__}", parts)
+
+
+def _state(value: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the attributes of an object but those that are computed when they are first read."""
+    for name in sorted(vars(value)):
+        if not isinstance(getattr(type(value), name, None), cached_property):
+            yield name, getattr(value, name)

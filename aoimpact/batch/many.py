@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import inspect
+import math
 import os
 import pickle
 import re
 import time
+from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence, Sized
-from contextlib import nullcontext
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 from importlib.metadata import version
+from itertools import islice
 from typing import Any, NamedTuple
 
 from ..accuracy import Keep, Named, keeper, shared_models
 from ..base import (
     InputError,
     InputTypeError,
+    WorkerError,
     bar,
     boolean,
     held_warnings,
+    integer,
     nearest,
     text,
     warn,
@@ -29,10 +35,18 @@ from ..impact import simulate
 from ..laws import Linear
 from ..reduction import rigid
 from ..results import look_up
-from .checkpoint import Checkpoint, Outcome, as_json
-from .digest import Digests
+from .checkpoint import Checkpoint, Digests, Outcome, as_json
 from .plain import PLAIN_NUMBERS, plain_numbers
-from .workers import checked_workers, run_tasks
+
+# Seconds that one task should take, in our threads and in other executors: far above the cost of
+# handing it over, and short enough that all workers finish together.
+_TASK_HERE, _TASK_AWAY = 0.015, 0.1
+
+# Tasks per worker: one that runs and one that waits.
+_AHEAD = 2
+
+# More threads than any machine serves at once.
+_MOST_THREADS = 4096
 
 
 def simulate_many(
@@ -66,7 +80,8 @@ def simulate_many(
     checkpoint : path, optional
         A file that keeps finished cases, a line of JSON each: the same call resumes where an
         earlier one was stopped or killed. Cases are recognised by their content; one that has
-        changed is computed again. It needs `keep`; arrays that a function keeps become lists.
+        changed or failed is computed again. It needs `keep`; arrays that a function keeps become
+        lists.
     key : str, optional
         Stands for the code of the functions that a case or `keep` has, for the checkpoint: change
         it with them. Without one, a checkpoint refuses functions.
@@ -146,13 +161,14 @@ def run_cases(
         for name in job.keep.names:
             if not re.search(r"\.\d", name):  # of a body or contact, which the cases have
                 look_up(hit, name, "keep")
-    threads = checked_workers(workers)
+    if not callable(getattr(workers, "submit", None)):
+        workers = min(integer("workers", workers, low=1), _MOST_THREADS)
     done, warned, first = 0, 0, ""
     with (
         nullcontext() if checkpoint is None else Checkpoint(checkpoint) as store,
         bar("cases", total, unit="case", wanted=progress) as shown,
     ):
-        for item, outcome in run_tasks(threads, job, _items(cases, job.keep, store, key)):
+        for item, outcome in _run_tasks(workers, job, _items(cases, job.keep, store, key)):
             if item.known and store is not None:
                 outcome = store.get(item.digest)
             elif store is not None and item.digest:
@@ -179,13 +195,12 @@ class _Item(NamedTuple):
 def _items(
     cases: Iterable[Any], keep: Keep | None, store: Checkpoint | None, key: str | None
 ) -> Iterator[_Item]:
-    ours = "" if store is None else version("aoimpact")  # slow to read
-    digests = Digests(key)
+    digests = Digests(key, None if store is None else (version("aoimpact"), keep))
     for i, case in enumerate(cases):
         if store is None or isinstance(case, Exception):
             yield _Item(case)
         else:
-            digest = digests.of((ours, keep, case), f"case {i}")
+            digest = digests.of(case, f"case {i}")
             known = digest in store
             yield _Item(None if known else case, digest, known)
 
@@ -203,17 +218,17 @@ class _Job:
     def __call__(self, items: Sequence[_Item]) -> tuple[list[Outcome | None], float]:
         """The outcomes, None for those that are known, and the seconds that they took."""
         start = time.perf_counter()
-        outcomes = self._together([item.case for item in items])
-        for i, item in enumerate(items):
-            if outcomes[i] is None and not item.known:
-                outcomes[i] = self._alone(item.case)
+        together: Sequence[Any] = [None] * len(items)
+        if isinstance(self.keep, Named) and PLAIN_NUMBERS.issuperset(self.keep.names):
+            # The plain impacts, from one call of the core.
+            together = plain_numbers([item.case for item in items], self.keep.names)
+        outcomes: list[Outcome | None] = []
+        for item, found in zip(items, together, strict=True):
+            if found is not None:
+                outcomes.append((found, ()))
+            else:
+                outcomes.append(None if item.known else self._alone(item.case))
         return outcomes, time.perf_counter() - start
-
-    def _together(self, cases: Sequence[Any]) -> list[Outcome | None]:
-        """The outcomes of the plain impacts, from one call of the core; None for the others."""
-        if not isinstance(self.keep, Named) or not PLAIN_NUMBERS.issuperset(self.keep.names):
-            return [None] * len(cases)
-        return [None if of is None else (of, ()) for of in plain_numbers(cases, self.keep.names)]
 
     def _alone(self, case: Any) -> Outcome:
         with held_warnings() as messages, shared_models():
@@ -245,11 +260,8 @@ def _run(case: Any) -> Any:
         points = any(isinstance(of, ContactPoint) for of in case.values())
         if points and case.get("rtol") is None and case.get("quantity") is None:
             case = {**case, "quantity": "peak_force"}  # all of the force takes larger models
-        try:
-            return simulate(**case)
-        except TypeError:
-            check_keywords("case", simulate, case)
-            raise
+        check_keywords("case", simulate, case)
+        return simulate(**case)
     if isinstance(case, (tuple, list)) and len(case) == 2 and hasattr(case[0], "simulate"):
         scene, duration = case
         return scene.simulate(duration=duration)
@@ -266,3 +278,65 @@ def _portable(error: Exception) -> Exception:
     except Exception as reason:
         return RuntimeError(f"{type(error).__name__}: {error} (which cannot be pickled: {reason})")
     return error
+
+
+def _run_tasks(workers: Any, task: _Job, items: Iterable[_Item]) -> Iterator[tuple[Any, Any]]:
+    """Yield each item and its outcome, in order; items are drawn a few tasks ahead.
+
+    Parameters
+    ----------
+    workers : int or executor
+        Threads, or what has ``submit`` as `concurrent.futures.Executor`: a dask.distributed Client,
+        an executor of mpi4py.futures.
+
+    Raises
+    ------
+    WorkerError
+        If a worker is lost, or items cannot be sent to it.
+    """
+    source, size, target = iter(items), 1, _TASK_HERE if isinstance(workers, int) else _TASK_AWAY
+    under_way: deque[tuple[list[Any], Any]] = deque()
+    with ExitStack() as stack:
+        if workers == 1:
+            submit, most = None, 1
+        elif isinstance(workers, int):
+            threads = ThreadPoolExecutor(workers, thread_name_prefix="aoimpact")
+            stack.callback(threads.shutdown, wait=False)  # nor does an interrupt wait
+            submit, most = threads.submit, _AHEAD * workers
+        else:
+            submit, most = workers.submit, _AHEAD * _width(workers)
+        stack.callback(lambda: [future.cancel() for _, future in under_way])
+        while True:
+            while len(under_way) < most and (batch := list(islice(source, size))):
+                under_way.append((batch, submit and _asked(workers, submit, task, batch)))
+            if not under_way:
+                return
+            batch, future = under_way.popleft()
+            outcomes, seconds = _asked(workers, future.result) if submit else task(batch)
+            # As many items as take the time wanted, which grows slowly.
+            wanted = target * len(batch) / seconds if seconds > 0.0 else math.inf
+            size = int(max(1.0, min(wanted, 4.0 * len(batch))))
+            yield from zip(batch, outcomes, strict=True)
+
+
+def _asked(workers: Any, ask: Callable[..., Any], *arguments: Any) -> Any:
+    """Call an executor; what it raises is its own failure, since tasks raise nothing."""
+    try:
+        return ask(*arguments)
+    except Exception as error:
+        if isinstance(workers, int):
+            raise
+        raise WorkerError(
+            f"workers: {type(error).__name__}: {error}. A worker was lost, or a case, a law or "
+            "keep could not be sent to it: they must be picklable, functions of a module"
+        ) from error
+
+
+def _width(executor: Any) -> int:
+    """Number of workers of an executor; of cores where that is not known."""
+    for name in ("num_workers", "_max_workers"):
+        if isinstance(number := getattr(executor, name, None), int) and number > 0:
+            return number
+    if hasattr(executor, "nthreads"):  # dask: threads by worker
+        return max(1, int(sum(executor.nthreads().values())))
+    return os.cpu_count() or 1

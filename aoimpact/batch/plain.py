@@ -46,8 +46,6 @@ class _Pair(NamedTuple):
 
     Attributes
     ----------
-    number : int
-        Among those that the core is given.
     plan : Scenario
     fits : (float, float)
         Durations of the contact, s, between which the models are valid without a further check.
@@ -55,18 +53,12 @@ class _Pair(NamedTuple):
         Force, N, and velocity, m/s, up to which no warning is due.
     """
 
-    number: int
     plan: Scenario
     fits: tuple[float, float]
     limits: tuple[float, float]
 
-    def valid(self, lasted: float) -> bool:
-        """True if the models are valid for a contact that long, s."""
-        least, most = self.fits
-        return least <= lasted <= most or all(is_valid_for(of, lasted) for of in self.plan.bodies)
 
-
-def _pair(case: Mapping[str, Any], number: int) -> _Pair | None:
+def _pair(case: Mapping[str, Any]) -> _Pair | None:
     """The bodies and the law of a case; None where they are not plain, or wrong."""
     law = case["law"]
     given = case["projectile"], case["target"]
@@ -85,7 +77,7 @@ def _pair(case: Mapping[str, Any], number: int) -> _Pair | None:
             return None  # simulate raises it
     if messages or not all(body.centre_known for body in plan.bodies):
         return None
-    return _Pair(number, plan, fitted_times(plan.bodies), warning_limits(plan))
+    return _Pair(plan, fitted_times(plan.bodies), warning_limits(plan))
 
 
 def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, float] | None]:
@@ -107,30 +99,23 @@ def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, 
         # The cases outlive this call: no id is used twice.
         key = id(case["projectile"]), id(case["target"]), id(case["law"])
         if key not in known:
-            known[key] = _pair(case, len(known))
+            known[key] = _pair(case)
         if (pair := known[key]) is not None:
             rows.append(numbers)
             asked.append((i, pair))
     found: list[dict[str, float] | None] = [None] * len(cases)
     if not asked:
         return found
-    pairs = [pair for pair in known.values() if pair is not None]
-    bodies = {id(body): body for pair in pairs for body in pair.plan.modal}
-    laws = {id(pair.plan.contacts[0].law): pair.plan.contacts[0].law for pair in pairs}
-    place = {one: at for kept in (bodies, laws) for at, one in enumerate(kept)}
-    which = np.zeros((len(known), 3), np.int32)
-    fixed = np.zeros((len(known), 2), bool)
-    for pair in pairs:
-        parts = (*pair.plan.modal, pair.plan.contacts[0].law)
-        which[pair.number] = [place[id(part)] for part in parts]
-        fixed[pair.number] = [body.constrained for body in pair.plan.bodies]
-    number = [pair.number for _, pair in asked]
+    pairs = {id(pair): pair for _, pair in asked}
+    place = {one: number for number, one in enumerate(pairs)}
+    number = np.array([place[id(pair)] for _, pair in asked])
+    bodies = [body for pair in pairs.values() for body in pair.plan.modal]
     given, answers = np.array(rows), np.empty((len(rows), len(ANSWERS)))
     _core.briefs(
-        tuple(body.for_core() for body in bodies.values()),
-        tuple(body.moving for body in bodies.values()),
-        tuple(law.for_core() for law in laws.values()),
-        which[number],
+        tuple(body.for_core() for body in bodies),
+        tuple(body.moving for body in bodies),
+        tuple(pair.plan.contacts[0].law.for_core() for pair in pairs.values()),
+        np.stack([2 * number, 2 * number + 1, number], axis=1).astype(np.int32),
         given,
         answers,
     )
@@ -143,16 +128,17 @@ def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, 
     plain = (status == 0.0) & once & (peak <= force) & (velocity <= speed)
     events = Events(peak, peak_time, ((start, end),), impulse)
     before = np.array([velocity, np.zeros_like(velocity)])
-    speeds = Speeds(before, np.array(after), fixed[number].T)
+    fixed = np.array([body.constrained for body in bodies]).reshape(-1, 2)[number]
+    speeds = Speeds(before, np.array(after), fixed.T)
     columns = [
         rtol if name == ERROR else QUANTITIES[name].of_plain(events, speeds) for name in names
     ]
-    durations = (end - start).tolist()
-    values = zip(*(column.tolist() for column in columns), strict=True)
-    for (i, pair), is_plain, lasted, row in zip(
-        asked, plain.tolist(), durations, values, strict=True
+    for (i, pair), is_plain, lasted, *row in zip(
+        asked, plain, (end - start).tolist(), *(column.tolist() for column in columns), strict=True
     ):
-        if is_plain and pair.valid(lasted):  # simulate warns of the others
+        least, most = pair.fits
+        fits = least <= lasted <= most or all(is_valid_for(of, lasted) for of in pair.plan.bodies)
+        if is_plain and fits:  # simulate warns of the others
             found[i] = dict(zip(names, row, strict=True))
     return found
 

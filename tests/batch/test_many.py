@@ -11,6 +11,7 @@ import sys
 import time
 import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -214,9 +215,11 @@ def counted(path: Path) -> int:
 
 
 def test_a_second_run_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path, cases = tmp_path / "sweep", mixed()
-    first = ao.simulate_many(cases, keep=NAMES, checkpoint=path)
-    assert counted(path) == len(cases)
+    path, every = tmp_path / "sweep", mixed()
+    tried = ao.simulate_many(every, keep=NAMES, checkpoint=path)
+    done = [not isinstance(one, Exception) for one in tried]  # a case that failed is tried again
+    cases, first = list(compress(every, done)), list(compress(tried, done))
+    assert counted(path) == len(cases) < len(every)
 
     def never(*example: Any, **case: Any) -> Any:
         if example:  # of what results have, by which names are checked
