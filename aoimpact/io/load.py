@@ -30,8 +30,7 @@ _READERS: dict[str, _Reader] = {
     **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), exodus.read),
     ".inp": abaqus.read,
     ".med": med.read,
-    ".vtk": vtk.read_legacy,
-    ".vtu": vtk.read_xml,
+    ".vtu": vtk.read,
 }
 
 

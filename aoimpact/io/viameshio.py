@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import IntArray, MeshError, warn
-from ..mesh import meshio_of_all_kinds
+from ..mesh import meshio_of_all_kinds, right_handed
 from .raw import DIMENSIONS, RawBlock, RawMesh, check_count, grouped
 
 # meshio's formats: the ends of their files' names, and what announces the numbers of nodes and of
@@ -30,6 +30,7 @@ _FORMATS: dict[str, tuple[str, ...]] = {
     "permas": (".dato .post",),
     "su2": (".su2", r"\bNPOIN\s*=\s*(\d+)", r"\b(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)"),
     "ugrid": (".ugrid", r"\A\s*(\d+)", r"\A\s*\d+" + 6 * r"\s+(\d+)"),
+    "vtk": (".vtk", r"(?m)^POINTS\s+(\d+)", r"(?m)^CELL_TYPES\s+(\d+)"),
     "xdmf": (
         ".xdmf .xmf",
         r'<Geometry[^>]*>\s*<DataItem[^>]*Dimensions="(\d+)',
@@ -67,7 +68,7 @@ def read(file: Path) -> RawMesh:
         kind = f"files {file.suffix}" if file.suffix else "files without a suffix"
         raise MeshError(f"{where}: {kind} are not read; write .msh or .vtu")
     content = file.read_bytes()
-    text = "" if b"\0" in content else content.decode("latin-1")
+    text = "" if b"\0" in content and name != "vtk" else content.decode("latin-1")
     announced = []
     for pattern in _FORMATS[name][1:] if text else ():
         found = [match.groups() for match in re.finditer(pattern, text)]
@@ -110,6 +111,11 @@ def read(file: Path) -> RawMesh:
             f"mesh file {file.name!r} announces no numbers of nodes and elements. Check those that "
             f"meshio has read: {there[0]} nodes, {there[1]} cells"
         )
+    for block in mesh.cells if name == "vtk" else ():  # its own wedges are left-handed
+        block.data = right_handed(block.type, mesh.points, block.data)
+    for size in re.findall(r"(?m)^CELLS\s+\d+\s+(\d+)", text) if name == "vtk" else ():
+        nodes = sum(block.data.size for block in mesh.cells)
+        check_count("numbers of cells", int(size) - there[1] * ("OFFSETS" not in text), nodes)
     return from_meshio(mesh)
 
 

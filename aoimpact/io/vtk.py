@@ -1,7 +1,7 @@
-"""VTK's files of unstructured grids: legacy (.vtk) and XML (.vtu).
+"""VTK's XML files of unstructured grids (.vtu), with all pieces, compressed or appended data.
 
-The formats are those of "VTK File Formats" (docs.vtk.org). They have no groups and no numbers of
-nodes or elements.
+The format is that of "VTK File Formats" (docs.vtk.org). It has no groups and no numbers of nodes or
+elements.
 """
 
 from __future__ import annotations
@@ -36,15 +36,8 @@ _WITHOUT_VOLUME = (0, 2, 4, 6, 7, 30, 34, 35, 36, 51, 60, 61, 62, 68, 69, 70, 75
 # Pixels and voxels go along the axes, quadrilaterals and hexahedra around.
 _ORDERS = {8: (0, 1, 3, 2), 11: (0, 1, 3, 2, 4, 5, 7, 6)}
 
-# Types of numbers in XML, which are NumPy's but for capitals, and NumPy's by those of legacy files.
-_XML_TYPES = re.compile("U?Int(8|16|32|64)|Float(32|64)")
-_LEGACY_TYPES = {
-    **{"char": "i1", "short": "i2", "int": "i4", "long": "i8", "vtktypeint64": "i8"},
-    **{"unsigned_char": "u1", "unsigned_short": "u2", "unsigned_int": "u4", "unsigned_long": "u8"},
-    **{"float": "f4", "double": "f8", "vtkidtype": "i4"},
-}
-
-_SAVE = "save it as an unstructured grid"
+# Types of numbers, which are NumPy's but for capitals.
+_TYPES = re.compile("U?Int(8|16|32|64)|Float(32|64)")
 
 _COMPRESSORS: dict[str, Any] = {
     "": None,
@@ -82,121 +75,7 @@ def _from_bytes(content: bytes, dtype: np.dtype[Any], count: int) -> npt.NDArray
     return np.frombuffer(content, dtype, count)
 
 
-# --------------------------------------------------------------------------------------- legacy
-
-
-class _Legacy:
-    """A legacy file, read from its beginning on."""
-
-    def __init__(self, content: bytes) -> None:
-        self.content, self.at = content, 0
-        if not self.line().startswith("# vtk DataFile Version"):
-            raise ValueError("it does not begin with '# vtk DataFile Version'")
-        self.line()  # a title
-        kind = self.line().upper()
-        if kind not in ("ASCII", "BINARY"):
-            raise ValueError(f"{kind!r} is neither ASCII nor BINARY")
-        self.binary = kind == "BINARY"
-
-    def line(self) -> str:
-        end = self.content.find(b"\n", self.at)
-        end = len(self.content) if end < 0 else end
-        text = self.content[self.at : end].decode("latin-1").strip()
-        self.at = end + 1
-        return text
-
-    def words(self) -> list[str]:
-        """Return the words of the next line that is not blank; none at the end."""
-        while self.at < len(self.content):
-            if found := self.line().split():
-                return found
-        return []
-
-    def numbers(self, count: int, type_: str) -> FloatArray:
-        if type_.lower() not in _LEGACY_TYPES:
-            raise ValueError(f"data of type {type_!r} are not read")
-        dtype = np.dtype(">" + _LEGACY_TYPES[type_.lower()])
-        if self.binary:
-            start, self.at = self.at, self.at + count * dtype.itemsize
-            return _from_bytes(self.content[start:], dtype, count).astype(np.float64)
-        end = re.compile(rb"\n[ \t]*[A-Z]").search(self.content, self.at - 1)
-        stop = end.start() + 1 if end else len(self.content)
-        values = numbers_of(self.content[self.at : stop])
-        self.at = stop
-        check_count("numbers", count, len(values))
-        return values
-
-    def cells(self, count: int, size: int) -> tuple[IntArray, IntArray]:
-        """Return where the nodes of each cell end, and the nodes of all."""
-        start, found = self.at, []
-        for name, length in (("OFFSETS", count), ("CONNECTIVITY", size)):  # of version 5
-            words = self.words()
-            if words[:1] == [name] and len(words) == 2:
-                found.append(integers(self.numbers(length, words[1])))
-            elif found or words[:1] == [name]:
-                raise ValueError(f"{name} with its type of numbers is expected")
-            else:
-                break
-        if found:
-            return found[0][1:], found[1]  # there is one offset more than cells
-        self.at = start
-        rows = integers(self.numbers(size, "int"))
-        heads: list[int] = []
-        at = 0
-        while len(heads) < count and 0 <= at < size and rows[at] >= 0:
-            heads.append(at)
-            at += 1 + int(rows[at])
-        if at != size or len(heads) < count:
-            raise ValueError("the cells do not fill the numbers announced for them")
-        return np.cumsum(rows[heads]), np.delete(rows, heads)
-
-
-def read_legacy(file: Path) -> RawMesh:
-    """Return the mesh in a legacy file of an unstructured grid.
-
-    Raises
-    ------
-    ValueError
-        If the file is damaged or has another kind of data set.
-    """
-    reader = _Legacy(file.read_bytes())
-    points: FloatArray | None = None
-    types = ends = nodes = np.zeros(0, np.int64)
-    while words := reader.words():
-        # CELL_DATA and POINT_DATA, after the mesh, are no part of it.
-        match [words[0].upper(), *words[1:]]:
-            case ["CELL_DATA" | "POINT_DATA", *_]:
-                break
-            case ["DATASET", "UNSTRUCTURED_GRID"]:
-                pass
-            case ["DATASET", *kind]:
-                raise ValueError(f"the data set is {' '.join(kind)}; {_SAVE}")
-            case ["METADATA"]:
-                while reader.at < len(reader.content) and reader.line():
-                    pass
-            case ["FIELD", _, count]:
-                for _ in range(int(count)):
-                    words = reader.words()
-                    if len(words) != 4:
-                        raise ValueError(f"{' '.join(words)[:40]!r} is no head of a field")
-                    reader.numbers(int(words[1]) * int(words[2]), words[3])
-            case ["POINTS", count, type_]:
-                points = reader.numbers(3 * int(count), type_).reshape(-1, 3)
-            case ["CELLS", count, size]:
-                ends, nodes = reader.cells(int(count), int(size))
-            case ["CELL_TYPES", count]:
-                types = integers(reader.numbers(int(count), "int"))
-            case _:
-                raise ValueError(f"{' '.join(words)[:40]!r} is not understood")
-    if points is None:
-        raise ValueError("it has no POINTS")
-    return _raw_mesh(points, types, ends, nodes)
-
-
-# ------------------------------------------------------------------------------------------ XML
-
-
-def read_xml(file: Path) -> RawMesh:
+def read(file: Path) -> RawMesh:
     """Return the mesh in an XML file of an unstructured grid, all of its pieces.
 
     Raises
@@ -214,7 +93,7 @@ def read_xml(file: Path) -> RawMesh:
     except ElementTree.ParseError as error:
         raise ValueError(f"XML: {error}") from None
     if root.get("type") != "UnstructuredGrid":
-        raise ValueError(f"the data set is {root.get('type')}; {_SAVE}")
+        raise ValueError(f"the data set is {root.get('type')}; save an unstructured grid")
     tail = b"" if appended is None else content[appended.end() : content.rfind(b"</AppendedData")]
     arrays = _Arrays(root, tail, raw=appended is not None and b"base64" not in appended[1])
     meshes = [_piece(piece, arrays) for piece in root.findall("UnstructuredGrid/Piece")]
@@ -262,7 +141,7 @@ class _Arrays:
         self.decompress = _COMPRESSORS[compressor]
 
     def type(self, name: str) -> np.dtype[Any]:
-        if not _XML_TYPES.fullmatch(name):
+        if not _TYPES.fullmatch(name):
             raise ValueError(f"data of type {name!r} are not read")
         return np.dtype(self.order + np.dtype(name.lower()).str[1:])
 
