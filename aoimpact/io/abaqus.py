@@ -7,7 +7,6 @@ all others have a kind in `_KINDS`.
 
 from __future__ import annotations
 
-import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -21,12 +20,12 @@ from typing import Any, Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..base import FloatArray, IntArray, MeshError, nearest, require, warn
+from ..base import FloatArray, IntArray, MeshError, nearest, warn
 from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
 from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
-from .sections import PARALLEL, Axes, Source, across, layered, refusing, triad
+from .sections import Axes, Source, across, layered, refusing, triad
 
 # Sets of nodes or of elements.
 Which = Literal["NSET", "ELSET"]
@@ -67,8 +66,8 @@ _BEGINNINGS = """
 _KINDS = {
     # They change nodes, elements or sets in ways that the reader does not follow.
     "unsupported": (
-        "ADAPTIVEMESHREFINEMENT|ADJUST|DISPLAYBODY|ELCOPY|IMPERFECTION|IMPORT|IMPORTELSET"
-        "|IMPORTNSET|NCOPY|NFILL|NMAP|REFINEMESH|SYMMETRICMODELGENERATION"
+        "ADAPTIVEMESHREFINEMENT|ADJUST|DISPLAYBODY|(EL|N)(COPY|GEN)|IMPERFECTION|IMPORT((EL|N)SET)?"
+        "|NFILL|NMAP|REFINEMESH|SYMMETRICMODELGENERATION"
     ),
     # They connect nodes, which a mesh cannot hold.
     "connection": (
@@ -128,12 +127,6 @@ _LISTED = (
 
 # Surface elements that meshers write for the sides of solids.
 _SIDES = r"CP[SE]\d|CAX\d|SFM3D"
-
-# Bytes that a generated node takes, Python's objects included.
-_PER_NODE = 400
-
-# Share of a radius by which two nodes of one arc may differ.
-_ROUND = 1e-3
 
 # Least share of an orientation's axis along the normals of the shell that it is for.
 _ALONG = 1e-3
@@ -557,14 +550,14 @@ class Scope:
     missing: dict[str, int] = field(default_factory=dict)
     known: dict[Which, tuple[IntArray, IntArray]] = field(default_factory=dict)
     _points: list[tuple[Keyword, IntArray, FloatArray]] = field(default_factory=list)
-    _frames: list[tuple[int, Axes]] = field(default_factory=lambda: [(-1, Axes())])
+    _frame: Axes = field(default_factory=Axes)  # the last *SYSTEM
     _found: dict[tuple[Which, str], IntArray | None] = field(default_factory=dict)
 
     def read(self) -> Scope:
         """Read its keywords, once, and return the scope."""
         if not self.known:
-            for keyword in sorted(self.keywords, key=lambda keyword: _READ[keyword.name][0]):
-                _, add, options = _READ[keyword.name]
+            for keyword in self.keywords:
+                add, options = _READ[keyword.name]
                 keyword.check_options(*options.split())
                 add(self, keyword)
             self._number()
@@ -623,11 +616,7 @@ class Scope:
                 x[2] = 0.0
                 beside = np.array([-x[1], x[0], 0.0])
             axes = triad(x, beside, keyword.error)
-        self._frames.append((keyword.order, Axes("R", origin, axes)))
-
-    def _frame(self, keyword: Keyword) -> Axes:
-        """Return the last *SYSTEM before a keyword."""
-        return [axes for order, axes in self._frames if order < keyword.order][-1]
+        self._frame = Axes("R", origin, axes)
 
     def _node(self, keyword: Keyword) -> None:
         labels, places = keyword.points()
@@ -636,51 +625,9 @@ class Scope:
             raise keyword.error(f"SYSTEM must be R, C or S, got {system}")
         if system[0] == "S":  # r, the angle about z, and that from the plane of x and y
             places = np.stack([places[:, 0], 90.0 - places[:, 2], places[:, 1]], axis=1)
-        places = replace(self._frame(keyword), kind=system[0]).basic(places)
+        places = replace(self._frame, kind=system[0]).basic(places)
         self._points.append((keyword, labels, places))
         self._define(keyword, "NSET", labels)
-
-    def _ngen(self, keyword: Keyword) -> None:
-        """Add nodes between two others, on a straight line or an arc."""
-        line = key(keyword.options.get("LINE", ""))
-        if line not in ("", "C"):
-            raise keyword.error(f"LINE={line} is not supported; write the nodes out")
-        frame = self._frame(keyword)
-        where: dict[int, FloatArray] = {}
-        for _, labels, places in self._points:
-            where.update(zip(labels.tolist(), places, strict=True))
-        made: dict[int, FloatArray] = {}
-        ends: list[int] = []
-        for row, texts in enumerate(keyword.rows):
-            first, last, step = keyword.span(row, texts[:3])
-            n, rest = divmod(last - first, step)
-            if rest or not n:
-                raise keyword.error(f"no step of {step} leads from {first} to {last}", row)
-            require(n * _PER_NODE, f"*NGEN of {n} nodes", "check the numbers in the deck")
-            centre = keyword.integers(row, texts[3:4])[0] if line and any(texts[3:4]) else 0
-            for end in (first, last, centre or first):
-                if end not in where:
-                    raise keyword.error(f"node {end} is not defined", row)
-            share = np.arange(1, n)[:, None] / n
-            if line:
-                given = np.array(keyword.reals(row, texts[4:], 6))
-                about = where[centre] if centre else frame.basic(given[:3])
-                normal = given[3:6] @ frame.axes if len(texts) > 7 else None
-                ends_of = np.array([where[first], where[last]])
-                between = _arc(ends_of, share, about, normal) if centre or texts[4:] else None
-                if between is None:
-                    raise keyword.error("no arc leads from node to node about the centre", row)
-            elif len(texts) > 3:
-                raise keyword.error("only LINE=C takes more than three numbers", row)
-            else:
-                between = where[first] + share * (where[last] - where[first])
-            new = dict(zip(range(first + step, last, step), between, strict=True))
-            where |= new
-            made |= new
-            ends += [first, last]
-        labels = np.fromiter(made, dtype=np.int64)
-        self._points.append((keyword, labels, np.reshape([*made.values()], (-1, 3))))
-        self._define(keyword, "NSET", raw.joined([np.array(ends, dtype=np.int64), labels]))
 
     def _element(self, keyword: Keyword) -> None:
         name = key(keyword.options.get("TYPE", ""))
@@ -699,31 +646,6 @@ class Scope:
         self.elements.append(new)
         self._define(keyword, "ELSET", new.labels)
 
-    def _elgen(self, keyword: Keyword) -> None:
-        """Add elements like a first one, in a row, a layer of rows, and layers."""
-        every = []
-        n_nodes = sum(len(labels) for _, labels, _ in self._points)
-        for row, texts in enumerate(keyword.rows):
-            master, *numbers = keyword.integers(row, [text or "1" for text in texts])
-            if not 1 <= len(numbers) <= 9:
-                raise keyword.error("give an element, and how many to make of it", row)
-            numbers = padded(numbers, [1, 1, 1, 1, 0, 0, 1, 0, 0])
-            counts, steps = numbers[0::3], np.array([numbers[1::3], numbers[2::3]]).T
-            if min(counts) < 1 or math.prod(counts) > n_nodes:
-                raise keyword.error("it makes no elements, or more than there are nodes", row)
-            of = [(b, i) for b in self.elements for i in np.flatnonzero(b.labels == master)]
-            if not of:
-                raise keyword.error(f"element {master} is not defined", row)
-            block, i = of[-1]
-            shifts = np.zeros((1, 2), dtype=np.int64)  # of nodes' and elements' numbers
-            for count, step in zip(counts, steps, strict=True):
-                shifts = (np.arange(count)[:, None, None] * step + shifts).reshape(-1, 2)
-            labels = master + shifts[:, 1]
-            nodes = block.nodes[i] + shifts[1:, :1]
-            self.elements.append(replace(block, labels=labels[1:], nodes=nodes, keyword=keyword))
-            every.append(labels)
-        self._define(keyword, "ELSET", raw.joined(every))
-
     def _set(self, keyword: Keyword) -> None:
         which: Which = "NSET" if keyword.name == "NSET" else "ELSET"
         options = keyword.options
@@ -731,12 +653,13 @@ class Scope:
             raise keyword.error(f"{which}=name is missing")
         if key(options.get("INSTANCE", "")) not in ["", *self.inner]:
             raise keyword.error(f"there is no instance {options['INSTANCE']}")
-        numbers, ranges, names = list[int](), [], list[str]()
+        numbers, ranges, names = list[int](), list[tuple[int, int, int]](), list[str]()
         if "GENERATE" in options:
-            ranges = [keyword.span(row, texts) for row, texts in enumerate(keyword.rows)]
-            for row, (_, _, step) in enumerate(ranges):
-                if step < 0:
-                    raise keyword.error("the step must be positive", row)
+            for row, texts in enumerate(keyword.rows):
+                span = padded(keyword.integers(row, [text or "1" for text in texts]), 3 * [1])
+                if not (2 <= len(texts) <= 3 and span[2] > 0 and span[0] <= span[1]):
+                    raise keyword.error("give the first number, the last and a positive step", row)
+                ranges.append((span[0], span[1], span[2]))
         else:
             texts = [text for texts in keyword.rows for text in texts if text]
             numbers = [int(text) for text in texts if text.isdecimal()]
@@ -851,43 +774,15 @@ class Scope:
         return raw.joined(found)
 
 
-# Keywords that are read, after those of a lower number that may come later; and their options.
+# Keywords that are read, and their options.
 _OF_SETS = "ELSET GENERATE UNSORTED INTERNAL INSTANCE INPUT FREQUENCY"
-_READ: dict[str, tuple[int, Callable[[Scope, Keyword], None], str]] = {
-    "SYSTEM": (0, Scope._system, ""),
-    "NODE": (0, Scope._node, "NSET SYSTEM INPUT"),
-    "NGEN": (1, Scope._ngen, "NSET LINE"),
-    "ELEMENT": (0, Scope._element, "TYPE ELSET INPUT"),
-    "ELGEN": (2, Scope._elgen, "ELSET"),
-    "NSET": (0, Scope._set, f"NSET {_OF_SETS}"),
-    "ELSET": (0, Scope._set, _OF_SETS),
+_READ: dict[str, tuple[Callable[[Scope, Keyword], None], str]] = {
+    "SYSTEM": (Scope._system, ""),
+    "NODE": (Scope._node, "NSET SYSTEM INPUT"),
+    "ELEMENT": (Scope._element, "TYPE ELSET INPUT"),
+    "NSET": (Scope._set, f"NSET {_OF_SETS}"),
+    "ELSET": (Scope._set, _OF_SETS),
 }
-
-
-def _arc(ends: FloatArray, share: FloatArray, centre: FloatArray, given: Any) -> Any:
-    """Return places on an arc, shape (n, 3), or None if there is no such arc.
-
-    Parameters
-    ----------
-    ends : ndarray, shape (2, 3)
-    share : ndarray, shape (n, 1)
-        Shares of the way from the first end to the other.
-    centre : ndarray, shape (3,)
-    given : ndarray, shape (3,), or None
-        A normal of the arc, needed from 180° on.
-    """
-    arms = ends - centre
-    radii = [float(np.linalg.norm(arm)) for arm in arms]
-    normal = np.cross(*arms) if given is None else given
-    size = float(np.linalg.norm(normal))
-    least = PARALLEL * radii[0] * radii[1] if given is None else 0.0
-    if not (size > least and abs(radii[0] - radii[1]) <= _ROUND * radii[0]):
-        return None
-    across = np.cross(normal / size, arms[0])
-    angle = math.atan2(float(arms[1] @ across), float(arms[1] @ arms[0])) % (2.0 * math.pi)
-    if angle < PARALLEL:
-        return None
-    return centre + np.cos(share * angle) * arms[0] + np.sin(share * angle) * across
 
 
 # ----- sections and materials

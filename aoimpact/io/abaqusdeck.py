@@ -129,15 +129,6 @@ class Keyword:
                 raise self.error(f"{text!r} is no integer", row)
         return [int(text) for text in texts]
 
-    def span(self, row: int, texts: list[str]) -> tuple[int, int, int]:
-        """Return a first number, a last one and a step that leads there; 1 if it is left out."""
-        if not 2 <= len(texts) <= 3:
-            raise self.error("give the first and the last number, and perhaps a step", row)
-        first, last, step = self.integers(row, padded([text or "1" for text in texts], 3 * ["1"]))
-        if step == 0 or (last - first) / step < 0:
-            raise self.error(f"no step of {step} leads from {first} to {last}", row)
-        return first, last, step
-
     def reals(self, row: int, texts: Iterable[str], least: int = 0) -> list[float]:
         """Return numbers of a data line; blanks are 0, and so are those up to the least count."""
         try:

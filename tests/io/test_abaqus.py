@@ -11,7 +11,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact import AOImpactWarning, InputError, MeshError
-from aoimpact.base import MemoryLimitError, MissingFileError
+from aoimpact.base import MissingFileError
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800.0)
 
@@ -74,8 +74,6 @@ def sets(mesh: ao.Mesh) -> dict[str, list[int]]:
         (f"{C3D8}\n{cubes(1, 2, 3, 4)}*ELSET,ELSET=G,GENERATE\n1,3,2\n4,4\n", "G", [1, 3, 4]),
         (f"{C3D8}\n{cubes(1, 2, 3, 4)}*Elset, elset = g , Generate\n 1 , 4 , 2 ,\n", "g", [1, 3]),
         (f"{C3D8}\n{cubes(1, 2, 3, 4)}*ELSET,ELSET=U,UNSORTED,INTERNAL\n4,1\n", "U", [1, 4]),
-        (f"{C3D8},ELSET=E\n{cube(1)}*ELGEN,ELSET=E\n1,4\n", "E", [1, 2, 3, 4]),
-        (f"{C3D8},ELSET=E\n{cube(1)}*ELGEN,ELSET=F\n1,2,2,10\n", "F", [1, 11]),
         (f'{C3D8}\n{cubes(1, 2)}*ELSET,ELSET="a, b"\n2\n*ELSET,ELSET=Q\n"a, b"\n', "Q", [2]),
     ],
 )  # fmt: skip
@@ -244,31 +242,6 @@ def test_a_system_holds_until_the_next_one(tmp_path: Path) -> None:
     assert np.unique(mesh.nodes[:, 2]).tolist() == [-5.0, 0.01]
 
 
-def test_nodes_between_others(tmp_path: Path) -> None:
-    ends = "*NODE\n" + "".join(f"{n},{x},{y},{z}\n" for n, x, y, z in ROW_NODES if x in (0, 4))
-    lines = "".join(f"{n},{n + 4},1\n" for n in (1, 6, 11)) + "16,20\n"
-    mesh = read(tmp_path, f"*NGEN,NSET=ALL\n{lines}{ends}{C3D8}\n{cubes(1, 2, 3, 4)}")
-    assert np.array_equal(mesh.nodes, [place[1:] for place in ROW_NODES])
-    assert sets(mesh)["ALL"] == list(range(1, 21))
-
-
-@pytest.mark.parametrize("centre", [",,0,0,0", ",9", ",,0,0,0,0,0,1"])
-def test_nodes_on_an_arc(tmp_path: Path, centre: str) -> None:
-    """Bricks of a ring, with nodes every 30 degrees from 0 to 90."""
-    ends = [(n, r, turn, z) for n, r, z in ((1, 1, 0), (11, 2, 0), (21, 1, 1), (31, 2, 1))
-            for n, turn in ((n, 0.0), (n + 3, 90.0))]  # fmt: skip
-    nodes = "".join(f"{n},{r},{turn},{z}\n" for n, r, turn, z in ends)
-    rows = "".join(f"{n},{n + 3},1{centre}\n" for n in (1, 11))
-    rows += "".join(f"{n},{n + 3},1,,0,0,1\n" for n in (21, 31))
-    cell = "1,1,11,12,2,21,31,32,22\n"
-    deck = f"*NODE,SYSTEM=C\n{nodes}*NODE\n9,0,0,0\n*NGEN,LINE=C\n{rows}{C3D8}\n{cell}*ELGEN\n1,3\n"
-    with pytest.warns(AOImpactWarning, match="element"):
-        mesh = read(tmp_path, deck)
-    turn = np.degrees(np.arctan2(mesh.nodes[:, 1], mesh.nodes[:, 0]))
-    assert np.allclose(turn, np.tile([0.0, 30.0, 60.0, 90.0], 4))
-    assert np.allclose(np.hypot(*mesh.nodes.T[:2]), np.repeat([1.0, 2.0, 1.0, 2.0], 4))
-
-
 PART = f"*Part, name=Bar\n{NODES}{BRICK}*Nset, nset=Left\n1,3,5,7\n*Elset,elset=Bar\n1\n*End Part\n"
 
 
@@ -365,7 +338,6 @@ def test_solids_of_every_kind(tmp_path: Path, kind: str) -> None:
         ("*ELEMENT,TYPE=S4R,ELSET=G\n9,1,2,4,3\n*ELEMENT,TYPE=MASS,ELSET=G\n10,1\n",
          "1 MASS, 1 S4R"),
         ("*ELEMENT,TYPE=SPRINGA,ELSET=G\n9,1,2\n10,3,4\n", "2 SPRINGA"),
-        ("*ELEMENT,TYPE=U1,ELSET=G\n9,1,2\n*ELGEN,ELSET=G\n9,3\n", "3 U1"),
         ("*ELEMENT,TYPE=GAPUNI,ELSET=G\n9,1,2\n", "1 GAPUNI"),
         ("*ELEMENT,TYPE=SC8R,ELSET=G\n9,1,2,4,3,5,6,8,7\n", "1 SC8R"),
         ("*ELEMENT,TYPE=B31,ELSET=G\n9,1,2\n", "1 B31"),
@@ -443,11 +415,7 @@ def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
         (NODES + BRICK + "*NSET\n1\n", r"line 12\b"),
         (NODES + BRICK + "*NSET,NSET=S,INSTANCE=I\n1\n", r"line 12\b"),
         (NODES + BRICK + "*NSET,NSET=S,NSET=T\n1\n", r"line 12\b"),
-        (NODES + BRICK + "*ELGEN\n7,2\n", r"line 13\b"),
-        (NODES + BRICK + "*ELGEN\n1,2000000000\n", r"line 13\b"),
-        (NODES + BRICK + "*NGEN\n1,50\n", r"line 13\b"),
-        (NODES + BRICK + "*NGEN\n1,8,2\n", r"line 13\b"),
-        (NODES + BRICK + "*NGEN,LINE=P\n1,8\n", r"line 12\b"),
+        (NODES + BRICK + "*ELGEN\n7,2\n", r"line 12\b"),
         ("*INCLUDE,INPUT=a.inp\n", r"line 1\b"),
         ("*INCLUDE\n", r"line 1\b"),
         ("*PART,NAME=P\n" + NODES + BRICK, r"line 11\b"),
@@ -475,12 +443,6 @@ def test_what_is_not_understood_is_refused_by_line_and_keyword(
     tmp_path: Path, deck: str, words: str
 ) -> None:
     with pytest.raises(MeshError, match=words):
-        read(tmp_path, deck)
-
-
-def test_a_generated_node_that_memory_has_no_room_for_is_refused(tmp_path: Path) -> None:
-    deck = "*NODE\n1,0,0,0\n1000000000001,1,0,0\n*NGEN\n1,1000000000001\n"
-    with pytest.raises(MemoryLimitError, match="memory"):
         read(tmp_path, deck)
 
 

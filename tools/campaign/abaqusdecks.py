@@ -185,58 +185,6 @@ class _Writer:
         rest = self.broken(numbers[cut:]) if len(numbers[cut:]) > 1 else [self.row(numbers[cut:])]
         return [self.row(numbers[:cut], end=False) + ",", *rest]
 
-    def generated(self, counts: tuple[int, int, int]) -> tuple[Body, Unit]:
-        """Return a box of bricks, and the keywords that make it of its corners and one brick."""
-        steps = (self.rng.randint(1, 3), 0, 0)
-        steps = steps[0], steps[0] * (counts[0] + self.rng.randint(1, 9)), 0
-        steps = steps[0], steps[1], steps[1] * (counts[1] + self.rng.randint(1, 9))
-        first = self.rng.randint(1, 1000)
-        places, labels = [], {}
-        for k in range(counts[2] + 1):
-            for j in range(counts[1] + 1):
-                for i in range(counts[0] + 1):
-                    labels[i, j, k] = first + i * steps[0] + j * steps[1] + k * steps[2]
-                    places.append((2.0 * i / counts[0], 1.5 * j / counts[1], 1.0 * k / counts[2]))
-        box = ao.box_mesh((2.0, 1.5, 1.0), counts)
-        order = np.lexsort(np.round(box.nodes, 9).T)
-        numbers = np.empty(len(order), dtype=int)
-        numbers[order] = list(labels.values())
-        one = self.rng.randint(1, 1000)
-        by = (1, counts[0] + 2, (counts[0] + 2) * (counts[1] + 3))
-        middle = box.nodes[box.cells].mean(axis=1) * np.array(counts) / (2.0, 1.5, 1.0)
-        cells = one + np.floor(middle).astype(int) @ by
-        mesh = ao.Mesh(box.nodes, box.cells, box.kind, node_labels=numbers, cell_labels=cells)
-        ends = [(i, j, k) for k in (0, counts[2]) for j in (0, counts[1]) for i in (0, counts[0])]
-        rows = []
-        for at in ends:
-            place = [(2.0, 1.5, 1.0)[a] * bool(at[a]) for a in range(3)]
-            rows.append(self.row([labels[at], *map(self.number, place)]))
-        unit = [self.keyword("*NODE"), *rows]
-        for axis in range(3):
-            if counts[axis] == 1:
-                continue
-            lines = []
-            done = [range(c + 1) if a < axis else (0, c) for a, c in enumerate(counts)]
-            done[axis] = (0,)
-            for k in done[2]:
-                for j in done[1]:
-                    for i in done[0]:
-                        other = [i, j, k]
-                        other[axis] = counts[axis]
-                        lines.append(self.row([labels[i, j, k], labels[tuple(other)], steps[axis]]))
-            unit += [self.keyword("*NGEN"), *lines]
-        corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
-        corners += [(i, j, 1) for i, j, _ in corners]
-        unit += [self.keyword("*ELEMENT", "TYPE=C3D8", "ELSET=ALL")]
-        unit += self.broken([one, *(labels[corner] for corner in corners)])
-        grown = [one]
-        for axis in range(3):
-            grown += [counts[axis], steps[axis], by[axis]]
-        unit += [self.keyword("*ELGEN", "ELSET=ALL"), self.row(grown)]
-        self.cell_sets["ALL"] = set(cells.tolist())
-        self.exact = False
-        return Body(mesh, (tuple(cells.tolist()),), (), ()), unit
-
     # ------------------------------------------------------------------------------- sets
 
     def group(
@@ -386,19 +334,13 @@ def _write(rng: random.Random, folder: Path) -> tuple[Path, list[tuple[str, Body
     placed = [_Placement.drawn(rng) for _ in range(2)]
     style = rng.choice(("flat", "flat", "flat", "parts", "instance", "within", "two"))
     moved = style in ("instance", "within", "two")
-    if rng.random() < 0.15:
-        moved = False
-        style = "flat"
-        body, unit = writer.generated((rng.randint(1, 3), rng.randint(1, 3), rng.randint(1, 2)))
-        units = [unit]
-    else:
-        body = draw(rng)
-        places = body.mesh.nodes
-        if moved:
-            writer.exact = False
-            places = placed[0].before(places)
-        units = writer.nodes(_labels(body.mesh.node_labels).tolist(), places)
-        units += writer.elements(body)
+    body = draw(rng)
+    places = body.mesh.nodes
+    if moved:
+        writer.exact = False
+        places = placed[0].before(places)
+    units = writer.nodes(_labels(body.mesh.node_labels).tolist(), places)
+    units += writer.elements(body)
     nodes, cells = (_labels(x).tolist() for x in (body.mesh.node_labels, body.mesh.cell_labels))
     outer: list[Unit] = []
     for which, groups, every in (
