@@ -5,9 +5,10 @@ The formats are those of the chapter "Gmsh file formats" of Gmsh's reference man
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -40,22 +41,8 @@ _PART = "it holds one part of a partitioned mesh, or says so; save all of it, wi
 # Types of binary numbers by their names in the manual; None for a text file.
 _Types = dict[str, np.dtype[np.generic]] | None
 
-
-@dataclass
-class _Entities:
-    """Groups and parts of entities in version 4.1.
-
-    Attributes
-    ----------
-    groups, parts : dict of (int, int) to set of int
-        Tags of the physical groups, and numbers of the parts of a partitioned mesh, by the
-        dimension and the tag of the entity in them.
-    n_parts : int
-    """
-
-    groups: dict[tuple[int, int], set[int]] = field(default_factory=dict)
-    parts: dict[tuple[int, int], set[int]] = field(default_factory=dict)
-    n_parts: int = 0
+# Numbers of groups, or parts, by the dimension and tag of an entity.
+_Tags = dict[tuple[int, int], set[int]]
 
 
 @dataclass(frozen=True)
@@ -125,24 +112,34 @@ def read(file: Path) -> RawMesh:
     ValueError
         If the file is damaged, of another version, or one part of a partitioned mesh.
     """
-    sections = _sections(file.read_bytes())
+    sections = _sections(file.read_bytes().removeprefix(codecs.BOM_UTF8))
     for name in ("MeshFormat", "Nodes", "Elements"):
         if name not in sections:
             raise ValueError(f"the section ${name} is missing")
     with raw.naming("section $MeshFormat"):
         version, types = _format(sections["MeshFormat"])
-    entities = _Entities()
+    groups: _Tags = {}
+    parts: _Tags = {}
+    n_parts = 0
     for name in ("Entities", "PartitionedEntities"):
         if name in sections:
             with raw.naming(f"section ${name}"):
-                entities = _entities(_Numbers(sections[name], types), whole=name == "Entities")
+                groups, parts, n_parts = _entities(_Numbers(sections[name], types), name)
     with raw.naming("section $PhysicalNames"):
         names = _names(sections.get("PhysicalNames", b"0"))
     with raw.naming("section $Nodes"):
-        tags, places = (_nodes_4 if version > 4.0 else _nodes_2)(sections["Nodes"], types)
+        if version > 4.0:
+            tags, places = _nodes_4(_Numbers(sections["Nodes"], types))
+        else:
+            count, _, rest = sections["Nodes"].partition(b"\n")
+            numbers = _Numbers(rest, types)
+            rows = numbers.rows("iddd", int(count))
+            tags, places = raw.integers(rows[:, 0]), rows[:, 1:]
+            numbers.finish()
     with raw.naming("section $Elements"):
         if version > 4.0:
-            elements = _elements_4(_Numbers(sections["Elements"], types), entities)
+            numbers = _Numbers(sections["Elements"], types)
+            elements = _elements_4(numbers, groups, parts, n_parts)
         else:
             elements = _elements_2(sections["Elements"], types)
     return _mesh(tags, places, elements, names)
@@ -201,27 +198,31 @@ def _names(text: bytes) -> dict[tuple[int, int], str]:
     return found
 
 
-def _entities(numbers: _Numbers, *, whole: bool) -> _Entities:
-    found = _Entities()
+def _entities(numbers: _Numbers, name: str) -> tuple[_Tags, _Tags, int]:
+    """Return the physical groups and the parts of the mesh of each entity, and the parts' number.
+
+    Entities are dimensions and tags. Parts are those of a partitioned mesh.
+    """
+    groups, parts, n_parts = _Tags(), _Tags(), 0
+    whole = name == "Entities"
     if not whole:
-        found.n_parts = numbers.count()
+        n_parts = numbers.count()
         numbers.take("i", 2 * numbers.count())  # entities of ghost elements
     for dim, count in enumerate(numbers.ints("P", 4)):
         for _ in range(count):
             entity = dim, int(numbers.ints("i", 1 if whole else 3)[0])
             if not whole:
-                found.parts[entity] = set(numbers.ints("i", numbers.count()).tolist())
+                parts[entity] = set(numbers.ints("i", numbers.count()).tolist())
             numbers.take("d", 6 if dim else 3)  # the box around it
             # A negative tag means that the group takes the entity in reverse.
-            found.groups[entity] = set(np.abs(numbers.ints("i", numbers.count())).tolist())
+            groups[entity] = set(np.abs(numbers.ints("i", numbers.count())).tolist())
             if dim:
                 numbers.take("i", numbers.count())  # the entities that bound it
     numbers.finish()
-    return found
+    return groups, parts, n_parts
 
 
-def _nodes_4(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
-    numbers = _Numbers(content, types)
+def _nodes_4(numbers: _Numbers) -> tuple[IntArray, FloatArray]:
     n_blocks, n_nodes, _, _ = numbers.ints("P", 4)
     tags, places = [np.zeros(0, np.int64)], [np.zeros((0, 3))]
     for _ in range(n_blocks):
@@ -235,34 +236,26 @@ def _nodes_4(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
     return np.concatenate(tags), np.concatenate(places)
 
 
-def _nodes_2(content: bytes, types: _Types) -> tuple[IntArray, FloatArray]:
-    line, _, rest = content.partition(b"\n")
-    numbers = _Numbers(rest, types)
-    rows = numbers.rows("iddd", int(line))
-    numbers.finish()
-    return raw.integers(rows[:, 0]), rows[:, 1:]
-
-
 def _width(type_: int) -> int:
     if type_ not in _KINDS:
         raise ValueError(f"elements of Gmsh's type {type_} are not read: order 1 and 2 alone are")
     return raw.nodes_in(_KINDS[type_])
 
 
-def _elements_4(numbers: _Numbers, entities: _Entities) -> list[_Elements]:
+def _elements_4(numbers: _Numbers, groups: _Tags, parts: _Tags, n_parts: int) -> list[_Elements]:
     n_blocks, n_elements, _, _ = numbers.ints("P", 4)
     found = []
-    parts: dict[int, set[int]] = {0: set()}  # by dimension: a boundary is of several
+    met: dict[int, set[int]] = {0: set()}  # parts by dimension: a boundary is of several
     for _ in range(n_blocks):
         dim, tag, type_ = (int(number) for number in numbers.ints("i", 3))
         count, width = numbers.count(), 1 + _width(type_)
         rows = numbers.ints("P", width * count).reshape(count, width)
-        members = {group: np.arange(count) for group in entities.groups.get((dim, tag), ())}
-        parts.setdefault(dim, set()).update(entities.parts.get((dim, tag), ()))
+        members = {group: np.arange(count) for group in groups.get((dim, tag), ())}
+        met.setdefault(dim, set()).update(parts.get((dim, tag), ()))
         found.append(_Elements(type_, rows[:, 0], rows[:, 1:], members))
     numbers.finish()
     raw.check_count("elements", n_elements, sum(len(block.tags) for block in found))
-    if len(parts[max(parts)]) < entities.n_parts:
+    if len(met[max(met)]) < n_parts:
         raise ValueError(_PART)
     return found
 
