@@ -131,27 +131,6 @@ _BOTH = ("nodes", "elements")
 _MEMBERS = {"GRID": _BOTH[:1], "NODE": _BOTH[:1], "ELEM": _BOTH[1:], "ELEMENT": _BOTH[1:]}
 
 
-@dataclass(frozen=True, eq=False)
-class NastranDeck:
-    """Case control and bulk data, nodes, and elements block by block as the mesh has them."""
-
-    control: Lines
-    bulk: BulkData
-    grids: Grids
-    parts: list[Entries]
-
-    elements = ""  # by types of their own: all are in the mesh
-
-    @property
-    def sections(self) -> str:
-        """Properties of shells and beams, as in "2 PSHELL"."""
-        return _counted(self.bulk, _DIMENSIONS[1], _DIMENSIONS[2])
-
-    def read(self, source: Source) -> dict[str, OneMaterial]:
-        """Return the sections by group."""
-        return Reader(source, self).sections()
-
-
 def read(file: Path) -> RawMesh:
     """Return the mesh of a Nastran deck.
 
@@ -532,12 +511,25 @@ _ISOTROPIC = 0.01
 
 
 @dataclass(eq=False)
-class Reader:
-    """The properties and materials of a deck by number, and its materials, each made once."""
+class NastranDeck:
+    """Case control and bulk data, nodes, and elements block by block as the mesh has them.
 
-    source: Source
-    deck: NastranDeck
+    Materials are made once each, for the source of the last `read`.
+    """
+
+    control: Lines
+    bulk: BulkData
+    grids: Grids
+    parts: list[Entries]
+    source: Source = field(init=False)
     _made: dict[tuple[int, bool], Solid] = field(default_factory=dict)
+
+    elements = ""  # by types of their own: all are in the mesh
+
+    @property
+    def sections(self) -> str:
+        """Properties of shells and beams, as in "2 PSHELL"."""
+        return _counted(self.bulk, _DIMENSIONS[1], _DIMENSIONS[2])
 
     def cards(self, cards: Iterable[Card]) -> dict[int, Card]:
         """Return entries by their numbers."""
@@ -551,21 +543,20 @@ class Reader:
     @cached_property
     def properties(self) -> dict[int, dict[int, Card]]:
         """All properties by the dimension of their elements, also those that are not read."""
-        return {dim: self.cards(_properties(self.deck.bulk, dim)) for dim in _DIMENSIONS}
+        return {dim: self.cards(_properties(self.bulk, dim)) for dim in _DIMENSIONS}
 
     @cached_property
     def materials(self) -> dict[int, Card]:
-        """The materials that are read."""
-        return self.cards(self.deck.bulk.cards(*_MATERIALS))
+        """The materials of solids, also those that are not read."""
+        return self.cards(self.bulk.cards(*filter(_SOLIDS.fullmatch, self.bulk.names)))
 
     @cached_property
     def weight(self) -> float:
         """The factor on densities: PARAM,WTMASS of bulk data or of case control."""
-        control, bulk = self.deck.control, self.deck.bulk
-        found = [card for card in bulk.cards("PARAM") if card.text(0) == "WTMASS"]
-        for line, text in enumerate(control.text):
+        found = [card for card in self.bulk.cards("PARAM") if card.text(0) == "WTMASS"]
+        for line, text in enumerate(self.control.text):
             if of := _WTMASS.match(text):
-                found.append(Card("PARAM", ["WTMASS", of[1].decode()], control, line))
+                found.append(Card("PARAM", ["WTMASS", of[1].decode()], self.control, line))
         values = [card.real(1, "V1") for card in found]
         for card, value in zip(found, values, strict=True):
             if value != values[0]:
@@ -574,11 +565,12 @@ class Reader:
 
     def entries(self, members: IntArray) -> list[tuple[Table, str]]:
         """Return the entries of some elements, and their layouts."""
-        found = zip(self.deck.parts, self.source.raw.rows(members), strict=True)
+        found = zip(self.parts, self.source.raw.rows(members), strict=True)
         return [(part.table.select(rows), part.layout) for part, (_, rows) in found if len(rows)]
 
-    def sections(self) -> dict[str, OneMaterial]:
+    def read(self, source: Source) -> dict[str, OneMaterial]:
         """Return the sections by group."""
+        self.source = source
         dims = self.source.raw.dims
         found: dict[str, OneMaterial] = {}
         for name, members in self.source.raw.cell_sets.items():
@@ -602,10 +594,9 @@ class Reader:
                 continue
             with refusing(card.error):
                 found[name] = read(self, card, own)
-        bulk = self.deck.bulk
-        for entry in bulk.names.keys() & {"NSM", "NSM1", "NSML", "NSML1", "NSMADD"}:
+        for entry in self.bulk.names.keys() & {"NSM", "NSM1", "NSML", "NSML1", "NSMADD"}:
             why = "its mass is not supported; delete it, and take the mass into densities (given=)"
-            raise bulk.lines.refused(int(bulk.names[entry][0]), entry, why)
+            raise self.bulk.lines.refused(int(self.bulk.names[entry][0]), entry, why)
         return found
 
     # ------------------------------------------------------------------- materials
@@ -615,16 +606,17 @@ class Reader:
         given: Solid | None = self.source.instead(f"material {label}")
         if given is not None:
             return given
-        if label not in self.materials:
+        own = self.materials.get(label)
+        if own is None or own.name not in _MATERIALS:
             why = f"material {label} is none of {', '.join(_MATERIALS)}"
             raise card.error(f"{why}; give it by read_sections(given=)")
-        own, bar = self.materials[label], _DIMENSIONS[1].fullmatch(card.name) is not None
+        bar = _DIMENSIONS[1].fullmatch(card.name) is not None
         at = label, bar
         if at not in self._made:
             for entry in ("MATT1", "MATT8", "MATT11"):
-                if label in self.cards(self.deck.bulk.cards(entry)):
+                if label in self.cards(self.bulk.cards(entry)):
                     raise own.error(f"it depends on temperature by {entry}, which is not supported")
-            if label in self.cards(self.deck.bulk.cards("MATS1")):
+            if label in self.cards(self.bulk.cards("MATS1")):
                 self.source.left_out.append(f"material {label} is elastic, without its MATS1")
             make, density, damping = _MATERIALS[own.name]
             if own.real(damping, "GE", 0.0):
@@ -656,7 +648,7 @@ class Reader:
 
     def axes(self, label: int, own: IntArray, card: Card) -> FloatArray:
         """Return the unit axes of a rectangular system in rows."""
-        found = self.deck.grids.axes(label, partial(self.entries(own)[0][0].refused, 0))
+        found = self.grids.axes(label, partial(self.entries(own)[0][0].refused, 0))
         if found.kind != "R":
             raise card.error(f"system {label} is not rectangular")
         return found.axes
@@ -678,7 +670,7 @@ class Reader:
 
     def towards(self, own: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return the direction of plane 1 of each bar, and its offset; refuse hinges."""
-        nodes, grids = self.source.raw.nodes, self.deck.grids
+        nodes, grids = self.source.raw.nodes, self.grids
         for table, layout in self.entries(own):
             if layout == "line3":
                 raise table.refused(0, "PBEAM3, its property, is not read")
@@ -713,19 +705,19 @@ class Reader:
 # -------------------------------------------------------------------------------- properties
 
 
-def _solid(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
-    found = reader.material(card.integer(1, "MID"), card)
+def _solid(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
+    found = deck.material(card.integer(1, "MID"), card)
     if card.text(6) not in ("", "SMECH"):
         raise card.error(f"FCTN={card.text(6)} is no solid")
     if isinstance(found, Orthotropic) and (system := card.integer(2, "CORDM")):
-        axes: Any = reader.axes(system, own, card)
+        axes: Any = deck.axes(system, own, card)
         return replace(found, axes=axes)
     return found
 
 
-def _shell(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
+def _shell(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
     label, bending, shear, coupling = (card.integer(at, "MID") for at in (1, 3, 5, 10))
-    material = reader.material(label, card)
+    material = deck.material(label, card)
     if bending != label:
         raise card.error(f"MID2={card.text(3)!r} of bending must be MID1={label}")
     if shear not in (0, label) or coupling:
@@ -733,17 +725,17 @@ def _shell(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
     card.must_be(4, "12I/T**3", 1.0)
     card.must_be(6, "TS/T", 5.0 / 6.0)
     card.must_be(7, "NSM", 0.0)
-    plies = [Ply(card.real(2, "T") * reader.source.length, material)]
-    return layered(plies, lambda: reader.fibres(own, card), reader.offset(own, card))
+    plies = [Ply(card.real(2, "T") * deck.source.length, material)]
+    return layered(plies, lambda: deck.fibres(own, card), deck.offset(own, card))
 
 
-def _laminate(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
+def _laminate(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
     """Return PCOMP, with four fields a ply, or PCOMPG, with a number before these in each line."""
     card.must_be(2, "NSM", 0.0)
     if card.text(7) not in ("", "SYM"):
         raise card.error(f"LAM={card.text(7)} is not supported")
     if card.real(6, "GE", 0.0):
-        reader.source.left_out.append(f"{card.name} {card.text(0)} has no damping, GE is left out")
+        deck.source.left_out.append(f"{card.name} {card.text(0)} has no damping, GE is left out")
     step, first = (8, 9) if card.name == "PCOMPG" else (4, 8)
     plies: list[Ply] = []
     label, thickness = 0, None
@@ -753,13 +745,13 @@ def _laminate(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
         label = card.integer(at, "MID", label)
         thickness = card.real(at + 1, f"T{len(plies) + 1}", thickness)
         angle = card.real(at + 2, "THETA", 0.0)
-        plies.append(Ply(thickness * reader.source.length, reader.material(label, card), angle))
-    offset = reader.offset(own, card) + card.real(1, "Z0", 0.0) * reader.source.length
+        plies.append(Ply(thickness * deck.source.length, deck.material(label, card), angle))
+    offset = deck.offset(own, card) + card.real(1, "Z0", 0.0) * deck.source.length
     share, symmetric = 0.5 * bool(card.text(1)), card.text(7) == "SYM"
-    return layered(plies, lambda: reader.fibres(own, card), offset, share, symmetric=symmetric)
+    return layered(plies, lambda: deck.fibres(own, card), offset, share, symmetric=symmetric)
 
 
-def _bar(reader: Reader, card: Card, own: IntArray, shear: float = math.inf) -> OneMaterial:
+def _bar(deck: NastranDeck, card: Card, own: IntArray, shear: float = math.inf) -> OneMaterial:
     """Return PBAR: y of the deck is z of the section, and z of the deck is against y.
 
     It is rigid in shear where K1 and K2 are blank, or 0.
@@ -769,10 +761,10 @@ def _bar(reader: Reader, card: Card, own: IntArray, shear: float = math.inf) -> 
     points = [[card.real(at + i, "C to F", 0.0) for i in (1, 0)] for at in (8, 10, 12, 14)]
     inverse = [1.0 / (card.real(at, "K1, K2", shear) or math.inf) for at in (17, 16)]
     second, more = (I2, card.real(18, "I12", 0.0), I1), (np.diag(inverse), np.array(points))
-    return _beam(reader, card, own, reader.source.numbers(area, second, J, *more))
+    return _beam(deck, card, own, deck.source.numbers(area, second, J, *more))
 
 
-def _constant(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
+def _constant(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
     """Return PBEAM, of which all cross-sections must be the same, by its PBAR."""
     of = [*card.fields, *[""] * 16]
     if of[8] in _STATIONS:  # without C to F
@@ -785,26 +777,26 @@ def _constant(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
     for i in range(at + 2, len(of)):
         card.must_be(i, "a field after K1 and K2", 0.0)
     bar = [*of[:5], *of[6:8], "", *of[8:16], *of[at : at + 2], of[5]]
-    return _bar(reader, replace(card, fields=bar), own, 1.0)
+    return _bar(deck, replace(card, fields=bar), own, 1.0)
 
 
-def _shaped(reader: Reader, card: Card, own: IntArray) -> OneMaterial:
+def _shaped(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
     """Return PBARL or PBEAML: dimensions, and a mass beside the section's that must be 0."""
     count, make = named(NASTRAN, card.text(3))
     if any(card.fields[9 + count :]):
         raise card.error("it has fields after its first cross-section, which is not supported")
     card.must_be(8 + count, "NSM", 0.0)
     lengths = np.array([card.real(8 + i, f"DIM{i + 1}") for i in range(count)])
-    section = make(*(lengths * reader.source.length).tolist())
+    section = make(*(lengths * deck.source.length).tolist())
     if isinstance(section, Profile):  # nodes are at the centroid
         section = section.at(*section.centre)
-    return _beam(reader, card, own, section)
+    return _beam(deck, card, own, section)
 
 
-def _beam(reader: Reader, card: Card, own: IntArray, section: Any) -> OneMaterial:
-    material: Any = reader.material(card.integer(1, "MID"), card)
-    z, moved = reader.towards(own)
-    return reader.source.beam(section, material, z, own, _AXES, moved)
+def _beam(deck: NastranDeck, card: Card, own: IntArray, section: Any) -> OneMaterial:
+    material: Any = deck.material(card.integer(1, "MID"), card)
+    z, moved = deck.towards(own)
+    return deck.source.beam(section, material, z, own, _AXES, moved)
 
 
 # First field of the lines of PBEAM that have a cross-section.
@@ -846,7 +838,9 @@ def _isotropic(source: Source, card: Card, rho: float) -> Material:
 _MAT8 = "E1 E2 NU12 G12 G1Z G2Z"
 _MAT11 = "E1 E2 E3 NU12 NU13 NU23 G12 G13 G23"
 
-# Materials, and where their density and damping are.
+# Materials of solids, numbered together; those that are read, with the places of their density and
+# damping.
+_SOLIDS = re.compile("MAT([12389]|1[01])")
 _MATERIALS: dict[str, tuple[Callable[..., Solid], int, int]] = {
     "MAT1": (_isotropic, 4, 7),
     "MAT8": (lambda source, card, rho: source.ply(*card.reals(1, _MAT8), rho), 7, 16),
