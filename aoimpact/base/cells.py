@@ -22,24 +22,13 @@ def aligned(rows: Iterable[Sequence[str]], *, left: Collection[int] = ()) -> lis
 
 
 def html_table(
-    headings: Iterable[str],
-    rows: Iterable[Iterable[str]],
-    *,
-    caption: Iterable[str] = (),
-    below: Iterable[str] = (),
+    headings: Iterable[str], rows: Iterable[Iterable[str]], caption: Iterable[str]
 ) -> str:
-    """Return an HTML table; each line of `caption` and of the text `below` has its own."""
-    head = "".join(f"<th>{escape(name)}</th>" for name in headings)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
-    )
-    title, notes = "<br>".join(map(escape, caption)), "<br>".join(map(escape, below))
-    return (
-        "<table>"
-        + (f"<caption>{title}</caption>" if title else "")
-        + f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        + (f"<p>{notes}</p>" if notes else "")
-    )
+    """Return an HTML table; each line of `caption` has its own."""
+    cells = [[f"<th>{escape(name)}</th>" for name in headings]]
+    cells += [[f"<td>{escape(cell)}</td>" for cell in row] for row in rows]
+    body = "".join(f"<tr>{''.join(row)}</tr>" for row in cells)
+    return f"<table><caption>{'<br>'.join(map(escape, caption))}</caption>{body}</table>"
 
 
 def write_csv(path: Any, heading: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:

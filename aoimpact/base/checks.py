@@ -103,12 +103,9 @@ def integer(name: str, value: Any, *, low: int | None = None, high: int | None =
         raise InputTypeError(
             f"{name} must be an integer, got {_short(value)} of type {type(value).__name__}"
         ) from None
-    if low is not None and high is not None and not low <= number <= high:
-        raise InputError(f"{name} must be from {low} to {high}, got {number}")
-    if low is not None and number < low:
-        raise InputError(f"{name} must be at least {low}, got {number}")
-    if high is not None and number > high:
-        raise InputError(f"{name} must be at most {high}, got {number}")
+    if (low is not None and number < low) or (high is not None and number > high):
+        span = f"at least {low}" if high is None else f"from {low} to {high}"
+        raise InputError(f"{name} must be {span}, got {number}")
     return number
 
 
@@ -262,7 +259,6 @@ def finite_array(
     value: Any,
     *,
     shape: Sequence[int | None] | None = None,
-    ndim: int | None = None,
     unit: str = "",
     most: float = math.inf,
     order: Literal["C", "K"] = "C",
@@ -276,8 +272,6 @@ def finite_array(
     ----------
     shape : sequence of int or None, optional
         The shape wanted; None stands for any length along that axis.
-    ndim : int, optional
-        The number of axes wanted.
     most : float, optional
         The largest magnitude that can be computed with.
     order : {"C", "K"}, optional
@@ -291,9 +285,12 @@ def finite_array(
         If the shape is wrong or an entry is not finite (the first such entry is named), or too
         large.
     """
-    array = _real_array(name, value, order)
-    if ndim is not None and array.ndim != ndim:
-        raise InputError(f"{name} must have {ndim} axes, got shape {array.shape}")
+    given = _array(name, value, "an array of numbers")
+    if given.dtype.kind not in "iuf":
+        got = _short(value) if given.ndim == 0 else f"dtype {given.dtype}"
+        raise InputTypeError(f"{name} must be an array of real numbers, got {got}")
+    with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
+        array = np.asarray(given, dtype=np.float64, order=order)
     _check_shape(name, array.shape, shape)
     if array.size and not np.isfinite(array).all():
         bad = np.argwhere(~np.isfinite(array))
@@ -343,10 +340,7 @@ def place(name: str, value: Any) -> FloatArray:
     InputError
         If it has another shape, is not finite, or farther off than any body.
     """
-    point = finite_array(name, value, shape=(3,), unit="m")
-    if float(np.abs(point).max()) > HUGE:
-        raise InputError(f"{name} {plain(point)} m is off any body: give it in metres")
-    return point
+    return finite_array(name, value, shape=(3,), unit="m", most=HUGE)
 
 
 def plain(vector: FloatArray) -> str:
@@ -381,15 +375,11 @@ def inertia_tensor(name: str, value: Any, *, most: float) -> FloatArray:
     InputTypeError, InputError
         If no body has it, or an entry exceeds `most`.
     """
-    given = finite_array(name, value, unit="kg m²")
+    given = finite_array(name, value, unit="kg m²", most=most)
     if given.shape not in ((3,), (3, 3)):
         raise InputError(f"{name} must have shape (3,) or (3, 3), got {given.shape}")
     tensor = np.diag(given) if given.ndim == 1 else given
     largest = float(np.abs(tensor).max())
-    if largest > most:
-        raise InputError(
-            f"{name} is {largest:g} kg m², whose products cannot be computed; give it in kg m²"
-        )
     if np.abs(tensor - tensor.T).max() > PRINTED * largest:
         raise InputError(f"{name} must be symmetric, got {given.tolist()}")
     low, middle, high = np.linalg.eigvalsh(tensor).tolist()
@@ -440,17 +430,6 @@ def _array(name: str, value: Any, what: str) -> npt.NDArray[Any]:
         return np.asarray(value)
     except (ValueError, TypeError) as error:
         raise InputTypeError(f"{name} must be {what}: {error}") from None
-
-
-def _real_array(name: str, value: Any, order: Literal["C", "K"]) -> FloatArray:
-    array = _array(name, value, "an array of numbers")
-    if array.dtype.kind not in "iuf":
-        raise InputTypeError(
-            f"{name} must be an array of real numbers, got "
-            f"{_short(value) if array.ndim == 0 else f'dtype {array.dtype}'}"
-        )
-    with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
-        return np.asarray(array, dtype=np.float64, order=order)
 
 
 def writable_folder(path: str | os.PathLike[str]) -> Path:

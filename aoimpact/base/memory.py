@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from .errors import MemoryLimitError
@@ -14,13 +15,26 @@ _CGROUP = Path("/sys/fs/cgroup")
 
 
 def available() -> float:
-    """Return the memory available now, bytes; infinite if the system does not report it."""
-    try:
+    """Return the memory available now, bytes; infinite if the system does not report it.
+
+    It is the least of what the machine has free, what a container leaves of its limit, and what a
+    limit of this process (``ulimit -v``, batch systems) leaves.
+    """
+    found = [float("inf")]
+    with suppress(OSError, ValueError, AttributeError, ImportError):  # as on macOS and Windows
+        found.append(float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
         lines = Path("/proc/meminfo").read_text().splitlines()
         (kibibytes,) = (line.split()[1] for line in lines if line.startswith("MemAvailable:"))
-        return min(1024.0 * int(kibibytes), _container(), _address_space())
-    except (OSError, ValueError):
-        return _physical()
+        found.append(1024.0 * int(kibibytes))
+        import resource  # not there on Windows
+
+        if (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
+            pages = int(Path("/proc/self/statm").read_text().split()[0])
+            found.append(max(0.0, float(limit - pages * resource.getpagesize())))
+    with suppress(OSError, ValueError):  # "max" without a limit
+        limit = int((_CGROUP / "memory.max").read_text())
+        found.append(float(limit - int((_CGROUP / "memory.current").read_text())))
+    return min(found)
 
 
 def require(n_bytes: float, what: str, cure: str) -> None:
@@ -42,31 +56,3 @@ def require(n_bytes: float, what: str, cure: str) -> None:
         raise MemoryLimitError(
             f"{what} needs {n_bytes / GIB:.3g} GiB of memory, {free / GIB:.3g} are free: {cure}"
         )
-
-
-def _container() -> float:
-    try:
-        limit = (_CGROUP / "memory.max").read_text().strip()
-        used = (_CGROUP / "memory.current").read_text()
-    except OSError:
-        return float("inf")
-    return float("inf") if limit == "max" else float(limit) - float(used)
-
-
-def _address_space() -> float:
-    """Bytes left under a limit of this process (``ulimit -v``, batch systems)."""
-    import resource  # not there on Windows
-
-    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if limit == resource.RLIM_INFINITY:
-        return float("inf")
-    pages = int(Path("/proc/self/statm").read_text().split()[0])
-    return max(0.0, float(limit) - float(pages * resource.getpagesize()))
-
-
-def _physical() -> float:
-    """All the memory of the machine: macOS has no quick count of what is free."""
-    try:
-        return float(os.sysconf("SC_PHYS_PAGES")) * float(os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, ValueError, OSError):
-        return float("inf")

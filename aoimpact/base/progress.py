@@ -42,13 +42,23 @@ def bar(
     from tqdm import tqdm  # slow to import
 
     options: dict[str, Any] = {"delay": _DELAY, "leave": False, "miniters": 0}
-    shown = wanted and (_in_notebook() or (sys.stderr is not None and sys.stderr.isatty()))
+    notebook = False  # its kernel draws what is written; standard error is no terminal
+    if "ipykernel" in sys.modules:
+        from IPython import get_ipython  # type: ignore[attr-defined, unused-ignore]
+
+        notebook = hasattr(get_ipython(), "kernel")
+    shown = wanted and (notebook or (sys.stderr is not None and sys.stderr.isatty()))
     with tqdm(total=total, desc=what, unit=" " + unit, disable=not shown, **options) as drawn:
         if not shown or getattr(_open, "bar", None) is not None:
             yield drawn
             return
         over = threading.Event()
-        clock = threading.Thread(target=_tick, args=(drawn, over), daemon=True)
+
+        def tick() -> None:
+            while not over.wait(_CLOCK):
+                drawn.update(0)
+
+        clock = threading.Thread(target=tick, daemon=True)
         clock.start()
         _open.bar = drawn
         try:
@@ -59,22 +69,8 @@ def bar(
             clock.join()
 
 
-def _tick(drawn: Any, over: threading.Event) -> None:
-    while not over.wait(_CLOCK):
-        drawn.update(0)
-
-
 def advance(unit: str, n: float = 1) -> None:
     """Go on by `n` in the outermost bar, if it counts these."""
     outer = getattr(_open, "bar", None)
     if outer is not None and outer.unit == " " + unit:
         outer.update(n)
-
-
-def _in_notebook() -> bool:
-    """True if a notebook kernel draws what is written; its standard error is no terminal."""
-    if "ipykernel" not in sys.modules:
-        return False
-    from IPython import get_ipython  # type: ignore[attr-defined, unused-ignore]
-
-    return hasattr(get_ipython(), "kernel")

@@ -763,7 +763,7 @@ def _at_dof(body: FEModel, dof: int) -> ContactPoint:
 
 def _of_functional(body: FEModel, b: Any) -> ContactPoint:
     """The contact of a functional of one's own, with as much of a place as it has."""
-    values = finite_array("b", b, ndim=1).copy()
+    values = finite_array("b", b, shape=(None,)).copy()
     size = float(np.abs(values).max(initial=0.0))
     if len(values) != body.n_dofs:
         whole = body.nodes is not None and len(values) == 3 * len(body.nodes)

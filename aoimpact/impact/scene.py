@@ -315,8 +315,8 @@ class Scene:
         if isinstance(force, tuple):
             if len(force) != 2:
                 raise InputError(f"force must be a number or (times, forces), got {force!r}")
-            times = finite_array("times", force[0], ndim=1, unit="s")
-            forces = finite_array("forces", force[1], ndim=1, unit="N")
+            times = finite_array("times", force[0], shape=(None,), unit="s")
+            forces = finite_array("forces", force[1], shape=(None,), unit="N")
             if len(times) != len(forces) or len(times) == 0 or (np.diff(times) <= 0.0).any():
                 raise InputError(
                     f"force=(times, forces) needs as many forces as times, and times that ascend; "

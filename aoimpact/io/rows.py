@@ -93,7 +93,7 @@ def read_places(nodes: Any) -> Places:
     InputError, InputTypeError, MeshError
     """
     if not isinstance(nodes, str) and not hasattr(nodes, "__fspath__"):
-        array = finite_array("nodes", nodes, ndim=2, most=HUGE)
+        array = finite_array("nodes", nodes, shape=(None, None), most=HUGE)
         if array.shape[1] == 3:
             return None, array
         if array.shape[1] != 4:

@@ -44,7 +44,7 @@ class Tabulated(ContactLaw, kind="table"):
     force_values: tuple[float, ...]
 
     def __init__(self, indentation: npt.ArrayLike, force: npt.ArrayLike) -> None:
-        depth = finite_array("indentation", indentation, ndim=1, unit="m")
+        depth = finite_array("indentation", indentation, shape=(None,), unit="m")
         push = finite_array("force", force, shape=(len(depth),), unit="N")
         if len(depth) == 0 or (len(depth) == 1 and depth[0] == 0.0):
             raise InputError("indentation and force must have a point besides (0, 0)")

@@ -116,7 +116,7 @@ class AOModel(Frozen):
         set_field(self, "damping", damping_or_none(self.damping))
         checked(self, surface=(ContactSurface, type(None)), name=text)
         for name, unit in (("m", "kg"), ("k", "N/m")):
-            values = finite_array(name, getattr(self, name), ndim=1, unit=unit).copy()
+            values = finite_array(name, getattr(self, name), shape=(None,), unit=unit).copy()
             if (values <= 0.0).any():
                 worst = int(np.argmin(values))
                 raise InputError(f"{name} must be positive: {name}[{worst}] is {values[worst]:g}")

@@ -437,7 +437,7 @@ def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
 
 
 def _curve(indentation: npt.ArrayLike, force: npt.ArrayLike) -> _Data:
-    depth = finite_array("indentation", indentation, ndim=1, unit="m", most=HUGE)
+    depth = finite_array("indentation", indentation, shape=(None,), unit="m", most=HUGE)
     push = finite_array("force", force, shape=depth.shape, unit="N", most=HUGE)
     for name, values in (("indentation", depth), ("force", push)):
         if not values.max(initial=0.0) > 0.0:
@@ -452,7 +452,7 @@ def _curve(indentation: npt.ArrayLike, force: npt.ArrayLike) -> _Data:
 
 
 def _dents(dent: npt.ArrayLike, mass: float | None, velocity: Any) -> _Data:
-    wide = finite_array("dent", dent, ndim=1, unit="m", most=HUGE)
+    wide = finite_array("dent", dent, shape=(None,), unit="m", most=HUGE)
     if wide.min(initial=0.0) < 0.0 or not wide.max(initial=0.0) > 0.0:
         raise InputError(f"dent must be diameters, none negative and one above 0, got {dent!r} m")
     speeds = finite_array("velocity", velocity, shape=wide.shape, unit="m/s")

@@ -95,7 +95,7 @@ class Signal(Frozen):
 
     def __post_init__(self) -> None:
         checked(self, unit=text, name=text, raw=(Signal, type(None)))
-        times = finite_array("t", self.t, ndim=1, unit="s", most=HUGE)
+        times = finite_array("t", self.t, shape=(None,), unit="s", most=HUGE)
         values = finite_array("values", self.values, shape=times.shape, unit=self.unit, most=HUGE)
         still = np.flatnonzero(np.diff(times) <= 0.0)
         if len(times) < 2 or len(still):
