@@ -195,15 +195,23 @@ class _Basis:
     @classmethod
     def of(cls, space: tuple[_Powers, ...], nodes: FloatArray, middle: float) -> _Basis:
         """Return the functions of a space that are one at one of the nodes each."""
-        slopes = [_derivatives(powers) for powers in space]
-        every = dict.fromkeys(space)
-        every.update(dict.fromkeys(p for row in slopes for terms in row for p in terms))
+        # Derivatives along x, y and z, as factors of functions of the same form.
+        slopes = [
+            (axis, column, of, factor)
+            for column, (i, j, k, m) in enumerate(space)
+            for axis, of, factor in (
+                (0, (i - 1, j, k, m), i),
+                (1, (i, j - 1, k, m), j),
+                (2, (i, j, k - 1, m), k),
+                (2, (i, j, k, m + 1), m),
+            )
+            if factor
+        ]
+        every = dict.fromkeys([*space, *(of for _, _, of, _ in slopes)])
         place = {powers: i for i, powers in enumerate(every)}
         derivatives = np.zeros((len(every), 3, len(space)))
-        for column, row in enumerate(slopes):
-            for axis, terms in enumerate(row):
-                for powers, factor in terms.items():
-                    derivatives[place[powers], axis, column] += factor
+        for axis, column, of, factor in slopes:
+            derivatives[place[of], axis, column] += factor
         found = np.array(list(every))
         at_nodes = _monomials(nodes - middle, found)[: len(space)]
         nodal = np.linalg.inv(at_nodes.T)
@@ -216,14 +224,6 @@ class _Basis:
         values = _monomials(points - self.middle, self.powers).T
         shape = values @ self.shape
         return shape, (values @ self.gradient).reshape(*shape.shape, 3)
-
-
-def _derivatives(powers: _Powers) -> tuple[dict[_Powers, int], ...]:
-    """The derivatives of xⁱ yʲ zᵏ (1 - z)⁻ˡ along x, y and z, as factors of such functions."""
-    i, j, k, m = powers
-    along_z = {(i, j, k - 1, m): k, (i, j, k, m + 1): m}
-    terms = ({(i - 1, j, k, m): i}, {(i, j - 1, k, m): j}, along_z)
-    return tuple({p: factor for p, factor in part.items() if factor} for part in terms)
 
 
 def _monomials(points: FloatArray, powers: IntArray) -> FloatArray:
@@ -246,7 +246,21 @@ def _quadrature(linear: str, n: int) -> Rule:
     z = t (1 − x)(1 − s) (Stroud, 1971); in a pyramid x = a (1 − z) and y = b (1 − z).
     """
     if linear == "tetra" and n == 3:
-        return _symmetric_tetrahedron_rule()
+        # 14 points, exact to degree 5, the same from each corner: on the lines from the corners to
+        # the middles of the opposite sides, and from the middles of edges to those of the opposite
+        # ones (N. J. Walkington, Quadrature on simplices of arbitrary dimension, Carnegie Mellon
+        # 2000). `large` of the barycentric coordinates differ.
+        corners, found = np.vstack([np.zeros(3), np.eye(3)]), []
+        for small, weight, large in (
+            (0.31088591926330060980, 0.018781320953002641800, 1),
+            (0.092735250310891226402, 0.012248840519393658257, 1),
+            (0.045503704125649649492, 0.0070910034628469110730, 2),
+        ):
+            for which in combinations(range(4), large):
+                shares = np.full(4, small)
+                shares[list(which)] = (1.0 - (4 - large) * small) / large
+                found.append([*(shares @ corners), weight])
+        return Rule(np.array(found)[:, :3], np.array(found)[:, 3])
     powers = {"hexahedron": (0, 0, 0), "wedge": (1, 0, 0), "pyramid": (0, 0, 2), "tetra": (2, 1, 0)}
     rules = [scipy.special.roots_jacobi(n, power, 0.0) for power in powers[linear]]
     points = np.meshgrid(*((1.0 + x) / 2.0 for x, _ in rules), indexing="ij")
@@ -259,29 +273,6 @@ def _quadrature(linear: str, n: int) -> Rule:
     elif linear == "pyramid":
         x, y = x * (1.0 - z), y * (1.0 - z)
     return Rule(np.stack([x, y, z], axis=-1), np.einsum("i,j,k->ijk", *weights).ravel())
-
-
-def _symmetric_tetrahedron_rule() -> Rule:
-    """Return 14 points, exact to degree 5, the same from each corner.
-
-    N. J. Walkington, Quadrature on simplices of arbitrary dimension, Carnegie Mellon (2000): points
-    on the lines from the corners to the middles of the opposite sides, and from the middles of
-    edges to those of the opposite ones.
-    """
-    corners = np.vstack([np.zeros(3), np.eye(3)])
-    groups = [
-        (0.31088591926330060980, 0.018781320953002641800, 1),
-        (0.092735250310891226402, 0.012248840519393658257, 1),
-        (0.045503704125649649492, 0.0070910034628469110730, 2),
-    ]
-    points, weights = [], []
-    for small, weight, large in groups:  # barycentric coordinates: `large` of them differ
-        for which in combinations(range(4), large):
-            shares = np.full(4, small)
-            shares[list(which)] = (1.0 - (4 - large) * small) / large
-            points.append(shares @ corners)
-            weights.append(weight)
-    return Rule(np.array(points), np.array(weights))
 
 
 def _tetrahedra_of_a_brick() -> FloatArray:

@@ -76,11 +76,17 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     _refuse_monster(80.0 / 3.0 * n_exact * n_exact * n_exact, "size", f"{h:g}, of radius={R:g} m,")
     n = 2 * max(1, int(np.ceil(n_exact / 2.0 - PRINTED)))
     directions, cones = _icosahedron()
-    barycentric, tets = _subdivided_tetrahedron(n)
+    # The tetrahedron of a cone, cut into n³ by Kuhn's scheme.
+    grid = np.array(np.meshgrid(*[np.arange(n)] * 3, indexing="ij")).reshape(3, -1).T
+    every = grid[:, None, None] + reference_element("tetra").cell.of_brick.astype(np.int64)
+    x, y, z = np.moveaxis(every, 3, 0)
+    x, y, z = np.moveaxis(every[((x >= y) & (y >= z)).all(axis=2)], 2, 0)
+    weights = np.stack([n - x, x - y, y - z, z], axis=-1).reshape(-1, 4)
+    barycentric, tets = np.unique(weights, axis=0, return_inverse=True)
     keys, places = _cone_points(directions, cones, barycentric, n)
     _, first, number = np.unique(keys.reshape(-1), return_index=True, return_inverse=True)
     corners = places.reshape(-1, 3)[first]
-    cells = number.reshape(len(cones), -1)[:, tets].reshape(-1, 4)
+    cells = number.reshape(len(cones), -1)[:, tets.ravel()].reshape(-1, 4)
     volume = np.linalg.det(corners[cells[:, 1:]] - corners[cells[:, :1]])
     cells = np.where(volume[:, None] < 0.0, cells[:, [0, 2, 1, 3]], cells)
     outside = np.flatnonzero(np.abs(np.linalg.norm(corners, axis=1) - 1.0) < PRINTED)
@@ -105,25 +111,6 @@ def _icosahedron() -> tuple[FloatArray, IntArray]:
         if all(near[i, j] for i, j in combinations(corners, 2))
     ]
     return directions, np.array(faces)
-
-
-def _subdivided_tetrahedron(n: int) -> tuple[IntArray, IntArray]:
-    """Cut a tetrahedron into n³ by Kuhn's scheme.
-
-    Returns
-    -------
-    barycentric : ndarray of int, shape (n_points, 4)
-        Non-negative, each row adding up to n.
-    tets : ndarray of int, shape (n³, 4)
-    """
-    grid = np.array(np.meshgrid(*[np.arange(n)] * 3, indexing="ij")).reshape(3, -1).T
-    every = grid[:, None, None] + reference_element("tetra").cell.of_brick.astype(np.int64)
-    x, y, z = np.moveaxis(every, 3, 0)
-    lattice = every[((x >= y) & (y >= z)).all(axis=2)]
-    x, y, z = np.moveaxis(lattice, 2, 0)
-    weights = np.stack([n - x, x - y, y - z, z], axis=-1).reshape(-1, 4)
-    barycentric, number = np.unique(weights, axis=0, return_inverse=True)
-    return barycentric, number.reshape(-1, 4)
 
 
 def _cone_points(

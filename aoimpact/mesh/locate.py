@@ -39,8 +39,14 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
     InputError
         If the point is off the body.
     """
+    # Boxes of elements are larger by half, for bulging sides; the nearest middle comes first.
+    places = mesh.nodes[mesh.cells]
+    low, high = places.min(axis=1), places.max(axis=1)
+    room = 0.25 * (high - low).max(axis=1, keepdims=True)
+    found = np.flatnonzero(((point >= low - room) & (point <= high + room)).all(axis=1))
+    distance = np.linalg.norm(places[found].mean(axis=1) - point, axis=1)
     best = np.inf
-    for cell in _candidates(mesh, point):
+    for cell in found[np.argsort(distance, kind="stable")]:
         block = next(of for of in mesh.blocks if cell < of.numbers.stop)
         element, members = block.element, block.cells[cell - block.first]
         corners = mesh.nodes[members]
@@ -98,19 +104,6 @@ def _nearest(nodes: FloatArray, point: FloatArray) -> tuple[int, str]:
     node = int(np.argmin(distance))
     place = plain(nodes[node])
     return node, f"the nearest node is {node} at {place} m, {distance[node]:.3g} m away"
-
-
-def _candidates(mesh: Mesh, point: FloatArray) -> IntArray:
-    """Return the elements whose box, larger by half for bulging sides, holds the point.
-
-    The one whose middle is nearest comes first.
-    """
-    corners = mesh.nodes[mesh.cells]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    room = 0.25 * (high - low).max(axis=1, keepdims=True)
-    found = np.flatnonzero(((point >= low - room) & (point <= high + room)).all(axis=1))
-    distance = np.linalg.norm(corners[found].mean(axis=1) - point, axis=1)
-    return found[np.argsort(distance, kind="stable")]
 
 
 def _reference_place(

@@ -20,6 +20,7 @@ from ..base import (
     called,
     choice,
     finite_array,
+    instance,
     integers,
     nearest,
     node_ids,
@@ -141,10 +142,13 @@ class Mesh(Frozen):
                 f"nodes: {len(unused)} of {len(nodes)} belong to no element, the first is "
                 f"{unused[0]}. Leave them out, or let read_mesh do so"
             )
-        labels = (
-            _labels("node_labels", self.node_labels, len(nodes)),
-            _labels("cell_labels", self.cell_labels, first),
-        )
+        labels = [
+            None if own is None else integers(name, own, "integers", shape=(count,))
+            for name, own, count in (
+                ("node_labels", self.node_labels, len(nodes)),
+                ("cell_labels", self.cell_labels, first),
+            )
+        ]
         for block in blocks:
             _check_elements(nodes, block, *labels)
         checked = {
@@ -155,10 +159,7 @@ class Mesh(Frozen):
             "cell_sets": _sets("cell_sets", self.cell_sets, first, "element"),
             "node_labels": labels[0],
             "cell_labels": labels[1],
-            "left_out": {
-                text("left_out", name): text(f"left_out[{name!r}]", value)
-                for name, value in _mapping("left_out", self.left_out, "texts").items()
-            },
+            "left_out": dict(instance("left_out", self.left_out, Mapping)),
             "blocks": tuple(blocks),
         }
         for name, value in checked.items():
@@ -328,21 +329,11 @@ def _table(blocks: Sequence[Block]) -> IntArray:
     return table
 
 
-def _mapping(name: str, given: Any, values: str) -> Mapping[Any, Any]:
-    if not isinstance(given, Mapping):
-        raise InputTypeError(f"{name} must be a dict of names and {values}, got {given!r}")
-    return given
-
-
 def _sets(name: str, given: Any, count: int, what: str) -> dict[str, IntArray]:
     return {
         str(key): node_ids(f"{name}[{key!r}]", members, count, what)
-        for key, members in _mapping(name, given, f"{what} numbers").items()
+        for key, members in instance(name, given, Mapping).items()
     }
-
-
-def _labels(name: str, labels: Any, count: int) -> IntArray | None:
-    return None if labels is None else integers(name, labels, "integers", shape=(count,))
 
 
 def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:

@@ -249,12 +249,6 @@ class Surface:
         """
         if (found := self._found.get(point.tobytes())) is not None:
             return found
-        if len(self._found) >= _REMEMBERED:
-            self._found.clear()
-        self._found[point.tobytes()] = found = self._nearest(point)
-        return found
-
-    def _nearest(self, point: FloatArray) -> Place:
         centre, radius = self.balls
         distance = np.linalg.norm(centre - point, axis=1)
         face = np.flatnonzero(distance - radius <= (distance + radius).min())
@@ -274,6 +268,9 @@ class Surface:
         found = Place(face[shared], uv[shared], x[shared], distance[shared])
         for values in vars(found).values():
             values.flags.writeable = False
+        if len(self._found) >= _REMEMBERED:
+            self._found.clear()
+        self._found[point.tobytes()] = found
         return found
 
     def smooth_normal(self, place: Place) -> FloatArray | None:
@@ -336,13 +333,15 @@ class Surface:
         within = (at >= (low - margin)[:, None]) & (at <= (high + margin)[:, None])
         point, candidate = np.nonzero(within.all(axis=0))
         face = face[candidate]
-        n = len(points)
+        n, triangle = len(points), self._triangle[self.side]
         best = Place(np.full(n, -1), np.zeros((n, 2)), points.copy(), np.full(n, np.inf))
         for start in range(0, len(face), _CHUNK):
             to, on = point[start : start + _CHUNK], face[start : start + _CHUNK]
             uv, x, looks = self._cross(points[to], axis, on)
             height = np.abs((x - points[to]) @ axis)
-            good = self._inside(on, uv) & ((looks > 0.0) == outward) & (height <= reach)
+            sum_or_larger = np.where(triangle[on], uv.sum(axis=1), uv.max(axis=1))
+            good = (uv >= -PRINTED).all(axis=1) & (sum_or_larger <= 1.0 + PRINTED)
+            good &= ((looks > 0.0) == outward) & (height <= reach)
             good &= height < best.distance[to]
             order = np.flatnonzero(good)[np.lexsort((height[good], to[good]))]
             winner = order[np.diff(to[order], prepend=-1) > 0]
@@ -387,12 +386,6 @@ class Surface:
         missed = np.linalg.norm((points - x) @ across.T, axis=1) > PRINTED * self.balls[1][face]
         uv[missed] = np.inf
         return uv, x, np.cross(tangents[:, 0], tangents[:, 1]) @ axis
-
-    def _inside(self, face: IntArray, uv: FloatArray) -> npt.NDArray[np.bool_]:
-        u, v = uv.T
-        furthest = np.where(self._triangle[self.side[face]], u + v, np.maximum(u, v))
-        inside: npt.NDArray[np.bool_] = (uv >= -PRINTED).all(axis=1) & (furthest <= 1.0 + PRINTED)
-        return inside
 
     def _clamped(self, face: IntArray, uv: FloatArray) -> FloatArray:
         """Move coordinates to the nearest ones on the face."""
