@@ -7,6 +7,7 @@ negative numbers.
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import os
 import re
@@ -47,7 +48,7 @@ def _is_entry(line: bytes, integers: int, between: bytes | None = None) -> bool:
 
 def is_market(head: bytes) -> bool:
     """Return whether a file begins as Matrix Market's do."""
-    return head[:14].lower() == b"%%matrixmarket"
+    return head.removeprefix(codecs.BOM_UTF8)[:14].lower() == b"%%matrixmarket"
 
 
 def is_triples(head: bytes) -> bool:
@@ -81,7 +82,7 @@ def read_nodal(file: Path, size: int) -> list[RawMatrix]:
 def read_market(file: Path, size: int) -> list[RawMatrix]:
     """Read a file of Matrix Market, of coordinates or dense."""
     with file.open("rb") as stream:
-        header = stream.readline(1024).decode("latin-1").lower().split()[1:5]
+        header = stream.readline(1024).decode("utf-8-sig", "replace").lower().split()[1:5]
         if not _MARKET.fullmatch(" ".join(header)):
             why = "the header should be matrix, coordinate or array, real or integer, general or "
             raise spoilt(file, f"{why}symmetric, got {' '.join(header)!r}", 1)

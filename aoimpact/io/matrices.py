@@ -189,30 +189,21 @@ def read_matrices(
 
 
 def _read_npz(file: Path, size: int) -> list[RawMatrix]:
-    """Read a sparse matrix, or all square arrays of an archive by their names."""
+    """Read a sparse matrix of SciPy's."""
     try:
         with zipfile.ZipFile(file) as archive:
             whole = sum(one.file_size for one in archive.infolist())
         require(3 * whole, f"matrix file {str(file)!r}", "take a coarser mesh")
-        with np.load(file, allow_pickle=False) as arrays:
-            sparse = "format" in arrays.files
-            named = {} if sparse else {each.upper(): arrays[each] for each in arrays.files}
-        if sparse:
-            named[""] = sp.load_npz(file)
-            if hasattr(named[""], "check_format"):
-                named[""].check_format(full_check=True)
+        matrix = sp.load_npz(file)
+        if hasattr(matrix, "check_format"):
+            matrix.check_format(full_check=True)
     except Exception as error:  # a damaged archive makes zipfile, NumPy and SciPy raise almost any
-        raise spoilt(file, f"it is no archive of NumPy, or cut short: {error}") from None
-    found = []
-    for name, array in named.items():
-        if array.ndim == 2 and array.shape[0] == array.shape[1] and array.dtype.kind in "iuf":
-            one = sp.coo_array(array)
-            rows, cols = one.row.astype(np.int64), one.col.astype(np.int64)
-            values = one.data.astype(float)
-            found.append(RawMatrix(file, name, array.shape[0], rows, cols, values, unique=False))
-    if not found:
-        raise spoilt(file, f"it has no square matrix of real numbers, but {', '.join(named)}")
-    return found
+        raise spoilt(file, f"it is no sparse matrix of SciPy, or cut short: {error}") from None
+    if matrix.shape[0] != matrix.shape[1] or matrix.dtype.kind not in "iuf":
+        raise spoilt(file, f"it is {matrix.dtype}, {matrix.shape}, not real and square")
+    one = sp.coo_array(matrix)
+    rows, cols, values = one.row.astype(np.int64), one.col.astype(np.int64), one.data.astype(float)
+    return [RawMatrix(file, "", one.shape[0], rows, cols, values, unique=False)]
 
 
 # Formats: their names, the tests of a file's first bytes, and the readers.

@@ -857,7 +857,7 @@ _REAL = 2
 
 def is_dmig(head: bytes) -> bool:
     """Return whether a file has DMIG entries near its beginning."""
-    return re.search(rb"^DMIG", head, re.MULTILINE) is not None
+    return re.search(rb"^DMIG", head, re.MULTILINE | re.IGNORECASE) is not None
 
 
 def read_dmig(file: Path, size: int) -> list[RawMatrix]:

@@ -111,8 +111,9 @@ def read(file: Path) -> RawMesh:
             f"mesh file {file.name!r} announces no numbers of nodes and elements. Check those that "
             f"meshio has read: {there[0]} nodes, {there[1]} cells"
         )
-    for block in mesh.cells if name == "vtk" else ():  # its own wedges are left-handed
-        block.data = right_handed(block.type, mesh.points, block.data)
+    for block in mesh.cells if name == "vtk" else ():
+        if block.type.startswith("wedge"):  # VTK's own are left-handed
+            block.data = right_handed(block.type, mesh.points, block.data)
     for size in re.findall(r"(?m)^CELLS\s+\d+\s+(\d+)", text) if name == "vtk" else ():
         nodes = sum(block.data.size for block in mesh.cells)
         check_count("numbers of cells", int(size) - there[1] * ("OFFSETS" not in text), nodes)

@@ -17,7 +17,6 @@ PRINTED = {
     "market-general": 17,
     "market-array": 17,
     "npz": 17,
-    "npz-dense": 17,
     "calculix": 13,
     "abaqus": 15,
     "abaqus-full": 15,
@@ -61,11 +60,6 @@ def market_array(path: Path, matrix: Any, labels: Any) -> None:
 def npz(path: Path, matrix: Any, labels: Any) -> None:
     with path.open("wb") as stream:
         sp.save_npz(stream, matrix.tocsr())
-
-
-def npz_dense(path: Path, matrix: Any, labels: Any) -> None:
-    with path.open("wb") as stream:
-        np.savez_compressed(stream, **{"M" if "inertia" in path.name else "K": matrix.toarray()})
 
 
 def calculix(path: Path, matrix: Any, labels: Any) -> None:
@@ -202,7 +196,6 @@ WRITERS: dict[str, Callable[[Path, Any, Any], None]] = {
     "market-general": market_general,
     "market-array": market_array,
     "npz": npz,
-    "npz-dense": npz_dense,
     "calculix": calculix,
     "abaqus": abaqus,
     "abaqus-full": abaqus_full,
