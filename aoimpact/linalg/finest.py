@@ -19,7 +19,6 @@ import scipy.sparse as sp
 from ..base import PRINTED, FloatArray, SingularError, at_once
 from ..mesh import rigid_motions
 from .blocks import Blocks, Stored, diagonal_blocks, diagonal_places
-from .matrices import check_entries
 from .pencil import Pencil
 from .rows import ENTRIES_AT_ONCE, rows_of
 
@@ -65,8 +64,6 @@ def finest_level(pencil: Pencil) -> Finest:
     """Return K + s²M by blocks of nodes, or of what little is known of the dofs."""
     if pencil.nodes is None or pencil.free is None:
         return _without_nodes(pencil)
-    for matrix in (pencil.K, pencil.M):
-        check_entries(matrix)
     nodes, number = np.unique(pencil.free // 3, return_inverse=True)
     place = 3 * number + pencil.free % 3
     whole = np.array_equal(place, np.arange(3 * len(nodes)))
@@ -165,7 +162,6 @@ def _spread(some: Any, rows: Column, size: int, columns: Column, n: int) -> Any:
 def _without_nodes(pencil: Pencil) -> Finest:
     """Dofs of which nothing is known: three translations if K does not resist these, else one."""
     A = pencil.matrix()
-    check_entries(A)
     moves = np.tile(np.eye(3), (A.shape[0] // 3 + 1, 1))[: A.shape[0]]
     inner = np.abs(pencil.K @ moves) <= PRINTED * pencil.K.diagonal()[:, None]
     if A.shape[0] % 3 == 0 and inner.mean() > 0.5:  # the others are on nodes beside supports

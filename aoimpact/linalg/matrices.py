@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import reprlib
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import PRINTED, FloatArray, InputError, InputTypeError, SingularError
+from ..base import PRINTED, FloatArray, InputError, InputTypeError, SingularError, finite_array
 from .superlu import CHECKED_DOFS, Factorization, factorize
 
 # Entries that the core's int32 offsets can count.
@@ -39,7 +37,8 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
         If one is not square, finite and symmetric, the shapes differ, or both have fewer entries
         than rows.
     """
-    stiffness, mass = _checked("K", K), _checked("M", M)
+    with np.errstate(over="ignore"):  # what overflows is reported as not finite
+        stiffness, mass = _checked("K", K), _checked("M", M)
     if stiffness.shape != mass.shape:
         raise InputError(
             f"K and M must be of the same shape, got {stiffness.shape} and {mass.shape}"
@@ -75,20 +74,6 @@ def _symmetric_csr(name: str, checked: Any) -> sp.csr_array:
     return _symmetrised(name, csr)
 
 
-def check_entries(matrix: Any) -> None:
-    """Refuse a matrix of so many entries that the core cannot count them.
-
-    Raises
-    ------
-    InputError
-    """
-    if matrix.nnz > _MOST_ENTRIES:
-        raise InputError(
-            f"a matrix of {matrix.shape[0]} dofs with {matrix.nnz} entries: at most {_MOST_ENTRIES}"
-            " can be computed with; take a coarser mesh, or give the matrices sparse"
-        )
-
-
 def core_rows(matrix: Any) -> tuple[Any, ...]:
     """Return a sparse matrix's rows as the arrays of the core's ``aoi_sparse``.
 
@@ -97,7 +82,11 @@ def core_rows(matrix: Any) -> tuple[Any, ...]:
     InputError
         If it has too many entries.
     """
-    check_entries(matrix)
+    if matrix.nnz > _MOST_ENTRIES:
+        raise InputError(
+            f"a matrix of {matrix.shape[0]} dofs with {matrix.nnz} entries: at most {_MOST_ENTRIES}"
+            " can be computed with; take a coarser mesh, or give the matrices sparse"
+        )
     csr = matrix.tocsr()
     return (
         csr.indptr.astype(np.int32, copy=False),
@@ -179,7 +168,21 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
         eigenvalue is, or K + s²M is not positive definite.
     """
     diagonal = M.diagonal()
-    _check_masses(diagonal)
+    least, most = int(np.argmin(diagonal)), int(np.argmax(diagonal))
+    if diagonal[least] < 0.0:
+        raise InputError(
+            f"M must have no negative entry on its diagonal, got M[{least}, {least}] = "
+            f"{diagonal[least]:g} kg"
+        )
+    if diagonal[most] == 0.0:
+        raise InputError("M must have mass on some dof: its diagonal is zero")
+    least = int(np.argmin(np.where(diagonal > 0.0, diagonal, np.inf)))
+    if diagonal[most] > _APART * diagonal[least]:
+        raise InputError(
+            f"M has masses too far apart to be computed with: M[{least}, {least}] = "
+            f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
+            "is too heavy to move, and give dofs that hardly have mass none"
+        )
     _check_minors("M", M, 1.0 + PRINTED)
     massless = np.flatnonzero(diagonal == 0.0)  # the second-order minors made these rows zero
     bare = massless[K.diagonal()[massless] == 0.0]
@@ -204,30 +207,6 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
         raise InputError(
             f"some motion has neither mass nor stiffness{which}; condense it out, or take elements "
             "that integrate their mass in full"
-        )
-
-
-def _check_masses(diagonal: FloatArray) -> None:
-    """Refuse masses that are negative or cannot be computed with."""
-    least, most = int(np.argmin(diagonal)), int(np.argmax(diagonal))
-    if diagonal[least] < 0.0:
-        raise InputError(
-            f"M must have no negative entry on its diagonal, got M[{least}, {least}] = "
-            f"{diagonal[least]:g} kg"
-        )
-    if diagonal[most] == 0.0:
-        raise InputError("M must have mass on some dof: its diagonal is zero")
-    least = int(np.argmin(np.where(diagonal > 0.0, diagonal, np.inf)))
-    if diagonal[least] < LEAST:
-        raise InputError(
-            f"M[{least}, {least}] = {diagonal[least]:g} kg is too little to be computed with; "
-            "make it 0: a dof without mass follows K"
-        )
-    if diagonal[most] > _APART * diagonal[least]:
-        raise InputError(
-            f"M has masses too far apart to be computed with: M[{least}, {least}] = "
-            f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
-            "is too heavy to move, and give dofs that hardly have mass none"
         )
 
 
@@ -257,8 +236,12 @@ def _check_minors(name: str, matrix: sp.csr_array, bound: float) -> None:
 
 
 def _checked(name: str, matrix: Any) -> Any:
-    """Return a square matrix of real numbers whose structure is sound, sparse or dense."""
-    if sp.issparse(matrix):
+    """Return a square matrix of float64 whose structure is sound, sparse or dense."""
+    if not sp.issparse(matrix):
+        matrix = finite_array(name, matrix)
+    elif matrix.dtype.kind not in "iuf":
+        raise InputTypeError(f"{name} must be a matrix of real numbers, got dtype {matrix.dtype}")
+    else:
         try:
             matrix = _anew(matrix)
         except (ValueError, TypeError, AttributeError, IndexError, OverflowError) as error:
@@ -266,79 +249,33 @@ def _checked(name: str, matrix: Any) -> Any:
                 f"{name} is not a valid sparse matrix: {error}; its arrays do not fit together, "
                 "make it anew from rows, columns and values (scipy.sparse.coo_array)"
             ) from None
-    elif np.ma.is_masked(matrix):
-        raise InputTypeError(f"{name} has masked entries; fill or remove them first")
-    else:
-        try:
-            array = np.asarray(matrix)
-        except ValueError as error:
-            raise InputTypeError(f"{name} must be a matrix of real numbers: {error}") from None
-        if array.ndim == 0:
-            raise InputTypeError(
-                f"{name} must be a matrix of real numbers, got {reprlib.repr(matrix)}"
-            )
-        matrix = _floats(array)
-    if matrix.ndim != 2:
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
         raise InputError(f"{name} must be a square matrix, got shape {matrix.shape}")
-    if matrix.dtype.kind != "f":
-        raise InputTypeError(f"{name} must be a matrix of real numbers, got dtype {matrix.dtype}")
-    if matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
-        raise InputError(f"{name} must be square, got shape {matrix.shape}")
     return matrix
 
 
 def _anew(matrix: Any) -> Any:
-    """Make a sparse matrix anew from its arrays, with no flag of the old one believed.
+    """Return a sparse matrix made anew from its arrays, with no flag of the old one believed.
 
-    SciPy's conversions trust these arrays: wrong indices write outside the memory allocated.
+    SciPy's conversions trust these arrays: wrong indices write outside the memory allocated. Its
+    own astype would sort the entries of the caller's arrays.
     """
-    if matrix.ndim != 2:
-        return matrix
-    if matrix.format in _COMPRESSED:
+    if matrix.ndim == 2 and matrix.format in _COMPRESSED:
         # In one piece, as the core takes them: A.real of a complex A is every other number.
-        parts = _floats(matrix.data), matrix.indices, matrix.indptr
-        data, indices, indptr = map(np.ascontiguousarray, parts)
-        starts = _integers("indptr", indptr)
+        indices, starts = map(np.ascontiguousarray, (matrix.indices, matrix.indptr))
         if (starts[1:] < starts[:-1]).any():  # SciPy looks only where there are entries
             raise ValueError("indptr must not descend")
-        arrays = data, _integers("indices", indices), starts
+        arrays = np.ascontiguousarray(matrix.data, np.float64), indices, starts
         anew = _COMPRESSED[matrix.format](arrays, shape=matrix.shape)
         anew.check_format(full_check=True)
         return anew
-    if matrix.format == "dia":
-        offsets = _integers("offsets", matrix.offsets)
-        if (offsets <= -matrix.shape[0]).any() or (offsets >= matrix.shape[1]).any():
-            raise ValueError("offsets must be of diagonals that lie within the shape")
-        return sp.dia_array((_floats(matrix.data), offsets), shape=matrix.shape)
-    if matrix.format == "lil":
-        lengths = [[len(row) for row in rows] for rows in (matrix.rows, matrix.data)]
-        if lengths[0] != lengths[1] or len(lengths[0]) != matrix.shape[0]:
-            raise ValueError("rows and data must have as many lists, and as long ones")
+    if matrix.format == "lil" and list(map(len, matrix.rows)) != list(map(len, matrix.data)):
+        raise ValueError("rows and data must have lists of the same lengths")
     coo = matrix.tocoo()
-    coords = tuple(_integers("indices", part) for part in coo.coords)
-    return sp.coo_array((_floats(coo.data), coords), shape=coo.shape)
-
-
-def _floats(value: Any) -> npt.NDArray[Any]:
-    """Return real numbers as native float64, anything else as it is.
-
-    Not by a sparse matrix's own astype, which sorts the entries of the caller's arrays.
-    """
-    array = np.asarray(value)
-    if array.dtype.kind not in "iuf":
-        return array
-    with np.errstate(over="ignore"):  # what overflows is reported as not finite
-        return array.astype(np.float64, copy=False)
+    return sp.coo_array((np.asarray(coo.data, np.float64), coo.coords), shape=coo.shape)
 
 
 _COMPRESSED = {"csr": sp.csr_array, "csc": sp.csc_array, "bsr": sp.bsr_array}
-
-
-def _integers(name: str, value: Any) -> npt.NDArray[Any]:
-    array = np.asarray(value)
-    if array.ndim != 1 or array.dtype.kind not in "iu":
-        raise ValueError(f"{name} must be integers along one axis, got {array.dtype} {array.shape}")
-    return array
 
 
 def _canonical(csr: sp.csr_array) -> sp.csr_array:
