@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -24,34 +23,6 @@ _WORK = 3
 _LEAST, _MOST_PARTS = 30_000, 4
 
 
-@dataclass(frozen=True, eq=False)
-class Stored:
-    """Some rows of a symmetric matrix as `Blocks` stores them, in its order.
-
-    Attributes
-    ----------
-    starts : ndarray of int, shape (n_rows + 1,)
-    columns : ndarray of int
-    values : ndarray, shape (len(columns), b, b)
-    """
-
-    starts: IntArray
-    columns: npt.NDArray[np.int32]
-    values: FloatArray
-
-    @classmethod
-    def of(cls, A: Any, part: IntArray, first: int = 0) -> Stored:
-        """Return that of a BSR matrix's rows from `first` on; with a part for each of all rows."""
-        row = np.repeat(np.arange(first, first + len(A.indptr) - 1), np.diff(A.indptr))
-        inside = part[row] == part[A.indices]
-        kept = np.flatnonzero(~inside | (A.indices >= row))
-        row, inside = row[kept], inside[kept]
-        if not inside.all():  # those of other parts come first
-            kept = kept[np.lexsort((inside, row))]
-        starts = np.searchsorted(row, np.arange(first, first + len(A.indptr)))
-        return cls(starts, A.indices[kept].astype(np.int32, copy=False), A.data[kept])
-
-
 class Blocks:
     """A symmetric matrix; of most of it one triangle is stored, so that it is read once.
 
@@ -59,10 +30,10 @@ class Blocks:
 
     Parameters
     ----------
-    pieces : list of Stored
-        Of all rows, in order. It is emptied, so that no more than one is held twice.
-    part : ndarray of int, shape (n,)
-        Which part each row of blocks belongs to, from 0 on.
+    A : scipy.sparse.bsr_array
+        In order, with every block of its diagonal.
+    part : ndarray of int, shape (n,), optional
+        Which part each row of blocks belongs to, from 0 on; all to one if left out.
 
     Attributes
     ----------
@@ -76,33 +47,24 @@ class Blocks:
         How many numbers the core wants as work space.
     """
 
-    def __init__(self, pieces: list[Stored], part: IntArray) -> None:
-        size = pieces[0].values.shape[1]
-        count = np.concatenate([np.diff(piece.starts) for piece in pieces])
+    def __init__(self, A: Any, part: IntArray | None = None) -> None:
+        size, n = A.blocksize[0], len(A.indptr) - 1
+        part = np.zeros(n, dtype=np.int64) if part is None else part
         order = np.argsort(part, kind="stable").astype(np.int32)
-        starts = np.zeros(len(part) + 1, dtype=np.int32)
-        np.cumsum(count[order], out=starts[1:])
-        place = np.empty(len(part), dtype=np.int64)
-        place[order] = starts[:-1]
-        columns, values = np.empty(starts[-1], dtype=np.int32), np.empty((starts[-1], size, size))
-        first = 0
-        while pieces:
-            some = pieces.pop(0)
-            rows = slice(first, first := first + len(some.starts) - 1)
-            where = np.repeat(place[rows] - some.starts[:-1], count[rows])
-            where += np.arange(len(where))
-            columns[where], values[where] = some.columns, some.values
-        self.pattern = _core.blocks_pattern(order, starts, columns, size)
-        self.values: FloatArray = values.reshape(-1)
+        place = np.empty(n, dtype=np.int32)
+        place[order] = np.arange(n)
+        row = np.repeat(np.arange(n), np.diff(A.indptr))
+        inside = part[row] == part[A.indices]
+        kept = np.flatnonzero(~inside | (A.indices >= row))
+        if part.any():  # in the order of rows; in each, those of other parts come first
+            kept = kept[np.lexsort((inside[kept], place[row[kept]]))]
+        starts = np.zeros(n + 1, dtype=np.int32)
+        np.cumsum(np.bincount(place[row[kept]], minlength=n), out=starts[1:])
+        self.pattern = _core.blocks_pattern(order, starts, A.indices[kept], size)
+        self.values: FloatArray = A.data[kept].reshape(-1)
         ends = np.cumsum(np.bincount(part))
         self.parts: list[Part] = list(zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True))
-        self.work_length = _WORK * len(part) * (size + 1)
-
-    @classmethod
-    def of(cls, A: Any, part: IntArray | None = None) -> Blocks:
-        """Return a BSR matrix that stores every diagonal block; in one part if left out."""
-        part = np.zeros(len(A.indptr) - 1, dtype=np.int64) if part is None else part
-        return cls([Stored.of(A, part)], part)
+        self.work_length = _WORK * n * (size + 1)
 
     def multiply(self, x: FloatArray, work: FloatArray) -> FloatArray:
         """Return A x."""
@@ -138,13 +100,7 @@ def slabs(places: FloatArray, size: int) -> npt.NDArray[np.int64]:
     return np.unique(np.searchsorted(cuts, along), return_inverse=True)[1]
 
 
-def diagonal_blocks(A: Any, first: int = 0) -> FloatArray:
-    """Return the diagonal blocks of a BSR matrix that stores them all, shape (n, b, b)."""
-    found: FloatArray = A.data[diagonal_places(A, first)]
-    return found
-
-
-def diagonal_places(A: Any, first: int = 0) -> IntArray:
-    """Return which blocks of a BSR matrix's rows from `first` on lie on its diagonal, by rows."""
+def diagonal_places(A: Any) -> IntArray:
+    """Return which blocks of a BSR matrix lie on its diagonal, by rows."""
     row = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
-    return np.flatnonzero(A.indices == row + first)
+    return np.flatnonzero(A.indices == row)

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from .. import _core
 from ..base import ROUNDING, FloatArray, IntArray
 from ..mesh import Mesh
-from .blocks import diagonal_blocks
+from .blocks import diagonal_places
 
 # ω of the prolongation's smoothing, over λ_max of D⁻¹A (Vanek, Mandel and Brezina 1996).
 _DAMPING = 4.0 / 3.0
@@ -90,6 +90,6 @@ def aggregated(A: Any, candidates: FloatArray, highest: float) -> tuple[Any, Flo
     tentative = sp.bsr_array((local, aggregate, rows), shape=shape)
     change = A @ tentative
     row = np.repeat(np.arange(n), np.diff(change.indptr))
-    change.data = np.matmul(np.linalg.inv(diagonal_blocks(A))[row], change.data)
+    change.data = np.matmul(np.linalg.inv(A.data[diagonal_places(A)])[row], change.data)
     change.data *= -_DAMPING / highest
     return tentative + change, coarse

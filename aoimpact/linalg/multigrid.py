@@ -19,10 +19,10 @@ import scipy.sparse as sp
 
 from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, bar
 from ..mesh import Mesh, rigid_motions
-from .blocks import Blocks, diagonal_blocks, slabs
+from .blocks import Blocks, diagonal_places, slabs
 from .coarsening import aggregated, corner_interpolation
 from .dissection import fill
-from .finest import Finest, add, add_to_diagonal, finest_level, in_order, reduced
+from .finest import add, add_to_diagonal, finest_level, in_order
 from .method import Inverse, Method
 from .pencil import Pencil
 from .rows import congruent
@@ -116,17 +116,15 @@ class Multigrid:
         self._levels: list[_Level] = []
         self._in_use, self._stored = threading.RLock(), pencil.s2
         # One matrix in blocks is read in a sixth of the time that K and M take.
-        self._blocks: Blocks
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
-            level = finest_level(pencil)
-            self._place, self._scale = level.place, pencil.scale
-            self._length = level.motions.shape[0] * level.motions.shape[1]
-            self.sizes = [self._length]
-            quadratic = pencil.mesh is not None and pencil.mesh.quadratic
-            below = self._to_corners(level) if quadratic else self._to_blocks(level)
-            progress.update()
+            A, candidates, places, self._place = finest_level(pencil)
+            self._scale, self._length, self.sizes = pencil.scale, A.shape[0], [A.shape[0]]
+            self._blocks = Blocks(A, None if places is None else slabs(places, A.blocksize[0]))
             self._work = np.empty(self._blocks.work_length)
-            self._coarsen(*below, progress)
+            if pencil.mesh is not None and pencil.mesh.quadratic:
+                A, candidates, places = self._to_corners(A) or (A, candidates, places)
+            progress.update()
+            self._coarsen(A, candidates, places, progress)
 
     def _coarsen(self, A: Any, candidates: FloatArray, places: Any, progress: Any) -> None:
         """Make the levels from that of A on."""
@@ -167,28 +165,22 @@ class Multigrid:
         P = sp.kron(P, np.eye(3), format="csr") if level.width == 3 else P.tocsr()
         return congruent(self.pencil.M, P[self._place])
 
-    def _to_blocks(self, level: Finest) -> tuple[Any, FloatArray, FloatArray | None]:
-        """Return the finest level's matrix, its motions of little stiffness and its nodes."""
-        A = level.whole()
-        self._blocks = _in_parts(A, level.nodes)
-        return A, level.motions, level.nodes
+    def _to_corners(self, A: Any) -> tuple[Any, FloatArray, FloatArray] | None:
+        """Make the finest level of a quadratic mesh; return matrix, motions, places of corners.
 
-    def _to_corners(self, level: Finest) -> tuple[Any, FloatArray, FloatArray | None]:
-        """Make the finest level of a quadratic mesh, and return the same of its corners."""
+        None where all corners are constrained.
+        """
         pencil = self.pencil
-        assert level.nodes is not None  # a body with a mesh has nodes
-        assert pencil.nodes is not None
+        assert pencil.nodes is not None  # a body with a mesh has nodes
         assert pencil.free is not None
-        nodes = np.unique(pencil.free // 3)
         weights, corners = corner_interpolation(pencil.mesh)
-        kept = np.isin(corners, nodes, assume_unique=True)  # constrained corners do not move
+        nodes = np.unique(pencil.free // 3)
+        kept = np.isin(corners, nodes, assume_unique=True)
         if not kept.any():
-            return self._to_blocks(level)
+            return None
         weights = weights[nodes][:, kept]
-        prolongation = sp.kron(weights, np.eye(3)).tobsr((3, 3))
-        part = slabs(level.nodes, 3)
-        self._blocks, diagonal, coarse = reduced(level, part, prolongation)
-        self._add(self._smoother(self._blocks, diagonal, _BAND_MESH), weights, width=3)
+        self._add(self._smoother(self._blocks, A, _BAND_MESH), weights, width=3)
+        coarse = congruent(A, sp.kron(weights, np.eye(3)).tobsr((3, 3)))
         motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[corners[kept]]
         return self._coarse_matrix(coarse, 3), motions, pencil.nodes[corners[kept]]
 
@@ -196,8 +188,10 @@ class Multigrid:
         self, A: Any, candidates: FloatArray, places: FloatArray | None
     ) -> tuple[Any, FloatArray]:
         band = _BAND_AGGREGATES if self._levels else _BAND_MESH
-        blocks = _in_parts(A, places) if self._levels else self._blocks
-        smoother = self._smoother(blocks, diagonal_blocks(A), band)
+        blocks = self._blocks
+        if self._levels:
+            blocks = Blocks(A, None if places is None else slabs(places, A.blocksize[0]))
+        smoother = self._smoother(blocks, A, band)
         prolongation, coarse = aggregated(A, candidates, smoother.highest)
         if prolongation.shape[1] > _SHRINKS * prolongation.shape[0]:
             raise ConvergenceError(
@@ -208,7 +202,8 @@ class Multigrid:
         self._add(smoother, prolongation, width=1)
         return self._coarse_matrix(congruent(A, prolongation), coarse.shape[1]), coarse
 
-    def _smoother(self, blocks: Blocks, diagonal: FloatArray, band: float) -> Smoother:
+    def _smoother(self, blocks: Blocks, A: Any, band: float) -> Smoother:
+        diagonal = A.data[diagonal_places(A)]
         return Smoother(blocks, diagonal, scale=self._scale, band=band, what=self.pencil.what)
 
     def _add(self, smoother: Smoother, prolongation: Any, width: int) -> None:
@@ -331,10 +326,6 @@ class Multigrid:
         if change:
             momentum = self.pencil.momentum(x[self._place].astype(np.float64))
             r[self._place] -= (change * momentum).astype(np.float32)
-
-
-def _in_parts(A: Any, places: FloatArray | None) -> Blocks:
-    return Blocks.of(A, None if places is None else slabs(places, A.blocksize[0]))
 
 
 def _set_up(pencil: Pencil) -> Inverse:
