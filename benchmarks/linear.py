@@ -68,7 +68,7 @@ def measure(shape: str, dofs: float, solver: str, pipeline: bool) -> dict[str, o
         found["model"] += [assembly + found["model"][0], assembly_cpu + found["model"][1]]
     elif solver == "multigrid":
         pencil = Pencil(body.K, body.M, SHIFT, body.nodes, body.free, body.mesh)
-        multigrid, *found["setup"] = timed(lambda: Multigrid(pencil, TOLERANCE))
+        multigrid, *found["setup"] = timed(lambda: Multigrid(pencil))
         (x, found["iterations"]), *found["solve"] = timed(
             lambda: multigrid.iterate(tip.b, TOLERANCE, np.inf)
         )

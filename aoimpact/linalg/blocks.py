@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from .. import _core
 from ..base import FloatArray, IntArray, at_once
@@ -32,8 +31,9 @@ class Blocks:
     ----------
     A : scipy.sparse.bsr_array
         In order, with every block of its diagonal.
-    part : ndarray of int, shape (n,), optional
-        Which part each row of blocks belongs to, from 0 on; all to one if left out.
+    places : ndarray, shape (n, 3), optional
+        Coordinates of the rows of blocks: those of a large body are cut into slabs across its
+        longest side, which are the parts.
 
     Attributes
     ----------
@@ -47,9 +47,14 @@ class Blocks:
         How many numbers the core wants as work space.
     """
 
-    def __init__(self, A: Any, part: IntArray | None = None) -> None:
+    def __init__(self, A: Any, places: FloatArray | None = None) -> None:
         size, n = A.blocksize[0], len(A.indptr) - 1
-        part = np.zeros(n, dtype=np.int64) if part is None else part
+        part = np.zeros(n, dtype=np.int64)
+        count = max(1, min(_MOST_PARTS, size * n // _LEAST))
+        if places is not None and count > 1:
+            along = places[:, np.ptp(places, axis=0).argmax()]
+            cuts = np.quantile(along, np.arange(1, count) / count)
+            part = np.unique(np.searchsorted(cuts, along), return_inverse=True)[1]
         order = np.argsort(part, kind="stable").astype(np.int32)
         place = np.empty(n, dtype=np.int32)
         place[order] = np.arange(n)
@@ -82,22 +87,6 @@ def in_stages(
             function(matrix, parts[0], stage, *rest)
         else:
             at_once([partial(function, matrix, part, stage, *rest) for part in parts])
-
-
-def slabs(places: FloatArray, size: int) -> npt.NDArray[np.int64]:
-    """Return a part for each node: slabs across the longest side of a body of many dofs.
-
-    Parameters
-    ----------
-    places : ndarray, shape (n, 3)
-        Coordinates.
-    size : int
-        Dofs of a node.
-    """
-    count = max(1, min(_MOST_PARTS, size * len(places) // _LEAST))
-    along = places[:, np.ptp(places, axis=0).argmax()]
-    cuts = np.quantile(along, np.arange(1, count) / count)
-    return np.unique(np.searchsorted(cuts, along), return_inverse=True)[1]
 
 
 def diagonal_places(A: Any) -> IntArray:

@@ -8,15 +8,16 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import ROUNDING, FloatArray, IntArray
-from ..mesh import Mesh
+from ..base import ROUNDING, FloatArray
+from ..mesh import rigid_motions
 from .blocks import diagonal_places
+from .pencil import Pencil
 
 # ω of the prolongation's smoothing, over λ_max of D⁻¹A (Vanek, Mandel and Brezina 1996).
 _DAMPING = 4.0 / 3.0
 
 
-def corner_interpolation(mesh: Mesh) -> tuple[sp.csr_array, IntArray]:
+def corners_of(pencil: Pencil) -> tuple[sp.csr_array, FloatArray, FloatArray] | None:
     """Return the linear functions of a quadratic mesh's corners, at all its nodes.
 
     The space of the linear elements on the corners lies in that of the quadratic ones, so this is
@@ -24,10 +25,18 @@ def corner_interpolation(mesh: Mesh) -> tuple[sp.csr_array, IntArray]:
 
     Returns
     -------
-    interpolation : scipy.sparse.csr_array, shape (n_nodes, n_corners)
-    corners : ndarray, shape (n_corners,)
-        Their node numbers, ascending.
+    interpolation : scipy.sparse.csr_array, shape (n, n_corners)
+        At the nodes that have dofs.
+    motions : ndarray, shape (n_corners, 3, 6)
+        Rigid motions of the corners that have dofs.
+    places : ndarray, shape (n_corners, 3)
+        Their coordinates.
+
+    None where the mesh is not quadratic, or all corners are constrained.
     """
+    mesh, free, nodes_at = pencil.mesh, pencil.free, pencil.nodes
+    if mesh is None or free is None or nodes_at is None or not mesh.quadratic:
+        return None
     is_corner = np.zeros(mesh.n_nodes, dtype=bool)
     for block in mesh.blocks:
         is_corner[block.cells[:, : block.element.n_corners]] = True
@@ -48,7 +57,13 @@ def corner_interpolation(mesh: Mesh) -> tuple[sp.csr_array, IntArray]:
         columns.append(parents[used])
         values.append(weights[used])
     entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return sp.csr_array(entries, shape=(mesh.n_nodes, len(corners))), corners
+    moving = np.unique(free // 3)
+    kept = np.isin(corners, moving, assume_unique=True)
+    if not kept.any():
+        return None
+    interpolation = sp.csr_array(entries, shape=(mesh.n_nodes, len(corners)))[moving][:, kept]
+    motions = rigid_motions(nodes_at).reshape(-1, 3, 6)[corners[kept]]
+    return interpolation, motions, nodes_at[corners[kept]]
 
 
 def aggregated(A: Any, candidates: FloatArray, highest: float) -> tuple[Any, FloatArray]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..base import FloatArray
 from .pencil import Pencil
@@ -26,8 +26,8 @@ class Inverse:
 
     Attributes
     ----------
-    solve : callable
-        f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f.
+    solve : callable or None
+        f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f, of a method that does not iterate.
     iterate : callable or None
         f, shape (n,), ‖f - A x‖ / ‖f‖ and the most iterations ↦ (K + s²M)⁻¹ f and the iterations
         taken, of a method that iterates. Raises ConvergenceError.
@@ -39,17 +39,35 @@ class Inverse:
         not alternate.
     """
 
-    solve: Solve
+    solve: Solve | None = None
     iterate: Iterate | None = None
     precondition: Solve | None = None
     at: Callable[[float], Inverse] | None = None
 
 
-@dataclass(frozen=True)
-class Method:
-    """A method of solution and its cost, which here is that of factors.
+class Cost(NamedTuple):
+    """Estimated cost of a method for a matrix; only ratios of times matter.
 
-    Only ratios of times matter.
+    Attributes
+    ----------
+    set_up : float
+        Time of the set-up, s.
+    step : float
+        Time of a solution, or of an iteration, s.
+    memory : float
+        Bytes that it needs besides K and M.
+    steps : float
+        Iterations of a solution.
+    """
+
+    set_up: float
+    step: float
+    memory: float
+    steps: float = 1.0
+
+
+class Method(NamedTuple):
+    """A method of solution.
 
     Attributes
     ----------
@@ -57,29 +75,44 @@ class Method:
         Its name in `solver=`.
     set_up : callable
         Pencil ↦ Inverse. Raises SingularError.
-    per_operation, per_entry, per_solution : float
-        Seconds per multiplication and per entry of L of the set-up; per entry of a solution.
-    bytes_per_entry, bytes_copied : float
-        Bytes per entry of L, and of K.
+    cost : callable
+        Pencil ↦ Cost.
     is_installed : callable
         Whether its package is there.
     """
 
     name: str
     set_up: Callable[[Pencil], Inverse]
-    per_operation: float
-    per_entry: float
-    per_solution: float
-    bytes_per_entry: float
-    bytes_copied: float = 0.0
+    cost: Callable[[Pencil], Cost]
     is_installed: Callable[[], Any] = lambda: True
 
     def seconds(self, pencil: Pencil, solutions: float) -> float:
         """Return the estimated time of the set-up and some solutions, s."""
-        entries, operations = pencil.fill
-        per_entry = self.per_entry + self.per_solution * solutions
-        return self.per_operation * operations + per_entry * entries
+        set_up, step, _, steps = self.cost(pencil)
+        return set_up + solutions * steps * step
 
-    def memory(self, pencil: Pencil) -> float:
-        """Return the estimated bytes that it needs besides K and M."""
-        return self.bytes_per_entry * pencil.fill.entries + self.bytes_copied * float(pencil.K.nnz)
+
+def of_factors(
+    per_operation: float,
+    per_entry: float,
+    per_solution: float,
+    stored: float,
+    copied: float,
+) -> Callable[[Pencil], Cost]:
+    """Return the cost of factors.
+
+    Parameters
+    ----------
+    per_operation, per_entry, per_solution : float
+        Seconds per multiplication and per entry of L of the set-up; per entry of a solution.
+    stored, copied : float
+        Bytes per entry of L, and of K.
+    """
+
+    def cost(pencil: Pencil) -> Cost:
+        entries, operations = pencil.fill
+        set_up = per_operation * operations + per_entry * entries
+        memory = stored * entries + copied * float(pencil.K.nnz)
+        return Cost(set_up, per_solution * entries, memory)
+
+    return cost

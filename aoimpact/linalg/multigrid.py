@@ -18,12 +18,12 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, bar
-from ..mesh import Mesh, rigid_motions
-from .blocks import Blocks, diagonal_places, slabs
-from .coarsening import aggregated, corner_interpolation
+from ..mesh import Mesh
+from .blocks import Blocks
+from .coarsening import aggregated, corners_of
 from .dissection import fill
 from .finest import add, add_to_diagonal, finest_level, in_order
-from .method import Inverse, Method
+from .method import Cost, Inverse, Method
 from .pencil import Pencil
 from .rows import congruent
 from .smoother import Smoother, inner
@@ -50,17 +50,13 @@ _SHRINKS = 0.7
 # thick 142, a cube of ν = .499 169.
 _MOST_ITERATIONS = 500
 
-# The set-up takes at most so many bytes per entry of K, beside K, M and the coarsest level's
-# factors, with a mesh of second order; of linear tetrahedra 42 were measured.
-_BYTES_QUADRATIC = 20.0
+# Seconds per entry of K of the set-up and of an iteration.
+_SET_UP, _ITERATION = 4e-8, 1.5e-9
 
-# Seconds per entry of K of the set-up and of an iteration; bytes per entry of the coarsest level's
-# factors and of K.
-_COST = 0.0, 4e-8, 1.5e-9, 30.0, 44.0
-
-# ‖f - A x‖ / ‖f‖ to iterate to: half of what `LinearSolver` asks for, since the residual that is
-# computed afresh comes out slightly larger.
-_TOLERANCE, _OF_WHAT_IS_ASKED = 5e-11, 0.5
+# Bytes per entry of K that the set-up takes at most, beside K, M and the coarsest level's factors,
+# with a mesh of second order and without; of linear tetrahedra 42 were measured. Bytes per entry of
+# these factors.
+_BYTES_QUADRATIC, _BYTES, _BYTES_COARSEST = 20.0, 44.0, 30.0
 
 # Iterations of a solution: the first of these and the second times the square of the elements'
 # aspect ratio, since the smoother treats all directions alike. Measured: 13 with cubes of elements,
@@ -97,139 +93,93 @@ class Multigrid:
     Parameters
     ----------
     pencil : Pencil
-    tolerance : float
-        ‖f - (K + s²M) x‖ / ‖f‖ to iterate to, where `solve` gets no other one.
-
-    Attributes
-    ----------
-    sizes : list of int
-        Dofs of the levels, the finest first.
 
     Raises
     ------
     SingularError
         If the matrix turns out to be singular or not positive definite.
+    ConvergenceError
+        If its dofs are hardly coupled, so that there is no coarser level.
     """
 
-    def __init__(self, pencil: Pencil, tolerance: float) -> None:
-        self.pencil, self.tolerance = pencil, tolerance
+    def __init__(self, pencil: Pencil) -> None:
+        self.pencil = pencil
         self._levels: list[_Level] = []
         self._in_use, self._stored = threading.RLock(), pencil.s2
-        # One matrix in blocks is read in a sixth of the time that K and M take.
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
-            A, candidates, places, self._place = finest_level(pencil)
-            self._scale, self._length, self.sizes = pencil.scale, A.shape[0], [A.shape[0]]
-            self._blocks = Blocks(A, None if places is None else slabs(places, A.blocksize[0]))
+            A, motions, places, self._place = finest_level(pencil)
+            self._scale, self._length = pencil.scale, A.shape[0]
+            # One matrix in blocks is read in a sixth of the time that K and M take.
+            self._blocks = Blocks(A, places)
             self._work = np.empty(self._blocks.work_length)
-            if pencil.mesh is not None and pencil.mesh.quadratic:
-                A, candidates, places = self._to_corners(A) or (A, candidates, places)
-            progress.update()
-            self._coarsen(A, candidates, places, progress)
+            self._coarsen(A, motions, places, progress)
 
-    def _coarsen(self, A: Any, candidates: FloatArray, places: Any, progress: Any) -> None:
+    @property
+    def inverse(self) -> Inverse:
+        """What it can do."""
+        return Inverse(iterate=self.iterate, precondition=self.precondition, at=self._at)
+
+    def _coarsen(self, A: Any, motions: FloatArray, places: Any, progress: Any) -> None:
         """Make the levels from that of A on."""
-        affordable = _most_in_coarsest(self.pencil)
+        pencil, affordable = self.pencil, _most_in_coarsest(self.pencil)
         while True:
+            first = not self._levels
             if len(self._levels) == 1:
-                self._second = A, candidates, places
-            few = 0.5 * A.nnz <= affordable and fill(A).entries <= affordable
-            if few or A.shape[0] <= _DENSE:
+                self._second = A, motions, places
+            corners = corners_of(pencil) if first else None
+            few = corners is None and 0.5 * A.nnz <= affordable and fill(A).entries <= affordable
+            if few or (corners is None and A.shape[0] <= _DENSE):
                 break
-            A, candidates = self._to_aggregates(A, candidates, places)
-            places = None
+            blocks = self._blocks if first else Blocks(A, places)
+            band = _BAND_MESH if first else _BAND_AGGREGATES
+            smoother = Smoother(blocks, A, scale=self._scale, band=band, what=pencil.what)
+            if corners is None:
+                P, motions = aggregated(A, motions, smoother.highest)
+                weights, places, width = P, None, 1
+            else:
+                weights, motions, places = corners
+                P, width = sp.kron(weights, np.eye(3)).tobsr((3, 3)), 3
+            if P.shape[1] > _SHRINKS * P.shape[0] and width == 1:
+                raise ConvergenceError(
+                    f"solver 'multigrid' finds no coarser level below {A.shape[0]} dofs of "
+                    f"{pencil.what} ({pencil.n} dofs): too few of them are coupled; take another "
+                    "one by solver="
+                )
+            single = weights.astype(np.float32)
+            restriction = single.T.tocsr() if single.format == "csr" else single.T
+            self._levels.append(_Level(smoother, single, restriction, width))
+            A = in_order(congruent(A, P).tobsr((motions.shape[1],) * 2))
+            empty = A.diagonal() == 0.0  # where motions were dependent
+            if empty.any():
+                add_to_diagonal(A, np.where(empty, self._scale, 0.0))
             progress.update()
-        self._coarsest = factorize(A / self._scale, what=self.pencil.what)
+        self._coarsest = factorize(A / self._scale, what=pencil.what)
 
-    def below(self, s2: float) -> Multigrid:
-        """Return (K + s²M)⁻¹ at a smaller shift, with this one's smoother on the finest level.
+    def _at(self, s2: float) -> Inverse:
+        """Return (K + s²M)⁻¹ at another shift; a smaller one has this one's finest smoother.
 
         It damps as well there. At a larger one, where its matrix is too small, it does not. The
         two share the work space, and wait for each other.
         """
         if not self._levels or s2 > self._stored:
-            return Multigrid(self.pencil.at(s2), self.tolerance)
-        other = copy.copy(self)
-        other.pencil = self.pencil.at(s2)
-        other._levels, other.sizes = self._levels[:1], self.sizes[:2]
-        A, candidates, places = self._second
+            return Multigrid(self.pencil.at(s2)).inverse
+        other, level = copy.copy(self), self._levels[0]
+        other.pencil, other._levels = self.pencil.at(s2), [level]
+        A, motions, places = self._second
         with bar(f"multigrid, {self.pencil.n} dofs", unit="level") as progress:
-            masses = self._coarse_masses()
+            P = level.prolongation.astype(np.float64)
+            P = sp.kron(P, np.eye(3), format="csr") if level.width == 3 else P.tocsr()
+            masses = congruent(self.pencil.M, P[self._place])
             A = add(A.copy(), s2 - self.pencil.s2, masses)
-            other._coarsen(A, candidates, places, progress)
-        return other
-
-    def _coarse_masses(self) -> Any:
-        """Return Pᵀ M P on the second level."""
-        level = self._levels[0]
-        P = level.prolongation.astype(np.float64)
-        P = sp.kron(P, np.eye(3), format="csr") if level.width == 3 else P.tocsr()
-        return congruent(self.pencil.M, P[self._place])
-
-    def _to_corners(self, A: Any) -> tuple[Any, FloatArray, FloatArray] | None:
-        """Make the finest level of a quadratic mesh; return matrix, motions, places of corners.
-
-        None where all corners are constrained.
-        """
-        pencil = self.pencil
-        assert pencil.nodes is not None  # a body with a mesh has nodes
-        assert pencil.free is not None
-        weights, corners = corner_interpolation(pencil.mesh)
-        nodes = np.unique(pencil.free // 3)
-        kept = np.isin(corners, nodes, assume_unique=True)
-        if not kept.any():
-            return None
-        weights = weights[nodes][:, kept]
-        self._add(self._smoother(self._blocks, A, _BAND_MESH), weights, width=3)
-        coarse = congruent(A, sp.kron(weights, np.eye(3)).tobsr((3, 3)))
-        motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[corners[kept]]
-        return self._coarse_matrix(coarse, 3), motions, pencil.nodes[corners[kept]]
-
-    def _to_aggregates(
-        self, A: Any, candidates: FloatArray, places: FloatArray | None
-    ) -> tuple[Any, FloatArray]:
-        band = _BAND_AGGREGATES if self._levels else _BAND_MESH
-        blocks = self._blocks
-        if self._levels:
-            blocks = Blocks(A, None if places is None else slabs(places, A.blocksize[0]))
-        smoother = self._smoother(blocks, A, band)
-        prolongation, coarse = aggregated(A, candidates, smoother.highest)
-        if prolongation.shape[1] > _SHRINKS * prolongation.shape[0]:
-            raise ConvergenceError(
-                f"solver 'multigrid' finds no coarser level below {A.shape[0]} dofs of "
-                f"{self.pencil.what} ({self.pencil.n} dofs): too few of them are coupled; take "
-                "another one by solver="
-            )
-        self._add(smoother, prolongation, width=1)
-        return self._coarse_matrix(congruent(A, prolongation), coarse.shape[1]), coarse
-
-    def _smoother(self, blocks: Blocks, A: Any, band: float) -> Smoother:
-        diagonal = A.data[diagonal_places(A)]
-        return Smoother(blocks, diagonal, scale=self._scale, band=band, what=self.pencil.what)
-
-    def _add(self, smoother: Smoother, prolongation: Any, width: int) -> None:
-        single = prolongation.astype(np.float32)
-        restriction = single.T.tocsr() if single.format == "csr" else single.T
-        self._levels.append(_Level(smoother, single, restriction, width))
-
-    def _coarse_matrix(self, coarse: Any, size: int) -> Any:
-        """Return Pᵀ A P with something on the diagonal where candidates were dependent."""
-        coarse = in_order(coarse.tobsr((size, size)))
-        empty = coarse.diagonal() == 0.0
-        if empty.any():
-            add_to_diagonal(coarse, np.where(empty, self._scale, 0.0))
-        self.sizes.append(coarse.shape[0])
-        return coarse
-
-    def solve(self, rhs: FloatArray) -> FloatArray:
-        """Return (K + s²M)⁻¹ `rhs` for one right-hand side (n,) or several (n, m)."""
-        if rhs.ndim == 2:
-            return np.column_stack([self.solve(column) for column in rhs.T])
-        return self.iterate(rhs, self.tolerance, _MOST_ITERATIONS)[0]
+            other._coarsen(A, motions, places, progress)
+        return other.inverse
 
     def iterate(self, rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
         """Return (K + s²M)⁻¹ `rhs`, shape (n,), and the iterations that it took, `most` at most.
 
-        With β after Polak and Ribière, which forgives the preconditioner its rounding.
+        To half of ‖f - A x‖ / ‖f‖ = `tolerance`, since the residual that is computed afresh comes
+        out slightly larger. With β after Polak and Ribière, which forgives the preconditioner its
+        rounding.
 
         Raises
         ------
@@ -240,6 +190,7 @@ class Multigrid:
             that is nearly singular, by its rounding.
         """
         what, limit = self.pencil.what, max(1, int(min(most, _MOST_ITERATIONS)))
+        tolerance *= 0.5
         size = math.sqrt(inner(rhs, rhs))
         if size == 0.0:
             return np.zeros_like(rhs), 0
@@ -328,40 +279,14 @@ class Multigrid:
             r[self._place] -= (change * momentum).astype(np.float32)
 
 
-def _set_up(pencil: Pencil) -> Inverse:
-    return _inverse(Multigrid(pencil, _TOLERANCE))
-
-
-def _inverse(multigrid: Multigrid) -> Inverse:
-    def iterate(rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
-        return multigrid.iterate(rhs, _OF_WHAT_IS_ASKED * tolerance, most)
-
-    def below(s2: float) -> Inverse:
-        return _inverse(multigrid.below(s2))
-
-    return Inverse(multigrid.solve, iterate, multigrid.precondition, at=below)
-
-
-class _Iterations(Method):
-    """Its cost, by entries of K in place of those of L."""
-
-    def seconds(self, pencil: Pencil, solutions: float) -> float:
-        """Return the estimated time of the set-up and some solutions, s."""
-        aspect = 1.0 if pencil.mesh is None else _aspect(pencil.mesh)
-        each = _ITERATIONS + _PER_ASPECT * aspect**2
-        if pencil.nodes is None:
-            each = _WITHOUT_NODES
-        return self.per_entry * float(pencil.K.nnz) + solutions * each * self.iteration(pencil)
-
-    def memory(self, pencil: Pencil) -> float:
-        """Return the estimated bytes that it needs besides K and M."""
-        quadratic = pencil.mesh is not None and pencil.mesh.quadratic
-        copied = _BYTES_QUADRATIC if quadratic else self.bytes_copied
-        return copied * float(pencil.K.nnz) + self.bytes_per_entry * _most_in_coarsest(pencil)
-
-    def iteration(self, pencil: Pencil) -> float:
-        """Return the estimated time of an iteration, s."""
-        return self.per_solution * float(pencil.K.nnz)
+def _cost(pencil: Pencil) -> Cost:
+    """The cost, by entries of K in place of those of L."""
+    stored, quadratic = float(pencil.K.nnz), pencil.mesh is not None and pencil.mesh.quadratic
+    aspect = 1.0 if pencil.mesh is None else _aspect(pencil.mesh)
+    each = _WITHOUT_NODES if pencil.nodes is None else _ITERATIONS + _PER_ASPECT * aspect**2
+    memory = (_BYTES_QUADRATIC if quadratic else _BYTES) * stored
+    memory += _BYTES_COARSEST * _most_in_coarsest(pencil)
+    return Cost(_SET_UP * stored, _ITERATION * stored, memory, each)
 
 
 def _aspect(mesh: Mesh) -> float:
@@ -382,4 +307,4 @@ def _aspect(mesh: Mesh) -> float:
     )
 
 
-MULTIGRID = _Iterations("multigrid", _set_up, *_COST)
+MULTIGRID = Method("multigrid", lambda pencil: Multigrid(pencil).inverse, _cost)

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, InputError, MemoryLimitError, SingularError
-from .method import Inverse, Method
+from .method import Inverse, Method, of_factors
 from .pencil import Pencil
 from .superlu import check_condition
 
 # PARDISO's iparm, counted from 0: nested dissection, and two-level scheduling of the factorisation.
 _OPTIONS = {1: 2, 23: 1}
 
-# See `Method`. PARDISO stores L by supernodes, and a copy of K.
-_COST = 1e-11, 3e-8, 0.9e-9, 12.0, 30.0
+# See `of_factors`. PARDISO stores L by supernodes, and a copy of K.
+_COST = of_factors(1e-11, 3e-8, 0.9e-9, 12.0, 30.0)
 
 
 def is_installed() -> bool:
@@ -110,8 +110,4 @@ def _matrix(pencil: Pencil) -> Any:
     return pencil.matrix()
 
 
-def _set_up(pencil: Pencil) -> Inverse:
-    return _Factors(pencil).at(pencil.s2)
-
-
-PARDISO = Method("pardiso", _set_up, *_COST, is_installed=is_installed)
+PARDISO = Method("pardiso", lambda pencil: _Factors(pencil).at(pencil.s2), _COST, is_installed)

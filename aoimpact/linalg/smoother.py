@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import scipy
 
 from .. import _core
 from ..base import FloatArray, SingularError
-from .blocks import Blocks, in_stages
+from .blocks import Blocks, diagonal_places, in_stages
 
 Single = npt.NDArray[np.float32]
 
@@ -27,9 +29,9 @@ class Smoother:
     Parameters
     ----------
     blocks : Blocks
-        A, symmetric positive definite.
-    diagonal : ndarray, shape (n, b, b)
-        Its diagonal blocks.
+        A as the core takes it.
+    A : scipy.sparse.bsr_array
+        Symmetric positive definite.
     scale : float
         What the matrix is divided by, so that single precision holds it.
     band : float
@@ -43,9 +45,8 @@ class Smoother:
         λ_max of D⁻¹A, with a margin.
     """
 
-    def __init__(
-        self, blocks: Blocks, diagonal: FloatArray, *, scale: float, band: float, what: str
-    ) -> None:
+    def __init__(self, blocks: Blocks, A: Any, *, scale: float, band: float, what: str) -> None:
+        diagonal = A.data[diagonal_places(A)]
         try:
             inverse = np.linalg.inv(diagonal / scale).astype(np.float64, copy=False)
         except np.linalg.LinAlgError:

@@ -137,7 +137,11 @@ class LinearSolver:
             with np.errstate(over="ignore", invalid="ignore"):
                 kx, mx = self.pencil.products(x)
                 residual = rhs - (kx + self.s2 * mx)
-                excess = self._excess(residual, rhs, x, tolerance)
+                rounding = _LEFT_BY_ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
+                allowed = np.maximum(tolerance * np.linalg.norm(rhs, axis=0), rounding)
+                size = np.linalg.norm(residual, axis=0)
+                # The largest of all columns; nan where x is too large.
+                excess = float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
             if excess <= 1.0:
                 advance("solution", x.size // len(x))
                 return x, kx, mx
@@ -151,15 +155,6 @@ class LinearSolver:
             f"{self.pencil.n} dofs: the matrix is singular or nearly so (a mechanism, missing "
             "supports), or this solver fails on it; take another one by solver="
         )
-
-    def _excess(
-        self, residual: FloatArray, rhs: FloatArray, x: FloatArray, tolerance: float
-    ) -> float:
-        """The largest residual of all columns, over what is allowed; nan where x is too large."""
-        rounding = _LEFT_BY_ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
-        allowed = np.maximum(tolerance * np.linalg.norm(rhs, axis=0), rounding)
-        size = np.linalg.norm(residual, axis=0)
-        return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
 
     def _unchecked(self, rhs: FloatArray, tolerance: float) -> FloatArray:
         x = np.asarray(self._iterated(rhs, tolerance))
@@ -177,10 +172,11 @@ class LinearSolver:
 
     def _iterated(self, rhs: FloatArray, tolerance: float) -> FloatArray:
         """Solve by iterations while there are any left, and by factors from then on."""
-        if self.inverse.iterate is None:
+        if self.inverse.solve is not None:
             return self.inverse.solve(rhs)
         if rhs.ndim == 2:
             return np.column_stack([self._iterated(column, tolerance) for column in rhs.T])
+        assert self.inverse.iterate is not None
         try:
             x, taken = self.inverse.iterate(rhs, tolerance, self.most)
             self.most -= taken
@@ -188,11 +184,8 @@ class LinearSolver:
         except ConvergenceError:
             if self.most == np.inf:
                 raise
-        if _direct(self.pencil) is None:  # no factors fit: iterations go on
-            self.most = np.inf
-            return self._iterated(rhs, tolerance)
         self.factorise()
-        return self.inverse.solve(rhs)
+        return self._iterated(rhs, tolerance)
 
 
 @dataclass(eq=False)
@@ -261,16 +254,16 @@ def linear_solver(
     what = f"solver {method.name!r} of {pencil.what} ({pencil.n} dofs)"
     cure = "take a coarser mesh, free memory, or give a solver of your own by solver="
     if method is not MULTIGRID and not pencil.rotates:
-        cure = f"solver={MULTIGRID.name!r} takes {MULTIGRID.memory(pencil) / GIB:.2g} GiB"
-    require(method.memory(pencil), what, cure)
-    most = np.inf
-    if name == "auto" and method is MULTIGRID:  # as long as factors would take
-        most = min(m.seconds(pencil, 0) for m in _factorising()) / MULTIGRID.iteration(pencil)
+        cure = f"solver={MULTIGRID.name!r} takes {MULTIGRID.cost(pencil).memory / GIB:.2g} GiB"
+    cost, most = method.cost(pencil), np.inf
+    require(cost.memory, what, cure)
+    direct = _direct(pencil) if name == "auto" else None
+    if method is MULTIGRID and direct is not None:  # as long as factors would take
+        most = direct.cost(pencil).set_up / cost.step
     with bar(f"{method.name}, {pencil.n} dofs"):
         try:
             inverse = method.set_up(pencil)
         except ConvergenceError:
-            direct = _direct(pencil) if name == "auto" else None
             if direct is None:
                 raise
             method, inverse, most = direct, direct.set_up(pencil), np.inf
@@ -281,12 +274,12 @@ def _quickest(pencil: Pencil, solutions: int) -> Method:
     """The method that will be quickest of those that are installed and fit into memory."""
     direct = _direct(pencil)
     if pencil.rotates:  # multigrid is for blocks of three displacements
-        return direct or min(_factorising(), key=lambda m: m.memory(pencil))
-    count = float(min(solutions, sys.maxsize))
+        return direct or SUPERLU
     if direct is None:
         return MULTIGRID
+    count = float(min(solutions, sys.maxsize))
     limit = max(_PROMPT, MULTIGRID.seconds(pencil, count))
-    if direct.seconds(pencil, count) <= limit or MULTIGRID.memory(pencil) > available():
+    if direct.seconds(pencil, count) <= limit or MULTIGRID.cost(pencil).memory > available():
         return direct
     return MULTIGRID
 
@@ -294,12 +287,8 @@ def _quickest(pencil: Pencil, solutions: int) -> Method:
 def _direct(pencil: Pencil) -> Method | None:
     """The method that factorises quickest, of those that are installed and fit into memory."""
     free = available()
-    fitting = [m for m in _factorising() if m.memory(pencil) <= free]
-    return min(fitting, key=lambda m: m.seconds(pencil, 0), default=None)
-
-
-def _factorising() -> list[Method]:
-    return [m for m in METHODS.values() if m is not MULTIGRID and m.is_installed()]
+    fitting = [m for m in (SUPERLU, PARDISO) if m.is_installed() and m.cost(pencil).memory <= free]
+    return min(fitting, key=lambda m: m.cost(pencil).set_up, default=None)
 
 
 def _users_own(pencil: Pencil, solver: Callable[[Any], Solve]) -> LinearSolver:

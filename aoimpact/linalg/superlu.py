@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from .. import _core
 from ..base import FloatArray, IntArray, MemoryLimitError, SingularError
-from .method import Inverse, Method
+from .method import Inverse, Method, of_factors
 from .pencil import Pencil
 
 # 1/condition below which a factorised matrix is taken for singular: the rounding of its entries
@@ -24,10 +24,10 @@ _UNLUCKY = 100.0
 # Dofs up to which the signs of the pivots are checked: SciPy copies all factors to show them.
 CHECKED_DOFS = 10_000
 
-# See `Method`. The check of the factors takes four solutions; U is stored beside L, both with
+# See `of_factors`. The check of the factors takes four solutions; U is stored beside L, both with
 # indices. These give 0.8 to 1.4 times the time and the memory measured (benchmarks/linear.py
 # --direct) on 18 balls, blocks, plates, sheets and bars of 10 000 to 213 000 dofs.
-_COST = 9.5e-11, 3.5e-8, 1.5e-9, 30.0
+_COST = of_factors(9.5e-11, 3.5e-8, 1.5e-9, 30.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -181,4 +181,4 @@ def _set_up(pencil: Pencil) -> Inverse:
     return Inverse(factorize(pencil.matrix(), what=pencil.what, order=pencil.order).solve)
 
 
-SUPERLU = Method("superlu", _set_up, *_COST)
+SUPERLU = Method("superlu", _set_up, _COST)
