@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import math
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -37,12 +36,11 @@ class _Factors:
 
     def __init__(self, pencil: Pencil) -> None:
         self._pencil, self._s2 = pencil, math.nan
+        self._pattern: tuple[Any, ...] = ()
         self._solver = _pardiso(pencil.what)
         for place, value in _OPTIONS.items():
             self._solver.set_iparm(place, value)
-        matrix = _matrix(pencil)
-        self._analyse(matrix)
-        self._factorise(self._solver.factor, matrix, pencil)
+        self._factorise(pencil)
 
     def at(self, s2: float) -> Inverse:
         """Return the inverse at a shift; factors are replaced when it solves."""
@@ -50,28 +48,30 @@ class _Factors:
 
     def _solve(self, pencil: Pencil, rhs: FloatArray) -> FloatArray:
         if pencil.s2 != self._s2:
-            matrix = _matrix(pencil)
-            starts, indices = self._pattern
-            if np.array_equal(matrix.indptr, starts) and np.array_equal(matrix.indices, indices):
-                self._factorise(self._solver.refactor_values, matrix, pencil)
-            else:
-                self._analyse(matrix)
-                self._factorise(self._solver.factor, matrix, pencil)
+            self._factorise(pencil)
         solution: FloatArray = self._solver.solve(rhs)
         return solution
 
-    def _analyse(self, matrix: Any) -> None:
+    def _factorise(self, pencil: Pencil) -> None:
+        what, diagonal = pencil.what, pencil.diagonal
+        without = np.flatnonzero(~(diagonal > 0.0))
+        if len(without):  # of a row without a diagonal PARDISO reads foreign memory
+            raise SingularError(
+                f"{what} is singular or not positive definite (its diagonal entry {without[0]}, "
+                f"counted from 0, is {diagonal[without[0]]:g})"
+            )
+        matrix, by = pencil.matrix(), self._solver.refactor_values
         matrix.sort_indices()
-        self._pattern = (matrix.indptr, matrix.indices)
-        n = matrix.shape[0]
-        row = np.repeat(np.arange(n, dtype=matrix.indices.dtype), np.diff(matrix.indptr))
-        self._upper = matrix.indices >= row
-        starts = np.zeros(n + 1, dtype=np.int64)
-        np.cumsum(np.bincount(row[self._upper], minlength=n), out=starts[1:])
-        self._solver.set_pattern(ia=starts, ja=matrix.indices[self._upper].astype(np.int64), n=n)
-
-    def _factorise(self, by: Callable[[FloatArray], None], matrix: Any, pencil: Pencil) -> None:
-        what = pencil.what
+        pattern = matrix.indptr, matrix.indices
+        if not (self._pattern and all(map(np.array_equal, pattern, self._pattern))):
+            n = pencil.n
+            row = np.repeat(np.arange(n, dtype=matrix.indices.dtype), np.diff(matrix.indptr))
+            self._pattern, self._upper = pattern, matrix.indices >= row
+            starts = np.zeros(n + 1, dtype=np.int64)
+            np.cumsum(np.bincount(row[self._upper], minlength=n), out=starts[1:])
+            columns = matrix.indices[self._upper].astype(np.int64)
+            self._solver.set_pattern(ia=starts, ja=columns, n=n)
+            by = self._solver.factor
         self._s2 = math.nan  # until the new factors are there
         try:
             by(matrix.data[self._upper])
@@ -79,7 +79,7 @@ class _Factors:
             if "memory" in str(error):
                 raise MemoryLimitError(f"solver 'pardiso' of {what}: {error}") from None
             raise SingularError(f"{what} is singular or not positive definite ({error})") from None
-        check_condition(matrix, self._solver.solve, what, diagonal=pencil.diagonal)
+        check_condition(matrix, self._solver.solve, what, diagonal=diagonal)
         self._s2 = pencil.s2
 
 
@@ -97,17 +97,6 @@ def _pardiso(what: str) -> Any:
             f"pip install 'aoimpact[direct]' ({error})"
         ) from None
     return PardisoSolver(MTYPE_REAL_SYM_POSDEF, 0)
-
-
-def _matrix(pencil: Pencil) -> Any:
-    """Return K + s²M, which has a diagonal: of a row without one PARDISO reads foreign memory."""
-    without = np.flatnonzero(~(pencil.diagonal > 0.0))
-    if len(without):
-        raise SingularError(
-            f"{pencil.what} is singular or not positive definite (its diagonal entry "
-            f"{without[0]}, counted from 0, is {pencil.diagonal[without[0]]:g})"
-        )
-    return pencil.matrix()
 
 
 PARDISO = Method("pardiso", lambda pencil: _Factors(pencil).at(pencil.s2), _COST, is_installed)

@@ -57,10 +57,6 @@ class Factorization:
             solution[self.order] = self._lu.solve(rhs[self.order])
         return solution
 
-    def negative_pivots(self) -> int:
-        """Return how many eigenvalues are negative: as many as pivots are (Sylvester's law)."""
-        return int(np.count_nonzero(self._lu.U.diagonal() <= 0.0))
-
     def for_core(self) -> tuple[Any, ...]:
         """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
         if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
@@ -81,7 +77,6 @@ def factorize(
     matrix: Any,
     *,
     what: str = "the matrix",
-    checked: bool = True,
     order: IntArray | None = None,
 ) -> Factorization:
     """Factorise a sparse symmetric positive definite matrix with SuperLU.
@@ -93,16 +88,14 @@ def factorize(
     matrix : scipy.sparse matrix, shape (n, n)
     what : str
         Its name in error messages.
-    checked : bool, optional
-        Whether to check the factors, which costs some solutions; not needed for a preconditioner.
     order : ndarray of int, shape (n,), optional
         Rows in the order of elimination; that of minimum degree of A + Aᵀ if left out.
 
     Raises
     ------
     SingularError
-        If the matrix is singular; if `checked`, also if it is so to rounding or (up to 10 000 dofs)
-        has negative eigenvalues.
+        If the matrix is singular, also if it is so to rounding, or (up to 10 000 dofs) has negative
+        eigenvalues.
     """
     csc = sp.csc_matrix(matrix)
     try:
@@ -120,10 +113,9 @@ def factorize(
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         raise SingularError(f"{what} is singular ({error})") from None
     factors = Factorization(csc, lu, order)
-    if not checked:
-        return factors
     check_condition(csc, factors.solve, what)
-    if csc.shape[0] <= CHECKED_DOFS and (negative := factors.negative_pivots()):
+    # As many eigenvalues are negative as pivots are (Sylvester's law).
+    if csc.shape[0] <= CHECKED_DOFS and (negative := np.count_nonzero(lu.U.diagonal() <= 0.0)):
         raise SingularError(f"{what} is not positive definite ({negative} negative pivots)")
     return factors
 
