@@ -90,7 +90,7 @@ def _by_grounding(body: FEModel, b: FloatArray, solver: LinearSolver) -> FloatAr
     places = scipy.linalg.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
     springs = np.zeros(len(b))
     springs[places] = K.diagonal()[places]
-    pencil = replace(solver.pencil, K=(K + sp.diags_array(springs)).tocsr(), s2=0.0, diagonals=None)
+    pencil = replace(solver.pencil, K=(K + sp.diags_array(springs)).tocsr(), s2=0.0)
     grounded = linear_solver(pencil, solver.name if solver.name in SOLVERS else "auto")
     x = grounded.solve(b - M @ (rigid @ (rigid.T @ b)))
     found: FloatArray = x - rigid @ (rigid.T @ (M @ x))

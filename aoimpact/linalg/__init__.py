@@ -5,7 +5,6 @@ matrices and where their rows lie in space, no bodies. For `fem`, `reduction` an
 with K and M.
 """
 
-from .dense import dense_modes
 from .matrices import (
     LARGEST,
     LEAST,
@@ -32,6 +31,7 @@ from .solvers import (
 from .spectra import (
     DENSE_DOFS,
     EQUAL,
+    dense_modes,
     lowest,
     null_space,
     shifted,

@@ -30,8 +30,6 @@ class Pencil:
     free : ndarray of int, shape (n,), optional
         For each row its dof: 3·node + component, and 3·n_nodes more of rotations.
     mesh : Mesh, optional
-    diagonals : tuple of ndarray, shape (n,)
-        Of K and M; found if not given.
     origin : Pencil, optional
         The pencil of another shift from which this one was taken; what depends on no shift is
         computed once, there.
@@ -43,12 +41,7 @@ class Pencil:
     nodes: FloatArray | None = None
     free: IntArray | None = None
     mesh: Any = None
-    diagonals: tuple[FloatArray, FloatArray] | None = None
     origin: Pencil | None = None
-
-    def __post_init__(self) -> None:
-        if self.diagonals is None:
-            object.__setattr__(self, "diagonals", (self.K.diagonal(), self.M.diagonal()))
 
     def at(self, s2: float) -> Pencil:
         """Return that of another shift, with what is known of this one's parts."""
@@ -74,12 +67,11 @@ class Pencil:
         found: FloatArray = self.nodes[self.free // 3 % len(self.nodes)]
         return found
 
-    @property
+    @cached_property
     def diagonal(self) -> FloatArray:
         """Diagonal of K + s²M, shape (n,)."""
-        assert self.diagonals is not None
-        stiff, heavy = self.diagonals
-        return stiff + self.s2 * heavy
+        found: FloatArray = self.K.diagonal() + self.s2 * self.M.diagonal()
+        return found
 
     @property
     def rotates(self) -> bool:

@@ -89,9 +89,16 @@ def unresisted_motions(
     found = []
     for first, last in pairwise(bounds):
         rows = order[first:last]
-        local = _null_combinations(motions[rows], forces[rows])
-        columns = np.zeros((len(motions), local.shape[1]))
-        columns[rows] = local
+        _, size, right = np.linalg.svd(motions[rows], full_matrices=False)
+        kept = size > PRINTED * size[0]
+        combination = right[kept].T / size[kept]
+        combination @= np.linalg.svd(forces[rows] @ combination, full_matrices=False)[2].T
+        basis = motions[rows] @ combination
+        # A spring to the ground gives its share of the stiffness at its dof.
+        residual = np.abs(forces[rows] @ combination).max(axis=0)
+        free = residual <= PRINTED * np.abs(basis).max(axis=0)
+        columns = np.zeros((len(motions), np.count_nonzero(free)))
+        columns[rows] = basis[:, free]
         found.append(columns)
     unresisted = np.concatenate(found, axis=1)
     basis = m_orthonormal(None, unresisted, M)
@@ -101,16 +108,3 @@ def unresisted_motions(
             "apart. Check rho, masses, their centres and inertias"
         )
     return basis
-
-
-def _null_combinations(motions: FloatArray, forces: FloatArray) -> FloatArray:
-    """Return motions · c of all combinations c with forces · c = 0 to rounding."""
-    _, size, right = np.linalg.svd(motions, full_matrices=False)
-    kept = size > PRINTED * size[0]
-    combination = right[kept].T / size[kept]
-    combination = combination @ np.linalg.svd(forces @ combination, full_matrices=False)[2].T
-    basis: FloatArray = motions @ combination
-    # A spring to the ground gives its share of the stiffness at its dof.
-    residual = np.abs(forces @ combination).max(axis=0)
-    unresisted: FloatArray = basis[:, residual <= PRINTED * np.abs(basis).max(axis=0)]
-    return unresisted

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
+import scipy
 
 from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, warn
 from .davidson import davidson
-from .dense import dense_modes
 from .pencil import Pencil
 from .rigidity import m_orthonormal
 from .solvers import LinearSolver, linear_solver
@@ -48,6 +49,54 @@ _DROWNED = 0.2
 # s² over the first guess, and passes, by which strain is taken out of rigid modes.
 _STRAIN_SHIFT, _STRAIN_PASSES = 1e-6, 3
 
+# Smallest pivot of M, relative to its diagonal, with which the reduction by M⁻¹ keeps the digits of
+# low ω².
+_LIGHT = 1e-6
+
+
+def dense_modes(
+    stiffness: FloatArray, mass: FloatArray, n: int | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return ω² and M-orthonormal φ of K φ = ω² M φ by LAPACK: the `n` lowest, or all.
+
+    Motions without mass are no modes, so that there may be fewer.
+
+    Parameters
+    ----------
+    stiffness, mass : ndarrays, shape (dofs, dofs)
+        Symmetric, mass positive semidefinite and K + s²M definite; both may be overwritten.
+    n : int, optional
+
+    Raises
+    ------
+    SingularError
+        If mass is not positive semidefinite, or LAPACK does not converge.
+    """
+    some = None if n is None else [0, n - 1]
+    solved = partial(scipy.linalg.eigh, subset_by_index=some, overwrite_a=True, overwrite_b=True)
+    factor, failed = scipy.linalg.lapack.dpotrf(mass, lower=1)
+    whole = float(np.trace(mass))
+    try:
+        if not failed and (np.diagonal(factor) ** 2 >= _LIGHT * np.diagonal(mass)).all():
+            omega2, modes = solved(stiffness, mass)
+            return omega2, modes
+        # A motion may have next to no mass, as where elements integrate it at few points: it has
+        # θ = 0 in M φ = θ (K + s²M) φ, θ = 1/(ω² + s²).
+        if whole <= 0.0:
+            raise scipy.linalg.LinAlgError("mass is not positive semidefinite")
+        s2 = _FIRST_SHIFT * float(np.trace(stiffness)) / whole
+        inverse, modes = solved(-mass, stiffness + s2 * mass)
+        theta = -inverse
+        if theta[-1] < -np.sqrt(ROUNDING) * theta[0]:
+            raise scipy.linalg.LinAlgError("mass is not positive semidefinite")
+    except scipy.linalg.LinAlgError as error:
+        raise SingularError(
+            f"K and M have no modes that can be computed ({error}); give both with all their "
+            "digits, hold what is too heavy to move, and condense out what has no mass"
+        ) from None
+    heavy = theta > ROUNDING * theta[0]
+    return 1.0 / theta[heavy] - s2, modes[:, heavy] / np.sqrt(theta[heavy])
+
 
 def shifted(
     K: Any,
@@ -73,8 +122,15 @@ def shifted(
     """
     current = first or solver_at(_first_shift(K, M))
     for _ in range(_GUESSES):
-        # A motion that was missed among the rigid ones has no elastic eigenvalue at all.
-        elastic = max(_first_elastic(K, M, current, rigid), _LEAST_SHIFT * _first_shift(K, M))
+        modes, x = rigid, np.random.default_rng(1).standard_normal((K.shape[0], 1))
+        for _ in range(_INVERSE_STEPS):
+            x = m_orthonormal(modes, current.solve(M @ x), M)
+            modes = np.column_stack([modes, x])
+        basis = modes[:, rigid.shape[1] :]
+        # An upper bound of the first elastic ω², by Lanczos. A motion that was missed among the
+        # rigid ones has no elastic eigenvalue at all.
+        elastic = float(np.linalg.eigvalsh(basis.T @ (K @ basis))[0])
+        elastic = max(elastic, _LEAST_SHIFT * _first_shift(K, M))
         if _SHIFT_BELOW * current.s2 <= elastic <= _SHIFT_ABOVE * current.s2:
             break
         try:
@@ -87,16 +143,6 @@ def shifted(
 def _first_shift(K: Any, M: Any) -> float:
     """A guess of s², (rad/s)², large enough for K + s²M to be definite, small beside K."""
     return _FIRST_SHIFT * float(K.diagonal().sum() / M.diagonal().sum())
-
-
-def _first_elastic(K: Any, M: Any, current: LinearSolver, rigid: FloatArray) -> float:
-    """An upper bound of the first elastic ω², by Lanczos; see `_INVERSE_STEPS`."""
-    known, x = rigid, np.random.default_rng(1).standard_normal((K.shape[0], 1))
-    for _ in range(_INVERSE_STEPS):
-        x = m_orthonormal(known, current.solve(M @ x), M)
-        known = np.column_stack([known, x])
-    basis = known[:, rigid.shape[1] :]
-    return float(np.linalg.eigvalsh(basis.T @ (K @ basis))[0])
 
 
 def null_space(K: Any, M: Any) -> FloatArray:
@@ -158,24 +204,19 @@ def lowest(
     n = min(n, int(np.count_nonzero(M.diagonal())))  # rows without mass add no modes
     if n <= count:
         return np.zeros(n), rigid[:, :n].copy()
-    if dofs <= DENSE_DOFS or n > dofs // 5:
-        return _lowest_dense(K, M, n, rigid)
-    solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
-    near = None
-    if known is not None and not count:
-        with suppress(SingularError):  # by rounding
-            near = solver_at(0.0)
-    near = near or solver_at(_first_shift(K, M))
-    try:
-        omega2, modes = _iterated(K, M, n - count, known, near, solver_at)
-    except ConvergenceError:
-        if dofs > _DENSE_AT_WORST:
-            raise
-        return _lowest_dense(K, M, n, rigid)
-    return (
-        np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
-        np.column_stack([rigid, modes])[:, :n],
-    )
+    if dofs > DENSE_DOFS and n <= dofs // 5:
+        try:
+            omega2, modes = _iterated(K, M, n - count, known, invert)
+            return (
+                np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
+                np.column_stack([rigid, modes])[:, :n],
+            )
+        except ConvergenceError:
+            if dofs > _DENSE_AT_WORST:
+                raise
+    omega2, modes = dense_modes(K.toarray(order="F"), M.toarray(order="F"), n)
+    omega2[:count], modes[:, :count] = 0.0, rigid
+    return np.maximum(omega2, 0.0), modes
 
 
 def _iterated(
@@ -183,14 +224,18 @@ def _iterated(
     M: Any,
     n: int,
     known: FloatArray | None,
-    near: LinearSolver,
-    solver_at: Callable[[float], LinearSolver],
+    invert: Callable[[float], LinearSolver] | None,
 ) -> tuple[FloatArray, FloatArray]:
     """Eigenpairs by V-cycles where the solver has them and factors are no quicker, or solutions."""
-    cycle = near.precondition
+    solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
+    near = None
+    if known is not None and not known.shape[1]:
+        with suppress(SingularError):  # by rounding
+            near = solver_at(0.0)
+    near = near or solver_at(_first_shift(K, M))
     if known is None:  # of an unknown null space the first guess stays
         return davidson(K, M, near.solve, n, s2=near.s2)
-    if cycle is not None:
+    if (cycle := near.precondition) is not None:
 
         def cycles(columns: FloatArray) -> FloatArray:
             return np.column_stack([cycle(np.ascontiguousarray(f)) for f in columns.T])
@@ -220,11 +265,3 @@ def warn_of_rounding(K: Any, modes: FloatArray, what: str) -> None:
             "body is too slender, or too thin, for solid elements; take a thicker one, or K and M "
             "of a beam or plate"
         )
-
-
-def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray, FloatArray]:
-    omega2, modes = dense_modes(K.toarray(order="F"), M.toarray(order="F"), n)
-    count = rigid.shape[1]
-    omega2[:count] = 0.0
-    modes[:, :count] = rigid
-    return np.maximum(omega2, 0.0), modes
