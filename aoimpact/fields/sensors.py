@@ -6,12 +6,16 @@ its error is judged where it measures.
 
 from __future__ import annotations
 
+import math
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from pathlib import Path
 from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import (
@@ -22,6 +26,7 @@ from ..base import (
     IntArray,
     finite_array,
     plain,
+    positive,
     unit_vector,
     warn,
     with_unit,
@@ -35,12 +40,13 @@ from ..fem import (
     StressRows,
     VirtualMotion,
     body_stress_rows,
+    checked_layer,
     compliances,
     selected_nodes,
 )
 from ..mesh import node_at, weights_at
 from .channel import Channel, filtered_acceleration
-from .field import LOOKS, solid, warn_if_wrong
+from .field import LOOKS, Field, solid, warn_if_wrong
 from .response import Response
 
 # Share of a displacement over the length of the record below which a velocity is rounding.
@@ -49,6 +55,9 @@ _AT_REST = 1e-9
 # The error is so many times the difference to a finer model, whose own error is taken
 # to be half as large: 98 % of them are then within it, see tools/sensor_errors.py.
 _DIFFERENCES = 2.0
+
+# Even times of a record beyond which dt is taken for a mistake.
+_MOST_SAMPLES = 20_000_000
 
 # Places along a gauge on a shell at which its strain is taken.
 _ALONG = 8
@@ -452,48 +461,6 @@ class Reaction:
         return errors_of(self._response, self._histories)
 
 
-def probe_at(
-    response: Response, point: Any, direction: Any, nodes: Any, times: Any, layer: Layer
-) -> Probe:
-    """See `BodyResult.probe`."""
-    wanted, body = response.within(times), response.body
-    if (point is None) == (nodes is None):
-        raise InputError("probe needs either point or nodes, and not both")
-    _ = response.free
-    assert body.nodes is not None
-    if nodes is not None:
-        sets = {} if body.mesh is None else body.mesh.node_sets
-        chosen = selected_nodes("nodes", nodes, body.nodes, sets, body.node_labels)
-        places, weights = body.nodes[chosen], sp.eye_array(len(body.nodes), format="csr")[chosen]
-    else:
-        places = finite_array("point", point, unit="m", most=HUGE)
-        if places.shape[-1:] != (3,) or places.ndim > 2 or places.size == 0:
-            raise InputError(f"point must have shape (3,) or (p, 3), got {places.shape}")
-        weights = place_rows(body, places.reshape(-1, 3))
-    axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
-    shape = places.shape if direction is None else places.shape[:-1]
-    at = At(np.atleast_2d(places), axes, motion_rows(body, weights, axes), shape)
-    tensors = (TensorAt(weights, layer, places.shape[:-1], strain) for strain in (False, True))
-    readings = {"displacement": at.displacement, "velocity": at.velocity}
-    readings |= dict(zip(("stress", "strain"), tensors, strict=True))
-    histories = {
-        name: History(name, response, seen, wanted, at.displacement if name == "velocity" else None)
-        for name, seen in readings.items()
-    }
-    return Probe(wanted, places, response, at, histories)
-
-
-def gauge_at(
-    response: Response, point: Any, direction: Any, length: float, times: Any, layer: Layer
-) -> Gauge:
-    """See `BodyResult.gauge`."""
-    wanted, body = response.within(times), response.body
-    place = finite_array("point", point, shape=(3,), unit="m", most=HUGE)
-    ends, along = gauge_ends(body, place, unit_vector("direction", direction), length)
-    seen = gauge_strain(body, ends, along, layer)
-    return Gauge(History("strain of a gauge", response, seen, wanted), ends)
-
-
 def gauge_strain(body: FEModel, ends: FloatArray, along: FloatArray, layer: Layer) -> Any:
     """Return what gives the strain between two ends from a response and times, s.
 
@@ -523,23 +490,6 @@ def acceleration_of(body: FEModel, point: FloatArray, axis: FloatArray, channel:
     places, axes = point[None], axis[None]
     at = At(places, axes, motion_rows(body, place_rows(body, places), axes), ())
     return partial(at.filtered, channel)
-
-
-def reaction_of(response: Response, nodes: Any, times: Any) -> Reaction:
-    """See `BodyResult.reaction`."""
-    wanted = response.within(times)
-    held = response.body.grounding.nodes("nodes", nodes)
-    assert response.body.nodes is not None
-    points, grounding = response.body.nodes[held], response.body.grounding
-    centre = points.mean(axis=0)
-    names = {"force": "reaction", "moment": "moment of the reaction"}
-    histories = {
-        key: History(name, response, partial(_work, grounding.virtual(of)), wanted)
-        for (key, name), of in zip(
-            names.items(), np.hsplit(grounding.resultants(held, centre), 2), strict=True
-        )
-    }
-    return Reaction(wanted, centre, points, response, held, histories)
 
 
 def _work(moved: VirtualMotion, response: Response, times: FloatArray) -> FloatArray:
@@ -677,3 +627,253 @@ def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.cs
             at = np.ix_(place * len(axes) + own, dofs.ravel())
             rows[at] = np.tensordot(axes, motion, 1).reshape(len(axes), -1)
     return rows.tocsr()[:, body.free]
+
+
+class Measured:
+    """A body of a run, on which sensors measure and which is seen as a whole."""
+
+    label: str
+    _run: Any
+    _number: int  # of the body
+
+    @cached_property
+    def _responding(self) -> Response:
+        response: Response | None = self._run._response(self._number)
+        if response is None:
+            raise InputError(
+                f"the body {self.label!r} was given by numbers and has no finite elements: make "
+                "the model with antioscillators(tip, n) or modal(tip, n), or give tip itself, with "
+                "tip = FEModel.from_mesh(...).contact(...)"
+            )
+        return response
+
+    def probe(
+        self,
+        point: npt.ArrayLike | None = None,
+        direction: npt.ArrayLike | None = None,
+        *,
+        nodes: Any = None,
+        times: npt.ArrayLike | None = None,
+        dt: float | None = None,
+        layer: Any = None,
+        part: str | None = None,
+    ) -> Probe:
+        """Return motion, strain and stress of a point or of a set of nodes over time.
+
+        Parameters
+        ----------
+        point : array_like, shape (3,) or (p, 3), optional
+            Coordinates in the undeformed body, m; anywhere in it or on its surface.
+        direction : array_like, shape (3,), optional
+            Along which to measure, any length but zero; all three components if left out.
+        nodes : str, callable or array_like, optional
+            In place of `point`: the name of a node set, a function of all coordinates that returns
+            one bool for each, or numbers: labels, where the body's nodes have labels, else from 0.
+        times : array_like, optional
+            Ascending, within the record, s; those of the result if left out.
+        dt : float, optional
+            In place of `times`: the step of even times from 0 on, s, as spectra and filters take.
+        layer, part : optional
+            Where in shells and beams stress and strain are, and of which group of elements; see
+            `Field.stress`.
+
+        Raises
+        ------
+        InputError
+            If the point is off the body, no node is selected, a time is outside the record, or the
+            model was given by numbers.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> probe = hit.target.probe((0.05, 0.005, 0.0))
+        >>> probe.stress["xx"].shape == probe.t.shape
+        True
+        """
+        response, where = self._responding, checked_layer(layer, part)
+        wanted, body = response.within(self._sampled(times, dt)), response.body
+        if (point is None) == (nodes is None):
+            raise InputError("probe needs either point or nodes, and not both")
+        _ = response.free
+        assert body.nodes is not None
+        if nodes is not None:
+            sets = {} if body.mesh is None else body.mesh.node_sets
+            chosen = selected_nodes("nodes", nodes, body.nodes, sets, body.node_labels)
+            places, weights = (
+                body.nodes[chosen],
+                sp.eye_array(len(body.nodes), format="csr")[chosen],
+            )
+        else:
+            places = finite_array("point", point, unit="m", most=HUGE)
+            if places.shape[-1:] != (3,) or places.ndim > 2 or places.size == 0:
+                raise InputError(f"point must have shape (3,) or (p, 3), got {places.shape}")
+            weights = place_rows(body, places.reshape(-1, 3))
+        axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
+        shape = places.shape if direction is None else places.shape[:-1]
+        at = At(np.atleast_2d(places), axes, motion_rows(body, weights, axes), shape)
+        tensor = partial(TensorAt, weights, where, places.shape[:-1])
+        history = partial(History, source=response, t=wanted)
+        histories: dict[str, History[Response]] = {
+            "displacement": history("displacement", seen=at.displacement),
+            "velocity": history("velocity", seen=at.velocity, displacement=at.displacement),
+            "stress": history("stress", seen=tensor(strain=False)),
+            "strain": history("strain", seen=tensor(strain=True)),
+        }
+        return Probe(wanted, places, response, at, histories)
+
+    def gauge(
+        self,
+        point: npt.ArrayLike,
+        direction: npt.ArrayLike,
+        length: float,
+        *,
+        times: npt.ArrayLike | None = None,
+        dt: float | None = None,
+        layer: Any = None,
+        part: str | None = None,
+    ) -> Gauge:
+        """Return the strain of a gauge on the surface over time, the mean along its length.
+
+        Parameters
+        ----------
+        point : array_like, shape (3,)
+            Its middle on the undeformed body, m.
+        direction : array_like, shape (3,)
+            Along the surface, any length but zero.
+        length : float
+            m.
+        times, dt
+            As of `probe`.
+        layer, part : optional
+            On which face of a shell, "top" or "bottom", and of which group; see `Field.stress`.
+
+        Raises
+        ------
+        InputError
+            If the gauge does not lie on the surface, a time is outside the record, or the model was
+            given by numbers.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> gauge = hit.target.gauge((0.02, 0.005, 0.0), (1, 0, 0), length=3e-3)
+        >>> gauge.strain.shape == hit.t.shape
+        True
+        """
+        response, size = self._responding, positive("length", length, unit="m")
+        wanted, body = response.within(self._sampled(times, dt)), response.body
+        place = finite_array("point", point, shape=(3,), unit="m", most=HUGE)
+        ends, along = gauge_ends(body, place, unit_vector("direction", direction), size)
+        seen = gauge_strain(body, ends, along, checked_layer(layer, part))
+        return Gauge(History("strain of a gauge", response, seen, wanted), ends)
+
+    def reaction(
+        self,
+        nodes: Any = None,
+        *,
+        times: npt.ArrayLike | None = None,
+        dt: float | None = None,
+    ) -> Reaction:
+        """Return the force of supports and springs on the body over time.
+
+        It has the force on the nodes that are held, its moment about their middle, and the force on
+        each of them. The reactions of all nodes together, the contact forces and the weight change
+        the body's momentum, to rounding, but for the drag α p of `Rayleigh` damping on its momentum
+        p, which acts from outside and is no reaction.
+
+        Parameters
+        ----------
+        nodes : str, callable or array_like, optional
+            As of `probe`, such as the name of the set that `fixed` or `springs` named; by default
+            all that is held.
+        times, dt
+            As of `probe`.
+
+        Raises
+        ------
+        InputError
+            If none of the nodes is held, a time is outside the record, or the body was not made
+            from a mesh.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit.target.reaction("xmin").force.shape == (len(hit.t), 3)
+        True
+        """
+        response = self._responding
+        wanted, grounding = response.within(self._sampled(times, dt)), response.body.grounding
+        held = grounding.nodes("nodes", nodes)
+        assert response.body.nodes is not None
+        points = response.body.nodes[held]
+        centre = points.mean(axis=0)
+        ways = np.hsplit(grounding.resultants(held, centre), 2)
+        force, moment = (partial(_work, grounding.virtual(of)) for of in ways)
+        histories = {
+            "force": History("reaction", response, force, wanted),
+            "moment": History("moment of the reaction", response, moment, wanted),
+        }
+        return Reaction(wanted, centre, points, response, held, histories)
+
+    def _sampled(self, times: npt.ArrayLike | None, dt: float | None) -> Any:
+        """The times that are asked for, s."""
+        if dt is None:
+            return self._run.t if times is None else times
+        if times is not None:
+            raise InputError("give either times or dt, not both")
+        end, step = float(self._run.t[-1]), positive("dt", dt, unit="s")
+        if not end / _MOST_SAMPLES <= step <= end:
+            raise InputError(
+                f"dt={step:g} s must be from {end / _MOST_SAMPLES:.2g} s to the record's {end:g} s"
+            )
+        count = math.floor(end / step * (1.0 + 1e-12)) + 1
+        return np.minimum(step * np.arange(count), end)
+
+    def field(self, times: npt.ArrayLike | None = None) -> Field:
+        """Return the whole body at some times: displacement, velocity, stress, files, a picture.
+
+        Parameters
+        ----------
+        times : float or array_like, optional
+            Ascending, within the record, s; when the force is largest, if left out.
+
+        Raises
+        ------
+        InputError
+            If a time is outside the record, or the model was given by numbers.
+
+        Examples
+        --------
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit.target.field([1e-4]).displacement.shape == (1, len(bar.nodes), 3)
+        True
+        """
+        return self._responding.field(times)
+
+    def to_vtu(self, path: str | os.PathLike[str], times: npt.ArrayLike | None = None) -> Path:
+        """Write the body at some times for ParaView; see `field` and `Field.to_vtu`.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit.target.to_vtu(folder / "bar", times=[1e-4]).name
+        'bar.pvd'
+        """
+        return self.field(times).to_vtu(path)

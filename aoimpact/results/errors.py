@@ -72,8 +72,7 @@ class ErrorParts:
         From a contact that changes its width, from curvatures that are not exact, and from how
         little the section of a beam yields between the contact and the axis.
     model : float or None
-        From representing the bodies by fewer degrees of freedom. Infinite for "contacts" where
-        their number is uncertain.
+        From representing the bodies by fewer degrees of freedom.
     time : float or None
         From the integration in time.
 

@@ -3,30 +3,16 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError, positive, read_only, with_unit
-from ..fem import checked_layer, whole_motion
-from ..fields import (
-    Field,
-    Gauge,
-    History,
-    Probe,
-    Reaction,
-    Response,
-    errors_of,
-    gauge_at,
-    probe_at,
-    reaction_of,
-)
+from ..base import FloatArray, Frozen, InputError, read_only, with_unit
+from ..fem import whole_motion
+from ..fields import History, Measured, errors_of
 from ..integrate import Events
 from ..laws import ContactLaw, Dent
 from ..reduction import FullModel
@@ -34,9 +20,6 @@ from .advice import follows
 
 if TYPE_CHECKING:
     from .run import Run
-
-# Even times of a record beyond which dt is taken for a mistake.
-_MOST_SAMPLES = 20_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +85,7 @@ class Energy(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class BodyResult(Frozen):
+class BodyResult(Frozen, Measured):
     """One body's motion over time.
 
     Attributes
@@ -119,8 +102,6 @@ class BodyResult(Frozen):
         Displacements and velocities of all contact coordinates [m, m/s].
     energy : BodyEnergy or None
         None if the run was made with ``energies=False``.
-    coordinates, rates : arrays
-        State at the end of the record, in the body's own coordinates.
     """
 
     name: str
@@ -128,12 +109,9 @@ class BodyResult(Frozen):
     mass: float | None
     constrained: bool
     energy: BodyEnergy | None
-    coordinates: FloatArray
-    rates: FloatArray
     port_displacements: FloatArray
     port_velocities: FloatArray
-    _centre: FloatArray = field(repr=False)
-    _centre_rate: FloatArray = field(repr=False)
+    _motion: dict[str, FloatArray] = field(repr=False)
     _run: Run = field(repr=False)
     _number: int = field(repr=False)  # of the body
 
@@ -193,14 +171,7 @@ class BodyResult(Frozen):
     @cached_property
     def _at_end(self) -> FloatArray:
         """Velocity of the centre of mass and spin after the last contact, shape (6,)."""
-        run, model = self._run, self._run.plan.bodies[self._number]
-        dense = run.recorder.dense or model.constrained or bool(model.damping)
-        if run.plan.oblique is None or dense or isinstance(model, FullModel):
-            return self._cleared(self._whole_motion(np.array([run._parted]))[:, 0])
-        modal = model.modal
-        assert modal.whole.velocity is not None
-        rates = modal.rates(run.plan.start(self._number)) + self._gain()
-        return self._cleared(modal.whole.velocity @ rates)
+        return self._cleared(self._whole_motion(np.array([self._run._parted]))[:, 0])
 
     def _cleared(self, motion: FloatArray) -> FloatArray:
         """A velocity and a spin, shape (6,), with 0 for the rounding of the largest of the run."""
@@ -226,18 +197,6 @@ class BodyResult(Frozen):
             rows = model.modal.whole.velocity
         _, rates = run.recorder.motion(self._number).observed(rows, times)
         return np.asarray(rates)
-
-    def _gain(self) -> FloatArray:
-        """Rates that forces and gravity add to rigid modes, and to others as if they were rigid."""
-        run = self._run
-        modal, times = run.plan.modal[self._number], run.recorder.times
-        until = times[: int(np.searchsorted(times, run._parted)) + 1]
-        pushes = run.recorder.pushes(times)[:, : len(until)]
-        forces = run.plan.port_forces(self._number, until, pushes)[: modal.ports]
-        gain = modal.push.T @ np.trapezoid(forces, until, axis=1)
-        falls = np.concatenate([np.zeros(3) + run.plan.pull, np.zeros(3)])
-        assert modal.whole.velocity is not None
-        return np.asarray(gain + until[-1] * (modal.whole.momentum @ falls) * (modal.inertia > 0.0))
 
     @property
     def centre_velocity(self) -> FloatArray:
@@ -277,209 +236,11 @@ class BodyResult(Frozen):
             for name in self._motion
         }
 
-    @property
-    def _motion(self) -> dict[str, FloatArray]:
-        return {
-            "displacement": self.port_displacements[0],
-            "velocity": self.port_velocities[0],
-            "centre_displacement": self._centre,
-            "centre_velocity": self._centre_rate,
-        }
-
     def _told(self, name: str) -> FloatArray:
         """Return a history, and warn if it may be badly wrong; displacements often need no run."""
         if name.endswith("velocity") or not follows(self._run, self._number):
             return self._histories[name].told()
         return self._motion[name]
-
-    def probe(
-        self,
-        point: npt.ArrayLike | None = None,
-        direction: npt.ArrayLike | None = None,
-        *,
-        nodes: Any = None,
-        times: npt.ArrayLike | None = None,
-        dt: float | None = None,
-        layer: Any = None,
-        part: str | None = None,
-    ) -> Probe:
-        """Return motion, strain and stress of a point or of a set of nodes over time.
-
-        Parameters
-        ----------
-        point : array_like, shape (3,) or (p, 3), optional
-            Coordinates in the undeformed body, m; anywhere in it or on its surface.
-        direction : array_like, shape (3,), optional
-            Along which to measure, any length but zero; all three components if left out.
-        nodes : str, callable or array_like, optional
-            In place of `point`: the name of a node set, a function of all coordinates that returns
-            one bool for each, or numbers: labels, where the body's nodes have labels, else from 0.
-        times : array_like, optional
-            Ascending, within the record, s; those of the result if left out.
-        dt : float, optional
-            In place of `times`: the step of even times from 0 on, s, as spectra and filters take.
-        layer, part : optional
-            Where in shells and beams stress and strain are, and of which group of elements; see
-            `Field.stress`.
-
-        Raises
-        ------
-        InputError
-            If the point is off the body, no node is selected, a time is outside the record, or the
-            model was given by numbers.
-
-        Examples
-        --------
-        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
-        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
-        >>> probe = hit.target.probe((0.05, 0.005, 0.0))
-        >>> probe.stress["xx"].shape == probe.t.shape
-        True
-        """
-        wanted, where = self._sampled(times, dt), checked_layer(layer, part)
-        return probe_at(self._responding, point, direction, nodes, wanted, where)
-
-    def gauge(
-        self,
-        point: npt.ArrayLike,
-        direction: npt.ArrayLike,
-        length: float,
-        *,
-        times: npt.ArrayLike | None = None,
-        dt: float | None = None,
-        layer: Any = None,
-        part: str | None = None,
-    ) -> Gauge:
-        """Return the strain of a gauge on the surface over time, the mean along its length.
-
-        Parameters
-        ----------
-        point : array_like, shape (3,)
-            Its middle on the undeformed body, m.
-        direction : array_like, shape (3,)
-            Along the surface, any length but zero.
-        length : float
-            m.
-        times, dt
-            As of `probe`.
-        layer, part : optional
-            On which face of a shell, "top" or "bottom", and of which group; see `Field.stress`.
-
-        Raises
-        ------
-        InputError
-            If the gauge does not lie on the surface, a time is outside the record, or the model was
-            given by numbers.
-
-        Examples
-        --------
-        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
-        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
-        >>> gauge = hit.target.gauge((0.02, 0.005, 0.0), (1, 0, 0), length=3e-3)
-        >>> gauge.strain.shape == hit.t.shape
-        True
-        """
-        wanted = self._sampled(times, dt)
-        size = positive("length", length, unit="m")
-        where = checked_layer(layer, part)
-        return gauge_at(self._responding, point, direction, size, wanted, where)
-
-    def reaction(
-        self,
-        nodes: Any = None,
-        *,
-        times: npt.ArrayLike | None = None,
-        dt: float | None = None,
-    ) -> Reaction:
-        """Return the force of supports and springs on the body over time.
-
-        It has the force on the nodes that are held, its moment about their middle, and the force on
-        each of them. The reactions of all nodes together, the contact forces and the weight change
-        the body's momentum, to rounding, but for the drag α p of `Rayleigh` damping on its momentum
-        p, which acts from outside and is no reaction.
-
-        Parameters
-        ----------
-        nodes : str, callable or array_like, optional
-            As of `probe`, such as the name of the set that `fixed` or `springs` named; by default
-            all that is held.
-        times, dt
-            As of `probe`.
-
-        Raises
-        ------
-        InputError
-            If none of the nodes is held, a time is outside the record, or the body was not made
-            from a mesh.
-
-        Examples
-        --------
-        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
-        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
-        >>> hit.target.reaction("xmin").force.shape == (len(hit.t), 3)
-        True
-        """
-        return reaction_of(self._responding, nodes, self._sampled(times, dt))
-
-    def _sampled(self, times: npt.ArrayLike | None, dt: float | None) -> Any:
-        """The times that are asked for, s."""
-        if dt is None:
-            return self._run.t if times is None else times
-        if times is not None:
-            raise InputError("give either times or dt, not both")
-        end, step = float(self._run.t[-1]), positive("dt", dt, unit="s")
-        if not end / _MOST_SAMPLES <= step <= end:
-            raise InputError(
-                f"dt={step:g} s must be from {end / _MOST_SAMPLES:.2g} s to the record's {end:g} s"
-            )
-        count = math.floor(end / step * (1.0 + 1e-12)) + 1
-        return np.minimum(step * np.arange(count), end)
-
-    def field(self, times: npt.ArrayLike | None = None) -> Field:
-        """Return the whole body at some times: displacement, velocity, stress, files, a picture.
-
-        Parameters
-        ----------
-        times : float or array_like, optional
-            Ascending, within the record, s; when the force is largest, if left out.
-
-        Raises
-        ------
-        InputError
-            If a time is outside the record, or the model was given by numbers.
-
-        Examples
-        --------
-        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
-        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
-        >>> hit.target.field([1e-4]).displacement.shape == (1, len(bar.nodes), 3)
-        True
-        """
-        return self._responding.field(times)
-
-    def to_vtu(self, path: str | os.PathLike[str], times: npt.ArrayLike | None = None) -> Path:
-        """Write the body at some times for ParaView; see `field` and `Field.to_vtu`.
-
-        Examples
-        --------
-        >>> import tempfile, pathlib
-        >>> folder = pathlib.Path(tempfile.mkdtemp())
-        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
-        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
-        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
-        >>> hit.target.to_vtu(folder / "bar", times=[1e-4]).name
-        'bar.pvd'
-        """
-        return self.field(times).to_vtu(path)
 
     def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
         """Return functionalᵀX at `times`, s, by the model's own shapes; of a wall, its place.
@@ -490,27 +251,13 @@ class BodyResult(Frozen):
         """
         response = self._run._response(self._number)
         if response is None:
-            places: FloatArray = np.interp(times, self._run.t, self.port_displacements[0])
-            return places
+            return _moved(self._number, "displacement", self._run, times)
         return response.displacement_of(functional, times)
-
-    @cached_property
-    def _responding(self) -> Response:
-        response = self._run._response(self._number)
-        if response is None:
-            raise InputError(
-                f"the body {self.label!r} was given by numbers and has no finite elements: make "
-                "the model with antioscillators(tip, n) or modal(tip, n), or give tip itself, with "
-                "tip = FEModel.from_mesh(...).contact(...)"
-            )
-        return response
 
 
 def _moved(number: int, name: str, run: Run, times: FloatArray) -> FloatArray:
-    """A motion of a body of a run at times, s; interpolated between fixed steps."""
-    if run.t is not times and not run.recorder.dense:
-        return np.interp(times, run.t, run.bodies[number]._motion[name])
-    return (run if run.t is times else run.at(times)).bodies[number]._motion[name]
+    """A motion of a body of a run at times, s."""
+    return run.read(lambda of: of.bodies[number]._motion[name], times)
 
 
 class Eventful:

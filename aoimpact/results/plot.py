@@ -10,7 +10,6 @@ Axes raises InputTypeError.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
@@ -31,7 +30,7 @@ from ..base import (
 from ..fields import Shown
 from ..laws import own_law
 from ..mesh import sphere_mesh
-from .table import ROLES, body_names
+from .table import ROLES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -113,7 +112,7 @@ def plot(result: Result, *, during: During = "contact") -> Any:
     plot_force(result, axes[0, 0], during=during)
     plot_indentation(result, axes[0, 1], during=during)
     plot_displacement(result, axes[1, 0], during=during)
-    if result.energies:
+    if result.plan.energies:
         plot_energy(result, axes[1, 1], during=during)
     else:
         axes[1, 1].set_axis_off()
@@ -196,7 +195,6 @@ def plot_displacement(
     run: Run,
     ax: Axes | None = None,
     *,
-    names: Sequence[str] | None = None,
     during: During = "contact",
     **kwargs: Any,
 ) -> Axes:
@@ -213,10 +211,9 @@ def plot_displacement(
     >>> run = scene.simulate(duration=1e-3)
     >>> ax = run.plot_displacement()
     """
-    called = body_names(run, names)
     run = shown(run, during)
     curves: list[Curve] = []
-    for i, (name, body) in enumerate(zip(called, run.bodies, strict=True)):
+    for i, (name, body) in enumerate(zip(run.names, run.bodies, strict=True)):
         place = body.displacement
         if run.plan.scene:
             curves.append((place, {"label": name}))
@@ -322,9 +319,7 @@ def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArra
     if meshed[0] is None and surface is not None and 0.0 < surface.radii[0] < np.inf:
         radius = surface.radii[0]
         mesh = sphere_mesh(radius, _SIZE * radius)
-        way = np.interp(times, hit.t, hit.projectile.centre_displacement)
-        if hit.recorder.dense:
-            way = hit.at(times).projectile.centre_displacement
+        way = hit.read(lambda run: run.bodies[0].centre_displacement, times)
         moved = np.repeat((way[:, None] * down)[:, None], mesh.n_nodes, axis=1)
         middle = place - (radius + hit.gap) * down
         bodies.append(Shown(mesh, mesh.nodes + middle, moved, None))

@@ -44,16 +44,7 @@ _BETWEEN = 65
 
 def recorded(rows: Callable[[Run], FloatArray]) -> History:
     """Return a history from rows that a run has at its own times, shape (rows, times)."""
-
-    def history(run: Run, times: FloatArray) -> FloatArray:
-        if run.t is times:
-            return rows(run)
-        try:
-            return rows(run.at(times))
-        except InputError:  # of a run with fixed steps, known at these only
-            return np.array([np.interp(times, run.t, row) for row in rows(run)])
-
-    return history
+    return lambda run, times: run.read(rows, times)
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,23 +273,16 @@ def look_up(result: Run, name: str, argument: str) -> float:
             found = found[int(part)] if part.isdigit() else getattr(found, part)
         except (AttributeError, IndexError, TypeError):
             known = [*result.numbers, *(one for one in dir(found) if not one.startswith("_"))]
-            cure = suggestion(name, known)
-            if isinstance(found, np.ndarray):
-                cure = f"; it has components 0 to {len(found) - 1}"
-            elif found is result and any(hasattr(body, part) for body in result.bodies):
-                cure = f": take 'bodies.0.{name}'"
             raise InputError(
-                f"{argument}: {name!r}: {type(found).__name__} has no {part!r}{cure}"
+                f"{argument}: {name!r}: {type(found).__name__} has no {part!r}"
+                f"{suggestion(name, known)}"
             ) from None
     if found is None:  # an error that is not known
         return math.nan
     if not isinstance(found, (numbers.Real, np.bool_)):
-        vector = isinstance(found, np.ndarray) and found.ndim == 1
-        one = f"{name}.0" if vector else "peak_force"
-        at = ", its value at t = 0" if vector and len(found) == len(result.t) else ""
         raise InputTypeError(
             f"{argument}: {name!r} is no number but {type(found).__name__}; name one, such as "
-            f"{one!r}{at}"
+            f"'peak_force', or of a vector a component, such as '{name}.0'"
         )
     return float(found)
 
@@ -313,17 +297,11 @@ def number_errors(
 
     The largest of its changes to more exact runs, times `safety`, by the names by which the numbers
     are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of a number that
-    there is not. "contacts" ("contacts.0.intervals") is infinite where the runs have not as many of
-    them. Errors that are known already are taken as they are.
+    there is not. Errors that are known already are taken as they are.
     """
-    scene, before = run.plan.scene, np.array(run.plan.velocities)
-    counts = [f"contacts.{i}.intervals" if scene else "contacts" for i in range(len(run.events))]
+    before = np.array(run.plan.velocities)
 
     def find(name: str) -> float:
-        if name in counts:
-            at = counts.index(name)
-            touches = [len(of.events[at].contacts) for of in (run, *larger)]
-            return 0.0 if len(set(touches)) == 1 else math.inf
         if name == "force":
             differences = (QUANTITIES[name].difference(run, of) for of in larger)
             return safety * max(differences, default=0.0)
@@ -335,7 +313,7 @@ def number_errors(
         most = np.max(apart, axis=0)
         return math.nan if math.isnan(values[at]) else safety * float(most[at])
 
-    return Found(lambda: ["force", *run.numbers, *counts], find, known)
+    return Found(lambda: ["force", *run.numbers], find, known)
 
 
 def all_numbers(run: Run) -> Mapping[str, float]:
@@ -403,11 +381,6 @@ def _of_events(name: str, unit: str, **options: Any) -> Quantity:
     return Quantity(name, unit, of_contact=attrgetter(name), **options)
 
 
-def _forces(run: Run) -> FloatArray:
-    """Contact forces, each followed by those of its friction along two tangents, N."""
-    return run.forces if run.plan.oblique is None else run.plan.layout.pushes(run._rows)
-
-
 def _displacement(name: str, body: int) -> Quantity:
     """The displacement of the contact point of a body of an impact."""
     history = recorded(lambda run: run.bodies[body].port_displacements)
@@ -469,7 +442,7 @@ def _final_spins(run: Run) -> FloatArray:
 
 
 _ALL = (
-    Quantity("force", "N", history=recorded(_forces)),
+    Quantity("force", "N", history=recorded(lambda run: run.pushes)),
     _of_events("peak_force", "N", column=True),
     _of_events("peak_time", "s", column=True),
     _of_events("contact_duration", "s", column=True),

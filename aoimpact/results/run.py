@@ -173,11 +173,6 @@ class Run:
         """How time was integrated."""
         return self.recorder.solver
 
-    @property
-    def energies(self) -> bool:
-        """True if energies are recorded."""
-        return self.plan.energies
-
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the bodies, all different."""
@@ -217,7 +212,7 @@ class Run:
 
     @cached_property
     def _rows(self) -> FloatArray:
-        return read_only(self.recorder.rows(self.t, self.energies))
+        return read_only(self.recorder.rows(self.t, self.plan.energies))
 
     @cached_property
     def forces(self) -> FloatArray:
@@ -225,6 +220,24 @@ class Run:
         if "_rows" in self.__dict__:
             return self.plan.layout.forces(self._rows)
         return read_only(self.recorder.forces(self.t))
+
+    @property
+    def pushes(self) -> FloatArray:
+        """Contact forces, each followed by those of its friction along two tangents, N.
+
+        :meta private:
+        """
+        return self.forces if self.plan.oblique is None else self.plan.layout.pushes(self._rows)
+
+    def read(self, rows: Callable[[Run], FloatArray], times: FloatArray) -> FloatArray:
+        """Return rows of the run, (..., n), at other times, s; interpolated between fixed steps.
+
+        :meta private:
+        """
+        if self.t is times or self.recorder.dense:
+            return rows(self if self.t is times else self.at(times))
+        interpolated = partial(np.interp, times, self.t)
+        return np.apply_along_axis(interpolated, -1, rows(self))
 
     @cached_property
     def bodies(self) -> tuple[BodyResult, ...]:
@@ -246,20 +259,19 @@ class Run:
 
     def _body(self, index: int) -> BodyResult:
         body, rows = self.plan.bodies[index], self.plan.layout.body(self._rows, index)
-        coordinates, rates = self.recorder.state(index)
-        unknown = np.full(len(self.t), np.nan)
+        unknown = np.full((2, len(self.t)), np.nan)
+        centre = (rows.displacement, rows.velocity) if body.centre_known else unknown
+        motion = rows.port_displacements[0], rows.port_velocities[0], *centre
+        names = "displacement", "velocity", "centre_displacement", "centre_velocity"
         return BodyResult(
             name=self.names[index],
             label=body.label,
             mass=body.known_mass,
             constrained=body.constrained,
-            _centre=rows.displacement if body.centre_known else unknown,
-            _centre_rate=rows.velocity if body.centre_known else unknown.copy(),
-            energy=self.energy.bodies[index] if self.energies else None,
-            coordinates=coordinates,
-            rates=rates,
+            energy=self.energy.bodies[index] if self.plan.energies else None,
             port_displacements=rows.port_displacements,
             port_velocities=rows.port_velocities,
+            _motion=dict(zip(names, map(read_only, motion), strict=True)),
             _run=self,
             _number=index,
         )
@@ -330,13 +342,13 @@ class Run:
             self.contact_names[number],
             rows.force,
             contact.own_indentation(rows),
-            stored if self.energies else None,
-            rows.dissipated if self.energies else None,
+            stored if self.plan.energies else None,
+            rows.dissipated if self.plan.energies else None,
             self.events[number],
             own_law(contact.law),
             pushed,
             stuck,
-            lost if self.energies else None,
+            lost if self.plan.energies else None,
         )
 
     def deepest(self, number: int) -> float:
@@ -360,12 +372,28 @@ class Run:
         InputError
             If the run did not record them.
         """
-        if not self.energies:
-            raise InputError(
-                "this run has no energies: it was made with energies=False; "
-                "call simulate(..., energies=True)"
-            )
-        return _energy(self)
+        if not self.plan.energies:
+            raise InputError("energies: this run has none; call simulate(..., energies=True)")
+        layout, contacts, nothing = self.plan.layout, self.each_contact, np.zeros(len(self.t))
+
+        def summed(of: Sequence[Any], name: str) -> FloatArray:
+            return sum((getattr(one, name) for one in of), nothing)
+
+        recorded = [layout.body(self._rows, number) for number in range(len(layout.ports))]
+        strain = [of.elastic.copy() for of in recorded]
+        for between, touch in zip(self.plan.contacts, contacts, strict=True):
+            for port, c in zip(between.ports, between.removed, strict=True):  # c F²/2 is the law's
+                strain[port.body] -= 0.5 * c * touch.force**2
+        bodies = tuple(
+            BodyEnergy(of.kinetic, elastic, of.dissipated, of.work)
+            for of, elastic in zip(recorded, strain, strict=True)
+        )
+        kinetic, elastic, work = (summed(bodies, name) for name in ("kinetic", "elastic", "work"))
+        sliding = [of for of in contacts if of.friction_energy is not None]
+        contact, friction = summed(contacts, "elastic"), summed(sliding, "friction_energy")
+        dissipated = summed(contacts, "dissipated") + summed(bodies, "dissipated") + friction
+        total = kinetic + elastic + contact + dissipated - work
+        return Energy(kinetic, elastic, contact, dissipated, work, total, bodies, friction)
 
     def at(self, times: npt.ArrayLike) -> Self:
         """Return the same run at other times: dense output, as exact as the run itself.
@@ -474,7 +502,7 @@ class Run:
         energy, models = None, self.plan.bodies
         walls = [of for of, body in zip(self.bodies, models, strict=True) if body.wall]
         # A wall that moves brings energy that is not counted.
-        if self.energies and not any(of.port_velocities.any() for of in walls):
+        if self.plan.energies and not any(of.port_velocities.any() for of in walls):
             of = (replace(self, asked=self.recorder.marks) if self.recorder.dense else self).energy
             stored = float((of.kinetic + of.elastic + of.contact).max())
             energy = float(np.ptp(of.total) / stored) if stored > 0.0 else None
@@ -506,14 +534,8 @@ class Run:
 
     # ---------------------------------------------------------------------- output
 
-    def to_csv(self, path: str | os.PathLike[str], *, names: Sequence[str] | None = None) -> None:
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write all histories, one row a time, under a header line with names and units.
-
-        Parameters
-        ----------
-        path : path
-        names : sequence of str, optional
-            Names of the bodies in the order of `add`; by default their own, or "body 0" and so on.
 
         Examples
         --------
@@ -526,18 +548,13 @@ class Run:
         >>> run = scene.simulate(duration=1e-3)
         >>> run.to_csv(folder / "scene.csv")
         """
-        table = columns(self, names)
+        table = columns(self)
         write_csv(path, table, np.column_stack(list(table.values())).tolist())
 
-    def to_dataframe(self, *, names: Sequence[str] | None = None) -> Any:
+    def to_dataframe(self) -> Any:
         """Return all histories as a pandas DataFrame, a row a time.
 
         The columns are those of `to_csv`, "name [unit]"; the index is "t [s]".
-
-        Parameters
-        ----------
-        names : sequence of str, optional
-            Names of the bodies in the order of `add`; by default their own, or "body 0" and so on.
 
         Raises
         ------
@@ -553,17 +570,12 @@ class Run:
         >>> float(table["force [N]"].max()) == hit.peak_force
         True
         """
-        return as_dataframe(columns(self, names))
+        return as_dataframe(columns(self))
 
-    def to_xarray(self, *, names: Sequence[str] | None = None) -> Any:
+    def to_xarray(self) -> Any:
         """Return all histories as an xarray Dataset, with units.
 
         Dimensions are time, contact and body; ``data.sel(body="body 1").velocity`` is one history.
-
-        Parameters
-        ----------
-        names : sequence of str, optional
-            Names of the bodies in the order of `add`; by default their own, or "body 0" and so on.
 
         Raises
         ------
@@ -579,7 +591,7 @@ class Run:
         >>> data.force.attrs["units"], float(data.force.max()) == hit.peak_force
         ('N', True)
         """
-        return as_dataset(self, names)
+        return as_dataset(self)
 
     plot_force = figures.plot_force
     plot_displacement = figures.plot_displacement
@@ -830,26 +842,3 @@ class Result(Eventful, Run):
 
     def _repr_html_(self) -> str:
         return summary_html(self)
-
-
-def _energy(run: Run) -> Energy:
-    layout, contacts, nothing = run.plan.layout, run.each_contact, np.zeros(len(run.t))
-
-    def summed(of: Sequence[Any], name: str) -> FloatArray:
-        return sum((getattr(one, name) for one in of), nothing)
-
-    recorded = [layout.body(run._rows, number) for number in range(len(layout.ports))]
-    strain = [of.elastic.copy() for of in recorded]
-    for between, touch in zip(run.plan.contacts, contacts, strict=True):
-        for port, c in zip(between.ports, between.removed, strict=True):  # c F²/2 is the law's
-            strain[port.body] -= 0.5 * c * touch.force**2
-    bodies = tuple(
-        BodyEnergy(of.kinetic, elastic, of.dissipated, of.work)
-        for of, elastic in zip(recorded, strain, strict=True)
-    )
-    kinetic, elastic, work = (summed(bodies, name) for name in ("kinetic", "elastic", "work"))
-    sliding = [of for of in contacts if of.friction_energy is not None]
-    contact, friction = summed(contacts, "elastic"), summed(sliding, "friction_energy")
-    dissipated = summed(contacts, "dissipated") + summed(bodies, "dissipated") + friction
-    total = kinetic + elastic + contact + dissipated - work
-    return Energy(kinetic, elastic, contact, dissipated, work, total, bodies, friction)

@@ -55,9 +55,14 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
     if not result.contacts:
         rows.append(("contact", f"none in {with_unit(result.duration, 's')}"))
     else:
+        count, start = len(result.contacts), with_unit(result.contacts[0][0], "s")
+        sure = _is_certain(result.error["contact_count"], count)
+        several = f", the first of {count}{'' if sure else ' (uncertain)'}"
+        cut = " (the record ends in contact)" if result.in_contact_at_end else ""
+        duration = _told(result, "contact_duration")
         rows += [
             ("peak force", _peak(result, "")),
-            ("contact", _contact(result)),
+            ("contact", f"{duration} from {start}{several if count > 1 or not sure else ''}{cut}"),
             ("impulse", _told(result, "impulse")),
         ]
     rows += [
@@ -67,7 +72,7 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
     if "tangential_restitution" in result.numbers:
         rows.append(("tangential restit.", _rebound(result, "tangential_restitution")))
     if oblique is not None:
-        moving, error = result.projectile, within(result.error["final_spin"])
+        moving, error = result.projectile, _within(result, "final_spin", math.inf)
         friction = _told(result, "peak_friction_force", 5) + _slips(result.each_contact[0])
         rows += [
             ("final velocity", f"{_vector(moving.final_velocity)} m/s"),
@@ -100,7 +105,7 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
         count, owner = contact.contact_count, f"contacts.{i}."
         text = _peak(run, owner)
         times = f"{count} contact{'s' if count > 1 else ''}"
-        if run.error[f"{owner}intervals"].least == math.inf:
+        if not _is_certain(run.error[f"{owner}contact_count"], count):
             times += " (the count is uncertain)"
         if oblique is not None:
             text += f", friction {_told(run, f'{owner}peak_friction_force', 5)}"
@@ -133,9 +138,40 @@ def summary_html(result: Result) -> str:
 
 def _told(run: Run, name: str, digits: int = 4, *, listed: bool = False, along: str = "") -> str:
     """A number of a run with its unit and error."""
-    interest, value, error = QUANTITIES[name.rpartition(".")[2]], run.numbers[name], run.error[name]
-    known = _absolute(run, interest, value, error) or within(error, listed=listed)
-    return f"{_number(interest, value, digits)}{along}{known}"
+    value = run.numbers[name]
+    number = _number(QUANTITIES[name.rpartition(".")[2]], value, digits)
+    return f"{number}{along}{_within(run, name, value, listed=listed)}"
+
+
+def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
+    """The error of a number, with its parts if `listed`; empty where none is known.
+
+    Time alone is not said: bodies given by numbers have no other error.
+    """
+    error = run.error[name]
+    if error.mesh is error.contact is error.model is None or not error.least >= ROUNDING:
+        return ""
+    if math.isinf(error.least):
+        return " (error not bounded: refine the mesh at the contact, or give radius=)"
+    return _bound(run, QUANTITIES[name.rpartition(".")[2]], value, error, listed=listed)
+
+
+def _bound(
+    run: Run, interest: Quantity, value: float, error: ErrorParts, *, listed: bool = False
+) -> str:
+    """An error, in the number's own unit if that is below what errors are relative to."""
+    least = 0.0 if interest.least is None else interest.least(np.array(run.plan.velocities))
+    if math.isinf(error.least):
+        return " not bounded"
+    if not abs(value) < least or error.least < ROUNDING:
+        return f" ± {error if listed else error.bound()}"
+    at_least = "at least " if error.unknown else ""
+    return f" ± {at_least}{error.least * least:.2g} {interest.unit}".rstrip()
+
+
+def _is_certain(error: ErrorParts, count: int) -> bool:
+    """True if a count is off by less than one half."""
+    return error.least * count < 0.5
 
 
 def _peak(run: Run, owner: str) -> str:
@@ -197,15 +233,6 @@ def _rebound(result: Result, name: str) -> str:
     return _told(result, name, 5, along=along)
 
 
-def _contact(result: Result) -> str:
-    count, error = len(result.contacts), result.error["contacts"]
-    start, uncertain = with_unit(result.contacts[0][0], "s"), error.least == math.inf
-    several = f", the first of {count}{' (uncertain)' if uncertain else ''}"
-    cut = " (the record ends in contact)" if result.in_contact_at_end else ""
-    duration = _told(result, "contact_duration")
-    return f"{duration} from {start}{several if count > 1 or uncertain else ''}{cut}"
-
-
 def error_row(run: Run) -> tuple[str, str]:
     """Return what is known of the error: of the quantity of interest, with its value and tolerance.
 
@@ -224,47 +251,28 @@ def error_row(run: Run) -> tuple[str, str]:
     return "error", f"{text}; {chosen}"
 
 
-def within(error: ErrorParts, *, listed: bool = False) -> str:
-    """Return a number's error in words, with its parts if `listed`; empty where none is known.
-
-    Time alone is not said: bodies given by numbers have no other error.
-    """
-    if error.mesh is error.contact is error.model is None:
-        return ""
-    if math.isnan(error.least) or error.least < ROUNDING:
-        return ""
-    if math.isinf(error.least):
-        return " (error not bounded: refine the mesh at the contact, or give radius=)"
-    return f" ± {error if listed else error.bound()}"
-
-
 def _interest(run: Run, parts: ErrorParts) -> str:
     """The quantity of interest, its value and all of its error."""
     name = run.error.quantity or "force"
     words, interest = name.replace("_", " "), QUANTITIES.get(name)
-    bound, scale = " not bounded", ""
-    if math.isfinite(parts.least):
-        bound = f" ± {parts.bound()}"
     if interest is None or interest.is_history:
+        bound = _bound(run, QUANTITIES["force"], math.inf, parts)
         largest = f", {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
         scale = f" of its largest value{largest}" if "±" in bound else ""
         return f"{words} at any time{_when(run)}{bound}{scale}"
-    values = {of: run.numbers[of] for of in interest.names(run)}
+    values = [run.numbers[of] for of in interest.names(run)]
+    alone = len(values) == 1
+    bound = _bound(run, interest, values[0] if alone else math.inf, parts)
     if interest.count:  # a share of a number of contacts is none
-        sure = not any((parts.mesh, parts.contact, parts.model))
-        bound = f", {'certain' if sure else 'uncertain'}"
-    if len(values) == 1:
-        [value] = values.values()
-        absolute = _absolute(run, interest, value, parts)
-        return f"{words} {_number(interest, value)}{absolute or bound}"
+        certain = all(_is_certain(parts, int(value)) for value in values)
+        bound = f", {'certain' if certain else 'uncertain'}"
     called = run.contact_names if interest.each == "contacts" else run.names
     each = [
-        f"{_number(interest, value)} of {of}"
-        for of, value in zip(called, values.values(), strict=True)
-        if not math.isnan(value)
+        _number(interest, value) + ("" if alone else f" of {of}")
+        for of, value in zip(called, values, strict=False)
+        if alone or not math.isnan(value)
     ]
-    more = ["…"] if len(each) > SHOWN else []
-    return f"{words} {', '.join(each[:SHOWN] + more)}{bound}"
+    return f"{words} {', '.join(each[:SHOWN] + ['…'] * (len(each) > SHOWN))}{bound}"
 
 
 def _number(interest: Quantity, value: float, digits: int = 5) -> str:
@@ -274,15 +282,6 @@ def _number(interest: Quantity, value: float, digits: int = 5) -> str:
     if interest.count or not interest.unit or "/" in interest.unit:
         return f"{value:.{digits}g} {interest.unit}".rstrip()
     return with_unit(value, interest.unit, digits)
-
-
-def _absolute(run: Run, interest: Quantity, value: float, error: ErrorParts) -> str:
-    """The error in the number's own unit, if the number is below what errors are relative to."""
-    least = 0.0 if interest.least is None else interest.least(np.array(run.plan.velocities))
-    if not within(error) or math.isinf(error.least) or not abs(value) < least:
-        return ""
-    at_least = "at least " if error.unknown else ""
-    return f" ± {at_least}{error.least * least:.2g} {interest.unit}".rstrip()
 
 
 def _when(run: Run) -> str:

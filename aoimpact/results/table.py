@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, optional_package, texts
+from ..base import FloatArray, optional_package
 from ..laws import own_law
 
 if TYPE_CHECKING:
@@ -55,14 +55,14 @@ def _history(run: Run, kind: str, number: int, name: str) -> FloatArray | None:
     if not name.endswith("_energy"):
         found: FloatArray | None = getattr(of, name)
         return found
-    return getattr(of.energy, name.removesuffix("_energy")) if run.energies else None
+    return getattr(of.energy, name.removesuffix("_energy")) if run.plan.energies else None
 
 
-def columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
+def columns(run: Run) -> dict[str, FloatArray]:
     """Return every history by its heading, "name [unit]", in the order of the CSV file."""
     table = {"t [s]": run.t}
     contacts = run.contact_names if run.plan.scene else ("",)
-    owners = {"contact": contacts, "body": body_names(run, names), "run": ("",)}
+    owners = {"contact": contacts, "body": run.names, "run": ("",)}
     for kind, called in owners.items():
         for number, owner in enumerate(called):
             for name, unit, _ in _HISTORIES[kind]:
@@ -88,22 +88,6 @@ def different(names: Sequence[str], others: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def body_names(run: Run, names: Sequence[str] | None) -> Sequence[str]:
-    """Return the names of a run's bodies: their own if no others are given.
-
-    Raises
-    ------
-    InputError
-        If there are not as many different names as bodies.
-    """
-    if names is None:
-        return run.names
-    given, count = texts("names", names), len(run.bodies)
-    if len(given) != count or len(set(given)) != count:
-        raise InputError(f"names must be {count} different ones, one a body, got {list(given)}")
-    return given
-
-
 def as_dataframe(table: Mapping[str, FloatArray]) -> Any:
     """Return columns "name [unit]", times first, as a pandas DataFrame with times for its index."""
     pandas = optional_package("pandas", "to_dataframe", "take .to_csv(path)")
@@ -112,10 +96,10 @@ def as_dataframe(table: Mapping[str, FloatArray]) -> Any:
     return pandas.DataFrame({name: table[name] for name in others}, index=index)
 
 
-def as_dataset(run: Run, names: Sequence[str] | None) -> Any:
+def as_dataset(run: Run) -> Any:
     """Return a run as an xarray Dataset with dimensions time, contact and body."""
     xarray = optional_package("xarray", "to_xarray", "take .to_csv(path) or the arrays themselves")
-    called = {"contact": run.contact_names, "body": body_names(run, names), "run": ("",)}
+    called = {"contact": run.contact_names, "body": run.names, "run": ("",)}
     data: dict[str, Any] = {}
     for kind, owners in called.items():
         for name, unit, meaning in _HISTORIES[kind]:

@@ -39,7 +39,7 @@ def whole(name):
 @pytest.mark.parametrize("name", STRUCK)
 def test_the_error_said_of_every_number_is_true(name, rtol):
     hit, right = strike(name, quantity="peak_force", rtol=rtol), whole(name)
-    assert set(hit.error) == {*NUMBERS, "force", "contacts"}
+    assert set(hit.error) == {*NUMBERS, "force"}
     assert hit.error["peak_force"].model == hit.error.model <= rtol
     for name, quantity in NUMBERS.items():
         found, exact = hit.value(name), right.value(name)
@@ -47,7 +47,7 @@ def test_the_error_said_of_every_number_is_true(name, rtol):
         scale = max(abs(exact), 0.0 if quantity.least is None else quantity.least(before))
         assert abs(found - exact) <= (1.5 * hit.error[name].model + 1e-3) * scale, name
     if len(hit.contacts) != len(right.contacts):
-        assert hit.error["contacts"].model == math.inf
+        assert hit.error["contact_count"].model > 0.0
 
 
 def test_a_summary_tells_what_was_controlled():

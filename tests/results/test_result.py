@@ -21,7 +21,7 @@ def arrays_of(thing: object) -> list[np.ndarray]:
     """Every array in a dataclass and in the dataclasses it holds, but not in what was run."""
     found = []
     if isinstance(thing, Result):
-        _ = thing.force, thing.projectile, thing.energies and thing.energy
+        _ = thing.force, thing.projectile, thing.plan.energies and thing.energy
     held = {} if isinstance(thing, tuple) else {**vars(thing), "plan": None, "_run": None}
     for value in thing if isinstance(thing, tuple) else held.values():
         if isinstance(value, tuple):
