@@ -100,9 +100,7 @@ def integer(name: str, value: Any, *, low: int | None = None, high: int | None =
     try:
         number = operator.index(value)
     except TypeError:
-        raise InputTypeError(
-            f"{name} must be an integer, got {_short(value)} of type {type(value).__name__}"
-        ) from None
+        raise InputTypeError(f"{name} must be an integer, got {_short(value)}") from None
     if (low is not None and number < low) or (high is not None and number > high):
         span = f"at least {low}" if high is None else f"from {low} to {high}"
         raise InputError(f"{name} must be {span}, got {number}")
@@ -235,7 +233,7 @@ def written_file(path: Any) -> Iterator[Path]:
         yield file
     except OSError as error:
         raise InputError(
-            f"path={str(file)!r} cannot be written: {error.strerror or error}; give another path"
+            f"path={str(file)!r} cannot be written: {error.strerror or error}"
         ) from None
 
 
@@ -413,9 +411,7 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
     """
     array = np.atleast_1d(integers(name, value, f"integer {what} numbers"))
     if array.ndim != 1 or not array.size:
-        raise InputError(
-            f"{name} must be a flat list of at least one {what} number, got shape {array.shape}"
-        )
+        raise InputError(f"{name} must be a flat list of {what} numbers, got shape {array.shape}")
     low, high = int(array.min()), int(array.max())
     if count is not None and (low < 0 or high >= count):
         wrong = low if low < 0 else high
@@ -448,9 +444,7 @@ def writable_folder(path: str | os.PathLike[str]) -> Path:
         trial.unlink()
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError(
-            f"cannot write to the folder {str(folder)!r}: {reason}; give another one"
-        ) from None
+        raise InputError(f"folder={str(folder)!r} cannot be written to: {reason}") from None
     return folder
 
 

@@ -79,9 +79,7 @@ def given_axes(ax: Any) -> Axes:
     if ax is None:
         ax = new_axes()
     if not isinstance(ax, matplotlib.axes.Axes):
-        raise InputTypeError(
-            f"ax must be the Axes to draw on, such as plt.subplots()[1], got {type(ax).__name__}"
-        )
+        raise InputTypeError(f"ax must be Axes of matplotlib, got {type(ax).__name__}")
     return ax
 
 

@@ -169,9 +169,7 @@ def read(file: Path) -> raw.RawMesh:
         with np.errstate(all="ignore"):  # coordinates out of reach are refused later
             return _joined(file, read_keywords(file))
     except RecursionError:
-        raise MeshError(
-            f"mesh file {str(file)!r}: its sets, or the files that it includes, are nested too deep"
-        ) from None
+        raise MeshError(f"mesh file {str(file)!r}: its sets are nested too deep") from None
 
 
 @cache
@@ -277,10 +275,7 @@ class AbaqusDeck:
                     continue  # of trusses, membranes and the like, which no body has
                 given = source.instead(name, dim)
                 if read is None and given is None:
-                    raise card.error(
-                        f"it is not supported; take it into the section of {of} by "
-                        "read_sections(given=), or delete it"
-                    )
+                    raise card.error(f"it is not read; take it into {of} by read_sections(given=)")
                 if read is None:
                     continue
                 if name in found:
@@ -301,14 +296,10 @@ class AbaqusDeck:
             source.left_out.append(why)
         beams = any(isinstance(each, Beam) for each in found.values())
         if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
-            source.left_out.append(
-                "normals at nodes are left out: shells have normals of their elements"
-            )
+            source.left_out.append("normals at nodes are left out: shells have those of elements")
         for card in self.cards:
             if card.name == "RELEASE" and beams:
-                raise card.error(
-                    "hinges are not supported; delete it if the beams may be joined rigidly"
-                )
+                raise card.error("hinges are not supported; delete it if the joints are rigid")
             if _kind(card.name) == "beside":
                 source.left_out.append(f"*{card.name} is left out")
         return found
@@ -641,7 +632,8 @@ class Scope:
             towards = name[0] == "B" and [len(row) for row in keyword.rows[:1]] == [n + 2]
             table = keyword.connectivity(n + towards)[:, : n + 1]
         else:  # between instances, nodes have names
-            kind, table = "", keyword.first_numbers()[:, None]
+            numbers = [keyword.integers(i, keyword.rows[i][:1]) for i in keyword.begun]
+            kind, table = "", np.reshape(np.array(numbers, dtype=np.int64), (-1, 1))
         new = _Elements(name, kind, dim, table[:, 0], table[:, 1:], keyword, towards)
         self.elements.append(new)
         self._define(keyword, "ELSET", new.labels)
@@ -746,9 +738,7 @@ class Scope:
         if at in self.sets:
             orders = [one.keyword.order for one in self.sets[at]]
             if min(orders) < piece.keyword.order < max(orders):
-                raise piece.keyword.error(
-                    f"it is made of the set {name}, which grows afterwards; define {name} before"
-                )
+                raise piece.keyword.error(f"the set {name} grows afterwards; define it before")
             return self.members(*at)
         outer, _, rest = name.partition(".")
         scope = self.inner.get(key(outer))
@@ -901,10 +891,8 @@ class _Section:
             return np.array([0.0, 0.0, 1.0] if level.all() else [1.0, 0.0, 0.0])
         axes, near = self.axes(name)
         if np.abs(normals @ axes[near - 1]).min() < _ALONG:
-            raise self.card.error(
-                f"axis {near} of the orientation {name} lies in some elements; name the axis "
-                "along the normal in the second line of *ORIENTATION"
-            )
+            why = f"axis {near} of the orientation {name} lies in some elements"
+            raise self.card.error(f"{why}; name the one along the normal in its second line")
         if near != 3:
             of = f"*ORIENTATION {name}: axis {near} is along the normals: taken"
             self.differs(of, "CalculiX projects axis 1 on them", _CURE)
@@ -917,9 +905,7 @@ class _Section:
         sine = np.einsum("ni,ni->n", np.cross(first, own), normals)
         angles = np.arctan2(sine, np.einsum("ni,ni->n", first, own))
         if np.abs(np.exp(1j * angles) - np.exp(1j * angles[0])).max() > _ANGLE:
-            raise self.card.error(
-                f"the orientation {name} is at several angles to that of the first ply"
-            )
+            raise self.card.error(f"the orientation {name} is at several angles to the first ply")
         return float(np.degrees(angles[0]))
 
     def solid(self) -> OneMaterial:
@@ -996,8 +982,7 @@ class _Section:
             raise card.error("nodes of its elements say how it is turned; write axis 1 instead")
         if normals := self.deck.normals:
             raise normals.error(
-                f"normals would turn the beams of {options['ELSET']}; write axis 1 in "
-                f"*{card.name} instead"
+                f"it would turn the beams of {options['ELSET']}; write their axis 1"
             )
         z = (self.turn @ [*rows, [0.0, 0.0, -1.0]][1])[None, :]
         return source.beam(section, material, z, self.members, _AXES, np.zeros(3))

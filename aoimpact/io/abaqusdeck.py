@@ -87,9 +87,10 @@ class Keyword:
         return [text for piece in pieces for text in _texts(piece)]
 
     @cached_property
-    def _begun(self) -> list[bool]:
-        """Data lines that are not the continuation of another."""
-        return [True, *(not line.endswith(",") for line in self.data)]
+    def begun(self) -> list[int]:
+        """Numbers of the data lines that are not the continuation of another."""
+        ends = ["", *self.data]
+        return [i for i in range(len(self.data)) if not ends[i].endswith(",")]
 
     @cached_property
     def rows(self) -> list[list[str]]:
@@ -107,8 +108,8 @@ class Keyword:
         label : int, optional
             In place of `row`: first number of the line, the last one if several begin with it.
         """
-        for i, texts in enumerate(self.rows if label is not None else ()):
-            if self._begun[i] and texts[0].isdecimal() and int(texts[0]) == label:
+        for i in self.begun if label is not None else ():
+            if self.rows[i][0].isdecimal() and int(self.rows[i][0]) == label:
                 row = i
         places = [(self.file, self.line)]
         for file, lines, start, stop in self.pieces if row >= 0 else []:
@@ -179,11 +180,8 @@ class Keyword:
                     whole.append(",".join(lines[start : row + 1]))
                     start, count = row + 1, 0
                 elif not goes_on or row + 1 == len(lines):
-                    raise self.error(
-                        f"the element must have {n_nodes} nodes, and end with its line; a line "
-                        "that goes on in the next one ends with a comma",
-                        start,
-                    )
+                    why = f"the element must have {n_nodes} nodes; a line goes on after a comma"
+                    raise self.error(why, start)
             table = _numbers(whole, width, np.int64)
         if table is None or (table < 1).any():
             for row, texts in enumerate(self.rows):
@@ -192,11 +190,6 @@ class Keyword:
             raise self.error("its numbers cannot be read")
         found: IntArray = table
         return found
-
-    def first_numbers(self) -> IntArray:
-        """Return the first number of each data line that is not the continuation of another."""
-        found = [self.integers(i, row[:1]) for i, row in enumerate(self.rows) if self._begun[i]]
-        return np.array(found, dtype=np.int64).reshape(-1)
 
 
 def padded(row: list[Any], fill: list[Any]) -> list[Any]:

@@ -99,21 +99,14 @@ def read_market(file: Path, size: int) -> list[RawMatrix]:
             raise spoilt(file, f"the matrix is {n} by {n_cols}, not square", before)
         announced = entries[0] if entries else n * (n + 1) // 2 if triangle else n * n
         if (_LEAST_DENSE * announced if dense else max(_LEAST_BYTES * announced, n)) > size:
-            raise spoilt(
-                file,
-                f"it announces {n} rows and {announced} entries in {size} bytes: it is cut short",
-                before,
-            )
+            raise spoilt(file, f"{size} bytes do not hold {announced} entries: cut short?", before)
         if dense:
             (values,) = _columns(file, stream, 0, before=before)
         else:
             rows, cols, values = _coordinates(file, stream, before, n)
     if len(values) != announced:
-        raise spoilt(
-            file,
-            f"it announces {announced} entries, but has {len(values)}: it is cut short",
-            entry_line(file, before, max(1, len(values))),
-        )
+        place = entry_line(file, before, max(1, len(values)))
+        raise spoilt(file, f"{announced} entries are announced, {len(values)} are there", place)
     if not dense:
         return [RawMatrix(file, "", n, rows, cols, values, triangle=triangle, before=before)]
     # Column by column, of a triangle from the diagonal down.

@@ -7,7 +7,6 @@ the file.
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Callable
 from pathlib import Path
 
@@ -48,24 +47,20 @@ def load(path: str | os.PathLike[str]) -> RawMesh:
     """
     file = file_path("mesh", path)
     where = f"mesh file {str(file)!r}"
-    size, head = existing("mesh file", file)
+    head = existing("mesh file", file)
     try:
         return _reader(file.suffix.lower(), head)(file)
     except MeshError:
         raise
     except MemoryError:
-        raise MemoryLimitError(
-            f"{where} ({size} bytes) needs more memory than there is: coarsen the mesh, "
-            "or look for a count in the file that is wrong"
-        ) from None
+        raise MemoryLimitError(f"{where} needs more memory than there is: coarsen it") from None
     except (ValueError, LookupError, OverflowError, OSError) as error:
-        raise MeshError(
-            f"{where} cannot be read: {error}. Save it again, or as .msh or .vtu"
-        ) from None
+        why = f"{where} cannot be read: {error}"
+        raise MeshError(f"{why}. Save it again, or as .msh or .vtu") from None
 
 
-def existing(what: str, file: Path) -> tuple[int, bytes]:
-    """Return the size of a file that is to be read, bytes, and its beginning.
+def existing(what: str, file: Path) -> bytes:
+    """Return the beginning of a file that is to be read.
 
     Raises
     ------
@@ -74,22 +69,19 @@ def existing(what: str, file: Path) -> tuple[int, bytes]:
     MeshError
         If it cannot be opened, is none, or is empty.
     """
-    where, head = f"{what} {str(file)!r}", b""
+    where = f"{what} {str(file)!r}"
     try:
-        state = file.stat()
-        if stat.S_ISREG(state.st_mode):
-            with file.open("rb") as stream:
-                head = stream.read(_HEAD)
+        if file.exists() and not file.is_file():  # to read a pipe might never end
+            raise MeshError(f"{where} is no regular file")
+        with file.open("rb") as stream:
+            head = stream.read(_HEAD)
     except FileNotFoundError:
         raise MissingFileError(f"{where} does not exist (in {os.getcwd()})") from None
     except OSError as error:  # no access, or a name that is too long
         raise MeshError(f"{where} cannot be opened: {error}") from None
-    if not stat.S_ISREG(state.st_mode):
-        kind = "a directory" if stat.S_ISDIR(state.st_mode) else "no regular file"
-        raise MeshError(f"{where} is {kind}")
-    if state.st_size == 0:
+    if not head:
         raise MeshError(f"{where}: it is empty")
-    return state.st_size, head
+    return head
 
 
 def _reader(suffix: str, head: bytes) -> _Reader:

@@ -233,7 +233,7 @@ def load_matrices(file: Path) -> list[RawMatrix]:
     ------
     MissingFileError, InputError, MemoryLimitError
     """
-    size, head = existing("matrix file", file)
+    head, size = existing("matrix file", file), file.stat().st_size
     require(
         _PER_BYTE * size,
         f"matrix file {str(file)!r} of {size} bytes",
@@ -292,10 +292,7 @@ def _named(role: str, file: Path, matrices: list[RawMatrix], wanted: str) -> Raw
     if found.unfit:
         raise spoilt(file, f"{found.name or 'its matrix'} is {found.unfit}; {role} is real, square")
     if found.size > len(found.values):
-        raise spoilt(
-            file,
-            f"{found.size} rows have only {len(found.values)} entries: is the file cut short?",
-        )
+        raise spoilt(file, f"{found.size} rows, {len(found.values)} entries: is it cut short?")
     return found
 
 
@@ -352,10 +349,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
         raise InputError("K and M have the same entries; give M its own file")
     largest, heaviest = (float(abs(one.diagonal()).max(initial=0.0)) for one in (K, M))
     if 0.0 < largest < heaviest:  # a body that is struck has some frequency above 1 rad/s
-        raise InputError(
-            f"K is up to {largest:.3g} and M up to {heaviest:.3g}, so that no "
-            "frequency reaches 1 rad/s: are K and M exchanged?"
-        )
+        raise InputError(f"K up to {largest:.3g}, M up to {heaviest:.3g}: are they exchanged?")
     return K, M, labels
 
 
@@ -409,10 +403,8 @@ def _condensed(pair: _Pair, *, rotations: bool) -> _Pair:
     try:
         solved = factorize(K[light][:, light], what="K of the dofs without mass").solve(across)
     except SingularError as error:
-        raise InputError(
-            f"{light.sum()} dofs without mass cannot be condensed ({error}); model "
-            "without multipliers, as of hybrid elements and couplings"
-        ) from None
+        why = f"{light.sum()} dofs without mass cannot be condensed ({error})"
+        raise InputError(f"{why}; model without multipliers, as of couplings") from None
     K, M, labels = _kept(pair, ~light)
     full = K.toarray() - across.T @ solved
     return sp.csr_array(0.5 * (full + full.T)), M, labels
@@ -426,19 +418,15 @@ def _coordinates(
     labels, size = given.get("labels"), given["K"].shape[0]
     if labels is None:
         if size != 3 * len(where):
-            raise InputError(
-                f"nodes: {len(where)} nodes do not have the {size} rows of {called}; give dofs"
-            )
+            raise InputError(f"nodes: {len(where)} nodes for {size} rows of {called}; give dofs")
         return {"nodes": length * where}
     if (labels[:, 1] < 1).any():
         return {}
     used = np.unique(labels[:, 0])
     if numbers is None:
         if len(where) != len(used):
-            raise InputError(
-                f"nodes has {len(where)} rows for {len(used)} nodes of {called}; give labels, "
-                "shape (n, 4)"
-            )
+            of = f"{len(used)} nodes of {called}"
+            raise InputError(f"nodes has {len(where)} rows for {of}; give labels, shape (n, 4)")
         numbers = used
     missing = np.setdiff1d(used, numbers)
     if len(missing):
@@ -448,10 +436,8 @@ def _coordinates(
                 "are they inner nodes of elements, as of CalculiX' C3D8I? Take other elements, or "
                 "leave nodes out"
             )
-        raise InputError(
-            f"nodes: {len(missing)} nodes of {called} are not there, the first is {missing[0]}: "
-            f"{cause}"
-        )
+        of = f"{len(missing)} nodes of {called}, the first {missing[0]},"
+        raise InputError(f"nodes: {of} are not there: {cause}")
     # Nodes without rows are no supports if the body is free without them.
     if len(numbers) > len(used) and FEModel(**given).mass is not None:
         keep = np.isin(numbers, used)

@@ -81,15 +81,11 @@ class RawMatrix:
         if paired == 0 and off:
             return sp.csr_array(matrix + matrix.T - sp.diags_array(matrix.diagonal()))
         if self.triangle and paired:
-            raise spoilt(
-                self.file, "it says symmetric, but has entries of both triangles; say general"
-            )
+            raise spoilt(self.file, "it says symmetric, but has both triangles; say general")
         limit = PRINTED * float(np.abs(self.values).max(initial=0.0))
         if paired < off and float(abs(matrix - matrix.T).max()) > limit:
-            raise spoilt(
-                self.file,
-                f"{off - paired} of {off} entries lack the transposed one: is the file cut short?",
-            )
+            lack = f"{off - paired} of {off} entries lack the transposed one"
+            raise spoilt(self.file, f"{lack}: is the file cut short?")
         return matrix
 
     def _there_twice(self) -> InputError:
@@ -133,10 +129,7 @@ def labelled(file: Path, name: str, rows: Any, cols: Any, values: Any, **more: A
         or components.max() >= _COMPONENTS
         or max(-nodes.min(), nodes.max()) >= _LARGEST_NODE
     ):
-        raise spoilt(
-            file,
-            f"a component is beyond {_COMPONENTS - 1}, or a node too large: are columns mixed up?",
-        )
+        raise spoilt(file, "a node or component is too large: are columns mixed up?")
     known, places = np.unique(codes(np.stack([nodes, components], axis=1)), return_inverse=True)
     labels = np.stack(np.divmod(known, _COMPONENTS), axis=1)
     first, second = places[: len(values)], places[len(values) :]

@@ -50,8 +50,16 @@ def read(file: Path) -> RawMesh:
         cell_sets: list[tuple[str, IntArray]] = []
         blocks, first = [], 0
         for type_, group in at["MAI"].items():
-            blocks.append(_block(type_, group, nodes))
-            n_cells = len(blocks[-1].cells)
+            if type_ not in _KINDS:
+                raise ValueError(f"elements of type {type_} are not read")
+            kind, width = _KINDS[type_], nodes_in(_KINDS[type_])
+            n_cells = int(group["NOD"].attrs["NBR"])
+            check_count(f"numbers of nodes of {type_}", width * n_cells, group["NOD"].size)
+            cells = np.asarray(group["NOD"][()], np.int64).reshape(width, n_cells).T - 1
+            if n_cells and not 0 <= cells.min() <= cells.max() < len(nodes):
+                raise ValueError(f"elements {type_} have nodes that are not there")
+            cells = right_handed(kind, nodes, cells[:, _ORDERS.get(kind, slice(None))])
+            blocks.append(RawBlock(kind, cells, labels_of(group, "NUM", n_cells)))
             cell_sets += _groups(cell_families, labels_of(group, "FAM", n_cells), first)
             first += n_cells
         labels = labels_of(at["NOE"], "NUM", count)
@@ -62,20 +70,6 @@ def _only(group: Any, what: str) -> tuple[str, Any]:
     if len(group) != 1:
         raise ValueError(f"it has {len(group)} {what}; save one alone")
     return next(iter(group.items()))  # type: ignore[no-any-return]
-
-
-def _block(type_: str, group: Any, nodes: Any) -> RawBlock:
-    if type_ not in _KINDS:
-        raise ValueError(f"elements of type {type_} are not read")
-    kind, width = _KINDS[type_], nodes_in(_KINDS[type_])
-    table = group["NOD"]
-    count = int(table.attrs["NBR"])
-    check_count(f"numbers of nodes of {type_}", width * count, table.size)
-    cells = np.asarray(table[()], np.int64).reshape(width, count).T - 1
-    if count and not 0 <= cells.min() <= cells.max() < len(nodes):
-        raise ValueError(f"elements {type_} have nodes that are not there")
-    cells = right_handed(kind, nodes, cells[:, _ORDERS.get(kind, slice(None))])
-    return RawBlock(kind, cells, labels_of(group, "NUM", count))
 
 
 def _families(families: Any) -> dict[int, list[str]]:

@@ -155,8 +155,10 @@ def read(file: Path) -> RawMesh:
     nodes = grids.coordinates()
     parts = [part for names in _ELEMENTS for part in _elements(bulk, names, grids)]
     for part in parts:
-        if part.block.dim == 3:
-            _make_right_handed(nodes, part.block)
+        if part.block.dim == 3:  # Nastran accepts left-handed solids as well
+            element, cells = reference_element(part.block.kind), part.block.cells
+            left = jacobian_range(nodes, cells, element)[1] < 0.0
+            cells[left] = cells[left][:, element.mirror]
     raw = RawMesh(nodes, tuple(part.block for part in parts))
     labels = joined([] if raw.cell_labels is None else [raw.cell_labels])
     for row in repeats(labels)[:1].tolist():
@@ -203,11 +205,8 @@ def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
     for system, own in grids.by_system(np.maximum(grids.output_systems, 0), grids.table):
         turned = np.abs(system.directions(nodes[own]) - np.eye(3)).max(axis=(1, 2)) > _TURNED
         for row in own[turned][:1].tolist():
-            raise grids.table.refused(
-                row,
-                f"node {grids.labels[row]} has displacements in another system (CD), so K has its "
-                "rows in other axes than x, y and z; write K with CD = 0",
-            )
+            why = f"node {grids.labels[row]} has displacements in another system (CD)"
+            raise grids.table.refused(row, f"{why}; write K with CD = 0")
     return grids.labels, nodes
 
 
@@ -300,13 +299,6 @@ def _beside(raw: RawMesh, bulk: BulkData) -> str:
             counts[block.dim] += int(np.count_nonzero(section | (most < own.sum(axis=1))))
     words = {2: "surface elements", 1: "line elements"}
     return " and ".join(f"{count} {words[dim]}" for dim, count in counts.items() if count)
-
-
-def _make_right_handed(nodes: FloatArray, block: RawBlock) -> None:
-    """Renumber the nodes of left-handed solids, which Nastran accepts as well."""
-    element = reference_element(block.kind)
-    left = jacobian_range(nodes, block.cells, element)[1] < 0.0
-    block.cells[left] = block.cells[left][:, element.mirror]
 
 
 # --------------------------------------------------------------- nodes and coordinate systems
@@ -829,9 +821,8 @@ def _isotropic(source: Source, card: Card, rho: float) -> Material:
     elif G and abs(G - (isotropic := 0.5 * E / (1.0 + nu))) > _ISOTROPIC * G:
         if float(f"{isotropic:.1e}") != G:  # to two digits
             raise card.error(f"G={G:g} is not E/(2 (1 + NU)) = {isotropic:g}; leave G blank")
-        source.left_out.append(
-            f"material {card.text(0)} has G={isotropic:g} by E and NU, not {G:g}"
-        )
+        left = f"material {card.text(0)} has G={isotropic:g} by E and NU, not {G:g}"
+        source.left_out.append(left)
     return source.isotropic(E, nu, rho)
 
 

@@ -155,7 +155,12 @@ def _all_lines(main: Path) -> Lines:
             take(i)
             if name == b"ENDDATA":
                 return True
-            of, done = _file_name(file, written, i)
+            # A name in quotes may go on over several lines.
+            ahead = re.sub(r"\$.*", "", "\n".join(written.split("\n")[i : i + _LONGEST]))
+            if (found := _INCLUDE.match(ahead)) is None:
+                raise refused(file, i + 1, "INCLUDE", "it needs the name of a file, in quotes")
+            of = re.sub(r"\s*\n\s*", "", found[1].strip().strip("'\"")).replace("\\", "/")
+            done = i + 1 + found[0].count("\n")
             # os.path.isfile is False for a name that is too long, unlike Path.is_file.
             folders = (file.parent, main.parent)
             places = [folder / of for folder in folders if os.path.isfile(folder / of)]
@@ -176,18 +181,6 @@ def _all_lines(main: Path) -> Lines:
     text = list(map(bytes.rstrip, text))
     filled = np.fromiter(map(bool, text), bool, len(text))
     return Lines(list(compress(text, filled)), np.concatenate(sources)[filled], files)
-
-
-def _file_name(file: Path, text: str, i: int) -> tuple[str, int]:
-    """Return the name in the INCLUDE of line i, and the number of the line after it.
-
-    A name in quotes may go on over several lines.
-    """
-    written = re.sub(r"\$.*", "", "\n".join(text.split("\n")[i : i + _LONGEST]))
-    if (found := _INCLUDE.match(written)) is None:
-        raise refused(file, i + 1, "INCLUDE", "it needs the name of a file, in quotes")
-    name = re.sub(r"\s*\n\s*", "", found[1].strip().strip("'\""))
-    return name.replace("\\", "/"), i + 1 + found[0].count("\n")
 
 
 # ------------------------------------------------------------------------------- lines in columns
@@ -386,7 +379,11 @@ class BulkData:
             if name in widths and {name, entry} <= self.names.keys():
                 table = self._with_defaults(table, name, self.table(**{entry: 8}))
         own = [self.names[name] for name in widths if name in _PAIRS and name in self.names]
-        return table.singly(np.isin(first, joined(own))) if own else table
+        pairs = np.isin(first, joined(own))
+        second = pairs & ~table.blank[:, 4:8].all(axis=1) if own else pairs
+        fields = np.concatenate([table.fields, np.roll(table.fields[second], -4, axis=1)])
+        fields[np.append(pairs, second[second]), 4:] = b""
+        return Table(self.lines, np.append(first, first[second]), fields, table.width)
 
     def _with_defaults(self, table: Table, name: str, given: Table) -> Table:
         """Return a table with the fields of an entry where those of one name are blank."""
@@ -473,13 +470,6 @@ class Table:
     def select(self, rows: IntArray | npt.NDArray[np.bool_]) -> Table:
         """Return some of the entries."""
         return Table(self.lines, self.first[rows], self.fields[rows], self.width)
-
-    def singly(self, pairs: npt.NDArray[np.bool_]) -> Table:
-        """Return a table in which entries of twice four fields, where `pairs` are, are two."""
-        second = pairs & ~self.blank[:, 4:8].all(axis=1)
-        fields = np.concatenate([self.fields, np.roll(self.fields[second], -4, axis=1)])
-        fields[np.append(pairs, second[second]), 4:] = b""
-        return Table(self.lines, np.append(self.first, self.first[second]), fields, self.width)
 
     def refused(self, row: int, why: str) -> MeshError:
         """Return the error for an entry."""

@@ -202,9 +202,7 @@ class _Text:
     def integers(self, count: int) -> tuple[int, ...]:
         words = self._next().split()
         if len(words) != count:
-            raise self.wrong(
-                f"{count} integers should stand here, got {len(words)} words: is it cut short?"
-            )
+            raise self.wrong(f"{count} integers should stand here: is it cut short?")
         return tuple(self._integer(word) for word in words)
 
     def take(self, count: int) -> FloatArray:

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -74,21 +74,6 @@ class RawBlock:
         return _SHAPES.get(self.kind.rstrip("0123456789"), (3, 0))[0]
 
 
-class Deck(Protocol):
-    """Cards of a deck on sections and materials, as its format has them."""
-
-    @property
-    def sections(self) -> str:
-        """Cards on shells and beams beyond nodes and elements, as in "2 PSHELL"; may be empty."""
-
-    @property
-    def elements(self) -> str:
-        """Elements by the deck's own types, as in "100 CPS4"; may be empty."""
-
-    def read(self, source: Any) -> dict[str, Any]:
-        """Return the sections in SI by group, from a `sections.Source`."""
-
-
 @dataclass(frozen=True, eq=False)
 class RawMesh:
     """Nodes, cells and named groups of a file.
@@ -107,9 +92,11 @@ class RawMesh:
         occur twice, as in two instances of an Abaqus part.
     left_out : mapping of str to str
         Groups that hold more than solids, and the rest of their contents, as in "3 MASS, 20 S4R".
-    deck : Deck or None
+    deck : AbaqusDeck, NastranDeck or None
         Cards of a deck beyond its mesh; None for formats whose cells may be no more than sides and
-        edges.
+        edges. Its `sections` count the cards on shells and beams, as in "2 PSHELL", its `elements`
+        those of the deck's own types, as in "100 CPS4"; its `read` returns the sections in SI by
+        group, from a `sections.Source`.
     """
 
     nodes: FloatArray
@@ -118,7 +105,7 @@ class RawMesh:
     cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
     node_labels: IntArray | None = None
     left_out: Mapping[str, str] = field(default_factory=dict)
-    deck: Deck | None = None
+    deck: Any = None
 
     @property
     def first(self) -> IntArray:

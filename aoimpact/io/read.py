@@ -182,7 +182,9 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
         which = f"nodes after {first} have new numbers (named sets keep their members)"
         if raw.node_labels is not None:
             which = f"the first is node {raw.node_labels[first]}"
-        of = f"{len(dropped)} of {given} nodes belong to no {_what(solids)} element"
+        kinds = {kind for kind, _, _ in solids}
+        what = "line" if kinds == {"line"} else "surface" if kinds <= {*THIN} else "volume"
+        of = f"{len(dropped)} of {given} nodes belong to no {what} element"
         warn(f"{of} and were dropped; {which}")
     number = np.where(used, np.cumsum(used) - 1, -1)
     blocks: Any = []
@@ -277,10 +279,7 @@ def _warn_of_sections(raw: RawMesh, body: list[Solids], named: bool) -> None:
     if count := int(lines.sum()):
         groups = [name for name, own in raw.cell_sets.items() if lines[own].any()]
         of = f" of {', '.join(map(repr, groups))}" if groups else ""
-        warn(
-            f"{count} line elements{of} are not part of the body, since no Beam is given for their "
-            "group; give one, or leave it so if they carry nothing"
-        )
+        warn(f"{count} line elements{of} are not part of the body; give a Beam for their group")
 
 
 def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
@@ -340,30 +339,16 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
         if raw.deck is not None and not parts:
             listed = raw.deck.elements or listed
         what = "cells of an unsupported kind:" if unknown else "no elements: it has"
-        raise MeshError(
-            f"the mesh has {what} {listed or 'no cells at all'}; supported are "
-            f"{', '.join(KINDS + THIN)}{_flat_cure(unknown, listed)}"
-        )
+        cure = f"supported are {', '.join(KINDS + THIN)}"
+        if re.search(r"\b(CP[ES]|CAX|M3D|SFM3D)\d", listed):
+            cure += ". Planar elements and membranes are no shells: write S4 or S3 for shells"
+        elif any(kind.startswith(("triangle", "quad", "line")) for kind in unknown):
+            cure += ". Shells and beams are of first order: mesh with these"
+        raise MeshError(f"the mesh has {what} {listed or 'no cells at all'}; {cure}")
     return [
         (kind, checked_cells(cells, reference_element(kind), len(raw.nodes)), numbers)
         for kind, cells, numbers in _by_kind(parts)
     ]
-
-
-def _what(body: list[Solids]) -> str:
-    """The highest dimension of the body's elements in a word."""
-    kinds = {kind for kind, _, _ in body}
-    if not kinds.issubset(THIN):
-        return "volume"
-    return "line" if kinds == {"line"} else "surface"
-
-
-def _flat_cure(unknown: set[str], listed: str) -> str:
-    """Return the cure for surface and line elements that are of second order or planar."""
-    if re.search(r"\b(CP[ES]|CAX|M3D|SFM3D)\d", listed):
-        return ". Planar elements and membranes are no shells: write S4 or S3 for shells"
-    second = any(kind.startswith(("triangle", "quad", "line")) for kind in unknown)
-    return ". Shells and beams are of first order: mesh with these" if second else ""
 
 
 def _on_one_side(mesh: Mesh) -> Mesh:
@@ -373,8 +358,8 @@ def _on_one_side(mesh: Mesh) -> Mesh:
     if not (count := sum(int(each.sum()) for each in turned)):
         return mesh
     warn(
-        f"{count} of {sum(map(len, turned))} surface elements have normals against those of their "
-        "neighbours; they were turned. Check which side is the top, or turn them in the mesher"
+        f"{count} of {sum(map(len, turned))} surface elements lay against others and were "
+        "turned: check which side is the top"
     )
     cells = {block.kind: block.cells for block in mesh.blocks}
     for block, flipped in zip(surfaces, turned, strict=True):
@@ -406,11 +391,8 @@ def _without_repeats(solids: list[Solids], labels: IntArray | None) -> list[Soli
         found += parts
         if len(wrong):
             first = int(numbers[wrong[0]])
-            raise MeshError(
-                f"{len(wrong)} {kind} elements repeat nodes and are no wedge, pyramid or "
-                f"tetrahedron; the first is element {first if labels is None else labels[first]}. "
-                "Repair the mesh there"
-            )
+            which = f"the first is element {first if labels is None else labels[first]}"
+            raise MeshError(f"{len(wrong)} {kind} elements repeat nodes, {which}. Repair the mesh")
     return _by_kind(found)
 
 
@@ -433,10 +415,7 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntAr
     _, order = scipy.optimize.linear_sum_assignment(misfit)
     if np.array_equal(order, np.arange(len(order))):
         return cells
-    warn(
-        f"the midside nodes of the {len(cells)} {kind} elements come in another order than "
-        f"meshio's; they were put in order by their places ({(order + n).tolist()})",
-    )
+    warn(f"the midside nodes of the {len(cells)} {kind} elements were put in VTK's order")
     return np.ascontiguousarray(np.concatenate([cells[:, :n], cells[:, n:][:, order]], axis=1))
 
 

@@ -144,10 +144,8 @@ def read_sections(
     for name, one in known.items():
         if key(name) not in source.taken:
             instance(f"given[{name!r}]", one, *source.wanted.get(key(name), (object,)))
-            raise InputError(
-                f"given: {name!r} is no section or material in use{nearest(name, found)}; "
-                f"the deck's groups are {', '.join(map(repr, found))}"
-            )
+            known_as = f"; the groups are {', '.join(map(repr, found))}"
+            raise InputError(f"given: {name!r} is not in use{nearest(name, found)}{known_as}")
     _refuse_turned(raw, found, where)
     if source.left_out:
         warn(f"{where}: {'; '.join(dict.fromkeys(source.left_out))}")

@@ -58,10 +58,7 @@ def read_dofs(dofs: Any) -> IntArray:
         words = [int(word) if word.isdigit() else _COMPONENTS.get(word, 0) for *_, word in mapped]
         equations = np.array([int(equation) for equation, *_ in mapped])
         for wrong in np.flatnonzero(np.sort(equations) != np.arange(1, len(mapped) + 1))[:1]:
-            raise spoilt(
-                file,
-                f"equation {wrong + 1} of {len(mapped)} is not there once: is it cut short?",
-            )
+            raise spoilt(file, f"equation {wrong + 1} is not there once: is it cut short?")
         nodes = [int(node) for _, node, _ in mapped]
         return np.stack([nodes, words], axis=1)[np.argsort(equations)]
     pairs: list[tuple[str, ...]] = []
@@ -69,11 +66,7 @@ def read_dofs(dofs: Any) -> IntArray:
         if pair := _PAIR.match(content):
             pairs.append(pair.groups())
         elif content.strip() and pairs:
-            raise spoilt(
-                file,
-                f"a dof such as 123.1 should stand here, got {content[:60]!r}: is it cut short?",
-                line,
-            )
+            raise spoilt(file, f"a dof such as 123.1 is expected, got {content[:60]!r}", line)
     if not pairs:
         raise spoilt(file, "it has no lines such as 123.1, nor such as 1 123 UX")
     return np.array(pairs).astype(np.int64)
@@ -100,7 +93,7 @@ def read_places(nodes: Any) -> Places:
             raise InputError(f"nodes must have 3 or 4 columns, got shape {array.shape}")
         return _labelled("nodes", array)
     file = file_path("nodes", nodes)
-    _, content = existing("mesh file", file)
+    content = existing("mesh file", file)
     head = content[:4096]
     if looks_like_inp(head) or (file.suffix.lower() == ".inp" and head.lstrip()[:1] == b"*"):
         with held_warnings():  # of elements, which do not matter here
@@ -122,9 +115,7 @@ def _labelled(where: str, table: FloatArray) -> Places:
     if (labels != table[:, 0]).any():
         raise InputError("nodes: the first of four columns must be labels, integers")
     for twice in np.flatnonzero(np.diff(labels[order]) == 0)[:1]:
-        raise InputError(
-            f"{where}: node {labels[order][twice]} is there twice; give those of one part"
-        )
+        raise InputError(f"{where}: node {labels[order][twice]} is there twice; give one part")
     return labels[order], table[order, 1:]
 
 

@@ -289,10 +289,7 @@ def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...]:
     for one in (vectors[0], wanted.mean(axis=0)):
         if np.abs(across(one, directions) - wanted).max() < _SAME:
             return tuple(np.round(one, 12).tolist())
-    raise InputError(
-        "its elements have axes in several directions; give them one system, or sections of their "
-        "own"
-    )
+    raise InputError("its elements have axes in several directions; make it several sections")
 
 
 def layered(

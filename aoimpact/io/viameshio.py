@@ -107,10 +107,8 @@ def read(file: Path) -> RawMesh:
     for what, count, wanted in zip(("nodes", "cells"), there, announced, strict=False):
         check_count(what, wanted, count)
     if not announced:
-        warn(
-            f"mesh file {file.name!r} announces no numbers of nodes and elements. Check those that "
-            f"meshio has read: {there[0]} nodes, {there[1]} cells"
-        )
+        read = f"{there[0]} nodes and {there[1]} cells"
+        warn(f"mesh file {file.name!r} announces no numbers; check that it has {read}")
     for block in mesh.cells if name == "vtk" else ():
         if block.type.startswith("wedge"):  # VTK's own are left-handed
             block.data = right_handed(block.type, mesh.points, block.data)

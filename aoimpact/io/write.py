@@ -66,9 +66,7 @@ def write_matrices(
         if isinstance(what, ContactPoint):
             matrices["b"] = what.b
     else:
-        raise InputTypeError(
-            f"what must be an FEModel, a contact point or an AOModel, got {type(what).__name__}"
-        )
+        raise InputTypeError(f"what must be a body, contact or AOModel, got {type(what).__name__}")
     path = writable_folder(file_path("folder", folder))
     files = {name: path / f"{name}.mtx" for name in matrices}
     for name, matrix in matrices.items():

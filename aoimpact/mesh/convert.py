@@ -48,9 +48,7 @@ def of_second_order(mesh: Mesh) -> Mesh:
     if not any(linear):
         return mesh
     if not all(linear):
-        raise MeshError(
-            f"order: the mesh has elements of both orders, {mesh.contents}. Give one of first order"
-        )
+        raise MeshError(f"order: give a mesh of first order throughout, got {mesh.contents}")
     raised = [reference_element(_RAISED[block.kind]) for block in mesh.blocks]
     ends = [
         np.sort(block.cells[:, element.edges], axis=2)

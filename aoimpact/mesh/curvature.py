@@ -129,11 +129,8 @@ def surface_shape(
     places = surface.nearest(np.asarray(point, dtype=np.float64))
     here, start, normal = places.x[0], places.face, surface.smooth_normal(places)
     if normal is None:
-        raise InputError(
-            f"point {plain(here)} m is on a sharp edge or corner of the mesh, where the "
-            "surface has no curvature. Choose a point inside a face, or refine the mesh if the "
-            "body is round there"
-        )
+        why = f"point {plain(here)} m is on a sharp edge of the mesh, without a curvature"
+        raise InputError(f"{why}. Choose one inside a face, or refine a round body there")
     if reach is None:
         flat = _flat(surface, start, here, normal)
         if flat is not None:

@@ -91,10 +91,7 @@ def node_at(nodes: FloatArray, point: FloatArray) -> int:
     node, said = _nearest(nodes, point)
     size = np.linalg.norm(np.ptp(nodes, axis=0))
     if np.linalg.norm(nodes[node] - point) > AT_NODE * size:
-        raise InputError(
-            f"point {plain(point)} m is no node, and the body has no elements between its nodes "
-            f"(it was given by K and M); {said}"
-        )
+        raise InputError(f"point {plain(point)} m is no node of this body without mesh; {said}")
     return node
 
 

@@ -138,10 +138,8 @@ class Mesh(Frozen):
             used[block.cells] = True
         unused = np.flatnonzero(~used)
         if len(unused):
-            raise MeshError(
-                f"nodes: {len(unused)} of {len(nodes)} belong to no element, the first is "
-                f"{unused[0]}. Leave them out, or let read_mesh do so"
-            )
+            which = f"{len(unused)} of {len(nodes)}, the first {unused[0]}, belong to no element"
+            raise MeshError(f"nodes: {which}. Leave them out, or let read_mesh do so")
         labels = [
             None if own is None else integers(name, own, "integers", shape=(count,))
             for name, own, count in (
@@ -340,17 +338,13 @@ def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArr
     """Return node numbers of elements, shape (n, nodes per element), in range."""
     array = integers("cells", cells, "integer node numbers")
     if array.ndim != 2 or array.shape[1] != element.n_nodes or not len(array):
-        raise MeshError(
-            f"cells of kind {element.kind} must have shape (any, {element.n_nodes}), "
-            f"got {array.shape}"
-        )
+        shape = f"(any, {element.n_nodes})"
+        raise MeshError(f"cells of {element.kind} must have shape {shape}, got {array.shape}")
     outside = np.flatnonzero(((array < 0) | (array >= n_nodes)).any(axis=1))
     if len(outside):
         nodes = array[outside[0]].tolist()
-        raise MeshError(
-            f"{len(outside)} elements refer to nodes that are not there, the first is element "
-            f"{outside[0]}: {nodes}. Nodes run from 0 to {n_nodes - 1}"
-        )
+        which = f"{len(outside)} elements, the first {outside[0]}: {nodes}"
+        raise MeshError(f"cells: nodes run from 0 to {n_nodes - 1}, unlike those of {which}")
     return np.ascontiguousarray(array)
 
 

@@ -167,10 +167,7 @@ class Surface:
             if still.any():
                 cell = int(self.cell[face[flat][still]][0])
                 nodes = self.mesh.cells[cell].tolist()
-                raise MeshError(
-                    f"mesh: a side of element {cell} (nodes {nodes}) has no area: its nodes lie on "
-                    "a line or fall together. Mend the mesh there"
-                )
+                raise MeshError(f"mesh: a side of element {cell}, nodes {nodes}, has no area")
         unit: FloatArray = normal / np.linalg.norm(normal, axis=1, keepdims=True)
         return unit
 
