@@ -22,6 +22,7 @@ from ..base import (
     Frozen,
     InputError,
     IntArray,
+    called,
     checked,
     finite_array,
     integer,
@@ -281,10 +282,13 @@ class FEModel(Frozen):
         ... )
         FEModel(132 dofs, 44 nodes, 10 hexahedron, 2.027 kg, 66 springs to the ground, free)
         """
-        damped, called = damping_or_none(damping), text("name", name)
+        damped, name = damping_or_none(damping), text("name", name)
         from ..io import read_for  # a leaf, which itself imports this folder
 
         solid = read_for(mesh, thin_groups(material), part=part, order=order)
+        if part is not None and isinstance(material, Mapping):  # others are of other parts
+            here = {at: of for at, of in material.items() if called(at, solid.cell_sets)}
+            material = here or material
         made_of = materials_of(solid, material)
         solids = sum(not block.element.thin for block in solid.blocks)
         surface = boundary(solid) if solids > 1 else None  # which checks that they fit
@@ -317,7 +321,7 @@ class FEModel(Frozen):
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
-        model._set(mesh=solid, material=made_of, damping=damped, name=called)
+        model._set(mesh=solid, material=made_of, damping=damped, name=name)
         model._set(springs=stiffer, masses=heavier, attached=attached, assembled=True)
         if surface is not None:
             model._set(surface=surface)

@@ -92,7 +92,7 @@ def test_other_repetitions_are_refused_by_the_number_of_the_element(
     rows = np.array(cells.cells)
     for one, other in changed.items():
         rows[-1, one] = rows[-1, other]
-    words = f"1 {kind} elements repeat nodes .* is element {len(rows) - 1}"
+    words = f"1 {kind} elements repeat nodes, .* is element {len(rows) - 1}"
     with pytest.raises(MeshError, match=words):
         ao.read_mesh(meshio.Mesh(np.array(cells.nodes), [(kind, rows)]))
 
