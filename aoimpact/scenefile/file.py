@@ -24,6 +24,7 @@ from ..base import (
     SceneFileError,
     checked,
     file_path,
+    instance,
     texts,
 )
 from ..contact import ContactPoint
@@ -85,17 +86,12 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
     file = file_path("path", path)
     try:
         text = file.read_text(encoding="utf-8-sig")  # with a mark at its start, or without
-    except OSError as error:
-        raise SceneFileError(f"{file}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise SceneFileError(f"{file}: is not UTF-8 text ({error.reason})") from None
-    try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         found = _UNREADABLE.fullmatch(str(error))
         where, what = (f":{found[2]}:{found[3]}", found[1]) if found else ("", str(error))
         raise SceneFileError(f"{file}{where}: is not TOML: {what}") from None
-    except (ValueError, RecursionError) as error:  # numbers of thousands of digits, deep nesting
+    except (OSError, ValueError, RecursionError) as error:  # also of other text, or deep nesting
         raise SceneFileError(f"{file}: cannot be read: {error}") from None
     return SceneFile(file, data, text)
 
@@ -150,11 +146,8 @@ class SceneFile:
         bound = SceneBinder(self.data, self.path.parent)
         object.__setattr__(self, "_bound", bound)
         problems: list[Any] = list(bound.problems)
-        if not any(place[:1] in ((), ("sweep",)) for place, _ in bound.problems):
-            try:
-                problems += self._sweep_problems()
-            except SceneFileError as error:
-                problems.append(error)
+        if not any(place[:1] in ((), ("sweep",)) for place, _ in problems):
+            problems += self._sweep_problems()
         self._refuse(problems)
 
     def __repr__(self) -> str:
@@ -208,23 +201,27 @@ class SceneFile:
         if lines:
             raise SceneFileError("\n".join(lines))
 
-    def _sweep_problems(self) -> Iterator[tuple[Place, str]]:
+    def _sweep_problems(self) -> Iterator[Any]:
         """Yield what is wrong with the sweep, and with the file only by its values."""
         before: dict[str, Any] = {}
-        for name, values in self.grid.items():
-            told: list[str] = []
+        try:
+            grid = self.grid
+        except SceneFileError as error:
+            yield error
+            return
+        for name, values in grid.items():
+            told: dict[str, None] = {}
             kinds = {type(of) if isinstance(of, int | float) else repr(of): of for of in values}
             for value in kinds.values():
                 try:
                     found = SceneBinder(self._with(before | {name: value}), self.path.parent)
                     new = [of for of in found.problems if of not in self._bound.problems]
-                    told += [text for _, text in new]
+                    told |= {text: None for _, text in new}
                 except InputError as error:
-                    told.append(str(error))
+                    told[str(error)] = None
             if not told:
                 before[name] = values[0]
-            for text in dict.fromkeys(told):
-                yield self._bound.swept[name], text
+            yield from ((self._bound.swept[name], text) for text in told)
 
     def replaced(self, values: Mapping[str, Any]) -> SceneFile:
         """Return the file with other values at dotted places, and without its sweep.
@@ -257,9 +254,7 @@ class SceneFile:
         >>> file = ao.read_scene(path)
         >>> heavier = file.replaced({"bodies.ball.mass": 0.2})
         """
-        if not isinstance(values, Mapping):
-            raise InputTypeError(f"values must be a dict of places and values, got {values!r}")
-        texts("values", values.keys())
+        texts("values", instance("values", values, Mapping).keys())
         with self._located():
             data = self._with(values)
         return SceneFile(self.path, data, self.text, self._kept)
@@ -402,8 +397,7 @@ class SceneFile:
         >>> file.probes(file.simulate())
         {}
         """
-        if not isinstance(result, Run):
-            raise InputTypeError(f"result must come from simulate(), got {result!r}")
+        instance("result", result, Run)
         if len(result.bodies) != len(self.members):
             raise InputError(
                 f"result has {len(result.bodies)} bodies, and the file {len(self.members)}"

@@ -100,33 +100,23 @@ def _read_mesh(binder: Binder, value: Any, place: Place) -> Call:
     return binder.bind(_MESHES[0], {"file": value}, place)
 
 
-@dataclass(frozen=True)
-class _Planes:
-    """Nodes on all of some planes, as a selector of `FEModel.from_mesh`."""
-
-    x: float | None = None
-    y: float | None = None
-    z: float | None = None
-
-    def __call__(self, nodes: FloatArray) -> Any:
-        on = np.ones(len(nodes), dtype=bool)
-        size = np.ptp(nodes, axis=0).max()
-        for axis, value in enumerate((self.x, self.y, self.z)):
-            if value is not None:
-                on &= np.abs(nodes[:, axis] - value) <= _ON_PLANE * size
-        return on
-
-
 def _where(
     nodes: str | Sequence[int] | None = None,
     x: float | None = None,
     y: float | None = None,
     z: float | None = None,
 ) -> Any:
-    """Nodes by name, by number, or by planes."""
-    if (nodes is None) == (x is None and y is None and z is None):
+    """Nodes by name, by number, or by planes on all of which they lie."""
+    planes = np.array([x, y, z], dtype=float)
+    free = np.isnan(planes)
+    if (nodes is None) == free.all():
         raise InputError("give either nodes, or planes x, y, z on all of which they lie")
-    return _Planes(x, y, z) if nodes is None else nodes
+
+    def on_planes(places: FloatArray) -> Any:
+        near = np.abs(places - planes) <= _ON_PLANE * np.ptp(places, axis=0).max()
+        return (free | near).all(axis=1)
+
+    return on_planes if nodes is None else nodes
 
 
 @passes_on(_where)
