@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -180,10 +180,12 @@ class Binder:
         """Note a problem."""
         self.problems.append((place, message))
 
-    def say_unknown(self, place: Place, where: str, name: str, known: Iterable[str]) -> None:
-        """Note that there is nothing of a name."""
-        listed = ", ".join(known) or "nothing"
-        self.say(place, f"{where} has no {name!r}{nearest(name, known)}; it has {listed}")
+    def find(self, known: Mapping[str, Any], where: str, name: str, place: Place) -> Any:
+        """Return what has a name; None where there is none, which is said."""
+        if name not in known:
+            listed = ", ".join(known) or "nothing"
+            self.say(place, f"{where} has no {name!r}{nearest(name, known)}; it has {listed}")
+        return known.get(name)
 
     def bind(
         self, tables: Table | Sequence[Table], value: Mapping[str, Any], place: Place, **given: Any

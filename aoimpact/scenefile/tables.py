@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -222,37 +222,28 @@ def _of_surfaces(law: Callable[..., laws.ContactLaw]) -> Table:
     return Table(made)
 
 
-def _part_of(law: laws.ContactLaw, name: str) -> Any:
-    return getattr(law, name)
-
-
 def _read_law(binder: Binder, value: Any, place: Place) -> Any:
     """A law by its parameters or its restitution; k may be that of two surfaces."""
-    cls, given = binder.tagged(value, place, _LAWS)
-    if cls is None:
+    law, given = binder.tagged(value, place, _LAWS)
+    if law is None:
         return None
-    follows: dict[str, Any] = {}
-    makers: tuple[Table, ...] = _LAW_TABLES[cls]
-    k, at = given.get("k"), (*place, "k")
+    makers = [Table(law), Table(getattr(law, "from_restitution", law))]
+    k, at, follows = given.get("k"), (*place, "k"), dict[str, Any]()
     if isinstance(k, dict):
-        if not hasattr(cls, "relative_radius"):
-            return binder.say(at, f"must be a number for {cls.__name__}, got a table")
-        if given.pop("n", _HERTZ_POWER) != _HERTZ_POWER:
-            binder.say((*place, "n"), "k of two surfaces belongs to n = 1.5; give a number for k")
+        if not issubclass(law, laws.HertzianLaw) or given.pop("n", _HERTZ_POWER) != _HERTZ_POWER:
+            return binder.say(at, "of two surfaces belongs to Hertz's F = k δ^1.5; give a number")
         hertz = binder.bind(_of_surfaces(laws.Hertz.between), given.pop("k"), at)
         for name in ("k", "relative_radius"):
-            follows[name] = Call(_part_of, {"law": hertz, "name": name}, place)
-        if hasattr(cls, "between"):
-            makers = (_of_surfaces(cls.between), *makers)
+            part = partial(lambda name, law: getattr(law, name), name)
+            follows[name] = Call(part, {"law": hertz}, place)
+        if hasattr(law, "between"):
+            makers.insert(0, _of_surfaces(law.between))
             follows["between"] = hertz.arguments.get("between")
             given |= {"angle": k["angle"]} if "angle" in k else {}
     return binder.bind(makers, given, place, **follows)
 
 
 _LAWS = {name: law for name, law in LAWS.items() if law is not laws.UserLaw}
-_LAW_TABLES = {
-    law: (Table(law), Table(getattr(law, "from_restitution", law))) for law in _LAWS.values()
-}
 
 # ------------------------------------------------------------------------------------- sensors
 
@@ -266,10 +257,8 @@ def _finite(name: str, body: Any) -> fem.FEModel:
 
 
 def _read_finite(binder: SceneBinder, name: str, place: Place) -> Any:
-    known = dict(binder.taking)
-    if name not in known:
-        return binder.say_unknown(place, "the scene", name, known)
-    return Call(_finite, {"name": name, "body": known[name]}, place)
+    body = binder.find(dict(binder.taking), "the scene", name, place)
+    return body and Call(_finite, {"name": name, "body": body}, place)
 
 
 _FINITE = Annotated[Any, Reader("the name of a body", (str,), _read_finite)]
@@ -283,13 +272,10 @@ def _place(body: _FINITE, point: Numbers, direction: Numbers) -> ContactPoint:
     return contact_point(body, point=point, direction=direction, radius=0.0)  # type: ignore[arg-type]
 
 
-_PLACE = Table(_place)
-
-
 def _read_sensor(binder: Binder, value: Any, place: Place) -> Any:
     """A sensor, or, without a type, a place whose displacement is meant."""
     if "type" not in value:
-        return binder.bind(_PLACE, value, place)
+        return binder.bind(Table(_place), value, place)
     if "body" not in value:
         binder.say(place, "'body' is missing, the name of a body")
     return binder.bind_typed(_SENSORS, value, place)
@@ -316,10 +302,9 @@ def _read_number(binder: SceneBinder, name: str, place: Place) -> Any:
         return name
     if first in ("bodies", "contacts"):
         listed = binder.taking if first == "bodies" else binder.data["scene"].get("contacts", ())
-        numbers = [str(i) for i, _ in enumerate(listed)]
-        number = rest.pop(0) if rest else ""
-        if number not in numbers:
-            return binder.say_unknown(place, first, number, numbers)
+        numbers = {str(i): of for i, of in enumerate(listed)}
+        if binder.find(numbers, first, rest.pop(0) if rest else "", place) is None:
+            return None
     part, last = _PARTS[first], rest[0] if rest else ""
     known = {*dir(part), *vars(part)["__dataclass_fields__"]}
     if last not in known:
@@ -368,16 +353,11 @@ def _port(body: Handle, port: int = 0) -> Handle:
     return body.port(port)
 
 
-_PORT = Table(_port)
-
-
 def _read_handle(binder: SceneBinder, value: Any, place: Place) -> Any:
     """A body of the scene, or one of its places."""
     if isinstance(value, dict):
-        return binder.bind(_PORT, value, place)
-    if value not in binder.handles:
-        return binder.say_unknown(place, "the scene", value, binder.handles)
-    return binder.handles[value]
+        return binder.bind(Table(_port), value, place)
+    return binder.find(binder.handles, "the scene", value, place)
 
 
 @passes_on(Scene.connect, "a", "b")
@@ -485,16 +465,14 @@ class SceneBinder(Binder):
     def entry(self, which: str, name: str, place: Place) -> Any:
         """Return a material or body of the file, bound once, that is named at a place."""
         entries = self.data.get(which)
-        known = entries if isinstance(entries, dict) else {}
-        if name not in known:
-            return self.say_unknown(place, f"[{which}]", name, known)
+        given = self.find(entries if isinstance(entries, dict) else {}, f"[{which}]", name, place)
         at = which, name
-        if at not in self._found:
+        if at not in self._found and given is not None:
             self._found[at] = _UNFINISHED
-            self._found[at] = _ENTRIES[which](self, known[name], at)
-        if self._found[at] is _UNFINISHED:
+            self._found[at] = _ENTRIES[which](self, given, at)
+        if self._found.get(at) is _UNFINISHED:
             return self.say(place, f"{name!r} is made of itself")
-        return self._found[at]
+        return self._found.get(at)
 
 
 _ENTRIES = {
