@@ -11,9 +11,7 @@ from ..base import InputError, positive
 from .law import HertzianLaw, parameter
 
 
-def _share(name: str, value: Any) -> float | None:
-    if value is None:
-        return None
+def _share(name: str, value: Any) -> float:
     share = positive(name, value)
     if share > 1.0:
         raise InputError(f"{name} must be from above 0 to 1, got {share:g}")

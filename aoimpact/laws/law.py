@@ -168,9 +168,10 @@ class ContactLaw:
             setattr(cls, name, value)
 
     def __post_init__(self) -> None:
-        checks = {e.name: e.metadata["check"] for e in self._fields() if "check" in e.metadata}
-        for name, check in checks.items():
-            object.__setattr__(self, name, check(name, getattr(self, name)))
+        for entry in self._fields():
+            name, value = entry.name, getattr(self, entry.name)
+            if "check" in entry.metadata and not (value is entry.default is None):
+                object.__setattr__(self, name, entry.metadata["check"](name, value))
         if hasattr(self, "k"):
             object.__setattr__(self, "k", positive("k", self.k, unit=self.units["k"]))
         try:
@@ -568,10 +569,6 @@ def removable(law: ContactLaw, indentation: float) -> float:
     return MOST_SHARE / float(law._stiffest(np.array(indentation)))
 
 
-def _radius(name: str, value: Any, unit: str) -> float | None:
-    return None if value is None else positive(name, value, unit=unit)
-
-
 @dataclass(frozen=True, repr=False)
 class HertzianLaw(ContactLaw):
     """A law that begins with Hertz's k δ^(3/2), and may know how wide its contact is.
@@ -583,7 +580,7 @@ class HertzianLaw(ContactLaw):
     """
 
     relative_radius: float | None = field(
-        default=None, kw_only=True, metadata=parameter(_radius, "m")
+        default=None, kw_only=True, metadata=parameter(positive, "m")
     )
 
 
