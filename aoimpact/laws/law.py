@@ -18,9 +18,7 @@ from ..base import (
     PRINTED,
     FloatArray,
     InputError,
-    InputTypeError,
     boolean,
-    checked,
     finite_array,
     instance,
     positive,
@@ -317,8 +315,8 @@ class ContactLaw:
         Parameters
         ----------
         compliance : float
-            c, the sum over both bodies, m/N; negative where a model of a shell is stiffer than the
-            shell, so that -c is in series with the law.
+            c, the sum over both bodies, m/N, besides what is taken out already; negative where a
+            model of a shell is stiffer than the shell, so that -c is in series with the law.
 
         Raises
         ------
@@ -331,7 +329,7 @@ class ContactLaw:
         >>> round(float(law.within_patch(1e-8).force(1e-4)), 6)  # 1/(1/k - c) is the stiffness left
         1111.111111
         """
-        c = _series("compliance", compliance)
+        c = real("compliance", compliance, unit="m/N")
         deepest = min(self._steepest(c) if c > 0.0 else math.inf, self.limit)
         limit = deepest - c * self.force(deepest) if math.isfinite(deepest) else math.inf
         if not limit > 0.0:
@@ -401,30 +399,28 @@ class ContactLaw:
         >>> round(law.stroke(0.05), 9)  # m, √(2E/k)
         0.0001
         """
-        wanted = positive("energy", energy, unit="J")
+        wanted = math.log(positive("energy", energy, unit="J"))
         if not self.has_memory and (k := getattr(self, "k", None)):  # k δ^(n+1)/(n+1)
             n = getattr(self, "n", self.power)
-            stroke = (math.log(wanted) + math.log(n + 1.0) - math.log(k)) / (n + 1.0)
-            if abs(stroke) > _LONGEST:
-                which = "takes" if stroke < 0.0 else "never takes"
-                raise InputError(f"{self!r} {which} an energy of {wanted:g} J within its range")
-            return math.exp(stroke)
-        end = min(math.log(self.limit * (1.0 - 1e-12)), _LONGEST)
+            found = (wanted + math.log(n + 1.0) - math.log(k)) / (n + 1.0)
+        else:
+            end = min(math.log(self.limit * (1.0 - 1e-12)), _LONGEST)
 
-        def excess(log_indentation: float) -> float:
-            work = max(self._work(math.exp(log_indentation)), _LEAST_WORK)
-            return math.log(work) - math.log(wanted)
+            def excess(log_indentation: float) -> float:
+                return math.log(max(self._work(math.exp(log_indentation)), _LEAST_WORK)) - wanted
 
-        high = min(end, _SHALLOW)
-        while excess(high) < 0.0 and high < end:
-            high = min(high + _STRIDE, end)
-        if excess(high) < 0.0:
-            if high == _LONGEST:
-                raise InputError(f"{self!r} never takes an energy of {wanted:g} J")
-            return math.exp(high)
-        if excess(-_LONGEST) > 0.0:
-            raise InputError(f"{self!r} takes an energy of {wanted:g} J at no indentation")
-        return math.exp(scipy.optimize.brentq(excess, -_LONGEST, high, xtol=1e-15))
+            found = min(end, _SHALLOW)
+            while excess(found) < 0.0 and found < end:
+                found = min(found + _STRIDE, end)
+            if excess(-_LONGEST) > 0.0:
+                found = -_LONGEST
+            elif excess(found) > 0.0:
+                found = scipy.optimize.brentq(excess, -_LONGEST, found, xtol=1e-15)
+        if abs(found) >= _LONGEST:
+            raise InputError(
+                f"energy={energy:g} J is taken by {self!r} at no indentation within its range"
+            )
+        return math.exp(found)
 
     def dent(self, indentation: float) -> Dent:
         """Return the dent that remains after a deepest indentation.
@@ -594,7 +590,7 @@ class PatchLaw(ContactLaw):
     ----------
     law : ContactLaw
     compliance : float
-        c, m/N, not zero.
+        c, m/N.
     limit : float, optional
         Deepest indentation δ that it stands for, m.
     """
@@ -604,12 +600,6 @@ class PatchLaw(ContactLaw):
     limit: float = math.inf
 
     def __post_init__(self) -> None:
-        if not isinstance(self.law, ContactLaw) or isinstance(self.law, PatchLaw):
-            raise InputTypeError(
-                f"law must be a contact law with nothing taken out, got {self.law!r}"
-            )
-        checked(self, compliance=_series)
-        checked(self, limit=partial(positive, unit="m", infinite=True))
         for trait in ("depends_on_rate", "has_memory", "by_caller", "pulls"):
             object.__setattr__(self, trait, getattr(self.law, trait))
 
@@ -623,6 +613,10 @@ class PatchLaw(ContactLaw):
     def for_core(self) -> CoreLaw:
         return self.law.for_core()._replace(compliance=self.compliance, limit=self.limit)
 
+    def within_patch(self, compliance: float) -> PatchLaw:
+        more = real("compliance", compliance, unit="m/N")
+        return self.law.within_patch(self.compliance + more)
+
     def dent(self, indentation: float) -> Dent:
         own = indentation + self.compliance * self.force(indentation)
         return self.law.dent(own)
@@ -631,11 +625,3 @@ class PatchLaw(ContactLaw):
         force = self.force(indentation)
         own = self.law._work(indentation + self.compliance * force)
         return float(own - 0.5 * self.compliance * force**2)
-
-
-def _series(name: str, value: Any) -> float:
-    """A compliance that is not zero, m/N."""
-    compliance = real(name, value, unit="m/N")
-    if compliance == 0.0:
-        raise InputError(f"{name} must not be 0 m/N; take the law itself")
-    return compliance

@@ -48,12 +48,8 @@ class Tabulated(ContactLaw, kind="table"):
         push = finite_array("force", force, shape=(len(depth),), unit="N")
         if len(depth) == 0 or (len(depth) == 1 and depth[0] == 0.0):
             raise InputError("indentation and force must have a point besides (0, 0)")
-        if depth[0] < 0.0:
-            raise InputError(f"indentation must not be negative: indentation[0] is {depth[0]:g} m")
-        if depth[0] > 0.0:
+        if depth[0] != 0.0:
             depth, push = np.insert(depth, 0, 0.0), np.insert(push, 0, 0.0)
-        if push[0] != 0.0:
-            raise InputError(f"force must be 0 N at indentation 0, got force[0] = {push[0]:g} N")
         for name, unit, values in (("indentation", "m", depth), ("force", "N", push)):
             steps, least = np.diff(values), math.ulp(0.0) if values is depth else 0.0
             if (steps < least).any():
@@ -62,10 +58,10 @@ class Tabulated(ContactLaw, kind="table"):
                     f"{name} must {'increase' if least else 'never fall'} from point to point: "
                     f"after {values[i]:g} {unit} comes {values[i + 1]:g} {unit}"
                 )
-        if push[1] <= 0.0:
+        if push[0] != 0.0 or push[1] == 0.0:
             raise InputError(
-                f"force must be positive at indentation {depth[1]:g} m; let the table begin where "
-                "the force does, and put the rest into the gap"
+                f"force must be 0 N at indentation 0 and positive at {depth[1]:g} m, got "
+                f"{push[0]:g} N and {push[1]:g} N; put what comes before the force into the gap"
             )
         object.__setattr__(self, "indentation", tuple(depth.tolist()))
         object.__setattr__(self, "force_values", tuple(push.tolist()))
