@@ -1,17 +1,182 @@
 """The paper, end to end: every table and figure recomputed beside the printed numbers.
 
 ``python -m aoimpact paper`` runs :func:`reproduce`; notebooks/paper.ipynb goes the same way step by
-step.
+step. The paper's curves are not published as numbers; where it prints some, they are drawn as thin
+lines and crosses. Each figure belongs to no window.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from ..base import bar, writable_folder, write_csv
-from . import beam, figures, sphere
-from .table import Row, markdown
+import numpy as np
+
+from ..base import COLOURS, bar, draw_curves, legend, styled, with_unit, writable_folder, write_csv
+from . import beam, sphere
+from .sphere import BALL, SPEEDS, pair
+from .table import Row, markdown, texts
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Style = dict[str, Any]
+
+FULL: Style = {"color": "black", "linestyle": "-", "linewidth": 1.6}
+RIGID: Style = {"color": COLOURS[1], "linestyle": "--", "linewidth": 1.4}
+ONE_AO: Style = {"color": COLOURS[0], "linestyle": ":", "linewidth": 2.4}
+WIDE: Style = {"color": "0.75", "linestyle": "-", "linewidth": 4.0}
+
+# Numbers that the paper prints.
+LINE: Style = {"color": "0.55", "linewidth": 0.8, "zorder": 0}
+CROSS: Style = {"color": "black", "marker": "x", "markersize": 8, "linestyle": "none"}
+
+# Runs of Figs. 9 to 11.
+ON_BEAM = {
+    "full": ("one-AO sphere, full beam", WIDE),
+    "ao": ("one-AO sphere", FULL),
+    "rigid": ("rigid sphere", RIGID),
+}
+
+
+def figure(draw: Callable[..., None]) -> Figure:
+    """Return a figure that a function draws, with its texts in data/paper.toml."""
+    from matplotlib.figure import Figure
+
+    text = texts()[draw.__name__]
+    with styled():
+        figure = Figure(figsize=text["size"], dpi=150, layout="constrained")
+        axes = figure.subplots(1, text["columns"], squeeze=False)[0]
+    figure.suptitle(text["title"], fontsize=11)
+    figure.supxlabel(text["note"], fontsize=8, color="0.35")
+    draw(*axes)
+    for ax in axes:
+        legend(ax)
+    return figure
+
+
+def figure_03(ax: Axes) -> None:
+    """Impact force of two spheres by three models."""
+    for body, name, style in (
+        (sphere.all_dofs(), f"full model, 2 × {sphere.all_dofs().dofs} dofs", FULL),
+        (BALL, "rigid masses", RIGID),
+        (sphere.one_ao(), "one AO each, 2 × 2 dofs", ONE_AO),
+    ):
+        pair(body).plot_force(ax, during="record", label=name, **style)
+    ax.axhline(811.5, label="paper, full 811.5 N", **LINE)
+    ax.axhline(999.9, label="paper, rigid 999.9 N", **LINE)
+    ax.set(xlim=(0, 100), ylim=(0, 1100))
+
+
+def figure_04(left: Axes, right: Axes) -> None:
+    """Impact force by the modal series."""
+    hits, full = sphere.by_modes(), pair(sphere.all_dofs())
+    for n, shade in ((6, 0.25), (100, 0.47), (500, 0.68), (1000, 0.9)):
+        colour = (1.0 - shade, 0.45, shade)
+        hits[n].plot_force(left, during="record", label=f"{n} modes", color=colour, linewidth=1.2)
+    full.plot_force(left, during="record", label=f"full, {sphere.all_dofs().dofs}", **FULL)
+    left.set(xlim=(0, 90), ylim=(0, 1100))
+    force, time = zip(*(sphere.excesses(hit, full) for hit in hits.values()), strict=True)
+    right.plot([*hits], force, "o-", color=COLOURS[0], label="peak force")
+    right.plot([*hits], time, "s-", color=COLOURS[1], label="duration")
+    right.plot([1000, 1000], [7, -5], label="the paper", **CROSS)
+    right.axhline(0.0, color="black", linewidth=0.8)
+    right.set(xlabel="number of modes", ylabel="difference from the full model (%)")
+    right.margins(x=0.05)
+
+
+def figure_05(ax: Axes) -> None:
+    """Energies of the sphere initially at rest."""
+    pair(sphere.one_ao()).plot_energy(ax, body="target", color="black", linewidth=1.4)
+    ax.set(xlim=(0, 100), ylim=(0, None))
+
+
+def figure_06(ax: Axes) -> None:
+    """Masses and springs between two spheres, which make the modified law."""
+    model, law = sphere.one_ao(), ("F = k δ^1.5\nk", sphere.LAW.k, "N/m^1.5")
+    m0, m1, k1 = ("m0", model.m0, "kg"), ("m1", model.m[0], "kg"), ("k1", model.k[0], "N/m")
+    ax.axhline(0.0, color="black")
+    for x, (name, value, unit) in enumerate((m1, k1, m0, law, m0, k1, m1)):
+        box = {"facecolor": "0.9" if unit == "kg" else "white", "boxstyle": "square"}
+        said = f"{name} = {with_unit(value, unit, 3)}".replace(" = ", "\n", unit == "kg")
+        ax.text(x, 0.0, said, ha="center", va="center", bbox=box, fontsize=8)
+    ax.annotate("V", (0.5, 0.7), (-0.5, 0.7), va="center", arrowprops={"arrowstyle": "->"})
+    ax.annotate("", (5.6, -0.6), (0.4, -0.6), arrowprops={"arrowstyle": "<->"})
+    ax.text(3.0, -0.55, "modified interaction law", ha="center", va="bottom")
+    ax.set(xlim=(-0.7, 6.7), ylim=(-1.0, 1.0))
+    ax.axis("off")
+
+
+def figure_07(left: Axes, right: Axes) -> None:
+    """Force over approach for several velocities, and the share of nonlocal energy."""
+    for speed, colour in zip((2.0, 1.0, 0.5, 0.1), COLOURS, strict=False):
+        hit = pair(sphere.one_ao(), speed)
+        end = int(np.flatnonzero(hit.force > 0.0)[-1]) + 2
+        top = {"marker": "o", "markevery": [int(np.argmax(hit.force))]}
+        style = {"color": colour, "linestyle": ":", "label": f"one AO each, up to {speed:g} m/s"}
+        across = hit.approach[:end], "approach", "m"
+        draw_curves(left, across, "contact force", "N", [(hit.force[:end], style | top)])
+    depth = np.linspace(0.0, 32e-6, 200)
+    law = sphere.LAW.force(depth), {"color": "black", "label": "Hertz's law"}
+    draw_curves(left, (depth, "approach", "m"), "contact force", "N", [law])
+    left.set(xlim=(0, 45), ylim=(0, 2000))
+    ratios = list(map(sphere.local_over_nonlocal, SPEEDS))
+    right.loglog(SPEEDS, ratios, "o-", color=COLOURS[0], label="at the peak")
+    right.plot([1e-4], [200], label="the paper", **CROSS)
+    right.set(xlabel="velocity (m/s)", ylabel="local / nonlocal deformation energy")
+    right.margins(x=0.05)
+
+
+def figure_08(ax: Axes) -> None:
+    """Masses of the beam's anti-oscillators."""
+    number = np.arange(1, beam.COUNT + 1)
+    largest, lowest = (100.0 * beam.star(by).mass_fractions for by in ("mass", "frequency"))
+    ax.bar(number, lowest, color=COLOURS[0], label="mass of one AO, by frequency")
+    ax.plot(number, np.cumsum(lowest), "o-", color="black", markersize=3, label="summed up")
+    ax.plot(number, np.cumsum(largest), ":", color="0.4", label="summed up, largest first")
+    ax.axhline(98.0, label="paper, 28 AOs 98 %", **LINE)
+    ax.axhline(53.0, label="paper, first AO 53 %", **LINE)
+    label = f"share of the static mass, {1e3 * beam.star().static_mass:.0f} g (%)"
+    ax.set(xlabel="anti-oscillator", ylabel=label, ylim=(0, 110), xlim=(0, 29))
+
+
+def figure_09(ax: Axes) -> None:
+    """Impact force of the sphere on the beam."""
+    for models, (name, style) in ON_BEAM.items():
+        beam.hit(models).plot_force(ax, during="record", label=name, marker=".", **style)
+    ax.set(xlim=(0, 105), ylim=(0, None))
+
+
+def figure_10(ax: Axes) -> None:
+    """Displacements of the centres of mass of sphere and beam, and of the beam's middle."""
+    for models in ("ao", "rigid"):
+        hit, (name, style) = beam.hit(models), ON_BEAM[models]
+        for values, what, look in (
+            (hit.projectile.centre_displacement, "centre of the", {}),
+            (hit.target.centre_displacement, "beam's centre,", {"marker": ".", "markevery": 4}),
+            (hit.target.displacement, "beam's middle,", {"color": COLOURS[0]}),
+        ):
+            curve = values, style | look | {"label": f"{what} {name}"}
+            draw_curves(ax, (hit.t, "time", "s"), "displacement", "m", [curve])
+    ax.axhline(25.0, label="paper, beam 25 µm", **LINE)
+
+
+def figure_11(ax: Axes) -> None:
+    """Displacement of the beam's centre of mass over 20 ms."""
+    for models, (name, style) in ON_BEAM.items():
+        hit = beam.hit(models, beam.LONG)
+        curve = hit.target.centre_displacement, style | {"label": name}
+        draw_curves(ax, (hit.t, "time", "s"), "displacement", "m", [curve])
+
+
+FIGURES = (
+    *(figure_03, figure_04, figure_05, figure_06, figure_07, figure_08, figure_09),
+    *(figure_10, figure_11),
+)
+
 
 TABLES = (
     *(sphere.table_1, sphere.table_2, sphere.table_3, sphere.impact, sphere.method),
@@ -44,15 +209,15 @@ def reproduce(out: str | os.PathLike[str], *, progress: bool = True) -> list[Pat
     folder = writable_folder(out)
     rows: list[Row] = []
     files = [folder / "results.csv", folder / "results.md"]
-    total = len(TABLES) + len(figures.FIGURES)
+    total = len(TABLES) + len(FIGURES)
     with bar("the paper", total, unit="part", wanted=progress) as shown:
         for table in TABLES:
             rows += table()
             shown.update()
         write_csv(files[0], Row._fields, rows)
         files[1].write_text(markdown(rows), encoding="utf-8")
-        for draw in figures.FIGURES:
+        for draw in FIGURES:
             files.append(folder / f"{draw.__name__}.png")
-            figures.figure(draw).savefig(files[-1])
+            figure(draw).savefig(files[-1])
             shown.update()
     return files

@@ -32,8 +32,7 @@ from ..impact import simulate
 from ..results import COLUMNS, Result, Run
 from .binding import Call, calls
 from .lines import Place, holds, line_of
-from .sweeping import place_of
-from .tables import SceneBinder
+from .tables import SceneBinder, place_of
 
 # Message of tomllib for a text that is not TOML.
 _UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
@@ -407,8 +406,7 @@ class SceneFile:
         for name, sensor in self._made(probes, {}).items():
             number = self.members.index(self.data[self.kind]["probes"][name]["body"])
             if not isinstance(sensor, ContactPoint | AccelerationAt):
-                quantity = sensor.quantity(sensor.body, number)
-                found[name] = quantity.history(result, result.t)[0]
+                found[name] = sensor.quantity(sensor.body, number).history(result, result.t)[0]
                 continue
             probe = result.bodies[number].probe(sensor.point, sensor.direction, times=result.t)
             if isinstance(sensor, ContactPoint):

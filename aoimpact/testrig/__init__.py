@@ -12,9 +12,8 @@ Signal(force, 3 samples at 1000 Hz, largest 400 N)
 from .. import base
 from .dropweight import DropWeight, Point, drop_weight
 from .hammer import MeasuredResponse, frf
-from .readsignal import read_signal
 from .shock import ShockSpectrum, shock_spectrum
-from .signal import Signal
+from .signal import Signal, read_signal
 
 __all__ = [
     "DropWeight",
