@@ -642,8 +642,8 @@ TAKEN = {
         KrylovSpace.antioscillators: n; KrylovSpace.of_vectors: n;
         simulate: gap; compare: gap; Scene: gravity; Scene.add: position, velocity; Scene.connect:
         gap, friction; Scene.apply: force; ContactLaw.force: indentation, rate;
-        ContactLaw.potential: indentation; FEModel.contact: radius; FEModel.contact of a node:
-        radius, node; FEModel.contact of a dof: dof; FEModel.audit:
+        ContactLaw.potential: indentation; ContactLaw.within_patch: compliance; FEModel.contact:
+        radius; FEModel.contact of a node: radius, node; FEModel.contact of a dof: dof; FEModel.audit:
         frequencies; FEModel.inverse: solutions; Handle: at, body; Handle.port: at; StrainAt:
         length; shock_spectrum: damping_ratio;
         drop_weight: gravity, start; Signal.of: contact, margin; read_signal: time, values""",
