@@ -643,9 +643,9 @@ TAKEN = {
         simulate: gap; compare: gap; Scene: gravity; Scene.add: position, velocity; Scene.connect:
         gap, friction; Scene.apply: force; ContactLaw.force: indentation, rate;
         ContactLaw.potential: indentation; ContactLaw.within_patch: compliance; FEModel.contact:
-        radius; FEModel.contact of a node: radius, node; FEModel.contact of a dof: dof; FEModel.audit:
-        frequencies; FEModel.inverse: solutions; Handle: at, body; Handle.port: at; StrainAt:
-        length; shock_spectrum: damping_ratio;
+        radius; FEModel.contact of a node: radius, node; FEModel.contact of a dof: dof;
+        FEModel.audit: frequencies; FEModel.inverse: solutions; Handle: at, body; Handle.port: at;
+        StrainAt: length; shock_spectrum: damping_ratio;
         drop_weight: gravity, start; Signal.of: contact, margin; read_signal: time, values""",
     "minus one": """Orthotropic.turned: angle; Ply: angle_deg; ContactLaw.within_patch:
         compliance; ContactLaw.force: indentation, rate; ContactLaw.potential: indentation;
