@@ -148,16 +148,16 @@ def choose_models(
 
     if models := only_models(bodies):
         run = record.run(plan.of_models(models, energies=plan.energies), timed)
-        found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
+        found = Orders((0,) * len(models), models, 0.0, in_models, run, ())
     else:
         found = search(
             bodies,
             trial,
             quantity,
             in_models,
+            record,
             solver=linear_solver,
             factors=factors,
-            anew=None if record.given else record.reopen,
             looser=looser if meshed and not given else None,
             best=not given,
         )
@@ -183,7 +183,7 @@ def choose_models(
 
 def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
     """How models were chosen: the quantity, its tolerance, and the errors of all numbers."""
-    numbers = number_errors(found.run, found.larger, found.safety, {quantity.name: found.error})
+    numbers = number_errors(found.run, found.smaller, {quantity.name: found.error})
     largest, most = "", math.nan
     if quantity.history is not None:
         most = float(np.abs(quantity.history(found.run, found.run.t)).max(initial=0.0))

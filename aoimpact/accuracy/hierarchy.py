@@ -18,14 +18,9 @@ import numpy as np
 
 from ..contact import ContactPoint, moves_rigidly, shortest_contact_time
 from ..linalg import LinearSolver, Solver
-from ..reduction import Body, BodyModel, FullModel, KrylovSpace, antioscillators, rigid
+from ..reduction import Body, BodyModel, FullModel, KrylovSpace, rigid
 
 Models = tuple[Body, ...]
-
-# A body of at most this many dofs is its own reference where the reference would take more than
-# this share of its dofs as Krylov vectors: the full body is then faster.
-_SMALL_BODY = 1500
-_SHARE_OF_DOFS = 0.1
 
 # Oscillators of the model by which a body is checked for modes slower than the contact.
 _FEW = 6
@@ -84,18 +79,12 @@ class Hierarchy:
     space : callable or None
         Returns the space that they are made from, made when it is first needed. Once all that the
         ports excite is in it, there are no larger ones.
-    small : bool
-        True of a body that is its own reference where that would take a large share of its dofs.
-    whole : int, optional
-        An order that costs nothing, for references.
     """
 
     first: int
     most: int
     make: Callable[[int], Body]
     space: Any = None
-    small: bool = False
-    whole: int | None = None
     _models: dict[int, Body] = field(init=False, default_factory=dict)
     _lock: Any = field(init=False, default_factory=RLock)
 
@@ -117,12 +106,6 @@ class Hierarchy:
         """Return the order itself, or the largest that there is, if that is less."""
         return min(order, self.most)
 
-    def reference_order(self, order: int) -> int:
-        """Return the order of a reference no smaller than that: itself, or the whole body's."""
-        if self.whole is not None:
-            return self.whole
-        return self.most if self.small and order > _SHARE_OF_DOFS * self.most else order
-
     def is_whole(self, order: int) -> bool:
         """True if the model of this order has the body's exact response at its contact."""
         return self.at_most(order + 1) == self.at_most(order)
@@ -141,7 +124,7 @@ class Hierarchy:
 
 def fixed_model(given: Any) -> Hierarchy:
     """Return the models of a body that has only one."""
-    return Hierarchy(0, 0, lambda order: given, whole=0)
+    return Hierarchy(0, 0, lambda order: given)
 
 
 def truncations(given: Body) -> Hierarchy:
@@ -154,7 +137,7 @@ def truncations(given: Body) -> Hierarchy:
         return _rigid(star.truncated(0).modal)
 
     most = 0 if given.wall else star.n + first
-    return Hierarchy(first, most, make, whole=most)
+    return Hierarchy(first, most, make)
 
 
 def _of_elements(
@@ -166,7 +149,7 @@ def _of_elements(
 ) -> Hierarchy:
     """The models of a finite-element body that are fitted to a scene, each made once.
 
-    A body touched in one place has AO models, and is its own largest model where it is small. One
+    A body touched in one place has AO models. One
     touched in several places has as many vectors for each as the order, at least one if it is
     constrained.
     """
@@ -186,7 +169,7 @@ def _of_elements(
         return made
 
     free = moves_rigidly(tip) if single else bool(body.rigid_modes.shape[1])
-    first, small = 0 if free else 1, single and dofs <= _SMALL_BODY
+    first = 0 if free else 1
 
     def make(order: int) -> Body:
         if not single:
@@ -194,11 +177,9 @@ def _of_elements(
             return space().of_all(min(vectors, dofs))
         if order < first:
             return rigid(mass=math.inf, name=tip.name).modal
-        if order == dofs and small:
-            return antioscillators(tip, order="frequency").modal
         return space().of_vectors(order - first)
 
-    return Hierarchy(first, dofs, make, space, small)
+    return Hierarchy(first, dofs, make, space)
 
 
 def _rigid(model: Body) -> Body:

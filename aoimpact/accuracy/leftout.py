@@ -178,7 +178,7 @@ class _Changes:
         when = None
         if quantity.is_history and change:
             when = float(other.t[changes.argmax() % len(other.t)])
-        errors = number_errors(run, [other])
+        errors = number_errors(run, [(other, 1.0)])
         known = {quantity.name: change}
         return _Change(Found(lambda: errors, lambda name: extended(errors[name]), known), when)
 

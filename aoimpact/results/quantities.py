@@ -289,29 +289,29 @@ def look_up(result: Run, name: str, argument: str) -> float:
 
 def number_errors(
     run: Run,
-    larger: Sequence[Run],
-    safety: float = 1.0,
+    others: Sequence[tuple[Run, float]],
     known: Mapping[str, float] | None = None,
 ) -> Mapping[str, float]:
     """Return by how much the force, and each number that sums up a run, may be wrong, relative.
 
-    The largest of its changes to more exact runs, times `safety`, by the names by which the numbers
-    are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of a number that
-    there is not. Errors that are known already are taken as they are.
+    The largest of its changes to other runs, each times its factor, by the names by which numbers
+    are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of one that is not.
+    Errors that are known already are taken as they are.
     """
     before = np.array(run.plan.velocities)
 
     def find(name: str) -> float:
         if name == "force":
-            differences = (QUANTITIES[name].difference(run, of) for of in larger)
-            return safety * max(differences, default=0.0)
+            differences = (times * QUANTITIES[name].difference(run, of) for of, times in others)
+            return max(differences, default=0.0)
         quantity, at, values = _number(run, name)
         ours, apart = quantity.compared(run), [np.zeros(len(values))]
-        for theirs in (quantity.compared(of) for of in larger):
+        for other, times in others:
+            theirs = quantity.compared(other)
             scales = quantity.at_least(np.abs(theirs), before)
-            apart.append(np.abs(_relative(ours - theirs, scales)))
+            apart.append(times * np.abs(_relative(ours - theirs, scales)))
         most = np.max(apart, axis=0)
-        return math.nan if math.isnan(values[at]) else safety * float(most[at])
+        return math.nan if math.isnan(values[at]) else float(most[at])
 
     return Found(lambda: ["force", *run.numbers], find, known)
 

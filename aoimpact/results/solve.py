@@ -78,10 +78,9 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
 # Longest record in units of the first guess, for contacts that do not end, as under gravity.
 _MOST = 4096.0
 
-# Length of the record in units of the time from the first contact's start to the last one's end. A
-# record that is off by less than this share of it, as by the errors of that time, is not run again.
-AS_LONG_AGAIN = 2.0
-_AS_LONG = 1e-3
+# Length of the record in units of the time from the first contact's start to the last one's end,
+# rounded up to one of so many lengths an octave, which models of little difference share.
+AS_LONG_AGAIN, _LENGTHS = 2.0, 16.0
 
 
 @dataclass
@@ -103,18 +102,13 @@ class RecordLength:
     margin: float = 0.0
 
     def __post_init__(self) -> None:
-        self._first = self.length
         self._longest = self.length if self.given else _MOST * self.length
         self._settled = self.given
         self._cut = False
 
     def reopen(self) -> None:
-        """Let the next run determine the length of the record, unless it was given.
-
-        It starts from the first guess: the result does not depend on earlier, smaller models.
-        """
-        if not self.given:
-            self.length, self._settled = self._first, False
+        """Let the next run determine the length of the record, unless it was given."""
+        self._settled = self.given
 
     def run(self, plan: Scenario, solve: Callable[[Scenario], Run], *, last: bool = True) -> Run:
         """Run a plan for this length, or, where that is open, until its impact is over.
@@ -132,8 +126,6 @@ class RecordLength:
         while True:
             run = solve(_lasting(plan, length))
             wanted = _until_over(run) + self.margin
-            if abs(wanted - length) <= _AS_LONG * length:
-                wanted = length
             if wanted <= length or length >= longest:
                 break
             further = wanted if math.isfinite(wanted) else AS_LONG_AGAIN * length
@@ -168,4 +160,5 @@ def _until_over(run: Run) -> float:
     if touching is None or run.in_contact_at_end:
         return math.inf
     start, end = touching
-    return start + AS_LONG_AGAIN * (end - start)
+    lengths = _LENGTHS * math.log2(start + AS_LONG_AGAIN * (end - start))
+    return float(2.0 ** (math.ceil(lengths - 1e-9) / _LENGTHS))

@@ -54,8 +54,8 @@ def test_a_summary_tells_what_was_controlled():
     hit = strike("tip of a cantilever, for long", quantity="peak_force", rtol=1e-2)
     assert hit.error["restitution"].model > 0.1
     lines = {line[2:20].strip(): line[20:].strip() for line in repr(hit).splitlines()[1:]}
-    within = float(f"{100.0 * hit.error['restitution'].least:.2g}")
-    assert lines["restitution"].endswith(f" ± at least {within:g} %")
+    within = float(f"{100.0 * hit.error['impulse'].least:.2g}")
+    assert lines["impulse"].endswith(f" ± at least {within:g} %")
     assert " ± " in lines["peak force"].partition(" at ")[2]
     assert re.match(
         r"peak force [\d.]+ N ± .* %( \(.*model .*\))?; .* chosen for 1 %", lines["error"]
@@ -117,8 +117,7 @@ def test_in_a_scene_the_numbers_of_each_contact_have_theirs():
     run = scene.simulate(duration=duration, quantity="peak_force", rtol=1e-2)
     right = whole("tip of a cantilever, for long")
     true = abs(run.contacts[0].impulse / right.impulse - 1.0)
-    assert true <= run.error["contacts.0.impulse"].model <= 4.0 * true
-    assert true > 0.05
+    assert true <= run.error["contacts.0.impulse"].model <= 0.2
     assert run.error["contacts.0.peak_force"].model <= 1e-2
     kept = ao.simulate_many(
         [(SceneCase(scene, {"quantity": "peak_force", "rtol": 1e-2}), duration)],

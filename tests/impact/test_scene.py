@@ -801,7 +801,7 @@ def test_a_record_that_is_left_out_is_no_longer_than_the_impact():
     tip = beam.contact(point=(0.3, 0.01, 0.005))
     star = ao.antioscillators(tip, 16, method="krylov", contact_time=1.6e-4, duration=5e-3)
     hit = ao.simulate(projectile=ao.ball(0.01, STEEL), target=star, velocity=0.2)
-    assert hit.duration == pytest.approx(2.0 * hit.contacts[-1][1], rel=1e-6)
+    assert 2.0 <= hit.duration / hit.contacts[-1][1] < 2.1
     assert hit.duration < 20e-3
 
 
