@@ -23,8 +23,7 @@ from ..contact import SHIFT_TIMES_DURATION, highest_shift, own_contact_time
 from ..fem import energy_error, near_static
 from ..linalg import m_orthonormal
 from .body import Body, of_modes
-from .krylov import only_excited
-from .subspace import ORDER_FITTED
+from .krylov import ORDER_FITTED, only_excited
 
 # Vectors that are added for each contact point: half of them leave errors 1.2 times as far from
 # the true ones.
