@@ -52,10 +52,13 @@ Pull = float | FloatArray
 class BodyModel(ABC):
     """A model of a body, and the places where it is touched: its ports."""
 
+    kind: str
+    n: int
     tips: tuple[ContactPoint, ...]
     contact_time: float | None = None
     linear_solver: str = ""
     reducible: bool = False
+    numbers: AOModel | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle and copy without what is derived from the fields: it is cheap to find again."""
@@ -85,22 +88,30 @@ class BodyModel(ABC):
     @property
     def name(self) -> str:
         """Name of the body in results, tables and plots; empty if it has none."""
-        return self.body.name
+        return (self.numbers or self.body).name
 
     @property
     def damping(self) -> Damping | None:
         """Damping of the natural modes; None where nothing is damped."""
-        return self.body.damping
+        return (self.numbers or self.body).damping
 
     @property
-    @abstractmethod
     def label(self) -> str:
-        """Kind of the model, such as "rigid" or "AO(3)"."""
+        """Kind of the model, such as "rigid", "wall", "AO(3)", "interface(40)", "full(3159)"."""
+        return self.kind if self.kind in ("rigid", "wall") else f"{self.kind}({self.n})"
 
     @property
-    @abstractmethod
     def dofs(self) -> int:
         """Number of degrees of freedom of the model; 0 of a wall."""
+        return {"wall": 0, "AO": self.n + 1, "rigid": self.n + 1}.get(self.kind, self.n)
+
+    @property
+    def wall(self) -> bool:
+        """True if it is of infinite mass.
+
+        :meta private:
+        """
+        return self.kind == "wall"
 
     @property
     @abstractmethod
@@ -139,7 +150,7 @@ class BodyModel(ABC):
     @property
     def mass(self) -> float | None:
         """Mass of the whole body, kg; where it is not known, that of its static mode."""
-        return self.centre_of_mass[1]
+        return self.centre_of_mass[1] if self.numbers is None else self.numbers.static_mass
 
     @property
     def most_mass(self) -> float:
@@ -154,8 +165,11 @@ class BodyModel(ABC):
 
     @property
     def centre_known(self) -> bool:
-        """True if its centre of mass is known; else the mean over the static mode stands in."""
-        return self.centre_of_mass[2]
+        """True if its centre of mass is known, as of a body given by numbers.
+
+        Else the mean over the static mode stands in.
+        """
+        return self.numbers is not None or self.centre_of_mass[2]
 
     @property
     def known_mass(self) -> float | None:
@@ -164,14 +178,6 @@ class BodyModel(ABC):
         :meta private:
         """
         return self.mass if self.centre_known else None
-
-    @property
-    def wall(self) -> bool:
-        """True if it is of infinite mass.
-
-        :meta private:
-        """
-        return False
 
     @property
     def ports(self) -> int:
@@ -376,45 +382,10 @@ class Body(Frozen, BodyModel):
 
     # ------------------------------------------------------------------ the kind
 
-    @property
-    def label(self) -> str:
-        """Kind of the model: "rigid", "wall", "AO(3)", "modal(40)", "interface(40)"."""
-        return self.kind if self.kind in ("rigid", "wall") else f"{self.kind}({self.n})"
-
-    @property
-    def wall(self) -> bool:
-        """True if it is of infinite mass.
-
-        :meta private:
-        """
-        return self.kind == "wall"
-
-    @property
-    def dofs(self) -> int:
-        """Number of coordinates; 0 of a wall."""
-        if self.wall:
-            return 0
-        return self.n + 1 if self.kind in ("AO", "rigid") else self.n
-
-    @property
-    def name(self) -> str:
-        """Name of the body in results, tables and plots; empty if it has none."""
-        return self.body.name if self.numbers is None else self.numbers.name
-
-    @property
-    def damping(self) -> Damping | None:
-        """Damping of the natural modes; None where nothing is damped."""
-        return self.body.damping if self.numbers is None else self.numbers.damping
-
     @cached_property
     def constrained(self) -> bool:
         """True if no port can move without a deformation, or it is a wall."""
         return self.wall or not self.shape[:, self.omega == 0.0].any()
-
-    @property
-    def mass(self) -> float | None:
-        """Mass of the whole body, kg; where it is not known, that of its static mode."""
-        return super().mass if self.numbers is None else self.numbers.static_mass
 
     @property
     def most_mass(self) -> float:
@@ -432,11 +403,6 @@ class Body(Frozen, BodyModel):
         if self.numbers is not None:
             return self.numbers.static_mass
         return min(float(q @ q) for q in map(self._static, range(self.ports)))
-
-    @property
-    def centre_known(self) -> bool:
-        """True if its centre of mass is known; a body given by numbers is all there is of it."""
-        return self.numbers is not None or super().centre_known
 
     @property
     def weightless(self) -> bool:
@@ -738,21 +704,11 @@ class Body(Frozen, BodyModel):
         else:
             weight = self.whole.weight
             pulled = gravity * weight if gravity and weight.any() else None
-        if pulled is None and load is None:
-            return self._still
-        return self._tuple(pulled, *(load if load is not None else (None, None)))
-
-    @cached_property
-    def _still(self) -> tuple[Any, ...]:
-        return self._tuple(None, None, None)
-
-    def _tuple(
-        self, gravity: FloatArray | None, times: FloatArray | None, forces: FloatArray | None
-    ) -> tuple[Any, ...]:
-        acting = {"gravity": gravity, "load_time": times, "load_force": forces, "full": None}
+        times, forces = (None, None) if load is None else load
         moved = None if self.residual is None else np.zeros(self.ports)
         if self.following is not None and not self.tips[0].translates:
             moved = self.centre_of_mass[0] @ self.following
+        acting = {"gravity": pulled, "load_time": times, "load_force": forces, "full": None}
         own = {"centre": self.whole.centre, "decay": self.decay, "centre_residual": moved}
         found: tuple[Any, ...] = _PARTS(vars(self) | own | acting)
         return found
@@ -936,10 +892,7 @@ def of_modes(
     omega2: FloatArray,
     vectors: FloatArray | Callable[[], FloatArray],
     coordinates: FloatArray | None = None,
-    *,
-    kind: str,
-    linear_solver: str = "",
-    contact_time: float | None = None,
+    **how: Any,
 ) -> Body:
     """Return the body in M-orthonormal modes.
 
@@ -950,8 +903,8 @@ def of_modes(
         ω², (rad/s)², ascending; 0 of rigid motions.
     vectors, coordinates
         As of `Body`.
-    kind, linear_solver, contact_time
-        As of `Body`.
+    **how
+        Further attributes of `Body`.
     """
     there = vectors() if callable(vectors) else vectors
     r = np.stack([tip.b for tip in tips]) @ there
@@ -960,7 +913,6 @@ def of_modes(
         held = [not moves_rigidly(tip) for tip in tips]
         r[np.ix_(held, omega2 == 0.0)] = 0.0  # rounding
     return Body(
-        kind=kind,
         n=len(omega2),
         omega=np.sqrt(omega2),
         shape=r,
@@ -969,8 +921,7 @@ def of_modes(
         tips=tips,
         vectors=vectors,
         coordinates=coordinates,
-        linear_solver=linear_solver,
-        contact_time=contact_time,
+        **how,
     )
 
 

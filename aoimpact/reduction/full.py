@@ -45,6 +45,7 @@ class FullModel(Frozen, BodyModel):
 
     tips: tuple[ContactPoint, ...]
     reducible: bool = False
+    kind = "full"
 
     def __post_init__(self) -> None:
         checked(self, tips=checked_ports, reducible=boolean)
@@ -54,7 +55,7 @@ class FullModel(Frozen, BodyModel):
         return f"full({self.tips[0] if len(self.tips) == 1 else list(self.tips)})"
 
     @property
-    def dofs(self) -> int:
+    def n(self) -> int:  # type: ignore[override]
         """Number of the body's free degrees of freedom."""
         return self.body.n_dofs
 
@@ -161,11 +162,6 @@ class FullModel(Frozen, BodyModel):
         root = np.sqrt(2.0 * (forces * moved).sum(axis=0))
         ports = root[: self.ports]
         return np.outer(ports, ports), ports * root[-1] if weighed else np.zeros(self.ports)
-
-    @property
-    def label(self) -> str:
-        """Kind of the model, "full(3159)"."""
-        return f"full({self.dofs})"
 
 
 def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
