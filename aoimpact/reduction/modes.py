@@ -5,39 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from ..base import FloatArray, InputError, integer, warn
+from ..base import InputError, integer, warn
 from ..contact import ContactPoint, refuse_massless
-from ..fem import FEModel
 from ..linalg import Solver, checked_solver, lowest, warn_of_rounding
 from .body import Body, checked_ports, of_modes
 from .star import excited
-
-
-def natural_modes(
-    body: FEModel, n: int, *, solver: Solver = "auto"
-) -> tuple[FloatArray, FloatArray]:
-    """Return ω², shape (n,), and the M-orthonormal modes, shape (n_dofs, n), of the lowest `n`.
-
-    Raises
-    ------
-    InputError
-        If there are not so many, the other motions having no mass.
-    """
-    wanted = integer("n", n, low=1, high=body.n_dofs)
-    invert = partial(body.inverse, solver=checked_solver(solver))
-    rigid = body.rigid_modes.shape[1]
-    if wanted < rigid:
-        warn(
-            f"n={n} takes in some of {rigid} rigid motions, and the force depends on which; take "
-            f"n={rigid} or more"
-        )
-    omega2, modes = lowest(body.K, body.M, wanted, known=body.rigid_modes, invert=invert)
-    warn_of_rounding(body.K, modes[:, rigid:], f"{len(omega2) - rigid} elastic modes")
-    if len(omega2) < wanted:
-        raise InputError(
-            f"n must be at most {len(omega2)}, got {n}: the other motions have no mass"
-        )
-    return omega2, modes
 
 
 def modal(tips: ContactPoint | Sequence[ContactPoint], n: int, *, solver: Solver = "auto") -> Body:
@@ -79,7 +51,21 @@ def modal(tips: ContactPoint | Sequence[ContactPoint], n: int, *, solver: Solver
     """
     ports = checked_ports("tips", tips)
     refuse_massless(ports)
-    omega2, modes = natural_modes(ports[0].body, n, solver=solver)
+    body = ports[0].body
+    wanted = integer("n", n, low=1, high=body.n_dofs)
+    invert = partial(body.inverse, solver=checked_solver(solver))
+    rigid = body.rigid_modes.shape[1]
+    if wanted < rigid:
+        warn(
+            f"n={n} takes in some of {rigid} rigid motions, and the force depends on which; take "
+            f"n={rigid} or more"
+        )
+    omega2, modes = lowest(body.K, body.M, wanted, known=body.rigid_modes, invert=invert)
+    warn_of_rounding(body.K, modes[:, rigid:], f"{len(omega2) - rigid} elastic modes")
+    if len(omega2) < wanted:
+        raise InputError(
+            f"n must be at most {len(omega2)}, got {n}: the other motions have no mass"
+        )
     found = of_modes(ports, omega2, modes, kind="modal")
     if len(ports) == 1:
         excited(found)  # or it is refused

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from .. import _core
@@ -57,22 +55,13 @@ _NO_MASS = 1e-13
 _ROUNDING_OF_MASS = 1e-11
 
 
-@dataclass(frozen=True, eq=False)
-class _Oscillators:
-    """Anti-oscillators found so far: frequencies, masses, stiffnesses, and shapes Ψ_i = c_i φ_i."""
-
-    omega2: FloatArray
-    m: FloatArray
-    k: FloatArray
-    shapes: FloatArray
-
-    def take(self, which: npt.NDArray[np.intp]) -> _Oscillators:
-        return _Oscillators(self.omega2[which], self.m[which], self.k[which], self.shapes[:, which])
+# Masses, stiffnesses, and shapes Ψ_i = c_i φ_i of the anti-oscillators found so far.
+_Found = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def _oscillators(
     tip: ContactPoint, static: StaticMode, omega2: FloatArray, phi: FloatArray
-) -> _Oscillators:
+) -> _Found:
     """Eqs. (6), (9), (12) for constraint modes of ascending frequency; multiple ones are joined."""
     m, k, c = (np.empty(len(omega2)) for _ in range(3))
     of = np.empty(len(omega2), dtype=np.int32)
@@ -88,8 +77,7 @@ def _oscillators(
         ) from None
     shapes = np.zeros((len(phi), count))
     np.add.at(shapes.T, of[of >= 0], (c * phi).T[of >= 0])
-    m, k = m[:count], k[:count]
-    return _Oscillators(k / m, m, k, shapes)
+    return m[:count], k[:count], shapes
 
 
 def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:
@@ -120,7 +108,7 @@ def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:
 
 def _first_oscillators(
     tip: ContactPoint, static: StaticMode, n: int, order: str, solvers: SolverBook
-) -> tuple[_Oscillators, float]:
+) -> tuple[_Found, float]:
     """Return the first `n` oscillators among those found, and the mass that one left out may have.
 
     Lanczos' method on bᵀφ = 0, started from what φ_st is there: the masses that its Ritz values
@@ -194,15 +182,10 @@ def _across(tip: ContactPoint, static: StaticMode) -> FloatArray:
     return found
 
 
-def _ordered(found: _Oscillators, order: str) -> _Oscillators:
-    key = found.omega2 if order == "frequency" else -found.m
-    return found.take(np.argsort(key, kind="stable"))
-
-
 def _wanted_oscillators(
     tip: ContactPoint, static: StaticMode, n: int, order: str, solvers: SolverBook
-) -> _Oscillators:
-    dofs = tip.body.n_dofs
+) -> _Found:
+    dofs, found, left_out = tip.body.n_dofs, None, math.inf
     if dofs > DENSE_DOFS:
         try:
             with np.errstate(over="ignore", invalid="ignore"):  # found by what comes of it
@@ -210,16 +193,14 @@ def _wanted_oscillators(
         except ConvergenceError:
             if dofs > _DENSE_MOST:
                 raise
-            left_out = math.inf
-        if left_out == 0.0:
-            return _ordered(found, order)
-    if dofs <= _DENSE_MOST:
-        return _ordered(_oscillators(tip, static, *_all_constraint_modes(tip)), order)
-    warn(
-        f"n={n}: {len(found.m)} anti-oscillators were found in {_MOST_STEPS} steps, and one of up "
-        f"to {left_out:.3g} kg may be missing. Take fewer, or method='krylov'"
-    )
-    return _ordered(found, order)
+    if found is None or (left_out > 0.0 and dofs <= _DENSE_MOST):
+        return _oscillators(tip, static, *_all_constraint_modes(tip))
+    if left_out > 0.0:
+        warn(
+            f"n={n}: {len(found[0])} anti-oscillators were found in {_MOST_STEPS} steps, and one "
+            f"of up to {left_out:.3g} kg may be missing. Take fewer, or method='krylov'"
+        )
+    return found
 
 
 def antioscillators(
@@ -312,21 +293,18 @@ def antioscillators(
     )
     static = static_mode(tip, invert=solvers)
     if wanted is None:
-        found = _ordered(_oscillators(tip, static, *_all_constraint_modes(tip)), by)
+        m, k, shapes = _oscillators(tip, static, *_all_constraint_modes(tip))
     else:
         with bar(f"constraint modes of {dofs} dofs", unit="solution"):
-            found = _wanted_oscillators(tip, static, wanted, by, solvers)
-        if len(found.m) < wanted:
-            warn(f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact")
-        found = found.take(np.arange(min(wanted, len(found.m))))
-        warn_of_rounding(tip.body.K, found.shapes, f"{len(found.m)} anti-oscillators")
-    return _model(tip, static, found, solvers.name)
-
-
-def _model(tip: ContactPoint, static: StaticMode, found: _Oscillators, solver: str) -> AOModel:
-    """Put the star together; what its oscillators do not hold is the residual mass, eq. (10)."""
-    residual = static.mass - math.fsum(found.m)
+            m, k, shapes = _wanted_oscillators(tip, static, wanted, by, solvers)
+        if len(m) < wanted:
+            warn(f"n={n}: only {len(m)} anti-oscillators carry mass at this contact")
+    first = np.argsort(k / m if by == "frequency" else -m, kind="stable")[:wanted]
+    m, k, shapes = m[first], k[first], shapes[:, first]
+    if wanted is not None:
+        warn_of_rounding(tip.body.K, shapes, f"{len(m)} anti-oscillators")
+    residual = static.mass - math.fsum(m)  # eq. (10): what the oscillators do not hold
     if abs(residual) < _ROUNDING_OF_MASS * static.mass:
         residual = 0.0
-    numbers = AOModel(m0=residual, k0=static.k0, m=found.m, k=found.k)
-    return with_shapes(numbers, tip, static.phi, found.shapes, linear_solver=solver)
+    numbers = AOModel(m0=residual, k0=static.k0, m=m, k=k)
+    return with_shapes(numbers, tip, static.phi, shapes, linear_solver=solvers.name)
