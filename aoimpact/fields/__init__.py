@@ -5,8 +5,7 @@ as attributes of a run's bodies, `accuracy` takes stresses and their errors; `te
 """
 
 from .channel import Channel, filtered_acceleration, zero_phase
-from .field import Field
-from .picture import Shown, enlargement, write_movie, write_series
+from .field import Field, Shown, enlargement, write_movie, write_series
 from .response import Response, response_of, times_within
 from .sensors import (
     Filtered,

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -60,10 +61,8 @@ class Channel:
                 "acceleration after an impact has no finite bandwidth, and converges only behind a "
                 "filter such as cfc=1000"
             )
-        if self.cfc is None:
-            checked(self, corner=lambda name, value: positive(name, value, unit="Hz"))
-        else:
-            checked(self, cfc=lambda name, value: positive(name, value, unit="Hz"))
+        given = "cfc" if self.corner is None else "corner"
+        checked(self, **{given: partial(positive, unit="Hz")})
 
     def __str__(self) -> str:
         return f"cfc={self.cfc:g}" if self.corner is None else f"corner={self.corner:g}"

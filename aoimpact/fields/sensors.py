@@ -180,6 +180,19 @@ class At:
     rows: Any
     shape: tuple[int, ...]
 
+    @classmethod
+    def of(
+        cls,
+        body: FEModel,
+        places: FloatArray,
+        axes: FloatArray,
+        shape: tuple[int, ...],
+        weights: sp.csr_array | None = None,
+    ) -> Self:
+        """Return it of a body at places, by default with the weights of the nodes there."""
+        weights = place_rows(body, places) if weights is None else weights
+        return cls(places, axes, motion_rows(body, weights, axes), shape)
+
     def motion(
         self, response: Response, times: FloatArray, *, rates: bool = True
     ) -> tuple[FloatArray, FloatArray]:
@@ -467,8 +480,7 @@ def gauge_strain(body: FEModel, ends: FloatArray, along: FloatArray, layer: Laye
     On a shell it is the mean along the gauge on a layer, of solids the change of distance.
     """
     if body.mesh is None or not body.mesh.thin:
-        axes = along[None]
-        return At(ends, axes, motion_rows(body, place_rows(body, ends), axes), (2,)).elongation
+        return At.of(body, ends, along[None], (2,)).elongation
     x, w = np.polynomial.legendre.leggauss(_ALONG)
     places = ends[0] + np.outer(0.5 + 0.5 * x, ends[1] - ends[0])
     rows = tensor_rows(body, place_rows(body, places), layer, strain=True).elements
@@ -487,9 +499,7 @@ def _functional(rows: sp.csr_array, response: Response, times: FloatArray) -> Fl
 
 def acceleration_of(body: FEModel, point: FloatArray, axis: FloatArray, channel: Channel) -> Any:
     """Return what gives the acceleration of a point behind a filter."""
-    places, axes = point[None], axis[None]
-    at = At(places, axes, motion_rows(body, place_rows(body, places), axes), ())
-    return partial(at.filtered, channel)
+    return partial(At.of(body, point[None], axis[None], ()).filtered, channel)
 
 
 def _work(moved: VirtualMotion, response: Response, times: FloatArray) -> FloatArray:
@@ -516,17 +526,9 @@ def gauge_ends(
         raise InputError(
             "this body has no nodes, between which a gauge measures: give nodes= with K and M"
         )
-    if body.mesh is not None and body.surface is None:
-        raise InputError(
-            "a gauge sits on a surface, and beams have only an axis; take the strain of a side, "
-            "probe(point, layer=).strain"
-        )
     point = to_nodes(body, point)
     where = f"the gauge of length={with_unit(length, 'm')} at point {plain(point)} m"
-    if length > float(np.ptp(body.nodes, axis=0).max()):
-        raise InputError(f"{where} is longer than the body: give a shorter one, in metres")
-    half = 0.5 * length * direction
-    ends = np.stack([point - half, point + half])
+    ends = point + 0.5 * length * np.outer([-1.0, 1.0], direction)
     if body.surface is not None:
         surface = body.surface
         under = surface.nearest(point)
@@ -550,10 +552,7 @@ def gauge_ends(
             )
         ends = places
     along = ends[1] - ends[0]
-    size = float(np.linalg.norm(along))
-    if size == 0.0:
-        raise InputError(f"{where}: both ends are one point of the surface")
-    return ends, along / size
+    return ends, along / np.linalg.norm(along)
 
 
 @dataclass(frozen=True, eq=False)
@@ -713,7 +712,7 @@ class Measured:
             weights = place_rows(body, places.reshape(-1, 3))
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
         shape = places.shape if direction is None else places.shape[:-1]
-        at = At(np.atleast_2d(places), axes, motion_rows(body, weights, axes), shape)
+        at = At.of(body, np.atleast_2d(places), axes, shape, weights)
         tensor = partial(TensorAt, weights, where, places.shape[:-1])
         history = partial(History, source=response, t=wanted)
         histories: dict[str, History[Response]] = {

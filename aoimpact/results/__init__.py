@@ -17,7 +17,6 @@ from .advice import (
     warning_limits,
 )
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
-from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy
 from .plot import shown_bodies
 from .quantities import (
     COLUMNS,
@@ -31,6 +30,6 @@ from .quantities import (
     quantity_unit,
     recorded,
 )
-from .run import Handle, Result, Run
+from .run import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Handle, Result, Run
 from .solve import AS_LONG_AGAIN, RecordLength, TimeSolver, solve
 from .table import ROLES

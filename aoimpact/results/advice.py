@@ -1,10 +1,10 @@
 """Every warning about a run: its models, its contacts, and what linear elasticity is not for.
 
-`RULES` is the table of the limits of linear elasticity. A rule says of a contact up to which force,
-speed or energy no warning is due (`Limit`), and makes the rows of a run: name, value, limit, text
-(`Advice`). Warnings of a run and the lines of a summary are these rows; many impacts at once need
-the limits alone. What is not known of a body is not checked, so models given by numbers cost
-nothing.
+`RULES` is the table of the limits of linear elasticity: of a contact each gives a force, speed or
+energy over its scale, the limit of this value, and the text beyond it (`Limit`). From them come
+the rows (`Advice`) that are the warnings of a run and the lines of its summary, and the force and
+speed up to which many impacts at once need no warning. What is not known of a body is not checked,
+so models given by numbers cost nothing.
 
 A model fitted to a contact of duration T has the receptance of its body at the frequency i s,
 s ~ 10/T. The forces that it leaves unbalanced at the frequency of the contact that it has met show
@@ -107,16 +107,30 @@ class Limit(NamedTuple):
     Attributes
     ----------
     of : {"force", "speed", "energy"}
-        Quantity that is limited: the force of the contact, N, the speed at which its bodies meet,
-        m/s, or the energy of all bodies, J, with which one may move too far.
-    most : float
-    rows : callable
-        Rows of a run, from the run and the value of this quantity.
+        The force of the contact, N, the speed at which its bodies meet, m/s, or the energy of all
+        bodies, J, with which one may move too far.
+    scale : float
+        The value that is limited is this quantity over its scale.
+    limit : float
+    text : str
+        Why more is too much, and the cure; empty where no warning is due.
+    meanings : (str, str)
+        Of the value within the limit and beyond it; empty where a summary leaves it out.
+    rows : callable, optional
+        Rows of a run, where the value is none of these quantities.
     """
 
     of: str
-    most: float
-    rows: Callable[[Run, float], Iterable[Advice]]
+    scale: float
+    limit: float
+    text: str = ""
+    meanings: tuple[str, str] = ("", "")
+    rows: Callable[[Run], Iterable[Advice]] | None = None
+
+    @property
+    def most(self) -> float:
+        """The largest of the quantity without a warning."""
+        return self.scale * self.limit if self.text else math.inf
 
 
 class _Joint(NamedTuple):
@@ -155,9 +169,17 @@ def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]
         "speed": abs(plan.velocities[contact.first] - plan.velocities[contact.second]),
         "energy": sum(0.5 * (math.inf if m is None else m) * v * v for m, v in moving if v),
     }
-    for limit in limits(plan, contact).values() if events.contacts else ():
-        if not exceeded or reached[limit.of] > limit.most:
-            yield from limit.rows(run, reached[limit.of])
+    for name, limit in limits(plan, contact).items() if events.contacts else ():
+        value, most = reached[limit.of], limit.most
+        if exceeded and value <= most:
+            continue
+        if limit.rows is not None:
+            yield from limit.rows(run)
+            continue
+        told = f"a {limit.of} of {with_unit(value, _UNITS[limit.of], 4)} exceeds "
+        text = f"{told}{with_unit(most, _UNITS[limit.of], 4)}: {limit.text}"
+        meaning = limit.meanings[value > limit.scale * limit.limit]
+        yield Advice(name, value / limit.scale, limit.limit, meaning, text)
 
 
 def contact_name(run: Run, contact: Contact) -> str:
@@ -167,68 +189,53 @@ def contact_name(run: Run, contact: Contact) -> str:
 
 def _yield(joint: _Joint) -> Limit | None:
     """The force at which the first of the bodies begins to yield below the surface."""
-    surface, law, warning = joint.surface, joint.law, ""
-    of_yield = [
-        (yield_force(surface.modulus, surface.radius, yield_pressure(of)), of)
-        for of in joint.materials
-        if surface is not None and of.yield_strength
-    ]
+    surface, law, text = joint.surface, joint.law, ""
+    strong = [of for of in joint.materials if of.yield_strength]
     if isinstance(law, ElasticPlastic | Thornton):
-        first, most = law.yield_force, math.inf
-    elif surface is None or law.has_memory or not of_yield:
+        first = law.yield_force
+    elif surface is None or law.has_memory or not strong:
         return None
     else:
-        first, softest = min(of_yield, key=itemgetter(0))
-        most, strength = first, softest.yield_strength or 0.0
-        warning = (
-            f"exceeds {yield_pressure(softest) / strength:.3g} times yield_strength="
-            f"{with_unit(strength, 'Pa', 3)}, so that a body yields from {with_unit(first, 'N', 3)}"
-            f" on. Use ElasticPlastic(k={surface.k:.6g}, yield_force={first:.4g}, hardness="
-            f"{2.8 * strength:.4g}, relative_radius={surface.radius:.6g})."
+        first, softest = min(
+            (
+                (yield_force(surface.modulus, surface.radius, yield_pressure(of)), of)
+                for of in strong
+            ),
+            key=itemgetter(0),
         )
-
-    def rows(run: Run, force: float) -> Iterator[Advice]:
-        ratio, had = force / first, ", as the law has it" if law.has_memory else ""
-        way, told = "elastic" if ratio <= 1.0 else f"beyond{had}", warning
-        if surface is not None and warning:
-            told = f"the largest pressure, {with_unit(surface.pressure(force), 'Pa', 3)}, {warning}"
-        yield Advice("yield", ratio, 1.0, f"of the force of first yield: {way}", told)
-
-    return Limit("force", most, rows) if math.isfinite(first) else None
+        pressure, strength = yield_pressure(softest), softest.yield_strength or 0.0
+        text = (
+            f"the largest pressure is {pressure / strength:.3g} times yield_strength="
+            f"{with_unit(strength, 'Pa', 3)}, so that a body yields. Use ElasticPlastic("
+            f"k={surface.k:.6g}, yield_force={first:.4g}, hardness={2.8 * strength:.4g}, "
+            f"relative_radius={surface.radius:.6g})."
+        )
+    meaning, had = "of the force of first yield:", ", as the law has it" if law.has_memory else ""
+    meanings = f"{meaning} elastic", f"{meaning} beyond{had}"
+    return Limit("force", first, 1.0, text, meanings) if math.isfinite(first) else None
 
 
 def _width(joint: _Joint) -> Limit | None:
     """The force of a contact too wide for the curvature of its surfaces."""
     if (surface := joint.surface) is None:
         return None
-
-    def rows(_: Run, force: float) -> Iterator[Advice]:
-        width, radius = float(surface.width(force)) / surface.radius, surface.radius
-        warning = (
-            f"at the peak the contact has a radius of {width:.2g} times the radius of curvature "
-            f"R={with_unit(radius, 'm', 3)}, with strains of about {_STRAIN * width:.1%}: Hertz's "
-            "law and linear elasticity are for small ones; take a lower velocity or a measured "
-            "law, Tabulated(...), and check that R is in metres"
-        )
-        yield Advice("width", width, _WIDTH, "", warning)
-
-    return Limit("force", surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5, rows)
+    text = (
+        f"the contact has a radius of {_WIDTH} times the radius of curvature "
+        f"R={with_unit(surface.radius, 'm', 3)}, with strains of about {_STRAIN * _WIDTH:.0%}, and "
+        "Hertz's law is for small ones; take a lower velocity or Tabulated(...), and check R"
+    )
+    return Limit("force", surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5, 1.0, text)
 
 
 def _speed(joint: _Joint) -> Limit | None:
     """The speed of bodies that meet too fast."""
     slowest = min((of.bar_speed for of in joint.materials), default=0.0)
-
-    def rows(_: Run, speed: float) -> Iterator[Advice]:
-        ratio, meaning = speed / slowest, f"of that of waves: slow up to {_SPEED:g}"
-        warning = (
-            f"the bodies meet at {speed:.4g} m/s, {ratio:.1%} of the speed of waves, "
-            f"{slowest:.4g} m/s: strains are as large, and linear elasticity is for small ones; "
-            "take a lower velocity, and check E and rho"
-        )
-        yield Advice("speed", ratio, _SPEED, meaning, warning)
-
-    return Limit("speed", _SPEED * slowest, rows) if joint.materials else None
+    text = (
+        f"it is {_SPEED:.1%} of the speed of waves, {slowest:.4g} m/s, and strains are as large; "
+        "take a lower velocity, and check E and rho"
+    )
+    meaning = f"of that of waves: slow up to {_SPEED:g}"
+    return Limit("speed", slowest, _SPEED, text, (meaning, meaning)) if slowest else None
 
 
 def _deflection(joint: _Joint) -> Limit | None:
@@ -249,7 +256,7 @@ def _deflection(joint: _Joint) -> Limit | None:
             energy = 0.5 * model.star.k0 * most**2
         energies.append(energy)
 
-    def rows(run: Run, _: float) -> Iterator[Advice]:
+    def rows(run: Run) -> Iterator[Advice]:
         for body, port, tip, size in held:
             name = run.names[body]
             moved = float(np.abs(run.bodies[body].port_displacements[port]).max(initial=0.0))
@@ -264,7 +271,7 @@ def _deflection(joint: _Joint) -> Limit | None:
             )
             yield Advice("deflection", moved / of, share, meaning, warning)
 
-    return Limit("energy", min(energies), rows) if energies else None
+    return Limit("energy", 1.0, min(energies), "deflection", rows=rows) if energies else None
 
 
 def _stretches(tip: ContactPoint) -> bool:
@@ -288,17 +295,12 @@ def _thickness(joint: _Joint) -> Limit | None:
     if (surface := joint.surface) is None or not walls:
         return None
     half = 0.5 * min(walls)
-
-    def rows(_: Run, force: float) -> Iterator[Advice]:
-        width = float(surface.width(force))
-        warning = (
-            f"at the peak the contact has a radius of {with_unit(width, 'm', 3)}, more than half "
-            f"the thickness of the shell or beam, {with_unit(2.0 * half, 'm', 3)}: its law is that "
-            "of a half-space, and so thin a wall is none; take solids, or Tabulated(...)"
-        )
-        yield Advice("thickness", width, half, "", warning)
-
-    return Limit("force", surface.k * (half * half / surface.radius) ** 1.5, rows)
+    text = (
+        "the contact has a radius of more than half the thickness of the shell or beam, "
+        f"{with_unit(2.0 * half, 'm', 3)}, which is no half-space for it; take solids, or "
+        "Tabulated(...)"
+    )
+    return Limit("force", surface.k * (half * half / surface.radius) ** 1.5, 1.0, text)
 
 
 def _mass_ratio(joint: _Joint) -> Limit | None:
@@ -312,20 +314,16 @@ def _mass_ratio(joint: _Joint) -> Limit | None:
     elif ratio > _QUASI_STATIC:
         meaning = "quasi-static, by the stiffness of its supports"
     row = Advice("mass ratio", ratio, math.inf, f"of the target: {meaning}")
-    return Limit("force", math.inf, lambda *_: [row])
+    return Limit("force", 1.0, 0.0, rows=lambda _: [row])
 
 
 def _shell(joint: _Joint) -> Limit | None:
     """No force where solid elements are those of a sheet."""
-    told = [(body, shell) for body, _, tip in joint.tips if (shell := _as_a_shell(tip))]
+    shells = [shell for _, _, tip in joint.tips if (shell := _as_a_shell(tip))]
+    return Limit("force", 1.0, 0.0, "; ".join(shells)) if shells else None
 
-    def rows(run: Run, force: float) -> Iterator[Advice]:
-        for body, shell in told:
-            name = run.names[body]
-            yield Advice(f"shell {name}", force, 0.0, "", f"{name}: {shell}")
 
-    return Limit("force", 0.0, rows) if told else None
-
+_UNITS = {"force": "N", "speed": "m/s", "energy": "J"}
 
 # In the order of a summary.
 RULES: dict[str, Callable[[_Joint], Limit | None]] = {
@@ -611,11 +609,7 @@ def _as_a_shell(tip: ContactPoint) -> str:
     shell = f"ao.Shell(thickness={tip.depth:.4g}, material={material!r})"
     if isinstance(material, Orthotropic):
         shell = f"ao.Laminate of its plies, {tip.depth:.4g} m thick in all"
-    return (
-        f"solid elements there are {with_unit(height, 'm', 3)} thick and "
-        f"{with_unit(width, 'm', 3)} wide: mesh the sheet's middle surface with quadrilaterals, "
-        f"and take {shell}"
-    )
+    return f"solid elements are flat: mesh the middle surface of the sheet, and take {shell}"
 
 
 def warn_of_ledger(energy: float, error: float | None) -> None:
@@ -700,27 +694,24 @@ def _missed(run: Run) -> str:
     moved = float(np.abs(layout.body(rows, contact.first).port_displacements).max())
     if gap.max() <= ROUNDING * moved:  # side by side
         return ""
-    text = f"{contact_name(run, contact)}: no contact in {with_unit(run.duration, 's')}"
+    least, when, cure = float(gap[at]), float(t[at]), "take a smaller gap, or a larger velocity"
     if at == 0:
-        return (
-            f"{text}: they move apart, or stay, from {with_unit(float(gap[0]), 'm', 3)} on; give "
-            "velocities, spins or loads of the other sign, or exchange the bodies"
-        )
-    if at < len(t) - 1:
-        # The least of the parabola through three.
-        before, after = (float(gap[at + i] - gap[at]) for i in (-1, 1))
+        cure = "they move apart, or stay: change signs of velocities, spins or loads"
+    elif at == len(t) - 1:
+        speed = float(gap[-2] - gap[-1]) / (when - float(t[-2]))
+        needed = with_unit(run.duration + least / speed, "s")
+        cure = f"take a duration beyond {needed}, or a smaller gap"
+    else:
+        # The parabola through three.
+        before, after = (float(gap[at + i]) - least for i in (-1, 1))
         shift = 0.5 * (before - after) / (before + after) if before + after > 0.0 else 0.0
-        least = float(gap[at]) - 0.25 * (before - after) * shift
-        when = float(t[at] + shift * (t[at + 1] - t[at]))
-        if least <= 0.0 and not recorder.dense:
-            return f"{text} at any step, but perhaps between two: take a smaller dt"
-        return (
-            f"{text}: they come no closer than {with_unit(max(least, 0.0), 'm', 3)}, at t = "
-            f"{with_unit(when, 's')}; take a smaller gap, or a larger velocity"
+        least, when = (
+            least - 0.25 * (before - after) * shift,
+            when + shift * float(t[at + 1] - when),
         )
-    speed = float(gap[-2] - gap[-1]) / float(t[-1] - t[-2])
-    needed = run.duration + float(gap[-1]) / speed
+        if least <= 0.0 and not recorder.dense:
+            cure = "or perhaps between two steps: take a smaller dt"
     return (
-        f"{text}: at its end they are still {with_unit(float(gap[-1]), 'm', 3)} apart and approach "
-        f"at {speed:.3g} m/s; take a duration beyond {with_unit(needed, 's')}, or a smaller gap"
+        f"{contact_name(run, contact)}: no contact in {with_unit(run.duration, 's')}: they come no "
+        f"closer than {with_unit(max(least, 0.0), 'm', 3)}, at t = {with_unit(when, 's')}; {cure}"
     )

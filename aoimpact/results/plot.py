@@ -9,8 +9,8 @@ Axes raises InputTypeError.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
+from itertools import cycle
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
@@ -25,7 +25,6 @@ from ..base import (
     draw_curves,
     finite_array,
     new_axes,
-    with_unit,
 )
 from ..fields import Shown
 from ..laws import own_law
@@ -35,8 +34,7 @@ from .table import ROLES
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from .motion import BodyEnergy, Energy
-    from .run import Handle, Result, Run
+    from .run import BodyEnergy, Energy, Handle, Result, Run
 
 During = Literal["contact", "record"] | tuple[float, float]
 
@@ -118,15 +116,10 @@ def plot(result: Result, *, during: During = "contact") -> Any:
         axes[1, 1].set_axis_off()
     for ax in axes[0]:
         ax.set_xlabel("")
-    velocity = f"{result.velocity:g} m/s"
-    bodies = f"{_told(result.projectile)} on {_told(result.target)}"
-    axes[0, 0].figure.suptitle(f"{bodies}, {velocity}; {result.law}", fontsize="medium")
+    bodies = " on ".join(f"{of.name} ({of.label})" for of in result.bodies)
+    title = f"{bodies}, {result.velocity:g} m/s; {result.law}"
+    axes[0, 0].figure.suptitle(title, fontsize="medium")
     return axes
-
-
-def _told(body: Any) -> str:
-    mass = "" if body.mass in (None, math.inf) else f", {with_unit(body.mass, 'kg', 3)}"
-    return f"{body.name} ({body.label}{mass})"
 
 
 def plot_indentation(
@@ -213,16 +206,11 @@ def plot_displacement(
     """
     run = shown(run, during)
     curves: list[Curve] = []
-    for i, (name, body) in enumerate(zip(run.names, run.bodies, strict=True)):
-        place = body.displacement
-        if run.plan.scene:
-            curves.append((place, {"label": name}))
-            continue
-        centre, style = body.centre_displacement, {"color": COLOURS[i]}
-        rigid = bool(np.array_equal(place, centre))
-        point = name if rigid else f"{name}, contact point"
-        curves.append((place, style | {"label": point, "linestyle": "-"}))
-        if not rigid and np.isfinite(centre).all():
+    for name, body, colour in zip(run.names, run.bodies, cycle(COLOURS), strict=False):
+        place, centre = body.displacement, body.centre_displacement
+        style = {} if run.plan.scene else {"color": colour, "linestyle": "-"}
+        curves.append((place, style | {"label": name}))
+        if style and np.isfinite(centre).all() and not np.array_equal(place, centre):
             dashed = {"label": f"{name}, centre of mass", "linestyle": "--"}
             curves.append((centre, style | dashed))
     return draw_curves(ax, (run.t, "time", "s"), "displacement", "m", curves, kwargs)

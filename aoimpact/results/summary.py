@@ -16,8 +16,7 @@ from .quantities import QUANTITIES, Quantity
 from .table import ROLES
 
 if TYPE_CHECKING:
-    from .motion import ContactResult
-    from .run import Result, Run
+    from .run import ContactResult, Result, Run
 
 
 _RIGID = "rigid", "wall"

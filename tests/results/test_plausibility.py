@@ -89,7 +89,7 @@ def test_a_plastic_law_is_named_with_its_parameters_and_says_no_more() -> None:
     floor = ao.antioscillators(plate(SOFT, 0.04, [("zmin", "xyz")]), 2)
     law = ao.Hertz.between(STEEL, R, SOFT, math.inf)
     (text,) = said(floor, 0.5, law=law)
-    assert text.startswith("projectile on target: the largest pressure, ")
+    assert text.startswith("projectile on target: a force of ")
     assert "1.61 times yield_strength=100 MPa" in text
     plastic = eval(text.partition("Use ")[2].rstrip("."), {"ElasticPlastic": ao.ElasticPlastic})
     expected = ao.ElasticPlastic.between(STEEL, R, SOFT, math.inf)
@@ -202,10 +202,7 @@ def strike_quietly(target: Any, velocity: float, law: Any) -> ao.Result:
 
 def test_the_duration_that_a_miss_asks_for_is_enough() -> None:
     (text,) = said(HEAVY, 2.0, gap=1e-2)
-    assert text == (
-        "projectile on target: no contact in 2 ms: at its end they are still 6 mm apart and "
-        "approach at 2 m/s; take a duration beyond 5 ms, or a smaller gap"
-    )
+    assert "no closer than 6 mm, at t = 2 ms; take a duration beyond 5 ms" in text
     assert said(HEAVY, 2.0, gap=1e-2, duration=5.1e-3) == []
 
 
