@@ -14,7 +14,7 @@ from ..base import ConvergenceError, InputError, positive, warn, with_unit
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
 from ..reduction import Body
-from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
+from ..results import Chosen, LeftOut, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Scenario
 from .hierarchy import Models, fixed_model, only_models
 from .leftout import errors_left_out
@@ -134,9 +134,12 @@ def choose_models(
 
     in_models = tolerance - in_time
 
+    known: list[LeftOut] = []  # errors by meshes, which are those of any models
+
     def looser(run: Run) -> float:
         """The models' tolerance where the error by the mesh is much larger."""
-        return min(_SHARE_OF_MESH * left_out(run).mesh.get(quantity.name, 0.0), LOOSEST) - in_time
+        known[:] = [left_out(run)]
+        return min(_SHARE_OF_MESH * known[0].mesh.get(quantity.name, 0.0), LOOSEST) - in_time
 
     def trial(models: Models) -> Run:
         """A run whose bodies determine the length of the record, unless they are yet rigid."""
@@ -178,7 +181,7 @@ def choose_models(
             f"{cure}"
         )
     run = replace(run, chosen=_chosen(found, quantity, tolerance))
-    return replace(run, left_out=left_out) if meshed else run
+    return replace(run, left_out=known[0] if known else left_out) if meshed else run
 
 
 def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:

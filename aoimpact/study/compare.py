@@ -11,7 +11,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ..accuracy import first_guess, model_hierarchy
 from ..base import (
@@ -25,6 +24,7 @@ from ..base import (
     html_table,
     instance,
     integer,
+    real,
     sequence,
     text,
     warn,
@@ -35,8 +35,9 @@ from ..impact import Foreseen, pair, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw, own_law
 from ..linalg import Solver, checked_solver
-from ..reduction import BodyModel, FullModel, body_model, full, modal
-from ..results import QUANTITIES, Result
+from ..reduction import BodyModel, FullModel, body_model, modal
+from ..reduction import full as whole
+from ..results import QUANTITIES, ROLES, Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -216,8 +217,6 @@ def compare(
     velocity: float,
     *,
     law: ContactLaw | None = None,
-    friction: float | None = None,
-    spin: npt.ArrayLike | None = None,
     duration: float | None = None,
     gap: float = 0.0,
     oscillators: Iterable[int] = (0, 1, 2, 3, 5, 8, 12),
@@ -228,7 +227,8 @@ def compare(
 ) -> Comparison:
     """Run an impact with models from rigid to full; return the cost and the error of each.
 
-    Both bodies are modelled alike; those given by numbers have no more oscillators than they have.
+    It is along one direction of travel: simulate an oblique one with quantity= and rtol=. Both
+    bodies are modelled alike; those given by numbers have no more oscillators than they have.
 
     Parameters
     ----------
@@ -236,8 +236,6 @@ def compare(
         A reduced model stands for the finite-element body that it was made of.
     velocity, law, duration, gap
         As in `simulate`, also where `law` or `duration` is left out.
-    friction, spin : optional
-        Refused: impacts with friction are not compared.
     oscillators : iterable of int, optional
         Numbers of scene-fitted anti-oscillators.
     modes : iterable of int, optional
@@ -288,14 +286,7 @@ def compare(
     >>> table["shell"].impulse < 0.01
     True
     """
-    vector = velocity if isinstance(velocity, list | tuple | np.ndarray) else None
-    for name, value in (("velocity", vector), ("friction", friction), ("spin", spin)):
-        if value is not None:
-            raise InputError(
-                f"{name}={value!r}: models are compared along one direction of travel; give the "
-                "speed alone, and simulate an oblique impact with quantity= and rtol="
-            )
-    full = boolean("full", full)
+    speed, full = real("velocity", velocity, unit="m/s"), boolean("full", full)
     stars = {f"AO({n})": n for n in _ascending("oscillators", oscillators, low=0)}
     truncations = {f"modal({n})": n for n in _ascending("modes", modes, low=1)}
     if not stars and not full:
@@ -309,17 +300,17 @@ def compare(
         if label in labels:
             raise InputError(f"other_targets: {label!r} is a row of its own; give another label")
     with held_warnings():  # each run has them again
-        _, plan = pair(projectile, target, velocity, law, gap=gap)
+        _, plan = pair(projectile, target, speed, law, gap=gap)
         law = own_law(plan.contacts[0].law)
         if duration is None:
-            duration = simulate(projectile, target, velocity, law=law, gap=gap).duration
-    run = partial(simulate, law=law, velocity=plan.velocities[0], duration=duration, gap=gap)
-    bodies = _body("projectile", projectile), _body("target", target)
+            duration = simulate(projectile, target, speed, law=law, gap=gap).duration
+    run = partial(simulate, law=law, velocity=speed, duration=duration, gap=gap)
+    # The finite-element bodies that models were made of; AO models by numbers as they are.
+    bodies = tuple(whole(body.tips) if body.tips else body for body in plan.bodies)
     for label, other in others.items():
         _warn_of_differences(bodies[1], label, body_model(label, other))
     # Over the same patches: `simulate` would fit those of full models alone.
-    fitted = Foreseen(replace(plan, bodies=bodies)).fitted(("projectile", "target"), {})
-    bodies = fitted.bodies[0], fitted.bodies[1]
+    bodies = tuple(Foreseen(replace(plan, bodies=bodies)).fitted(ROLES, {}).bodies)
 
     def quick(models: Models) -> Result:
         with held_warnings():
@@ -347,7 +338,7 @@ def compare(
             return run(projectile=projectile, target=others[label]).models
         return bodies
 
-    whole = Newmark() if any(isinstance(body, FullModel) for body in bodies) else _IN_TIME
+    in_full = Newmark() if any(isinstance(body, FullModel) for body in bodies) else _IN_TIME
     rows: dict[str, Compared] = {}
     results: dict[str, Result] = {}
     spent = 0.0
@@ -356,7 +347,7 @@ def compare(
         try:
             models = models_of(label)
             build = time.perf_counter() - start
-            result = run(*models, solver=whole) if label == "full" else quick(models)
+            result = run(*models, solver=in_full) if label == "full" else quick(models)
         except AOImpactError as error:
             rows[label] = Compared(label, failure=str(error))
             continue
@@ -379,7 +370,7 @@ def compare(
     )
     solvers = [model.linear_solver for result in results.values() for model in result.models]
     return Comparison(
-        f"{called}, {law}, {plan.velocities[0]:g} m/s",
+        f"{called}, {law}, {speed:g} m/s",
         exact,
         results[exact].error.time,
         tuple(rows.values()),
@@ -389,12 +380,6 @@ def compare(
 
 def _ascending(name: str, values: Iterable[int], *, low: int) -> list[int]:
     return sorted({integer(name, n, low=low) for n in sequence(name, values)})
-
-
-def _body(name: str, body: Any) -> BodyModel:
-    """The finite-element body that a model was made of; of an AO model by numbers itself."""
-    model = body_model(name, body)
-    return full(model.tips) if model.tips else model
 
 
 def _warn_of_differences(target: BodyModel, label: str, other: BodyModel) -> None:

@@ -25,7 +25,7 @@ from ..base import (
     warn,
     with_unit,
 )
-from ..impact import checked_duration, simulate
+from ..impact import simulate
 from ..integrate import Adaptive
 from ..laws import ContactLaw
 from ..reduction import rigid
@@ -193,18 +193,15 @@ class _Problem:
         first, data = np.full(len(self.low), _ORIGIN), self.data
         refused = 2.0 * self.misfit(first)
 
-        def within(x: FloatArray, low: FloatArray, high: FloatArray) -> Any:
-            def misfit(x: FloatArray) -> FloatArray:
-                try:
-                    return self.misfit(x)
-                except AOImpactError:  # no law: the step is refused, and shorter ones are tried
-                    return refused
+        def misfit(x: FloatArray) -> FloatArray:
+            try:
+                return self.misfit(x)
+            except AOImpactError:  # no law: the step is refused, and shorter ones are tried
+                return refused
 
-            bounds, step = (low, high), _STEP / _ORIGIN
-            near = {"ftol": 1e-9, "xtol": 1e-8, "gtol": None}
-            return scipy.optimize.least_squares(
-                misfit, x, "3-point", bounds, diff_step=step, **near
-            )
+        def within(x: FloatArray, low: FloatArray, high: FloatArray) -> Any:
+            near: Any = {"ftol": 1e-9, "xtol": 1e-8, "gtol": None, "diff_step": _STEP / _ORIGIN}
+            return scipy.optimize.least_squares(misfit, x, "3-point", (low, high), **near)
 
         found = within(first, self.low, self.high)
         if data.depth > 0.0 and data.start is None:  # a curve: quick, several minima
@@ -439,22 +436,20 @@ def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
 def _curve(indentation: npt.ArrayLike, force: npt.ArrayLike) -> _Data:
     depth = finite_array("indentation", indentation, shape=(None,), unit="m", most=HUGE)
     push = finite_array("force", force, shape=depth.shape, unit="N", most=HUGE)
-    for name, values in (("indentation", depth), ("force", push)):
-        if not values.max(initial=0.0) > 0.0:
-            raise InputError(f"{name} must have a value above 0")
 
     def shown(law: ContactLaw, _: float) -> FloatArray:
         if law.depends_on_rate:
             raise InputError(f"a curve has no rates, on which {law!r} depends; give a history")
         return np.asarray(law.force(depth, along=True))
 
-    return _Data(push, shown, float(push.max()), float(depth.max()))
+    return _Data(push, shown, _largest("force", push), _largest("indentation", depth))
 
 
 def _dents(dent: npt.ArrayLike, mass: float | None, velocity: Any) -> _Data:
     wide = finite_array("dent", dent, shape=(None,), unit="m", most=HUGE)
-    if wide.min(initial=0.0) < 0.0 or not wide.max(initial=0.0) > 0.0:
-        raise InputError(f"dent must be diameters, none negative and one above 0, got {dent!r} m")
+    _largest("dent", wide)
+    if wide.min() < 0.0:
+        raise InputError(f"dent must be diameters, none negative, got {dent!r} m")
     speeds = finite_array("velocity", velocity, shape=wide.shape, unit="m/s")
     energies = 0.5 * positive("mass", mass, unit="kg") * speeds**2
     return _Data(
@@ -465,13 +460,11 @@ def _dents(dent: npt.ArrayLike, mass: float | None, velocity: Any) -> _Data:
 def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, target: Any) -> _Data:
     channel = Signal.of(signal)
     speed = positive("velocity", velocity, unit="m/s")
+    bodies: Any = (projectile, target)
     if projectile is None or target is None:
-        projectile = rigid(mass=positive("mass", mass, unit="kg"))
-        target = rigid(mass=math.inf)
+        bodies = rigid(mass=positive("mass", mass, unit="kg")), rigid(mass=math.inf)
     peak = int(np.argmax(channel.values))
-    top = float(channel.values[peak])
-    if not top > 0.0:
-        raise InputError(f"signal has no force above 0, the largest is {top:g} {channel.unit}")
+    top = _largest("signal", channel.values)
     foot = np.flatnonzero(channel.values[:peak] <= _FOOT * top)
     start = float(channel.t[foot.max(initial=0)])
     sample = 1.0 / channel.mean_rate
@@ -483,15 +476,17 @@ def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, ta
         if not within.any():
             return force
         with held_warnings():
-            hit = simulate(
-                projectile,
-                target,
-                speed,
-                law=law,
-                duration=checked_duration(float(channel.t[-1]) - begin),
-                solver=_SOLVER,
-            )
+            length = float(channel.t[-1]) - begin
+            hit = simulate(*bodies, speed, law=law, duration=length, solver=_SOLVER)
             force[within] = hit.at(channel.t[within] - begin).force
         return force
 
     return _Data(channel.values, shown, top, depth, speed, start, sample)
+
+
+def _largest(name: str, values: FloatArray) -> float:
+    """Return the largest value, which must be above 0."""
+    top = float(values.max(initial=0.0))
+    if not top > 0.0:
+        raise InputError(f"{name} must have a value above 0")
+    return top

@@ -183,7 +183,7 @@ def test_a_spinning_block_of_finite_elements_is_the_rigid_one_in_its_first_momen
 
 def test_comparisons_refuse_three_directions():
     for more in ({"velocity": DOWN}, {"friction": 0.1}, {"spin": (0, 1, 0)}):
-        with pytest.raises(ao.InputError, match=rf"^{next(iter(more))}"):
+        with pytest.raises(ao.InputTypeError, match=next(iter(more))):
             ao.compare(**{"projectile": BALL, "target": WALL, "velocity": 1.0} | more)
 
 
