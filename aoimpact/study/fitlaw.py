@@ -460,9 +460,9 @@ def _dents(dent: npt.ArrayLike, mass: float | None, velocity: Any) -> _Data:
 def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, target: Any) -> _Data:
     channel = Signal.of(signal)
     speed = positive("velocity", velocity, unit="m/s")
-    bodies: Any = (projectile, target)
     if projectile is None or target is None:
-        bodies = rigid(mass=positive("mass", mass, unit="kg")), rigid(mass=math.inf)
+        projectile = rigid(mass=positive("mass", mass, unit="kg"))
+        target = rigid(mass=math.inf)
     peak = int(np.argmax(channel.values))
     top = _largest("signal", channel.values)
     foot = np.flatnonzero(channel.values[:peak] <= _FOOT * top)
@@ -476,8 +476,8 @@ def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, ta
         if not within.any():
             return force
         with held_warnings():
-            length = float(channel.t[-1]) - begin
-            hit = simulate(*bodies, speed, law=law, duration=length, solver=_SOLVER)
+            until = float(channel.t[-1]) - begin
+            hit = simulate(projectile, target, speed, law=law, duration=until, solver=_SOLVER)
             force[within] = hit.at(channel.t[within] - begin).force
         return force
 
