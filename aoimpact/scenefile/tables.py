@@ -300,8 +300,8 @@ def _read_number(binder: SceneBinder, name: str, place: Place) -> Any:
     if first not in _PARTS or (first == "contacts" and "impact" in binder.data):
         return name
     if first in ("bodies", "contacts"):
-        listed = binder.taking if first == "bodies" else binder.data["scene"].get("contacts", ())
-        numbers = {str(i): of for i, of in enumerate(listed)}
+        listed = binder.taking if first == "bodies" else binder.data["scene"].get("contacts")
+        numbers = {str(i): of for i, of in enumerate(listed if isinstance(listed, list) else ())}
         if binder.find(numbers, first, rest.pop(0) if rest else "", place) is None:
             return None
     part, last = _PARTS[first], rest[0] if rest else ""

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time as clock
-from dataclasses import asdict
 from functools import partial
-from pathlib import Path
 
-from .case import Case
 from .generate import case_of
-from .judge import Verdict
+from .judge import Verdict, judged
 from .pool import each
 from .report import counts, reasons, table
-from .work import judged, shrunk
 
 # s for one scene: the package's answer may not take longer, nor the oracle on top of it.
 LIMIT = 60.0
@@ -31,10 +26,8 @@ def main(arguments: list[str] | None = None) -> int:
     scenes = commands.add_parser("scenes", help="random scenes against the oracle")
     scenes.add_argument("--seeds", default="0:100", help="from:to, or a list with commas")
     scenes.add_argument("--workers", type=int, default=2)
-    scenes.add_argument("--out", type=Path, help="folder for scripts of failures, and a report")
     scenes.add_argument("--way", choices=("adaptive", "newmark"), default="adaptive")
     scenes.add_argument("--rtol", type=float, help="of all scenes, in place of their own")
-    scenes.add_argument("--shrink", type=float, default=0.0, help="s to shrink each failure for")
     show = commands.add_parser("show", help="the script of a seed, and its verdict")
     show.add_argument("seed", type=int)
     show.add_argument("--way", choices=("adaptive", "newmark"), default="adaptive")
@@ -83,32 +76,9 @@ def _scenes(options: argparse.Namespace) -> int:
         ]
     )
     print(report)
-    if options.out:
-        options.out.mkdir(parents=True, exist_ok=True)
-        (options.out / "report.txt").write_text(report + "\n", encoding="utf-8")
-        lines = {seed: asdict(verdict) for seed, verdict in found.items()}
-        (options.out / "verdicts.json").write_text(json.dumps(lines), encoding="utf-8")
-        _write_failures(options, found)
     refused = sum(verdict.kind == "refused" for verdict in found.values())
     failed = any(verdict.failed for verdict in found.values())
     return int(failed or refused > MOST_REFUSED * len(found))
-
-
-def _write_failures(options: argparse.Namespace, found: dict[int, Verdict]) -> None:
-    """A script for each failure, shrunk if that was asked for."""
-    failed = {seed: v for seed, v in found.items() if v.failed or v.kind == "refused"}
-    for seed, verdict in sorted(failed.items()):
-        case = case_of(seed)
-        case = case.with_tolerance(options.rtol) if options.rtol else case
-        if options.shrink > 0.0 and verdict.kind != "hangs":
-            like = {"kind": verdict.kind, "why": verdict.why}
-            work = partial(shrunk, **like, way=options.way, longest=options.shrink)
-            results = each(work, [case.to_json()], workers=1, limit=options.shrink + LIMIT)
-            for _, state, result in results:
-                case = Case.from_json(result) if state == "done" else case
-        notes = "".join(f"# {line}\n" for line in [f"seed {seed}, {verdict.kind}", verdict.why])
-        path = options.out / f"{verdict.kind}_{seed}.py"
-        path.write_text(notes + case.script(), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -13,26 +13,23 @@ from __future__ import annotations
 
 import argparse
 import faulthandler
-import json
 import os
 import random
 import re
-import selectors
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from .pool import PATIENCE, processor_time
+from .pool import each
 
 KINDS = {
     "mesh": "meshes",
@@ -44,45 +41,8 @@ KINDS = {
 LIMIT_BYTES = 2**31
 LIMIT_SECONDS = 10.0
 
-# A child is replaced after so many inputs, lest memory that libraries keep count against the limit.
-_PER_CHILD = 5000
-
-
-@dataclass
-class Tally:
-    """What came of the inputs.
-
-    Attributes
-    ----------
-    outcomes : Counter
-        "passed", "refused", and each failure's signature.
-    examples : dict
-        By signature, the number of its first input and what was said.
-    slowest : tuple of float and int
-        Seconds, and which input took them.
-    most : float
-        Largest resident memory of a child, bytes, imports included.
-    """
-
-    outcomes: Counter[str] = field(default_factory=Counter)
-    examples: dict[str, tuple[int, str]] = field(default_factory=dict)
-    slowest: tuple[float, int] = (0.0, -1)
-    most: float = 0.0
-
-    def add(self, report: dict[str, Any]) -> None:
-        number, signature = report["number"], report["outcome"]
-        self.outcomes[signature] += 1
-        if signature not in ("passed", "refused"):
-            self.examples.setdefault(signature, (number, report["text"]))
-        self.slowest = max(self.slowest, (report["seconds"], number))
-        self.most = max(self.most, report["memory"])
-
-    @property
-    def failures(self) -> dict[str, int]:
-        return {k: n for k, n in self.outcomes.items() if k not in ("passed", "refused")}
-
-
-# ------------------------------------------------------------------------------ in a child
+# A folder in memory, where there is one.
+_FAST = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
 
 
 def _signature(error: BaseException) -> str:
@@ -136,135 +96,31 @@ def tried(run: Callable[[], None], named: Callable[[str], bool]) -> tuple[str, s
     return outcome, text
 
 
-def _child(kind: str, seed: int, numbers: range) -> None:
-    import resource
-
-    faulthandler.enable()
-    module = import_module(f".{KINDS[kind]}", __package__)
-    said = os.fdopen(os.dup(1), "w")  # readers may print
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    with tempfile.TemporaryDirectory(dir=_fast_folder()) as folder:
-        seeds = module.seeds(Path(folder))
-        _import_everything()
-        _limit_memory()
-        print(json.dumps({"ready": True}), file=said, flush=True)
-        for number in numbers:
-            given = module.make(random.Random(f"{seed} {kind} {number}"), seeds, Path(folder))
-            start = time.process_time()
-            outcome, text = tried(given.run, given.named)
-            report = {
-                "number": number,
-                "outcome": outcome,
-                "text": text[:400],
-                "seconds": time.process_time() - start,
-                "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
-            }
-            print(json.dumps(report), file=said, flush=True)
-
-
-def _import_everything() -> None:
-    """Now: the first input does not pay for it, in time or memory."""
+@cache
+def _prepared(kind: str, root: Path) -> tuple[Any, Any, Path]:
+    """The module of a kind, what its inputs are made from, and a folder; once in each child."""
     import aoimpact
 
-    for name in dir(aoimpact):
+    faulthandler.enable()
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # readers may print
+    module, folder = import_module(f".{KINDS[kind]}", __package__), Path(tempfile.mkdtemp(dir=root))
+    seeds = module.seeds(folder)
+    for name in dir(aoimpact):  # now: the first input does not pay for it, in time or memory
         getattr(aoimpact, name)
+    _limit_memory()
+    return module, seeds, folder
 
 
-def _fast_folder() -> str | None:
-    return "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
+def _try(kind: str, root: Path, seed: int, number: int) -> tuple[str, str, float, int]:
+    """Outcome and text of an input, s that it took, and the most memory, KiB, imports included."""
+    import resource
 
-
-# ----------------------------------------------------------------------------- their parent
-
-
-class _Child:
-    """A process that tries some inputs one after the other, and which it is at."""
-
-    def __init__(self, kind: str, seed: int, numbers: range) -> None:
-        arguments = [kind, seed, numbers.start, numbers.stop, numbers.step]
-        command = [sys.executable, "-m", __spec__.name, "--child", *map(str, arguments)]
-        self.log = tempfile.TemporaryFile()  # noqa: SIM115  (as long as the process)
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self.log)
-        self.left = numbers
-        self.since: float | None = None  # it begins with what all inputs are made from
-        self.used = 0.0
-
-    def received(self) -> dict[str, Any] | None:
-        """What it says next; None at its end."""
-        assert self.process.stdout is not None
-        line = self.process.stdout.readline()
-        if not line.endswith(b"\n"):
-            return None
-        self.since, self.used = time.monotonic(), self._used()
-        report: dict[str, Any] = json.loads(line)
-        if "number" in report:
-            self.left = self.left[1:]
-        return report
-
-    def overdue(self) -> bool:
-        """By the processor's time: others may have it for long."""
-        if self.since is None or (waited := time.monotonic() - self.since) < LIMIT_SECONDS:
-            return False
-        return waited > PATIENCE * LIMIT_SECONDS or self._used() - self.used > LIMIT_SECONDS
-
-    def _used(self) -> float:
-        return processor_time(self.process.pid)
-
-    def ended(self) -> dict[str, Any]:
-        """A report of the input that it did not survive."""
-        late = self.overdue()
-        self.process.kill()
-        code = self.process.wait()
-        self.log.seek(0)
-        said = self.log.read().decode(errors="replace")[-4000:]
-        if self.since is None:
-            raise RuntimeError(f"a child did not begin:\n{said}")
-        number, self.left = self.left[0], self.left[1:]
-        outcome = "longer than 10 s" if late else f"crash ({code})"
-        seconds = LIMIT_SECONDS if late else 0.0
-        text = said[said.rfind("Fatal Python error") :].strip() if "Fatal" in said else ""
-        return {
-            "number": number,
-            "outcome": outcome,
-            "text": text,
-            "seconds": seconds,
-            "memory": 0.0,
-        }
-
-
-def reports(kind: str, seed: int, numbers: range, workers: int) -> Iterator[dict[str, Any]]:
-    """Try inputs in child processes, and yield a report of each as it ends."""
-    step = _PER_CHILD * workers
-    parts = [
-        numbers[start + i : start + step : workers]
-        for start in range(0, len(numbers), step)
-        for i in range(workers)
-    ]
-    waiting = [part for part in parts if len(part)]
-    with selectors.DefaultSelector() as selector:
-
-        def start(part: range) -> None:
-            child = _Child(kind, seed, part)
-            selector.register(child.process.stdout, selectors.EVENT_READ, child)  # type: ignore[arg-type]
-
-        for _ in range(min(workers, len(waiting))):
-            start(waiting.pop(0))
-        while selector.get_map():
-            ready = {key.data for key, _ in selector.select(timeout=0.5)}
-            for child in [key.data for key in selector.get_map().values()]:
-                report = child.received() if child in ready else None
-                if report is not None and "number" in report:
-                    yield report
-                if child.overdue() or (child in ready and report is None):
-                    selector.unregister(child.process.stdout)
-                    if len(child.left):
-                        yield child.ended()
-                    child.process.kill()
-                    child.process.wait()
-                    if len(child.left):
-                        waiting.insert(0, child.left)
-                    if waiting:
-                        start(waiting.pop(0))
+    module, seeds, folder = _prepared(kind, root)
+    given = module.make(random.Random(f"{seed} {kind} {number}"), seeds, folder)
+    start = time.process_time()
+    outcome, text = tried(given.run, given.named)
+    used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return outcome, text[:400], time.process_time() - start, used
 
 
 def main() -> int:
@@ -276,37 +132,43 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, help="folder for one input of each failure")
     given = parser.parse_args()
-    tally = Tally()
-    begin = time.monotonic()
-    numbers = range(given.first, given.first + given.count)
-    for report in reports(given.kind, given.seed, numbers, given.workers):
-        tally.add(report)
+    begin, kind, seed = time.monotonic(), given.kind, given.seed
+    outcomes, examples = Counter[str](), dict[str, tuple[int, str]]()
+    slowest, most = (0.0, -1), 0
+    with tempfile.TemporaryDirectory(dir=_FAST) as root:
+        place = kind, Path(root)
+        for number, state, result in each(
+            partial(_try, *place, seed),
+            range(given.first, given.first + given.count),
+            workers=given.workers,
+            limit=LIMIT_SECONDS,
+            begin=partial(_prepared, *place),
+        ):
+            ended = (f"{state}: {result}", "", 0.0, 0)
+            outcome, text, seconds, used = result if state == "done" else ended
+            outcomes[outcome] += 1
+            examples.setdefault(outcome, (number, text))
+            slowest, most = max(slowest, (seconds, number)), max(most, used)
+    passed, refused = outcomes.pop("passed", 0), outcomes.pop("refused", 0)
     print(
-        f"{given.kind}: {sum(tally.outcomes.values())} inputs of seed {given.seed} in "
-        f"{time.monotonic() - begin:.0f} s: {tally.outcomes['passed']} passed, "
-        f"{tally.outcomes['refused']} refused, {sum(tally.failures.values())} failed; slowest "
-        f"{tally.slowest[0]:.2f} s (number {tally.slowest[1]}), most memory "
-        f"{tally.most / 2**20:.0f} MiB"
+        f"{kind}: {passed + refused + outcomes.total()} inputs of seed {seed} in "
+        f"{time.monotonic() - begin:.0f} s: {passed} passed, {refused} refused, "
+        f"{outcomes.total()} failed; slowest {slowest[0]:.2f} s (number {slowest[1]}), most memory "
+        f"{most / 2**10:.0f} MiB"
     )
-    module = import_module(f".{KINDS[given.kind]}", __package__)
-    for signature, (number, text) in tally.examples.items():
-        print(f"\n{tally.outcomes[signature]} x {signature}\n  number {number}: {text}")
-    if given.out is not None and tally.examples:
-        given.out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory() as folder:
-            seeds = module.seeds(Path(folder))
-            for signature, (number, _) in tally.examples.items():
-                rng = random.Random(f"{given.seed} {given.kind} {number}")
-                file = module.make(rng, seeds, Path(folder)).saved
-                name = re.sub(r"\W+", "_", signature)[:60]
-                shutil.copy(
-                    file, given.out / f"{given.kind}_{given.seed}_{number}_{name}{file.suffix}"
-                )
-    return 1 if tally.failures else 0
+    module = import_module(f".{KINDS[kind]}", __package__)
+    for outcome, count in outcomes.items():
+        number, text = examples[outcome]
+        print(f"\n{count} x {outcome}\n  number {number}: {text}")
+        if given.out is not None:
+            given.out.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory() as folder:
+                rng = random.Random(f"{seed} {kind} {number}")
+                file = module.make(rng, module.seeds(Path(folder)), Path(folder)).saved
+                name = f"{kind}_{seed}_{number}_" + re.sub(r"\W+", "_", outcome)[:60]
+                shutil.copy(file, given.out / f"{name}{file.suffix}")
+    return 1 if outcomes else 0
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--child"]:
-        _child(sys.argv[2], int(sys.argv[3]), range(*map(int, sys.argv[4:7])))
-    else:
-        sys.exit(main())
+    sys.exit(main())

@@ -12,6 +12,7 @@ import aoimpact as ao
 from . import cures
 from .case import Case
 from .compare import Apart, apart, from_newmark, largest_apart
+from .generate import case_of
 from .motion import LAG
 from .oracle import GaveUpError, Oracle
 from .outcome import Outcome
@@ -213,3 +214,9 @@ def _suspected(case: Case, outcome: Outcome, true: Outcome, longest: float, way:
         off = _worst(case, tighter.outcome, tight, way).off
         details["package at 1e-3 rtol"] = f"off by {off:.2g}"
     return Verdict("wrong", str(found), found.off, 0, details)
+
+
+def judged(seed: int, way: str = "adaptive", rtol: float | None = None) -> Verdict:
+    """Judge the scene of a seed."""
+    case = case_of(seed)
+    return judge(case if rtol is None else case.with_tolerance(rtol), way=way)

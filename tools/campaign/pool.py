@@ -3,77 +3,45 @@
 from __future__ import annotations
 
 import multiprocessing as mp
-import os
-import time as clock
+import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator
-from multiprocessing.connection import Connection, wait
-from pathlib import Path
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing.connection import Connection
 from typing import Any
 
-# s that a child may take to start: its time begins when it does.
-_STARTING = 60.0
-
-# Others may have the processor for long: so many times a limit of its time may pass on the clock.
-PATIENCE = 10.0
-
-# s between looks at a child that is late.
-_BETWEEN_LOOKS = 0.5
+# s that a child may take to start. Others may have the processor for long: so many times the limit
+# of its time may pass on the clock.
+_STARTING, _PATIENCE = 60.0, 10.0
 
 
-def processor_time(pid: int) -> float:
-    """s of the processor that a process has had so far."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
+def _serve(
+    connection: Connection, work: Callable[[Any], Any], begin: Callable[[], Any], limit: float
+) -> None:
+    begin()
     while True:
         try:
             item = connection.recv()
         except EOFError:
             return
-        connection.send(None)
+        signal.setitimer(signal.ITIMER_PROF, limit)  # ends the process, whatever it is at
         try:
-            connection.send((True, work(item)))
+            answer = "done", work(item)
         except Exception as error:
-            connection.send((False, f"{type(error).__name__}: {error}"))
-
-
-class _Worker:
-    def __init__(self, work: Callable[[Any], Any]) -> None:
-        context = mp.get_context("spawn")
-        self.connection, theirs = context.Pipe()
-        self.process = context.Process(target=_serve, args=(theirs, work), daemon=True)
-        self.process.start()
-        theirs.close()
-        self.item: Any = None
-        self.since = self.used = 0.0
-
-    def give(self, item: Any) -> None:
-        self.item, self.since = item, clock.monotonic() + _STARTING
-        self.connection.send(item)
-
-    def begins(self) -> None:
-        self.since, self.used = clock.monotonic(), self._processor_time()
-
-    def overdue(self, limit: float) -> bool:
-        """By the processor's time."""
-        if (waited := clock.monotonic() - self.since) <= limit:
-            return False
-        return waited > PATIENCE * limit or self._processor_time() - self.used > limit
-
-    def _processor_time(self) -> float:
-        return processor_time(self.process.pid) if self.process.pid else 0.0
-
-    def end(self) -> None:
-        self.process.kill()
-        self.process.join()
+            answer = "failed", f"{type(error).__name__}: {error}"
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        connection.send(answer)
 
 
 def each(
-    work: Callable[[Any], Any], items: Iterable[Any], *, workers: int, limit: float
+    work: Callable[[Any], Any],
+    items: Iterable[Any],
+    *,
+    workers: int,
+    limit: float,
+    begin: Callable[[], Any] = int,
 ) -> Iterator[tuple[Any, str, Any]]:
-    """Yield (item, "done" | "failed" | "hangs" | "died", result) as they come.
+    """Yield (item, "done" | "failed" | "hangs" | "died", result) in the order of the items.
 
     Parameters
     ----------
@@ -83,51 +51,37 @@ def each(
     workers : int
     limit : float
         s of the processor for one item.
+    begin : callable, optional
+        Called once in each child process, outside the limit.
     """
-    left = iter(items)
-    team = [_Worker(work) for _ in range(workers)]
-    busy: list[_Worker] = []
+    context, mine, running = mp.get_context("spawn"), threading.local(), list[Any]()
+
+    def one(item: Any) -> tuple[Any, str, Any]:
+        if not hasattr(mine, "child"):
+            connection, theirs = context.Pipe()
+            process = context.Process(target=_serve, args=(theirs, work, begin, limit), daemon=True)
+            process.start()
+            theirs.close()
+            running.append(connection)
+            mine.child = process, connection
+        process, connection = mine.child
+        connection.send(item)
+        if connection.poll(_STARTING + _PATIENCE * limit):
+            try:
+                return item, *connection.recv()
+            except (EOFError, OSError):
+                pass
+        else:
+            process.kill()
+        process.join()
+        del mine.child
+        late = process.exitcode in (-signal.SIGPROF, -signal.SIGKILL)
+        return item, "hangs" if late else "died", process.exitcode
+
+    team = ThreadPoolExecutor(workers)
     try:
-        for worker in team:
-            _next(worker, left, busy)
-        while busy:
-            first = min(worker.since for worker in busy)
-            left_over = max(_BETWEEN_LOOKS, first + limit - clock.monotonic())
-            ready = wait([w.connection for w in busy], left_over)
-            for worker in list(busy):
-                if worker.connection in ready:
-                    try:
-                        message = worker.connection.recv()
-                    except (EOFError, OSError):
-                        busy.remove(worker)
-                        yield worker.item, "died", worker.process.exitcode
-                        _next(_replaced(worker, team, work), left, busy)
-                        continue
-                    if message is None:
-                        worker.begins()
-                        continue
-                    busy.remove(worker)
-                    good, result = message
-                    yield worker.item, "done" if good else "failed", result
-                    _next(worker, left, busy)
-                elif worker.overdue(limit):
-                    busy.remove(worker)
-                    yield worker.item, "hangs", limit
-                    _next(_replaced(worker, team, work), left, busy)
+        yield from team.map(one, items)
     finally:
-        for worker in team:
-            worker.end()
-
-
-def _next(worker: _Worker, left: Iterator[Any], busy: list[_Worker]) -> None:
-    item = next(left, None)
-    if item is not None:
-        worker.give(item)
-        busy.append(worker)
-
-
-def _replaced(worker: _Worker, team: list[_Worker], work: Callable[[Any], Any]) -> _Worker:
-    worker.end()
-    new = _Worker(work)
-    team[team.index(worker)] = new
-    return new
+        team.shutdown(wait=False, cancel_futures=True)
+        for connection in running:  # at whose end the children end
+            connection.close()
