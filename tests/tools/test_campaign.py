@@ -26,11 +26,9 @@ HERTZ = Law("Hertz", {"k": 1e9})
 WALL = Body(math.inf)
 
 
-def test_a_seed_is_one_scene_and_text_keeps_it() -> None:
+def test_a_seed_is_one_scene() -> None:
     for seed in range(30):
-        case = case_of(seed)
-        assert case == case_of(seed)
-        assert Case.from_json(case.to_json()) == case
+        assert case_of(seed) == case_of(seed)
 
 
 def test_the_oracle_has_the_closed_form_of_a_rigid_pair() -> None:
@@ -148,7 +146,6 @@ def test_damped_frames_and_patches_have_the_package_s_answer() -> None:
         frame = Frame((0.3, 0.5), (1e6,), (0.0, 1e5), damping=damping)
         bodies = (Body(1.0, velocity=1.0), frame)
         case = Case(bodies, (Contact(0, 1, patched, 0.0, (0, 0)),), duration=2e-3, rtol=1e-8)
-        assert Case.from_json(case.to_json()) == case
         verdict = judge(case)
         assert verdict.kind == "ok", verdict
 

@@ -6,9 +6,8 @@ that what is printed is what was run.
 
 from __future__ import annotations
 
-import json
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 
@@ -251,29 +250,3 @@ class Case:
         exec(FRAME, names)
         exec("\n".join(self.lines()), names)
         return names["scene"]
-
-    def to_json(self) -> str:
-        return json.dumps(asdict(self))
-
-    @classmethod
-    def from_json(cls, text: str) -> Case:
-        of = json.loads(text)
-        of["bodies"] = tuple(_body(body) for body in of["bodies"])
-        of["contacts"] = tuple(
-            Contact(c["a"], c["b"], _law(c["law"]), c["gap"], tuple(c["at"]))
-            for c in of["contacts"]
-        )
-        of["loads"] = tuple(
-            Load(one["body"], tuple(one["times"]), tuple(one["forces"]), one["at"])
-            for one in of["loads"]
-        )
-        return cls(**of)
-
-
-def _law(of: dict[str, Any]) -> Law:
-    return Law(of["kind"], of["arguments"], of["removed"])
-
-
-def _body(of: dict[str, Any]) -> Body | Frame:
-    values = {key: tuple(v) if isinstance(v, list) else v for key, v in of.items()}
-    return Body(**values) if "m0" in values else Frame(**values)
