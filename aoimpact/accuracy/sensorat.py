@@ -25,13 +25,12 @@ from ..base import (
 from ..fem import FEModel, Layer, Strain, Stress, checked_layer
 from ..fields import (
     Channel,
-    TensorRows,
+    TensorAt,
     acceleration_of,
     gauge_ends,
     gauge_strain,
     motion_rows,
     place_rows,
-    tensor_rows,
 )
 from .sensor import Sensor, body_of
 
@@ -92,7 +91,7 @@ class StressAt(Sensor):
         object.__setattr__(self, "body", model)
         checked(self, point=place)
         choice("component", self.component, (*_COMPONENTS, "von_mises"))
-        self._rows(model)
+        _ = self._rows(model).rows  # which checks them
         super().__post_init__()
 
     @property
@@ -103,8 +102,8 @@ class StressAt(Sensor):
         """
         return checked_layer(self.layer, self.part)
 
-    def _rows(self, body: FEModel) -> TensorRows:
-        return tensor_rows(body, place_rows(body, self.point[None]), self.where)
+    def _rows(self, body: FEModel) -> TensorAt:
+        return TensorAt(body, place_rows(body, self.point[None]), self.where)
 
     def measured(self, body: FEModel) -> Any:
         """See `Sensor`.
@@ -112,7 +111,7 @@ class StressAt(Sensor):
         :meta private:
         """
         rows, seen = self._rows(body), self.of_stress(body)
-        return lambda response, times: seen(Stress(response.stress(rows, times)[:, 0], self.point))
+        return lambda response, times: seen(Stress(rows(response, times)[:, 0], self.point))
 
     def of_stress(self, body: FEModel) -> Callable[[Stress], FloatArray]:
         """See `Sensor`.
@@ -214,20 +213,21 @@ class StrainAt(Sensor):
         if self.length:
             return gauge_strain(body, *self.ends, self.where)
         rows, weights = self._rows(body), self._weights
-        return lambda response, times: response.stress(rows, times)[:, 0] @ weights
+        _ = rows.rows
+        return lambda response, times: rows(response, times)[:, 0] @ weights
 
     def of_stress(self, body: FEModel) -> Callable[[Stress], FloatArray] | None:
         """See `Sensor`.
 
         :meta private:
         """
-        if self.length or (compliance := self._rows(body).compliance) is None:
+        if self.length:
             return None
-        by_stress = self._weights @ compliance[0]
+        by_stress = self._weights @ self._rows(body).compliance[0]
         return lambda stress: np.asarray(stress.components @ by_stress)
 
-    def _rows(self, body: FEModel) -> TensorRows:
-        return tensor_rows(body, place_rows(body, self.point[None]), self.where, strain=True)
+    def _rows(self, body: FEModel) -> TensorAt:
+        return TensorAt(body, place_rows(body, self.point[None]), self.where, strain=True)
 
     @property
     def _weights(self) -> FloatArray:

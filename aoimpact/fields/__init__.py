@@ -14,12 +14,11 @@ from .sensors import (
     Measured,
     Probe,
     Reaction,
-    TensorRows,
+    TensorAt,
     acceleration_of,
     errors_of,
     gauge_ends,
     gauge_strain,
     motion_rows,
     place_rows,
-    tensor_rows,
 )

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,9 +23,6 @@ from ..integrate import Events, Motion, Recorder
 from ..reduction import PACE, FullModel, Recovery, SharedSolutions
 from ..scene import Scenario, extraction_of
 from .field import LOOKS, Field
-
-if TYPE_CHECKING:
-    from .sensors import TensorRows
 
 # Steps of the correction's shift in a doubling of it: runs that differ little share factors.
 _SHIFTS = 4
@@ -269,14 +266,6 @@ class Response:
         if not wanted.size:
             raise InputError("times must have at least one, got none")
         return wanted
-
-    def stress(self, of: TensorRows, times: FloatArray) -> FloatArray:
-        """Return stress or strain at places, shape (times, p, 6)."""
-        found = of.elements.components(self.functionals(of.elements.rows, times)[0])
-        added = self._stress_added(times, of.places)
-        if of.compliance is not None:
-            added = np.einsum("pij,tpj->tpi", of.compliance, added)
-        return np.asarray(found + added)
 
     def functionals(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return rows @ X and its rate for `rows` of shape (p, n_dofs), each shape (p, times)."""

@@ -226,16 +226,54 @@ class At:
 
 @dataclass(frozen=True, eq=False)
 class TensorAt:
-    """Stress, Pa, or strain at places with the nodes' `weights`, shape (p, n_nodes)."""
+    """Stress, Pa, or strain of a body at places.
 
+    Attributes
+    ----------
+    body : FEModel
+    weights : sparse array, shape (p, n_nodes)
+        Of the nodes at the places.
+    layer : Layer
+        Where in shells and beams.
+    strain : bool, optional
+    """
+
+    body: FEModel
     weights: sp.csr_array
     layer: Layer
-    shape: tuple[int, ...]
-    strain: bool
+    strain: bool = False
+
+    @cached_property
+    def rows(self) -> StressRows:
+        """The elements' part by the body's dofs."""
+        mesh, material = solid(self.body, "stress")
+        assert self.body.free is not None
+        found = body_stress_rows(mesh, material, self.weights, self.layer, strain=self.strain)
+        if not found.known.all():
+            raise InputError(
+                f"{self.layer}: the body has no such place at the point (of a beam without "
+                "orientation the sides are not known)"
+            )
+        return found.of_dofs(self.body.free)
+
+    @cached_property
+    def compliance(self) -> FloatArray:
+        """Strain by stress, (p, 6, 6), 1/Pa; 0 of shells, under whose contacts no half-space is."""
+        mesh, material = solid(self.body, "strain")
+        near = np.unique(self.weights.indices)
+        if mesh.thin:
+            return np.zeros((self.weights.shape[0], 6, 6))
+        of_nodes = compliances(mesh, material, near).reshape(-1, 36)
+        return np.asarray(self.weights[:, near].toarray() @ of_nodes).reshape(-1, 6, 6)
 
     def __call__(self, response: Response, times: FloatArray) -> FloatArray:
-        rows = tensor_rows(response.body, self.weights, self.layer, strain=self.strain)
-        return response.stress(rows, times).reshape(-1, *self.shape, 6)
+        """Return it in a run of the body, shape (times, p, 6)."""
+        found = self.rows.components(response.functionals(self.rows.rows, times)[0])
+        places = self.weights @ self.body.nodes
+        added = response.half_space(places, times, rates=False)[2]
+        if self.strain:
+            added = np.einsum("pij,tpj->tpi", self.compliance, added)
+        return np.asarray(found + added)
 
 
 @dataclass(frozen=True, eq=False)
@@ -395,6 +433,9 @@ class Probe:
             names += ["stress", "strain"]
         return errors_of(self._response, {name: self._histories[name] for name in names})
 
+    def _tensor(self, name: str) -> FloatArray:
+        return self._histories[name].told().reshape(len(self.t), *self.points.shape[:-1], 6)
+
     @property
     def stress(self) -> Stress:
         """The stress over time, of shape (n, p, 6), or (n, 6) for a single point.
@@ -406,7 +447,7 @@ class Probe:
         InputError
             If the body has no elements and material: it was given by K and M.
         """
-        return Stress(self._histories["stress"].told(), self.points)
+        return Stress(self._tensor("stress"), self.points)
 
     @property
     def strain(self) -> Strain:
@@ -417,7 +458,7 @@ class Probe:
         InputError
             If the body has no elements and material: it was given by K and M.
         """
-        return Strain(self._histories["strain"].told(), self.points)
+        return Strain(self._tensor("strain"), self.points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -483,7 +524,7 @@ def gauge_strain(body: FEModel, ends: FloatArray, along: FloatArray, layer: Laye
         return At.of(body, ends, along[None], (2,)).elongation
     x, w = np.polynomial.legendre.leggauss(_ALONG)
     places = ends[0] + np.outer(0.5 + 0.5 * x, ends[1] - ends[0])
-    rows = tensor_rows(body, place_rows(body, places), layer, strain=True).elements
+    rows = TensorAt(body, place_rows(body, places), layer, strain=True).rows
     if not rows.linear:
         raise InputError(
             "a gauge sits on a surface, and beams have only an axis; take the strain of a side, "
@@ -553,46 +594,6 @@ def gauge_ends(
         ends = places
     along = ends[1] - ends[0]
     return ends, along / np.linalg.norm(along)
-
-
-@dataclass(frozen=True, eq=False)
-class TensorRows:
-    """Stress or strain at places on a body.
-
-    Attributes
-    ----------
-    elements : StressRows
-        By its dofs.
-    places : ndarray, shape (p, 3)
-        m.
-    compliance : ndarray, shape (p, 6, 6), or None
-        Of strain, by which it follows from stress, 1/Pa.
-    """
-
-    elements: StressRows
-    places: FloatArray
-    compliance: FloatArray | None
-
-
-def tensor_rows(
-    body: FEModel, weights: sp.csr_array, layer: Layer, *, strain: bool = False
-) -> TensorRows:
-    """Return stress or strain at places with the nodes' `weights`, shape (p, n_nodes)."""
-    mesh, material = solid(body, "stress")
-    assert body.free is not None
-    rows, compliance = body_stress_rows(mesh, material, weights, layer, strain=strain), None
-    if not rows.known.all():
-        raise InputError(
-            f"{layer}: the body has no such place at the point (of a beam without orientation the "
-            "sides are not known)"
-        )
-    if strain:
-        compliance = np.zeros((weights.shape[0], 6, 6))
-        if not mesh.thin:  # under whose contacts there is no half-space
-            near = np.unique(weights.indices)
-            of_nodes = compliances(mesh, material, near).reshape(-1, 36)
-            compliance = (weights[:, near].toarray() @ of_nodes).reshape(-1, 6, 6)
-    return TensorRows(rows.of_dofs(body.free), weights @ mesh.nodes, compliance)
 
 
 def place_rows(body: FEModel, places: FloatArray) -> sp.csr_array:
@@ -713,7 +714,7 @@ class Measured:
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
         shape = places.shape if direction is None else places.shape[:-1]
         at = At.of(body, np.atleast_2d(places), axes, shape, weights)
-        tensor = partial(TensorAt, weights, where, places.shape[:-1])
+        tensor = partial(TensorAt, body, weights, where)
         history = partial(History, source=response, t=wanted)
         histories: dict[str, History[Response]] = {
             "displacement": history("displacement", seen=at.displacement),

@@ -416,20 +416,18 @@ def _tangential_restitution(run: Run) -> FloatArray:
     plan = run.plan
     if plan.oblique is None or len(plan.contacts) != 1:
         return np.empty(0)
-    along = plan.oblique.axes[1:]
-    pair = [port.body for port in plan.contacts[0].ports]
-    before = along @ np.subtract(*(plan.oblique.velocities[body][:3] for body in pair))
-    if not before.any():
+    pair, along = [port.body for port in plan.contacts[0].ports], plan.oblique.axes[1:]
+    moved = np.array(plan.oblique.velocities)[pair, :3]
+    way = (moved[0] - moved[1]) @ along.T @ along
+    if not way.any():
         return np.empty(0)
     if not run.events[0].contacts or run.in_contact_at_end:
         return np.array([np.nan])
+    held = np.array([plan.bodies[body].constrained for body in pair]) & ~moved.any(axis=1)
     after = [
-        np.zeros(3)
-        if plan.bodies[body].constrained and not plan.oblique.velocities[body].any()
-        else run.bodies[body].final_velocity
-        for body in pair
+        moved[i] if held[i] else run.bodies[body].final_velocity for i, body in enumerate(pair)
     ]
-    return np.array([float(before @ (along @ np.subtract(*after)) / (before @ before))])
+    return -_restitution(Speeds(moved @ way, np.array(after) @ way, held, (0, 1)))
 
 
 def _final_spins(run: Run) -> FloatArray:
