@@ -14,7 +14,7 @@ import io
 import json
 import os
 import pickle
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cached_property, lru_cache
 from hashlib import blake2b
 from typing import Any
@@ -157,7 +157,7 @@ class Digests:
 
     def __init__(self, key: str | None, shared: Any = None) -> None:
         self.key, self._shared = key, shared
-        self.once = lru_cache(_MOST_REMEMBERED)(lambda value: self._digest(list(_state(value))))
+        self.once = lru_cache(_MOST_REMEMBERED)(lambda value: self._digest(_parts(value)))
 
     def of(self, value: Any, name: str = "case") -> str:
         """Return the digest of a value; the order of its keywords does not count.
@@ -202,23 +202,23 @@ class _Content(pickle.Pickler):
         elif isinstance(value, np.ndarray):
             content = value.tolist() if value.dtype.hasobject else value.tobytes()
             parts = value.dtype.str, value.shape, content
-        elif dataclasses.is_dataclass(kind):
-            fields = dataclasses.fields(value)
-            parts = [getattr(value, of.name) for of in fields if not of.metadata.get("identity")]
+        elif dataclasses.is_dataclass(kind) or (hasattr(value, "__dict__") and not callable(value)):
+            model = isinstance(value, FEModel)  # which is as it was made, unlike a scene
+            parts = self._digests.once(value) if model else _parts(value)
         elif callable(value):
             if self._digests.key is None:
                 raise TypeError("of functions give key=, a text that you change with them")
             parts = getattr(value, "__module__", ""), getattr(value, "__qualname__", "")
-        elif hasattr(value, "__dict__"):
-            model = isinstance(value, FEModel)  # which is as it was made, unlike a scene
-            parts = self._digests.once(value) if model else list(_state(value))
         else:
             return NotImplemented
         return tuple, (f"{kind.__module__}.{kind.__qualname__}", parts)
 
 
-def _state(value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the attributes of an object but those that are computed when they are first read."""
-    for name in sorted(vars(value)):
-        if not isinstance(getattr(type(value), name, None), cached_property):
-            yield name, getattr(value, name)
+def _parts(value: Any) -> list[Any]:
+    """Return what an object is made of, but for what is computed when it is first read."""
+    if dataclasses.is_dataclass(value):
+        fields = dataclasses.fields(value)
+        return [getattr(value, of.name) for of in fields if not of.metadata.get("identity")]
+    kept, kind = sorted(vars(value)), type(value)
+    kept = [name for name in kept if not isinstance(getattr(kind, name, None), cached_property)]
+    return [(name, getattr(value, name)) for name in kept]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..base import HUGE, FloatArray, InputError, finite_array, positive, real
+from ..contact import ContactPoint
 from ..laws import LawFromSurfaces, law_between
 from ..reduction import BodyModel
 from ..results import warn_of_size
@@ -51,6 +52,13 @@ def number_or_vector(
     return in_range(name, real(name, value, unit=unit), bounds, unit), None
 
 
+def goes_against(tip: ContactPoint | None, *, outward: bool) -> bool:
+    """True if a contact point's direction goes into the body and not out of it, or the reverse."""
+    if tip is None or tip.normal is None or tip.direction is None:
+        return False
+    return (float(tip.direction @ tip.normal) > 0.0) != outward
+
+
 def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> LawFromSurfaces:
     """Return Hertz's law of two bodies from their surfaces and materials.
 
@@ -69,9 +77,7 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
     surfaces, tips = [], []
     for name, (body, port), outward in zip(names, ends, (True, False), strict=True):
         tip = body.touched_at(port)
-        if tip is not None and tip.direction is not None and tip.normal is not None:
-            goes_out = float(tip.direction @ tip.normal) > 0.0
-            body = body.turned(() if goes_out == outward else (port,))
+        body = body.turned((port,) if goes_against(tip, outward=outward) else ())
         surface = body.surface_at(port)
         if surface is None:
             raise InputError(

@@ -20,6 +20,7 @@ from ..linalg import LinearSolver
 from ..reduction import BodyModel, FullModel
 from ..results import RecordLength
 from ..scene import Contact, Load, Scenario
+from .defaults import goes_against
 from .oblique import ROLES, with_functionals
 
 
@@ -207,11 +208,9 @@ def _turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool) 
     tip = body.touched_at(port)
     if tip is None or tip.normal is None or tip.direction is None or tip.point is None:
         return False
-    if (float(tip.direction @ tip.normal) > 0.0) == outward:
+    if not goes_against(tip, outward=outward):
         return False
-    if like:
-        return True
-    if tip.directed and tip.thin is None:
+    if tip.directed and tip.thin is None and not like:
         way, opposite = ("out of", "into") if outward else ("into", "out of")
         raise InputError(
             f"{name}: direction {plain(tip.direction)} goes {opposite} the body at point "

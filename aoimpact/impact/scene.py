@@ -39,7 +39,6 @@ from ..laws import ContactLaw
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model
 from ..results import (
-    ROLES,
     Handle,
     Quantity,
     Run,
@@ -81,14 +80,15 @@ class Mark:
 
 
 class Member(NamedTuple):
-    """A body of a scene: its velocity, in three directions where given, its place and its spin."""
+    """A body of a scene: its motion, in three directions where given, its place and its names."""
 
     body: BodyModel
     velocity: float
-    position: float = 0.0
-    name: str = ""
-    vector: FloatArray | None = None
-    spin: FloatArray | None = None
+    position: float
+    name: str
+    called: str
+    vector: FloatArray | None
+    spin: FloatArray | None
 
 
 class Scene:
@@ -194,7 +194,10 @@ class Scene:
         """Add a body that was given as an argument, and return it with its motion."""
         model, turns = body_model(argument, body), checked_spin(spin)
         speed, vector = number_or_vector("velocity", velocity, SPEEDS, "m/s")
-        self._members.append(Member(model, speed, position, name, vector, turns))
+        own, role = name or model.name, f"body {len(self._members)}"
+        role = role if self._mark.name else argument
+        called = f"{role} ({own})" if own else role
+        self._members.append(Member(model, speed, position, name, called, vector, turns))
         return self._members[-1]
 
     def connect(
@@ -242,15 +245,13 @@ class Scene:
         0
         """
         first, second = self._known("a", a), self._known("b", b)
-        if first.body == second.body:
+        one, other = self._members[a.body], self._members[b.body]
+        if a.body == b.body:
             raise InputError(
-                f"a and b are both {self._called(first.body)}: a body cannot touch itself; connect "
-                "it to another"
+                f"a and b are both {one.called}: a body cannot touch itself; connect it to another"
             )
-        apart = real("gap", gap, unit="m")
-        apart += self._members[second.body].position - self._members[first.body].position
-        ends = (first.body, first.at), (second.body, second.at)
-        return self._join(*ends, law, apart, name, friction=friction)
+        apart = real("gap", gap, unit="m") + other.position - one.position
+        return self._join(first, second, law, apart, name, friction=friction)
 
     def _join(
         self,
@@ -265,7 +266,7 @@ class Scene:
         if law is not None and not isinstance(law, ContactLaw):
             raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
         ends = [(self._members[body].body, port) for body, port in (first, second)]
-        names = self._called(first[0]), self._called(second[0])
+        names = [self._members[body].called for body, _ in (first, second)]
         if all(math.isinf(body.static_mass) for body, _ in ends):
             raise InputError(
                 f"{' and '.join(names)} are both of infinite mass: there is no motion between them"
@@ -312,24 +313,20 @@ class Scene:
         >>> scene.apply(ball, force=([0.0, 1e-3], [0.0, 20.0]))  # a ramp, then 20 N
         """
         end = self._known("body", body)
-        if isinstance(force, tuple):
-            if len(force) != 2:
-                raise InputError(f"force must be a number or (times, forces), got {force!r}")
+        member = self._members[body.body]
+        if isinstance(force, tuple) and len(force) == 2:
             times = finite_array("times", force[0], shape=(None,), unit="s")
-            forces = finite_array("forces", force[1], shape=(None,), unit="N")
-            if len(times) != len(forces) or len(times) == 0 or (np.diff(times) <= 0.0).any():
-                raise InputError(
-                    f"force=(times, forces) needs as many forces as times, and times that ascend; "
-                    f"got {len(times)} times and {len(forces)} forces"
-                )
+            forces = finite_array("forces", force[1], shape=times.shape, unit="N")
+            if len(times) == 0 or (np.diff(times) <= 0.0).any():
+                raise InputError(f"force: its times must ascend, one at least, got {times}")
         else:
             times, forces = np.zeros(1), np.array([real("force", force, unit="N")])
-        if math.isinf(self._members[end.body].body.static_mass):
-            called = self._called(end.body)
-            raise InputError(f"{called} is a wall: no force moves it; load another body")
-        self._loads.append(Load(end.body, end.at, times.copy(), forces.copy()))
+        if math.isinf(member.body.static_mass):
+            raise InputError(f"{member.called} is a wall: no force moves it; load another body")
+        self._loads.append(Load(*end, times.copy(), forces.copy()))
 
-    def _known(self, name: str, handle: Any) -> Handle:
+    def _known(self, name: str, handle: Any) -> tuple[int, int]:
+        """Return the body and the port that a handle of this scene stands for."""
         if not isinstance(handle, Handle):
             raise InputTypeError(f"{name} must be a handle that scene.add returned, got {handle!r}")
         if handle.scene != self._mark.name or handle.body >= len(self._members):
@@ -337,18 +334,13 @@ class Scene:
                 f"{name}={handle!r} is of another scene; add the body to this one and take the "
                 "handle that scene.add returns"
             )
-        ports = self._members[handle.body].body.places
-        if not 0 <= handle.at < ports:
+        member = self._members[handle.body]
+        if not 0 <= handle.at < member.body.places:
             raise InputError(
-                f"{name}: {self._called(handle.body)} may be touched in {ports} place(s), there is "
-                f"no port {handle.at}"
+                f"{name}: {member.called} may be touched in {member.body.places} place(s), there "
+                f"is no port {handle.at}"
             )
-        return handle
-
-    def _called(self, body: int) -> str:
-        role = f"body {body}" if self._mark.name else ROLES[body]
-        name = self._members[body].name or self._members[body].body.name
-        return f"{role} ({name})" if name else role
+        return handle.body, handle.at
 
     # ------------------------------------------------------------------- running
 
@@ -434,11 +426,11 @@ class Scene:
             )
         for number, contact in enumerate(() if preload else self._contacts):
             if contact.gap < 0.0:
-                first, second = self._called(contact.first), self._called(contact.second)
+                both = " and ".join(self._members[body].called for body, _ in contact.ports)
                 raise InputError(
-                    f"contact {number}: {first} and {second} overlap by {-contact.gap:g} m at the "
-                    "start; change position or gap, or start with preload=True from the rest that "
-                    "gravity and loads press them to"
+                    f"contact {number}: {both} overlap by {-contact.gap:g} m at the start; change "
+                    "position or gap, or start with preload=True from the rest that gravity and "
+                    "loads press them to"
                 )
         return self._run(plan, duration, quantity, rtol, solver, linear_solver, began)
 
@@ -456,11 +448,8 @@ class Scene:
         if oblique is not None:
             along = oblique.axes[0]
             bodies = tuple(with_tangents(body, oblique.axes) for body in bodies)
-            speeds = tuple(
-                float(along @ of.vector) if of.vector is not None else of.velocity
-                for of in self._members
-            )
-            gravity = gravity if self._falls is None else float(along @ self._falls)
+            speeds = tuple(float(along @ velocity[:3]) for velocity in oblique.velocities)
+            gravity = float(along @ oblique.gravity)
         return Scenario(
             bodies,
             speeds,
@@ -478,8 +467,10 @@ class Scene:
     def _oblique(self) -> Oblique | None:
         """Motion in three directions; None of a scene along one."""
         members, frictions = self._members, [of.friction for of in self._contacts]
-        given = [of for member in members for of in (member.vector, member.spin)]
-        if all(of is None for of in (*given, *frictions, self._falls)):
+        given = [self._falls, *frictions]
+        for member in members:
+            given += [member.vector, member.spin]
+        if not [of for of in given if of is not None]:
             return None
         if None in frictions:
             raise InputError(
@@ -487,21 +478,16 @@ class Scene:
                 "contact needs it; give a coefficient, or friction=0 for smooth surfaces"
             )
         axes = axes_of(
-            [(self._called(body), members[body].body, port) for body, port in contact.ports]
+            [(members[body].called, members[body].body, port) for body, port in contact.ports]
             for contact in self._contacts
         )
-        for body, member in enumerate(members):
+        for member in members:
             if member.spin is not None:
-                refuse_held(self._called(body), member.body)
-        velocities = tuple(
-            np.concatenate(
-                [
-                    of.velocity * axes[0] if of.vector is None else of.vector,
-                    np.zeros(3) if of.spin is None else of.spin,
-                ]
-            )
-            for of in members
-        )
+                refuse_held(member.called, member.body)
+        velocities = []
+        for of in members:
+            moving = of.velocity * axes[0] if of.vector is None else of.vector
+            velocities.append(np.append(moving, np.zeros(3) if of.spin is None else of.spin))
         falls = self.gravity * axes[0] if self._falls is None else self._falls
         return Oblique(axes, velocities, falls)
 
@@ -539,7 +525,7 @@ class Scene:
         foreseen = Foreseen(plan)
         record = foreseen.record(None if duration is None else checked_duration(duration))
         record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
-        names = [self._called(body) for body in range(len(plan.bodies))]
+        names = [member.called for member in self._members]
         tips = [tip for body in plan.bodies for tip in body.tips]
         automatic = any(tip.automatic for tip in tips)
         layered = any(isinstance(tip.thin, Layers) for tip in tips)
