@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 import time as clock
+from collections import Counter
 from functools import partial
 
 from .generate import case_of
 from .judge import Verdict, judged
 from .pool import each
-from .report import counts, reasons, table
 
 # s for one scene: the package's answer may not take longer, nor the oracle on top of it.
 LIMIT = 60.0
@@ -59,26 +59,20 @@ def _scenes(options: argparse.Namespace) -> int:
             verdict = Verdict("hangs", f"{state}: {result}")
         found[seed] = verdict
         if verdict.kind not in ("ok", "warned"):
-            print(f"{seed:7} {verdict.kind:9} {verdict.why[:150]}", flush=True)
+            print(f"{seed:7} {verdict.kind:9} {verdict.why[:200]}", flush=True)
+            for name, text in verdict.details.items():
+                print(f"{'':18}{name}: {text}")
         if len(found) % 100 == 0:
             print(
                 f"... {len(found)} of {len(seeds)}, {clock.monotonic() - begin:.0f} s",
                 file=sys.stderr,
             )
-    report = "\n\n".join(
-        [
-            f"{len(found)} scenes, {clock.monotonic() - begin:.0f} s, way {options.way}",
-            counts(found),
-            reasons(found),
-            table(
-                found, ("wrong", "faulty", "helpless", "refused", "apart", "chaotic", "undecided")
-            ),
-        ]
+    kinds = Counter(verdict.kind for verdict in found.values())
+    print(
+        f"{len(found)} scenes, {clock.monotonic() - begin:.0f} s, way {options.way}: {dict(kinds)}"
     )
-    print(report)
-    refused = sum(verdict.kind == "refused" for verdict in found.values())
     failed = any(verdict.failed for verdict in found.values())
-    return int(failed or refused > MOST_REFUSED * len(found))
+    return int(failed or kinds["refused"] > MOST_REFUSED * len(found))
 
 
 if __name__ == "__main__":

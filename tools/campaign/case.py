@@ -187,11 +187,6 @@ class Case:
     family: str = ""
 
     @property
-    def crowded(self) -> bool:
-        """Whether a body has two contacts or more."""
-        return any(len(self.contacts_of(i)) > 1 for i, b in enumerate(self.bodies) if not b.wall)
-
-    @property
     def crowded_massless(self) -> bool:
         """Whether a massless coordinate has two contacts or more."""
         return any(len(self.contacts_of(i)) > 1 for i, b in enumerate(self.bodies) if b.massless)

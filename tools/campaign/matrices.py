@@ -273,13 +273,9 @@ _SHAPES = (
 
 def _broken(rng: random.Random, matrix: Any) -> Any:
     """A sparse matrix whose arrays do not fit together, as if a program had written to them."""
-    if not sp.issparse(matrix):
+    if not sp.issparse(matrix) or matrix.format not in _INDEX:
         return matrix
     matrix = matrix.copy()
-    if matrix.format == "lil":
-        return _broken_lists(rng, matrix)
-    if matrix.format == "dok":
-        return _broken_keys(rng, matrix)
     names = _INDEX[matrix.format]
     name = rng.choice((*names, *names, "data"))
     array = np.array(getattr(matrix, name))
@@ -327,39 +323,3 @@ def _broken_array(rng: random.Random, way: int, array: Any, *, is_index: bool) -
         np.zeros(0, array.dtype),
     )
     return rng.choice(kinds) if way == 5 else array
-
-
-def _broken_lists(rng: random.Random, matrix: Any) -> Any:
-    row = rng.randrange(len(matrix.rows)) if len(matrix.rows) else 0
-    if not len(matrix.rows):
-        return matrix
-    way = rng.randrange(7)
-    if way == 0:
-        matrix.rows[row] = [*matrix.rows[row], rng.choice(_INDICES)]
-        matrix.data[row] = [*matrix.data[row], 1.0]
-    elif way == 1:
-        matrix.rows[row] = [*matrix.rows[row], 0]
-    elif way == 2:
-        matrix.data[row] = [*matrix.data[row], rng.choice(_NUMBERS)]
-    elif way == 3:
-        matrix.data[row] = rng.choice((None, "x", ["x"], [None], [1j], 3.0))
-    elif way == 4:
-        matrix.rows[row] = rng.choice((None, "x", ["x"], [None], [0.5], 3))
-    elif way == 5:
-        matrix.rows = matrix.rows[:row]
-    else:
-        matrix._shape = rng.choice(((5, 5), (10**9, 10**9), (0, 0), (3, 3)))
-    return matrix
-
-
-def _broken_keys(rng: random.Random, matrix: Any) -> Any:
-    way = rng.randrange(3)
-    if way == 0:
-        key = rng.choice(((-1, 0), (0, 10**9), (0,), (0, 1, 2), "x", (0.5, 1), (None, 0), 2**70))
-        matrix._dict[key] = 1.0
-    elif way == 1:
-        key = (0, 0)
-        matrix._dict[key] = rng.choice((None, "x", 1j, [1.0], *_NUMBERS))
-    else:
-        matrix._shape = rng.choice(((5, 5), (10**9, 10**9), (0, 0), (3, 3)))
-    return matrix
