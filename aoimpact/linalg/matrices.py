@@ -239,8 +239,8 @@ def _checked(name: str, matrix: Any) -> Any:
     """Return a square matrix of float64 whose structure is sound, sparse or dense."""
     if not sp.issparse(matrix):
         matrix = finite_array(name, matrix)
-    elif matrix.dtype.kind not in "iuf":
-        raise InputTypeError(f"{name} must be a matrix of real numbers, got dtype {matrix.dtype}")
+    elif (dtype := getattr(matrix, "dtype", np.dtype(object))).kind not in "iuf":
+        raise InputTypeError(f"{name} must be a matrix of real numbers, got dtype {dtype}")
     else:
         try:
             matrix = _anew(matrix)
@@ -262,17 +262,30 @@ def _anew(matrix: Any) -> Any:
     """
     if matrix.ndim == 2 and matrix.format in _COMPRESSED:
         # In one piece, as the core takes them: A.real of a complex A is every other number.
-        indices, starts = map(np.ascontiguousarray, (matrix.indices, matrix.indptr))
+        indices, starts = map(_integers, (matrix.indices, matrix.indptr))
         if (starts[1:] < starts[:-1]).any():  # SciPy looks only where there are entries
             raise ValueError("indptr must not descend")
         arrays = np.ascontiguousarray(matrix.data, np.float64), indices, starts
         anew = _COMPRESSED[matrix.format](arrays, shape=matrix.shape)
         anew.check_format(full_check=True)
         return anew
+    if matrix.format == "dia":  # SciPy writes outside of memory for others
+        (rows, columns), offsets = matrix.shape, _integers(matrix.offsets)
+        if not all(-rows < offset < columns for offset in offsets):
+            raise ValueError("offsets must be of diagonals that lie within the shape")
+        return sp.dia_array((np.asarray(matrix.data, np.float64), offsets), shape=matrix.shape)
     if matrix.format == "lil" and list(map(len, matrix.rows)) != list(map(len, matrix.data)):
         raise ValueError("rows and data must have lists of the same lengths")
     coo = matrix.tocoo()
-    return sp.coo_array((np.asarray(coo.data, np.float64), coo.coords), shape=coo.shape)
+    coords = tuple(map(_integers, coo.coords))
+    return sp.coo_array((np.asarray(coo.data, np.float64), coords), shape=coo.shape)
+
+
+def _integers(value: Any) -> Any:
+    array = np.ascontiguousarray(value)
+    if array.ndim != 1 or array.dtype.kind not in "iu":
+        raise ValueError(f"indices must be integers along one axis, got {array.dtype}")
+    return array
 
 
 _COMPRESSED = {"csr": sp.csr_array, "csc": sp.csc_array, "bsr": sp.bsr_array}
