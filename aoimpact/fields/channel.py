@@ -57,9 +57,8 @@ class Channel:
     def __post_init__(self) -> None:
         if (self.cfc is None) == (self.corner is None):
             raise InputError(
-                f"give either cfc or corner, got cfc={self.cfc!r} and corner={self.corner!r}: an "
-                "acceleration after an impact has no finite bandwidth, and converges only behind a "
-                "filter such as cfc=1000"
+                f"give either cfc or corner, such as cfc=1000, got cfc={self.cfc!r} and "
+                f"corner={self.corner!r}"
             )
         given = "cfc" if self.corner is None else "corner"
         checked(self, **{given: partial(positive, unit="Hz")})
@@ -124,9 +123,8 @@ def zero_phase(values: FloatArray, channel: Channel, rate: float) -> FloatArray:
 def _check_long_enough(channel: Channel, duration: float) -> None:
     if duration < channel.settling_time:
         raise InputError(
-            f"{channel}: the record of {with_unit(duration, 's')} is shorter than the filter's "
-            f"settling time of {with_unit(channel.settling_time, 's')}; give a longer duration or "
-            "margin, or a higher class"
+            f"{channel}: the record of {with_unit(duration, 's')} is shorter than the settling "
+            f"time, {with_unit(channel.settling_time, 's')}; take a longer one or a higher class"
         )
 
 
@@ -167,8 +165,7 @@ def filtered_acceleration(
     _check_long_enough(channel, duration)
     if duration < 2.0 * channel.settling_time:
         warn(
-            f"{channel}: of the record of {with_unit(duration, 's', 3)} only the first "
-            f"{with_unit(duration - channel.settling_time, 's', 2)} are known behind the filter; "
+            f"{channel}: only {with_unit(duration - channel.settling_time, 's', 2)} are known; "
             f"take a duration of {with_unit(3.0 * channel.settling_time, 's', 2)} or more"
         )
     if duration * channel.pole * _SAMPLES > _MOST:

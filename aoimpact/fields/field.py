@@ -537,7 +537,6 @@ def warn_if_wrong(what: str, times: FloatArray, error: FloatArray | None) -> Non
         return
     first, worst = float(times[int(np.argmax(error > _BADLY_WRONG))]), float(np.nanmax(error))
     warn(
-        f"{what} may be off by {worst:.0%} of the largest, from t = {with_unit(first, 's')} on: "
-        "the model gives the force, but not the free vibration afterwards; give quantity= a motion "
-        f"or stress of the body, or make its model with duration={times[-1]:.2g} and a larger n"
+        f"{what} may be off by {worst:.0%} of the largest, from t = {with_unit(first, 's')} on; "
+        f"give it as quantity=, or make the model with duration={times[-1]:.2g} and a larger n"
     )

