@@ -250,7 +250,7 @@ class Scene:
             raise InputError(
                 f"a and b are both {one.called}: a body cannot touch itself; connect it to another"
             )
-        apart = real("gap", gap, unit="m") + other.position - one.position
+        apart = real("gap", gap, unit="m") + (other.position - one.position)
         return self._join(first, second, law, apart, name, friction=friction)
 
     def _join(
