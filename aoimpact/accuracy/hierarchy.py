@@ -18,9 +18,13 @@ import numpy as np
 
 from ..contact import ContactPoint, moves_rigidly, shortest_contact_time
 from ..linalg import LinearSolver, Solver
-from ..reduction import Body, BodyModel, FullModel, KrylovSpace, rigid
+from ..reduction import Body, BodyModel, FullModel, KrylovSpace, antioscillators, rigid
 
 Models = tuple[Body, ...]
+
+# A body of at most this many dofs is taken whole where more than half of its dofs would be Krylov
+# vectors: all its modes take less time.
+_SMALL_BODY = 1500
 
 # Oscillators of the model by which a body is checked for modes slower than the contact.
 _FEW = 6
@@ -79,12 +83,15 @@ class Hierarchy:
     space : callable or None
         Returns the space that they are made from, made when it is first needed. Once all that the
         ports excite is in it, there are no larger ones.
+    small : bool
+        True of a body that is rather taken whole than by half.
     """
 
     first: int
     most: int
     make: Callable[[int], Body]
     space: Any = None
+    small: bool = False
     _models: dict[int, Body] = field(init=False, default_factory=dict)
     _lock: Any = field(init=False, default_factory=RLock)
 
@@ -105,6 +112,10 @@ class Hierarchy:
     def at_most(self, order: int) -> int:
         """Return the order itself, or the largest that there is, if that is less."""
         return min(order, self.most)
+
+    def larger(self, order: int) -> int:
+        """Return an order so large, or that of the whole body."""
+        return self.most if self.small and 2 * order > self.most else self.at_most(order)
 
     def is_whole(self, order: int) -> bool:
         """True if the model of this order has the body's exact response at its contact."""
@@ -169,7 +180,7 @@ def _of_elements(
         return made
 
     free = moves_rigidly(tip) if single else bool(body.rigid_modes.shape[1])
-    first = 0 if free else 1
+    first, small = 0 if free else 1, single and dofs <= _SMALL_BODY
 
     def make(order: int) -> Body:
         if not single:
@@ -177,9 +188,11 @@ def _of_elements(
             return space().of_all(min(vectors, dofs))
         if order < first:
             return rigid(mass=math.inf, name=tip.name).modal
+        if order == dofs and small:
+            return antioscillators(tip, order="frequency").modal
         return space().of_vectors(order - first)
 
-    return Hierarchy(first, dofs, make, space)
+    return Hierarchy(first, dofs, make, space, small)
 
 
 def _rigid(model: Body) -> Body:

@@ -216,9 +216,11 @@ class _Trials:
         for which, smaller in enumerate(self.smaller[0]):
             alone = (*self.orders[:which], smaller, *self.orders[which + 1 :])
             poor.append(_SHARES[0] * self.apart(alone) > allowed)
-        self.orders = self.at_most(
-            math.ceil(_GROWTH * order) if is_poor or not any(poor) else order
-            for order, is_poor in zip(self.orders, poor, strict=True)
+        self.orders = tuple(
+            [
+                one.larger(math.ceil(_GROWTH * order)) if is_poor or not any(poor) else order
+                for one, order, is_poor in zip(self.hierarchies, self.orders, poor, strict=True)
+            ]
         )
 
     def found(self, rtol: float) -> Orders:
