@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from reprlib import repr as _short
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -259,7 +259,6 @@ def finite_array(
     shape: Sequence[int | None] | None = None,
     unit: str = "",
     most: float = math.inf,
-    order: Literal["C", "K"] = "C",
 ) -> FloatArray:
     """Return `value` as a C-contiguous native float64 array without NaN or infinity.
 
@@ -272,8 +271,6 @@ def finite_array(
         The shape wanted; None stands for any length along that axis.
     most : float, optional
         The largest magnitude that can be computed with.
-    order : {"C", "K"}, optional
-        "K" leaves strides as they are: for large matrices.
 
     Raises
     ------
@@ -288,7 +285,7 @@ def finite_array(
         got = _short(value) if given.ndim == 0 else f"dtype {given.dtype}"
         raise InputTypeError(f"{name} must be an array of real numbers, got {got}")
     with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
-        array = np.asarray(given, dtype=np.float64, order=order)
+        array = np.asarray(given, dtype=np.float64, order="C")
     _check_shape(name, array.shape, shape)
     if array.size and not np.isfinite(array).all():
         bad = np.argwhere(~np.isfinite(array))

@@ -180,17 +180,6 @@ def _kind(name: str) -> str:
     return next((kind for kind, names in _KINDS.items() if re.fullmatch(names, name)), "")
 
 
-def _type(name: str) -> tuple[str | None, int]:
-    """Return meshio's kind of cells of a type in capitals, such as "C3D8R", and its dimension.
-
-    The kind is "" for elements that are only listed, and None for unknown types.
-    """
-    for pattern, kinds, dim in _TYPES:
-        if found := re.fullmatch(pattern, name):
-            return kinds[int(found[1])], dim
-    return ("" if re.fullmatch(_LISTED, name) else None), 0
-
-
 # ----- parts, instances and the assembly
 
 
@@ -262,7 +251,8 @@ class AbaqusDeck:
             if not addition and card.name not in _SECTIONS:
                 continue
             elset = card.options.get("ELSET", elset if addition else "").replace('"', "")
-            for scope in self.whole.placed_as(card.part):
+            placed = [one for one in self.whole.inner.values() if one.part == card.part]
+            for scope in placed if card.part else [self.whole]:
                 of = f"{scope.name}.{elset}" if scope.name else elset
                 name = groups.get(key(of), "")
                 if name not in source.raw.cell_sets:
@@ -576,10 +566,6 @@ class Scope:
         new.places, new.turn = places[:-4], (places[-3:] - places[-4]).T
         return new
 
-    def placed_as(self, part: str) -> list[Scope]:
-        """Return the instances of a part; itself for what belongs to none."""
-        return [one for one in self.inner.values() if one.part == part] if part else [self]
-
     def behind(self) -> dict[Which, int]:
         """Return the numbers, as `first`, that follow those of its nodes and elements."""
         return {which: self.first[which] + len(self.known[which][0]) for which in self.first}
@@ -622,7 +608,12 @@ class Scope:
 
     def _element(self, keyword: Keyword) -> None:
         name = key(keyword.options.get("TYPE", ""))
-        (kind, dim), towards = _type(name), False
+        # A kind of "" is of elements that are only listed, without their nodes.
+        kind, dim, towards = ("" if re.fullmatch(_LISTED, name) else None), 0, False
+        for pattern, kinds, of in _TYPES:
+            if found := re.fullmatch(pattern, name):
+                kind, dim = kinds[int(found[1])], of
+                break
         if kind is None:
             raise keyword.error(f"elements of type {name!r} are not known")
         if self.inner and name.startswith("C3D"):
@@ -723,7 +714,13 @@ class Scope:
             self.missing[f"{which} {options[which]}"] = label
         parts = [found[found >= 0], *(scope._named(which, name, piece) for name in piece.names)]
         if piece.keyword.name == "NSET" and options.get("ELSET"):
-            parts.append(scope._nodes_of(scope._named("ELSET", options["ELSET"], piece), piece))
+            elements = scope._named("ELSET", options["ELSET"], piece)
+            for block, start, nodes in scope.blocks():
+                own = elements[(elements >= start) & (elements < start + len(nodes))] - start
+                if len(own) and not block.kind:
+                    why = f"nodes of elements of type {block.type} are not read"
+                    raise piece.keyword.error(why)
+                parts.append(nodes[own].ravel())
         return raw.joined(parts)
 
     def _numbered(self, which: Which, labels: IntArray) -> IntArray:
@@ -752,16 +749,6 @@ class Scope:
         if rest and scope is None:
             why = f", and no instance {outer}; in a deck without parts give the numbers alone"
         raise piece.keyword.error(f"there is no {which} {name}{why}")
-
-    def _nodes_of(self, elements: IntArray, piece: _Piece) -> IntArray:
-        """Return the numbers of the nodes of elements, both among those of all scopes."""
-        found = []
-        for block, start, nodes in self.blocks():
-            own = elements[(elements >= start) & (elements < start + len(nodes))] - start
-            if len(own) and not block.kind:
-                raise piece.keyword.error(f"nodes of elements of type {block.type} are not read")
-            found.append(nodes[own].ravel())
-        return raw.joined(found)
 
 
 # Keywords that are read, and their options.

@@ -283,7 +283,10 @@ def read_keywords(main: Path) -> list[Keyword]:
         for start, stop in pairwise([-1, *starts, len(lines)]):
             after = 0
             if start >= 0:
-                text, after = _joined(lines, start, stop)
+                text, after = lines[start].strip(), start + 1
+                while text.endswith(",") and after < stop:  # it goes on in the next line
+                    line, after = lines[after].strip(), after + 1
+                    text += "" if line[:2] == "**" else line or " "
                 name, *given = fields(text[1:]) or [""]
                 keyword = Keyword(key(name), given, file, start + 1, len(found))
                 if keyword.name == "INCLUDE":
@@ -308,14 +311,3 @@ def read_keywords(main: Path) -> list[Keyword]:
 def _texts(lines: list[str]) -> list[str]:
     """Return data lines, without blanks at their ends, comments and empty lines."""
     return [text for line in lines if (text := line.strip()) and text[:2] != "**"]
-
-
-def _joined(lines: list[str], start: int, stop: int) -> tuple[str, int]:
-    """Return the line of a keyword with its continuation, and the number of the line after it."""
-    text, after = lines[start].strip(), start + 1
-    while text.endswith(",") and after < stop:
-        line = lines[after].strip()
-        after += 1
-        if line[:2] != "**":
-            text += line or " "
-    return text, after

@@ -84,17 +84,7 @@ def read(file: Path) -> RawMesh:
     types = {
         name: _text(attributes.get("elem_type", b"")) for name, (_, attributes) in found.items()
     }
-    return _mesh({name: values for name, (values, _) in found.items()}, types)
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, np.ndarray):
-        value = value.astype("S").tobytes()
-    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
-    return text.partition("\0")[0].strip()
-
-
-def _mesh(arrays: dict[str, Any], types: dict[str, str]) -> RawMesh:
+    arrays = {name: values for name, (values, _) in found.items()}
     axes = [arrays[f"coord{x}"] for x in "xyz" if f"coord{x}" in arrays]
     nodes = np.array(arrays.get("coord", axes), dtype=np.float64).T
     if nodes.ndim != 2 or nodes.shape[1] != 3:
@@ -128,6 +118,13 @@ def _mesh(arrays: dict[str, Any], types: dict[str, str]) -> RawMesh:
     return RawMesh(
         nodes, blocks, node_sets, cell_sets, raw.labels_of(arrays, "node_num_map", len(nodes))
     )
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        value = value.astype("S").tobytes()
+    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    return text.partition("\0")[0].strip()
 
 
 def _names(arrays: dict[str, Any], prefix: str, what: str, members: str) -> list[str]:

@@ -73,7 +73,12 @@ class RawMatrix:
         shape = (self.size, self.size)
         matrix = sp.csr_array(sp.coo_array((self.values, (self.rows, self.cols)), shape=shape))
         if self.unique and matrix.nnz < len(self.values):
-            raise self._there_twice()
+            order = np.lexsort((self.cols, self.rows))
+            rows, cols = self.rows[order], self.cols[order]
+            first = int(np.flatnonzero((np.diff(rows) == 0) & (np.diff(cols) == 0))[0])
+            row, column = (at(self.labels, int(of[first])) for of in (rows, cols))
+            why = f"the entry of {row} and {column} is there twice: are two files joined in it?"
+            raise spoilt(self.file, why, self.line(int(order[first + 1])))
         there = matrix.astype(bool)
         there.data[:] = True  # entries that are 0 are there as well
         paired = there.multiply(there.T).nnz - int(there.diagonal().sum())
@@ -87,17 +92,6 @@ class RawMatrix:
             lack = f"{off - paired} of {off} entries lack the transposed one"
             raise spoilt(self.file, f"{lack}: is the file cut short?")
         return matrix
-
-    def _there_twice(self) -> InputError:
-        order = np.lexsort((self.cols, self.rows))
-        rows, cols = self.rows[order], self.cols[order]
-        first = int(np.flatnonzero((np.diff(rows) == 0) & (np.diff(cols) == 0))[0])
-        row, column = (at(self.labels, int(of[first])) for of in (rows, cols))
-        return spoilt(
-            self.file,
-            f"the entry of {row} and {column} is there twice: are two files or steps joined in it?",
-            self.line(int(order[first + 1])),
-        )
 
 
 def at(labels: IntArray | None, row: int) -> str:

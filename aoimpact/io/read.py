@@ -36,7 +36,6 @@ from ..mesh import (
     of_second_order,
     reference_element,
     renumbered,
-    replace_nodes,
     right_handed,
     select,
 )
@@ -147,7 +146,11 @@ def read_for(
     if order is not None and not (isinstance(order, (int, np.integer)) and order == 2):
         raise InputError(f"order must be 2 or None, got {order!r}")
     if isinstance(source, Mesh):
-        mesh = source if factor == 1.0 else replace_nodes(source, _scaled(source.nodes, factor))
+        mesh = source
+        if factor != 1.0:
+            cells: Any = [(block.kind, block.cells) for block in source.blocks]
+            with np.errstate(over="ignore"):
+                mesh = replace(source, nodes=source.nodes * factor, cells=cells, kind="mixed")
     elif isinstance(source, (str, os.PathLike)):
         raw = load(source)
         try:
@@ -175,7 +178,8 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     used = np.zeros(len(raw.nodes), dtype=bool)
     for _, cells, _ in solids:
         used[cells] = True
-    nodes = _scaled(_coordinates(raw.nodes, used), factor)[used]
+    with np.errstate(over="ignore"):  # `Mesh` refuses what is not finite
+        nodes = (_coordinates(raw.nodes, used) * factor)[used]
     dropped = np.flatnonzero(~used[:given])
     if len(dropped):
         first = int(dropped[0])
@@ -295,11 +299,6 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
         if len(ids) and not 0 <= ids[0] <= ids[-1] < len(raw.nodes):
             raise MeshError(f"the group {name!r} of the mesh has nodes that are not there")
     return {name: ids.astype(np.int64) for name, ids in sets.items()}
-
-
-def _scaled(nodes: FloatArray, factor: float) -> FloatArray:
-    with np.errstate(over="ignore"):  # `Mesh` refuses what is not finite
-        return nodes * factor
 
 
 def _coordinates(points: Any, used: npt.NDArray[np.bool_]) -> FloatArray:

@@ -138,7 +138,11 @@ def from_meshio(mesh: Any) -> RawMesh:
     blocks = tuple(RawBlock(str(block.type), np.asarray(block.data)) for block in mesh.cells)
     first = RawMesh(mesh.points, blocks).first
     try:
-        node_sets = grouped((str(name), _indices(of)) for name, of in _point_groups(mesh))
+        nodes = [*mesh.point_sets.items()]
+        if (tags := mesh.point_data.get("point_tags")) is not None:  # MED's
+            for tag, names in getattr(mesh, "point_tags", {}).items():
+                nodes += [(name, tags == tag) for name in names]
+        node_sets = grouped((str(name), _indices(of)) for name, of in nodes)
         cell_sets = grouped(
             (str(name), first[i] + np.arange(len(blocks[i].cells))[_indices(members)])
             for name, i, members in _cell_groups(mesh, blocks)
@@ -146,14 +150,6 @@ def from_meshio(mesh: Any) -> RawMesh:
     except (ValueError, TypeError, LookupError, OverflowError, AttributeError) as error:
         raise MeshError(f"the named groups of the mesh are wrong: {error}") from None
     return RawMesh(mesh.points, blocks, node_sets, cell_sets)
-
-
-def _point_groups(mesh: Any) -> Iterator[tuple[str, npt.NDArray[Any]]]:
-    yield from mesh.point_sets.items()
-    if (tags := mesh.point_data.get("point_tags")) is not None:
-        for tag, names in getattr(mesh, "point_tags", {}).items():  # MED's
-            for name in names:
-                yield name, tags == tag
 
 
 def _cell_groups(

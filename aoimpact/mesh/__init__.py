@@ -27,7 +27,6 @@ from .mesh import (
     group,
     jacobian_range,
     renumbered,
-    replace_nodes,
     right_handed,
     select,
     taken,

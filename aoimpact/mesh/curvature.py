@@ -17,7 +17,7 @@ import numpy.typing as npt
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray, Frozen, InputError, IntArray, plain, positive
+from ..base import FloatArray, Frozen, InputError, IntArray, plain
 from .surface import SHARP, Surface, plane_of
 
 # Cosine of 75°: beyond it the edge between two faces is sharp for certain; up to it the body may be
@@ -98,9 +98,7 @@ class SurfaceShape(Frozen):
         return replace(self, normal=turned[0], curvatures=turned[1], directions=np.array(turned[2]))
 
 
-def surface_shape(
-    surface: Surface, point: FloatArray, *, reach: float | None = None
-) -> SurfaceShape:
+def surface_shape(surface: Surface, point: FloatArray) -> SurfaceShape:
     """Return the shape of a surface at a point, from the nodes around it.
 
     Nodes beyond a sharp edge (45°) do not count. The middle nodes of straight edges do not either:
@@ -110,9 +108,6 @@ def surface_shape(
     ----------
     point : ndarray, shape (3,)
         On the surface, m; the nearest point on it is taken.
-    reach : float, optional
-        How far nodes are taken from, m. By default the one, of some elements, that leaves the
-        least error.
 
     Raises
     ------
@@ -131,13 +126,9 @@ def surface_shape(
     if normal is None:
         why = f"point {plain(here)} m is on a sharp edge of the mesh, without a curvature"
         raise InputError(f"{why}. Choose one inside a face, or refine a round body there")
-    if reach is None:
-        flat = _flat(surface, start, here, normal)
-        if flat is not None:
-            return flat
-        reaches = np.array(_REACHES) * _spacing(surface, start)
-    else:
-        reaches = np.array([positive("reach", reach, unit="m")])
+    if (flat := _flat(surface, start, here, normal)) is not None:
+        return flat
+    reaches = np.array(_REACHES) * _spacing(surface, start)
     region = _region(surface, start, here, normal, float(reaches[-1]))
     reaches = np.unique(np.minimum(reaches, region.distance.max()))
     counts = [int((region.distance <= length).sum()) for length in reaches]
@@ -149,7 +140,15 @@ def surface_shape(
         )
     reaches = reaches[(reaches <= region.limit) | (reaches == reaches[0])]
     normal = _fitted(region, here, normal, float(reaches[0])).normal
-    best = _best([_fitted(region, here, normal, float(length)) for length in reaches])
+    shapes = [_fitted(region, here, normal, float(length)) for length in reaches]
+    best = shapes[0]
+    for i, shape in enumerate(shapes):  # the least error that agrees with every fit of less reach
+        agrees = all(
+            np.abs(shape.curvatures - other.curvatures).max() <= shape.error + other.error
+            for other in shapes[:i]
+        )
+        if agrees and shape.error < best.error:
+            best = shape
     small, large = np.sort(np.abs(best.curvatures))
     if small > _ONE_WAY * large:
         return best
@@ -183,19 +182,6 @@ def _doubt(bends: FloatArray, reach: float) -> float:
     """Return the curvature, 1/m, that the edges within reach have if they are no edges."""
     turn = bends[bends[:, 0] <= reach, 1]
     return float(turn.max(initial=0.0)) / reach
-
-
-def _best(shapes: list[SurfaceShape]) -> SurfaceShape:
-    """Return the fit of the least error among those that agree with every fit of less reach."""
-    best = shapes[0]
-    for i, shape in enumerate(shapes):
-        agrees = all(
-            np.abs(shape.curvatures - other.curvatures).max() <= shape.error + other.error
-            for other in shapes[:i]
-        )
-        if agrees and shape.error < best.error:
-            best = shape
-    return best
 
 
 def _spacing(surface: Surface, face: IntArray) -> float:

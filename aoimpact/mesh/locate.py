@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import ROUNDING, FloatArray, InputError, IntArray, plain
-from .elements import ReferenceElement
 from .mesh import Mesh
 
 # Distance from a node, as a fraction of the body's size, within which a point is that node.
@@ -50,7 +49,15 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
         block = next(of for of in mesh.blocks if cell < of.numbers.stop)
         element, members = block.element, block.cells[cell - block.first]
         corners = mesh.nodes[members]
-        place = element.cell.inside(np.clip(_reference_place(element, corners, point), 0.0, 1.0))
+        place = element.nodes[: element.n_corners].mean(axis=0)
+        for _ in range(_MOST_STEPS):  # Newton's method, not far outside the element
+            miss = point - element.shape(place[None])[0] @ corners
+            jacobian = corners.T @ element.gradient(place[None])[0]
+            ahead = np.clip(place + np.linalg.lstsq(jacobian, miss)[0], -1.0, 2.0)
+            if np.abs(ahead - place).max() <= _LAST_STEP:
+                break
+            place = ahead
+        place = element.cell.inside(np.clip(place, 0.0, 1.0))
         shape = element.shape(place[None])[0]
         size = np.linalg.norm(np.ptp(corners, axis=0))
         off = float(np.linalg.norm(shape @ corners - point) / size)
@@ -101,20 +108,3 @@ def _nearest(nodes: FloatArray, point: FloatArray) -> tuple[int, str]:
     node = int(np.argmin(distance))
     place = plain(nodes[node])
     return node, f"the nearest node is {node} at {place} m, {distance[node]:.3g} m away"
-
-
-def _reference_place(
-    element: ReferenceElement, corners: FloatArray, point: FloatArray
-) -> FloatArray:
-    """Solve Σ φ_a(ξ) x_a = point by Newton's method, not far outside the element."""
-    middle = element.nodes[: element.n_corners].mean(axis=0)
-    place: FloatArray = middle
-    for _ in range(_MOST_STEPS):
-        miss = point - element.shape(place[None])[0] @ corners
-        jacobian = corners.T @ element.gradient(place[None])[0]
-        step = np.linalg.lstsq(jacobian, miss)[0]
-        ahead = np.clip(place + step, -1.0, 2.0)
-        if np.abs(ahead - place).max() <= _LAST_STEP:
-            break
-        place = ahead
-    return place

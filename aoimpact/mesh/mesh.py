@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -290,12 +290,6 @@ def renumbered(sets: Mapping[str, IntArray], number: IntArray) -> dict[str, IntA
     """Return sets by new numbers, -1 for members that are gone, without those that are empty."""
     new = {name: number[ids] for name, ids in sets.items()}
     return {name: ids[ids >= 0] for name, ids in new.items() if (ids >= 0).any()}
-
-
-def replace_nodes(mesh: Mesh, nodes: FloatArray) -> Mesh:
-    """Return the same mesh with its nodes elsewhere."""
-    blocks: Any = [(block.kind, block.cells) for block in mesh.blocks]
-    return replace(mesh, nodes=nodes, cells=blocks, kind="mixed")
 
 
 def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import aoimpact as ao
-from aoimpact.mesh import KINDS, Mesh, SurfaceShape, boundary, box_mesh, sphere_mesh, surface_shape
+from aoimpact.mesh import KINDS, Mesh, SurfaceShape, boundary, box_mesh, surface_shape
 
 FloatArray = npt.NDArray[np.float64]
 Surface = Callable[[FloatArray, FloatArray], FloatArray]
@@ -258,14 +258,3 @@ def test_nodes_beyond_a_sharp_edge_do_not_count() -> None:
     assert np.abs(at.curvatures - [1.0, 0.0]).max() < at.error < 0.02
     with pytest.raises(ao.InputError, match=r"^point"):
         surface_shape(boundary(box_mesh((1, 1, 1), (4, 4, 4))), np.array([1.0, 0.5, 1.0]))
-
-
-def test_reach() -> None:
-    surface = boundary(sphere_mesh(1.0, 0.25))
-    at = surface_shape(surface, np.array([0.0, 0.0, 1.0]), reach=0.5)
-    assert at.reach == 0.5
-    assert np.abs(at.curvatures - 1.0).max() < at.error
-    with pytest.raises(ao.InputError, match=r"^reach"):
-        surface_shape(surface, np.array([0.0, 0.0, 1.0]), reach=0.0)
-    with pytest.raises(ao.InputError, match=r"^point"):
-        surface_shape(surface, np.array([0.0, 0.0, 1.0]), reach=0.01)
