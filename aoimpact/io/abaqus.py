@@ -357,35 +357,24 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     # In a body of shells and beams nothing else with a shape is part of it.
     solid = any(block.dim == 3 for block in deck.blocks)
     kinds = [block.kind if block.dim or solid else "" for block in deck.blocks]
-    sizes = [len(block.labels) for block in deck.blocks]
-    dims, types, unread = (
-        np.repeat(np.array(of, kind), sizes)
-        for of, kind in (
-            ([block.dim for block in deck.blocks], int),
-            ([block.type for block in deck.blocks], str),
-            ([not kind for kind in kinds], bool),
-        )
-    )
+    of = np.repeat(np.arange(len(kinds)), [len(block.labels) for block in deck.blocks])
+    dims = np.array([block.dim for block in deck.blocks], dtype=int)[of]
+    unread = np.array([not kind for kind in kinds], dtype=bool)[of]
     node_sets, cell_sets = _named(whole)
     left_out = {}
     for name, own in cell_sets.items():
         others = own[dims[own] != 3 if (dims[own] == 3).any() else unread[own]]
         if len(others) and name not in {body.name for body in bodies}:
-            left_out[name] = raw.listed(types[others].tolist())
+            left_out[name] = raw.listed(deck.blocks[i].type for i in of[others].tolist())
     _warn(file, deck, {of.type for of, kind in zip(deck.blocks, kinds, strict=True) if kind})
     places = np.concatenate([body.places for body in bodies])
-    return raw.RawMesh(
-        places,
-        tuple(
-            raw.RawBlock(kind or "other", nodes[:, _ORDERS.get(kind, slice(None))], block.labels)
-            for kind, (block, _, nodes) in zip(kinds, every, strict=True)
-        ),
-        {name: members[members < len(places)] for name, members in node_sets.items()},
-        cell_sets,
-        raw.joined(body.known["NSET"][0] for body in bodies),
-        left_out,
-        deck,
+    blocks = tuple(
+        raw.RawBlock(kind or "other", nodes[:, _ORDERS.get(kind, slice(None))], block.labels)
+        for kind, (block, _, nodes) in zip(kinds, every, strict=True)
     )
+    node_sets = {name: own[own < len(places)] for name, own in node_sets.items()}
+    labels = raw.joined(body.known["NSET"][0] for body in bodies)
+    return raw.RawMesh(places, blocks, node_sets, cell_sets, labels, left_out, deck)
 
 
 def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
@@ -811,10 +800,8 @@ class _Section:
         if own is None:
             raise self.card.error(f"there is no *MATERIAL {name!r}")
         if missing := {"ELASTIC", "DENSITY"}.difference(own):
-            raise own["MATERIAL"].error(
-                f"{name} has no *{min(missing)}; write it, or give read_sections(given="
-                f"{{{name!r}: Material(...)}})"
-            )
+            give = f"read_sections(given={{{name!r}: Material(...)}})"
+            raise own["MATERIAL"].error(f"{name} has no *{min(missing)}; write it, or give {give}")
         if left := [f"*{each}" for each in own if _kind(each) == "inelastic"]:
             self.source.left_out.append(f"{name} is elastic, without its {', '.join(left)}")
         own["DENSITY"].check_options()

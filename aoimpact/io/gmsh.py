@@ -350,14 +350,10 @@ def _mesh(
         first += len(cells)
     for name, count in Counter(names.values()).items():
         if count > 1:
-            warn(
-                f"{count} physical groups are called {name!r}: its set of nodes has those of all. "
-                "Give groups of different dimensions different names"
-            )
+            why = f"{count} physical groups are called {name!r}: its nodes are those of all"
+            warn(f"{why}. Give groups of different dimensions different names")
     sets = raw.grouped(groups)
     if missing := [repr(name) for name in names.values() if name not in sets]:
-        warn(
-            f"groups without elements in the file: {', '.join(missing)}. Files of version 2.2 "
-            "have none where all elements are saved (SaveAll): save it as version 4.1"
-        )
+        why = f"groups without elements in the file: {', '.join(missing)}"
+        warn(f"{why}. Save it as version 4.1, or without SaveAll")
     return RawMesh(places, tuple(blocks), {}, sets, tags)

@@ -150,9 +150,9 @@ def read_matrices(
     with naming("dofs"):
         labels = _given_labels(dofs, stiffness, inertia)
     with naming(called):
-        pair = _without_held(_joined(stiffness, inertia, labels))
         only = nodes is None and mesh is None
-        stiff, heavy, labels = _condensed(_scaled(pair, *units), rotations=only)
+        pair = _free(*_joined(stiffness, inertia, labels), *units)
+        stiff, heavy, labels = _condensed(*pair, rotations=only)
     places: Places | None = None
     from_file = isinstance(mesh, (str, os.PathLike))
     with naming("nodes"):
@@ -250,23 +250,18 @@ def load_matrices(file: Path) -> list[RawMatrix]:
 
 def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
     """Return the matrices that are meant, of the files' ones."""
-    files: list[Path] = []
-    wanted = []
+    read: dict[Path, list[RawMatrix]] = {}
+    found: list[RawMatrix] = []
     for role, given in (("K", K), ("M", M)):
         if isinstance(given, tuple) and (len(given) != 2 or not isinstance(given[1], str)):
             raise InputTypeError(f"{role} must be a path, or (path, name of the matrix)")
         given, name = given if isinstance(given, tuple) else (given, "")
-        files.append(files[0] if given is None and files else file_path(role, given))
-        wanted.append(name.strip().upper())
-    read = {}
-    for role, file in zip("KM", files, strict=True):
+        file = found[0].file if given is None and found else file_path(role, given)
         if file not in read:
             with naming(role):
                 read[file] = load_matrices(file)
-    first, second = (
-        _named(role, file, read[file], name)
-        for role, file, name in zip("KM", files, wanted, strict=True)
-    )
+        found.append(_named(role, file, read[file], name.strip().upper()))
+    first, second = found
     if first is second:
         raise InputError(f"K and M are one matrix of file {str(first.file)!r}; give M its own")
     return first, second
@@ -307,14 +302,8 @@ def _given_labels(dofs: Any, stiffness: RawMatrix, inertia: RawMatrix) -> IntArr
     found = read_dofs(dofs)
     if len(found) != stiffness.size:
         source = repr(str(dofs)) if isinstance(dofs, (str, os.PathLike)) else "the array"
-        short = source
-        if stiffness.size < len(found):
-            end = stiffness.line(len(stiffness.values) - 1)
-            short = repr(str(stiffness.file)) + (f", which ends with line {end}," if end else "")
-        raise InputError(
-            f"dofs: {source} has {len(found)} dofs, but {stiffness.called} {stiffness.size} rows: "
-            f"is {short} cut short?"
-        )
+        of = f"{stiffness.called} {stiffness.size} rows"
+        raise InputError(f"dofs: {source} has {len(found)} dofs, {of}: is one cut short?")
     return checked_labels(found, len(found))
 
 
@@ -353,59 +342,48 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
     return K, M, labels
 
 
-def _kept(pair: _Pair, rows: Any) -> _Pair:
-    K, M, labels = pair
-    if rows.all():
-        return pair
+def _kept(K: Any, M: Any, labels: IntArray | None, rows: Any) -> _Pair:
     return K[rows][:, rows], M[rows][:, rows], None if labels is None else labels[rows]
 
 
-def _without_held(pair: _Pair) -> _Pair:
-    """Leave out dofs that are constrained, and those with neither stiffness nor mass."""
-    K, M, _ = pair
+def _free(K: Any, M: Any, labels: IntArray | None, length: float, mass: float) -> _Pair:
+    """Return both in SI units, without dofs that are held, or have neither stiffness nor mass."""
     # Rows with NaN are neither held nor empty: the body refuses them.
     keep = ~((K.diagonal() >= _HOLDING) | ((abs(K) + abs(M)).sum(axis=1) == 0.0))
     if not keep.any():
         raise InputError("no dof has stiffness or mass and is free to move")
-    return _kept(pair, keep)
-
-
-def _scaled(pair: _Pair, length: float, mass: float) -> _Pair:
-    """Return K and M in SI units: rotations belong to moments, of one length more."""
-    K, M, labels = pair
-    if labels is not None and (labels[:, 1] > 3).any():
+    if not keep.all():
+        K, M, labels = _kept(K, M, labels, keep)
+    if labels is not None:  # rotations belong to moments, of one length more
         D = sp.diags_array(np.where(labels[:, 1] > 3, length, 1.0))
         K, M = D @ K @ D, D @ M @ D
     return sp.csr_array(mass * K), sp.csr_array(mass * M), labels
 
 
-def _condensed(pair: _Pair, *, rotations: bool) -> _Pair:
+def _condensed(K: Any, M: Any, labels: IntArray | None, *, rotations: bool) -> _Pair:
     """Condense inner dofs without mass: K_aa - K_ai K_ii⁻¹ K_ia, which is exact.
 
     Larger models keep these dofs; then no coordinates are known of their rows. Rotations are inner
     dofs if `rotations`, and else kept.
     """
-    K, M, labels = pair
     light = abs(M).sum(axis=1) == 0.0
     inner = np.zeros_like(light)
     if labels is not None:
         inner = (labels[:, 0] <= 0) | (labels[:, 1] > 3)
         light &= rotations | (labels[:, 1] <= 3)
     if not light.any() or (~light).sum() > _CONDENSED:
-        return pair
+        return K, M, labels
     if (light & ~inner).any():
-        raise InputError(
-            f"{light.sum()} of {len(light)} dofs have no mass, the first is "
-            f"{at(labels, int(np.flatnonzero(light)[0]))}: is M cut short, or lumped? Write a "
-            "consistent mass matrix"
-        )
+        first = at(labels, int(np.flatnonzero(light)[0]))
+        why = f"{light.sum()} of {len(light)} dofs have no mass, the first is {first}"
+        raise InputError(f"{why}: is M cut short? Write a consistent mass matrix")
     across = K[light][:, ~light].toarray()
     try:
         solved = factorize(K[light][:, light], what="K of the dofs without mass").solve(across)
     except SingularError as error:
         why = f"{light.sum()} dofs without mass cannot be condensed ({error})"
         raise InputError(f"{why}; model without multipliers, as of couplings") from None
-    K, M, labels = _kept(pair, ~light)
+    K, M, labels = _kept(K, M, labels, ~light)
     full = K.toarray() - across.T @ solved
     return sp.csr_array(0.5 * (full + full.T)), M, labels
 

@@ -192,24 +192,6 @@ def _counted(bulk: BulkData, *patterns: re.Pattern[str]) -> str:
     return listed({name: len(bulk.names[name]) for name in fits})
 
 
-def nastran_nodes(file: Path) -> tuple[IntArray, FloatArray]:
-    """Return labels and basic coordinates of the nodes, whose displacements have basic axes.
-
-    Raises
-    ------
-    MeshError
-        As for `read`, or if a node has displacements in other axes (CD).
-    """
-    grids = Grids.of(read_deck(file)[1])
-    nodes = grids.coordinates()
-    for system, own in grids.by_system(np.maximum(grids.output_systems, 0), grids.table):
-        turned = np.abs(system.directions(nodes[own]) - np.eye(3)).max(axis=(1, 2)) > _TURNED
-        for row in own[turned][:1].tolist():
-            why = f"node {grids.labels[row]} has displacements in another system (CD)"
-            raise grids.table.refused(row, f"{why}; write K with CD = 0")
-    return grids.labels, nodes
-
-
 # ----------------------------------------------------------------------------------- elements
 
 
@@ -359,6 +341,14 @@ class Grids:
         for label in np.unique(systems).tolist():
             own = np.flatnonzero(systems == label)
             yield self.axes(label, partial(of.refused, int(own[0]))), own
+
+    def check_output(self, nodes: FloatArray) -> None:
+        """Refuse nodes whose displacements have other axes (CD) than x, y and z."""
+        for system, own in self.by_system(np.maximum(self.output_systems, 0), self.table):
+            turned = np.abs(system.directions(nodes[own]) - np.eye(3)).max(axis=(1, 2)) > _TURNED
+            for row in own[turned][:1].tolist():
+                why = f"node {self.labels[row]} has displacements in another system (CD)"
+                raise self.table.refused(row, f"{why}; write K with CD = 0")
 
     def coordinates(self) -> FloatArray:
         """Return basic coordinates of all nodes, shape (n, 3)."""

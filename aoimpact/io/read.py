@@ -274,10 +274,8 @@ def _warn_of_sections(raw: RawMesh, body: list[Solids], named: bool) -> None:
     if raw.deck is None or not thin:
         return
     if raw.deck.sections and not named:
-        warn(
-            f"sections of the deck are not part of a mesh ({raw.deck.sections}): "
-            "FEModel.from_mesh has them only if those of read_sections(path) are given to it"
-        )
+        why = f"sections of the deck ({raw.deck.sections}) are not part of a mesh"
+        warn(f"{why}: give those of read_sections(path) to FEModel.from_mesh")
     lines = raw.dims == 1
     lines[np.concatenate([numbers for *_, numbers in body])] = False
     if count := int(lines.sum()):

@@ -167,7 +167,5 @@ def _refuse_turned(raw: RawMesh, found: Mapping[str, OneMaterial], where: str) -
         turned[raw.first[i] : raw.first[i + 1]] = own
     for name in sided:
         if turned[raw.cell_sets[name]].any():
-            raise MeshError(
-                f"{where}: elements of {name!r} have normals against those of their neighbours, "
-                "and its offset or plies are those of one side; turn them in the mesher"
-            )
+            why = f"{where}: elements of {name!r} lie against their neighbours"
+            raise MeshError(f"{why}, and its plies are of one side; turn them in the mesher")

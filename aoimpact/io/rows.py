@@ -21,7 +21,7 @@ from ..base import (
 from .abaqusdeck import looks_like_inp
 from .load import existing, load
 from .matrix import spoilt
-from .nastran import nastran_nodes
+from .nastran import NastranDeck
 from .nastrandeck import is_nastran
 from .raw import number
 from .read import read_mesh
@@ -95,17 +95,17 @@ def read_places(nodes: Any) -> Places:
     file = file_path("nodes", nodes)
     content = existing("mesh file", file)
     head = content[:4096]
-    if looks_like_inp(head) or (file.suffix.lower() == ".inp" and head.lstrip()[:1] == b"*"):
+    inp = looks_like_inp(head) or (file.suffix.lower() == ".inp" and head.lstrip()[:1] == b"*")
+    if inp or (b"\0" not in head and is_nastran(content)):
         with held_warnings():  # of elements, which do not matter here
             raw = load(file)
-        if not len(raw.nodes):
+        if isinstance(raw.deck, NastranDeck):
+            raw.deck.grids.check_output(raw.nodes)
+        if raw.node_labels is None or not len(raw.nodes):
             raise spoilt(file, "it has no nodes")
-        return _labelled(f"nodes {str(file)!r}", np.column_stack([raw.node_labels, raw.nodes]))  # type: ignore[list-item]
-    if b"\0" not in head:
-        if is_nastran(content):
-            return nastran_nodes(file)
-        if (table := _lines(file)) is not None:
-            return _labelled(f"nodes {str(file)!r}", table)
+        return _labelled(f"nodes {str(file)!r}", np.column_stack([raw.node_labels, raw.nodes]))
+    if b"\0" not in head and (table := _lines(file)) is not None:
+        return _labelled(f"nodes {str(file)!r}", table)
     mesh = read_mesh(file)
     return np.arange(1, mesh.n_nodes + 1), mesh.nodes
 

@@ -134,10 +134,8 @@ def surface_shape(surface: Surface, point: FloatArray) -> SurfaceShape:
     counts = [int((region.distance <= length).sum()) for length in reaches]
     reaches = reaches[np.array(counts) >= _LEAST]
     if not len(reaches):
-        raise InputError(
-            f"point {plain(here)} m: only {counts[-1]} nodes of the surface lie around it before "
-            f"its edges, and its curvature needs {_LEAST}. Refine the mesh there, or give law"
-        )
+        why = f"point {plain(here)} m: only {counts[-1]} nodes lie around it before its edges"
+        raise InputError(f"{why}, not {_LEAST}. Refine the mesh there, or give law")
     reaches = reaches[(reaches <= region.limit) | (reaches == reaches[0])]
     normal = _fitted(region, here, normal, float(reaches[0])).normal
     shapes = [_fitted(region, here, normal, float(length)) for length in reaches]

@@ -242,22 +242,16 @@ def group(mesh: Mesh, name: str, wanted: Any) -> IntArray:
     """Return the numbers of the elements of a named group; `name` is the argument's."""
     text(name, wanted)
     if other := called(wanted, mesh.left_out):
-        raise InputError(
-            f"{name}: the group {wanted!r} also holds {mesh.left_out[other]}, which are no solids. "
-            "Name groups of solids alone"
-        )
+        why = f"{name}: the group {wanted!r} also holds {mesh.left_out[other]}"
+        raise InputError(f"{why}. Name groups of solids alone")
     found = called(wanted, mesh.cell_sets)
     if found is None:
         known = ", ".join(map(repr, mesh.cell_sets)) or "none"
         if called(wanted, mesh.node_sets):
-            raise InputError(
-                f"{name}: {wanted!r} is a set of nodes of this mesh. If it is a group of shells or "
-                "beams in the file, name all groups of the body in read_mesh(path, part=)"
-            )
-        raise InputError(
-            f"{name}: the mesh has no group of elements {wanted!r}"
-            f"{nearest(wanted, mesh.cell_sets)}. It has {known}"
-        )
+            why = f"{name}: {wanted!r} is a set of nodes of this mesh"
+            raise InputError(f"{why}. Name groups of shells and beams in read_mesh(path, part=)")
+        why = f"{name}: the mesh has no group of elements {wanted!r}"
+        raise InputError(f"{why}{nearest(wanted, mesh.cell_sets)}. It has {known}")
     return mesh.cell_sets[found]
 
 
@@ -362,11 +356,8 @@ def _check_elements(
     same = np.flatnonzero((corners[order[1:]] == corners[order[:-1]]).all(axis=1))
     if len(same):  # stiffness and mass would count twice
         earlier, later = order[same[0]], order[same[0] + 1]
-        raise MeshError(
-            f"{len(same)} of {len(cells)} elements are there twice, on the same corners in any "
-            f"order: element {element(later)} repeats element {element(earlier)}, with nodes "
-            f"{nodes_of(earlier)}. Remove them in the mesher (a volume in two groups, or copied)"
-        )
+        two = f"element {element(later)} repeats {element(earlier)}, nodes {nodes_of(earlier)}"
+        raise MeshError(f"{len(same)} of {len(cells)} elements are there twice: {two}. Remove them")
     repeats = (corners[:, 1:] == corners[:, :-1]).any(axis=1)
     if block.element.thin:
         flat, inverted = _misshapen(nodes[cells])

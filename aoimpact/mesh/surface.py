@@ -441,11 +441,8 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
     apart = count[one] != count[other]
     if apart.any():
         cells = surface.joined[np.flatnonzero(apart)[0]].tolist()
-        raise MeshError(
-            f"mesh: {int(apart.sum())} pairs of elements share a side with different nodes on it, "
-            f"first elements {cells[0]} and {cells[1]}: it mixes elements of first and second "
-            f"order ({surface.mesh.contents}). Mesh the body with one order"
-        )
+        which = f"{int(apart.sum())} pairs of elements, the first {cells[0]} and {cells[1]}"
+        raise MeshError(f"mesh: {which}, are of different order. Mesh the body with one order")
     square = corners[:, 3] >= 0
     triples = np.concatenate([np.delete(corners[square], i, axis=1) for i in range(4)])
     lone = np.concatenate([corners[~square, :3], np.unique(triples, axis=0)])
@@ -453,11 +450,8 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
     same = (lone[order[1:]] == lone[order[:-1]]).all(axis=1)
     if same.any():
         nodes = lone[order[1:][same]][0].tolist()
-        raise MeshError(
-            f"mesh: {int(same.sum())} triangular sides of elements lie on quadrilateral ones, the "
-            f"first on nodes {nodes}: displacements would not agree there. Put pyramids between "
-            "tetrahedra and hexahedra or wedges, or mesh the body with one kind"
-        )
+        which = f"{int(same.sum())} triangular sides, the first on nodes {nodes}"
+        raise MeshError(f"mesh: {which}, lie on quadrilateral ones. Put pyramids between them")
 
 
 def plane_of(axis: FloatArray, near: FloatArray | None = None) -> FloatArray:
