@@ -516,5 +516,8 @@ class Found(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(list(iter(self)))
 
+    def __repr__(self) -> str:
+        return f"<{', '.join(self)}: each by its name>"
+
     def __reduce__(self) -> Any:
         return dict, (dict(self),)

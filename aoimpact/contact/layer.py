@@ -122,21 +122,11 @@ def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
     # Roots of S D ζ⁴ - s²(m D + S I) ζ² + m s²(S + I s²) = 0: k² = -ζ² is a pole.
     half = 0.5 * s**2 * (m / S + inertia / D)
     root = np.sqrt(half**2 - m * s**2 * (S + inertia * s**2) / (S * D) + 0j)
-    one, other = half + root, half - root
-    r = np.linalg.norm(x, axis=1)
-    parts = []
-    for here, there in ((one, other), (other, one)):
-        zeta = np.sqrt(here)
-        share = 1.0 / (2.0 * np.pi * D * (there - here))
-        shear = 1.0 + (inertia * s**2 - D * here) / S
-        parts.append(
-            (
-                shear * share * scipy.special.kv(0, zeta * r),
-                share * zeta * scipy.special.kv(1, zeta * r),
-            )
-        )
-    (w_one, slope_one), (w_other, slope_other) = parts
-    w, slope = (w_one + w_other).real, -(slope_one + slope_other).real / r
+    roots, r = np.array([[half + root], [half - root]]), np.linalg.norm(x, axis=1)
+    zeta, share = np.sqrt(roots), 1.0 / (2.0 * np.pi * D * (roots[::-1] - roots))
+    shear = 1.0 + (inertia * s**2 - D * roots) / S
+    w = (shear * share * scipy.special.kv(0, zeta * r)).sum(axis=0).real
+    slope = -(share * zeta * scipy.special.kv(1, zeta * r)).sum(axis=0).real / r
     still = np.zeros_like(w)
     return np.stack([still, still, w, slope * x[:, 1], -slope * x[:, 0]], axis=1)
 

@@ -18,6 +18,7 @@ from ..fem import (
     Piece,
     element_frames,
     pieces,
+    rigid_ends,
     taken_material,
     thin_stiffness_mass,
 )
@@ -124,13 +125,12 @@ def extracted_from_shell(
         Factors of K + s²M.
     """
     body, point, normal, mesh = tip.body, tip.point, tip.normal, tip.body.mesh
+    t = layers.total_thickness
     # A unit force along the normal: along the surface the shell does not yield in this way.
     cosine = float(tip.direction @ normal)
-    forces = tip.forces / cosine
-    own = _pressed(body.surface, tip)
-    whole = np.abs(body.on_dofs(own) - tip.b / cosine).max() <= ROUNDING
-    if whole:  # supports hold a part of it in the body
-        forces = own
+    pressed = _pressed(body.surface, tip)
+    whole = np.abs(body.on_dofs(pressed) - tip.b / cosine).max() <= ROUNDING
+    forces = pressed if whole else tip.forces / cosine  # supports hold a part of it in the body
     shares, couples = forces[0] @ normal, forces[1]
     loaded, s = shares != 0.0, math.sqrt(solver.pencil.s2)
     parts, several = pieces(mesh, body.material, Layers), s * np.array(_SPAN)
@@ -139,19 +139,34 @@ def extracted_from_shell(
     edge = float(np.linalg.norm(np.diff(mesh.nodes[ends], axis=1), axis=2).max())
     away = np.linalg.norm(mesh.nodes - point, axis=1)
     away -= away[loaded].max()
-    groups, near = _around(tip, parts, away < contact_reach(layers, edge, several[0]))
+    level, near = _around(tip, parts, away < contact_reach(layers, edge, several[0]))
+    groups = [part.cells[level[part.numbers]] for part in parts]
     of_layers = np.array([layer_compliance_of(layers, radius, each) for each in several])
     # Compliance of infinite plates beyond that of their layers under a patch of some width.
-    wide = max(0.5 * layers.total_thickness, 0.0 if tip.patch is None else tip.patch.radius)
+    wide = max(0.5 * t, 0.0 if tip.patch is None else tip.patch.radius)
     excess = [plate_compliance(layers, wide, each) for each in several] - of_layers
     at_edge = bool((rim_nodes(groups, mesh.n_nodes) & loaded).any())
+    close = away < _ABOUT * edge
+    about = [part.taken(close[part.cells].any(axis=1)) for part in parts]
+    numbers = np.concatenate([of.numbers for of in about])
+    halvings = min(max(0, round(math.log2(edge / t))), _MOST)
     if at_edge and whole:
-        close = away < _ABOUT * edge
-        about = np.concatenate([part.numbers[close[part.cells].any(axis=1)] for part in parts])
-        found, error = _at_rim(tip, edge / layers.total_thickness, about, several)
+        # The compliance of plates goes with the logarithm of the elements' size. At an edge it is
+        # that of solids where these are as large as t, within a factor of 2, which is claimed.
+        yields = _halved(tip, numbers, several, halvings)
+        slope = (yields[-1] - yields[-2]) / math.log(2.0)
+        found = yields[0] - yields[-2] - slope * math.log(edge / t / 2.0**halvings)
+        error = float(np.abs(yields[-1] - yields[0]).max()) / (halvings + 1)
     else:
         found = mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, several, couples)
         found, error = found - of_layers - excess, 0.0
+        joints = rigid_ends(mesh.nodes, [(of.cells, of.of) for of in about])
+        if whole and any(len(strips) for _, strips, _ in joints):
+            # Where plates meet, the mesh yields more than a fine one by this beyond the skin's own.
+            alone = _halved(tip, numbers[level[numbers]], several, halvings)
+            yields = _halved(tip, numbers, several, halvings) - alone
+            found += yields[0] - yields[-1]
+            error = float(np.abs(yields[-1] - yields[-2]).max())
     over_webs = np.unique(ends[np.bincount(number)[number] > 2])
     known = 0.5 if at_edge else 1.0 - 0.5 * float(shares[over_webs].sum())
     # At an edge, or over a web, plates have none to all of what an interior has: half, ± half.
@@ -179,31 +194,23 @@ def _pressed(surface: Surface, tip: Any) -> FloatArray:
     return touched(surface, tip.point, tip.normal, radius).forces
 
 
-def _at_rim(
-    tip: Any, thicknesses: float, about: IntArray, several: FloatArray
-) -> tuple[FloatArray, float]:
-    """Return what the mesh yields more than plates where a surface ends, and its error, m/N.
-
-    The compliance of plates goes with the logarithm of the elements' size. At an edge it is that of
-    solids where elements are as large as the thickness t, within a factor of 2, which is claimed.
-    It is found by the elements about the contact alone, and by the same ones halved until they are
-    about t, and once more.
+def _halved(tip: Any, about: IntArray, several: FloatArray, halvings: int) -> FloatArray:
+    """Return what elements yield alone, halved so many times and once more, (times + 2, n), m/N.
 
     Parameters
     ----------
     tip : ContactPoint
-    thicknesses : float
-        Edge of the elements over t.
     about : ndarray of int
         The elements of shells about the contact.
     several : ndarray, shape (n,)
         Frequencies, rad/s.
+    halvings : int
+        How often, from 0.
     """
     body, cells, found = tip.body, np.sort(about), []
     held = np.hstack(list(body.at_nodes(np.ones(body.n_dofs)) == 0.0)).astype(np.float64)
     held = held[np.unique(body.mesh.cells[cells])]
     local, of = taken(body.mesh, cells), taken_material(body.material, cells)
-    halvings = min(max(0, round(math.log2(thicknesses))), _MOST)
     for level in range(halvings + 2):
         if level:
             mean, local = halved(local)
@@ -213,10 +220,7 @@ def _at_rim(
         free = np.flatnonzero(held.ravel() < 1.0 - ROUNDING)
         b = np.hstack(list(_pressed(boundary(local), tip))).ravel()[free]
         found.append([b @ factorize((K + s * s * M)[free][:, free]).solve(b) for s in several])
-    coarse, fine, finer = np.array(found)[[0, -2, -1]]
-    slope = (finer - fine) / math.log(2.0)
-    excess = coarse - fine - slope * math.log(thicknesses / 2.0**halvings)
-    return excess, float(np.abs(finer - coarse).max()) / (halvings + 1)
+    return np.array(found)
 
 
 def extracted_from_beam(
@@ -245,8 +249,8 @@ def _deflected(tip: Any, solver: LinearSolver) -> dict[str, Any]:
 
 def _around(
     tip: Any, parts: list[Piece], close: npt.NDArray[np.bool_]
-) -> tuple[list[IntArray], npt.NDArray[np.bool_]]:
-    """Elements with close nodes and normals like the contact's, and which of all these are."""
+) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """Which elements have close nodes and normals like the contact's, and which c makes good."""
     mesh = tip.body.mesh
     own, stepped = np.zeros((2, mesh.n_cells), dtype=bool)
     for part in parts:
@@ -254,4 +258,4 @@ def _around(
         own[part.numbers] = level & close[part.cells].any(axis=1)
         others = [one.cells.ravel() for one in parts if one.of != part.of]
         stepped[part.numbers] = np.isin(part.cells, np.concatenate([*others, [-1]])).any(axis=1)
-    return [part.cells[own[part.numbers]] for part in parts], own & ~stepped
+    return own, own & ~stepped

@@ -34,7 +34,7 @@ from .laminate import Laminate, Layers, Ply, Shell
 from .material import SIX, Material, warn_of_units
 from .model import FEModel
 from .orthotropic import Orthotropic, Solid
-from .shells import FOLD, element_frames, linked, nodal_normals
+from .shells import FOLD, element_frames, linked, nodal_normals, rigid_ends
 from .statics import displacement, near_static, whole_motion
 from .stress import Strain, Stress, compliances, gauss_stress, nodal_stress
 from .stresserror import energy_error, missing_energy

@@ -114,12 +114,19 @@ def thin_energy_error(
     shells, places = shell_pieces(mesh, material)
     total, elements = np.zeros((len(places), 3, 3, 3)), np.zeros(len(places))
     for piece in shells:
-        corners = nodal_strains(piece.strains, moved[piece.part.cells])
-        np.add.at(total, piece.places, _tensors(corners, piece.strains.frames))
+        frames, corners = (
+            piece.strains.frames,
+            nodal_strains(piece.strains, moved[piece.part.cells]),
+        )
+        local = np.einsum("ncs,stab->nctab", corners, _UNIT)
+        tensors = np.einsum("nai,nctab,nbj->nctij", frames, local, frames, optimize=True)
+        np.add.at(total, piece.places, tensors)  # in global axes, as the mean at a node is
         elements += np.bincount(piece.places.ravel(), minlength=len(places))
     total /= elements[:, None, None, None]
     for piece in shells:
-        mean = _components(total[piece.places], piece.strains.frames)
+        frames, tensors = piece.strains.frames, total[piece.places]
+        local = np.einsum("nai,nctij,nbj->nctab", frames, tensors, frames, optimize=True)
+        mean = np.einsum("nctab,stab->ncs", local, (_UNIT > 0.0).astype(np.float64))
         x = moved[piece.part.cells].reshape(len(mean), -1)
         strain = np.einsum("nqsd,nd->nqs", piece.strains.rows[:, :, :8], x)
         off = strain - np.einsum("qa,nas->nqs", piece.strains.shape, mean)
@@ -127,15 +134,3 @@ def thin_energy_error(
             energy = np.einsum("nqi,ij,nqj->nq", values, piece.part.of.stiffness, values)
             found[piece.part.numbers] = (piece.strains.weights * energy).sum(axis=1)
     return difference, own
-
-
-def _tensors(strains: FloatArray, frames: FloatArray) -> FloatArray:
-    """Membrane strain, curvature and shear, that with the normal, as tensors in global axes."""
-    local = np.einsum("ncs,stab->nctab", strains, _UNIT)
-    return np.asarray(np.einsum("nai,nctab,nbj->nctij", frames, local, frames, optimize=True))
-
-
-def _components(tensors: FloatArray, frames: FloatArray) -> FloatArray:
-    """The inverse of `_tensors`, in the axes of elements of the same surface."""
-    local = np.einsum("nai,nctij,nbj->nctab", frames, tensors, frames, optimize=True)
-    return np.asarray(np.einsum("nctab,stab->ncs", local, (_UNIT > 0.0).astype(np.float64)))

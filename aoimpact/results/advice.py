@@ -576,7 +576,8 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
         elif linear and not any(tip.thin for _, tip, _ in meshed):
             cure = "elements of first order: add midside nodes with FEModel.from_mesh(..., order=2)"
         size = f"of {percent(error.mesh)} %" if math.isfinite(error.mesh) else "without bound"
-        warn(f"{names}: the mesh makes an error {size} in the {quantity}; {cure}")
+        worst = " at its worst time" if quantity == "force" else ""
+        warn(f"{names}: the mesh makes an error {size} in the {quantity}{worst}; {cure}")
     if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
             f"the contact makes an error of {percent(error.contact)} % in the {quantity}: move it "
