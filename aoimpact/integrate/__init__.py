@@ -5,11 +5,9 @@ interface (recorder.py). `results` runs plans by them (solve.py); other
 folders take the solvers' settings and `Events` from here.
 """
 
-from .adaptive import Adaptive
 from .events import Events
 from .fixed_steps import SteppedRecorder, rigid_contact_time, solve_newmark
 from .motion import Motion
-from .newmark import Newmark
 from .recorder import Recorder
+from .settings import TIGHTEST, Adaptive, Newmark
 from .to_tolerance import solve_adaptive
-from .tolerances import TIGHTEST

@@ -15,7 +15,7 @@ import numpy as np
 from ..base import FloatArray
 from .dense import DenseRecorder
 from .events import Events
-from .tolerances import LESSER
+from .settings import LESSER
 
 # A touch that begins at a smaller share than this of its mean rate begins at no certain time: of
 # bodies at rest side by side that a wave reaches. From 0.001 to 0.1 none of 54 chains in front of a

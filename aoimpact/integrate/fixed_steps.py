@@ -27,9 +27,8 @@ from ..laws import ContactLaw, check_width
 from ..scene import Scenario
 from .events import Events, find_contacts, find_peak, find_slips
 from .motion import SteppedMotion
-from .newmark import Newmark
+from .settings import DRAWN, Newmark
 from .steperror import StepError, time_error
-from .tolerances import DRAWN
 
 # A record larger than this is a mistake in dt more often than a wish.
 _MOST_BYTES = 4 * GIB

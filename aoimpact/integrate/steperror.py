@@ -20,7 +20,7 @@ import scipy
 from ..base import FloatArray
 from ..scene import Scenario
 from .events import find_peak, parabola_tops
-from .tolerances import DRAWN, LESSER
+from .settings import DRAWN, LESSER
 
 if TYPE_CHECKING:
     from .fixed_steps import SteppedRecorder

@@ -9,11 +9,10 @@ import numpy as np
 
 from ..base import ConvergenceError, warn
 from ..scene import Scenario
-from .adaptive import Adaptive
 from .comparison import difference, most_touches
 from .dense import DenseRecorder, adaptive_run
 from .roughness import refuse_rough
-from .tolerances import TIGHTEST
+from .settings import TIGHTEST, Adaptive
 
 # The smallest with which a run still errs less than with a larger one: it shows how well a run at
 # TIGHTEST does.
