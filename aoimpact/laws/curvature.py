@@ -125,10 +125,6 @@ def elliptic_contact(modulus: float, low: float, high: float) -> tuple[float, fl
     return k, math.sqrt(1.0 - complement)
 
 
-# The power of the indentation in Hertz's law.
-_POWER = 1.5
-
-
 class RoundContact(NamedTuple):
     """A contact under k δ^(3/2), k = 4/3 E* √R (Johnson, *Contact Mechanics*, section 4.2).
 
@@ -180,7 +176,7 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
     materials : sequence of Material or None
         Materials of the bodies that deform; R follows from k and these. None for an unknown one.
     """
-    if not isinstance(law, HertzianLaw) or getattr(law, "n", _POWER) != _POWER:
+    if not isinstance(law, HertzianLaw) or getattr(law, "n", law.power) != law.power:
         return None
     k: Any = law.k  # type: ignore[attr-defined]
     radius = law.relative_radius

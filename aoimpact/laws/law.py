@@ -304,13 +304,10 @@ class ContactLaw:
         >>> round(float(law.potential(1e-4)), 9)  # J, k δ²/2
         0.05
         """
-        energy = self._potential(finite_array("indentation", indentation, unit="m"))
+        depth = finite_array("indentation", indentation, unit="m")
+        energy = np.empty(depth.shape)
+        _core.law_potential(self.for_core(), depth, energy)
         return energy if energy.ndim else float(energy)
-
-    def _potential(self, indentation: FloatArray) -> FloatArray:
-        energy = np.empty(indentation.shape)
-        _core.law_potential(self.for_core(), indentation, energy)
-        return energy
 
     def within_patch(self, compliance: float) -> PatchLaw:
         """Return the law without a compliance that the bodies' models contain already.
@@ -346,7 +343,7 @@ class ContactLaw:
         force, steepest, _ = self._evaluate(indentation, np.zeros(indentation.shape))
         if self.has_memory:  # F* x^n with n F*/(δ* - δ_p) at its start
             n = self.unloading_power
-            unloading = n / (n + 1.0) * force**2 / self._potential(indentation)
+            unloading = n / (n + 1.0) * force**2 / self.potential(indentation)
             steepest = np.maximum(steepest, unloading)
         return steepest
 
@@ -378,7 +375,7 @@ class ContactLaw:
 
     def _work(self, indentation: float) -> float:
         """Return ∫ F dδ up to an indentation on the way in, at no rate, J."""
-        return float(self._potential(np.array(indentation)))
+        return float(self.potential(indentation))
 
     def stroke(self, energy: float) -> float:
         """Return the indentation at which the way in has taken an energy, at no rate.
@@ -487,7 +484,7 @@ class ContactLaw:
                     delivered = integrated_restitution(self.force, m, v, self.stroke(energy))
                 elif self.has_memory:
                     deepest = self.stroke(energy)
-                    delivered = math.sqrt(float(self.potential(deepest)) / self._work(deepest))
+                    delivered = math.sqrt(self.potential(deepest) / self._work(deepest))
                 else:
                     delivered = 1.0
         if 1.0 + PRINTED < delivered < math.inf:

@@ -351,17 +351,15 @@ def _number(binder: Binder, value: Any, place: Place) -> Any:
     return value
 
 
-TEXT = Reader("text", (str,))
 PATH = Reader("a path", (str,), lambda binder, value, place: binder.folder / value)
-NUMBER = Reader("a number", (int, float), _number)
 
 # By annotation; tables.py adds those of classes.
 READERS: dict[Any, Reader] = {
-    float: NUMBER,
+    float: Reader("a number", (int, float), _number),
     Numbers: Reader("a list of numbers", (int, float, list), _number),
     int: Reader("a whole number", (int,)),
     bool: Reader("true or false", (bool,)),
-    str: TEXT,
+    str: Reader("text", (str,)),
     Any: Reader("a value", (object,)),
 }
 

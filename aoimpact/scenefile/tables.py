@@ -26,9 +26,6 @@ from .lines import Place
 # A node lies on a plane of a support if it is closer than this fraction of the body's size.
 _ON_PLANE = 1e-6
 
-# The power of the indentation in Hertz's law.
-_HERTZ_POWER = 1.5
-
 Triple = tuple[float, float, float]
 
 # ------------------------------------------------------------------------------ materials
@@ -229,7 +226,7 @@ def _read_law(binder: Binder, value: Any, place: Place) -> Any:
     makers = [Table(law), Table(getattr(law, "from_restitution", law))]
     k, at, follows = given.get("k"), (*place, "k"), dict[str, Any]()
     if isinstance(k, dict):
-        if not issubclass(law, laws.HertzianLaw) or given.pop("n", _HERTZ_POWER) != _HERTZ_POWER:
+        if not issubclass(law, laws.HertzianLaw) or given.pop("n", law.power) != law.power:
             return binder.say(at, "of two surfaces belongs to Hertz's F = k δ^1.5; give a number")
         hertz = binder.bind(_of_surfaces(laws.Hertz.between), given.pop("k"), at)
         for name in ("k", "relative_radius"):
