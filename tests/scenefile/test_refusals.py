@@ -143,7 +143,7 @@ MADE = {
     ROW: [
         ('["first", "second"]', '["first", "first"]', "[[scene.contacts]]", "itself"),
         ("gap = 1e-3", "gap = -1.0", "[scene]", "overlap"),
-        ("forces = [0.0, 2.0]", "forces = [0.0]", "[[scene.loads]]", "force"),
+        ("forces = [0.0, 2.0]", "forces = [0.0]", "forces = [0.0]", "forces"),
         ("gravity = 9.81", "gravity = nan", "gravity", "gravity"),
     ],
     SHEET: [
