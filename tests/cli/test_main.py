@@ -47,9 +47,7 @@ def test_folder_that_is_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str
     file.write_text("mine")
     for out in (file, file / "below"):
         assert main(["paper", "--out", str(out)]) == 2
-        message = capsys.readouterr().err
-        assert str(out) in message
-        assert "give another one" in message
+        assert str(out) in capsys.readouterr().err
     assert file.read_text() == "mine"
 
 
@@ -59,7 +57,7 @@ def test_run_as_a_module_has_no_traceback(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "aoimpact", "paper", "--out", str(file)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 2
-    assert done.stderr.startswith("aoimpact: error: cannot write")
+    assert done.stderr.startswith("aoimpact: error: folder=")
     assert "Traceback" not in done.stderr
 
 
