@@ -291,10 +291,8 @@ def finite_array(
         bad = np.argwhere(~np.isfinite(array))
         first = tuple(int(i) for i in bad[0])
         where = f"{name}[{', '.join(map(str, first))}]" if first else name
-        raise InputError(
-            f"{name} must be finite{' (' + unit + ')' if unit else ''}: "
-            f"{where} is {array[first]}; {len(bad)} of {array.size} entries are not finite"
-        )
+        which = f"{where} is {array[first]}{_unit(unit)}, one of {len(bad)} that are not"
+        raise InputError(f"{name} must be finite: {which}")
     if most < math.inf and float(np.abs(array).max(initial=0.0)) > most:
         raise InputError(f"{name} must not exceed {most:g}{_unit(unit)} to be computed with")
     return array

@@ -618,10 +618,8 @@ class NastranDeck:
         """Return what ZOFFS of all elements is, in metres; refuse thickness at nodes."""
         found = []
         for table, layout in self.entries(own):
-            table.refuse_first(
-                np.any(~table.blank[:, _NODAL[layout]], axis=1),
-                "thickness at the nodes is not supported; give it in the property",
-            )
+            nodal = np.any(~table.blank[:, _NODAL[layout]], axis=1)
+            table.refuse_first(nodal, "thickness at the nodes is not read; give it in the property")
             found.append(table.reals(_ZOFFS[layout], 1)[:, 0])
         offsets = np.concatenate(found)
         if np.any(offsets != offsets[0]):

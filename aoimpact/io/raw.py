@@ -326,9 +326,7 @@ def opened_hdf5(file: Path) -> Iterator[Any]:
     try:
         import h5py
     except ModuleNotFoundError:
-        raise MeshError(
-            f"mesh file {str(file)!r} needs the package h5py: pip install h5py"
-        ) from None
+        raise MeshError(f"mesh file {str(file)!r} needs h5py: pip install h5py") from None
     most = 4096 + _COMPRESSION * file.stat().st_size
 
     def check(name: str, item: Any) -> None:

@@ -193,13 +193,15 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     number = np.where(used, np.cumsum(used) - 1, -1)
     blocks: Any = []
     numbers = []
-    for kind, cells, own in _without_repeats(
-        [
-            (kind, _order_midside_nodes(nodes, number[cells], kind), own)
-            for kind, cells, own in solids
-        ],
-        raw.cell_labels,
-    ):
+    labels, parts = raw.cell_labels, list[Solids]()
+    for kind, cells, own in solids:
+        found, wrong = collapse(kind, _order_midside_nodes(nodes, number[cells], kind), own)
+        parts += found
+        if len(wrong):
+            first = int(own[wrong[0]])
+            which = f"the first is element {first if labels is None else labels[first]}"
+            raise MeshError(f"{len(wrong)} {kind} elements repeat nodes, {which}. Repair the mesh")
+    for kind, cells, own in _by_kind(parts):
         turned = right_handed(kind, nodes, cells)
         if turned is not cells:
             warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
@@ -215,7 +217,7 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
         renumbered(_node_sets(raw), number),
         renumbered(raw.cell_sets, place),
         None if raw.node_labels is None else raw.node_labels[used],
-        None if raw.cell_labels is None else raw.cell_labels[order],
+        None if labels is None else labels[order],
         raw.left_out,
     )
 
@@ -354,10 +356,8 @@ def _on_one_side(mesh: Mesh) -> Mesh:
     turned = against_neighbours(mesh.nodes, [block.cells for block in surfaces])
     if not (count := sum(int(each.sum()) for each in turned)):
         return mesh
-    warn(
-        f"{count} of {sum(map(len, turned))} surface elements lay against others and were "
-        "turned: check which side is the top"
-    )
+    of = f"{count} of {sum(map(len, turned))} surface elements"
+    warn(f"{of} lay against others and were turned: check which side is the top")
     cells = {block.kind: block.cells for block in mesh.blocks}
     for block, flipped in zip(surfaces, turned, strict=True):
         cells[block.kind] = np.where(flipped[:, None], block.cells[:, ::-1], block.cells)
@@ -377,20 +377,6 @@ def _by_kind(parts: Iterable[Solids]) -> list[Solids]:
             raise MeshError(f"blocks of {kind} have different shapes: {', '.join(shapes)}")
         joined.append((kind, np.concatenate(cells), np.concatenate(numbers)))
     return joined
-
-
-def _without_repeats(solids: list[Solids], labels: IntArray | None) -> list[Solids]:
-    """Return elements that repeat nodes as the solids that they are, kind by kind."""
-    found: list[Solids] = []
-    for solid in solids:
-        kind, _, numbers = solid
-        parts, wrong = collapse(*solid)
-        found += parts
-        if len(wrong):
-            first = int(numbers[wrong[0]])
-            which = f"the first is element {first if labels is None else labels[first]}"
-            raise MeshError(f"{len(wrong)} {kind} elements repeat nodes, {which}. Repair the mesh")
-    return _by_kind(found)
 
 
 def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:

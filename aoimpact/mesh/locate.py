@@ -68,10 +68,8 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
     if best > _ON_SURFACE:
         low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
         box = ", ".join(f"{c} {a:.4g}…{b:.4g}" for c, a, b in zip("xyz", low, high, strict=True))
-        raise InputError(
-            f"point {plain(point)} m is off the body, which spans {box} m; "
-            f"{_nearest(mesh.nodes, point)[1]}. Give a point of the body, in metres"
-        )
+        why = f"point {plain(point)} m is off the body, which spans {box} m"
+        raise InputError(f"{why}; {_nearest(mesh.nodes, point)[1]}")
     return nodes, weights
 
 

@@ -376,10 +376,8 @@ def _check_elements(
     ):
         for row in np.flatnonzero(bad)[:1].tolist():
             centre = ", ".join(f"{x:.4g}" for x in nodes[cells[row]].mean(axis=0))
-            raise MeshError(
-                f"{int(bad.sum())} of {len(cells)} elements {what}; the first is element "
-                f"{element(row)} near ({centre}) m with nodes {nodes_of(row)}. {how}"
-            )
+            first = f"the first is element {element(row)} near ({centre}) m, nodes {nodes_of(row)}"
+            raise MeshError(f"{int(bad.sum())} of {len(cells)} elements {what}; {first}. {how}")
 
 
 def _misshapen(corners: FloatArray) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
