@@ -24,7 +24,7 @@ from ..base import (
     warn,
 )
 from ..fem import AnyMaterial, Damping, FEModel, OneMaterial, audited, checked_labels
-from ..linalg import factorize
+from ..linalg import factorize, sound_matrix
 from .entries import is_market, is_nodal, is_triples, read_market, read_nodal, read_triples
 from .load import existing
 from .matrix import RawMatrix, at, codes, spoilt
@@ -194,16 +194,11 @@ def _read_npz(file: Path, size: int) -> list[RawMatrix]:
         with zipfile.ZipFile(file) as archive:
             whole = sum(one.file_size for one in archive.infolist())
         require(3 * whole, f"matrix file {str(file)!r}", "take a coarser mesh")
-        matrix = sp.load_npz(file)
-        if hasattr(matrix, "check_format"):
-            matrix.check_format(full_check=True)
+        matrix = sp.coo_array(sound_matrix("it", sp.load_npz(file)))
     except Exception as error:  # a damaged archive makes zipfile, NumPy and SciPy raise almost any
-        raise spoilt(file, f"it is no sparse matrix of SciPy, or cut short: {error}") from None
-    if matrix.shape[0] != matrix.shape[1] or matrix.dtype.kind not in "iuf":
-        raise spoilt(file, f"it is {matrix.dtype}, {matrix.shape}, not real and square")
-    one = sp.coo_array(matrix)
-    rows, cols, values = one.row.astype(np.int64), one.col.astype(np.int64), one.data.astype(float)
-    return [RawMatrix(file, "", one.shape[0], rows, cols, values, unique=False)]
+        raise spoilt(file, f"it is no square matrix of SciPy, or cut short: {error}") from None
+    rows, cols = (at.astype(np.int64) for at in matrix.coords)
+    return [RawMatrix(file, "", matrix.shape[0], rows, cols, matrix.data, unique=False)]
 
 
 # Formats: their names, the tests of a file's first bytes, and the readers.

@@ -12,6 +12,7 @@ from .matrices import (
     check_stiffness,
     core_rows,
     motion_without_force,
+    sound_matrix,
     symmetric_pair,
 )
 from .method import ROUGH

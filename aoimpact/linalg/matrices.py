@@ -38,7 +38,7 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
         than rows.
     """
     with np.errstate(over="ignore"):  # what overflows is reported as not finite
-        stiffness, mass = _checked("K", K), _checked("M", M)
+        stiffness, mass = sound_matrix("K", K), sound_matrix("M", M)
     if stiffness.shape != mass.shape:
         raise InputError(
             f"K and M must be of the same shape, got {stiffness.shape} and {mass.shape}"
@@ -235,7 +235,7 @@ def _check_minors(name: str, matrix: sp.csr_array, bound: float) -> None:
         )
 
 
-def _checked(name: str, matrix: Any) -> Any:
+def sound_matrix(name: str, matrix: Any) -> Any:
     """Return a square matrix of float64 whose structure is sound, sparse or dense."""
     if not sp.issparse(matrix):
         matrix = finite_array(name, matrix)
