@@ -4,7 +4,6 @@ For all folders above that hold a body: `contact` takes K, M and the mesh from h
 """
 
 from .assembly import stiffness_mass
-from .attached import RigidMass
 from .audit import Audit, audited
 from .beams import (
     Beam,
@@ -46,5 +45,5 @@ from .stressrows import (
     checked_layer,
     corner_stress,
 )
-from .supports import selected_nodes
+from .supports import RigidMass, selected_nodes
 from .thin import thin_stiffness_mass

@@ -107,7 +107,7 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
         K, M = (
             m + sp.csr_array(new, shape=m.shape) for m, new in zip((K, M), entries, strict=True)
         )
-    return _with_int32(K.sorted_indices()), _with_int32(M.sorted_indices())
+    return with_int32(K.sorted_indices()), with_int32(M.sorted_indices())
 
 
 def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
@@ -285,10 +285,11 @@ def _over_dofs(
     at_once([partial(fill, *piece) for piece in pairwise(cuts)])
     K = sp.csr_array((stiffness, columns.reshape(-1), 3 * indptr), shape=(n, n))
     M = sp.csr_array((masses, column, indptr), shape=(n, n))
-    return _with_int32(K), _with_int32(M)
+    return with_int32(K), with_int32(M)
 
 
-def _with_int32(matrix: Any) -> sp.csr_array:
+def with_int32(matrix: Any) -> sp.csr_array:
+    """Return a CSR matrix without duplicates, indices ascending, in the form solvers take."""
     if matrix.nnz < 2**31:
         matrix.indices = matrix.indices.astype(np.int32, copy=False)
         matrix.indptr = matrix.indptr.astype(np.int32, copy=False)

@@ -6,10 +6,11 @@ import math
 import os
 import uuid
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from threading import RLock
+from typing import TYPE_CHECKING, Any, TypeVar
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -33,7 +34,6 @@ from ..base import (
     warn,
 )
 from ..linalg import (
-    ENTRIES_AT_ONCE,
     FEW_SOLUTIONS,
     LARGEST,
     LEAST,
@@ -57,9 +57,8 @@ from ..mesh import (
     boundary,
     rigid_motions,
 )
-from .assembly import stiffness_mass
-from .attached import Mounted, SpringSupport, added_mass, spring_stiffness
-from .composition import AnyMaterial, Materials, OneMaterial, materials_of, thin_groups
+from .assembly import stiffness_mass, with_int32
+from .composition import AnyMaterial, Materials, OneMaterial, materials_of, pieces, thin_groups
 from .damping import Damping, damping_or_none
 from .doubts import (
     check_joints,
@@ -67,16 +66,17 @@ from .doubts import (
     warn_of_locking,
     warn_of_separate_parts,
 )
-from .kept import Kept
 from .labels import axes_of, checked_labels, labelled_nodes, node_numbers
 from .mechanism import Mechanism, mechanism_in, mechanism_of
-from .supports import Support, free_dofs
+from .supports import Mounted, SpringSupport, Support, added_mass, free_dofs, spring_stiffness
 
 if TYPE_CHECKING:
     from ..contact import ContactPoint
     from .audit import Audit
     from .frequencyresponse import FrequencyResponse
     from .grounding import Grounding
+
+T = TypeVar("T")
 
 # Heavier or longer than this, kg and m, or with larger elements, m, a body's coordinates are more
 # likely in millimetres.
@@ -86,15 +86,32 @@ _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 # leaves.
 _FEW_DIGITS = 1e-6
 
-# Share of a matrix's arrays below which what supports leave of it is copied, so that no more than a
-# tenth of their memory is held for nothing.
-_WORTH_KEEPING = 0.9
-
+# Memory that the models of a body may take, bytes, if each is made of so many vectors; how many
+# results are kept at most, and on large bodies at least: two models with their patches.
+_BYTES, _VECTORS, _MOST, _LEAST = 2**30, 64, 32, 4
 
 # The bodies of this process by their marks, and the last that came from another one, whose tasks
 # bring the same body again and again: it stays one, with all that has been derived from it.
 _BODIES: WeakValueDictionary[str, FEModel] = WeakValueDictionary()
 _RECEIVED: deque[FEModel] = deque(maxlen=2)
+
+
+class Kept:
+    """The results of a body of so many dofs that were last asked for, by their keys."""
+
+    def __init__(self, dofs: int) -> None:
+        self._most = max(_LEAST, min(_MOST, _BYTES // (8 * _VECTORS * dofs)))
+        self._found: dict[Hashable, Any] = {}
+        self._lock = RLock()
+
+    def get(self, key: Hashable, make: Callable[[], T]) -> T:
+        """Return what is kept under a key, or else what `make` returns."""
+        with self._lock:
+            found: T = self._found.pop(key) if key in self._found else make()
+            self._found[key] = found
+            while len(self._found) > self._most:
+                del self._found[next(iter(self._found))]
+        return found
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -158,8 +175,6 @@ class FEModel(Frozen):
     mass: float | None = field(init=False, default=None)
     # (n_dofs, 3): column c is M g_c on the free dofs, with g_c the translation of all nodes.
     _momentum: FloatArray | None = field(init=False, default=None)
-    # Nodes with added masses or springs, which so carry traction.
-    attached: IntArray | None = field(init=False, default=None)
     # (n_dofs,): springs to the ground, N/m, that K contains.
     springs: FloatArray | None = field(init=False, default=None)
     # Added masses over all dofs, kg, that M contains.
@@ -180,7 +195,13 @@ class FEModel(Frozen):
         n_nodes = 0 if nodes is None else len(nodes)
         along = axes_of(free, labels, n_nodes)
         whole = free is not None and np.count_nonzero(free < 3 * n_nodes) == 3 * n_nodes
-        if along is not None and (whole or (nodes is None and _translates(K, along))):
+        soft = False
+        if (
+            along is not None and nodes is None and along.any(axis=0).all()
+        ):  # no translation meets force, but for rounding
+            force = np.abs(K @ along).max(initial=0.0)
+            soft = bool(force <= _FEW_DIGITS * np.abs(K.data).max(initial=0.0))
+        if along is not None and (whole or soft):
             momentum = M @ along
             mass = _checked_total(np.einsum("ni,nj->ij", momentum, along))
         damping = damping_or_none(self.damping)
@@ -299,21 +320,19 @@ class FEModel(Frozen):
         with np.errstate(all="ignore"):
             K, M = stiffness_mass(solid, made_of)
             moves = axes_of(np.arange(K.shape[0]), None, solid.n_nodes)
+            momentum = M @ moves
+            own = float(momentum[: 3 * solid.n_nodes : 3, 0].sum())
             if heavier is not None:
                 heavier.resize(M.shape)
-            momentum = M @ moves
-            moved = slice(0, 3 * solid.n_nodes, 3)
-            own = float(momentum[moved, 0].sum())
-            momentum = momentum if heavier is None else (M + heavier) @ moves
-            mass = float(momentum[moved, 0].sum())
+                momentum = (M + heavier) @ moves
+            mass = float(momentum[: 3 * solid.n_nodes : 3, 0].sum())
         _check_reach(mass, K, M, solid, made_of)
-        _warn_of_units(mass, solid.size, own / _density(made_of) / solid.n_cells)
+        parts = pieces(solid, made_of, OneMaterial)
+        volume = own / sum(len(part.rows) * part.of.rho for part in parts)
+        _warn_of_units(mass, solid.size, volume)
         warn_of_locking(solid, made_of)
         warn_of_curved_offsets(solid, made_of)
         warn_of_separate_parts(solid, heavier)
-        fastened = None if heavier is None else heavier.diagonal(), stiffer
-        dofs = [np.flatnonzero(of) for of in fastened if of is not None]
-        attached = np.unique(np.concatenate([[], *dofs]) // 3).astype(np.int64)
         if stiffer is not None:
             stiffer = np.pad(stiffer, (0, K.shape[0] - len(stiffer)))[free]
         K, M = _completed(K, M, heavier, stiffer, free)
@@ -322,7 +341,7 @@ class FEModel(Frozen):
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
         model._set(mesh=solid, material=made_of, damping=damped, name=name)
-        model._set(springs=stiffer, masses=heavier, attached=attached, assembled=True)
+        model._set(springs=stiffer, masses=heavier, assembled=True)
         if surface is not None:
             model._set(surface=surface)
         return model
@@ -410,16 +429,14 @@ class FEModel(Frozen):
         self._set(K=K, M=M)
         return vars(self)[name]
 
-    def __copy__(self) -> FEModel:
-        """A body of its own that shares all that is known of this one."""
+    def __copy__(self, memo: Any = None) -> FEModel:
+        """A body of its own that shares all that is known of this one, which does not change."""
         copied = object.__new__(type(self))
         known = {name: of for name, of in vars(self).items() if name not in ("mark", "kept")}
         vars(copied).update(known)
         return copied
 
-    def __deepcopy__(self, memo: Any) -> FEModel:
-        """A body of its own; what it holds does not change."""
-        return self.__copy__()
+    __deepcopy__ = __copy__
 
     @property
     def n_dofs(self) -> int:
@@ -439,8 +456,7 @@ class FEModel(Frozen):
             parts.append(f"{self.mass:.4g} kg")
         if self.springs is not None:
             parts.append(f"{np.count_nonzero(self.springs)} springs to the ground")
-        if self.nodes is not None:
-            assert self.free is not None
+        if self.nodes is not None and self.free is not None:
             n = len(self.nodes)
             turning = np.unique(self.free[self.free >= 3 * n] // 3) - n
             if self.mesh is not None:
@@ -484,19 +500,18 @@ class FEModel(Frozen):
 
         :meta private:
         """
-        assert self.nodes is not None
-        assert self.free is not None
-        full = np.zeros((*x.shape[:-1], 6 * len(self.nodes)))
+        nodes: Any = self.nodes
+        full = np.zeros((*x.shape[:-1], 6 * len(nodes)))
         full[..., self.free] = x
-        return full.reshape(*x.shape[:-1], 2, *self.nodes.shape)[..., :parts, :, :]
+        return full.reshape(*x.shape[:-1], 2, *nodes.shape)[..., :parts, :, :]
 
     def on_dofs(self, field: FloatArray) -> FloatArray:
         """Return the free dofs, (n_dofs,), of values at nodes, ([parts,] n_nodes, 3).
 
         :meta private:
         """
-        assert self.nodes is not None
-        full = np.zeros(6 * len(self.nodes))
+        nodes: Any = self.nodes
+        full = np.zeros(6 * len(nodes))
         full[: field.size] = field.reshape(-1)
         return full[self.free]
 
@@ -553,8 +568,8 @@ class FEModel(Frozen):
             if self._soft is None:
                 return None
             return mechanism_in(self._soft, self.K, self.M, self.rigid_modes)
-        assert self.free is not None  # a body with a mesh has nodes
-        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes, self.springs)
+        free: Any = self.free  # a body with a mesh has nodes
+        return mechanism_of(self.surface, free, self.M, self.rigid_modes, self.springs)
 
     @cached_property
     def node_labels(self) -> IntArray | None:
@@ -793,60 +808,15 @@ def _completed(
     """K and M of a mesh with added masses and springs, on the dofs that no support holds."""
     M = M if masses is None else _sum(M, masses)
     if len(free) < K.shape[0]:
-        K, M = _restrict(K, free), _restrict(M, free)
+        K, M = (with_int32(matrix[free][:, free]) for matrix in (K, M))
     return K if springs is None else _sum(K, sp.diags_array(springs, format="csr")), M
-
-
-def _restrict(matrix: Any, free: IntArray) -> Any:
-    """Return the rows and columns `free`, ascending, of a CSR matrix, in that matrix's own arrays.
-
-    Entries move towards the front, some rows at a time: no second matrix is ever there.
-    """
-    starts, data, indices = matrix.indptr, matrix.data, matrix.indices
-    number = np.full(matrix.shape[0], -1, dtype=indices.dtype)
-    number[free] = np.arange(len(free))
-    indptr = np.zeros(len(free) + 1, dtype=starts.dtype)
-    end = 0
-    for rows in np.array_split(free, 1 + matrix.nnz // ENTRIES_AT_ONCE):
-        if not len(rows):
-            continue
-        first, after = rows[0], rows[-1] + 1
-        begin, stop = starts[first], starts[after]
-        columns = number[indices[begin:stop]]
-        lengths = np.diff(starts[first : after + 1])
-        kept = (columns >= 0) & np.repeat(number[first:after] >= 0, lengths)
-        upto = np.concatenate([[0], np.cumsum(kept)])
-        row = number[first]
-        indptr[row + 1 : row + 1 + len(rows)] = end + upto[starts[rows + 1] - begin]
-        data[end : end + upto[-1]] = data[begin:stop][kept]
-        indices[end : end + upto[-1]] = columns[kept]
-        end += int(upto[-1])
-    if end < _WORTH_KEEPING * len(data):  # else they would hold the memory of the whole matrix
-        data, indices = data[:end].copy(), indices[:end].copy()
-    return sp.csr_array((data[:end], indices[:end], indptr), shape=(len(free), len(free)))
 
 
 def _sum(matrix: Any, other: Any) -> Any:
     """Return the sum of two CSR matrices in the form that solvers take."""
     total = (matrix + other).tocsr()
     total.sort_indices()
-    if total.nnz < 2**31:
-        total.indices = total.indices.astype(np.int32, copy=False)
-        total.indptr = total.indptr.astype(np.int32, copy=False)
-    return total
-
-
-def _density(material: AnyMaterial) -> float:
-    """Mean density of all elements, about: the volume is only compared with that of a building."""
-    if not isinstance(material, Materials):
-        return material.rho
-    return float(np.mean(np.array([of.rho for of in material.materials])[material.index]))
-
-
-def _translates(K: Any, axes: FloatArray) -> bool:
-    """True if no translation meets elastic force: beside that of the single dofs, only rounding."""
-    force = np.abs(K @ axes).max(initial=0.0)
-    return bool(axes.any(axis=0).all() and force <= _FEW_DIGITS * np.abs(K.data).max(initial=0.0))
+    return with_int32(total)
 
 
 def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | None, IntArray | None]:

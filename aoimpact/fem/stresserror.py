@@ -107,8 +107,10 @@ def _free_of_traction(
     assert material is not None
     assert body.free is not None
     kept = loaded | constrained(body.free, len(loaded)).any(axis=1)
-    if body.attached is not None:
-        kept[body.attached] = True
+    if body.springs is not None:
+        kept[body.free[np.flatnonzero(body.springs)] // 3 % len(loaded)] = True
+    if body.masses is not None:
+        kept[np.flatnonzero(body.masses.diagonal()) // 3 % len(loaded)] = True
     kept = kept[places.node]
     count = len(places.node)
     normals = surface.node_normals

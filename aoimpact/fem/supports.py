@@ -1,16 +1,43 @@
-"""Supports: which degrees of freedom of a mesh are constrained."""
+"""What holds a body, and what is fastened to it: supports, masses, springs to the ground."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, called, nearest, warn
-from ..mesh import Mesh, open_edges
-from .labels import nodes_by_number
+from ..base import (
+    PRINTED,
+    FloatArray,
+    InputError,
+    InputTypeError,
+    IntArray,
+    called,
+    checked,
+    inertia_tensor,
+    nearest,
+    place,
+    positive,
+    warn,
+)
+from ..linalg import LARGEST
+from ..mesh import Mesh, motions_at, open_edges
+from .labels import label_of, nodes_by_number
+
+# A rotation that nodes tell less well than this from none, by singular values of their motions.
+_UNKNOWN = 1e-5
+
+# The mass of a rigid attachment couples all of its nodes: a matrix of (3 · nodes)².
+_MOST_NODES = 500
+
+# Sizes of the body beyond which a rigid mass is given in millimetres in messages.
+_FAR = 50.0
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
 Support = tuple[Selector, str] | tuple[Selector, str, str]
@@ -47,18 +74,15 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
         '("rim", "xyz", "xyz"), or ("rim", "", "xyz"), to hold rotations'
     )
     for name, (selector, *letters) in entries("fixed", fixed, (2, 3), how):
-        wanted = [
-            [] if each == "" and (place, len(letters)) == (0, 2) else components(name, each)
-            for place, each in enumerate(letters)
-        ]
         selected = nodes_of_mesh(name, selector, mesh)
         if len(letters) == 2 and not np.isin(selected, mesh.thin_nodes).any():
             raise InputError(
                 f"{name}: letters of rotations are for shells and beams, none of which has "
                 "these nodes; give the displacements alone"
             )
-        for which, axes in enumerate(wanted):
-            left[which, selected[:, None], axes] = False
+        for which, each in enumerate(letters):
+            if each or (which, len(letters)) != (0, 2):
+                left[which, selected[:, None], components(name, each)] = False
     if not left.any():
         raise InputError("fixed holds every dof of the body; leave some free to move")
     return np.flatnonzero(left)
@@ -99,15 +123,10 @@ def components(name: str, letters: Any) -> list[int]:
     """Return the components, ascending, that letters such as "xz" mean."""
     if not isinstance(letters, str):
         raise InputTypeError(f'{name}: letters must be text such as "xyz", got {letters!r}')
-    if not letters or set(letters) - set("xyz"):
+    if not 0 < len(letters) < 4 or set(letters) - set("xyz"):
         raise InputError(
-            f'{name}: letters must be of "x", "y" and "z", got {letters!r}; to hold rotations '
-            'alone give ("rim", "", "xyz")'
-        )
-    if len(letters) > 3:
-        raise InputError(
-            f"{name}: letters must be at most three, got {letters!r}. Rotations of shells and "
-            'beams are a third entry: ("rim", "xyz", "xyz")'
+            f'{name}: letters must be up to three of "x", "y" and "z", got {letters!r}. Rotations '
+            'of shells and beams are a third entry: ("rim", "xyz", "xyz") or ("rim", "", "xyz")'
         )
     return sorted({"xyz".index(letter) for letter in letters})
 
@@ -169,33 +188,27 @@ def selected_nodes(
                 f"it has {known}"
             )
         return node_sets[found]
-    of_mask, given = "the mask of nodes", selector
-    if callable(selector):
-        of_mask = "the function"
-        try:
-            given = selector(nodes)
-        except Exception as error:
-            raise InputError(
-                f"{name}: the function raised {type(error).__name__}: {error}; it is called with "
-                f"the coordinates of all nodes, an array of shape {nodes.shape}, and should return "
-                "one bool for each"
-            ) from error
+    function = callable(selector)
+    of_mask = "the function" if function else "the mask of nodes"
+    must = f"{name}: {of_mask} must give one bool for each of {len(nodes)} nodes"
+    try:
+        given = selector(nodes) if function else selector
+    except Exception as error:
+        raise InputError(
+            f"{must}, but raised {type(error).__name__}: {error}; it is called with their "
+            f"coordinates, an array of shape {nodes.shape}"
+        ) from error
     try:
         mask = np.asarray(given)
     except ValueError as error:
-        wanted = "the function must return one bool for each node"
-        wanted = wanted if callable(selector) else "nodes must be a flat list of numbers"
-        raise InputTypeError(f"{name}: {wanted}: {error}") from None
-    if mask.dtype != bool and callable(selector):
-        what = type(given).__name__ if mask.ndim == 0 else f"dtype {mask.dtype}"
-        raise InputTypeError(f"{name}: the function must return one bool for each node, got {what}")
-    if mask.dtype != bool:
+        must = must if function else f"{name}: nodes must be a flat list of numbers"
+        raise InputTypeError(f"{must}: {error}") from None
+    if mask.dtype != bool and not function:
         return nodes_by_number(f"{name}: nodes", selector, len(nodes), labels)
+    if mask.dtype != bool:
+        raise InputTypeError(f"{must}, got dtype {mask.dtype}")
     if mask.shape != (len(nodes),):
-        raise InputError(
-            f"{name}: {of_mask} must give one bool for each of {len(nodes)} nodes, got shape "
-            f"{mask.shape}"
-        )
+        raise InputError(f"{must}, got shape {mask.shape}")
     if not mask.any():
         low, high = nodes.min(axis=0), nodes.max(axis=0)
         box = ", ".join(f"{c} {a:g}…{b:g}" for c, a, b in zip("xyz", low, high, strict=True))
@@ -204,3 +217,180 @@ def selected_nodes(
             "a tolerance"
         )
     return np.flatnonzero(mask)
+
+
+@dataclass(frozen=True, eq=False)
+class RigidMass:
+    """A rigid part of a machine on some nodes: a mass with a centre and moments of inertia.
+
+    It takes part in the mean rigid motion of its nodes, the one that fits their displacements best,
+    and does not stiffen them (Nastran's RBE3, Abaqus' distributing coupling); where the seat is to
+    be stiff, mesh it. The body's mass, centre of mass and moments of inertia come out exactly.
+
+    Parameters
+    ----------
+    nodes : str, callable or array_like
+        As in `fixed`: at most 500, not all on one line unless there is neither inertia nor a centre
+        off their middle.
+    mass : float
+        kg.
+    centre : array_like, shape (3,), optional
+        Its centre of mass, m; the middle of the nodes if left out.
+    inertia : array_like, shape (3,) or (3, 3), optional
+        Moments of inertia about axes x, y, z through its centre of mass, or their tensor, kg m²;
+        none if left out.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If the mass is not positive, or the inertia is none of a body.
+
+    Examples
+    --------
+    >>> RigidMass("seat", 5.0, centre=(0, 0, 0.15), inertia=(0.02, 0.02, 0.01)).mass
+    5.0
+    """
+
+    nodes: Selector
+    mass: float
+    centre: npt.ArrayLike | None = None
+    inertia: npt.ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        checked(self, mass=partial(_bounded, unit="kg"))
+        if self.centre is not None:
+            checked(self, centre=place)
+        if self.inertia is not None:
+            checked(self, inertia=partial(inertia_tensor, most=LARGEST))
+
+
+Mounted = tuple[Selector, float] | RigidMass
+SpringSupport = tuple[Selector, str, float]
+
+
+def added_mass(mesh: Mesh, masses: Sequence[Mounted] | None, free: IntArray) -> sp.csr_array | None:
+    """Return what is added to M over all dofs, shape (3 n_nodes, 3 n_nodes); None for nothing.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    masses : sequence of (nodes, kg) or RigidMass
+        A mass is shared equally by its nodes, in all three directions.
+    free : ndarray of int
+        The dofs that no support holds.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If an entry is none of these or selects nothing, or a mass is not positive.
+    """
+    how = 'give a list of pairs such as [("carriage", 5.0)], or of RigidMass'
+    added = None
+    for name, entry in entries("masses", masses, (2,), how, RigidMass):
+        if isinstance(entry, RigidMass):
+            one = _rigid(name, entry, mesh)
+        else:
+            ids = nodes_of_mesh(name, entry[0], mesh)
+            share = np.zeros((mesh.n_nodes, 3))
+            share[ids] = _bounded(f"{name}: the mass", entry[1], "kg") / len(ids)
+            one = sp.diags_array(share.reshape(-1), format="csr")
+            one.eliminate_zeros()
+        on = np.unique(np.flatnonzero(one.diagonal()) // 3)
+        held = len(on) - np.count_nonzero(np.isin(on, free // 3))
+        if held:
+            warn(
+                f"{name}: {held} of the {len(on)} nodes that carry it are constrained by "
+                "fixed, and their shares do not move; take other nodes, or release these"
+            )
+        added = one if added is None else added + one
+    return added
+
+
+def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
+    """WᵀJW with q = W u the rigid motion about its centre that fits its nodes best."""
+    ids, nodes = nodes_of_mesh(name, mount.nodes, mesh), mesh.nodes
+    if len(ids) > _MOST_NODES:
+        raise InputError(
+            f"{name}: the rigid mass is on {len(ids)} nodes, {_MOST_NODES} are the most: take some "
+            "of them, well spread over the seat"
+        )
+    middle = nodes[ids].mean(axis=0)
+    centre = middle if mount.centre is None else np.asarray(mount.centre)
+    inertia = np.zeros((3, 3)) if mount.inertia is None else np.asarray(mount.inertia)
+    size = float(np.abs(nodes[ids] - middle).max()) or 1.0
+    motions = motions_at((nodes[ids] - middle) / size).reshape(-1, 6)
+    values, vectors = np.linalg.eigh(motions.T @ motions)
+    known = values > _UNKNOWN**2 * values[-1]
+    fit = (vectors[:, known] / values[known]) @ (motions @ vectors[:, known]).T
+    # From translation and rotation · size about the middle of the nodes to those about the centre.
+    to_centre = np.eye(6)
+    to_centre[:3, 3:] = motions_at((centre - middle)[None] / size)[0, :, 3:]
+    weights = np.zeros((6, 6))
+    weights[:3, :3] = mount.mass * np.eye(3)
+    weights[3:, 3:] = inertia / size**2
+    weights = to_centre.T @ weights @ to_centre
+    lost = vectors[:, ~known].T @ weights
+    if np.abs(lost).max(initial=0.0) > PRINTED * mount.mass:
+        raise InputError(
+            f"{name}: its {len(ids)} nodes lie on one line, or are one, and tell no rotation about "
+            "it, which has inertia there; give nodes spread over the seat, or leave centre and "
+            "inertia out"
+        )
+    body, radius = float(np.ptp(nodes, axis=0).max()), math.sqrt(np.trace(inertia) / mount.mass)
+    off = float(np.linalg.norm(centre - nodes.mean(axis=0)))
+    if max(off, radius) > _FAR * body > 0.0:
+        warn(
+            f"{name}: its centre is {off:.3g} m off, and its radius of gyration is {radius:.3g} m, "
+            f"on a body of {body:.3g} m: centre is in m, inertia in kg m² (1 kg mm² is 1e-6)"
+        )
+    block = fit.T @ weights @ fit
+    dofs = (3 * ids[:, None] + np.arange(3)).reshape(-1)
+    place = np.repeat(dofs, len(dofs)), np.tile(dofs, len(dofs))
+    shape = nodes.size, nodes.size
+    return sp.csr_array(((0.5 * (block + block.T)).reshape(-1), place), shape=shape)
+
+
+def spring_stiffness(
+    mesh: Mesh, springs: Sequence[SpringSupport] | None, free: IntArray
+) -> FloatArray | None:
+    """Return what is added to the diagonal of K over all dofs, shape (3 n_nodes,); None for none.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    springs : sequence of (nodes, letters, N/m)
+        The stiffness is that of all the nodes together, in each of the directions named.
+    free : ndarray of int
+        The dofs that no support holds.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If an entry is none of these or selects nothing, a stiffness is not positive, or a support
+        holds a node against its spring.
+    """
+    how = 'give a list such as [("mounts", "z", 1e6)]: nodes, letters, N/m'
+    total = np.zeros((mesh.n_nodes, 3))
+    held = constrained(free, mesh.n_nodes)
+    for name, (selector, letters, stiffness) in entries("springs", springs, (3,), how):
+        ids = nodes_of_mesh(name, selector, mesh)
+        share = _bounded(f"{name}: the stiffness", stiffness, "N/m") / len(ids)
+        at = ids[:, None], components(name, letters)
+        if (on_support := held[at].any(axis=1)).any():
+            first = label_of(int(ids[on_support][0]), mesh.node_labels)
+            raise InputError(
+                f"{name}: {int(on_support.sum())} of its {len(ids)} nodes, the first is {first}, "
+                "are constrained by fixed against the spring; release them, or take others"
+            )
+        total[at] += share
+    return total.reshape(-1) if total.any() else None
+
+
+def _bounded(name: str, value: Any, unit: str) -> float:
+    number = positive(name, value, unit=unit)
+    if number > LARGEST:
+        raise InputError(
+            f"{name} is {number:g} {unit}, whose products cannot be computed; give it in {unit}, "
+            "and what does not move as a support, fixed"
+        )
+    return number
