@@ -5,15 +5,8 @@ The static mode and the shifts s of a contact, too. `laws` takes patches and sur
 """
 
 from .compliance import ContactCompliance
-from .contacttime import (
-    fitted_shifts,
-    highest_shift,
-    refuse_massless,
-    shortest_contact_time,
-    slow_shift,
-)
 from .extraction import Extraction, split
-from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
+from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .layer import layer_compliance, layer_compliance_of, mesh_compliance
 from .patch import Patch, spread
 from .point import (
@@ -24,7 +17,17 @@ from .point import (
     contact_within,
     own_contact_time,
 )
-from .shearedhalfspace import ShearedHalfSpace
-from .staticmode import StaticMode, centre_of, moves_rigidly, refuse_mechanism, static_mode
+from .staticmode import (
+    StaticMode,
+    centre_of,
+    fitted_shifts,
+    highest_shift,
+    moves_rigidly,
+    refuse_massless,
+    refuse_mechanism,
+    shortest_contact_time,
+    slow_shift,
+    static_mode,
+)
 from .thinextraction import ThinExtraction
 from .touch import edge_length, motion_between, to_nodes

@@ -47,9 +47,8 @@ from ..fem import (
 from ..linalg import LinearSolver
 from ..mesh import plane_of, taken
 from .compliance import ContactCompliance
-from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
+from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .patch import spread
-from .shearedhalfspace import ShearedHalfSpace
 from .subdivision import cells_towards, sides_towards
 from .touch import of_face
 
@@ -652,7 +651,6 @@ class _Load:
 
 def _tensor(material: Solid, frame: FloatArray) -> FloatArray:
     """C_ijkl in local axes."""
-    turned: FloatArray = np.einsum(
-        "ai,bj,ck,dl,ijkl->abcd", frame, frame, frame, frame, material.tensor
+    return np.asarray(
+        np.einsum("ai,bj,ck,dl,ijkl->abcd", frame, frame, frame, frame, material.tensor)
     )
-    return turned

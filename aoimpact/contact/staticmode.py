@@ -1,17 +1,21 @@
-"""The static mode of a body at its contact: eqs. (1)-(3) and (11) of the paper."""
+"""The static mode of a body at its contact, and the shifts s of K + s²M that fit its contact time.
+
+The mode is that of eqs. (1)-(3) and (11) of the paper.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
-from ..base import FloatArray, InputTypeError, SingularError
-from ..fem import displacement
+from ..base import ROUNDING, FloatArray, InputError, InputTypeError, SingularError, positive
+from ..fem import displacement, near_static
 from ..linalg import LinearSolver
-from .point import ContactPoint
+from .point import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadratic
 
 # rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
 # just distinguished from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
@@ -123,4 +127,69 @@ def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
                 "part of the body is a mechanism that the contact moves without any elastic force: "
                 f"{mechanism.where(tip.b)}; join the parts by whole sides of elements (merge the "
                 "nodes of both), or hold them by supports"
+            )
+
+
+def fitted_shifts(
+    tips: Sequence[ContactPoint], contact_time: float | None, duration: float | None
+) -> list[float]:
+    """Return the shifts s, rad/s, for that contact time at any of the places, and duration."""
+    if contact_time is None:
+        contact_time = min(own_contact_time(tip) for tip in tips)
+        if math.isinf(contact_time):
+            raise InputError(
+                "no contact_time can be estimated where K gives b no stiffness; give it"
+            )
+    else:
+        positive("contact_time", contact_time, unit="s")
+        shortest = max(shortest_contact_time(tip) for tip in tips)
+        if contact_time < shortest:
+            raise InputError(
+                f"contact_time={contact_time:g} s is shorter than what the mesh resolves at the "
+                f"contact, {shortest:.2g} s: give the duration of the contact in seconds, or "
+                "refine the mesh"
+            )
+    shifts = [SHIFT_TIMES_DURATION / contact_time]
+    if duration is not None and (slow := slow_shift(tips[0], duration)) < shifts[0]:
+        shifts.append(slow)
+    return shifts
+
+
+def slow_shift(tip: ContactPoint, duration: float) -> float:
+    """Return the shift for motion of that duration, rad/s; of an infinite one a static shift."""
+    wanted = SHIFT_TIMES_DURATION / positive("duration", duration, unit="s", infinite=True)
+    return max(wanted, math.sqrt(near_static(tip.body)))
+
+
+def shortest_contact_time(tip: ContactPoint) -> float:
+    """The shortest contact that the mesh resolves, s: a shorter wave is shorter than an element.
+
+    0 where K gives b no stiffness, and so no waves.
+    """
+    highest = highest_shift(tip)
+    return SHIFT_TIMES_DURATION / highest if highest > 0.0 else 0.0
+
+
+def highest_shift(tip: ContactPoint) -> float:
+    """The frequency of the elements at the contact, rad/s: it bounds from below the highest."""
+    refuse_massless([tip])
+    body, b = tip.body, tip.b
+    return math.sqrt(max(0.0, quadratic(body.K, b) / quadratic(body.M, b)))
+
+
+def refuse_massless(tips: Sequence[ContactPoint]) -> None:
+    """Refuse contact on dofs without mass: no mode of a truncated model has their compliance.
+
+    Raises
+    ------
+    InputError
+    """
+    for tip in tips:
+        loaded = np.abs(tip.b) > ROUNDING * np.abs(tip.b).max(initial=0.0)
+        touched = np.flatnonzero(loaded & (tip.body.M.diagonal() == 0.0))
+        if len(touched):
+            raise InputError(
+                f"the contact acts on {len(touched)} dofs without mass, the first is {touched[0]}, "
+                "and modes leave their compliance out; take antioscillators(tip, "
+                "method='eigen') or full(tip), or give the dofs mass"
             )

@@ -70,10 +70,13 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
     """
     here = _place(surface, point)
     normal = surface.smooth_normal(here)
-    sign = _side(surface, here, normal, along)
+    # A shell is touched on the side that faces the force.
+    behind = normal is not None and along is not None and float(along @ normal) > 0.0
+    sign = -1.0 if behind and surface.thin(here.face)[0] else 1.0
+    sharp = f"point {plain(point)} m is on a sharp edge, where the surface has no normal; choose"
     if radius == 0.0:
         if normal is None and along is None:
-            raise _on_edge(point, "a point inside a face, or give direction")
+            raise InputError(f"{sharp} a point inside a face, or give direction")
         weights = np.zeros(surface.mesh.n_nodes)
         shape = surface.shape(here.face[:1], here.uv[:1])
         np.add.at(weights, surface.nodes[here.face[:1]], shape)
@@ -83,7 +86,7 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
         forces = np.stack([np.outer(weights, direction), couples])
         return Touch(here.x[0], direction, forces, facing)
     if normal is None:
-        raise _on_edge(point, "a point farther from the edge, or radius=0 for the edge itself")
+        raise InputError(f"{sharp} a point farther from the edge, or radius=0 for the edge itself")
     if radius >= (most := 0.5 * surface.mesh.size):
         reason = f"the patch is larger than the body, which is {surface.mesh.size:.3g} m long"
         raise RoomError(
@@ -212,15 +215,6 @@ def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
     return max((d for d in found if 0.0 < d < np.inf), default=np.inf)
 
 
-def _side(
-    surface: Surface, here: Place, normal: FloatArray | None, along: FloatArray | None
-) -> float:
-    """Return -1 where a shell is touched on the side away from its normal: that which faces it."""
-    if normal is None or along is None or not surface.thin(here.face)[0]:
-        return 1.0
-    return -1.0 if float(along @ normal) > 0.0 else 1.0
-
-
 def _place(surface: Surface, point: FloatArray) -> Place:
     """Return the place meant by a point on or near the surface, on each face that shares it."""
     here = surface.nearest(point)
@@ -238,13 +232,6 @@ def _place(surface: Surface, point: FloatArray) -> Place:
             f"on it, {plain(here.x[0])} m, is taken"
         )
     return here
-
-
-def _on_edge(point: FloatArray, cure: str) -> InputError:
-    return InputError(
-        f"point {plain(point)} m is on a sharp edge or corner of the body, where the surface has "
-        f"no normal; choose {cure}"
-    )
 
 
 def _pressing(

@@ -199,8 +199,7 @@ def _isotropic(products: FloatArray, i: int, j: int, material: Material) -> Floa
 
 def _anisotropic(products: FloatArray, i: int, j: int, material: Orthotropic) -> FloatArray:
     elastic = material.tensor[i, :, j, :]
-    block: FloatArray = np.einsum("nkalb,kl->nab", products, elastic)
-    return block
+    return np.asarray(np.einsum("nkalb,kl->nab", products, elastic))
 
 
 def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, aligned, with_unit
+from ..base import FloatArray, aligned, with_unit
 from ..mesh import motions_at
 from .labels import axes_of
 
@@ -125,25 +125,44 @@ class Audit:
 
 def audited(body: Any, *, frequencies: int = 8) -> Audit:
     """Return the audit of an `FEModel`; see `FEModel.audit`."""
-    nodes, labels = body.nodes, body.labels
+    nodes, labels, mass = body.nodes, body.labels, body.mass
     axes = axes_of(body.free, labels, 0 if nodes is None else len(nodes))
     n_nodes = None if labels is None else len(np.unique(labels[:, 0]))
     centre = extent = density = speed = None
+    residuals: tuple[float, ...] = ()
+    if axes is not None:
+        motions = axes
+        if nodes is not None:
+            places = nodes - nodes.mean(axis=0)
+            motions = motions_at(places, rotations=True).reshape(-1, 6)[body.free]
+        most = np.linalg.norm(abs(body.K) @ np.abs(motions), axis=0)
+        residual = np.linalg.norm(body.K @ motions, axis=0) / np.where(most > 0.0, most, 1.0)
+        residuals = tuple(residual.tolist())
     if nodes is not None and axes is not None:
-        extent = np.ptp(nodes, axis=0)
-        at, inertia = nodes[_node(body)], body.M @ axes
-        if body.mass is not None:
-            centre = np.array([inertia[:, 0] @ (axes[:, 0] * at[:, c]) for c in range(3)])
-            centre = centre / body.mass
+        n_nodes, extent, node = len(nodes), np.ptp(nodes, axis=0), body.free // 3 % len(nodes)
+        inertia = body.M @ axes
+        if mass is not None:
+            centre = (inertia[:, 0] * axes[:, 0]) @ nodes[node] / mass
         moved = np.sum(inertia * axes, axis=0)
-        density = _density(body, extent, float(moved.mean()))
-        speed = _speed(body, axes, moved)
+        box = float(np.prod(np.maximum(extent, _THINNEST * extent.max())))
+        shares = np.bincount(node[body.free < 3 * n_nodes], minlength=n_nodes)
+        if shares.sum() == len(node) and box > 0.0:  # shells and beams, with rotations, are no box
+            # The mass of constrained nodes as of the others, where it is not known.
+            whole = float(moved.mean()) * 3 * n_nodes / len(node) if mass is None else mass
+            density = whole / box
+        # d = x - x₀ along each axis, x₀ the mean of the constrained nodes.
+        constrained = shares < 3
+        origin = nodes[constrained if constrained.any() else slice(None)].mean(axis=0)
+        strain = (nodes[node] - origin) * axes
+        energy, known = np.sum(strain * (body.K @ strain), axis=0), moved > 0.0
+        if known.any():
+            squares = np.maximum(energy[known], 0.0) / moved[known]
+            speed = float(np.median(np.sqrt(squares)))
     count = min(frequencies, body.n_dofs)
-    residuals = _residuals(body, axes)
     return Audit(
         n_dofs=body.n_dofs,
-        n_nodes=n_nodes if nodes is None else len(nodes),
-        mass=body.mass,
+        n_nodes=n_nodes,
+        mass=mass,
         centre=centre,
         extent=extent,
         density=density,
@@ -154,52 +173,6 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
         doubts=()
         if body.assembled
         else (*_doubts_of_order(body, residuals), *_doubts(density, speed)),
-    )
-
-
-def _density(body: Any, extent: FloatArray, moved: float) -> float | None:
-    """Mass over the box around the nodes, that of constrained nodes as of the others.
-
-    None of a body with rotations: shells and beams are no box.
-    """
-    if body.free.max() >= 3 * len(body.nodes):
-        return None
-    box = float(np.prod(np.maximum(extent, _THINNEST * extent.max())))
-    mass = moved * 3 * len(body.nodes) / len(body.free) if body.mass is None else body.mass
-    return mass / box if box > 0.0 else None
-
-
-def _speed(body: Any, axes: FloatArray, moved: FloatArray) -> float | None:
-    """√(dᵀKd/tᵀMt), d = x - x₀ along each axis, x₀ the mean of the constrained nodes."""
-    moving = body.free[body.free < 3 * len(body.nodes)]
-    constrained = np.bincount(moving // 3, minlength=len(body.nodes)) < 3
-    origin = body.nodes[constrained if constrained.any() else slice(None)].mean(axis=0)
-    strain = (body.nodes[_node(body)] - origin) * axes
-    energy = np.sum(strain * (body.K @ strain), axis=0)
-    known = moved > 0.0
-    if not known.any():
-        return None
-    return float(np.median(np.sqrt(np.maximum(energy[known], 0.0) / moved[known])))
-
-
-def _node(body: Any) -> IntArray:
-    """The node of each row."""
-    return np.asarray(body.free // 3 % len(body.nodes))
-
-
-def _residuals(body: Any, axes: FloatArray | None) -> tuple[float, ...]:
-    """‖K r‖ over ‖|K| |r|‖ of the rigid motions that are known."""
-    if axes is None:
-        return ()
-    motions = axes
-    if body.nodes is not None:
-        places = body.nodes - body.nodes.mean(axis=0)
-        motions = motions_at(places, rotations=True).reshape(-1, 6)[body.free]
-    size = abs(body.K)
-    forces = [float(np.linalg.norm(size @ np.abs(r))) for r in motions.T]
-    return tuple(
-        float(np.linalg.norm(body.K @ r)) / force if force else 0.0
-        for r, force in zip(motions.T, forces, strict=True)
     )
 
 
@@ -239,7 +212,7 @@ def _missing(matrix: Any, other: Any) -> float:
 
 def _missing_neighbours(body: Any) -> float:
     """The share of nodes whose nearest other one K does not couple them with."""
-    node = _node(body)
+    node = body.free // 3 % len(body.nodes)
     places = np.unique(node)
     if len(places) < 2:
         return 0.0

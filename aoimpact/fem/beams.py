@@ -335,8 +335,14 @@ class Beam:
             if not axis.any():
                 raise InputError("orientation must not be zero")
             object.__setattr__(self, "orientation", tuple(axis.tolist()))
-        elif not _without_axes(self.section) or any(self.offset):
-            raise InputError("orientation: the section needs the direction of its z axis")
+        else:
+            of = self.section
+            alike = isinstance(of, TubularSection)  # along all directions across the beam
+            if isinstance(of, BeamSection):
+                y, z = of.shear_factors
+                alike = of.Iy == of.Iz and y == z and not np.any(of.points)
+            if not alike or any(self.offset):
+                raise InputError("orientation: the section needs the direction of its z axis")
 
     @property
     def rho(self) -> float:
@@ -377,16 +383,11 @@ class Beam:
 
     @property
     def narrowest(self) -> float:
-        """Thickness of the wall of a tube, else of the section where it is thinnest, m.
+        """Side of the square of the section's area, m.
 
         :meta private:
         """
-        of = self.section
-        if isinstance(of, TubularSection):
-            return of.thickness if self.hollow else 2.0 * of.radius
-        if isinstance(of, RectangularSection):
-            return min(of.width, of.height)
-        return math.sqrt(of.area)
+        return math.sqrt(self.numbers.area)
 
     @property
     def reach(self) -> float:
@@ -447,14 +448,6 @@ class Beam:
         size = stress**2 @ [1.0, 3.0, 3.0]  # von Mises' stress squared
         largest = size.argmax(axis=-1)[..., None, None]
         return np.asarray(np.take_along_axis(stress, largest, axis=-2)[..., 0, :])
-
-
-def _without_axes(section: Section) -> bool:
-    """Return whether a section is the same along all directions across the beam."""
-    if isinstance(section, BeamSection):
-        y, z = section.shear_factors
-        return section.Iy == section.Iz and y == z and not np.any(section.points)
-    return isinstance(section, TubularSection)
 
 
 def beam_frames(ends: FloatArray, beam: Beam) -> tuple[FloatArray, FloatArray]:
@@ -550,8 +543,7 @@ def _energy(
     scaled = rows * np.sqrt(_finite(density))[:, None] * np.sqrt(weights)[:, None, None]
     scaled = (scaled * np.sqrt(length)[:, None, None, None]).reshape(len(rows), -1, 12)
     matrix = scaled.swapaxes(1, 2) @ scaled
-    energy: FloatArray = 0.5 * (matrix + matrix.swapaxes(1, 2))
-    return energy
+    return np.asarray(0.5 * (matrix + matrix.swapaxes(1, 2)))
 
 
 def _finite(stiffness: FloatArray) -> FloatArray:

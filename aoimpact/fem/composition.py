@@ -44,16 +44,6 @@ class Materials(Frozen):
     materials: tuple[OneMaterial, ...]
     index: IntArray
 
-    def of(self, cell: int) -> OneMaterial:
-        """Return the material of an element."""
-        number = int(self.index[cell])
-        return self.materials[number]
-
-    def taken(self, cells: IntArray) -> Materials:
-        """Return those of some of the elements, shape (n,)."""
-        used, index = np.unique(self.index[cells], return_inverse=True)
-        return Materials(self.groups, tuple(self.materials[i] for i in used), index)
-
 
 AnyMaterial = OneMaterial | Materials
 
@@ -75,11 +65,11 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
                 f"material: {len(piece.rows)} elements are of kind {piece.block.kind}, which needs "
                 f"{wanted}, got {type(piece.of).__name__}"
             )
-        if isinstance(piece.of, (Layers, Beam)) and piece.of.narrowest > mesh.size:
+        kind, thick = type(piece.of).__name__, getattr(piece.of, "narrowest", 0.0)
+        if thick > mesh.size:
             raise InputError(
-                f"material: a {type(piece.of).__name__} {with_unit(piece.of.narrowest, 'm')} thick "
-                f"is thicker than the body is long, {with_unit(mesh.size, 'm', 3)}; give both in "
-                "metres"
+                f"material: a {kind} {with_unit(thick, 'm')} thick is thicker than the body is "
+                f"long, {with_unit(mesh.size, 'm', 3)}; give both in metres"
             )
     return found
 
@@ -116,8 +106,15 @@ def _of_elements(mesh: Mesh, given: Any) -> AnyMaterial:
                 "one material"
             )
         owner[cells] = number
-    if (owner < 0).any():
-        raise InputError(_left_over(mesh, owner))
+    if len(bare := np.flatnonzero(owner < 0)):
+        counts = {name: int((owner[cells] < 0).sum()) for name, cells in mesh.cell_sets.items()}
+        where = ", ".join(f"{count} of them in {name!r}" for name, count in counts.items() if count)
+        raise InputError(
+            f"material: {len(bare)} of {mesh.n_cells} elements have none, the first is element "
+            f"{label_of(int(bare[0]), mesh.cell_labels)} near "
+            f"{plain(mesh.nodes[mesh.cells[bare[0]]].mean(axis=0))} m: give the material of their "
+            f"groups ({where or 'no group has any of them; name them in the mesher'})"
+        )
     distinct: dict[OneMaterial, int] = {}
     number_of = [distinct.setdefault(material, len(distinct)) for material in given.values()]
     if len(distinct) == 1:
@@ -132,18 +129,6 @@ def thin_groups(given: Any) -> tuple[str, ...]:
     return tuple(name for name, of in given.items() if isinstance(of, (Layers, Beam)))
 
 
-def _left_over(mesh: Mesh, owner: IntArray) -> str:
-    bare = np.flatnonzero(owner < 0)
-    counts = {name: int((owner[cells] < 0).sum()) for name, cells in mesh.cell_sets.items()}
-    where = ", ".join(f"{count} of them in {name!r}" for name, count in counts.items() if count)
-    place = plain(mesh.nodes[mesh.cells[bare[0]]].mean(axis=0))
-    return (
-        f"material: {len(bare)} of {mesh.n_cells} elements have none, the first is element "
-        f"{label_of(int(bare[0]), mesh.cell_labels)} near {place} m: give the material of their "
-        f"groups ({where or 'no group has any of them; name them in the mesher'})"
-    )
-
-
 def each_of(material: AnyMaterial) -> tuple[OneMaterial, ...]:
     """Return the materials, each once; of one material itself."""
     return material.materials if isinstance(material, Materials) else (material,)
@@ -151,12 +136,15 @@ def each_of(material: AnyMaterial) -> tuple[OneMaterial, ...]:
 
 def material_of(material: AnyMaterial, cell: int) -> OneMaterial:
     """Return what an element is made of."""
-    return material.of(cell) if isinstance(material, Materials) else material
+    return each_of(material)[material.index[cell] if isinstance(material, Materials) else 0]
 
 
 def taken_material(material: AnyMaterial, cells: IntArray) -> AnyMaterial:
     """Return what some of the elements are made of, shape (n,)."""
-    return material.taken(cells) if isinstance(material, Materials) else material
+    if not isinstance(material, Materials):
+        return material
+    used, index = np.unique(material.index[cells], return_inverse=True)
+    return Materials(material.groups, tuple(material.materials[i] for i in used), index)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,10 +15,7 @@ def _coefficient(name: str, value: Any, unit: str = "") -> float:
     """Return `value` as a float that any mode's frequency may be multiplied by."""
     number = nonnegative(name, value, unit=unit)
     if number > HUGE:
-        raise InputError(
-            f"{name} must be at most {HUGE:g}{unit and ' ' + unit}, got {number:g}: decays "
-            "of modes would be no numbers"
-        )
+        raise InputError(f"{name} must be at most {HUGE:g}{unit and ' ' + unit}, got {number:g}")
     return number
 
 

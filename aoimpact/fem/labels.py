@@ -49,8 +49,7 @@ def axes_of(free: IntArray | None, labels: IntArray | None, n_nodes: int) -> Flo
     if labels is None:
         return None
     component = labels[:, 1]
-    axes: FloatArray = np.where(component[:, None] == np.arange(1, 4), 1.0, 0.0)
-    return axes
+    return np.asarray(np.where(component[:, None] == np.arange(1, 4), 1.0, 0.0))
 
 
 def labelled_nodes(labels: IntArray, free: IntArray, n_nodes: int) -> IntArray:

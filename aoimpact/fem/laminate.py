@@ -158,8 +158,7 @@ class Layers:
     def interfaces(self) -> FloatArray:
         """z of the bottom, of each interface, and of the top, m, shape (n_plies + 1,)."""
         upto = np.cumsum([0.0, *(ply.thickness for ply in self.plies)])
-        z: FloatArray = upto - 0.5 * self.total_thickness + self.offset
-        return z
+        return np.asarray(upto - 0.5 * self.total_thickness + self.offset)
 
     @cached_property
     def stiffness(self) -> FloatArray:
@@ -223,8 +222,7 @@ class Layers:
             self._change(number, low, high)
             for number, (low, high) in enumerate(pairwise(self.interfaces.tolist()))
         ]
-        below: FloatArray = np.cumsum([np.zeros((2, 2)), *steps[:-1]], axis=0)
-        return below
+        return np.asarray(np.cumsum([np.zeros((2, 2)), *steps[:-1]], axis=0))
 
     def _change(self, number: int, low: float, high: float) -> FloatArray:
         """-∫ of σxx,x + τxy,y and τxy,x + σyy,y within a ply, by (Qx, Qy)."""
@@ -235,8 +233,7 @@ class Layers:
 
     def _shear_stress(self, number: int, z: float) -> FloatArray:
         """τxz and τyz at z in a ply by the shear forces, 1/m, shape (2, 2)."""
-        stress: FloatArray = self._below[number] + self._change(number, self.interfaces[number], z)
-        return stress
+        return np.asarray(self._below[number] + self._change(number, self.interfaces[number], z))
 
     def stress_at(self, strains: FloatArray, number: int, z: float) -> FloatArray:
         """Return the stress at a height in a ply, in the element's axes, Pa, shape (..., 6).

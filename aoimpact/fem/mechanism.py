@@ -102,11 +102,14 @@ def mechanism_of(
     count = unresisted.shape[1] - rigid.shape[1]
     if count <= 0:
         return None
-    motions = parts.field(unresisted)[free]
+    null = unresisted.shape[1]
+    each = unresisted.reshape(-1, 6, null)
+    at_nodes = parts.motions_at(np.arange(len(parts.owner)), parts.owner) @ each[parts.owner]
+    motions = at_nodes.reshape(-1, null)[free]
     motions -= rigid @ (rigid.T @ (M @ motions))
     size, y = np.linalg.eigh(motions.T @ (M @ motions))
     y = y[:, -count:] / np.sqrt(size[-count:])
-    turns = unresisted.reshape(-1, 6, unresisted.shape[1])[:, 3:] / parts.size[:, None, None]
+    turns = each[:, 3:] / parts.size[:, None, None]
     return Mechanism(motions @ y, parts, turns @ y)
 
 
@@ -192,8 +195,8 @@ class _Parts:
         """
         fixed_dofs = np.setdiff1d(np.arange(3 * len(self.owner)), free)
         node, component = np.divmod(fixed_dofs, 3)
-        fixed = self._at(node, self.owner[node])[np.arange(len(fixed_dofs)), component]
-        joints = [self._at(self.joint, side) for side in (self.one, self.other)]
+        fixed = self.motions_at(node, self.owner[node])[np.arange(len(fixed_dofs)), component]
+        joints = [self.motions_at(self.joint, side) for side in (self.one, self.other)]
         values = np.concatenate([fixed, joints[0].reshape(-1, 6), -joints[1].reshape(-1, 6)])
         links = len(fixed_dofs) + np.arange(3 * len(self.joint))
         row = np.concatenate([np.arange(len(fixed_dofs)), links, links])
@@ -202,13 +205,7 @@ class _Parts:
         shape = (len(fixed_dofs) + 3 * len(self.joint), 6 * len(self.size))
         return sp.csr_array((values.ravel(), (np.repeat(row, 6), column.ravel())), shape=shape)
 
-    def field(self, combinations: FloatArray) -> FloatArray:
-        """Return the nodes' motions, shape (3 n_nodes, m), of the parts' (6 n_parts, m)."""
-        count = combinations.shape[1]
-        each = combinations.reshape(-1, 6, count)[self.owner]
-        return (self._at(np.arange(len(self.owner)), self.owner) @ each).reshape(-1, count)
-
-    def _at(self, node: IntArray, part: IntArray) -> FloatArray:
+    def motions_at(self, node: IntArray, part: IntArray) -> FloatArray:
         """The motions of parts at nodes, shape (n, 3, 6)."""
         offset = self.surface.mesh.nodes[node] - self.centre[part]
         return motions_at(offset / self.size[part][:, None])

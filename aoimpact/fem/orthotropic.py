@@ -128,15 +128,13 @@ class Orthotropic:
         """The elastic tensor C_ijkl in the body's coordinates, Pa, shape (3, 3, 3, 3)."""
         own = np.linalg.inv(self._compliance)[PLACES][..., PLACES]
         turn = np.array(self.axes)
-        tensor: FloatArray = np.einsum("ai,bj,ck,dm,abcd->ijkm", turn, turn, turn, turn, own)
-        return tensor
+        return np.asarray(np.einsum("ai,bj,ck,dm,abcd->ijkm", turn, turn, turn, turn, own))
 
     @property
     def stiffness(self) -> FloatArray:
         """Hooke's matrix as `Material.stiffness`, in the body's coordinates, Pa, shape (6, 6)."""
         matrix = self.tensor[*SIX][..., *SIX]
-        symmetric: FloatArray = 0.5 * (matrix + matrix.T)
-        return symmetric
+        return np.asarray(0.5 * (matrix + matrix.T))
 
     def turned(self, angle: float, about: npt.ArrayLike = (0.0, 0.0, 1.0)) -> Orthotropic:
         """Return the material with its axes turned by the right-hand rule.
@@ -226,8 +224,7 @@ def _barnett_lothe(tensor: FloatArray, one: FloatArray, other: FloatArray) -> Fl
         of_m, of_n = np.einsum("i,ijkl->jkl", m, tensor), np.einsum("i,ijkl->jkl", n, tensor)
         mm, mn, nn = of_m @ m, of_m @ n, of_n @ n
         total += mm - mn @ np.linalg.solve(nn, mn.T)
-    found: FloatArray = total / _ANGLES
-    return found
+    return np.asarray(total / _ANGLES)
 
 
 def _triple(name: str, value: Any) -> Triple:

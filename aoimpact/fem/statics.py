@@ -93,8 +93,7 @@ def _by_grounding(body: FEModel, b: FloatArray, solver: LinearSolver) -> FloatAr
     pencil = replace(solver.pencil, K=(K + sp.diags_array(springs)).tocsr(), s2=0.0)
     grounded = linear_solver(pencil, solver.name if solver.name in SOLVERS else "auto")
     x = grounded.solve(b - M @ (rigid @ (rigid.T @ b)))
-    found: FloatArray = x - rigid @ (rigid.T @ (M @ x))
-    return found
+    return np.asarray(x - rigid @ (rigid.T @ (M @ x)))
 
 
 def whole_motion(body: FEModel) -> tuple[FloatArray, FloatArray]:

@@ -53,8 +53,7 @@ class Tensor:
 
     def __getitem__(self, name: str) -> FloatArray:
         place = COMPONENTS.index(choice("name of a component", name, COMPONENTS))
-        component: FloatArray = self.components[..., place]
-        return component
+        return np.asarray(self.components[..., place])
 
     @property
     def tensor(self) -> FloatArray:
@@ -76,8 +75,7 @@ class Stress(Tensor):
         """Von Mises' equivalent stress √(3/2 s:s) with s the deviator, Pa, shape (...)."""
         xx, yy, zz, xy, yz, xz = np.moveaxis(self.components, -1, 0)
         direct = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-        equivalent: FloatArray = np.sqrt(0.5 * direct + 3.0 * (xy**2 + yz**2 + xz**2))
-        return equivalent
+        return np.asarray(np.sqrt(0.5 * direct + 3.0 * (xy**2 + yz**2 + xz**2)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,15 +146,16 @@ def averaged_strain(
 ) -> FloatArray:
     """Return the mean strain of the elements that meet at each place, shape (6, ..., n_places)."""
     count = len(places.node)
-    averaged = np.zeros((6, *displacement.shape[:-2], count))
+    averaged, elements = np.zeros((6, *displacement.shape[:-2], count)), np.zeros(count)
     for piece in pieces(mesh, material):
         to_nodes = extrapolation(piece.element.kind).T
         for batch in batches(piece):
             at = places.of(batch).reshape(-1)
+            elements += np.bincount(at, minlength=count)
             shares = (gauss_strain(mesh, batch, displacement)[0] @ to_nodes).reshape(-1, at.size)
             for total, share in zip(averaged.reshape(-1, count), shares, strict=True):
                 total += np.bincount(at, share, count)
-    averaged /= np.maximum(elements_at(mesh, material, places), 1.0)
+    averaged /= np.maximum(elements, 1.0)
     return averaged
 
 
@@ -199,8 +198,7 @@ def compliances(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> FloatArra
     """
     every = np.stack([np.linalg.inv(of.stiffness * ANGLE) for of in each_of(material)])
     places = layout(mesh, material)
-    found: FloatArray = every[places.which[shown(places, material)[nodes]]]
-    return found
+    return np.asarray(every[places.which[shown(places, material)[nodes]]])
 
 
 def batches(piece: Piece) -> Iterator[Piece]:
@@ -236,13 +234,4 @@ def extrapolation(kind: str) -> FloatArray:
     corners, rule = element.linear, element.stiffness_rule
     root = np.sqrt(rule.weights)
     fit = np.linalg.pinv(root[:, None] * corners.shape(rule.points)) * root
-    extrapolation: FloatArray = corners.shape(element.nodes) @ fit
-    return extrapolation
-
-
-def elements_at(mesh: Mesh, material: AnyMaterial, places: Layout) -> FloatArray:
-    """How many elements meet at each place."""
-    count = np.zeros(len(places.node))
-    for piece in pieces(mesh, material):
-        count += np.bincount(places.of(piece).reshape(-1), minlength=len(count))
-    return count
+    return np.asarray(corners.shape(element.nodes) @ fit)

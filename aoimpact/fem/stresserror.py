@@ -94,8 +94,7 @@ def energy_error(
 def _energy(strain: FloatArray, material: OneMaterial) -> FloatArray:
     """Twice the energy of a volume, J/m³, of strain of shape (6, ...)."""
     direct, shear = np.split(strain * hooke(strain, material), 2)
-    energy: FloatArray = direct.sum(axis=0) + 2.0 * shear.sum(axis=0)
-    return energy
+    return np.asarray(direct.sum(axis=0) + 2.0 * shear.sum(axis=0))
 
 
 def _free_of_traction(

@@ -23,7 +23,7 @@ import numpy as np
 
 from ..base import ROUNDING, plain, warn, with_unit
 from ..contact import SHIFT_TIMES_DURATION, ContactPoint, edge_length
-from ..fem import Layers, Material, Materials, Orthotropic, Rayleigh
+from ..fem import Layers, Material, Orthotropic, Rayleigh
 from ..laws import (
     ContactLaw,
     ElasticPlastic,
@@ -599,8 +599,7 @@ def _as_a_shell(tip: ContactPoint) -> str:
     width = edge_length(surface, tip.point)
     if height > _FLAT * width or tip.depth > width:
         return ""
-    of = tip.body.material
-    material = of.of(cell) if isinstance(of, Materials) else of
+    material = tip.made_of
     shell = f"ao.Shell(thickness={tip.depth:.4g}, material={material!r})"
     if isinstance(material, Orthotropic):
         shell = f"ao.Laminate of its plies, {tip.depth:.4g} m thick in all"
