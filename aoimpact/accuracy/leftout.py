@@ -1,6 +1,6 @@
 """Errors of a run by its meshes, its contact laws, and of its histories by its models.
 
-The errors of a contact point's compliance (`Extraction`) are put into the models, and one more run
+The errors of a contact point's compliance (`Compliance`) are put into the models, and one more run
 gives the change of any quantity. The error of the compliance beyond the half-space acts like a
 spring in series with the law. A mesh that is too stiff makes the whole body too stiff, which the
 extraction corrects at one frequency only: all springs of the model are altered, and the compliance
@@ -41,7 +41,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import AOImpactError, FloatArray, Found, held_warnings
-from ..contact import ContactPoint, Extraction
+from ..contact import ContactPoint
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law, removable
 from ..reduction import (
     Body,
@@ -228,9 +228,9 @@ class _End:
         By how much its response changes, m/N, for each unit of that, at the frequency at which it
         is known.
     lagging : float
-        See `ContactCompliance`, m/N.
+        See `Compliance`, m/N.
     crosswise : ndarray, shape (2,), or None
-        See `Extraction`, m/N; of contacts with friction.
+        See `Compliance`, m/N; of contacts with friction.
     left : float
         Compliance that is left in the law and may belong to the mesh, m/N.
     """
@@ -385,9 +385,9 @@ def _of_contact(plan: Scenario, number: int, met: Met, *, at_nodes: bool) -> lis
         )
         error, crosswise = known.error, None
         fast = _SLOW / (min(2.0 * met.rise, contact_time) or contact_time)
-        if isinstance(known, Extraction):
+        if known.splitting:
             error += unbent(tip, fast)
-        if contact.friction and isinstance(known, Extraction):  # see `Friction.for_core`
+        if contact.friction and known.splitting:  # see `Friction.for_core`
             error = max(error, contact.friction.ratio * known.sideways)
             crosswise = known.crosswise
         own = error, known.varying, stiffness, known.strain, known.lagging

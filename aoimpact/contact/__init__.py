@@ -4,8 +4,8 @@ The static mode and the shifts s of a contact, too. `laws` takes patches and sur
 `reduction` the functional b.
 """
 
-from .compliance import ContactCompliance
-from .extraction import Extraction, split
+from .compliance import Compliance
+from .extraction import Splitting
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .layer import layer_compliance, layer_compliance_of, mesh_compliance
 from .patch import Patch, spread
@@ -29,5 +29,4 @@ from .staticmode import (
     slow_shift,
     static_mode,
 )
-from .thinextraction import ThinExtraction
 from .touch import edge_length, motion_between, to_nodes

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from ..base import FloatArray
 
@@ -13,8 +16,12 @@ _SPAN = 3.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ContactCompliance:
+class Compliance:
     """Compliances of a model of a body at a contact point under a unit force.
+
+    Those of a shell or beam are what its elements have in place of an elastic layer. They hardly
+    depend on the radius of the contact; `error` is how much c changes over the frequencies of a
+    rising force.
 
     Attributes
     ----------
@@ -35,7 +42,27 @@ class ContactCompliance:
         a, m.
     lagging : float
         dc/d(ln s), m/N, where c keeps changing with the frequency. The displacement c F then lags
-        behind the force, as that of a dashpot does.
+        behind the force, as that of a dashpot does: where elements outgrow the bending wave.
+    by_width : float
+        dR/d(log a), m/N; 0 for a flat contact, and of shells and beams.
+    near : ndarray of bool, shape (n_cells,), or None
+        Elements of shells about the contact whose errors c makes good: none at a step of thickness,
+        where c is not that of the infinite plate. None of solids.
+    beyond : float
+        R of solids, m/N, at the frequency s.
+    splitting : Splitting or None
+        Of solids.
+    mesh_field : ndarray, shape (1 or 2, n_nodes, 3), or None
+        The model's approximation of u_B, m/N: the displacement under the force on the nodes less w;
+        where the body has shells or beams, also its rotation, 1/N.
+    oblique : ndarray, shape (3, 3), or None
+        c between the direction of the force and two tangents, m/N; None where these are not given.
+    sheared : ndarray, shape (2, 1 or 2, n_nodes, 3), or None
+        As `mesh_field`, under a unit force along either tangent.
+    sideways : float
+        As `error`, of R along the tangents.
+    crosswise : ndarray, shape (2,), or None
+        The same of R between the direction of the force and either tangent.
     """
 
     removed: float
@@ -46,14 +73,23 @@ class ContactCompliance:
     s: float
     radius: float
     lagging: float = 0.0
-
-    by_width = 0.0
+    by_width: float = 0.0
+    near: npt.NDArray[np.bool_] | None = None
+    beyond: float = math.nan
+    splitting: Any = None
+    mesh_field: Any = None
+    oblique: FloatArray | None = None
+    sheared: FloatArray | None = None
+    sideways: float = 0.0
+    crosswise: FloatArray | None = None
 
     def removed_for(self, radius: float | None) -> float:
         """Return c for a contact of another radius, m; `removed` where it is not known."""
-        return self.removed
+        if radius is None or self.by_width == 0.0:
+            return self.removed
+        return self.removed - self.by_width * math.log(radius / self.radius)
 
-    def of_truncated(self, tip: Any, deflection: FloatArray) -> Self:
+    def of_truncated(self, tip: Any, deflection: FloatArray) -> Compliance:
         """Return the compliances of a model that leaves some of the body's modes out.
 
         The compliance left out at s, ΔG = bᵀΔx, is left to the contact law (the residual
@@ -67,20 +103,22 @@ class ContactCompliance:
         deflection : ndarray, shape (n_dofs,)
             x̃, the truncated model's displacement under the unit force at s, m/N.
         """
-        K, M = tip.body.K, tip.body.M
-        missing = float(tip.b @ self.missing(tip, deflection))
+        K, M, field = tip.body.K, tip.body.M, self.mesh_field
+        # By the direction of travel of the contact point, which may be turned.
+        left_out = math.copysign(1.0, tip.b @ self.deflection) * self.deflection - deflection
+        missing = float(tip.b @ left_out)
         inertia = float(self.deflection @ (M @ self.deflection) - deflection @ (M @ deflection))
         share = min(self.s**2 * inertia / missing, 1.0) if missing > 0.0 < inertia else 0.0
         slow, fast = (missing / (1.0 + (f**2 - 1.0) * share) for f in (1.0 / _SPAN, _SPAN))
+        if field is not None:
+            inward = math.copysign(1.0, self.splitting.frame[2] @ tip.direction)
+            field = field - tip.body.at_nodes(inward * left_out, len(field))
         return replace(
             self,
             removed=self.removed - missing,
             varying=self.varying + slow - fast,
             deflection=deflection,
             strain=float(deflection @ (K @ deflection)),
+            mesh_field=field,
+            sheared=None,
         )
-
-    def missing(self, tip: Any, deflection: FloatArray) -> FloatArray:
-        """Return Δx, m/N, by the direction of travel of the contact point, which may be turned."""
-        turned: FloatArray = math.copysign(1.0, tip.b @ self.deflection) * self.deflection
-        return turned - deflection

@@ -25,8 +25,8 @@ Comput. Phys. 13, 209 (1973).
 
 from __future__ import annotations
 
+import copy
 import math
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -46,7 +46,7 @@ from ..fem import (
 )
 from ..linalg import LinearSolver
 from ..mesh import plane_of, taken
-from .compliance import ContactCompliance
+from .compliance import Compliance
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .patch import spread
 from .subdivision import cells_towards, sides_towards
@@ -78,57 +78,7 @@ _FAR_APART, _MATTERS = 2.5, 0.006
 _DIFFERENCE = 1e-4
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Extraction(ContactCompliance):
-    """Compliances of a body of solid elements at a contact point under a unit force.
-
-    Attributes
-    ----------
-    beyond : float
-        R, of the body beyond the half-space, m/N, at the frequency s.
-    splitting : Splitting
-    mesh_field : ndarray, shape (1 or 2, n_nodes, 3)
-        The model's approximation of u_B, m/N: the displacement under the force on the nodes less w;
-        where the body has shells or beams, also its rotation, 1/N.
-    oblique : ndarray, shape (3, 3), or None
-        c between the direction of the force and two tangents, m/N; None where these are not given.
-    sheared : ndarray, shape (2, 1 or 2, n_nodes, 3), or None
-        As `mesh_field`, under a unit force along either tangent.
-    sideways : float
-        As `error`, of R along the tangents.
-    crosswise : ndarray, shape (2,), or None
-        The same of R between the direction of the force and either tangent.
-    """
-
-    beyond: float
-    splitting: Splitting
-    mesh_field: FloatArray
-    oblique: FloatArray | None = None
-    sheared: FloatArray | None = None
-    sideways: float = 0.0
-    crosswise: FloatArray | None = None
-
-    @property
-    def by_width(self) -> float:  # type: ignore[override]
-        """dR/d(log a), m/N; 0 for a flat contact."""
-        return self.splitting.by_width
-
-    def removed_for(self, radius: float | None) -> float:
-        """Return c for a contact of another radius, m; `removed` where it is not known."""
-        if radius is None or self.by_width == 0.0:
-            return self.removed
-        return self.removed - self.by_width * math.log(radius / self.radius)
-
-    def of_truncated(self, tip: Any, deflection: FloatArray) -> Extraction:
-        """Return the compliances of a model that leaves some of the body's modes out."""
-        inward = math.copysign(1.0, self.splitting.frame[2] @ tip.direction)
-        missing = inward * self.missing(tip, deflection)
-        field = self.mesh_field - tip.body.at_nodes(missing, len(self.mesh_field))
-        known = super().of_truncated(tip, deflection)
-        return replace(known, mesh_field=field, sheared=None)
-
-
-def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver) -> Extraction:
+def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver) -> Compliance:
     """Return the compliances of a body at a contact point on its surface.
 
     Parameters
@@ -148,7 +98,7 @@ def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver)
     along the normal, and by sin²θ (2 - ν)/(2 - 2ν) of it, Mindlin's ratio of the compliances.
     """
     body, b, point, direction = tip.body, tip.b, tip.point, tip.direction
-    splitting = split(body, point, normal, radius, solver)
+    splitting = Splitting(body, point, normal, radius, solver)
     cosine = float(direction @ normal)
     straight = 1.0 - abs(cosine) < _ALONG
     along = b if straight else body.on_dofs(np.outer(tip.forces[0] @ direction, normal))
@@ -175,7 +125,7 @@ def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver)
     with_tangents: dict[str, Any] = {}
     if tip.tangents is not None:
         with_tangents = _oblique(tip, splitting, beyond, solver)
-    return Extraction(
+    return Compliance(
         removed=removed,
         error=error,
         varying=varying,
@@ -183,6 +133,7 @@ def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver)
         strain=strain,
         s=math.sqrt(splitting.s2),
         radius=radius,
+        by_width=splitting.by_width,
         beyond=beyond,
         splitting=splitting,
         mesh_field=body.at_nodes(moved, len(splitting.w)) - splitting.w,
@@ -228,7 +179,7 @@ def _under_pressure(
 def _oblique(
     tip: Any, splitting: Splitting, straight: float, solver: LinearSolver
 ) -> dict[str, Any]:
-    """`oblique`, `sheared`, `sideways` and `crosswise` of an `Extraction`.
+    """`oblique`, `sheared`, `sideways` and `crosswise` of a `Compliance`.
 
     R_ii is stationary in w_i. R_ij is the mean of w_j along i under the pressure, or over the
     nodes' shares where the surface ends within it: of first order in w, and R_ji, by another error,
@@ -242,7 +193,7 @@ def _oblique(
     loads = np.array([body.on_dofs(np.outer(weights, axis)) for axis in axes])
     moved = np.array([solver.solve(load) for load in loads])
     point, inward = splitting.point, splitting.frame[2]
-    sheared = [split(body, point, -inward, a, solver, tangent) for tangent in tip.tangents]
+    sheared = [Splitting(body, point, -inward, a, solver, tangent) for tangent in tip.tangents]
     lacking = [_missing(body, of.w, of, solver) for of in sheared]
     try:
         under = spread(body.surface, point, -inward, a).weights
@@ -267,14 +218,36 @@ def _oblique(
     }
 
 
-@dataclass(frozen=True, eq=False)
+def _supported(body: Any) -> IntArray:
+    """Nodes with a constrained dof."""
+    held = (body.at_nodes(np.ones(body.n_dofs)) == 0.0).any(axis=2)
+    turns = np.isin(np.arange(body.mesh.n_nodes), body.mesh.thin_nodes)
+    return np.flatnonzero(held[0] | (turns & held[1]))
+
+
 class Splitting:
-    """The displacement of a body under a unit contact force, as χ u_B + w.
+    """The displacement of a body under a unit force at a place of its surface, as χ u_B + w.
+
+    L(v) at the nodes, `forces`, and the self term L(χ u_B) are added up integral by integral. Both
+    have two parts, of which the second counts -s² times: ∫ ρ χ u_B·v dV.
+
+    Parameters
+    ----------
+    body : FEModel
+        With a mesh.
+    point : ndarray, shape (3,)
+        On the surface, m.
+    normal : ndarray, shape (3,)
+        Outward.
+    radius : float
+        a, of the contact itself, m.
+    solver : LinearSolver
+        Factors of K + s²M.
+    tangent : ndarray, shape (3,), optional
+        Direction of the force where it acts along the surface.
 
     Attributes
     ----------
-    point : ndarray, shape (3,)
-        m.
     frame : ndarray, shape (3, 3)
         Rows are the local axes; the last is the inward normal.
     space : HalfSpace
@@ -297,17 +270,55 @@ class Splitting:
         Nodes in the tangent plane without supports: w has no traction there.
     """
 
-    point: FloatArray
-    frame: FloatArray
-    space: HalfSpace
-    behind: bool
-    s2: float
-    w: FloatArray
-    compliance: float
-    inertia: float
-    bent: float
-    by_width: float
-    smooth: npt.NDArray[np.bool_]
+    forces: FloatArray
+    self_term: FloatArray
+    curved: bool
+
+    def __init__(
+        self,
+        body: Any,
+        point: FloatArray,
+        normal: FloatArray,
+        radius: float,
+        solver: LinearSolver,
+        tangent: FloatArray | None = None,
+    ) -> None:
+        mesh, s2, self.s2 = body.mesh, solver.pencil.s2, solver.pencil.s2
+        self.body, self.mesh, self.point = body, mesh, point
+        self.frame = np.vstack([plane_of(-normal, tangent), -normal])
+        local = (mesh.nodes - point) @ self.frame.T
+        self.behind = bool((local[:, 2] < -_FAR_BEHIND * np.linalg.norm(local, axis=1)).any())
+        face = int(body.surface.nearest(point).face[0])
+        material: Any = of_face(body.surface, body.material, face)
+        own: int | None = each_of(body.material).index(material)
+        isotropic = IsotropicHalfSpace if tangent is None else ShearedHalfSpace
+        self.space: HalfSpace
+        if isinstance(material, Material):
+            self.space = isotropic(material, radius)
+        elif local[:, 2].min() > -_FLAT * mesh.size and tangent is None:
+            like = material.half_space(normal)
+            turned = _tensor(material, self.frame)
+            self.space = AnisotropicHalfSpace(turned, radius, like.plane_strain_modulus, like.nu)
+        else:  # the closed form of a body with the same E*; the rest is polarisation
+            self.space, own = isotropic(material.half_space(normal), radius), None
+        self.bent, moved_by = self._add_all(own)
+        w, parts = self._solved(moved_by, solver)
+        self.w = w.reshape(moved_by.shape)
+        self.compliance, self.inertia = float(parts[0] - s2 * parts[1]), float(parts[1])
+        self.smooth = np.abs(local[:, 2]) < _FLAT * mesh.size
+        self.smooth[_supported(body)] = False
+        self.by_width = 0.0
+        if self.curved:
+            # From R for half the radius with the same w. R is stationary in w, and so right to the
+            # second order. On a surface of curvature 1/ρ, R changes by some log(a)/(E* ρ).
+            half = copy.copy(self)
+            half.space = self.space.of_radius(0.5 * radius)
+            half_bent, _ = half._add_all(own)
+            change = half.self_term - self.self_term
+            change += 2.0 * (half.forces - self.forces).reshape(2, -1) @ w
+            whole = change[0] - s2 * change[1] + half_bent - self.bent
+            self.by_width = -float(whole) / math.log(2.0)
+        del self.forces, self.self_term
 
     def half_space_field(
         self, x: FloatArray, radius: FloatArray | None = None
@@ -327,157 +338,36 @@ class Splitting:
             m and Pa.
         """
         y = (x - self.point) @ self.frame.T
-        chi, slope = cutoff(y, self.space.radius) if self.behind else (np.ones(len(y)), None)
-        a = self.space.radius
-        ratio = np.ones(1) if radius is None else a / radius
+        chi, slope = self._cutoff(y)
+        ratio = np.ones(1) if radius is None else self.space.radius / radius
         # Fields of discs of all radii are alike: u(y; a) = u(y/a; 1)/a and σ(y; a) = σ(y/a; 1)/a².
         u, stress = self.space.displacement_stress(ratio[:, None, None] * y)
         u, stress = ratio[:, None, None] * u, ratio[:, None, None, None] ** 2 * stress
         moved, stress = chi[:, None] * u, chi[:, None, None] * stress
-        if slope is not None:
+        if self.behind:
             stress += np.einsum("ijkl,npk,pl->npij", self.space.stiffness, u, slope)
         return moved @ self.frame, self.frame.T @ stress @ self.frame
 
+    def _solved(self, moved_by: FloatArray, solver: LinearSolver) -> tuple[FloatArray, FloatArray]:
+        """w by L on the free dofs, and -χ u_B on the constrained ones, where that is `moved_by`.
 
-def split(
-    body: Any,
-    point: FloatArray,
-    normal: FloatArray,
-    radius: float,
-    solver: LinearSolver,
-    tangent: FloatArray | None = None,
-) -> Splitting:
-    """Return the splitting of a body's displacement under a unit force at a place of its surface.
-
-    Parameters
-    ----------
-    body : FEModel
-        With a mesh.
-    point : ndarray, shape (3,)
-        On the surface, m.
-    normal : ndarray, shape (3,)
-        Outward.
-    radius : float
-        a, of the contact itself, m.
-    solver : LinearSolver
-        Factors of K + s²M.
-    tangent : ndarray, shape (3,), optional
-        Direction of the force where it acts along the surface.
-    """
-    mesh, s2 = body.mesh, solver.pencil.s2
-    frame = np.vstack([plane_of(-normal, tangent), -normal])
-    local = (mesh.nodes - point) @ frame.T
-    behind = bool((local[:, 2] < -_FAR_BEHIND * np.linalg.norm(local, axis=1)).any())
-    material: Any = of_face(body.surface, body.material, int(body.surface.nearest(point).face[0]))
-    own: int | None = each_of(body.material).index(material)
-    level = local[:, 2].min() > -_FLAT * mesh.size
-    space: HalfSpace
-    isotropic = IsotropicHalfSpace if tangent is None else ShearedHalfSpace
-    if isinstance(material, Material):
-        space = isotropic(material, radius)
-    elif level and tangent is None:
-        like = material.half_space(normal)
-        turned = _tensor(material, frame)
-        space = AnisotropicHalfSpace(turned, radius, like.plane_strain_modulus, like.nu)
-    else:  # the closed form of a body with the same E*; the rest is polarisation
-        space, own = isotropic(material.half_space(normal), radius), None
-    load = _Load(body, point, frame, space, behind=behind)
-    sunk, moved_by = load.add_all(own)
-    w, parts = _solved(load, moved_by, sunk, solver)
-    touched = np.abs(local[:, 2]) < _FLAT * mesh.size
-    touched[_supported(body)] = False
-    return Splitting(
-        point,
-        frame,
-        space,
-        behind,
-        s2,
-        w.reshape(moved_by.shape),
-        float(parts[0] - s2 * parts[1]),
-        float(parts[1]),
-        sunk,
-        _by_width(load, s2, own, sunk, w) if load.curved else 0.0,
-        touched,
-    )
-
-
-def _solved(
-    load: _Load, moved_by: FloatArray, sunk: float, solver: LinearSolver
-) -> tuple[FloatArray, FloatArray]:
-    """w by L on the free dofs, and -χ u_B on the constrained ones, where that is `moved_by`.
-
-    And of R the parts that count once and -s² times.
-    """
-    body, s2 = load.body, solver.pencil.s2
-    forces, free = load.forces.reshape(2, -1), body.free
-    fixed = np.ones(moved_by.size, dtype=bool)
-    fixed[free] = False
-    w, parts = np.zeros(moved_by.size), load.self_term + np.array([sunk, 0.0])
-    if len(_supported(body)):
-        w[fixed] = -moved_by.reshape(-1)[fixed]
-        dofs, K, M = load.supported
-        pulled = np.zeros(forces.shape)
-        pulled[0, dofs], pulled[1, dofs] = K @ w[dofs], -(M @ w[dofs])
-        parts += (2.0 * forces - pulled)[:, fixed] @ w[fixed]
-        forces = forces - pulled
-    right = forces[:, free]
-    moved = solver.solve(right[0] - s2 * right[1])
-    w[free] = moved
-    parts += 2.0 * right @ moved - [moved @ (body.K @ moved), -(moved @ (body.M @ moved))]
-    return w, parts
-
-
-def _by_width(load: _Load, s2: float, own: int | None, sunk: float, w: FloatArray) -> float:
-    """dR/d(log a) of a curved contact, m/N, from R for half the radius with the same w.
-
-    R is stationary in w, and so right to the second order. On a surface of curvature 1/ρ, R changes
-    by some log(a)/(E* ρ).
-    """
-    half = _Load(
-        load.body,
-        load.point,
-        load.frame,
-        load.space.of_radius(0.5 * load.space.radius),
-        behind=load.behind,
-    )
-    half_sunk, _ = half.add_all(own)
-    change = half.self_term - load.self_term
-    change += 2.0 * (half.forces - load.forces).reshape(2, -1) @ w
-    return -float(change[0] - s2 * change[1] + half_sunk - sunk) / math.log(2.0)
-
-
-def _supported(body: Any) -> IntArray:
-    """Nodes with a constrained dof."""
-    held = (body.at_nodes(np.ones(body.n_dofs)) == 0.0).any(axis=2)
-    turns = np.isin(np.arange(body.mesh.n_nodes), body.mesh.thin_nodes)
-    return np.flatnonzero(held[0] | (turns & held[1]))
-
-
-def cutoff(y: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
-    """Return χ of a body that reaches behind the contact, and its gradient, at local places."""
-    distance = np.maximum(np.linalg.norm(y, axis=-1), 1e-9 * radius)[..., None]
-    cosine = -y[..., 2:] / distance
-    slope = -cosine * y / distance**2
-    slope[..., 2] -= 1.0 / distance[..., 0]
-    width = _FAR_BEHIND - _BEHIND
-    t = np.clip((cosine - _BEHIND) / width, 0.0, 1.0)
-    chi = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
-    return chi[..., 0], -30.0 * (t * (1.0 - t)) ** 2 / width * slope
-
-
-class _Load:
-    """L(v) at the nodes, and the self term L(χ u_B), added up integral by integral.
-
-    Both have two parts, of which the second counts -s² times: ∫ ρ χ u_B·v dV.
-    """
-
-    def __init__(
-        self, body: Any, point: FloatArray, frame: FloatArray, space: HalfSpace, *, behind: bool
-    ) -> None:
-        self.body, self.mesh = body, body.mesh
-        self.point, self.frame, self.space, self.behind = point, frame, space, behind
-        self.forces = np.zeros((2, 2 if self.mesh.thin else 1, self.mesh.n_nodes, 3))
-        self.self_term, self.curved = np.zeros(2), False
+        And of R the parts that count once and -s² times.
+        """
+        body, forces = self.body, self.forces.reshape(2, -1)
+        fixed = np.ones(moved_by.size, dtype=bool)
+        fixed[body.free] = False
+        w, parts = np.zeros(moved_by.size), self.self_term + np.array([self.bent, 0.0])
+        if len(_supported(body)):
+            w[fixed] = -moved_by.reshape(-1)[fixed]
+            dofs, K, M = self.supported
+            pulled = np.zeros(forces.shape)
+            pulled[0, dofs], pulled[1, dofs] = K @ w[dofs], -(M @ w[dofs])
+            parts += (2.0 * forces - pulled)[:, fixed] @ w[fixed]
+            forces = forces - pulled
+        right = forces[:, body.free]
+        w[body.free] = moved = solver.solve(right[0] - self.s2 * right[1])
+        parts += 2.0 * right @ moved - [moved @ (body.K @ moved), -(moved @ (body.M @ moved))]
+        return w, parts
 
     def field(self, x: FloatArray) -> FloatArray:
         """χ u_B at places, in global axes, m."""
@@ -504,7 +394,14 @@ class _Load:
         """χ and its gradient at local places."""
         if not self.behind:
             return np.ones(y.shape[:-1]), np.zeros(y.shape)
-        return cutoff(y, self.space.radius)
+        distance = np.maximum(np.linalg.norm(y, axis=-1), 1e-9 * self.space.radius)[..., None]
+        cosine = -y[..., 2:] / distance
+        slope = -cosine * y / distance**2
+        slope[..., 2] -= 1.0 / distance[..., 0]
+        width = _FAR_BEHIND - _BEHIND
+        t = np.clip((cosine - _BEHIND) / width, 0.0, 1.0)
+        chi = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
+        return chi[..., 0], -30.0 * (t * (1.0 - t)) ** 2 / width * slope
 
     def _add(
         self,
@@ -520,8 +417,10 @@ class _Load:
         forces = shape.swapaxes(1, 2) @ (weight[..., None] * t @ self.frame)
         np.add.at(self.forces[part, 0], nodes, forces)
 
-    def add_all(self, own: int | None) -> tuple[float, FloatArray]:
-        """Add up all integrals; return what `add_sides` does, and what `at_nodes` does."""
+    def _add_all(self, own: int | None) -> tuple[float, FloatArray]:
+        """Add up all integrals; return what `add_sides` does, and χ u_B at the nodes."""
+        self.forces = np.zeros((2, 2 if self.mesh.thin else 1, self.mesh.n_nodes, 3))
+        self.self_term, self.curved = np.zeros(2), False
         moved_by = self.at_nodes()
         sunk = self.add_sides()
         self.add_cells(moved_by[0], own)

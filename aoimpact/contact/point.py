@@ -50,8 +50,8 @@ from ..fem import (
 )
 from ..linalg import LinearSolver
 from ..mesh import AT_NODE, nearest_line, surface_shape
-from .compliance import ContactCompliance
-from .extraction import Extraction, extracted
+from .compliance import Compliance
+from .extraction import extracted
 from .layer import bending_length
 from .patch import Patch
 from .thinextraction import extracted_from_beam, extracted_from_shell, patch_on_shell
@@ -231,7 +231,7 @@ class ContactPoint(Frozen):
         else:
             opposite = None if self.direction is None else -self.direction
             other = replace(self, b=-self.b, direction=opposite)
-            if isinstance(known, Extraction) and known.oblique is not None:
+            if known is not None and known.oblique is not None:
                 signs = np.array([-1.0, 1.0, 1.0])
                 known = replace(known, oblique=known.oblique * np.outer(signs, signs))
         if known is not None:
@@ -296,7 +296,7 @@ class ContactPoint(Frozen):
             )
 
     @cached_property
-    def extraction(self) -> ContactCompliance | None:
+    def extraction(self) -> Compliance | None:
         """The compliance that the mesh has in place of the half-space of a contact law.
 
         It takes one linear solution for the contact and one for the body beyond the half-space.
@@ -349,7 +349,7 @@ class ContactPoint(Frozen):
         pressed_on = self.forces[0].any(axis=1)
         return bool(np.isin(np.flatnonzero(pressed_on), both).all())
 
-    def _extracted(self, solver: LinearSolver) -> ContactCompliance:
+    def _extracted(self, solver: LinearSolver) -> Compliance:
         if isinstance(self.thin, Beam):
             return extracted_from_beam(self, self.thin, self.width, solver)
         surface: Any = self.body.surface

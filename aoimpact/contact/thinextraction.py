@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ from ..fem import (
 )
 from ..linalg import LinearSolver, factorize
 from ..mesh import Surface, boundary, sides, taken
-from .compliance import ContactCompliance
+from .compliance import Compliance
 from .layer import (
     contact_reach,
     layer_compliance_of,
@@ -54,25 +53,6 @@ _NEARLY = 1e-2
 # The mesh about a contact at an edge reaches over so many of its edges: with 4 forces change by
 # less than 0.5 %. It is halved so many times at most, and once more; the logarithm has the rest.
 _ABOUT, _MOST = 2.0, 3
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ThinExtraction(ContactCompliance):
-    """Compliances of a shell or beam at a contact point under a unit force.
-
-    Here c is what the elements have in place of an elastic layer; it is taken to be 0 of beams. It
-    hardly depends on the radius of the contact. `error` is how much it changes over the frequencies
-    of a rising force, and `lagging` by how much for each power of e in frequency: large where
-    elements are longer than the bending wave.
-
-    Attributes
-    ----------
-    near : ndarray of bool, shape (n_cells,)
-        Elements about the contact whose errors c makes good: none at a step of thickness, where c
-        is not that of the infinite plate.
-    """
-
-    near: npt.NDArray[np.bool_]
 
 
 def patch_on_shell(layers: Layers, contact_radius: float, *, whole: bool = False) -> float:
@@ -111,7 +91,7 @@ def patch_on_shell(layers: Layers, contact_radius: float, *, whole: bool = False
 
 def extracted_from_shell(
     tip: Any, layers: Layers, radius: float, solver: LinearSolver
-) -> ThinExtraction:
+) -> Compliance:
     """Return the compliances at a contact point on a shell.
 
     Parameters
@@ -177,7 +157,7 @@ def extracted_from_shell(
         narrow, wide = (layer_compliance_of(layers, f * radius, s) for f in (0.5, 1.0))
         varying = abs(narrow - wide)
     share = cosine**2
-    return ThinExtraction(
+    return Compliance(
         removed=share * float(found[0]),
         error=share * (error + abs(float(steps[0]))),
         varying=share * varying,
@@ -223,16 +203,14 @@ def _halved(tip: Any, about: IntArray, several: FloatArray, halvings: int) -> Fl
     return np.array(found)
 
 
-def extracted_from_beam(
-    tip: Any, beam: Beam, radius: float, solver: LinearSolver
-) -> ThinExtraction:
+def extracted_from_beam(tip: Any, beam: Beam, radius: float, solver: LinearSolver) -> Compliance:
     """Return the compliances at a contact point on a beam.
 
     A full section yields less between the contact and its axis than the half-space of a law:
     `varying` is by how much at most. Parameters as for `extracted_from_shell`.
     """
     section = _OF_SECTION / (beam.material.plane_strain_modulus * math.sqrt(beam.numbers.area))
-    return ThinExtraction(
+    return Compliance(
         removed=0.0,
         error=0.0,
         varying=0.0 if beam.hollow else section,

@@ -383,11 +383,14 @@ class Beam:
 
     @property
     def narrowest(self) -> float:
-        """Side of the square of the section's area, m.
+        """Thickness of the wall of a tube, else of the section where it is thinnest, m.
 
         :meta private:
         """
-        return math.sqrt(self.numbers.area)
+        of = self.section
+        if isinstance(of, TubularSection):
+            return of.thickness if self.hollow else 2.0 * of.radius
+        return min(of.width, of.height) if isinstance(of, RectangularSection) else of.area**0.5
 
     @property
     def reach(self) -> float:

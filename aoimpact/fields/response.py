@@ -1,7 +1,7 @@
 """The response of a whole body in a run: its motion replayed, and recovered on all dofs.
 
 A contact force F on a patch moves the elements about it as they can. Of that, F times
-`Extraction.mesh_field` stands for the field u_B of a half-space under Hertz's pressure, which is
+`Compliance.mesh_field` stands for the field u_B of a half-space under Hertz's pressure, which is
 known in closed form for the present radius of the contact. It is put in place of the mesh's, so
 that displacement and stress are right under the contact, however large the elements are.
 """
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, InputError, IntArray, finite_array
-from ..contact import Extraction
+from ..contact import Compliance
 from ..fem import SIX, Damping, FEModel, Rayleigh, VirtualMotion
 from ..integrate import Events, Motion, Recorder
 from ..reduction import PACE, FullModel, Recovery, SharedSolutions
@@ -59,7 +59,7 @@ class Indentation:
     ----------
     port : int
         Number of the contact point.
-    extraction : Extraction
+    extraction : Compliance
     inward : float
         1 where a positive force on the port pushes into the body, else -1.
     width : callable
@@ -67,7 +67,7 @@ class Indentation:
     """
 
     port: int
-    extraction: Extraction
+    extraction: Compliance
     inward: float
     width: Callable[[FloatArray], FloatArray]
 
@@ -353,7 +353,7 @@ def response_of(
         if not contact.touches(body) or port in fields:
             continue
         known, touched = extraction_of(contact.law, model, port), model.touched_at(port)
-        if touched is None or touched.direction is None or not isinstance(known, Extraction):
+        if touched is None or touched.direction is None or not (known and known.splitting):
             continue  # of a shell the mesh's own field is all that is known
         if touched.body.mesh is None or touched.body.mesh.thin:
             continue  # shells beside the solids take the mesh's own field as well

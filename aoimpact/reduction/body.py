@@ -21,11 +21,9 @@ import numpy.typing as npt
 from .. import _core
 from ..base import HUGE, FloatArray, Frozen, InputError, InputTypeError, finite_array, integer
 from ..contact import (
-    ContactCompliance,
+    Compliance,
     ContactPoint,
     ContactSurface,
-    Extraction,
-    ThinExtraction,
     centre_of,
     moves_rigidly,
 )
@@ -233,7 +231,7 @@ class BodyModel(ABC):
         """
         return self.tips[port] if self.tips else None
 
-    def extraction_at(self, port: int = 0) -> ContactCompliance | None:
+    def extraction_at(self, port: int = 0) -> Compliance | None:
         """Return the compliances at a port; None of a rigid body, and where they are not known.
 
         :meta private:
@@ -791,7 +789,7 @@ class Body(Frozen, BodyModel):
         found = self._on_dofs(self.push[port] / (self.omega**2 + s**2))
         return found if self.following is None else found + self.following[:, port]
 
-    def extraction_at(self, port: int = 0) -> ContactCompliance | None:
+    def extraction_at(self, port: int = 0) -> Compliance | None:
         """Return the compliances at a port, of natural modes their own; None if not known.
 
         None of a rigid body, too.
@@ -805,7 +803,7 @@ class Body(Frozen, BodyModel):
         known = self.tips[port].extraction
         if known is None or self.kind != "modal":
             return known
-        found: dict[int, ContactCompliance] = self.kept.setdefault("extraction", {})
+        found: dict[int, Compliance] = self.kept.setdefault("extraction", {})
         if port not in found:
             found[port] = known.of_truncated(self.tips[port], self.deflection(known.s, port))
         return found[port]
@@ -856,10 +854,9 @@ class Body(Frozen, BodyModel):
             moved = point.body.at_nodes(self.deflection(2.0**octave, port + axis))
             # The compliance removed takes care of a shell's elements about the contact.
             counted: Any = slice(None)
-            if isinstance(known, ThinExtraction):
+            if known.near is not None:
                 counted, loaded = ~known.near, np.asarray(point.forces.any(axis=(0, 2)))
             else:
-                assert isinstance(known, Extraction)
                 field, sign = known.mesh_field, known.splitting.frame[2] @ point.direction
                 if axis:
                     if known.sheared is None:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import HUGE, FloatArray, InputError
-from ..contact import ContactCompliance, Extraction, ThinExtraction
+from ..contact import Compliance
 from ..fem import Material
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, effective_law, own_law
 from ..reduction import BodyModel
@@ -32,7 +32,7 @@ def normal_gap(gap: float) -> float:
     return gap if abs(gap) >= sys.float_info.min else 0.0
 
 
-def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> ContactCompliance | None:
+def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> Compliance | None:
     """Return the compliances of a body under a law, or None if nothing is taken out of it there.
 
     A law that is not like Hertz's leaves out the indentation of a solid at a node, as springs and
@@ -92,7 +92,7 @@ class Friction(NamedTuple):
     compliance: FloatArray | None = None
 
     def between(
-        self, materials: Sequence[Material | None], known: Sequence[ContactCompliance | None]
+        self, materials: Sequence[Material | None], known: Sequence[Compliance | None]
     ) -> Friction:
         """Return the friction of two bodies; one of unknown material is rigid, two are like ones.
 
@@ -102,8 +102,7 @@ class Friction(NamedTuple):
         if there:
             normal = math.fsum(1.0 / of.plane_strain_modulus for of in there)
             ratio = normal / math.fsum((2.0 - of.nu) / (4.0 * of.shear_modulus) for of in there)
-        found = [of.oblique for of in known if isinstance(of, Extraction)]
-        removed = [of for of in found if of is not None]
+        removed = [of.oblique for of in known if of and of.oblique is not None]
         return Friction(self.mu, ratio, np.asarray(sum(removed)) if removed else None)
 
     def for_core(self, law: ContactLaw, precision: float) -> tuple[Any, ...]:
@@ -178,7 +177,7 @@ class Contact(NamedTuple):
         known = [extraction_of(self.law, bodies[body], port) for body, port in self.ports]
         friction = self.friction and self.friction.between(self.materials(bodies), known)
         removed = tuple(0.0 if of is None else of.removed_for(self.width) for of in known)
-        shells = any(isinstance(of, ThinExtraction) for of in known)
+        shells = any(of and of.near is not None for of in known)
         left = bounded and shells and math.fsum(removed) > 0.0
         if left or isinstance(self.law, PatchLaw):  # the caller has taken it out
             return self._replace(friction=friction)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import pytest
 
 import aoimpact as ao
-from aoimpact.contact import ShearedHalfSpace, split, spread
+from aoimpact.contact import ShearedHalfSpace, Splitting, spread
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -137,7 +137,7 @@ def beyond(
     s2: float = S2,
 ) -> float:
     """R of a body along a tangent, in units of 1/(G* a)."""
-    compliance = split(body, point, normal, a, body.inverse(s2), tangent).compliance
+    compliance = Splitting(body, point, normal, a, body.inverse(s2), tangent).compliance
     return compliance * a * 4.0 * body.material.shear_modulus / (2.0 - body.material.nu)
 
 
@@ -163,6 +163,6 @@ def test_a_resolved_patch_has_the_half_space_and_what_is_beyond() -> None:
     weights = spread(body.surface, ON_TOP, UP, r).weights
     b = np.outer(weights, tangent).reshape(-1)[body.free]
     whole = float(b @ solver.solve(b))
-    rest = split(body, ON_TOP, UP, r, solver, tangent).compliance
+    rest = Splitting(body, ON_TOP, UP, r, solver, tangent).compliance
     half = ShearedHalfSpace(ALU, r).mean_displacement
     assert whole - rest == pytest.approx(half, rel=0.01)
