@@ -8,7 +8,6 @@ from .compliance import Compliance
 from .extraction import Splitting
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .layer import layer_compliance, layer_compliance_of, mesh_compliance
-from .patch import Patch, spread
 from .point import (
     SHIFT_TIMES_DURATION,
     ContactPoint,
@@ -29,4 +28,4 @@ from .staticmode import (
     slow_shift,
     static_mode,
 )
-from .touch import edge_length, motion_between, to_nodes
+from .touch import Patch, edge_length, motion_between, spread, to_nodes

@@ -48,9 +48,8 @@ from ..linalg import LinearSolver
 from ..mesh import plane_of, taken
 from .compliance import Compliance
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
-from .patch import spread
 from .subdivision import cells_towards, sides_towards
-from .touch import of_face
+from .touch import of_face, spread
 
 # A direction is along the normal where 1 - |cos θ| is below this: a milliradian.
 _ALONG = 1e-6

@@ -53,9 +53,8 @@ from ..mesh import AT_NODE, nearest_line, surface_shape
 from .compliance import Compliance
 from .extraction import extracted
 from .layer import bending_length
-from .patch import Patch
 from .thinextraction import extracted_from_beam, extracted_from_shell, patch_on_shell
-from .touch import Touch, edge_length, of_face, thickness, to_nodes, touched
+from .touch import Patch, Touch, edge_length, of_face, thickness, to_nodes, touched
 
 # Cosine of the angle with a beam's axis above which a force is along it: 45°.
 _ALONG = math.sqrt(0.5)
@@ -357,8 +356,7 @@ class ContactPoint(Frozen):
         normal: Any = touched(surface, point, None, 0.0).normal
         if self._covered:
             raise InputError(
-                f"point {plain(point)} m is where a shell lies on solids, whose indentation "
-                "is not known; mesh the shell with solids there, or touch the body elsewhere"
+                f"point {plain(point)} m is where a shell lies on solids; mesh it with solids there"
             )
         if self.thin is not None:
             layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
@@ -498,27 +496,21 @@ class ContactPoint(Frozen):
         """
         if self.body.nodes is None:
             raise InputError(
-                "a resultant needs nodes: make the model with FEModel.from_mesh(...) or "
-                "FEModel(K=, M=, nodes=)"
+                "a resultant needs nodes: make the model by from_mesh or FEModel(K=, M=, nodes=)"
             )
         return self.body.at_nodes(self.b)
 
     def __repr__(self) -> str:
         body = repr(self.body.name) if self.body.name else f"a body of {self.body.n_dofs} dofs"
+        dofs = np.flatnonzero(self.b)
         if self.point is None or self.direction is None:
-            dofs = np.flatnonzero(self.b)
             where = f"dof {dofs[0]}" if len(dofs) == 1 else f"functional of {len(dofs)} dofs"
             label = None if self.body.labels is None else one_node(self.body.labels, self.b)
-            where = where if label is None else f"node {label}, {where}"
-            return f"ContactPoint({where} of {body})"
-        where = ", ".join(f"{x:.4g}" for x in self.point)
-        along = ", ".join(f"{x:.4g}" for x in self.direction)
+            return f"ContactPoint({'' if label is None else f'node {label}, '}{where} of {body})"
+        what = f"functional of {len(dofs)} dofs" if self.node is None else f"node {self.node_label}"
         if self.patch is not None:
             what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
-        elif self.node is not None:
-            what = f"node {self.node_label}"
-        else:
-            what = f"functional of {np.count_nonzero(self.b)} dofs"
+        where, along = (", ".join(f"{x:.4g}" for x in of) for of in (self.point, self.direction))
         return f"ContactPoint({what} at ({where}) m along ({along}) of {body})"
 
     @property
@@ -589,8 +581,7 @@ def contact_point(
     if radius not in ("auto", 0.0) and (names[0] in ("dof", "b") or body.surface is None):
         what = "a body without faces of elements" if names[0] not in ("dof", "b") else names[0]
         raise InputError(
-            f"radius={radius}: {what} has no patch; give radius=0, or point on a body from "
-            "FEModel.from_mesh(mesh, material)"
+            f"radius={radius}: {what} has no patch; give radius=0, or point on a body with a mesh"
         )
     if b is not None:
         return _of_functional(body, b)
@@ -599,8 +590,7 @@ def contact_point(
     if body.nodes is None and (node is None or body.labels is None):
         name, missing = ("point", "nodes") if node is None else ("node", "labels")
         raise InputError(
-            f"{name}: this body has no {missing}; give dof, or build it with "
-            f"FEModel(K=, M=, {missing}=)"
+            f"{name}: this body has no {missing}; give dof, or FEModel(K=, M=, {missing}=)"
         )
     along = None if direction is None else unit_vector("direction", direction)
     if along is None and body.mesh is None:
@@ -730,8 +720,7 @@ def _on_beam(body: FEModel, point: FloatArray, along: FloatArray | None) -> Touc
         away = float(np.linalg.norm(x - given))
         if away <= AT_NODE * mesh.size:
             raise InputTypeError(
-                "contact needs direction: a beam has no normal on its axis; or give a point on "
-                "the side that is touched"
+                "contact needs direction, or a point beside the beam, whose axis has no normal"
             )
         along = (x - given) / away
     shares = beam_motion(mesh.nodes[ends][None], of, place)

@@ -27,14 +27,12 @@ from .composition import (
 )
 from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
 from .frequencyresponse import FrequencyResponse
-from .grounding import Grounding, VirtualMotion
 from .labels import checked_labels, label_of, labelled_rows, nodes_by_number, one_node
 from .laminate import Laminate, Layers, Ply, Shell
-from .material import SIX, Material, warn_of_units
+from .material import SIX, Material, Orthotropic, Solid, warn_of_units
 from .model import FEModel
-from .orthotropic import Orthotropic, Solid
 from .shells import FOLD, element_frames, linked, nodal_normals, rigid_ends
-from .statics import displacement, near_static, whole_motion
+from .statics import Grounding, VirtualMotion, displacement, near_static, whole_motion
 from .stress import Strain, Stress, compliances, gauss_stress, nodal_stress
 from .stresserror import energy_error, missing_energy
 from .stressrows import (

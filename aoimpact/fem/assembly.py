@@ -24,7 +24,6 @@ from .beams import Beam
 from .composition import AnyMaterial, Piece, pieces, taken_material
 from .laminate import Layers
 from .material import Material
-from .orthotropic import Orthotropic
 from .thin import thin_stiffness_mass
 
 # Elements are taken so many at a time that the largest temporary stays in this size, bytes: in the
@@ -57,10 +56,6 @@ class _Pattern:
     indptr: npt.NDArray[np.int32]
     indices: npt.NDArray[np.int32]
     place: tuple[npt.NDArray[np.int32], ...]
-
-    @property
-    def n_pairs(self) -> int:
-        return len(self.indices)
 
     def entries(self, place: Any, cells: IntArray) -> tuple[IntArray, IntArray]:
         """Return where K has entry xx of pairs, and how far on that of the next row is."""
@@ -119,16 +114,23 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
     """
     pattern = _pattern(mesh)
     require(
-        _BYTES_PER_PAIR * float(pattern.n_pairs),
+        _BYTES_PER_PAIR * float(len(pattern.indices)),
         f"stiffness and mass of {mesh.n_nodes} nodes",
         "coarsen the mesh away from the contact",
     )
-    stiffness, mass = np.zeros(9 * pattern.n_pairs), np.zeros(pattern.n_pairs)
+    stiffness, mass = np.zeros(9 * len(pattern.indices)), np.zeros(len(pattern.indices))
     with bar("assembly", mesh.n_cells, unit="element") as progress:
 
         def add_stiffness() -> None:
             for batch, place in _batches(mesh, material, pattern):
-                _add_stiffness(stiffness, pattern, place, batch, mesh.nodes[batch.cells])
+                first, row = pattern.entries(place, batch.cells)
+                for (i, j), block in zip(
+                    _PAIRS, _stiffness(batch, mesh.nodes[batch.cells]), strict=True
+                ):
+                    np.add.at(stiffness, (first + i * row + j).reshape(-1), block.reshape(-1))
+                    if i != j:  # the other triangle
+                        turned = block.transpose(0, 2, 1).reshape(-1)
+                        np.add.at(stiffness, (first + j * row + i).reshape(-1), turned)
                 progress.update(len(place))
 
         def add_mass() -> None:
@@ -143,26 +145,10 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
 def _batches(mesh: Mesh, material: AnyMaterial, pattern: _Pattern) -> Iterator[tuple[Piece, Any]]:
     """Yield elements alike, some at a time, and which pairs their entries belong to."""
     for piece in pieces(mesh, material):
-        place = pattern.place[mesh.blocks.index(piece.block)]
-        for batch in piece.batches(_batch(piece.element)):
+        place, of = pattern.place[mesh.blocks.index(piece.block)], piece.element
+        n_points = max(len(of.stiffness_rule.weights), len(of.mass_rule.weights))
+        for batch in piece.batches(int(_BATCH / (8 * max((3 * of.n_nodes) ** 2, 9 * n_points)))):
             yield batch, place[batch.rows]
-
-
-def _add_stiffness(
-    K: FloatArray, pattern: _Pattern, place: Any, batch: Piece, nodes: FloatArray
-) -> None:
-    """Add the elements' stiffness to the entries of K, both triangles."""
-    first, row = pattern.entries(place, batch.cells)
-    for (i, j), block in zip(_PAIRS, _stiffness(batch, nodes), strict=True):
-        np.add.at(K, (first + i * row + j).reshape(-1), block.reshape(-1))
-        if i != j:
-            transposed = block.transpose(0, 2, 1)
-            np.add.at(K, (first + j * row + i).reshape(-1), transposed.reshape(-1))
-
-
-def _batch(element: ReferenceElement) -> int:
-    n_points = max(len(element.stiffness_rule.weights), len(element.mass_rule.weights))
-    return max(1, int(_BATCH / (8 * max((3 * element.n_nodes) ** 2, 9 * n_points))))
 
 
 def _stiffness(piece: Piece, nodes: FloatArray) -> Iterator[FloatArray]:
@@ -180,26 +166,17 @@ def _stiffness(piece: Piece, nodes: FloatArray) -> Iterator[FloatArray]:
         )
     rows = slopes.reshape(n, 3 * n_local, -1)
     products = (rows @ rows.transpose(0, 2, 1)).reshape(n, 3, n_local, 3, n_local)
-    each = _isotropic if isinstance(material, Material) else _anisotropic
     for i, j in _PAIRS:
-        block = each(products, i, j, material)
+        if isinstance(material, Material):
+            (lam, mu), product = material.lame, products[:, i, :, j]
+            block = lam * product + mu * product.transpose(0, 2, 1)
+            if i == j:
+                block += mu * (products[:, 0, :, 0] + products[:, 1, :, 1] + products[:, 2, :, 2])
+        else:
+            block = np.einsum("nkalb,kl->nab", products, material.tensor[i, :, j, :])
         if i == j:
             block = 0.5 * (block + block.transpose(0, 2, 1))
         yield block
-
-
-def _isotropic(products: FloatArray, i: int, j: int, material: Material) -> FloatArray:
-    lam, mu = material.lame
-    product = products[:, i, :, j]
-    block: FloatArray = lam * product + mu * product.transpose(0, 2, 1)
-    if i == j:
-        block += mu * (products[:, 0, :, 0] + products[:, 1, :, 1] + products[:, 2, :, 2])
-    return block
-
-
-def _anisotropic(products: FloatArray, i: int, j: int, material: Orthotropic) -> FloatArray:
-    elastic = material.tensor[i, :, j, :]
-    return np.asarray(np.einsum("nkalb,kl->nab", products, elastic))
 
 
 def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:
@@ -262,7 +239,7 @@ def _over_dofs(
     """Return K with these entries, and M ⊗ I₃ of a mass by pairs of nodes."""
     whole: Any = np.int32 if len(stiffness) < 2**31 else np.int64
     lengths, component = np.repeat(np.diff(pattern.indptr), 3), np.arange(3, dtype=whole)
-    n, pairs = len(lengths), 3 * pattern.n_pairs
+    n, pairs = len(lengths), 3 * len(pattern.indices)
     indptr = np.zeros(n + 1, dtype=whole)
     np.cumsum(lengths, out=indptr[1:])
     masses, column = np.empty(pairs), np.empty(pairs, dtype=whole)

@@ -326,8 +326,7 @@ class Beam:
         most = FAR_OFF * math.sqrt(self.section.with_nu(self.material.nu).area)
         if max(abs(along_y), abs(along_z)) > most:
             raise InputError(
-                f"offset must be within ±{most:g} m, {FAR_OFF:g} times the root of the section's "
-                f"area, got {self.offset} m; give it in metres"
+                f"offset must be within ±{most:g} m ({FAR_OFF:g} √area), got {self.offset} m"
             )
         object.__setattr__(self, "offset", (along_y, along_z))
         if self.orientation is not None:

@@ -13,7 +13,7 @@ from ..mesh import Block, Mesh, ReferenceElement, group
 from .beams import Beam
 from .labels import label_of
 from .laminate import Layers
-from .orthotropic import Solid
+from .material import Solid
 
 OneMaterial = Solid | Layers | Beam
 
@@ -77,8 +77,7 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
 def _of_elements(mesh: Mesh, given: Any) -> AnyMaterial:
     if isinstance(given, Materials) and len(given.index) != mesh.n_cells:
         raise InputError(
-            f"material: these materials belong to a mesh of {len(given.index)} elements, not to "
-            f"one of {mesh.n_cells}"
+            f"material: made for {len(given.index)} elements, and the mesh has {mesh.n_cells}"
         )
     if isinstance(given, AnyMaterial):
         return given

@@ -36,8 +36,7 @@ def warn_of_locking(mesh: Mesh, material: AnyMaterial) -> None:
         nu = max(piece.of.nu for piece in locking)
         count = sum(len(piece.rows) for piece in locking)
         warn(
-            f"{count} elements of first order have nu={nu:g}: they resist bending and indentation "
-            "far too much, as their volume can hardly change. Take quadratic ones, order=2"
+            f"{count} elements of first order have nu={nu:g} and bend far too little: take order=2"
         )
 
 

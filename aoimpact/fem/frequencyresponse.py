@@ -120,8 +120,7 @@ def frequency_response(
     hertz = np.atleast_1d(finite_array("frequencies", frequencies, unit="Hz", most=HUGE))
     if hertz.ndim != 1 or not hertz.size or hertz.min() < 0.0:
         raise InputError(
-            "frequencies must be a flat list of one number or more, none negative, got "
-            f"{frequencies!r}"
+            f"frequencies must be a flat list of numbers, none negative, got {frequencies!r}"
         )
     if hertz.min() == 0.0 and body.rigid_modes.shape[1]:
         raise InputError("frequencies: a free body has no response at 0 Hz; give some above 0")
@@ -138,8 +137,7 @@ def frequency_response(
     if not np.isfinite(values).all():
         at = hertz[~np.isfinite(values)][0]
         raise InputError(
-            f"frequencies: {at:g} Hz is a natural frequency of a body without damping, whose "
-            "response has no limit there; give damping, or other frequencies"
+            f"frequencies: {at:g} Hz is a natural frequency, and there is no damping; take others"
         )
     factor = (1j * omega) ** list(KINDS).index(of)  # a derivative for each step
     taken = 0 if modes is None else len(modes[0])

@@ -94,8 +94,7 @@ def nodes_by_number(name: str, given: Any, count: int, labels: IntArray | None) 
     if several.any():
         at = int(np.flatnonzero(several)[0])
         raise InputError(
-            f"{name}: {after[at] - first[at]} nodes of the mesh have the number {wanted[at]}; take "
-            "a node set, or a function of the coordinates"
+            f"{name}: {after[at] - first[at]} nodes have the number {wanted[at]}; take a node set"
         )
     return np.sort(order[first])
 

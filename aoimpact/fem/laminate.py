@@ -20,8 +20,7 @@ import numpy as np
 
 from ..base import FloatArray, InputError, checked, finite_array, instance, positive, real
 from ..base import sequence as listed
-from .material import Material
-from .orthotropic import Orthotropic, Solid
+from .material import Material, Orthotropic, Solid
 
 _AXES = Orthotropic.axes
 
@@ -68,8 +67,7 @@ class Ply:
         checked(self, thickness=_thickness, material=(Material, Orthotropic), angle_deg=real)
         if isinstance(self.material, Orthotropic) and self.material.axes != _AXES:
             raise InputError(
-                "material of a ply must have its default axes, got axes="
-                f"{self.material.axes}; turn the ply by angle_deg instead"
+                f"material of a ply has the axes {self.material.axes}; turn it by angle_deg instead"
             )
 
     @cached_property
@@ -377,8 +375,7 @@ def _thickness(name: str, value: Any) -> float:
     thickness = positive(name, value, unit="m")
     if not _THINNEST <= thickness <= _THICKEST:
         raise InputError(
-            f"{name} must be within {_THINNEST:g} … {_THICKEST:g} m, got {thickness:g} m; give it "
-            "in metres"
+            f"{name} must be within {_THINNEST:g} … {_THICKEST:g} m, got {thickness:g} m"
         )
     return thickness
 
@@ -387,7 +384,6 @@ def _offset(value: Any, thickness: float) -> float:
     offset, most = real("offset", value, unit="m"), FAR_OFF * thickness
     if abs(offset) > most:
         raise InputError(
-            f"offset must be within ±{most:g} m, {FAR_OFF:g} thicknesses, got {offset:g} m; "
-            "give it in metres"
+            f"offset must be within ±{most:g} m ({FAR_OFF:g} thicknesses), got {offset:g} m"
         )
     return offset

@@ -1,14 +1,26 @@
-"""Isotropic linear elasticity: what a body is made of."""
+"""Linear elasticity, isotropic and orthotropic: what a body is made of."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache, partial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, InputError, positive, real, unit_vector, warn
+from ..base import (
+    FloatArray,
+    InputError,
+    checked,
+    finite_array,
+    held_warnings,
+    positive,
+    real,
+    unit_vector,
+    warn,
+)
 
 # The components of strain and stress: VTK's order of a symmetric tensor.
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
@@ -35,6 +47,24 @@ _SOLIDS = {
 
 
 _OPTIONAL = ("yield_strength", "hardness")
+
+
+_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+# Cosine of the angle between two axes that are to be at right angles: what printed digits leave.
+_SQUARE = 1e-4
+
+# Directions along the surface, and angles of the integral, over which its deflection is averaged:
+# both are periodic, so that this is exact to rounding up to E1/E3 of some hundreds.
+_TURNS, _ANGLES = 48, 96
+
+# Least elastic energy of a strain as a share of the largest: below, it is rounding.
+_ROUNDED = 8.0 * np.finfo(np.float64).eps
+
+# ν of the isotropic stand-in of a half-space.
+_NU_LOW, _NU_HIGH = -0.99, 0.499
+
+Triple = tuple[float, float, float]
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,8 +117,7 @@ class Material:
         nu = real("nu", self.nu)
         if not -1.0 < nu < 0.5:
             raise InputError(
-                f"nu must lie between -1 and 0.5, both excluded, got {nu:g}; "
-                "for a nearly incompressible material take 0.499 at most"
+                f"nu must lie between -1 and 0.5, both excluded, got {nu:g}; take 0.499 at most"
             )
         object.__setattr__(self, "nu", nu)
         for name in given:
@@ -175,3 +204,219 @@ def warn_of_units(name: str, value: float, what: str = "") -> None:
         f"is it in {unit}?",
     )
     warn(f"{what or name}={value:g} {unit} is that of no solid: {cure}")
+
+
+@dataclass(frozen=True)
+class Orthotropic:
+    """A linear elastic material with three planes of symmetry, in SI units.
+
+    Parameters
+    ----------
+    E : (float, float, float)
+        Young's moduli E1, E2, E3 along the material's axes, Pa.
+    G : (float, float, float)
+        Shear moduli G12, G13, G23, Pa.
+    nu : (float, float, float)
+        Poisson's ratios ν12, ν13, ν23: νij = -εj/εi under a stress along i. The others follow,
+        νji = νij Ej/Ei.
+    rho : float
+        Density, kg/m³.
+    axes : array_like, shape (2, 3) or (3, 3), optional
+        Directions of axes 1 and 2, and of 3 if given, in the body's coordinates: of any length, at
+        right angles. By default x, y and z. See `turned` for the plies of a laminate.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If a modulus is not positive, the elastic energy of some strain is not, or axes are not at
+        right angles.
+
+    Warns
+    -----
+    AOImpactWarning
+        If a value is that of no solid, and so probably in other units.
+
+    Notes
+    -----
+    The order of the constants is Abaqus' (``TYPE=ENGINEERING CONSTANTS``: E1, E2, E3, ν12, ν13,
+    ν23, G12, G13, G23). A contact law takes for E* what a half-space of the material gives under a
+    round contact; see `half_space`.
+
+    Examples
+    --------
+    Carbon fibres along x in epoxy, and the same ply turned by 45° about z:
+
+    >>> ply = Orthotropic(E=(135e9, 9e9, 9e9), G=(5e9, 5e9, 3.2e9), nu=(0.3, 0.3, 0.4), rho=1550)
+    >>> ply.turned(math.pi / 4).axes[0]
+    (0.7071067811865476, 0.7071067811865475, 0.0)
+    """
+
+    E: Triple
+    G: Triple
+    nu: Triple
+    rho: float
+    axes: tuple[Triple, Triple, Triple] = _AXES
+
+    def __post_init__(self) -> None:
+        checked(self, E=_moduli, G=_moduli, nu=_triple, axes=_axes)
+        checked(self, rho=partial(positive, unit="kg/m³"))
+        with np.errstate(over="ignore", invalid="ignore"):  # refused below
+            relative = self._compliance[:3, :3] * max(self.E)
+        if not np.isfinite(relative).all():
+            raise InputError(
+                f"E={self.E} Pa, nu={self.nu}: these lie too far apart to compute with"
+            )
+        energies = np.linalg.eigvalsh(relative)
+        if not energies.min() > _ROUNDED * energies.max():
+            e1, e2, e3 = self.E
+            raise InputError(
+                f"nu={self.nu}: some strain would have zero or negative energy; with these E, "
+                f"|ν12| must be below {math.sqrt(e1 / e2):.3g}, "
+                f"|ν13| below {math.sqrt(e1 / e3):.3g}, |ν23| "
+                f"below {math.sqrt(e2 / e3):.3g}, and all three smaller together (νij belongs to a "
+                "stress along i; was νji meant?)"
+            )
+        for name in ("E", "G"):
+            for i, value in enumerate(getattr(self, name)):
+                warn_of_units(name, value, f"{name}[{i}]")
+        warn_of_units("rho", self.rho)
+
+    @property
+    def _compliance(self) -> FloatArray:
+        """Strains 11, 22, 33, γ12, γ23, γ13 of stresses, in the material's axes, shape (6, 6)."""
+        (e1, e2, e3), (g12, g13, g23), (n12, n13, n23) = self.E, self.G, self.nu
+        compliance = np.diag([1 / e1, 1 / e2, 1 / e3, 1 / g12, 1 / g23, 1 / g13])
+        for i, j, value in ((0, 1, n12 / e1), (0, 2, n13 / e1), (1, 2, n23 / e2)):
+            compliance[i, j] = compliance[j, i] = -value
+        return compliance
+
+    @cached_property
+    def tensor(self) -> FloatArray:
+        """The elastic tensor C_ijkl in the body's coordinates, Pa, shape (3, 3, 3, 3)."""
+        own = np.linalg.inv(self._compliance)[PLACES][..., PLACES]
+        turn = np.array(self.axes)
+        return np.asarray(np.einsum("ai,bj,ck,dm,abcd->ijkm", turn, turn, turn, turn, own))
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Hooke's matrix as `Material.stiffness`, in the body's coordinates, Pa, shape (6, 6)."""
+        matrix = self.tensor[*SIX][..., *SIX]
+        return np.asarray(0.5 * (matrix + matrix.T))
+
+    def turned(self, angle: float, about: npt.ArrayLike = (0.0, 0.0, 1.0)) -> Orthotropic:
+        """Return the material with its axes turned by the right-hand rule.
+
+        Parameters
+        ----------
+        angle : float
+            rad.
+        about : array_like, shape (3,), optional
+            In the body's coordinates, any length but zero; z if left out.
+
+        Examples
+        --------
+        >>> ply = Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+        >>> np.round(ply.turned(math.pi / 2).axes[0], 6)
+        array([0., 1., 0.])
+        """
+        turn, axis = real("angle", angle, unit="rad"), unit_vector("about", about)
+        old, along = np.array(self.axes), np.array(self.axes) @ axis
+        new = math.cos(turn) * old + math.sin(turn) * np.cross(axis, old)
+        new += (1.0 - math.cos(turn)) * np.outer(along, axis)
+        with held_warnings():  # of its values, which were said
+            return replace(self, axes=_axes("axes", new))
+
+    def half_space(self, normal: npt.ArrayLike) -> Material:
+        """Return the isotropic material whose half-space deflects as this one's, on average.
+
+        A point force on the surface moves it by u(r, θ) = L⁻¹(θ)/(2πr) with L Barnett and Lothe's
+        tensor. Under a pressure that is the same all around, the force-weighted mean deflection
+        depends on the mean over θ alone: 1/E* = ⟨nᵀL⁻¹n⟩/2. For a sphere this is Hertz's law but
+        for the contact's being slightly elliptic. ν is such that forces along the surface do the
+        same.
+
+        Parameters
+        ----------
+        normal : array_like, shape (3,)
+            Of the surface, any length but zero.
+
+        References
+        ----------
+        J. R. Willis, J. Mech. Phys. Solids 14, 163 (1966); J. J. Vlassak and W. D. Nix, ibid. 42,
+        1223 (1994); S. R. Swanson, Int. J. Solids Struct. 42, 1945 (2005), who finds the modulus
+        E3 through the thickness in its place, as T. M. Tan and C. T. Sun take it, to be a fair
+        estimate.
+
+        Examples
+        --------
+        >>> ply = Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+        >>> round(ply.half_space((0, 0, 1)).plane_strain_modulus / 1e9, 1)  # E*, GPa
+        10.8
+        """
+        x, y, z = unit_vector("normal", normal).round(12).tolist()
+        return _half_space(self, (x, y, z))
+
+
+# Materials of solids and plies.
+Solid = Material | Orthotropic
+
+
+@lru_cache(maxsize=256)
+def _half_space(material: Orthotropic, normal: Triple) -> Material:
+    n = np.array(normal)
+    inward, across = np.eye(3)[np.abs(n).argmin()], n
+    first = np.cross(across, inward)
+    first /= np.linalg.norm(first)
+    second = np.cross(across, first)
+    surface = np.zeros((3, 3))
+    for turn in np.pi / _TURNS * np.arange(_TURNS):
+        along = math.cos(turn) * first + math.sin(turn) * second
+        surface += np.linalg.inv(_barnett_lothe(material.tensor, n, np.cross(n, along)))
+    surface /= _TURNS
+    modulus = 2.0 / float(n @ surface @ n)
+    ratio = 0.25 * float(np.trace(surface) - n @ surface @ n) * modulus  # (2 - ν) E*/(4 G)
+    nu = (2.0 * ratio - 2.0) / (2.0 * ratio - 1.0) if ratio > 0.5 else _NU_LOW
+    nu = min(max(nu, _NU_LOW), _NU_HIGH)
+    return Material(E=modulus * (1.0 - nu**2), nu=nu, rho=material.rho)
+
+
+def _barnett_lothe(tensor: FloatArray, one: FloatArray, other: FloatArray) -> FloatArray:
+    """L = ⟨(mm) - (mn)(nn)⁻¹(nm)⟩ over m, n turning in the plane of two unit vectors, (3, 3).
+
+    T. C. T. Ting, Anisotropic Elasticity (1996), section 7.2; (ab)_jk = a_i C_ijkl b_l.
+    """
+    total, angles = np.zeros((3, 3)), np.pi / _ANGLES * np.arange(_ANGLES)
+    for c, s in zip(np.cos(angles), np.sin(angles), strict=True):
+        m, n = c * one + s * other, c * other - s * one
+        of_m, of_n = np.einsum("i,ijkl->jkl", m, tensor), np.einsum("i,ijkl->jkl", n, tensor)
+        mm, mn, nn = of_m @ m, of_m @ n, of_n @ n
+        total += mm - mn @ np.linalg.solve(nn, mn.T)
+    return np.asarray(total / _ANGLES)
+
+
+def _triple(name: str, value: Any) -> Triple:
+    one, two, three = finite_array(name, value, shape=(3,)).tolist()
+    return one, two, three
+
+
+def _moduli(name: str, value: Any) -> Triple:
+    numbers = _triple(name, value)
+    for i, number in enumerate(numbers):
+        positive(f"{name}[{i}]", number, unit="Pa")
+    return numbers
+
+
+def _axes(name: str, value: Any) -> tuple[Triple, Triple, Triple]:
+    given = finite_array(name, value, shape=(None, 3))
+    if len(given) not in (2, 3):
+        raise InputError(f"{name} must be two directions or three, got {len(given)}")
+    units = [unit_vector(f"{name}[{i}]", row) for i, row in enumerate(given)]
+    first = units[0]
+    skew = max(abs(float(units[i] @ units[j])) for i in range(len(units)) for j in range(i))
+    if skew > _SQUARE:
+        raise InputError(f"{name} must be at right angles, got {given.tolist()}")
+    second = units[1] - (units[1] @ first) * first
+    second /= np.linalg.norm(second)
+    rows = (first, second, np.cross(first, second))
+    one, two, three = ((float(x), float(y), float(z)) for x, y, z in rows)
+    return one, two, three

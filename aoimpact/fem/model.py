@@ -74,7 +74,7 @@ if TYPE_CHECKING:
     from ..contact import ContactPoint
     from .audit import Audit
     from .frequencyresponse import FrequencyResponse
-    from .grounding import Grounding
+    from .statics import Grounding
 
 T = TypeVar("T")
 
@@ -444,26 +444,25 @@ class FEModel(Frozen):
         return int(self.K.shape[0]) if self.free is None else len(self.free)
 
     def __repr__(self) -> str:
-        parts = [repr(self.name)] if self.name else []
-        parts.append(f"{self.n_dofs} dofs")
-        if self.nodes is not None:
-            parts.append(f"{len(self.nodes)} nodes")
-        if self.mesh is not None:
-            parts.append(self.mesh.contents)
-        if isinstance(self.material, Materials):
-            parts.append(f"{len(self.material.materials)} materials")
-        if self.mass is not None:
-            parts.append(f"{self.mass:.4g} kg")
-        if self.springs is not None:
-            parts.append(f"{np.count_nonzero(self.springs)} springs to the ground")
+        n, fixed = 0, None
         if self.nodes is not None and self.free is not None:
             n = len(self.nodes)
             turning = np.unique(self.free[self.free >= 3 * n] // 3) - n
             if self.mesh is not None:
                 turning = self.mesh.thin_nodes
             fixed = 3 * (n + len(turning)) - self.n_dofs
-            parts.append(f"{fixed} dofs constrained" if fixed else "free")
-        return f"FEModel({', '.join(parts)})"
+        springs = 0 if self.springs is None else np.count_nonzero(self.springs)
+        parts = [
+            self.name and repr(self.name),
+            f"{self.n_dofs} dofs",
+            n and f"{n} nodes",
+            self.mesh and self.mesh.contents,
+            isinstance(self.material, Materials) and f"{len(self.material.materials)} materials",
+            self.mass is not None and f"{self.mass:.4g} kg",
+            springs and f"{springs} springs to the ground",
+            fixed is not None and (f"{fixed} dofs constrained" if fixed else "free"),
+        ]
+        return f"FEModel({', '.join(part for part in parts if part)})"
 
     def translation(self, direction: npt.ArrayLike) -> FloatArray:
         """Return the free dofs of a unit translation of the body, shape (n_dofs,).
@@ -649,7 +648,7 @@ class FEModel(Frozen):
 
         :meta private:
         """
-        from .grounding import grounding_of
+        from .statics import grounding_of
 
         return grounding_of(self)
 

@@ -1,18 +1,34 @@
-"""Static displacements of a body, and its motion as a whole."""
+"""Static displacements of a body, its motion as a whole, and the forces of its supports.
+
+The ground under some nodes is moved by a virtual displacement φ_c, and the body follows by its
+statics, K φ = 0 on the free dofs. The virtual work of all forces on the body vanishes, so that what
+the ground does along φ_c is, of any motion X under forces f,
+
+    R = φᵀM Ẍ - φᵀf,
+
+without K X: R is found from accelerations that are weighted by a smooth field (mode acceleration;
+R. R. Craig and A. J. Kurdila, *Fundamentals of Structural Dynamics*, section 11.4). Moving all of
+the ground as one moves the body as one, φ = g, and R is what changes its momentum.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray, SingularError
+from ..base import FloatArray, InputError, IntArray, SingularError
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from ..mesh import motions_at
+from .assembly import stiffness_mass
+from .labels import axes_of
 from .model import FEModel
+from .supports import selected_nodes
 
 # s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the
 # highest ω²: below ω₁² of all but the longest bodies, and above what rounding takes for a singular
@@ -119,3 +135,124 @@ def whole_motion(body: FEModel) -> tuple[FloatArray, FloatArray]:
         momenta[:, 3:] = body.M @ turned
         functionals[3:] = np.linalg.solve(turned.T @ momenta[:, 3:], momenta[:, 3:].T)
     return functionals, momenta
+
+
+@dataclass(frozen=True, eq=False)
+class VirtualMotion:
+    """The body's static displacement where the ground moves, for m motions of the ground.
+
+    Attributes
+    ----------
+    ground : ndarray, shape (held, m)
+        On the constrained dofs.
+    springs : ndarray, shape (n_dofs, m)
+        Motions of the ground under the springs, times their stiffness, N/m.
+    phi, inertia : ndarrays, shape (n_dofs, m)
+        The free dofs that follow, and M φ there.
+    weight : ndarray, shape (m, 3)
+        Work of the constrained dofs' own inertia in unit accelerations along x, y and z, kg.
+    """
+
+    ground: FloatArray
+    springs: FloatArray
+    phi: FloatArray
+    inertia: FloatArray
+    weight: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Grounding:
+    """Supports of a body, and its springs to the ground.
+
+    Attributes
+    ----------
+    body : FEModel
+    held : ndarray of int, shape (held,)
+        Constrained dofs, 3·node + component; rotations, where there are any, after all of these.
+    K : scipy.sparse array, shape (held, n_dofs)
+        Rows of K of these, over the free dofs.
+    M : scipy.sparse array, shape (held, all)
+        Rows of M, over all dofs, whose number is its width.
+    """
+
+    body: FEModel
+    held: IntArray
+    K: Any
+    M: Any
+
+    def nodes(self, name: str, selector: Any) -> IntArray:
+        """Return the selected nodes that a support or a spring holds; all such without a selector.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If there is none, or the selector selects no node.
+        """
+        body, springs = self.body, self.body.springs
+        assert body.nodes is not None
+        assert body.free is not None
+        sprung = np.empty(0, np.int64) if springs is None else body.free[np.flatnonzero(springs)]
+        grounded = np.union1d(self.held, sprung) // 3 % len(body.nodes)
+        if selector is not None:
+            sets = {} if body.mesh is None else body.mesh.node_sets
+            chosen = selected_nodes(name, selector, body.nodes, sets, body.node_labels)
+            grounded = np.intersect1d(grounded, chosen)
+        if not len(grounded):
+            of = "of the body" if selector is None else f"of {name}={selector!r}"
+            raise InputError(f"no node {of} is held: give the nodes of fixed= or springs=")
+        return np.unique(grounded)
+
+    def resultants(self, nodes: IntArray, centre: FloatArray) -> FloatArray:
+        """Return the ground's translations and rotations about a centre, shape (all dofs, 6)."""
+        places = self.body.nodes
+        assert places is not None
+        motions = np.zeros((2, *places.shape, 6))
+        moved = motions_at(places[nodes] - centre, rotations=True)
+        motions[:, nodes] = moved.reshape(2, -1, 3, 6)
+        return motions.reshape(-1, 6)[: self.M.shape[1]]
+
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Inertia of the constrained dofs in unit accelerations along x, y, z, (held, 3), kg."""
+        assert self.body.nodes is not None
+        axes = axes_of(np.arange(self.M.shape[1]), None, len(self.body.nodes))
+        return np.asarray(self.M @ axes)
+
+    def virtual(self, motions: FloatArray) -> VirtualMotion:
+        """Return how the body follows motions of the ground, shape (all dofs, m)."""
+        body = self.body
+        assert body.free is not None
+        ground = motions[self.held]
+        springs = np.zeros((len(body.free), motions.shape[1]))
+        if body.springs is not None:
+            springs = body.springs[:, None] * motions[body.free]
+        loads = springs - self.K.T @ ground
+        phi = np.zeros_like(loads)
+        for load, column in zip(loads.T, phi.T, strict=True):
+            if load.any():
+                column[:] = displacement(body, load.copy(), body.inverse)
+        inertia = body.M @ phi + (self.M[:, body.free].T @ ground)
+        return VirtualMotion(ground, springs, phi, inertia, ground.T @ self.inertia)
+
+
+def grounding_of(body: FEModel) -> Grounding:
+    """Return what holds a body.
+
+    Raises
+    ------
+    InputError
+        If the body was given by K and M, from which the rows of the supports are missing.
+    """
+    if body.mesh is None or body.free is None or not body.assembled:
+        raise InputError(
+            "reactions need the rows of K and M of the supports, and this body was given without "
+            "them: make it with FEModel.from_mesh(mesh, material, fixed=...)"
+        )
+    assert body.material is not None
+    n = body.mesh.n_nodes
+    rotations = 3 * (n + body.mesh.thin_nodes[:, None]) + np.arange(3)  # solids have none
+    held = np.setdiff1d(np.concatenate([np.arange(3 * n), rotations.ravel()]), body.free)
+    K, M = stiffness_mass(body.mesh, body.material)
+    if body.masses is not None:
+        M = M + body.masses
+    return Grounding(body, held, sp.csr_array(K[held][:, body.free]), sp.csr_array(M[held]))

@@ -23,9 +23,8 @@ import numpy.typing as npt
 
 from ..base import FloatArray
 from .composition import Layout, OneMaterial, each_of, layout, pieces
-from .material import PLACES, SIX
+from .material import PLACES, SIX, Solid
 from .model import FEModel
-from .orthotropic import Solid
 from .stress import (
     ANGLE,
     averaged_strain,

@@ -23,8 +23,7 @@ from ..mesh import Mesh, group
 from .beams import Beam, BeamSection, beam_frames, beam_rows
 from .composition import AnyMaterial, layout, pieces
 from .laminate import Layers
-from .material import PLACES, SIX
-from .orthotropic import Solid
+from .material import PLACES, SIX, Solid
 from .stress import UNIT_STRAINS, batches, hooke, slopes_at_nodes
 from .thinerror import shell_pieces
 
@@ -100,21 +99,9 @@ def checked_layer(layer: Any = None, part: Any = None) -> Layer:
     return Layer(of, None if part is None else text("part", part))
 
 
-@dataclass(frozen=True, eq=False)
-class _Sections:
-    """Sections of one beam's elements at places.
-
-    Attributes
-    ----------
-    place : ndarray of int, shape (m,)
-    axes : ndarray, shape (m, 3, 3)
-        Along the beam and of the section, rows.
-    beam : Beam
-    """
-
-    place: IntArray
-    axes: FloatArray
-    beam: Beam
+# Sections of one beam's elements: the places, (m,), the axes along the beam and of the section,
+# rows of (m, 3, 3), and the beam.
+_Sections = tuple[IntArray, FloatArray, Beam]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,34 +139,29 @@ class StressRows:
         found[:, ~self.known] = np.nan
         if not self._sections:
             return found
-        place = np.concatenate([of.place for of in self._sections])
+        places, layer = np.concatenate([place for place, _, _ in self._sections]), self._layer.of
+        cuts = np.cumsum([len(place) for place, _, _ in self._sections])[:-1]
         strains = values[first:].T.reshape(len(found), -1, 6)
-        for some in _batches(len(found), max(1, _BATCH // len(place))):
-            each = zip(found[some], *self._of_sections(strains[some]), strict=True)
-            for at_places, size, tensors in each:
-                order = np.lexsort((size, place))
-                at_places[place[order]] = tensors[order]  # of each place the last, the largest
+        for some in _batches(len(found), max(1, _BATCH // len(places))):
+            sizes, tensors = [], []
+            each = zip(self._sections, np.split(strains[some], cuts, axis=1), strict=True)
+            for (_, axes, beam), own in each:
+                side: Any = beam.side(layer) if isinstance(layer, str) else layer
+                stress = beam.stress(own, side)
+                local = np.zeros((*stress.shape[:2], 6))
+                local[..., [0, 3, 5]] = stress
+                tensor = np.einsum("ncb,knb->knc", _turning(axes), local)
+                if self._strain:
+                    E, nu = beam.material.E, beam.material.nu
+                    trace = tensor[..., :3].sum(axis=-1, keepdims=True)
+                    tensor = ((1.0 + nu) * tensor - nu * trace * (np.arange(6) < 3)) / E
+                sizes.append(stress**2 @ [1.0, 3.0, 3.0])  # von Mises' stress squared
+                tensors.append(tensor)
+            every = zip(found[some], np.hstack(sizes), np.hstack(tensors), strict=True)
+            for at_places, size, at_sections in every:
+                order = np.lexsort((size, places))
+                at_places[places[order]] = at_sections[order]  # of each the last, the largest
         return found
-
-    def _of_sections(self, strains: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Von Mises' stress squared, (k, m), and the tensors in global axes, (k, m, 6)."""
-        sizes, tensors = [], []
-        layer, first = self._layer.of, 0
-        for of in self._sections:
-            beam, last = of.beam, first + len(of.place)
-            side: Any = beam.side(layer) if isinstance(layer, str) else layer
-            stress = beam.stress(strains[:, first:last], side)
-            local = np.zeros((*stress.shape[:2], 6))
-            local[..., [0, 3, 5]] = stress
-            tensor = np.einsum("ncb,knb->knc", _turning(of.axes), local)
-            if self._strain:
-                E, nu = beam.material.E, beam.material.nu
-                trace = tensor[..., :3].sum(axis=-1, keepdims=True)
-                tensor = ((1.0 + nu) * tensor - nu * trace * (np.arange(6) < 3)) / E
-            sizes.append(stress**2 @ [1.0, 3.0, 3.0])
-            tensors.append(tensor)
-            first = last
-        return np.concatenate(sizes, axis=1), np.concatenate(tensors, axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,16 +255,13 @@ def body_stress_rows(
     if mesh.thin:
         _check_layer(_Wanted(mesh, material, weights, layer))
     elif layer.part is not None:
-        raise InputError(
-            f"part={layer.part!r} tells shells and beams apart that meet, and this body has none; "
-            "leave it out"
-        )
+        raise InputError(f"part={layer.part!r} is for bodies with shells or beams; leave it out")
     wanted = _Wanted(mesh, material, weights, layer if mesh.thin else Layer(), strain)
     known = wanted.chosen >= 0
     beams = list(_of_beams(wanted))
     rows = sp.csr_array(sp.vstack([_averaged(wanted), *(strains for _, strains in beams)]))
     for part, _ in beams:
-        known[part.place] = True
+        known[part[0]] = True
     return StressRows(rows, known, tuple(part for part, _ in beams), layer, strain)
 
 
@@ -434,10 +413,7 @@ def _of_beams(wanted: _Wanted) -> Iterator[tuple[_Sections, sp.csr_array]]:
         if not wanted.has(part.of) or not own.any():
             continue
         if isinstance(part.of.section, BeamSection) and len(part.of.section.points) == 1:
-            warn(
-                "stress of a beam of a BeamSection without points is that of its axis, without "
-                "bending; give points=[(y, z), ...] of its outermost fibres"
-            )
+            warn("stress of a BeamSection without points leaves out bending; give its points=[...]")
         row = np.searchsorted(part.numbers, cell[own])
         ends = part.cells[row]
         share = np.asarray(wanted.weights[place[own], ends[:, 1]]).ravel()
@@ -446,7 +422,7 @@ def _of_beams(wanted: _Wanted) -> Iterator[tuple[_Sections, sp.csr_array]]:
         shape = (6 * len(row), 6 * mesh.n_nodes)
         rows = _by_dofs(np.arange(len(row)), ends, strains, shape)
         axes = beam_frames(mesh.nodes[part.cells], part.of)[0][row]
-        yield _Sections(place[own], axes, part.of), rows
+        yield (place[own], axes, part.of), rows
 
 
 def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> FloatArray:

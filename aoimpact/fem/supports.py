@@ -77,8 +77,7 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
         selected = nodes_of_mesh(name, selector, mesh)
         if len(letters) == 2 and not np.isin(selected, mesh.thin_nodes).any():
             raise InputError(
-                f"{name}: letters of rotations are for shells and beams, none of which has "
-                "these nodes; give the displacements alone"
+                f"{name}: letters of rotations are for nodes of shells and beams; leave them out"
             )
         for which, each in enumerate(letters):
             if each or (which, len(letters)) != (0, 2):
@@ -213,8 +212,7 @@ def selected_nodes(
         low, high = nodes.min(axis=0), nodes.max(axis=0)
         box = ", ".join(f"{c} {a:g}…{b:g}" for c, a, b in zip("xyz", low, high, strict=True))
         raise InputError(
-            f"{name}: {of_mask} selects no nodes; the mesh spans {box} m: compare coordinates with "
-            "a tolerance"
+            f"{name}: {of_mask} selects no nodes; the mesh spans {box} m (tolerances?)"
         )
     return np.flatnonzero(mask)
 
@@ -311,8 +309,7 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     ids, nodes = nodes_of_mesh(name, mount.nodes, mesh), mesh.nodes
     if len(ids) > _MOST_NODES:
         raise InputError(
-            f"{name}: the rigid mass is on {len(ids)} nodes, {_MOST_NODES} are the most: take some "
-            "of them, well spread over the seat"
+            f"{name}: the rigid mass is on {len(ids)} nodes; take {_MOST_NODES} of them at most"
         )
     middle = nodes[ids].mean(axis=0)
     centre = middle if mount.centre is None else np.asarray(mount.centre)
@@ -390,7 +387,6 @@ def _bounded(name: str, value: Any, unit: str) -> float:
     number = positive(name, value, unit=unit)
     if number > LARGEST:
         raise InputError(
-            f"{name} is {number:g} {unit}, whose products cannot be computed; give it in {unit}, "
-            "and what does not move as a support, fixed"
+            f"{name} is {number:g} {unit}, beyond what can be computed with; is it in {unit}?"
         )
     return number

@@ -143,7 +143,7 @@ class Response:
     def work(self, of: VirtualMotion, times: FloatArray) -> FloatArray:
         """Return what the ground's forces do along m motions of it, N or N m, shape (m, times).
 
-        See `fem.grounding`; of a body's own dofs by K X + C Ẋ + M Ẍ of those that are constrained.
+        See `fem.Grounding`; of a body's own dofs by K X + C Ẋ + M Ẍ of those that are constrained.
         """
         motion, known = self.motion, self.body.grounding
         alpha, beta = 0.0, 0.0
