@@ -43,8 +43,9 @@ class Mechanism:
     """
 
     motions: FloatArray
-    _parts: _Parts | None = None
-    _turns: FloatArray | None = None  # of the parts, (n_parts, 3, m)
+    # Of a mesh: its nodes, the part of each element, the nodes in more than one part and two parts
+    # that each is in, (3, n_links), and how the parts turn, (n_parts, 3, m).
+    _known: tuple[FloatArray, IntArray, IntArray, FloatArray] | None = None
 
     def moved_by(self, b: FloatArray) -> bool:
         """True if a force along b, shape (n_dofs,), moves the parts against each other."""
@@ -53,21 +54,20 @@ class Mechanism:
 
     def where(self, b: FloatArray) -> str:
         """Name the joint that a force along b turns most, and what hangs on it, if it is known."""
-        parts = self._parts
-        if parts is None or self._turns is None:
+        if self._known is None:
             return "see body.mechanism.motions"
-        turn = self._turns @ (b @ self.motions)
-        apart = np.linalg.norm(turn[parts.one] - turn[parts.other], axis=1)
-        pair = [int(side[apart.argmax()]) for side in (parts.one, parts.other)]
-        sizes = np.bincount(parts.part)
+        places, part, (joint, *sides), turns = self._known
+        turn = turns @ (b @ self.motions)
+        apart = np.linalg.norm(turn[sides[0]] - turn[sides[1]], axis=1)
+        pair = [int(side[apart.argmax()]) for side in sides]
+        sizes = np.bincount(part)
         small, large = sorted(pair, key=sizes.__getitem__)
-        first = int(np.flatnonzero(parts.part == small)[0])
-        here = np.isin(parts.one, pair) & np.isin(parts.other, pair)
-        nodes = np.unique(parts.joint[here])
-        place = ", ".join(f"{x:.4g}" for x in parts.surface.mesh.nodes[nodes[0]])
+        first = int(np.flatnonzero(part == small)[0])
+        nodes = np.unique(joint[np.isin(sides, pair).all(axis=0)])
+        place = ", ".join(f"{x:.4g}" for x in places[nodes[0]])
         shared = f"node {nodes[0]}" if len(nodes) == 1 else f"{len(nodes)} nodes on a line"
         return (
-            f"{sizes[small]} of {len(parts.part)} elements, the first is element {first}, share no "
+            f"{sizes[small]} of {len(part)} elements, the first is element {first}, share no "
             f"side with the others, but {shared} near ({place}) m with {sizes[large]} of them"
         )
 
@@ -94,23 +94,35 @@ def mechanism_of(
     """
     if not surface.part.any():
         return None
-    parts = _Parts.of(surface)
-    if not len(parts.joint):
+    mesh, part, parts = surface.mesh, surface.part, int(surface.part.max()) + 1
+    node, of = np.divmod(np.unique(mesh.cells * parts + part[:, None]), parts)
+    link = np.flatnonzero(node[1:] == node[:-1])  # a chain through all parts of a node
+    if not len(link):
         return None
-    rows = parts.constraints(free if springs is None else free[springs == 0.0])
+    members, corners, centre = np.bincount(part), mesh.nodes[mesh.cells], np.zeros((parts, 3))
+    np.add.at(centre, part, corners.mean(axis=1))
+    centre /= members[:, None]
+    spread = ((corners - centre[part][:, None]) ** 2).mean(axis=1).sum(axis=1)
+    size = np.sqrt(np.bincount(part, spread) / members)
+    # How nodes of parts move by the translations of these and rotations about their own middles.
+    blocks = motions_at((mesh.nodes[node] - centre[of]) / size[of][:, None])
+    shape = 3 * len(node), 6 * parts
+    moved = sp.bsr_array((blocks, of, np.arange(len(node) + 1)), shape=shape).tocsr()
+    firsts, ends = np.flatnonzero(np.diff(node, prepend=-1)), (link, link + 1)
+    own, *joined = (moved[(3 * at[:, None] + np.arange(3)).ravel()] for at in (firsts, *ends))
+    held = np.setdiff1d(np.arange(own.shape[0]), free if springs is None else free[springs == 0.0])
+    rows = sp.vstack([own[held], joined[0] - joined[1]])
     unresisted = _null_space((rows.T @ rows).tocsr())
     count = unresisted.shape[1] - rigid.shape[1]
     if count <= 0:
         return None
-    null = unresisted.shape[1]
-    each = unresisted.reshape(-1, 6, null)
-    at_nodes = parts.motions_at(np.arange(len(parts.owner)), parts.owner) @ each[parts.owner]
-    motions = at_nodes.reshape(-1, null)[free]
+    motions = (own @ unresisted)[free]
     motions -= rigid @ (rigid.T @ (M @ motions))
-    size, y = np.linalg.eigh(motions.T @ (M @ motions))
-    y = y[:, -count:] / np.sqrt(size[-count:])
-    turns = each[:, 3:] / parts.size[:, None, None]
-    return Mechanism(motions @ y, parts, turns @ y)
+    inertia, y = np.linalg.eigh(motions.T @ (M @ motions))
+    y = y[:, -count:] / np.sqrt(inertia[-count:])
+    turns = unresisted.reshape(parts, 6, -1)[:, 3:] / size[:, None, None]
+    links = np.stack([node[link], of[link], of[link + 1]])
+    return Mechanism(motions @ y, (mesh.nodes, part, links, turns @ y))
 
 
 def _null_space(gram: sp.csr_array) -> FloatArray:
@@ -143,73 +155,3 @@ def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mecha
     ):
         return None
     return Mechanism(found)
-
-
-@dataclass(frozen=True, eq=False)
-class _Parts:
-    """The parts that hang together by whole sides, and the nodes where they meet without one.
-
-    Attributes
-    ----------
-    part : ndarray of int, shape (n_cells,)
-        Of each element.
-    owner : ndarray of int, shape (n_nodes,)
-        A part that each node is in.
-    joint, one, other : ndarrays of int, shape (n_links,)
-        Nodes in more than one part, and two parts that each is in: a chain through all of them.
-    centre, size : ndarrays, shapes (n_parts, 3) and (n_parts,)
-        m.
-    """
-
-    surface: Surface
-    part: IntArray
-    owner: IntArray
-    joint: IntArray
-    one: IntArray
-    other: IntArray
-    centre: FloatArray
-    size: FloatArray
-
-    @classmethod
-    def of(cls, surface: Surface) -> _Parts:
-        mesh, part = surface.mesh, surface.part
-        owner = np.empty(mesh.n_nodes, dtype=np.int64)
-        owner[mesh.cells] = part[:, None]
-        shared = np.zeros(mesh.n_nodes, dtype=bool)
-        shared[mesh.cells[owner[mesh.cells] != part[:, None]]] = True
-        count = int(part.max()) + 1
-        cell, local = np.nonzero(shared[mesh.cells])
-        node, of_node = np.divmod(np.unique(mesh.cells[cell, local] * count + part[cell]), count)
-        link = np.flatnonzero(node[1:] == node[:-1])
-        where = mesh.nodes[mesh.cells].mean(axis=1)
-        members = np.bincount(part)
-        centre = _sums(part, where) / members[:, None]
-        spread = mesh.nodes[mesh.cells] - centre[part][:, None]
-        size = np.sqrt(_sums(part, (spread**2).mean(axis=1)).sum(axis=1) / members)
-        return cls(surface, part, owner, node[link], of_node[link], of_node[link + 1], centre, size)
-
-    def constraints(self, free: IntArray) -> sp.csr_array:
-        """Constraints by shared nodes and supports: rows on the motions, shape (any, 6 n_parts).
-
-        The motions are translations and rotations about the parts' own middles.
-        """
-        fixed_dofs = np.setdiff1d(np.arange(3 * len(self.owner)), free)
-        node, component = np.divmod(fixed_dofs, 3)
-        fixed = self.motions_at(node, self.owner[node])[np.arange(len(fixed_dofs)), component]
-        joints = [self.motions_at(self.joint, side) for side in (self.one, self.other)]
-        values = np.concatenate([fixed, joints[0].reshape(-1, 6), -joints[1].reshape(-1, 6)])
-        links = len(fixed_dofs) + np.arange(3 * len(self.joint))
-        row = np.concatenate([np.arange(len(fixed_dofs)), links, links])
-        part = np.concatenate([self.owner[node], np.repeat(self.one, 3), np.repeat(self.other, 3)])
-        column = 6 * part[:, None] + np.arange(6)
-        shape = (len(fixed_dofs) + 3 * len(self.joint), 6 * len(self.size))
-        return sp.csr_array((values.ravel(), (np.repeat(row, 6), column.ravel())), shape=shape)
-
-    def motions_at(self, node: IntArray, part: IntArray) -> FloatArray:
-        """The motions of parts at nodes, shape (n, 3, 6)."""
-        offset = self.surface.mesh.nodes[node] - self.centre[part]
-        return motions_at(offset / self.size[part][:, None])
-
-
-def _sums(part: IntArray, values: FloatArray) -> FloatArray:
-    return np.stack([np.bincount(part, weights=column) for column in values.T], axis=1)
