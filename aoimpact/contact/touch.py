@@ -210,7 +210,8 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
         weights = np.zeros(surface.mesh.n_nodes)
         shape = surface.shape(here.face[:1], here.uv[:1])
         np.add.at(weights, surface.nodes[here.face[:1]], shape)
-        direction = _pressing(surface, here, normal, along)
+        normals = surface.normal(here.face, here.uv) if normal is None else normal[None]
+        direction = _pressing(point, along, normals)
         facing = None if normal is None else sign * normal
         couples = _couples(surface, here.face[:1], here.uv[:1], np.ones(1), direction)
         forces = np.stack([np.outer(weights, direction), couples])
@@ -223,7 +224,7 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
             f"radius={radius:g} m: {reason}; take a smaller radius (is it in metres?)", most, reason
         )
     on = spread(surface, here.x[0], normal, radius)
-    direction = _facing(point, along, on.normal)
+    direction = _pressing(point, along, on.normal[None])
     patch = Patch(radius, len(np.unique(on.under.face)))
     couples = _couples(surface, on.under.face, on.under.uv, on.share, direction)
     forces = np.stack([np.outer(on.weights, direction), couples])
@@ -288,8 +289,7 @@ def motion_between(
         cell = block.cells[number - block.first]
         shape = (cell[:, None] == nodes) @ weights
         if block.kind == "line":
-            of = material_of(body.material, number)
-            assert isinstance(of, Beam)
+            of: Any = material_of(body.material, number)
             return cell, beam_motion(mesh.nodes[cell][None], of, float(shape[1]))
         by_shift = np.eye(3)[:, None] * shape[:, None]
         return cell, np.stack([by_shift, _bent(mesh, number, shape[None])[1][0]], axis=2)
@@ -363,37 +363,17 @@ def _place(surface: Surface, point: FloatArray) -> Place:
     return here
 
 
-def _pressing(
-    surface: Surface, here: Place, normal: FloatArray | None, along: FloatArray | None
-) -> FloatArray:
-    """Return the direction, the inward normal by default, if it presses on the surface.
+def _pressing(point: FloatArray, along: FloatArray | None, normals: FloatArray) -> FloatArray:
+    """Return the direction, by default against the normal, if it presses on the surface.
 
-    On a sharp edge, which has no normal, it is enough to press on one of the faces that meet.
+    On a sharp edge, where faces with several normals meet, it is enough to press on one of them.
     """
-    point = here.x[0]
-    if normal is not None:
-        return _facing(point, along, normal)
-    assert along is not None
-    faces = surface.normal(here.face, here.uv)
-    if np.abs(faces @ along).max() < _TANGENT:
-        known = np.where(np.abs(faces) > ROUNDING, faces, 0.0).round(6)
-        normals = ", ".join(map(plain, np.unique(known, axis=0)))  # a flat side has many faces
-        raise InputError(
-            f"direction {plain(along)} runs along the edge at point {plain(point)} m, where faces "
-            f"with the outward normals {normals} meet: nothing "
-            "would press on them; choose a direction into the body"
-        )
-    return along
-
-
-def _facing(point: FloatArray, along: FloatArray | None, normal: FloatArray) -> FloatArray:
-    """Return the direction, by default against the normal, if it is not tangent to the surface."""
     if along is None:
-        return np.where(np.abs(normal) > ROUNDING, -normal, 0.0)
-    if abs(float(along @ normal)) < _TANGENT:
+        return np.where(np.abs(normals[0]) > ROUNDING, -normals[0], 0.0)
+    if np.abs(normals @ along).max() < _TANGENT:
+        known = np.unique(np.where(np.abs(normals) > ROUNDING, normals, 0.0).round(6), axis=0)
         raise InputError(
-            f"direction {plain(along)} is tangent to the surface at point {plain(point)} m, whose "
-            f"outward normal is {plain(normal)}: nothing would press on it; leave direction out "
-            "for the inward normal"
+            f"direction {plain(along)} runs along the surface at point {plain(point)} m, whose "
+            f"outward normal is {' or '.join(map(plain, known))}: nothing would press on it"
         )
     return along

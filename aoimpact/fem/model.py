@@ -648,9 +648,9 @@ class FEModel(Frozen):
 
         :meta private:
         """
-        from .statics import grounding_of
+        from .statics import Grounding
 
-        return grounding_of(self)
+        return Grounding(self)
 
     def frf(
         self,

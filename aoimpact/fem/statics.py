@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -112,7 +111,7 @@ def _by_grounding(body: FEModel, b: FloatArray, solver: LinearSolver) -> FloatAr
     return np.asarray(x - rigid @ (rigid.T @ (M @ x)))
 
 
-def whole_motion(body: FEModel) -> tuple[FloatArray, FloatArray]:
+def whole_motion(model: FEModel) -> tuple[FloatArray, FloatArray]:
     """Return the functionals of a body's motion as a whole, and the momenta that make it.
 
     Returns
@@ -123,9 +122,7 @@ def whole_motion(body: FEModel) -> tuple[FloatArray, FloatArray]:
     momenta : ndarray, shape (n_dofs, 6)
         M times unit translations and, of an unsupported body, unit rotations about its centre.
     """
-    assert body.nodes is not None
-    assert body.free is not None
-    assert body.mass is not None
+    body: Any = model  # of a body with nodes
     centre = np.array([body.com_functional(axis) for axis in np.eye(3)])
     functionals, momenta = np.full((6, body.n_dofs), np.nan), np.zeros((body.n_dofs, 6))
     functionals[:3], momenta[:, :3] = centre, body.mass * centre.T
@@ -160,7 +157,6 @@ class VirtualMotion:
     weight: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
 class Grounding:
     """Supports of a body, and its springs to the ground.
 
@@ -173,12 +169,27 @@ class Grounding:
         Rows of K of these, over the free dofs.
     M : scipy.sparse array, shape (held, all)
         Rows of M, over all dofs, whose number is its width.
+
+    Raises
+    ------
+    InputError
+        If the body was given by K and M, from which the rows of the supports are missing.
     """
 
-    body: FEModel
-    held: IntArray
-    K: Any
-    M: Any
+    def __init__(self, body: Any) -> None:
+        if not body.assembled:
+            raise InputError(
+                "reactions need the rows of K and M of the supports, and this body was given "
+                "without them: make it with FEModel.from_mesh(mesh, material, fixed=...)"
+            )
+        n, self.body = body.mesh.n_nodes, body
+        rotations = 3 * (n + body.mesh.thin_nodes[:, None]) + np.arange(3)  # solids have none
+        self.held = np.setdiff1d(np.concatenate([np.arange(3 * n), rotations.ravel()]), body.free)
+        K, M = stiffness_mass(body.mesh, body.material)
+        if body.masses is not None:
+            M = M + body.masses
+        self.K = sp.csr_array(K[self.held][:, body.free])
+        self.M = sp.csr_array(M[self.held])
 
     def nodes(self, name: str, selector: Any) -> IntArray:
         """Return the selected nodes that a support or a spring holds; all such without a selector.
@@ -189,12 +200,10 @@ class Grounding:
             If there is none, or the selector selects no node.
         """
         body, springs = self.body, self.body.springs
-        assert body.nodes is not None
-        assert body.free is not None
         sprung = np.empty(0, np.int64) if springs is None else body.free[np.flatnonzero(springs)]
         grounded = np.union1d(self.held, sprung) // 3 % len(body.nodes)
         if selector is not None:
-            sets = {} if body.mesh is None else body.mesh.node_sets
+            sets = body.mesh.node_sets
             chosen = selected_nodes(name, selector, body.nodes, sets, body.node_labels)
             grounded = np.intersect1d(grounded, chosen)
         if not len(grounded):
@@ -205,23 +214,15 @@ class Grounding:
     def resultants(self, nodes: IntArray, centre: FloatArray) -> FloatArray:
         """Return the ground's translations and rotations about a centre, shape (all dofs, 6)."""
         places = self.body.nodes
-        assert places is not None
         motions = np.zeros((2, *places.shape, 6))
         moved = motions_at(places[nodes] - centre, rotations=True)
         motions[:, nodes] = moved.reshape(2, -1, 3, 6)
         return motions.reshape(-1, 6)[: self.M.shape[1]]
 
-    @cached_property
-    def inertia(self) -> FloatArray:
-        """Inertia of the constrained dofs in unit accelerations along x, y, z, (held, 3), kg."""
-        assert self.body.nodes is not None
-        axes = axes_of(np.arange(self.M.shape[1]), None, len(self.body.nodes))
-        return np.asarray(self.M @ axes)
-
     def virtual(self, motions: FloatArray) -> VirtualMotion:
         """Return how the body follows motions of the ground, shape (all dofs, m)."""
         body = self.body
-        assert body.free is not None
+        axes = axes_of(np.arange(self.M.shape[1]), None, len(body.nodes))
         ground = motions[self.held]
         springs = np.zeros((len(body.free), motions.shape[1]))
         if body.springs is not None:
@@ -232,27 +233,4 @@ class Grounding:
             if load.any():
                 column[:] = displacement(body, load.copy(), body.inverse)
         inertia = body.M @ phi + (self.M[:, body.free].T @ ground)
-        return VirtualMotion(ground, springs, phi, inertia, ground.T @ self.inertia)
-
-
-def grounding_of(body: FEModel) -> Grounding:
-    """Return what holds a body.
-
-    Raises
-    ------
-    InputError
-        If the body was given by K and M, from which the rows of the supports are missing.
-    """
-    if body.mesh is None or body.free is None or not body.assembled:
-        raise InputError(
-            "reactions need the rows of K and M of the supports, and this body was given without "
-            "them: make it with FEModel.from_mesh(mesh, material, fixed=...)"
-        )
-    assert body.material is not None
-    n = body.mesh.n_nodes
-    rotations = 3 * (n + body.mesh.thin_nodes[:, None]) + np.arange(3)  # solids have none
-    held = np.setdiff1d(np.concatenate([np.arange(3 * n), rotations.ravel()]), body.free)
-    K, M = stiffness_mass(body.mesh, body.material)
-    if body.masses is not None:
-        M = M + body.masses
-    return Grounding(body, held, sp.csr_array(K[held][:, body.free]), sp.csr_array(M[held]))
+        return VirtualMotion(ground, springs, phi, inertia, ground.T @ (self.M @ axes))
