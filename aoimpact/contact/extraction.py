@@ -39,6 +39,7 @@ from ..fem import (
     Solid,
     each_of,
     energy_error,
+    material_of,
     missing_energy,
     pieces,
     stiffness_mass,
@@ -49,7 +50,7 @@ from ..mesh import plane_of, taken
 from .compliance import Compliance
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .subdivision import cells_towards, sides_towards
-from .touch import of_face, spread
+from .touch import element_at, spread
 
 # A direction is along the normal where 1 - |cos θ| is below this: a milliradian.
 _ALONG = 1e-6
@@ -287,8 +288,7 @@ class Splitting:
         self.frame = np.vstack([plane_of(-normal, tangent), -normal])
         local = (mesh.nodes - point) @ self.frame.T
         self.behind = bool((local[:, 2] < -_FAR_BEHIND * np.linalg.norm(local, axis=1)).any())
-        face = int(body.surface.nearest(point).face[0])
-        material: Any = of_face(body.surface, body.material, face)
+        material: Any = material_of(body.material, element_at(body, point)[0])
         own: int | None = each_of(body.material).index(material)
         isotropic = IsotropicHalfSpace if tangent is None else ShearedHalfSpace
         self.space: HalfSpace

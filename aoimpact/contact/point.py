@@ -45,7 +45,6 @@ from ..fem import (
     labelled_rows,
     material_of,
     nodes_by_number,
-    one_node,
     pieces,
 )
 from ..linalg import LinearSolver
@@ -54,7 +53,7 @@ from .compliance import Compliance
 from .extraction import extracted
 from .layer import bending_length
 from .thinextraction import extracted_from_beam, extracted_from_shell, patch_on_shell
-from .touch import Patch, Touch, edge_length, of_face, thickness, to_nodes, touched
+from .touch import Patch, Touch, edge_length, element_at, thickness, to_nodes, touched
 
 # Cosine of the angle with a beam's axis above which a force is along it: 45°.
 _ALONG = math.sqrt(0.5)
@@ -260,12 +259,9 @@ class ContactPoint(Frozen):
 
         :meta private:
         """
-        mesh, surface, material = self.body.mesh, self.body.surface, self.body.material
-        if mesh is None or material is None or self.point is None:
+        if self.body.mesh is None or self.body.material is None or self.point is None:
             return None
-        if surface is None:
-            return material_of(material, nearest_line(mesh, self.point)[0])
-        return of_face(surface, material, int(surface.nearest(self.point).face[0]))
+        return material_of(self.body.material, element_at(self.body, self.point)[0])
 
     @property
     def thin(self) -> Layers | Beam | None:
@@ -288,10 +284,9 @@ class ContactPoint(Frozen):
         if not isinstance(self.thin, Beam) or not self.thin.hollow:
             return
         if 1.0 - self._along_beam**2 > _NEARLY:
-            assert self.direction is not None
             raise InputError(
-                f"direction {plain(self.direction)} is across a tube of beams, whose wall cannot "
-                "bend; mesh the tube's surface, and take ao.Shell"
+                f"direction {plain(np.array(self.direction))} is across a tube of beams, whose "
+                "wall cannot bend; mesh the tube's surface, and take ao.Shell"
             )
 
     @cached_property
@@ -505,8 +500,9 @@ class ContactPoint(Frozen):
         dofs = np.flatnonzero(self.b)
         if self.point is None or self.direction is None:
             where = f"dof {dofs[0]}" if len(dofs) == 1 else f"functional of {len(dofs)} dofs"
-            label = None if self.body.labels is None else one_node(self.body.labels, self.b)
-            return f"ContactPoint({'' if label is None else f'node {label}, '}{where} of {body})"
+            nodes = np.zeros(0) if self.body.labels is None else self.body.labels[dofs, 0]
+            label = f"node {nodes[0]}, " if len(np.unique(nodes)) == 1 else ""
+            return f"ContactPoint({label}{where} of {body})"
         what = f"functional of {len(dofs)} dofs" if self.node is None else f"node {self.node_label}"
         if self.patch is not None:
             what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"

@@ -16,10 +16,8 @@ import scipy
 
 from ..base import ROUNDING, FloatArray, InputError, IntArray, RoomError, plain, warn
 from ..fem import (
-    AnyMaterial,
     Beam,
     Layers,
-    OneMaterial,
     beam_motion,
     linked,
     material_of,
@@ -296,9 +294,20 @@ def motion_between(
     return None
 
 
-def of_face(surface: Surface, material: AnyMaterial, face: int) -> OneMaterial:
-    """Return what the element of a face is made of."""
-    return material_of(material, int(surface.cell[face]))
+def element_at(body: Any, point: FloatArray) -> tuple[int, FloatArray, float]:
+    """Return the element next to a point, the place on its face or axis, m, and how far off it is.
+
+    Parameters
+    ----------
+    body : FEModel
+        With a mesh.
+    """
+    if body.surface is None:
+        cell, share, gap = nearest_line(body.mesh, point)
+        first, last = body.mesh.nodes[body.mesh.cells[cell, :2]]
+        return cell, first + share * (last - first), gap
+    here = body.surface.nearest(point)
+    return int(body.surface.cell[here.face[0]]), here.x[0], float(here.distance[0])
 
 
 def to_nodes(body: Any, point: FloatArray) -> FloatArray:
@@ -310,16 +319,10 @@ def to_nodes(body: Any, point: FloatArray) -> FloatArray:
     point : ndarray, shape (3,)
         m.
     """
-    mesh, material, surface = body.mesh, body.material, body.surface
-    if mesh is None or material is None or not mesh.thin:
+    if body.mesh is None or body.material is None or not body.mesh.thin:
         return point
-    if surface is None:
-        cell, share, gap = nearest_line(mesh, point)
-        first, last = mesh.nodes[mesh.cells[cell, :2]]
-        of, x = material_of(material, cell), first + share * (last - first)
-    else:
-        here = surface.nearest(point)
-        of, x, gap = of_face(surface, material, int(here.face[0])), here.x[0], here.distance[0]
+    cell, x, gap = element_at(body, point)
+    of = material_of(body.material, cell)
     on = isinstance(of, (Layers, Beam)) and gap <= of.reach * (1.0 + _FACE)
     return np.asarray(x) if on else point
 

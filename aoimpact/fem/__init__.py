@@ -27,7 +27,7 @@ from .composition import (
 )
 from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
 from .frequencyresponse import FrequencyResponse
-from .labels import checked_labels, label_of, labelled_rows, nodes_by_number, one_node
+from .labels import checked_labels, label_of, labelled_rows, nodes_by_number
 from .laminate import Laminate, Layers, Ply, Shell
 from .material import SIX, Material, Orthotropic, Solid, warn_of_units
 from .model import FEModel

@@ -115,8 +115,12 @@ def frequency_response(
     body: FEModel, excitation: Any, response: Any, frequencies: Any, kind: str
 ) -> FrequencyResponse:
     """Return a frequency response function; see `FEModel.frf`."""
-    b = _functional(body, "excitation", excitation)
-    c = b if response is None else _functional(body, "response", response)
+    for name, point in (("excitation", excitation), ("response", response or excitation)):
+        if getattr(point, "body", None) is not body:
+            kind_of = InputError if hasattr(point, "body") else InputTypeError
+            raise kind_of(f"{name} must come from this body's contact(...), got {point!r}")
+    b = excitation.b
+    c = b if response is None else response.b
     hertz = np.atleast_1d(finite_array("frequencies", frequencies, unit="Hz", most=HUGE))
     if hertz.ndim != 1 or not hertz.size or hertz.min() < 0.0:
         raise InputError(
@@ -177,14 +181,6 @@ def _without_damping(
     stiffer = 1.0 + 1j * beta * omega
     mu = np.asarray((omega**2 - 1j * alpha * omega) / stiffer, dtype=np.complex128)
     return mu, np.asarray(stiffer, dtype=np.complex128)
-
-
-def _functional(body: FEModel, name: str, point: Any) -> FloatArray:
-    """The functional b of a contact point of the body."""
-    if getattr(point, "body", None) is not body:
-        kind = InputError if hasattr(point, "body") else InputTypeError
-        raise kind(f"{name} must come from this body's contact(...), got {point!r}")
-    return np.asarray(point.b)
 
 
 def _modes(body: FEModel, highest: float, most: int) -> tuple[FloatArray, FloatArray, float] | None:

@@ -52,13 +52,6 @@ def axes_of(free: IntArray | None, labels: IntArray | None, n_nodes: int) -> Flo
     return np.asarray(np.where(component[:, None] == np.arange(1, 4), 1.0, 0.0))
 
 
-def labelled_nodes(labels: IntArray, free: IntArray, n_nodes: int) -> IntArray:
-    """Return the label of each node, shape (n_nodes,), from those of the rows of K; -1: no row."""
-    of_nodes = np.full(n_nodes, -1)
-    of_nodes[free // 3 % n_nodes] = labels[:, 0]
-    return of_nodes
-
-
 def nodes_by_number(name: str, given: Any, count: int, labels: IntArray | None) -> IntArray:
     """Return the nodes that a user names by numbers: by their labels, without these from 0.
 
@@ -136,12 +129,6 @@ def node_numbers(nodes: FloatArray, which: IntArray, of_mesh: FloatArray, size: 
     if len(np.unique(found)) < len(np.unique(which)):
         raise InputError("mesh: two nodes of the body lie where the mesh has one")
     return np.asarray(found, dtype=np.int64)
-
-
-def one_node(labels: IntArray, b: FloatArray) -> int | None:
-    """Return the label of the node on which alone a functional is; None if it is on several."""
-    nodes = np.unique(labels[b != 0.0, 0])
-    return int(nodes[0]) if len(nodes) == 1 else None
 
 
 def missing_node(name: str, labels: IntArray, node: int) -> InputError:

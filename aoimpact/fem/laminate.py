@@ -165,7 +165,8 @@ class Layers:
         matrix[:6, :6] = self._plane
         flexibility = np.zeros((2, 2))
         for number, z, weight in self._points:
-            by_force, shear = self._shear_stress(number, z), self._shear[number]
+            by_force = self._shear_stress(number, z)
+            shear = self.plies[number].compliance[np.ix_(_SHEAR, _SHEAR)]
             flexibility += weight * by_force.T @ shear @ by_force
         matrix[6:, 6:] = np.linalg.inv(flexibility)
         return 0.5 * (matrix + matrix.T)
@@ -193,11 +194,6 @@ class Layers:
         return np.array(
             [np.linalg.inv(ply.compliance[np.ix_(_PLANE, _PLANE)]) for ply in self.plies]
         )
-
-    @cached_property
-    def _shear(self) -> FloatArray:
-        """γxz, γyz of τxz, τyz in each ply, 1/Pa, shape (n_plies, 2, 2)."""
-        return np.array([ply.compliance[np.ix_(_SHEAR, _SHEAR)] for ply in self.plies])
 
     @cached_property
     def _plane(self) -> FloatArray:

@@ -66,7 +66,7 @@ from .doubts import (
     warn_of_locking,
     warn_of_separate_parts,
 )
-from .labels import axes_of, checked_labels, labelled_nodes, node_numbers
+from .labels import axes_of, checked_labels, node_numbers
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Mounted, SpringSupport, Support, added_mass, free_dofs, spring_stiffness
 
@@ -577,7 +577,9 @@ class FEModel(Frozen):
         From `labels`, with -1 for a node without a row of K, or else those of the mesh.
         """
         if self.labels is not None and self.nodes is not None and self.free is not None:
-            return labelled_nodes(self.labels, self.free, len(self.nodes))
+            found = np.full(len(self.nodes), -1)
+            found[self.free // 3 % len(self.nodes)] = self.labels[:, 0]
+            return found
         return None if self.mesh is None else self.mesh.node_labels
 
     def inverse(

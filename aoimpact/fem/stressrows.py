@@ -252,35 +252,21 @@ def body_stress_rows(
     strain : bool, optional
         The tensor of strain in place of stress.
     """
-    if mesh.thin:
-        _check_layer(_Wanted(mesh, material, weights, layer))
-    elif layer.part is not None:
+    if layer.part is not None and not mesh.thin:
         raise InputError(f"part={layer.part!r} is for bodies with shells or beams; leave it out")
     wanted = _Wanted(mesh, material, weights, layer if mesh.thin else Layer(), strain)
+    thin = [part.of for part in pieces(mesh, material, Layers | Beam)]
+    if thin and (layer.ply or layer.of_beams) and not any(map(wanted.has, thin)):
+        raise InputError(
+            f"{layer}: no shell or beam of the body has it. Plies count from 0 at the bottom; "
+            "sides and places are of beams with an orientation, within the section"
+        )
     known = wanted.chosen >= 0
     beams = list(_of_beams(wanted))
     rows = sp.csr_array(sp.vstack([_averaged(wanted), *(strains for _, strains in beams)]))
     for part, _ in beams:
         known[part[0]] = True
     return StressRows(rows, known, tuple(part for part, _ in beams), layer, strain)
-
-
-def _check_layer(wanted: _Wanted) -> None:
-    """Refuse a ply, side or place that no part of the body has."""
-    mesh, material, layer = wanted.mesh, wanted.material, wanted.layer
-    plies = max((len(part.of.plies) for part in pieces(mesh, material, Layers)), default=0)
-    if layer.ply and not plies:
-        raise InputError(f"{layer}: the body has no shells, and so no plies; leave layer out")
-    if layer.ply and layer.of[0] >= plies:
-        raise InputError(f"layer: there is no ply {layer.of[0]}, the last is {plies - 1}")
-    beams = [part.of for part in pieces(mesh, material, Beam)]
-    if layer.of_beams and not beams:
-        raise InputError(f'{layer} is of beams, and the body has none; give "top" or "bottom"')
-    if layer.of_beams and not any(map(wanted.has, beams)):
-        raise InputError(
-            f"{layer}: the body has no such place: it is outside of the section, or in a bore, or "
-            "the beam has no orientation, without which its sides are not known"
-        )
 
 
 def corner_stress(

@@ -80,7 +80,7 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
                 f"{name}: letters of rotations are for nodes of shells and beams; leave them out"
             )
         for which, each in enumerate(letters):
-            if each or (which, len(letters)) != (0, 2):
+            if each != "" or (which, len(letters)) != (0, 2):
                 left[which, selected[:, None], components(name, each)] = False
     if not left.any():
         raise InputError("fixed holds every dof of the body; leave some free to move")
