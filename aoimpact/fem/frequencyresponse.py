@@ -115,12 +115,12 @@ def frequency_response(
     body: FEModel, excitation: Any, response: Any, frequencies: Any, kind: str
 ) -> FrequencyResponse:
     """Return a frequency response function; see `FEModel.frf`."""
-    for name, point in (("excitation", excitation), ("response", response or excitation)):
+    other = excitation if response is None else response
+    for name, point in (("excitation", excitation), ("response", other)):
         if getattr(point, "body", None) is not body:
             kind_of = InputError if hasattr(point, "body") else InputTypeError
             raise kind_of(f"{name} must come from this body's contact(...), got {point!r}")
-    b = excitation.b
-    c = b if response is None else response.b
+    b, c = excitation.b, other.b
     hertz = np.atleast_1d(finite_array("frequencies", frequencies, unit="Hz", most=HUGE))
     if hertz.ndim != 1 or not hertz.size or hertz.min() < 0.0:
         raise InputError(
