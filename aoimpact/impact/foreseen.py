@@ -140,15 +140,15 @@ class Foreseen:
         factors: dict[Any, LinearSolver],
         wider: bool,
     ) -> BodyModel:
-        """A body with a patch wide enough for a contact, where its radius was left out."""
-        if not isinstance(body, FullModel) or not (tip := body.tips[port]).automatic:
+        """A body with its compliance at the impact, by a patch wide enough if none was given."""
+        if not isinstance(body, FullModel) or not ((tip := body.tips[port]).automatic or tip.patch):
             return body
         if (lasting := self._times[number]) is None or (width := self._widths[number]) is None:
             return body
         radius, time = alike(width, up=True), alike(lasting)
 
         def pressed() -> ContactPoint:
-            wide = contact_within(tip, radius, wider=wider)
+            wide = contact_within(tip, radius, wider=wider) if tip.automatic else tip
             if tip.body not in factors:
                 factors[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / time) ** 2)
             return wide.at_impact(radius, factors[tip.body])
