@@ -102,12 +102,6 @@ class Pencil:
             K = sp.csr_array((data, K.indices, K.indptr), shape=K.shape)
         return K + self.s2 * self.M
 
-    def product(self, x: FloatArray) -> FloatArray:
-        """Return (K + s²M) x without that matrix."""
-        K, M = self._rows
-        kx: FloatArray = K @ x
-        return kx + self.s2 * (M @ x) if self.s2 else kx
-
     def products(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return K x and M x."""
         K, M = self._rows

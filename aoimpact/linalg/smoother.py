@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -70,32 +71,27 @@ class Smoother:
         in_stages(_STEPS + 1, self._parts, _core.blocks_smooth, self._matrix, *others)
 
     def _largest_eigenvalue(self, inverse: FloatArray, what: str) -> float:
-        """λ_max of D⁻¹A by Lanczos' method, written as conjugate gradients."""
+        """λ_max of D⁻¹A by Lanczos' method in the inner product of D."""
         n, size = self._n, inverse.shape[1]
-        r = np.random.default_rng(3).standard_normal(n)
-        p, rz_before = np.zeros(n), 1.0
-        diagonal, off = [], []
-        ratio = step = 0.0
-        for k in range(min(_LANCZOS_STEPS, n)):
-            z = np.matmul(inverse, r.reshape(-1, size, 1)).reshape(-1)
-            rz = inner(r, z)
-            if rz == 0.0:
+        w, before = np.random.default_rng(3).standard_normal(n), np.zeros(n)
+        diagonal: list[float] = []
+        off: list[float] = []
+        for _ in range(min(_LANCZOS_STEPS, n)):
+            z = np.matmul(inverse, w.reshape(-1, size, 1)).reshape(-1)  # D⁻¹ w
+            square = inner(w, z)
+            if square == 0.0:
                 break  # the space is used up: what was found is exact
-            ratio = rz / rz_before if k else 0.0
-            p = z + ratio * p
+            length = math.sqrt(max(square, 0.0)) or math.nan
+            v, momentum = z / length, w / length
             product = np.zeros(n, dtype=np.float32)
-            self.subtract(p.astype(np.float32), product)
-            curvature = -inner(p, product.astype(np.float64))
-            if rz < 0.0 or not curvature > 0.0:
+            self.subtract(v.astype(np.float32), product)
+            diagonal.append(-inner(v, product.astype(np.float64)))
+            if not diagonal[-1] > 0.0:
                 raise SingularError(f"{what} is singular or not positive definite")
-            if k:
-                off.append(np.sqrt(ratio) / step)
-            previous = ratio / step if k else 0.0
-            step = rz / curvature
-            diagonal.append(1.0 / step + previous)
-            r = r + step * product
-            rz_before = rz
-        return float(scipy.linalg.eigvalsh_tridiagonal(diagonal, off)[-1])
+            w = -product - diagonal[-1] * momentum - length * before
+            off.append(length)
+            before = momentum
+        return float(scipy.linalg.eigvalsh_tridiagonal(diagonal, off[1:])[-1])
 
 
 def inner(a: FloatArray, b: FloatArray) -> float:

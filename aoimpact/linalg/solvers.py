@@ -300,10 +300,9 @@ def _users_own(pencil: Pencil, solver: Callable[[Any], Solve]) -> LinearSolver:
             f"solution, got {inverse!r}"
         )
 
-    def of_one(rhs: FloatArray) -> FloatArray:
+    def solve(rhs: FloatArray) -> FloatArray:
+        if rhs.ndim == 2:
+            return np.column_stack([solve(column) for column in rhs.T])
         return np.array(inverse(rhs.copy()))  # it may overwrite what it gets, or what it gave
 
-    def by_columns(rhs: FloatArray) -> FloatArray:
-        return of_one(rhs) if rhs.ndim == 1 else np.column_stack([of_one(b) for b in rhs.T])
-
-    return LinearSolver(name, pencil, Inverse(by_columns))
+    return LinearSolver(name, pencil, Inverse(solve))

@@ -189,10 +189,13 @@ class BodyModel(ABC):
     def places(self) -> int:
         """Number of places where it may be touched: with tangents each has three ports.
 
+        One of a rigid body.
+
         :meta private:
         """
-        rubs = self.tips and self.tips[0].tangents is not None
-        return self.ports // 3 if rubs else self.ports
+        if not self.tips:
+            return 1
+        return self.ports // 3 if self.tips[0].tangents is not None else self.ports
 
     @property
     def weightless(self) -> bool:
@@ -200,7 +203,7 @@ class BodyModel(ABC):
 
         :meta private:
         """
-        return False
+        return self.constrained and not self.wall and not (self.tips and self.centre_known)
 
     @property
     def massless(self) -> bool:
@@ -243,7 +246,7 @@ class BodyModel(ABC):
 
         :meta private:
         """
-        return self.tips[port].contact_surface if self.tips else None
+        return self.tips[port].contact_surface if self.numbers is None else self.numbers.surface
 
     def turned(self, ports: Sequence[int]) -> Self:
         """Return the model with the direction of travel turned round at some ports.
@@ -403,14 +406,6 @@ class Body(Frozen, BodyModel):
         return min(float(q @ q) for q in map(self._static, range(self.ports)))
 
     @property
-    def weightless(self) -> bool:
-        """True if gravity has no effect on it, since its supports are not known.
-
-        :meta private:
-        """
-        return self.constrained and not self.wall and not (self.tips and self.centre_known)
-
-    @property
     def massless(self) -> bool:
         """True if a port moves at once with the force on it.
 
@@ -425,14 +420,6 @@ class Body(Frozen, BodyModel):
         :meta private:
         """
         return len(self.shape)
-
-    @property
-    def places(self) -> int:
-        """Number of places where it may be touched: one of a rigid body.
-
-        :meta private:
-        """
-        return super().places if self.tips else 1
 
     @property
     def modal(self) -> Body:
@@ -807,13 +794,6 @@ class Body(Frozen, BodyModel):
         if port not in found:
             found[port] = known.of_truncated(self.tips[port], self.deflection(known.s, port))
         return found[port]
-
-    def surface_at(self, port: int = 0) -> ContactSurface | None:
-        """Return material and curvatures at a port; None where they are not known.
-
-        :meta private:
-        """
-        return super().surface_at(port) if self.numbers is None else self.numbers.surface
 
     def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
         """Return Σ |r_p| |r_q| / ω² of modes above a frequency, rad/s.

@@ -89,21 +89,12 @@ def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:
     n = tip.body.n_dofs
     order, most = np.arange(n), int(np.argmax(np.abs(tip.b)))
     order[[0, most]] = most, 0
-    h = tip.b[order] / np.linalg.norm(tip.b)
-    h[0] += math.copysign(1.0, h[0])
-    h *= math.sqrt(2.0) / np.linalg.norm(h)
-    pencil = []
-    for matrix in (tip.body.K, tip.body.M):
-        dense = matrix.toarray()[np.ix_(order, order)]
-        across = dense @ h
-        across -= 0.5 * (h @ across) * h
-        dense -= np.outer(h, across)
-        dense -= np.outer(across, h)
-        pencil.append(dense[1:, 1:])
-    omega2, y = dense_modes(pencil[0], pencil[1])
-    phi = np.vstack([np.zeros(y.shape[1]), y])
-    phi -= np.outer(h, h @ phi)
-    return omega2, phi[order]
+    across = np.empty((n, n - 1))
+    across[order] = np.linalg.qr(tip.b[order][:, None], mode="complete")[0][:, 1:]
+    few = scipy.sparse.csr_array(across)  # b moves few dofs
+    pencil = [(few.T @ matrix @ few).toarray(order="F") for matrix in (tip.body.K, tip.body.M)]
+    omega2, y = dense_modes(*pencil)
+    return omega2, few @ y
 
 
 def _first_oscillators(
@@ -170,9 +161,7 @@ def _across(tip: ContactPoint, static: StaticMode) -> FloatArray:
     """Return the part of φ_st in bᵀx = 0, M-orthogonal to all else: φ_st less a share of M⁻¹ b."""
     M, b = tip.body.M, tip.b
     diagonal = np.where(M.diagonal() > 0.0, M.diagonal(), 1.0)
-    jacobi = scipy.sparse.linalg.LinearOperator(
-        M.shape, matvec=lambda x: x / diagonal, dtype=np.float64
-    )
+    jacobi = scipy.sparse.diags_array(1.0 / diagonal)
     with np.errstate(all="ignore"):
         x, failed = scipy.sparse.linalg.cg(M, b, rtol=1e-13, maxiter=2000, M=jacobi)
     reach = float(b @ x)
