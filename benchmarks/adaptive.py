@@ -69,7 +69,7 @@ def core_arguments(plan: Scenario) -> tuple[Any, Any, Any, Any]:
     """Bodies, contacts, and how the bodies move at the start, as the core takes them."""
     bodies = tuple(body.for_core() for body in plan.modal)
     (contact,) = plan.contacts
-    moving = tuple(body.moving for body in plan.modal)
+    moving = tuple(body.whole.moving for body in plan.modal)
     return bodies, ((0, 0, 1, 0, contact.gap, contact.law.for_core()),), moving, plan.velocities
 
 

@@ -113,7 +113,7 @@ def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, 
     given, answers = np.array(rows), np.empty((len(rows), len(ANSWERS)))
     _core.briefs(
         tuple(body.for_core() for body in bodies),
-        tuple(body.moving for body in bodies),
+        tuple(body.whole.moving for body in bodies),
         tuple(pair.plan.contacts[0].law.for_core() for pair in pairs.values()),
         np.stack([2 * number, 2 * number + 1, number], axis=1).astype(np.int32),
         given,

@@ -140,7 +140,7 @@ def _null_space(gram: sp.csr_array) -> FloatArray:
 
 
 def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mechanism | None:
-    """Return what a motion from `motion_without_force` has beside the rigid ones, if anything.
+    """Return what a motion from `check_stiffness` has beside the rigid ones, if anything.
 
     Parameters
     ----------

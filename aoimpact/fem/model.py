@@ -45,7 +45,6 @@ from ..linalg import (
     linear_solver,
     lowest,
     m_orthonormal,
-    motion_without_force,
     null_space,
     symmetric_pair,
     unresisted_motions,
@@ -187,7 +186,7 @@ class FEModel(Frozen):
     def __post_init__(self) -> None:
         checked(self, name=text)
         K, M = symmetric_pair(self.K, self.M)
-        factors = check_stiffness(K)
+        soft = check_stiffness(K)
         check_mass(M, K)
         nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
         labels = checked_labels(self.labels, K.shape[0])
@@ -210,7 +209,7 @@ class FEModel(Frozen):
         if nodes is not None:
             if mass is not None:
                 _warn_of_units(mass, float(np.ptp(nodes, axis=0).max()))
-            self._set(_soft=motion_without_force(K, factors))
+            self._set(_soft=soft)
 
     def _set(self, **fields: Any) -> None:
         for name, value in fields.items():

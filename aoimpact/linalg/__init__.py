@@ -5,20 +5,19 @@ matrices and where their rows lie in space, no bodies. For `fem`, `reduction` an
 with K and M.
 """
 
+from .blocks import ENTRIES_AT_ONCE
 from .matrices import (
     LARGEST,
     LEAST,
     check_mass,
     check_stiffness,
     core_rows,
-    motion_without_force,
     sound_matrix,
     symmetric_pair,
 )
 from .method import ROUGH
 from .pencil import Pencil
 from .rigidity import m_orthonormal, unresisted_motions
-from .rows import ENTRIES_AT_ONCE
 from .solvers import (
     FEW_SOLUTIONS,
     METHODS,

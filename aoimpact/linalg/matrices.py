@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import PRINTED, FloatArray, InputError, InputTypeError, SingularError, finite_array
-from .superlu import CHECKED_DOFS, Factorization, factorize
+from .superlu import CHECKED_DOFS, factorize
 
 # Entries that the core's int32 offsets can count.
 _MOST_ENTRIES = 2**31 - 1
@@ -95,13 +95,14 @@ def core_rows(matrix: Any) -> tuple[Any, ...]:
     )
 
 
-def check_stiffness(K: sp.csr_array) -> Factorization | None:
+def check_stiffness(K: sp.csr_array) -> FloatArray | None:
     """Refuse a K that is not positive semidefinite, as far as a cheap check finds it.
 
     Returns
     -------
-    Factorization or None
-        Factors of K with a small share of its diagonal added; None beyond 10 000 dofs.
+    ndarray, shape (n,), or None
+        Some motion that has a part of every one without elastic force; where there is none, a soft
+        one, or nothing but rounding. None beyond 10 000 dofs.
 
     Raises
     ------
@@ -110,43 +111,21 @@ def check_stiffness(K: sp.csr_array) -> Factorization | None:
         an eigenvalue.
     """
     diagonal = K.diagonal()
-    negative = np.flatnonzero(diagonal < 0.0)
-    if len(negative):
-        raise InputError(
-            f"K has {len(negative)} negative entries on its diagonal, the first is "
-            f"K[{negative[0]}, {negative[0]}] = {diagonal[negative[0]]:g} N/m; "
-            "a stiffness matrix has none"
-        )
     # K without supports has zero eigenvalues, which ten printed digits make slightly negative.
-    _check_minors("K", K, 1.0 + PRINTED)
+    _check_minors("K", K)
     if len(diagonal) > CHECKED_DOFS:
         return None
     # Each dof is held by a small share of its own stiffness, so that no scale of the dofs matters.
     regular = K + sp.diags_array(np.where(diagonal > 0.0, PRINTED * diagonal, 1.0))
     try:
-        return factorize(regular, what="K")
+        factors = factorize(regular, what="K")
     except SingularError as error:
         raise InputError(
             f"K must be positive semidefinite, no motion may give energy back: {error}, with "
             f"{PRINTED:g} of its diagonal added; look for signs lost or entries missing "
             "where K was exported, and give it with all its digits"
         ) from None
-
-
-def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> FloatArray | None:
-    """Return some motion that has a part of every one without elastic force, shape (n,).
-
-    Where there is none it is a soft one, or nothing but rounding.
-
-    Parameters
-    ----------
-    K : scipy.sparse.csr_array, shape (n, n)
-    factors : Factorization or None
-        From `check_stiffness`; without them None is returned.
-    """
-    if factors is None:
-        return None
-    weight = factors.matrix.diagonal()
+    weight = regular.diagonal()
     motion = np.random.default_rng(3).standard_normal(K.shape[0]) / np.sqrt(weight)
     for _ in range(_INVERSE_ITERATIONS):
         motion = factors.solve(weight * motion)
@@ -168,12 +147,8 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
         eigenvalue is, or K + s²M is not positive definite.
     """
     diagonal = M.diagonal()
-    least, most = int(np.argmin(diagonal)), int(np.argmax(diagonal))
-    if diagonal[least] < 0.0:
-        raise InputError(
-            f"M must have no negative entry on its diagonal, got M[{least}, {least}] = "
-            f"{diagonal[least]:g} kg"
-        )
+    _check_minors("M", M)
+    most = int(np.argmax(diagonal))
     if diagonal[most] == 0.0:
         raise InputError("M must have mass on some dof: its diagonal is zero")
     least = int(np.argmin(np.where(diagonal > 0.0, diagonal, np.inf)))
@@ -183,7 +158,6 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
             f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
             "is too heavy to move, and give dofs that hardly have mass none"
         )
-    _check_minors("M", M, 1.0 + PRINTED)
     massless = np.flatnonzero(diagonal == 0.0)  # the second-order minors made these rows zero
     bare = massless[K.diagonal()[massless] == 0.0]
     if len(bare):
@@ -219,11 +193,18 @@ def _is_definite(matrix: sp.csr_array) -> bool:
     return True
 
 
-def _check_minors(name: str, matrix: sp.csr_array, bound: float) -> None:
-    """Refuse A_ij² > bound · A_ii A_jj: x with x_i = ±1, x_j = ±1 has negative energy then."""
-    root = np.sqrt(matrix.diagonal())
+def _check_minors(name: str, matrix: sp.csr_array) -> None:
+    """Refuse A_ii < 0 and A_ij² > A_ii A_jj: x with x_i = ±1, x_j = ±1 has negative energy then."""
+    diagonal = matrix.diagonal()
+    if (diagonal < 0.0).any():
+        worst = int(np.argmin(diagonal))
+        raise InputError(
+            f"{name} must have no negative entry on its diagonal, got {name}[{worst}, {worst}] = "
+            f"{diagonal[worst]:g}"
+        )
+    root = np.sqrt(diagonal)
     row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    limit = root[row] * root[matrix.indices] * bound**0.5
+    limit = root[row] * root[matrix.indices] * (1.0 + PRINTED) ** 0.5
     wrong = (np.abs(matrix.data) > limit) & (row != matrix.indices)
     if wrong.any():
         first = int(np.flatnonzero(wrong)[0])

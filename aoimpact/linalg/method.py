@@ -92,18 +92,12 @@ class Method(NamedTuple):
         return set_up + solutions * steps * step
 
 
-def of_factors(
-    per_operation: float,
-    per_entry: float,
-    per_solution: float,
-    stored: float,
-    copied: float,
-) -> Callable[[Pencil], Cost]:
-    """Return the cost of factors.
+def of_factors(times: tuple[float, float, float], stored: float, copied: float) -> Any:
+    """Return the cost of factors, as of `Method`.
 
     Parameters
     ----------
-    per_operation, per_entry, per_solution : float
+    times : tuple of float
         Seconds per multiplication and per entry of L of the set-up; per entry of a solution.
     stored, copied : float
         Bytes per entry of L, and of K.
@@ -111,8 +105,8 @@ def of_factors(
 
     def cost(pencil: Pencil) -> Cost:
         entries, operations = pencil.fill
-        set_up = per_operation * operations + per_entry * entries
+        set_up = times[0] * operations + times[1] * entries
         memory = stored * entries + copied * float(pencil.K.nnz)
-        return Cost(set_up, per_solution * entries, memory)
+        return Cost(set_up, times[2] * entries, memory)
 
     return cost

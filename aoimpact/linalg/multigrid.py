@@ -19,13 +19,18 @@ import scipy.sparse as sp
 
 from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, bar
 from ..mesh import Mesh
-from .blocks import Blocks
-from .coarsening import aggregated, corners_of
+from .blocks import Blocks, congruent
+from .coarsening import (
+    add,
+    add_to_diagonal,
+    aggregated,
+    corners_of,
+    finest_level,
+    in_order,
+)
 from .dissection import fill
-from .finest import add, add_to_diagonal, finest_level, in_order
 from .method import Cost, Inverse, Method
 from .pencil import Pencil
-from .rows import congruent
 from .smoother import Smoother, inner
 from .superlu import factorize
 

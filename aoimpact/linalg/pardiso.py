@@ -18,7 +18,7 @@ from .superlu import check_condition
 _OPTIONS = {1: 2, 23: 1}
 
 # See `of_factors`. PARDISO stores L by supernodes, and a copy of K.
-_COST = of_factors(1e-11, 3e-8, 0.9e-9, 12.0, 30.0)
+_COST = of_factors((1e-11, 3e-8, 0.9e-9), 12.0, 30.0)
 
 
 def is_installed() -> bool:

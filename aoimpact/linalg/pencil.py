@@ -10,8 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray
+from .blocks import Rows
 from .dissection import Fill, fill, nested_dissection
-from .rows import Rows
 
 # Negligible, but non-zero so that the sparse entry is kept.
 _ALMOST_ZERO = 1e-300

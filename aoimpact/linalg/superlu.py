@@ -27,7 +27,7 @@ CHECKED_DOFS = 10_000
 # See `of_factors`. The check of the factors takes four solutions; U is stored beside L, both with
 # indices. These give 0.8 to 1.4 times the time and the memory measured (benchmarks/linear.py
 # --direct) on 18 balls, blocks, plates, sheets and bars of 10 000 to 213 000 dofs.
-_COST = of_factors(9.5e-11, 3.5e-8, 1.5e-9, 30.0, 0.0)
+_COST = of_factors((9.5e-11, 3.5e-8, 1.5e-9), 30.0, 0.0)
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,11 @@ in other coordinates (star.py). For `scene` and all folders above it; `accuracy`
 rising order (hierarchy.py there).
 """
 
+from .band import fitted_times, is_valid_for, unbalanced
 from .body import Body, BodyModel, Pull, Velocity
 from .finer import finer_model, softer_model
 from .full import FullModel, body_model, full
 from .krylov import KrylovSpace, interface
-from .modes import modal
 from .recovery import PACE, Recovery, SharedSolutions
-from .reduction import antioscillators
+from .reduction import antioscillators, modal
 from .star import AOModel, ball, rigid, turning, wall
-from .validity import fitted_times, is_valid_for, unbalanced

@@ -514,12 +514,7 @@ class Body(Frozen, BodyModel):
         >>> ao.interface(places, n=4).expand(np.zeros(4)).shape == (bar.n_dofs,)
         True
         """
-        values, n = finite_array("coordinates", coordinates), len(self.omega)
-        if values.ndim not in (1, 2) or values.shape[0] != n:
-            raise InputError(
-                f"coordinates must have shape ({n},) or ({n}, times), got {values.shape}"
-            )
-        return self._on_dofs(values)
+        return self._on_dofs(in_time(coordinates, len(self.omega)))
 
     def truncated(self, n: int) -> Body:
         """Return the model of the first `n` natural modes.
@@ -625,14 +620,6 @@ class Body(Frozen, BodyModel):
             return AsWhole(centre, moving, weight)
         functionals, momenta = whole_motion(self.body)
         return AsWhole(centre, moving, weight, self.seen(functionals), self.seen(momenta.T).T)
-
-    @property
-    def moving(self) -> FloatArray:
-        """q̇ of the body moving undeformed with unit velocity, shape (n,).
-
-        :meta private:
-        """
-        return self.whole.moving
 
     def rates(self, velocity: Velocity) -> FloatArray:
         """Return q̇ of the body moving undeformed, shape (n,).
@@ -900,6 +887,14 @@ def of_modes(
         coordinates=coordinates,
         **how,
     )
+
+
+def in_time(coordinates: npt.ArrayLike, n: int) -> FloatArray:
+    """Return coordinates of a model, shape (n,) or (n, times), or refuse them."""
+    values = finite_array("coordinates", coordinates)
+    if values.ndim not in (1, 2) or values.shape[0] != n:
+        raise InputError(f"coordinates must have shape ({n},) or ({n}, times), got {values.shape}")
+    return values
 
 
 def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArray:

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, Frozen, InputError, InputTypeError, boolean, checked
-from ..contact import ContactPoint, moves_rigidly, static_mode
+from ..contact import ContactPoint, moves_rigidly, refuse_massless, static_mode
 from ..fem import FEModel, ModalDamping
-from .body import Body, BodyModel, Pull, Velocity, checked_ports
-from .modes import all_modes
+from ..linalg import lowest
+from .body import Body, BodyModel, Pull, Velocity, checked_ports, of_modes
 from .reduction import antioscillators
 from .star import AOModel
 
@@ -83,7 +83,13 @@ class FullModel(Frozen, BodyModel):
 
         :meta private:
         """
-        return antioscillators(self.tips[0]).modal if self.ports == 1 else all_modes(self.tips)
+        if self.ports == 1:
+            return antioscillators(self.tips[0]).modal
+        refuse_massless(self.tips)
+        body = self.body
+        omega2, modes = lowest(body.K, body.M, body.n_dofs, known=body.rigid_modes)
+        solver = "dense eigensolver"
+        return of_modes(self.tips, omega2, modes, kind="modal", linear_solver=solver)
 
     @property
     def in_modes(self) -> bool:

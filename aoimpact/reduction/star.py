@@ -32,7 +32,7 @@ from ..base import (
 from ..contact import ContactPoint, ContactSurface
 from ..fem import Damping, Material, damping_or_none
 from ..linalg import EQUAL
-from .body import AsWhole, Body, ways_of
+from .body import AsWhole, Body, in_time, ways_of
 
 # Masses, kg, and stiffnesses, N/m, beside each other: their squares and ratios are numbers.
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
@@ -414,12 +414,7 @@ class AOModel(Frozen):
         """
         if self.origin is None:
             raise InputError("expand: this model was given by numbers and has no body to expand to")
-        values = finite_array("coordinates", coordinates, unit="m")
-        if values.ndim not in (1, 2) or values.shape[0] != self.n + 1:
-            raise InputError(
-                f"coordinates must have shape ({self.n + 1},) or ({self.n + 1}, times), "
-                f"got {values.shape}"
-            )
+        values = in_time(coordinates, self.n + 1)
         # Amplitudes of M-orthonormal modes: φᵀM of a motion, and M is diagonal in λ.
         of, masses = self.origin, np.concatenate([[self.m0], self.m])
         q = of.shape[0] * (self._moved(of.omega**2).T @ (values.T * masses).T).T
@@ -466,20 +461,10 @@ def _body_of(numbers: AOModel) -> Body:
     So masses of any size stay apart. A wall has one mode that no force moves.
     """
     made: dict[str, Any] = {"kind": numbers.label.split("(")[0], "n": numbers.n, "numbers": numbers}
-    one = np.ones(1)
-    if math.isinf(numbers.m0):
-        still = np.zeros(1)
-        return Body(
-            omega=still,
-            shape=one[None],
-            push=np.zeros((1, 1)),
-            inertia=still,
-            as_whole=AsWhole(one, one, still),
-            **made,
-        )
-    omega2, participation = numbers.to_modal()
+    wall = math.isinf(numbers.m0)
+    omega2, participation = (np.zeros(1),) * 2 if wall else numbers.to_modal()
     push = participation**2
-    if numbers.constrained:
+    if numbers.k0:
         masses = np.concatenate([[numbers.m0], numbers.m])
         centre = (masses / numbers.static_mass) @ numbers._moved(omega2)
         # Its supports are not known, so neither is its deflection by its own weight.
@@ -487,12 +472,12 @@ def _body_of(numbers: AOModel) -> Body:
     else:
         # Exact, since rounding would press bodies that fall side by side on each other.
         rigid = np.where(omega2 == 0.0, 1.0, 0.0)
-        as_whole = AsWhole(rigid, rigid, rigid)
+        as_whole = AsWhole(rigid, rigid, np.zeros(1) if wall else rigid)
     return Body(
         omega=np.sqrt(omega2),
         shape=np.ones((1, len(omega2))),
         push=push[None],
-        inertia=1.0 / push,
+        inertia=np.zeros(1) if wall else 1.0 / push,
         residual=np.array([[numbers.residual]]) if numbers.m0 == 0.0 else None,
         as_whole=as_whole,
         **made,

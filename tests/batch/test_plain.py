@@ -140,7 +140,7 @@ def test_what_is_no_case_is_left_to_simulate() -> None:
 
 def test_the_core_takes_no_places_that_are_not_there() -> None:
     ball = BALL.modal
-    given = (ball.for_core(),), (ball.moving,), (HERTZ.for_core(),)
+    given = (ball.for_core(),), (ball.whole.moving,), (HERTZ.for_core(),)
     numbers, answers = np.array([[1.0, 0.0, 1e-3, 1e-6]]), np.empty((1, 10))
     for which in ([0, 1, 0], [0, 0, 1], [-1, 0, 0]):
         with pytest.raises(ao.InputError):

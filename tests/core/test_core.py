@@ -39,7 +39,7 @@ def star(n: int = 3, velocity: float = 0.0) -> dict[str, Any]:
     made = ao.AOModel(m0=0.01, m=np.full(n, 0.1), k=1e6 * np.arange(1.0, n + 1.0))
     modes = made.modal
     parts = dict(zip(PARTS, modes.for_core(), strict=True)) | {"decay": np.ones(n + 1)}
-    return parts | {"x": np.zeros(n + 1), "v": velocity * modes.moving}
+    return parts | {"x": np.zeros(n + 1), "v": velocity * modes.whole.moving}
 
 
 def chain(n: int) -> tuple[Any, Any]:

@@ -69,7 +69,7 @@ def test_a_free_body_has_its_rigid_motions_and_its_mass(free):
     mass = 7800 * 12e-6
     assert model.mass == pytest.approx(mass, rel=1e-10)
     # Translating at 1 m/s: all of the kinetic energy, and 1 m/s at the centre and at both ports.
-    rates, centre = model.moving, model.whole.centre
+    rates, centre = model.whole.moving, model.whole.centre
     assert rates @ rates == pytest.approx(mass, rel=1e-10)
     assert centre @ rates == pytest.approx(1.0, rel=1e-10)
     np.testing.assert_allclose(model.participation @ rates, 1.0, rtol=1e-10)

@@ -117,7 +117,7 @@ def test_a_free_body_keeps_its_mass_and_the_motion_of_its_centre(block):
         assert star.static_mass == pytest.approx(whole.static_mass, rel=1e-10)
         # Oscillators that vibrate about a centre at rest: their weights are their masses' shares.
         body = star.modal
-        assert body.whole.centre @ body.moving == pytest.approx(1.0, rel=1e-10)
+        assert body.whole.centre @ body.whole.moving == pytest.approx(1.0, rel=1e-10)
         np.testing.assert_allclose(body.whole.centre[body.omega > 0.0], 0.0, atol=1e-10)
 
 
