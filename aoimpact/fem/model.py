@@ -186,7 +186,7 @@ class FEModel(Frozen):
     def __post_init__(self) -> None:
         checked(self, name=text)
         K, M = symmetric_pair(self.K, self.M)
-        soft = check_stiffness(K)
+        motion = check_stiffness(K)
         check_mass(M, K)
         nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
         labels = checked_labels(self.labels, K.shape[0])
@@ -209,7 +209,7 @@ class FEModel(Frozen):
         if nodes is not None:
             if mass is not None:
                 _warn_of_units(mass, float(np.ptp(nodes, axis=0).max()))
-            self._set(_soft=soft)
+            self._set(_soft=motion)
 
     def _set(self, **fields: Any) -> None:
         for name, value in fields.items():
