@@ -209,8 +209,9 @@ def plot_displacement(
     for name, body, colour in zip(run.names, run.bodies, cycle(COLOURS), strict=False):
         place, centre = body.displacement, body.centre_displacement
         style = {} if run.plan.scene else {"color": colour, "linestyle": "-"}
-        curves.append((place, style | {"label": name}))
-        if style and np.isfinite(centre).all() and not np.array_equal(place, centre):
+        bends = bool(style) and not np.array_equal(place, centre)
+        curves.append((place, style | {"label": f"{name}, contact point" if bends else name}))
+        if bends and np.isfinite(centre).all():
             dashed = {"label": f"{name}, centre of mass", "linestyle": "--"}
             curves.append((centre, style | dashed))
     return draw_curves(ax, (run.t, "time", "s"), "displacement", "m", curves, kwargs)

@@ -11,7 +11,7 @@
 #include <math.h>
 
 /* Scales of a contact are at least this share of the largest of the other closed contacts: more is not promised of the
- * lesser ones (aoimpact/integrate/adaptive.py). */
+ * lesser ones (aoimpact/integrate/settings.py). */
 static const double LESSER_SHARE = 0.01;
 
 /* A peak between nodes may exceed the largest force at a node by the inverse of this. Measured: from 0.7 to 0.97 work

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from aoimpact.batch import ANSWERS
-from aoimpact.integrate import tolerances
+from aoimpact.integrate import settings
 from aoimpact.laws import law
 
 ROOT = Path(__file__).parents[2]
@@ -41,7 +41,7 @@ def test_columns_of_plain_impacts() -> None:
 def test_shares() -> None:
     for file, name, here in (
         ("law/law.c", "MOST_SHARE", law.MOST_SHARE),
-        ("adaptive/step.h", "LESSER_SHARE", tolerances.LESSER),
+        ("adaptive/step.h", "LESSER_SHARE", settings.LESSER),
     ):
         text = (CSRC / file).read_text("utf-8")
         (there,) = re.findall(rf"\bdouble {name} = ([\d.e-]+);", text)

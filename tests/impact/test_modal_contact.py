@@ -11,7 +11,7 @@ import aoimpact as ao
 
 from twelve import ALUMINIUM, ENDS, STEEL
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*off the normal of its surface")
+pytestmark = pytest.mark.filterwarnings("ignore:.*off the normal")
 
 BALL = ao.ball(0.01, STEEL)
 

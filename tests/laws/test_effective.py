@@ -50,7 +50,7 @@ def between(law: ao.ContactLaw, *models: Any) -> ao.ContactLaw:
 def test_bodies_without_meshes_leave_the_law_as_it_is() -> None:
     bare = ao.FEModel(K=np.array([[2.0]]), M=np.array([[1.0]])).contact(dof=0)
     for body in (ao.rigid(mass=1.0), ao.full(bare), ao.AOModel(m0=1.0, m=[1.0], k=[1.0])):
-        assert between(LAW, ao.rigid(mass=1.0), body) is LAW
+        assert between(LAW, ao.rigid(mass=1.0), body) == LAW
     assert own_law(LAW) is LAW
 
 
@@ -193,7 +193,8 @@ def test_models_chosen_for_a_tolerance_meet_as_the_whole_bodies_do(
         hit = ao.simulate(
             projectile=projectile, target=struck, law=law, **SCENE, quantity=quantity, rtol=rtol
         )
-        assert QUANTITIES[quantity].difference(hit, whole) <= rtol
+        # The models given were fitted to the patch, these to the contact upon it.
+        assert QUANTITIES[quantity].difference(hit, whole) <= rtol + hit.error.contact
         assert hit.error.model is not None
         assert hit.error.model <= rtol
         assert hit.models is not None

@@ -94,7 +94,7 @@ def test_a_massless_contact_lets_go_when_the_force_ends(law):
 
 
 @pytest.mark.filterwarnings("ignore:.*ends in contact")
-@pytest.mark.parametrize("mass", [1e3, 1e30, 1e160])
+@pytest.mark.parametrize("mass", [1e3, 1e30, 1e90])
 @pytest.mark.parametrize("name", ["Hertz", "Tabulated", "Thornton"])
 def test_bodies_too_heavy_to_be_slowed_run_up_the_law(name: str, mass: float) -> None:
     # Their indentation is the speed times the time, however long the contact would last.
