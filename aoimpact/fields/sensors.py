@@ -20,6 +20,7 @@ import scipy.sparse as sp
 
 from ..base import (
     HUGE,
+    ROUNDING,
     FloatArray,
     Found,
     InputError,
@@ -568,6 +569,9 @@ def gauge_ends(
         )
     point = to_nodes(body, point)
     where = f"the gauge of length={with_unit(length, 'm')} at point {plain(point)} m"
+    extent = float(np.ptp(body.nodes, axis=0).max())
+    if not ROUNDING * extent < length <= extent:
+        raise InputError(f"{where}: give a length, in metres, up to the body's {extent:.3g}")
     ends = point + 0.5 * length * np.outer([-1.0, 1.0], direction)
     if body.surface is not None:
         surface = body.surface

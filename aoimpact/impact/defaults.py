@@ -46,7 +46,7 @@ def number_or_vector(
 
     The vector, in three directions, is None of a number.
     """
-    if type(value) is not float and isinstance(value, list | tuple | np.ndarray) and np.ndim(value):
+    if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
         vector = finite_array(name, value, shape=(3,), unit=unit)
         return in_range(name, float(np.linalg.norm(vector)), bounds, unit), vector
     return in_range(name, real(name, value, unit=unit), bounds, unit), None

@@ -132,18 +132,19 @@ class AOModel(Frozen):
         if self.arm is not None:
             checked(self, arm=partial(finite_array, shape=(3,), unit="m"))
         for name, unit in (("m0", "kg"), ("k0", "N/m"), ("m", "kg"), ("k", "N/m")):
+            what = "mass" if unit == "kg" else "stiffness"
             values = np.atleast_1d(getattr(self, name))
             wrong = (values < _LEAST) | (values > _LARGEST)
             wrong &= (values != 0.0) & np.isfinite(values)
             if wrong.any():
                 raise InputError(
-                    f"{name} must be from {_LEAST:g} to {_LARGEST:g} {unit} to be computed with, "
-                    f"got {values[wrong][0]:g}"
+                    f"{what} {name} must be from {_LEAST:g} to {_LARGEST:g} {unit} to be computed "
+                    f"with, got {values[wrong][0]:g}"
                 )
         if self.inertia is not None and self.arm is not None and math.isfinite(self.m0):
             moments, axes = np.linalg.eigh(self.inertia)
-            away = np.linalg.norm(np.cross(self.arm, axes.T), axis=1)
             with np.errstate(all="ignore"):
+                away = np.linalg.norm(np.cross(self.arm, axes.T), axis=1)
                 share = float(np.max(self.m0 * (away / np.sqrt(moments)) ** 2))
             if not share <= _MOST_TURNING:
                 raise InputError(

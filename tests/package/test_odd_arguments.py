@@ -437,8 +437,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         modes=(2,),
         full=False,
         linear_solver="auto",
-        friction=None,
-        spin=None,
         other_targets={"ball": ao.rigid(mass=1.0)},
     ),
     "fit_law": call(
@@ -535,12 +533,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Handle": call(Handle, body=0, at=0, name="a", scene="b"),
     "Handle.port": call(Handle(0).port, at=0),
     "Run.at": call(HIT.at, times=[1e-4]),
-    "Run.to_csv": call(HIT.to_csv, path="run.csv", names=None),
+    "Run.to_csv": call(HIT.to_csv, path="run.csv"),
     "Result.movie": call(
         FIELDS.movie, path="movie.avi", times=None, frames=3, scale=None, fps=15.0
     ),
-    "Run.to_dataframe": call(HIT.to_dataframe, names=None),
-    "Run.to_xarray": call(HIT.to_xarray, names=None),
     "Signal": call(
         testrig.Signal, t=[0.0, 1.0], values=[0.0, 1.0], unit="N", name="force", raw=None
     ),
