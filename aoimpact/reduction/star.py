@@ -138,8 +138,8 @@ class AOModel(Frozen):
             wrong &= (values != 0.0) & np.isfinite(values)
             if wrong.any():
                 raise InputError(
-                    f"{what} {name} must be from {_LEAST:g} to {_LARGEST:g} {unit} to be computed "
-                    f"with, got {values[wrong][0]:g}"
+                    f"{name} must be a {what} from {_LEAST:g} to {_LARGEST:g} {unit}, "
+                    f"got {values[wrong][0]:g}"
                 )
         if self.inertia is not None and self.arm is not None and math.isfinite(self.m0):
             moments, axes = np.linalg.eigh(self.inertia)
