@@ -147,7 +147,7 @@ class _Changes:
 
     def __init__(self, quantity: Quantity, run: Run, solver: TimeSolver | None) -> None:
         self._quantity, self._run, self._solver = quantity, run, solver
-        self._runs: dict[Scenario, Run | None] = {}
+        self._runs: dict[Scenario | None, Run | None] = {None: run}
 
     def sum(self, causes: Sequence[Iterable[Altered]]) -> _Change:
         """Return the sum of the changes by several causes."""
@@ -167,7 +167,12 @@ class _Changes:
 
     def _by(self, altered: Altered) -> _Change:
         quantity, run = self._quantity, self._run
-        other = run if altered.plan is None else self._altered(altered.plan)
+        if altered.plan is not None and altered.plan not in self._runs:
+            try:
+                self._runs[altered.plan] = solve(altered.plan, self._solver)
+            except AOImpactError:  # a contact beyond the range of its law
+                self._runs[altered.plan] = None
+        other = self._runs[altered.plan]
         if other is run or other is None:
             size = 0.0 if other is run else math.inf
             errors = number_errors(run, (), known={quantity.name: size})
@@ -181,15 +186,6 @@ class _Changes:
         errors = number_errors(run, [(other, 1.0)])
         known = {quantity.name: change}
         return _Change(Found(lambda: errors, lambda name: extended(errors[name]), known), when)
-
-    def _altered(self, plan: Scenario) -> Run | None:
-        """The run of an altered plan; None where it cannot run."""
-        if plan not in self._runs:
-            try:
-                self._runs[plan] = solve(plan, self._solver)
-            except AOImpactError:  # a contact beyond the range of its law
-                self._runs[plan] = None
-        return self._runs[plan]
 
 
 def _with_models(run: Run) -> Run:

@@ -318,7 +318,7 @@ def _start(plan: Scenario, rule: Newmark) -> _Start:
     found: _Start = None, None
     if not any(body.massless for body in plan.bodies):
         return found
-    rest, before = (plan.forces_at_rest, None), np.inf
+    rest, before = (None if plan.rest is None else plan.rest.forces, None), np.inf
     instant = _INSTANT * (rule.dt or first_step(plan))
     for _ in range(1 + _MOST_SHORTENED):
         run = newmark_run(plan, rule, instant, duration=2.0 * instant, start=rest)

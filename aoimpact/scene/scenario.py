@@ -221,7 +221,11 @@ class Scenario:
         """
         if not self.preload:
             return None
-        forces = [self._loaded(body) for body in range(len(self.bodies))]
+        nothing = np.zeros((sum(contact.size for contact in self.contacts), 1))
+        forces = [
+            self.port_forces(i, np.zeros(1), nothing)[: body.ports, 0]
+            for i, body in enumerate(self.bodies)
+        ]
         return equilibrium(self.modal, self.contacts, gravity=self.gravity, forces=forces)
 
     def stepped(self, body: int) -> SteppedBody:
@@ -232,18 +236,6 @@ class Scenario:
             pressed = self.port_forces(body, np.zeros(1), forces)[: model.ports, 0]
         start = self.start(body)
         return stepped(model, start, gravity=self.pull, load=load, rest=rest, pressed=pressed)
-
-    @cached_property
-    def forces_at_rest(self) -> FloatArray | None:
-        """The contact forces of `rest`, N."""
-        return None if self.rest is None else self.rest.forces
-
-    def _loaded(self, body: int) -> FloatArray:
-        """The loads on a body's ports at t = 0, N."""
-        load = self.load_on(body)
-        if load is None:
-            return np.zeros(self.bodies[body].ports)
-        return np.array([np.interp(0.0, load[0], column) for column in load[1].T])
 
     @cached_property
     def fastest(self) -> float:
