@@ -382,9 +382,9 @@ class Scene:
             this or `rtol` is given; `Run.models` are those taken. A body
             that was added twice is reduced once. Numbers are read by `Run.value`.
         rtol : float, optional
-            Its relative error. If left out, 2e-3, or up to 1e-2 where 2e-3 takes a third more
-            oscillators. That of a history is its largest over the record,
-            relative to the largest value, that of a contact relative to no less than a tenth of the
+            Its relative error. If left out, 2e-3, or up to 1e-2 where 1.5 times as many oscillators
+            do not give 2e-3. That of a history is its largest over the record, relative to the
+            largest value, that of a contact relative to no less than a tenth of the
             largest of all contacts. A solver that does not keep it is refused.
         linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
             Linear solver for these reduced models, as `solver` of `antioscillators`.

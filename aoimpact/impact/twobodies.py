@@ -90,8 +90,8 @@ def simulate(
         `Result.error` estimates the errors of the others by name.
     rtol : float, optional
         Its relative error by reduction and time integration. If left out, 2e-3, or up to 1e-2
-        where 2e-3 takes a third more oscillators. That of a history is its largest over the record,
-        relative to the largest value. A solver that does not keep it is refused;
+        where 1.5 times as many oscillators do not give 2e-3. That of a history is its largest over
+        the record, relative to the largest value. A solver that does not keep it is refused;
         where no models tried meet it, so is the tolerance if it was given, and else the best of
         them are taken, with a warning. `Result.error` has the errors of mesh and contact as well.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional

@@ -27,14 +27,13 @@ middle = beam.contact(point=(0.5, 0.01, 0.02))
 # Let the tolerance choose
 # ------------------------
 # A contact point is reduced to a few oscillators, as the *quantity of interest* allows. By default that is the force
-# over the whole record, to 0.2 %, or to as little as 1 % where 0.2 % takes a third more oscillators.
+# over the whole record, to 0.2 %, or to as little as 1 % where 1.5 times as many oscillators do not give 0.2 %.
 
 hit = ao.simulate(projectile=tip, target=middle, velocity=1.0)
 print(hit)
 
 # %%
-# Another quantity of interest leads to other models. For the deflection of the beam to 3 % the ball needs fewer
-# oscillators and the beam more:
+# Another quantity of interest leads to other models, here the deflection of the beam to 3 %:
 
 for_deflection = ao.simulate(
     projectile=tip, target=middle, velocity=1.0, quantity="target_displacement", rtol=3e-2
