@@ -391,4 +391,4 @@ class ReactionAt(Sensor):
         held = body.grounding.nodes("nodes", self.nodes)
         motions = body.grounding.resultants(held, np.zeros(3))[:, :3]
         moved = body.grounding.virtual((motions @ self.direction)[:, None])
-        return lambda response, times: response.work(moved, times)
+        return lambda response, times: response.work(times, moved).T

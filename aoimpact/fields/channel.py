@@ -113,11 +113,10 @@ def zero_phase(values: FloatArray, channel: Channel, rate: float) -> FloatArray:
     """
     from scipy.signal import butter, filtfilt  # slow to import
 
-    length = math.ceil(channel.settling_time * rate)
-    _check_long_enough(channel, (len(values) - 1) / rate)
-    poles = butter(2, channel.pole, fs=rate)
-    found: FloatArray = filtfilt(*poles, values, axis=0, padlen=min(length, len(values) - 1))
-    return found
+    last = len(values) - 1
+    _check_long_enough(channel, last / rate)
+    poles, length = butter(2, channel.pole, fs=rate), math.ceil(channel.settling_time * rate)
+    return np.asarray(filtfilt(*poles, values, axis=0, padlen=min(length, last)))
 
 
 def _check_long_enough(channel: Channel, duration: float) -> None:

@@ -140,8 +140,8 @@ class Response:
         """The response with a finer model; None of a full model."""
         return None if self.finer is None or self.recovery is None else self.finer()
 
-    def work(self, of: VirtualMotion, times: FloatArray) -> FloatArray:
-        """Return what the ground's forces do along m motions of it, N or N m, shape (m, times).
+    def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
+        """Return what the ground's forces do along m motions of it, N or N m, shape (times, m).
 
         See `fem.Grounding`; of a body's own dofs by K X + C Ẋ + M Ẍ of those that are constrained.
         """
@@ -163,7 +163,7 @@ class Response:
             inertia = inertia - model.omega[:, None] ** 2 * (q + beta * rates)
             found = (of.inertia.T @ model.modes) @ inertia
             found = found - (of.phi.T @ loads) @ motion.force(times)
-        return np.asarray(found - (of.weight @ self.gravity)[:, None])
+        return np.asarray((found - (of.weight @ self.gravity)[:, None]).T)
 
     def field(self, times: Any = None) -> Field:
         """See `BodyResult.field`."""
@@ -228,14 +228,10 @@ class Response:
         if (finer := self.larger) is None:
             return None
         looks = np.union1d(times, np.linspace(0.0, self.duration, LOOKS))
-        (ours, mine), (theirs, right), (_, seen) = (
-            self._parts(times),
-            finer._parts(times),
-            finer._parts(looks),
-        )
+        (ours, mine), (theirs, right) = self._parts(times), finer._parts(times)
         shapes, n = np.hstack([ours, theirs]), ours.shape[1]
         product = shapes.T @ (self.body.K @ shapes)
-        largest = _energy(product[n:, n:], seen).max(initial=0.0)
+        largest = _energy(product[n:, n:], finer._parts(looks)[1]).max(initial=0.0)
         apart = _energy(product, np.vstack([mine, -right]))
         return np.sqrt(apart / (largest if largest > 0.0 else 1.0))
 
@@ -295,8 +291,7 @@ class Response:
 
 def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:
     """xᵀ `product` x of each column x of `amounts`; not below 0 by rounding."""
-    energy: FloatArray = np.einsum("it,it->t", amounts, product @ amounts)
-    return np.maximum(energy, 0.0)
+    return np.asarray(np.maximum(np.einsum("it,it->t", amounts, product @ amounts), 0.0))
 
 
 def response_of(

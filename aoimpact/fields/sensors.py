@@ -39,7 +39,6 @@ from ..fem import (
     Strain,
     Stress,
     StressRows,
-    VirtualMotion,
     body_stress_rows,
     checked_layer,
     compliances,
@@ -502,7 +501,7 @@ class Reaction:
         ways = (
             grounding.resultants(self._nodes[[i]], of)[:, :3] for i, of in enumerate(self.points)
         )
-        found = [response.work(grounding.virtual(motions), self.t).T for motions in ways]
+        found = [response.work(self.t, grounding.virtual(motions)) for motions in ways]
         return np.stack(found, axis=1)
 
     @cached_property
@@ -541,11 +540,6 @@ def _functional(rows: sp.csr_array, response: Response, times: FloatArray) -> Fl
 def acceleration_of(body: FEModel, point: FloatArray, axis: FloatArray, channel: Channel) -> Any:
     """Return what gives the acceleration of a point behind a filter."""
     return partial(At.of(body, point[None], axis[None], ()).filtered, channel)
-
-
-def _work(moved: VirtualMotion, response: Response, times: FloatArray) -> FloatArray:
-    """Forces of the ground along some motions of it, N or N m, shape (times, m)."""
-    return response.work(moved, times).T
 
 
 def errors_of(source: S, histories: Mapping[str, History[S]]) -> Mapping[str, FloatArray]:
@@ -704,10 +698,8 @@ class Measured:
         if nodes is not None:
             sets = {} if body.mesh is None else body.mesh.node_sets
             chosen = selected_nodes("nodes", nodes, body.nodes, sets, body.node_labels)
-            places, weights = (
-                body.nodes[chosen],
-                sp.eye_array(len(body.nodes), format="csr")[chosen],
-            )
+            places = body.nodes[chosen]
+            weights = sp.eye_array(len(body.nodes), format="csr")[chosen]
         else:
             places = finite_array("point", point, unit="m", most=HUGE)
             if places.shape[-1:] != (3,) or places.ndim > 2 or places.size == 0:
@@ -718,13 +710,13 @@ class Measured:
         at = At.of(body, np.atleast_2d(places), axes, shape, weights)
         tensor = partial(TensorAt, body, weights, where)
         history = partial(History, source=response, t=wanted)
-        histories: dict[str, History[Response]] = {
-            "displacement": history("displacement", seen=at.displacement),
-            "velocity": history("velocity", seen=at.velocity, displacement=at.displacement),
-            "stress": history("stress", seen=tensor(strain=False)),
-            "strain": history("strain", seen=tensor(strain=True)),
-        }
-        return Probe(wanted, places, response, at, histories)
+        histories: list[History[Response]] = [
+            history("displacement", seen=at.displacement),
+            history("velocity", seen=at.velocity, displacement=at.displacement),
+            history("stress", seen=tensor(strain=False)),
+            history("strain", seen=tensor(strain=True)),
+        ]
+        return Probe(wanted, places, response, at, {of.name: of for of in histories})
 
     def gauge(
         self,
@@ -819,7 +811,7 @@ class Measured:
         points = response.body.nodes[held]
         centre = points.mean(axis=0)
         ways = np.hsplit(grounding.resultants(held, centre), 2)
-        force, moment = (partial(_work, grounding.virtual(of)) for of in ways)
+        force, moment = (partial(Response.work, of=grounding.virtual(of)) for of in ways)
         histories = {
             "force": History("reaction", response, force, wanted),
             "moment": History("moment of the reaction", response, moment, wanted),

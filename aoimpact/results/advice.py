@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -196,14 +195,9 @@ def _yield(joint: _Joint) -> Limit | None:
     elif surface is None or law.has_memory or not strong:
         return None
     else:
-        first, softest = min(
-            (
-                (yield_force(surface.modulus, surface.radius, yield_pressure(of)), of)
-                for of in strong
-            ),
-            key=itemgetter(0),
-        )
+        softest = min(strong, key=yield_pressure)
         pressure, strength = yield_pressure(softest), softest.yield_strength or 0.0
+        first = yield_force(surface.modulus, surface.radius, pressure)
         text = (
             f"the largest pressure is {pressure / strength:.3g} times yield_strength="
             f"{with_unit(strength, 'Pa', 3)}, so that a body yields. Use ElasticPlastic("
@@ -655,25 +649,19 @@ def warn_of_run(run: Run) -> None:
                 worst[row.name] = excess, f"{contact_name(run, contact)}: {row.warning}"
     for _, text in worst.values():
         warn(text)
-    for number in range(len(contacts)):
-        _warn_of_waves(run, number)
-
-
-def _warn_of_waves(run: Run, number: int) -> None:
-    """Warn where elements of a shell at a contact are longer than waves."""
-    events = run.events[number]
-    rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
-    for body, _, tip in touched(run.plan, run.plan.contacts[number]) if rise > 0.0 else ():
-        if not isinstance(tip.thin, Layers) or tip.body.surface is None or tip.point is None:
-            continue
-        edge = edge_length(tip.body.surface, tip.point)
-        waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)
-        if waves > _BENDING:
-            warn(
-                f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} long, "
-                f"and bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
-                f"{with_unit(_BENDING * edge / waves, 'm', 2)}; refine the mesh there"
-            )
+    for contact, events in zip(contacts, run.events, strict=True):
+        rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
+        for body, _, tip in touched(run.plan, contact) if rise > 0.0 else ():
+            if not isinstance(tip.thin, Layers) or tip.body.surface is None or tip.point is None:
+                continue
+            edge = edge_length(tip.body.surface, tip.point)
+            waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)
+            if waves > _BENDING:  # elements of a shell are longer than waves
+                warn(
+                    f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} "
+                    f"long, and bending waves of a force that rises in {with_unit(rise, 's', 3)} "
+                    f"need {with_unit(_BENDING * edge / waves, 'm', 2)}; refine the mesh there"
+                )
 
 
 def _missed(run: Run) -> str:
@@ -699,10 +687,8 @@ def _missed(run: Run) -> str:
         # The parabola through three.
         before, after = (float(gap[at + i]) - least for i in (-1, 1))
         shift = 0.5 * (before - after) / (before + after) if before + after > 0.0 else 0.0
-        least, when = (
-            least - 0.25 * (before - after) * shift,
-            when + shift * float(t[at + 1] - when),
-        )
+        least -= 0.25 * (before - after) * shift
+        when += shift * float(t[at + 1] - when)
         if least <= 0.0 and not recorder.dense:
             cure = "or perhaps between two steps: take a smaller dt"
     return (

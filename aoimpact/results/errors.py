@@ -120,8 +120,7 @@ class ErrorParts:
         """
         *others, last = self.unknown or ("",)
         missing = f"{', '.join(others)}{' and ' if others else ''}{last} not known"
-        known = {name: part for name, part in self._sources.items() if part is not None}
-        parts = [f"{name} {percent(part)}" for name, part in known.items()]
+        parts = [f"{of} {percent(by)}" for of, by in self._sources.items() if by is not None]
         return ", ".join([missing, *parts] if last else parts)
 
     def bound(self) -> str:

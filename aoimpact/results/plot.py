@@ -258,19 +258,13 @@ def plot_force(
     >>> ax = run.plot_force()
     """
     run = shown(run, during)
-    several = len(run.each_contact) > 1
-    curves: list[Curve] = [
-        (contact.force, {"label": _bodies_named(run, number)} if several else {})
-        for number, contact in enumerate(run.each_contact)
-    ]
+    curves: list[Curve] = []
+    for contact, of in zip(run.plan.contacts, run.each_contact, strict=True):
+        first, second = (run.plan.body_names[body] for body in (contact.first, contact.second))
+        alone = contact.name or not (first and second)  # the bodies, where only these have names
+        label = of.name if alone else f"{of.name}: {first} on {second}"
+        curves.append((of.force, {"label": label} if len(run.each_contact) > 1 else {}))
     return draw_curves(ax, (run.t, "time", "s"), "contact force", "N", curves, kwargs)
-
-
-def _bodies_named(run: Run, number: int) -> str:
-    """Name of a contact, with its bodies where only these have names."""
-    contact, called = run.plan.contacts[number], run.contact_names[number]
-    first, second = (run.plan.body_names[body] for body in (contact.first, contact.second))
-    return called if contact.name or not (first and second) else f"{called}: {first} on {second}"
 
 
 def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArray]:
@@ -282,10 +276,7 @@ def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArra
     from scipy.spatial.transform import Rotation
 
     tips: list[Any] = [model.touched_at() for model in hit.plan.bodies]
-    meshed = [
-        tip if tip is not None and tip.point is not None and tip.body.mesh is not None else None
-        for tip in tips
-    ]
+    meshed = [tip if tip and tip.point is not None and tip.body.mesh else None for tip in tips]
     main = meshed[1] or meshed[0]
     if main is None:
         raise InputError(

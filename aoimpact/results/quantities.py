@@ -323,21 +323,16 @@ def all_numbers(run: Run) -> Mapping[str, float]:
         _, at, values = _number(run, name)
         return float(values[at])
 
-    def names() -> list[str]:
-        numeric = (quantity for quantity in QUANTITIES.values() if not quantity.is_history)
-        return [name for quantity in numeric for name in quantity.names(run)]
-
-    return Found(names, find)
+    numeric = [quantity for quantity in QUANTITIES.values() if not quantity.is_history]
+    return Found(lambda: [name for quantity in numeric for name in quantity.names(run)], find)
 
 
 def _number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
     """A number's quantity, and its place among the values of this; KeyError if there is none."""
     *_, at, last = ("", "", *name.split("."))
     quantity, place = QUANTITIES[last], int(at) if at.isdigit() else 0
-    if quantity.is_history or name != quantity.called(run, place):
-        raise KeyError(name)
-    values = quantity.values(run)
-    if place >= len(values):
+    known = not quantity.is_history and name == quantity.called(run, place)
+    if not known or place >= len(values := quantity.values(run)):
         raise KeyError(name)
     return quantity, place, values
 
@@ -358,12 +353,6 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
     return relative
 
 
-def _rebounds(of: Speeds) -> FloatArray:
-    """Velocities after contact, m/s; NaN for bodies held at rest, unless all are."""
-    still = of.still
-    return np.where(still & ~still.all(axis=0), np.nan, of.after) if still.any() else of.after
-
-
 def _restitution(of: Speeds) -> FloatArray:
     """How fast the two bodies part over how fast they came; what is held at rest stays so."""
     if of.pair is None:
@@ -372,7 +361,7 @@ def _restitution(of: Speeds) -> FloatArray:
     came = of.before[first] - of.before[second]
     if not came.all():
         return np.empty(0)
-    after = np.where(still, 0.0, of.after) if (still := of.still).any() else of.after
+    after = np.where(of.still, 0.0, of.after)
     return np.array([(after[second] - after[first]) / came])
 
 
@@ -424,19 +413,17 @@ def _tangential_restitution(run: Run) -> FloatArray:
     if not run.events[0].contacts or run.in_contact_at_end:
         return np.array([np.nan])
     held = np.array([plan.bodies[body].constrained for body in pair]) & ~moved.any(axis=1)
-    after = [
-        moved[i] if held[i] else run.bodies[body].final_velocity for i, body in enumerate(pair)
-    ]
-    return -_restitution(Speeds(moved @ way, np.array(after) @ way, held, (0, 1)))
+    bodies = zip(moved, held, (run.bodies[body] for body in pair), strict=True)
+    after = np.array([came if still else of.final_velocity for came, still, of in bodies])
+    return -_restitution(Speeds(moved @ way, after @ way, held))
 
 
 def _final_spins(run: Run) -> FloatArray:
     """Spin of each body after the last contact, rad/s."""
     if run.plan.oblique is None:
         return np.empty(0)
-    held = [body.constrained for body in run.plan.bodies]
-    spins = zip(run.bodies, held, strict=True)
-    return np.array([np.nan if fixed else np.linalg.norm(of.final_spin) for of, fixed in spins])
+    spins = [np.nan if of.constrained else np.linalg.norm(of.final_spin) for of in run.bodies]
+    return np.array(spins)
 
 
 _ALL = (
@@ -449,7 +436,8 @@ _ALL = (
     Quantity(
         "rebound_velocity",
         "m/s",
-        of_speeds=_rebounds,
+        # NaN for bodies held at rest, unless all are.
+        of_speeds=lambda of: np.where(of.still & ~of.still.all(axis=0), np.nan, of.after),
         each="bodies",
         least=lambda before: _LEAST_REBOUND * np.abs(before).max(axis=0),
         column=True,

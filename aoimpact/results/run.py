@@ -6,6 +6,7 @@ measured along the direction of travel, from where the bodies were at t = 0.
 
 from __future__ import annotations
 
+import html
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -40,7 +41,7 @@ from . import plot as figures
 from .advice import Advice, advice, follows, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
 from .quantities import QUANTITIES, all_numbers, look_up, number_errors
-from .summary import impact_rows, scene_rows, summary_html, summary_text
+from .summary import impact_rows, scene_rows, summary_text
 from .table import ROLES, as_dataframe, as_dataset, columns, different
 
 
@@ -192,14 +193,13 @@ class BodyResult(Frozen, Measured):
 
     @cached_property
     def _at_end(self) -> FloatArray:
-        """Velocity of the centre of mass and spin after the last contact, shape (6,)."""
-        return self._cleared(self._whole_motion(np.array([self._run._parted]))[:, 0])
+        """Velocity of the centre of mass and spin after the last contact, shape (6,).
 
-    def _cleared(self, motion: FloatArray) -> FloatArray:
-        """A velocity and a spin, shape (6,), with 0 for the rounding of the largest of the run."""
+        With 0 for the rounding of the largest of the run.
+        """
+        found = self._whole_motion(np.array([self._run._parted])).reshape(2, 3)
         oblique = self._run.plan.oblique
         assert oblique is not None
-        found = np.reshape(motion, (2, 3))
         sizes = [np.reshape(of, (2, 3)) for of in oblique.velocities]
         largest = np.abs([found, *sizes]).max(axis=(0, 2), keepdims=True)[0]
         return np.where(np.abs(found) < np.finfo(float).eps * largest, 0.0, found).ravel()
@@ -677,8 +677,7 @@ class Run:
         NaN where a centre of mass is not known.
         """
         known = [body.centre_known for body in self.plan.bodies]
-        speeds = self.compared_velocities
-        return speeds if all(known) else read_only(np.where(known, speeds, np.nan))
+        return read_only(np.where(known, self.compared_velocities, np.nan))
 
     @cached_property
     def compared_velocities(self) -> FloatArray:
@@ -1086,9 +1085,8 @@ class Result(Eventful, Run):
         The force over it is the paper's modified interaction law (Fig. 7): what two rigid masses
         would have to have between them.
         """
-        centres = self.projectile.centre_displacement - self.target.centre_displacement
-        approach: FloatArray = centres - self.gap
-        return approach
+        first, second = (body.centre_displacement for body in self.bodies)
+        return np.asarray(first - second - self.gap)
 
     @property
     def _own_events(self) -> Events:
@@ -1217,4 +1215,9 @@ class Result(Eventful, Run):
         return summary_text("Impact", impact_rows(self), 18)
 
     def _repr_html_(self) -> str:
-        return summary_html(self)
+        cells = "".join(
+            f'<tr><th style="text-align:left">{html.escape(name)}</th>'
+            f'<td style="text-align:left">{html.escape(value)}</td></tr>'
+            for name, value in impact_rows(self)
+        )
+        return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"

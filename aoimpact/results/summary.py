@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -46,11 +45,10 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
         ("velocity", velocity + gap),
     ]
     if oblique is not None:
-        of = contact.friction
-        known = (
-            f"coefficient {of.mu:g}, tangential over normal stiffness {of.ratio:.3g}" if of else ""
-        )
-        rows.append(("friction", known or "none: smooth surfaces"))
+        known = "none: smooth surfaces"
+        if of := contact.friction:
+            known = f"coefficient {of.mu:g}, tangential over normal stiffness {of.ratio:.3g}"
+        rows.append(("friction", known))
     if not result.contacts:
         rows.append(("contact", f"none in {with_unit(result.duration, 's')}"))
     else:
@@ -123,16 +121,6 @@ def summary_text(head: str, rows: Sequence[tuple[str, str]], width: int) -> str:
     """Return a summary as lines of text, names in a column at least that wide."""
     width = max(width, *(len(name) for name, _ in rows))
     return "\n".join([head, *(f"  {name:<{width}} {value}" for name, value in rows)])
-
-
-def summary_html(result: Result) -> str:
-    """Return the summary as an HTML table."""
-    cells = "".join(
-        f'<tr><th style="text-align:left">{html.escape(name)}</th>'
-        f'<td style="text-align:left">{html.escape(value)}</td></tr>'
-        for name, value in impact_rows(result)
-    )
-    return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"
 
 
 def _told(run: Run, name: str, digits: int = 4, *, listed: bool = False, along: str = "") -> str:
@@ -214,8 +202,7 @@ def _place(tip: ContactPoint, *, rigid: bool) -> str:
     what = "point" if tip.node is None else f"node {tip.node_label}"
     if tip.patch is not None:
         what = f"patch of {with_unit(tip.patch.radius, 'm', 3)}"
-    if rigid:
-        what = "touched"
+    what = "touched" if rigid else what
     point, along = (
         ", ".join(f"{x:.4g}" for x in np.where(np.abs(of) < _NOTHING, 0.0, of))
         for of in (tip.point, tip.direction)
@@ -256,9 +243,14 @@ def _interest(run: Run, parts: ErrorParts) -> str:
     words, interest = name.replace("_", " "), QUANTITIES.get(name)
     if interest is None or interest.is_history:
         bound = _bound(run, QUANTITIES["force"], math.inf, parts)
+        at, when = "", run.error.worst_time
+        touches = run.events[0].contacts if len(run.events) == 1 and name == "force" else ()
+        if when is not None and len(touches) > 1:  # in which of them the error is largest
+            away = [max(start - when, when - end) for start, end in touches]
+            at = f" (in contact {away.index(min(away)) + 1} of {len(away)})"
         largest = f", {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
         scale = f" of its largest value{largest}" if "±" in bound else ""
-        return f"{words} at any time{_when(run)}{bound}{scale}"
+        return f"{words} at any time{at}{bound}{scale}"
     values = [run.numbers[of] for of in interest.names(run)]
     alone = len(values) == 1
     bound = _bound(run, interest, values[0] if alone else math.inf, parts)
@@ -281,13 +273,3 @@ def _number(interest: Quantity, value: float, digits: int = 5) -> str:
     if interest.count or not interest.unit or "/" in interest.unit:
         return f"{value:.{digits}g} {interest.unit}".rstrip()
     return with_unit(value, interest.unit, digits)
-
-
-def _when(run: Run) -> str:
-    """Words for the contact with the largest error of force, where there are several."""
-    when = run.error.worst_time
-    several = len(run.events) == 1 and len(run.events[0].contacts) > 1
-    if when is None or not several or (run.error.quantity or "force") != "force":
-        return ""
-    away = [max(start - when, when - end) for start, end in run.events[0].contacts]
-    return f" (in contact {away.index(min(away)) + 1} of {len(away)})"

@@ -426,8 +426,7 @@ def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
                 f"law={cls.__name__} has no first guess of {name} from this measurement; give a "
                 f"law to begin with, {cls.__name__}(...)"
             )
-    law: ContactLaw = cls(**given)
-    return law
+    return cls(**given)
 
 
 # ------------------------------------------------------------------- measurements
@@ -471,14 +470,12 @@ def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, ta
     depth = max(float(channel.t[peak]) - start, sample) * speed / _RISE
 
     def shown(law: ContactLaw, begin: float) -> FloatArray:
-        force = np.zeros(channel.t.shape)
-        within = channel.t > begin
-        if not within.any():
-            return force
-        with held_warnings():
-            until = float(channel.t[-1]) - begin
-            hit = simulate(projectile, target, speed, law=law, duration=until, solver=_SOLVER)
-            force[within] = hit.at(channel.t[within] - begin).force
+        force, until = np.zeros(channel.t.shape), float(channel.t[-1]) - begin
+        if until > 0.0:
+            with held_warnings():
+                hit = simulate(projectile, target, speed, law=law, duration=until, solver=_SOLVER)
+                within = channel.t > begin
+                force[within] = hit.at(channel.t[within] - begin).force
         return force
 
     return _Data(channel.values, shown, top, depth, speed, start, sample)
